@@ -1,0 +1,198 @@
+"""One error tree: every failure that a user can cause or mend has a code, a hint and an exit code.
+
+A script turns a :class:`VcageError` into one line on stderr and one JSON line on stdout
+(:meth:`VcageError.as_record`), and exits with :attr:`VcageError.exit_code`. Any other exception is a bug
+of ours and exits with 1.
+
+Exit codes: 0 done, 1 a bug, 2 usage, 3 bad input file or schema, 4 key or configuration missing,
+5 the model refused (final), 6 the endpoint failed for now, 7 partly done (run again).
+"""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable
+from typing import Any, ClassVar
+
+
+class VcageError(Exception):
+    """Base of all errors that carry a way out.
+
+    Args:
+        message: what went wrong, naming the thing (file, object, option).
+        hint: what the user can do about it; a command where there is one.
+        details: JSON-serialisable facts for a program that reads the error.
+    """
+
+    code: ClassVar[str] = "error"
+    exit_code: ClassVar[int] = 1
+    retryable: ClassVar[bool] = False
+
+    def __init__(self, message: str, *, hint: str = "", details: dict[str, Any] | None = None):
+        super().__init__(message)
+        self.message = message
+        self.hint = hint
+        self.details = details or {}
+
+    def as_record(self) -> dict[str, Any]:
+        """The ``error`` object of a script's last line of stdout."""
+        return {
+            "code": self.code,
+            "message": self.message,
+            "hint": self.hint,
+            "retryable": self.retryable,
+            "details": self.details,
+        }
+
+    def as_line(self) -> str:
+        """The one line for stderr: what happened, then the way out."""
+        text = f"{self.message} ({self.hint})" if self.hint else self.message
+        return " ".join(text.split())
+
+
+# --- 2: the request itself cannot be met ---------------------------------------------------------------
+
+
+class UsageError(VcageError):
+    """An argument is missing, malformed or out of range."""
+
+    code = "usage"
+    exit_code = 2
+
+
+class UnknownName(UsageError):
+    """A name that is not in a closed set; the message lists what is available."""
+
+    code = "unknown_name"
+
+    def __init__(self, what: str, name: str, available: Iterable[str], *, hint: str = ""):
+        names = sorted(available)
+        near = difflib.get_close_matches(name, names, n=3)
+        listed = ", ".join(names[:40]) + (f", … ({len(names)} in all)" if len(names) > 40 else "")
+        hint = hint or (f"did you mean {' or '.join(near)}?" if near else "take one of those listed")
+        super().__init__(
+            f"unknown {what} {name!r}; available: {listed or 'none'}",
+            hint=hint,
+            details={"what": what, "name": name, "available": names},
+        )
+
+
+class NoAssetFits(UsageError):
+    """No object of the catalogue matches what an instruction asks for."""
+
+    code = "no_asset_fits"
+
+
+class InfeasibleScene(UsageError):
+    """The objects cannot be placed: names them and the area that is missing (m²)."""
+
+    code = "infeasible_scene"
+
+
+class NoFeasibleTask(UsageError):
+    """No chain of feasible sub-tasks fulfils the instruction in this scene."""
+
+    code = "no_feasible_task"
+
+
+class OutputFolderError(UsageError):
+    """The output folder cannot be written (read-only, a file in its place, not ours)."""
+
+    code = "output_not_writable"
+
+
+# --- 3: a file is missing, damaged, or of another kind -------------------------------------------------
+
+
+class InputFileError(VcageError):
+    """A file that a step reads is not what it should be."""
+
+    code = "bad_input_file"
+    exit_code = 3
+
+
+class MissingStage(InputFileError):
+    """The file that an earlier stage writes is not there."""
+
+    code = "missing_stage"
+
+
+class DamagedFile(InputFileError):
+    """A file cannot be parsed (JSON, HDF5, picture, mesh)."""
+
+    code = "damaged_file"
+
+
+class SchemaMismatch(InputFileError):
+    """A file is of another schema, another version, or breaks its own schema."""
+
+    code = "schema_mismatch"
+
+
+class StaleStage(InputFileError):
+    """A stage is finished, but from other inputs or options than those asked for now."""
+
+    code = "stale_stage"
+
+
+# --- 4: the machine or its configuration ---------------------------------------------------------------
+
+
+class ConfigurationError(VcageError):
+    """Something that must be installed or configured is not."""
+
+    code = "configuration"
+    exit_code = 4
+
+
+class MissingKey(ConfigurationError):
+    """A model endpoint needs a key that is nowhere to be found."""
+
+    code = "missing_key"
+
+
+class MissingDependency(ConfigurationError):
+    """An optional package is not installed; the hint names the extra."""
+
+    code = "missing_dependency"
+
+
+class NoRenderer(ConfigurationError):
+    """SAPIEN finds no Vulkan driver that draws a picture."""
+
+    code = "no_renderer"
+
+
+# --- 5, 6: model endpoints -----------------------------------------------------------------------------
+
+
+class ModelRefused(VcageError):
+    """The model answered, and its answer is final: a refusal, a safety block, or never valid."""
+
+    code = "model_refused"
+    exit_code = 5
+
+
+class EndpointFailed(VcageError):
+    """The endpoint did not answer, or answered with a passing fault (429, 5xx, time-out)."""
+
+    code = "endpoint_failed"
+    exit_code = 6
+    retryable = True
+
+
+# --- 7: partly done ------------------------------------------------------------------------------------
+
+
+class PartlyDone(VcageError):
+    """Work remains; running the same command again goes on from here."""
+
+    code = "partly_done"
+    exit_code = 7
+    retryable = True
+
+
+class DiskFull(PartlyDone):
+    """The disk or quota is full; nothing half-written was left."""
+
+    code = "disk_full"

@@ -1,0 +1,180 @@
+"""What the engine asks of models; offline stand-ins and online clients answer the same questions.
+
+Pictures are (H, W, 3) uint8 RGB. Every implementation has a ``provider`` name, which is written into each
+file that its answers touched.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Protocol
+
+import numpy as np
+
+from vcage.geometry import Camera
+from vcage.schema.asset import CatalogueEntry
+from vcage.schema.episodes import Verdict
+from vcage.schema.plan import LayoutPlan, Selection
+from vcage.schema.scene import Scene
+from vcage.schema.subtasks import ChainOption, Goal, PairAnswer, PairQuestion
+
+
+@dataclass(frozen=True)
+class Detection:
+    """One region of a picture that may be an object.
+
+    Args:
+        box: (4,) u0, v0, u1, v1 in pixels, half open.
+        mask: (H, W) bool, or None when the detector gives boxes only.
+        score: in [0, 1].
+        label: the name the detector gave it, if any.
+    """
+
+    box: tuple[float, float, float, float]
+    mask: np.ndarray | None
+    score: float
+    label: str | None = None
+
+
+@dataclass(frozen=True)
+class View:
+    """A picture and the camera that took it."""
+
+    picture: np.ndarray
+    camera: Camera
+
+
+@dataclass(frozen=True)
+class Reference:
+    """What an object looks like: the library's own render of the asset, alone, from straight above.
+
+    Args:
+        phrase: what to call it.
+        picture: (h, w, 4) uint8 RGBA; alpha 0 where the object is not. Object x to the right, y up.
+        metres_per_pixel: scale of the picture at the object's base.
+        size: (3,) bounding box, metres.
+    """
+
+    phrase: str
+    picture: np.ndarray
+    metres_per_pixel: float
+    size: tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class EditRequest:
+    """Rearrange the objects of ``picture`` as ``plan`` says.
+
+    Args:
+        picture: the top view I_src.
+        background: the same view of the empty table.
+        segmentation: (H, W) int, values of ``scene.segmentation_ids``, 0 where no object is.
+    """
+
+    picture: np.ndarray
+    background: np.ndarray
+    segmentation: np.ndarray
+    scene: Scene
+    plan: LayoutPlan
+
+
+@dataclass(frozen=True)
+class CriticQuestion:
+    """Was the sub-task done? Pictures and calibration only, never simulator state.
+
+    Args:
+        text: the sub-task in words.
+        goals: the same in the closed vocabulary.
+        before, after: view by camera name; ``top`` is always there, with the robot at its home in both.
+        references: object id → what it looks like, for every object of the scene.
+        table_height: z of the table top, metres (part of the calibration).
+    """
+
+    text: str
+    goals: Sequence[Goal]
+    before: dict[str, View]
+    after: dict[str, View]
+    references: dict[str, Reference] = field(default_factory=dict)
+    table_height: float = 0.74
+
+
+class Reasoner(Protocol):
+    """Chooses, plans and filters; all its answers are typed and validated by the caller."""
+
+    provider: str
+
+    def select_assets(self, instruction: str, catalogue: Sequence[CatalogueEntry], rng: np.random.Generator) -> Selection:
+        """The objects that the instruction needs, and some that fit the occasion.
+
+        Raises:
+            NoAssetFits: the catalogue has nothing that the instruction names.
+        """
+        ...
+
+    def plan_layout(self, scene: Scene, catalogue: Sequence[CatalogueEntry], rng: np.random.Generator) -> LayoutPlan:
+        """How the objects of the scene should stand for the instruction."""
+        ...
+
+    def judge_pairs(self, questions: Sequence[PairQuestion]) -> list[PairAnswer]:
+        """Whether each object can sensibly be put in or on each receptacle; one answer per question, in order."""
+        ...
+
+    def compose_chain(self, instruction: str, options: Sequence[ChainOption]) -> list[str]:
+        """Ids of the options that together fulfil the instruction, in order of execution; empty when none do."""
+        ...
+
+
+class ImageEditor(Protocol):
+    """Draws the planned layout."""
+
+    provider: str
+
+    def rearrange(self, request: EditRequest) -> np.ndarray:
+        """The target picture I_tgt (H', W', 3); online editors may answer in another size."""
+        ...
+
+
+class Detector(Protocol):
+    """Finds objects in a picture."""
+
+    provider: str
+
+    def detect(self, picture: np.ndarray, names: Sequence[str], background: np.ndarray | None = None) -> list[Detection]:
+        """Regions that may be objects, best first; ``names`` is the text prompt, ``background`` the empty table."""
+        ...
+
+
+class Embedder(Protocol):
+    """Turns regions of a picture into feature vectors whose cosine says how alike they look."""
+
+    provider: str
+
+    def embed(self, picture: np.ndarray, regions: Sequence[Detection]) -> np.ndarray:
+        """(len(regions), d) float64, rows of unit length."""
+        ...
+
+
+class Critic(Protocol):
+    """The paper's φ_VLM(I, T)."""
+
+    provider: str
+
+    def judge(self, question: CriticQuestion) -> Verdict:
+        """Whether the pictures show that the sub-task was done. ``Verdict.pictures`` is filled in by the caller."""
+        ...
+
+
+@dataclass(frozen=True)
+class Models:
+    """One implementation for each role."""
+
+    reasoner: Reasoner
+    editor: ImageEditor
+    detector: Detector
+    embedder: Embedder
+    critic: Critic
+
+    def providers(self, *roles: str) -> dict[str, str]:
+        """Provider by role, for a record's provenance."""
+        return {role: getattr(self, role).provider for role in roles}

@@ -1,0 +1,128 @@
+"""What every record has in common: strict fields, a schema id, provenance, and honest reading errors."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any, ClassVar, Self
+
+import numpy as np
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError
+
+from vcage import __version__
+from vcage.errors import SchemaMismatch
+from vcage.files import read_json, write_json
+from vcage.geometry import Camera, Pose
+
+Identifier = Annotated[str, Field(pattern=r"^[a-z0-9][a-z0-9_-]*$", max_length=80)]
+Finite = Annotated[float, Field(allow_inf_nan=False)]
+Vec2 = tuple[Finite, Finite]
+Vec3 = tuple[Finite, Finite, Finite]
+Quat = tuple[Finite, Finite, Finite, Finite]
+Box = tuple[Vec3, Vec3]
+
+
+def _unit(vector: Vec3) -> Vec3:
+    length = sum(x * x for x in vector) ** 0.5
+    if abs(length - 1) > 1e-3:
+        raise ValueError(f"expected a unit vector, got length {length:.4g}")
+    return vector
+
+
+UnitVec3 = Annotated[Vec3, AfterValidator(_unit)]
+
+
+class Record(BaseModel):
+    """A typed, frozen piece of JSON; unknown fields are refused."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, ser_json_inf_nan="constants")
+
+
+class PoseRecord(Record):
+    """A pose in the world frame: metres, and a unit quaternion wxyz."""
+
+    position: Vec3
+    quaternion: Quat
+
+    @classmethod
+    def of(cls, pose: Pose) -> PoseRecord:
+        return cls(position=tuple(float(x) for x in pose.p), quaternion=tuple(float(x) for x in pose.q))
+
+    def pose(self) -> Pose:
+        return Pose(self.position, self.quaternion)
+
+
+class CameraRecord(Record):
+    """A pinhole camera (see :class:`vcage.geometry.Camera`)."""
+
+    width: int = Field(gt=0)
+    height: int = Field(gt=0)
+    fovy: float = Field(gt=0, lt=np.pi, description="vertical field of view, radians")
+    pose: PoseRecord = Field(description="camera frame (x forward, y left, z up) in the world")
+
+    @classmethod
+    def of(cls, camera: Camera) -> CameraRecord:
+        return cls(width=camera.width, height=camera.height, fovy=camera.fovy, pose=PoseRecord.of(camera.pose))
+
+    def camera(self) -> Camera:
+        return Camera(self.width, self.height, self.fovy, self.pose.pose())
+
+
+class Document(Record):
+    """A record that is a file of its own; subclasses set :attr:`SCHEMA` (``name/version``)."""
+
+    SCHEMA: ClassVar[str]
+
+    schema_id: str = Field(default="", alias="schema", description="name and version of this file's schema")
+    model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=True)
+
+    def model_post_init(self, _context: Any) -> None:
+        if not self.schema_id:
+            object.__setattr__(self, "schema_id", self.SCHEMA)
+
+    @classmethod
+    def read(cls, path: Path) -> Self:
+        """Read and validate the file.
+
+        Raises:
+            MissingStage, DamagedFile: it is not there, or not JSON.
+            SchemaMismatch: it is of another schema or version, or breaks its own; names the field.
+        """
+        data = read_json(path)
+        found = data.get("schema") if isinstance(data, dict) else None
+        if found != cls.SCHEMA:
+            raise SchemaMismatch(
+                f"{path} has the schema {found!r}, expected {cls.SCHEMA!r}",
+                hint="make it again with this version of vcage: run its stage with --force",
+                details={"path": str(path), "found": found, "expected": cls.SCHEMA},
+            )
+        try:
+            return cls.model_validate(data)
+        except ValidationError as error:
+            first = error.errors()[0]
+            field = ".".join(str(part) for part in first["loc"]) or "(whole file)"
+            raise SchemaMismatch(
+                f"{path}: field {field}: {first['msg']}",
+                hint="mend the field, or run the file's stage with --force",
+                details={"path": str(path), "field": field, "errors": error.error_count()},
+            ) from error
+
+    def write(self, path: Path) -> Path:
+        """Write the file atomically."""
+        return write_json(path, self.model_dump(mode="json", by_alias=True))
+
+
+class Provenance(Record):
+    """Where a stage's file came from; equal provenance means that the stage need not run again."""
+
+    producer: str = Field(description="the stage that wrote this")
+    version: str = Field(default=__version__, description="version of vcage")
+    seed: int = Field(ge=0, description="seed of every random choice of the stage")
+    options: dict[str, Any] = Field(default_factory=dict, description="the stage's options that change its result")
+    inputs: dict[str, str] = Field(default_factory=dict, description="what it read: path in the run folder → SHA-256")
+    providers: dict[str, str] = Field(default_factory=dict, description="model role → provider that answered")
+
+
+class StageDocument(Document):
+    """The JSON that a stage leaves in the run folder."""
+
+    provenance: Provenance

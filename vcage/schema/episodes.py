@@ -1,0 +1,94 @@
+"""Verdicts of the critic, attempts, and the episodes that were accepted."""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar, Literal
+
+from pydantic import Field
+
+from vcage.schema.base import Document, Finite, Identifier, Record, StageDocument
+
+AttemptStage = Literal["plan", "grasp", "place", "verify", "done"]
+"""How far an attempt at a sub-task came; ``done`` means that the critic accepted it."""
+
+
+class Verdict(Record):
+    """φ(I, T) ∈ {0, 1} of the paper, with the reason and the pictures that were looked at."""
+
+    accepted: bool
+    reason: str = Field(min_length=1)
+    confidence: Finite = Field(ge=0, le=1)
+    provider: str
+    pictures: list[str] = Field(default=[], description="paths of the pictures, relative to the file that holds the verdict")
+
+
+class Truth(Record):
+    """What the simulator's state says; judges the critic and is never shown to it."""
+
+    success: bool
+    reason: str
+
+
+class Attempt(Record):
+    """One line of ``episodes/log.jsonl``: one try at one sub-task."""
+
+    episode: int = Field(ge=0)
+    step: int = Field(ge=0, description="index in the chain")
+    attempt: int = Field(ge=0)
+    subtask: Identifier
+    object: Identifier
+    asset: Identifier
+    variant: Identifier
+    arm: str | None
+    contact: int | None
+    stage: AttemptStage
+    reason: str
+    accepted: bool
+    verdict: Verdict | None = None
+    truth: Truth | None = None
+    steps: int = Field(ge=0, description="physics steps taken")
+
+
+class Episode(Record):
+    """One episode that ran to its end: accepted, or aborted and kept under ``rejected/``."""
+
+    index: int = Field(ge=0)
+    seed: int = Field(ge=0)
+    accepted: bool
+    reason: str
+    file: str | None = Field(description="HDF5 in the run folder; none when nothing was rendered")
+    frames: int = Field(ge=0)
+    fps: Finite
+    subtasks: list[Identifier]
+    verdicts: list[Verdict]
+    attempts: int = Field(ge=0)
+
+
+class Episodes(StageDocument):
+    """``episodes/episodes.json``."""
+
+    SCHEMA: ClassVar[str] = "vcage.episodes/1"
+
+    instruction: str
+    chain: list[Identifier]
+    episodes: list[Episode]
+    attempts: int = Field(ge=0, description="lines of log.jsonl")
+    acceptance: dict[str, dict[str, int]] = Field(description="asset/variant → {accepted, attempts}")
+    critic: dict[str, Any] = Field(description="confusion counts of the critic against the simulator's truth")
+
+
+class Verdicts(StageDocument):
+    """``verify/verdicts.json``: finished episodes judged again."""
+
+    SCHEMA: ClassVar[str] = "vcage.verdicts/1"
+
+    episodes: dict[str, list[Verdict]] = Field(description="episode file → one verdict per sub-task")
+
+
+class SingleVerdict(Document):
+    """The answer about one picture pair and one sub-task text."""
+
+    SCHEMA: ClassVar[str] = "vcage.verdict/1"
+
+    text: str
+    verdict: Verdict

@@ -1,0 +1,27 @@
+"""What was exported."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+from pydantic import Field
+
+from vcage.schema.base import Record, StageDocument
+
+
+class ExportedDataset(Record):
+    """One dataset folder."""
+
+    format: str = Field(description="'lerobot-v3.0' or 'lerobot-v2.1'")
+    path: str
+    episodes: int
+    frames: int
+    bytes: int
+
+
+class Export(StageDocument):
+    """``export/export.json``."""
+
+    SCHEMA: ClassVar[str] = "vcage.export/1"
+
+    datasets: list[ExportedDataset]

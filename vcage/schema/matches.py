@@ -1,0 +1,38 @@
+"""Correspondences between the source and the target picture."""
+
+from __future__ import annotations
+
+from typing import ClassVar, Literal
+
+from pydantic import Field
+
+from vcage.schema.base import Finite, Identifier, Record, StageDocument, Vec2
+
+MatchMethod = Literal["feature", "name", "kept"]
+"""By cosine similarity above τ; by the name-and-feature fallback; not found, so kept where it was."""
+
+
+class Match(Record):
+    """Where one object of the scene is in the target picture."""
+
+    object: Identifier
+    method: MatchMethod
+    similarity: Finite | None = Field(description="cosine similarity of the features; none when kept")
+    confidence: Finite = Field(ge=0, le=1)
+    box: tuple[Finite, Finite, Finite, Finite] | None = Field(description="u0, v0, u1, v1 in the target picture, pixels")
+    position: Vec2 = Field(description="x, y of the object's origin in the world, metres")
+    yaw: Finite = Field(description="heading of the object's x axis in the world, radians")
+    turned: Finite = Field(description="rotation from source to target found by NCC, radians")
+    ncc: Finite | None = Field(description="normalised cross-correlation at that rotation")
+    note: str = ""
+
+
+class Matches(StageDocument):
+    """``match/matches.json``."""
+
+    SCHEMA: ClassVar[str] = "vcage.matches/1"
+
+    threshold: Finite = Field(description="the paper's τ")
+    matches: list[Match] = Field(min_length=1)
+    unclaimed: list[tuple[Finite, Finite, Finite, Finite]] = Field(description="boxes of detections that no object claimed")
+    overlay: str = Field(description="path of the overlay picture in the run folder")

@@ -1,0 +1,63 @@
+"""The robot is data: ``assets/robots/<name>.yml``."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+from pydantic import Field
+
+from vcage.schema.base import Document, Finite, Identifier, PoseRecord, Record, UnitVec3, Vec3
+
+
+class Gripper(Record):
+    """A parallel gripper; its frame has z along the approach, y along the closing, the origin between the tips."""
+
+    joints: list[str] = Field(min_length=1, description="finger joints, driven together")
+    open: Finite = Field(description="joint position when open, metres")
+    closed: Finite
+    max_width: Finite = Field(gt=0, description="opening between the fingers, metres")
+    force: Finite = Field(gt=0, description="force limit of each finger joint, newtons")
+    tip_depth: Finite = Field(gt=0, description="how far the finger tips reach beyond the frame's origin, metres")
+    finger_length: Finite = Field(gt=0, description="free finger length from the palm to the frame's origin, metres")
+    palm_size: tuple[Finite, Finite] = Field(description="palm size along x and y of the gripper frame, metres")
+
+
+class Arm(Record):
+    """One arm: its URDF, where its base stands, and what moves it."""
+
+    urdf: str = Field(description="package:path, e.g. 'mani_skill:assets/robots/panda/panda_v2.urdf'")
+    srdf: str | None = None
+    base: PoseRecord = Field(description="base link in the world")
+    joints: list[str] = Field(min_length=1, description="arm joints from the base on")
+    home: list[Finite]
+    tool_link: str = Field(description="link whose frame is the gripper frame")
+    tool_offset: PoseRecord | None = Field(default=None, description="gripper frame in the tool link, when they differ")
+    gripper: Gripper
+    stiffness: Finite = 1000.0
+    damping: Finite = 100.0
+    force: Finite = 100.0
+
+
+class RobotCamera(Record):
+    """A camera of the recording; ``arm`` and ``link`` say what carries it, none for a fixed one."""
+
+    width: int = 320
+    height: int = 240
+    fovy: Finite
+    position: Vec3 = Field(description="in the link's frame, or in the world for a fixed camera")
+    forward: UnitVec3
+    up: UnitVec3
+    arm: str | None = None
+    link: str | None = None
+
+
+class Robot(Document):
+    """A robot: arms by side, and the cameras of its recordings by name."""
+
+    SCHEMA: ClassVar[str] = "vcage.robot/1"
+
+    name: Identifier
+    description: str
+    arms: dict[str, Arm] = Field(min_length=1, description="'left', 'right'")
+    cameras: dict[str, RobotCamera] = Field(min_length=1)
+    visual_faces: float = Field(default=0.1, gt=0, le=1, description="share of the visual triangles that is kept")

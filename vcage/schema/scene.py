@@ -1,0 +1,100 @@
+"""The scene: what stands on the table, where, and what the cameras that look at it are."""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar, Literal
+
+from pydantic import Field, model_validator
+
+from vcage.errors import UnknownName
+from vcage.schema.base import Box, CameraRecord, Document, Finite, Identifier, PoseRecord, Record, StageDocument, Vec2, Vec3
+
+Role = Literal["content", "receptacle", "context"]
+"""What the instruction does with an object: moves it, puts things into it, or nothing."""
+
+
+class Table(Record):
+    """The table top: an axis-aligned rectangle."""
+
+    centre: Vec2 = (0.0, 0.0)
+    size: Vec2 = (1.2, 0.7)
+    height: Finite = Field(default=0.74, description="z of the top, metres")
+    texture: str = Field(default="oak", description="name of a painted texture")
+
+
+class Workspace(Record):
+    """The rectangle of the table that objects may cover, metres in the world frame."""
+
+    lower: Vec2
+    upper: Vec2
+
+    @model_validator(mode="after")
+    def _is_not_empty(self) -> Workspace:
+        if not (self.lower[0] < self.upper[0] and self.lower[1] < self.upper[1]):
+            raise ValueError(f"empty workspace: {self.lower} … {self.upper}")
+        return self
+
+
+class SceneTemplate(Document):
+    """``assets/scenes/<name>.yml``: an empty place to build a scene in."""
+
+    SCHEMA: ClassVar[str] = "vcage.scene-template/1"
+
+    name: Identifier
+    description: str
+    robot: Identifier = Field(description="a file of assets/robots")
+    table: Table = Table()
+    workspace: Workspace
+    top_camera: CameraRecord
+    tags: list[str] = Field(default=[], description="scene tags of the assets that belong here")
+
+
+class ObjectRecord(Record):
+    """One object of a scene."""
+
+    id: Identifier = Field(description="unique in the scene")
+    asset: Identifier
+    variant: Identifier
+    phrase: str = Field(min_length=1, description="what to call it in this scene: 'black marker pen'")
+    role: Role
+    pose: PoseRecord = Field(description="object frame (origin at the centre of the bottom) in the world")
+    aabb: Box = Field(description="axis-aligned box in the world, computed when the scene was written")
+    container: Identifier | None = Field(default=None, description="id of the object that this one lies in or on")
+
+
+class Scene(StageDocument):
+    """The paper's M (``place/scene.json``) and S* (``optimize/scene.json``)."""
+
+    SCHEMA: ClassVar[str] = "vcage.scene/1"
+
+    instruction: str = Field(min_length=1)
+    template: Identifier = Field(description="name of the scene template")
+    robot: Identifier
+    table: Table
+    workspace: Workspace
+    top_camera: CameraRecord
+    objects: list[ObjectRecord] = Field(min_length=1)
+    pictures: dict[str, str] = Field(default={}, description="source, background, segmentation: paths in the run folder")
+    segmentation_ids: dict[str, int] = Field(default={}, description="object id → value in segmentation.png (0 is no object)")
+    checks: dict[str, Any] = Field(default={}, description="what was measured: settle time, largest drift…")
+
+    @model_validator(mode="after")
+    def _names_hold_together(self) -> Scene:
+        ids = [o.id for o in self.objects]
+        if len(set(ids)) != len(ids):
+            raise ValueError(f"an object id occurs twice in {ids}")
+        for o in self.objects:
+            if o.container is not None and (o.container not in ids or o.container == o.id):
+                raise ValueError(f"{o.id} lies in {o.container!r}, which is not another object of the scene")
+        return self
+
+    def object(self, object_id: str) -> ObjectRecord:
+        """The object with this id.
+
+        Raises:
+            UnknownName: there is none.
+        """
+        for record in self.objects:
+            if record.id == object_id:
+                return record
+        raise UnknownName("object", object_id, [o.id for o in self.objects])
