@@ -39,12 +39,17 @@ def resource(*parts: str) -> Path:
     return root.joinpath(*parts)
 
 
-def cache_dir(*parts: str) -> Path:
-    """A folder of the user's cache, made on demand: ``$VCAGE_CACHE`` or ``$XDG_CACHE_HOME/vcage``."""
+def cache_path(*parts: str) -> Path:
+    """A path in the user's cache, made or not: ``$VCAGE_CACHE`` or ``$XDG_CACHE_HOME/vcage``."""
     base = os.environ.get("VCAGE_CACHE")
     if not base:
         base = os.path.join(os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache"), "vcage")
-    path = Path(base).joinpath(*parts)
+    return Path(base).joinpath(*parts)
+
+
+def cache_dir(*parts: str) -> Path:
+    """A folder of the user's cache (see :func:`cache_path`), made on demand."""
+    path = cache_path(*parts)
     with _disk_errors(path):
         path.mkdir(parents=True, exist_ok=True)
     return path

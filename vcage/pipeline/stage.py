@@ -8,14 +8,18 @@ so that nothing of an earlier run is lost by accident.
 from __future__ import annotations
 
 import logging
+import zlib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Generic, TypeVar
 
+import numpy as np
+
 from vcage.errors import InputFileError, MissingStage, StaleStage
 from vcage.files import RunFolder, atomic_folder, recover, sha256_file
 from vcage.schema.base import Provenance, StageDocument
+from vcage.schema.scene import Scene
 
 log = logging.getLogger(__name__)
 
@@ -67,6 +71,10 @@ class Job:
     @property
     def stage(self) -> str:
         return PRODUCERS[self.output.parent.name]
+
+    def rng(self) -> np.random.Generator:
+        """The stage's own stream of random numbers, a function of seed and stage alone."""
+        return np.random.default_rng([self.seed, zlib.crc32(self.stage.encode())])
 
     def provenance(self) -> Provenance:
         """What the output will say of its origin.
@@ -141,3 +149,12 @@ def differences(before: Provenance, now: Provenance) -> list[str]:
     ):
         changed += [f"{what} {key}" for key in sorted(old.keys() | new.keys()) if old.get(key) != new.get(key)]
     return changed
+
+
+def stage_seed(run: RunFolder, seed: int | None) -> int:
+    """The seed of a later stage: the one asked for, or that of ``place/scene.json``.
+
+    Raises:
+        MissingStage, DamagedFile, SchemaMismatch: the first stage has not run, or its file is unreadable.
+    """
+    return seed if seed is not None else Scene.read(run.scene).provenance.seed

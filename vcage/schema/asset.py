@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from typing import ClassVar, Literal
+from collections.abc import Sequence
+from typing import ClassVar, Literal, TypeVar
 
 from pydantic import Field, model_validator
 
+from vcage.errors import UnknownName
 from vcage.schema.base import Document, Finite, Identifier, Record, UnitVec3, Vec3
 
 Holds = Literal["in", "on"]
@@ -71,6 +73,32 @@ class Annotation(Document):
             if len(set(ids)) != len(ids):
                 raise ValueError(f"a {what} id occurs twice in {ids}")
         return self
+
+    def contact_point(self, point_id: int) -> ContactPoint:
+        """The contact point with this id.
+
+        Raises:
+            UnknownName: there is none.
+        """
+        return _by_id(f"contact point of {self.name}", self.contact_points, point_id)
+
+    def functional_point(self, point_id: int) -> FunctionalPoint:
+        """The functional point with this id.
+
+        Raises:
+            UnknownName: there is none.
+        """
+        return _by_id(f"functional point of {self.name}", self.functional_points, point_id)
+
+
+P = TypeVar("P", ContactPoint, FunctionalPoint)
+
+
+def _by_id(what: str, points: Sequence[P], point_id: int) -> P:
+    for point in points:
+        if point.id == point_id:
+            return point
+    raise UnknownName(what, str(point_id), [str(point.id) for point in points])
 
 
 class CatalogueEntry(Record):

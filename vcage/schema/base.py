@@ -87,7 +87,15 @@ class Document(Record):
             MissingStage, DamagedFile: it is not there, or not JSON.
             SchemaMismatch: it is of another schema or version, or breaks its own; names the field.
         """
-        data = read_json(path)
+        return cls.parse(read_json(path), path)
+
+    @classmethod
+    def parse(cls, data: Any, path: Path) -> Self:
+        """Validate what was read from ``path`` (of JSON or YAML).
+
+        Raises:
+            SchemaMismatch: as for :meth:`read`.
+        """
         found = data.get("schema") if isinstance(data, dict) else None
         if found != cls.SCHEMA:
             raise SchemaMismatch(

@@ -15,7 +15,7 @@ TemplateName = Literal["pick_and_place"]
 class Check(Record):
     """One feasibility check of a candidate, with what was measured against what is allowed."""
 
-    name: Literal["contact", "functional_point", "opening", "fits", "reach_grasp", "reach_place", "way_free", "receptacle"]
+    name: Literal["fits", "opening", "way_free", "reach_grasp", "reach_place", "drop"]
     passed: bool
     message: str = Field(description="one sentence for a person")
     value: Finite | None = None

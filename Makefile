@@ -1,0 +1,63 @@
+# Everything is made inside the repository (.venv) and the user's cache; nothing needs root.
+#
+#   make demo     environment, Vulkan driver, assets, then one instruction through the whole chain
+#   make test     the same environment, then the tests
+#   make doctor   what was found, and the command that mends what is missing
+#
+# Variables: PYTHON       the interpreter to start from (3.11 or 3.12), default python3
+#            TORCH_INDEX  address of a package index that has the build of torch you want
+
+PYTHON ?= python3
+TORCH_INDEX ?=
+TORCH := 2.13.0
+
+BIN := .venv/bin
+PIP := $(BIN)/python -m pip --disable-pip-version-check
+STAMP := .venv/.made-from-pyproject
+INDEX = $(if $(TORCH_INDEX),--index-url $(TORCH_INDEX))
+# The build without CUDA is gigabytes smaller; taken where there is no GPU and the index has it.
+TORCH_FOR_CPU = { ! nvidia-smi -L >/dev/null 2>&1 && $(PIP) install -q $(INDEX) torch==$(TORCH)+cpu 2>/dev/null; }
+DEMO := Pack the marker pens and the eraser into the box
+
+.DEFAULT_GOAL := help
+.PHONY: help venv vulkan assets setup demo test doctor clean
+
+help:
+	@sed -n '/^PYTHON/q; s/^# \{0,1\}//p' Makefile
+
+# The stamp is written last, so an interrupted installation is taken up again.
+venv: $(STAMP)
+
+$(STAMP): pyproject.toml
+	@command -v "$(PYTHON)" >/dev/null || { \
+	  echo "make: $(PYTHON) not found: install Python 3.11, or name one: make PYTHON=/path/to/python3.11" >&2; exit 4; }
+	@"$(PYTHON)" -c 'import sys; sys.exit(not (3, 11) <= sys.version_info[:2] < (3, 13))' || { \
+	  echo "make: $(PYTHON) is $$($(PYTHON) -V 2>&1); 3.11 or 3.12 is needed: make PYTHON=/path/to/python3.11" >&2; exit 4; }
+	@"$(PYTHON)" -c 'import ensurepip, venv' 2>/dev/null || { \
+	  echo "make: $(PYTHON) cannot make environments: apt install python3-venv, or name another: make PYTHON=…" >&2; exit 4; }
+	@test -x $(BIN)/python && $(BIN)/python -m pip --version >/dev/null 2>&1 || "$(PYTHON)" -m venv --clear .venv
+	@$(PIP) show -q torch 2>/dev/null || $(TORCH_FOR_CPU) || $(PIP) install -q $(INDEX) torch==$(TORCH)
+	$(PIP) install -q -e '.[test]'
+	@$(BIN)/vcage setup opencv >/dev/null && $(BIN)/vcage setup cvvdp >/dev/null
+	@touch $@
+
+vulkan: venv
+	@$(BIN)/vcage setup vulkan
+
+assets: vulkan
+	@$(BIN)/vcage setup assets
+
+setup: assets
+
+demo: setup
+	$(BIN)/vcage run "$(DEMO)" --out runs/pack-stationery --episodes 3
+
+test: setup
+	$(BIN)/python -m pytest -q
+
+doctor: venv
+	@$(BIN)/vcage doctor
+
+clean:
+	rm -rf .venv build dist .pytest_cache .ruff_cache .hypothesis
+	find vcage tests benchmarks skills -name __pycache__ -prune -exec rm -rf {} +

@@ -1,0 +1,1 @@
+"""Benchmarks: timings and rates, measured against others in the same run."""

@@ -1,0 +1,164 @@
+from __future__ import annotations
+
+from itertools import combinations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from vcage.errors import InfeasibleScene, UsageError
+from vcage.geometry import Pose, boxes_overlap, world_aabb
+from vcage.igsc.containers import LayoutItem, Opening
+from vcage.igsc.optimize import LayoutResult, displacement_summary, optimize_layout
+
+WORKSPACE = np.array([[-0.5, -0.3], [0.5, 0.3]])
+HEIGHT = 0.74
+
+
+def solve(items: list[LayoutItem], seed: int = 0, **options) -> LayoutResult:
+    return optimize_layout(items, WORKSPACE, np.random.default_rng(seed), table_height=HEIGHT, **options)
+
+
+def box_of(item: LayoutItem, result: LayoutResult, frame: Pose | None = None) -> np.ndarray:
+    """(2, 3) true AABB in the world or in another frame."""
+    x, y, z = np.array(item.size) / 2
+    pose = Pose.from_yaw(result.positions[item.id], item.yaw)
+    return world_aabb([[-x, -y, 0], [x, y, 2 * z]], frame.inverse() * pose if frame else pose)
+
+
+def random_items(rng: np.random.Generator, count: int) -> list[LayoutItem]:
+    return [
+        LayoutItem(
+            f"o{k}",
+            tuple(rng.uniform(0.02, 0.14, 3)),
+            float(rng.uniform(-np.pi, np.pi)),
+            tuple(rng.uniform(1.2 * WORKSPACE[0], 1.2 * WORKSPACE[1])),
+        )
+        for k in range(count)
+    ]
+
+
+def tray_with_rolls(count: int = 3, yaw: float = 0.4) -> list[LayoutItem]:
+    opening = Opening(centre=(0.01, 0.0), size=(0.26, 0.16, np.inf), floor=0.012)
+    tray = LayoutItem("tray", (0.3, 0.2, 0.03), yaw, (0.1, 0.05), opening)
+    rolls = [
+        LayoutItem(f"roll{k}", (0.08, 0.05, 0.05), yaw + 0.1 * k, (0.1 + 0.02 * k, 0.05), inside="tray")
+        for k in range(count)
+    ]
+    return [tray, *rolls]
+
+
+@settings(max_examples=20, deadline=None)
+@given(seed=st.integers(0, 2**32 - 1), count=st.integers(1, 9))
+def test_nothing_overlaps_and_all_is_in_bounds_for_any_seed(seed, count):
+    items = random_items(np.random.default_rng(seed), count)
+    result = solve(items, seed, restarts=2)
+    boxes = [box_of(item, result)[:, :2] for item in items]
+    for a, b in combinations(boxes, 2):
+        assert not boxes_overlap(a, b, 0.01 - 1e-6)
+    for box in boxes:
+        assert np.all(box[0] >= WORKSPACE[0] - 1e-6) and np.all(box[1] <= WORKSPACE[1] + 1e-6)
+
+
+def test_the_same_seed_gives_the_same_layout():
+    items = random_items(np.random.default_rng(4), 8)
+    assert solve(items, 1).positions == solve(items, 1).positions
+
+
+def test_a_layout_without_collisions_is_not_touched():
+    items = [LayoutItem("a", (0.1, 0.1, 0.1), 0.0, (0, 0)), LayoutItem("b", (0.1, 0.1, 0.1), 0.0, (0.2, 0))]
+    result = solve(items)
+    assert result.positions == {"a": (0, 0, HEIGHT), "b": (0.2, 0, HEIGHT)}
+    assert result.starts == 0
+
+
+def test_the_cost_after_has_no_collisions_and_the_cost_before_has():
+    result = solve([LayoutItem(name, (0.1, 0.1, 0.1), 0.0, (0.0, 0.0)) for name in "abc"])
+    assert result.cost_before.collision > 1e-3
+    assert result.cost_after.collision < 1e-12
+
+
+def test_the_larger_of_two_moves_less():
+    items = [LayoutItem("big", (0.3, 0.3, 0.1), 0.0, (0, 0)), LayoutItem("small", (0.05, 0.05, 0.1), 0.0, (0.15, 0))]
+    result = solve(items)
+    assert result.displaced["big"] < 0.1 * result.displaced["small"]
+
+
+@pytest.mark.parametrize("yaw", [0.0, 0.4, np.pi / 2])
+def test_contents_stay_inside_their_container_and_apart(yaw):
+    items = tray_with_rolls(yaw=yaw)
+    tray, rolls = items[0], items[1:]
+    result = solve(items)
+    assert result.containers == {"tray": None, "roll0": "tray", "roll1": "tray", "roll2": "tray"}
+    frame = Pose.from_yaw(result.positions["tray"], yaw)
+    boxes = [box_of(roll, result, frame) for roll in rolls]
+    centre, half = np.array(tray.opening.centre), np.array(tray.opening.size[:2]) / 2
+    for box in boxes:
+        assert np.all(box[0, :2] >= centre - half - 1e-6) and np.all(box[1, :2] <= centre + half + 1e-6)
+    for a, b in combinations(boxes, 2):
+        assert not boxes_overlap(a[:, :2], b[:, :2], 0.003 - 1e-6)
+
+
+def test_contents_stand_on_the_floor_of_their_container():
+    result = solve(tray_with_rolls())
+    assert result.positions["roll0"][2] == pytest.approx(HEIGHT + 0.012)
+    assert result.positions["tray"][2] == HEIGHT
+
+
+def test_contents_move_with_their_container():
+    alone = solve(tray_with_rolls())
+    pushed = solve([*tray_with_rolls(), LayoutItem("crate", (0.4, 0.4, 0.2), 0.0, (-0.1, 0.0))])
+    assert pushed.positions["tray"] != alone.positions["tray"]
+    for roll in ("roll0", "roll1", "roll2"):
+        offsets = [np.subtract(r.positions[roll], r.positions["tray"]) for r in (alone, pushed)]
+        assert offsets[0] == pytest.approx(offsets[1], abs=2e-3)
+
+
+def test_containers_nest():
+    opening = Opening((0, 0), (0.12, 0.12, 0.06), 0.01)
+    items = tray_with_rolls(0)
+    items.append(LayoutItem("bowl", (0.14, 0.14, 0.07), 0.4, (0.1, 0.05), opening, inside="tray"))
+    items.append(LayoutItem("egg", (0.04, 0.04, 0.05), 0.0, (0.12, 0.05), inside="bowl"))
+    result = solve(items)
+    assert result.containers == {"tray": None, "bowl": "tray", "egg": "bowl"}
+    assert result.positions["egg"][2] == pytest.approx(HEIGHT + 0.012 + 0.01)
+
+
+def test_overlap_without_permission_is_resolved():
+    items = tray_with_rolls(1)
+    items[1] = LayoutItem("roll0", items[1].size, 0.4, items[1].target)
+    result = solve(items)
+    assert result.containers["roll0"] is None
+    assert not boxes_overlap(box_of(items[0], result)[:, :2], box_of(items[1], result)[:, :2], 0.01 - 1e-6)
+
+
+def test_contents_without_room_are_released_and_reported():
+    items = tray_with_rolls(0)
+    items += [LayoutItem(f"bar{k}", (0.14, 0.09, 0.03), 0.4, (0.1, 0.05), inside="tray") for k in range(2)]
+    result = solve(items)
+    assert result.released == ["bar0"]
+    assert result.containers == {"tray": None, "bar0": None, "bar1": "tray"}
+
+
+def test_too_many_objects_are_infeasible_with_names_and_area():
+    with pytest.raises(InfeasibleScene, match="m² are missing") as caught:
+        solve([LayoutItem(f"crate{k}", (0.34, 0.34, 0.1), 0.0, (0, 0)) for k in range(3)], restarts=1)
+    assert caught.value.details["objects"]
+
+
+def test_an_object_larger_than_the_table_is_named():
+    with pytest.raises(InfeasibleScene, match="sofa"):
+        solve([LayoutItem("sofa", (2.0, 0.8, 0.8), 0.0, (0, 0)), LayoutItem("mug", (0.1, 0.1, 0.1), 0.0, (0, 0))])
+
+
+def test_a_pose_that_is_not_finite_is_refused():
+    with pytest.raises(UsageError, match="mug"):
+        solve([LayoutItem("mug", (0.1, 0.1, 0.1), 0.0, (np.nan, 0.0))])
+
+
+def test_the_summary_has_mean_percentile_and_maximum():
+    summary = displacement_summary({"a": 0.0, "b": 0.02})
+    assert summary["mean_m"] == pytest.approx(0.01)
+    assert summary["max_m"] == pytest.approx(0.02)
+    assert 0.01 < summary["p95_m"] <= 0.02

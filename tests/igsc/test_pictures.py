@@ -1,0 +1,69 @@
+from __future__ import annotations
+
+import numpy as np
+
+from vcage.igsc.drawing import WARNING, Canvas, palette
+from vcage.igsc.layout_picture import Footprint, collisions, draw_layout
+from vcage.igsc.match import match_objects
+from vcage.igsc.overlay import draw_overlay
+from vcage.schema.scene import Table, Workspace
+
+WORKSPACE = Workspace(lower=(-0.5, -0.3), upper=(0.5, 0.3))
+
+
+def has_colour(picture: np.ndarray, colour: tuple[int, int, int]) -> bool:
+    return bool(np.any(np.all(picture == colour, axis=2)))
+
+
+def test_the_palette_has_different_colours():
+    assert len(set(palette(24))) == 24
+
+
+def test_labels_of_the_same_box_do_not_cover_each_other():
+    canvas = Canvas(np.zeros((400, 400, 3), dtype=np.uint8), 16)
+    for k in range(6):
+        canvas.label((180, 180, 220, 220), f"label {k}", (10 * k, 90, 90))
+    boxes = np.array(canvas._labels)
+    overlaps = np.minimum(boxes[:, None, 2:], boxes[None, :, 2:]) - np.maximum(boxes[:, None, :2], boxes[None, :, :2])
+    covered = np.all(overlaps > 0, axis=2) & ~np.eye(6, dtype=bool)
+    assert not covered.any()
+
+
+def test_the_overlay_is_enlarged_and_marks_what_nobody_claimed(
+    things, moved, paint, make_scene, detect, background, embedder
+):
+    source, segmentation = paint(things)
+    target, found = paint(moved)
+    scene = make_scene(things)
+    matches, _ = match_objects(scene, source, segmentation, target, background, detect(found), embedder)
+    plain = draw_overlay(target, scene, matches)
+    marked = draw_overlay(target, scene, matches, unclaimed=[(10, 10, 60, 60)])
+    assert plain.shape == (960, 1280, 3)
+    assert not has_colour(plain, WARNING)
+    assert has_colour(marked, WARNING)
+
+
+def pair(apart: float) -> list[Footprint]:
+    return [
+        Footprint("a", "black marker pen", (-apart, 0.0), (0.1, 0.02), 0.5),
+        Footprint("b", "box", (apart, 0.0), (0.1, 0.1), 0.0),
+    ]
+
+
+def test_collisions_of_container_and_content_do_not_count():
+    assert len(collisions(pair(0.01))) == 1
+    inside = [Footprint("a", "pen", (0, 0), (0.1, 0.02), 0.0, container="b"), pair(0.0)[1]]
+    assert collisions(inside) == []
+
+
+def test_the_layout_picture_shows_both_plans_side_by_side():
+    picture = draw_layout(pair(0.01), pair(0.1), WORKSPACE, Table())
+    assert picture.dtype == np.uint8
+    assert picture.shape[1] > 2.5 * picture.shape[0]
+    assert has_colour(picture[:, : picture.shape[1] // 2], WARNING)
+    assert not has_colour(picture[:, picture.shape[1] // 2 :], WARNING)
+
+
+def test_the_same_layout_gives_the_same_picture():
+    first, second = (draw_layout(pair(0.01), pair(0.1), WORKSPACE, Table()) for _ in range(2))
+    assert (first == second).all()

@@ -1,0 +1,132 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from vcage.geometry import Pose, frame_from_axes
+from vcage.sim.bodies import Body
+from vcage.sim.collision import CollisionScene, Contact, Held
+from vcage.sim.motion import Load, MotionFailed, MotionPlanner
+from vcage.sim.world import World
+
+
+def above(pose: Pose, height: float) -> Pose:
+    return Pose(pose.p + [0, 0, height], pose.q)
+
+
+def grasp_of(world: World, object_id: str, height: float = 0.02) -> Pose:
+    pose = world.object_pose(object_id)
+    return frame_from_axes(pose.p + [0, 0, height], [0, 0, -1], [np.cos(pose.yaw), np.sin(pose.yaw), 0])
+
+
+def planner_of(world: World, arm: str = "right") -> MotionPlanner:
+    return MotionPlanner(CollisionScene.of_world(world, arm))
+
+
+def pick(world: World) -> Held:
+    """The right arm holds the cube, lifted by 12 cm."""
+    arm, grasp = world.arms["right"], grasp_of(world, "cube")
+    planner = planner_of(world)
+    arm.move(planner.move(arm.joints, above(grasp, 0.09), then=[grasp]))
+    arm.move(planner.line(arm.joints, grasp, Load(ignore={"cube"})))
+    arm.grip(0.0)
+    held = Held("cube", world.bodies["cube"].model, arm.tool_pose.inverse() * world.object_pose("cube"))
+    arm.move(planner.line(arm.joints, above(grasp, 0.12), Load(opening=arm.opening, held=held)))
+    return held
+
+
+def test_a_grasped_cube_is_lifted(world):
+    before = world.object_pose("cube").p
+    pick(world)
+    assert world.holds("right", "cube")
+    assert world.arms["right"].finger_width == pytest.approx(0.04, abs=0.002)
+    assert np.allclose(world.object_pose("cube").p - before, [0, 0, 0.12], atol=0.01)
+
+
+def test_a_carried_cube_is_set_down_where_it_was_planned(world):
+    held = pick(world)
+    arm, planner = world.arms["right"], planner_of(world)
+    goal = Pose.from_yaw([0.03, 0.1, 0.748], 0.0) * held.in_gripper.inverse()
+    load = Load(opening=arm.opening, held=held)
+    arm.move(planner.move(arm.joints, above(goal, 0.12), load, then=[goal]))
+    arm.move(planner.line(arm.joints, goal, load))
+    arm.grip(0.8)
+    arm.move(planner_of(world).line(arm.joints, above(goal, 0.12), Load(opening=0.8, ignore={"cube"})))
+    assert world.settle().settled
+    assert "tray" in world.touching("cube")
+    assert np.allclose(world.object_pose("cube").p, [0.03, 0.1, 0.745], atol=0.005)
+
+
+def test_the_same_pick_twice_gives_the_same_states_bit_for_bit(template, bodies, robot):
+    snapshots = []
+    for _ in range(2):
+        world = World(template.table, bodies, robot)
+        pick(world)
+        snapshots.append(world.snapshot())
+    assert snapshots[0] == snapshots[1]
+
+
+def test_the_gripper_stays_on_a_straight_line(world):
+    arm, planner = world.arms["right"], planner_of(world)
+    start = grasp_of(world, "cube", 0.15)
+    q = planner.move(arm.joints, start).end
+    goal = Pose(start.p + [0.1, 0.05, 0.05], start.q)
+    direction = (goal.p - start.p) / np.linalg.norm(goal.p - start.p)
+    for point in planner.line(q, goal).q[::20]:
+        offset = planner.kinematics.fk(point).p - start.p
+        assert np.linalg.norm(offset - (offset @ direction) * direction) < 0.002
+
+
+def test_a_line_into_the_table_names_the_table(world):
+    arm, planner = world.arms["right"], planner_of(world)
+    start = grasp_of(world, "cube", 0.15)
+    q = planner.move(arm.joints, start).end
+    with pytest.raises(MotionFailed, match="finger would touch (cube|table)"):
+        planner.line(q, Pose(start.p - [0, 0, 0.25], start.q))
+
+
+def test_a_pose_out_of_reach_is_refused_with_a_reason(world):
+    with pytest.raises(MotionFailed, match="cannot move to .*joint"):
+        planner_of(world).move(world.arms["right"].joints, grasp_of(world, "cube", 1.5))
+
+
+def test_a_move_goes_around_a_wall(template, models, robot):
+    """A stack of cubes between start and goal, higher than a straight way."""
+    wall = {f"c{i}{j}": Body(models["cube"], Pose([0.2, -0.1 + 0.04 * i, 0.74 + 0.04 * j])) for i in range(6) for j in range(5)}
+    world = World(template.table, wall, robot)
+    planner = planner_of(world)
+    down = ([0, 0, -1], [1, 0, 0])
+    start, goal = frame_from_axes([0.04, 0, 0.8], *down), frame_from_axes([0.37, 0, 0.8], *down)
+    q = planner.kinematics.ik(start)
+    assert planner.scene.first_contact(q) is None
+    with pytest.raises(MotionFailed):
+        planner.line(q, goal)
+    path = planner.move(q, goal)
+    assert all(planner.scene.first_contact(x) is None for x in path.q[::10])
+    assert np.allclose(planner.kinematics.fk(path.end).p, goal.p, atol=1e-3)
+    assert np.array_equal(path.q, planner_of(world).move(q, goal).q)
+
+
+def test_arms_at_home_touch_nothing(world):
+    for name, arm in world.arms.items():
+        assert CollisionScene.of_world(world, name).first_contact(arm.joints) is None
+
+
+def test_what_is_held_counts_as_part_of_the_hand(world):
+    planner = planner_of(world)
+    q = planner.kinematics.ik(grasp_of(world, "tray", 0.16))
+    long = Held("bar", world.bodies["bar"].model, Pose([0, 0, 0.1], [0.7071, 0, 0.7071, 0]))
+    assert planner.scene.first_contact(q) is None
+    assert planner.scene.first_contact(q, held=long) == Contact("bar", "tray")
+
+
+def test_arms_do_not_pass_through_each_other(template, robot):
+    left, right = robot.arms["left"], robot.arms["right"]
+    scene = CollisionScene(robot, "right", template.table, {}, {"left": np.array(left.home)})
+    down = ([0, 0, -1], [1, 0, 0])
+    q = scene.kinematics.ik(frame_from_axes([0.0, 0.0, 0.9], *down))
+    other = CollisionScene(robot, "left", template.table, {}).kinematics.ik(frame_from_axes([0.0, 0.0, 0.9], *down))
+    assert scene.first_contact(q) is None
+    crossed = CollisionScene(robot, "right", template.table, {}, {"left": other}).first_contact(q)
+    assert crossed is not None and crossed.other.startswith("left/")
+    assert right.home == left.home

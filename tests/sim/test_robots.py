@@ -1,0 +1,45 @@
+from __future__ import annotations
+
+import pytest
+
+from vcage.errors import DamagedFile, MissingDependency, UnknownName
+from vcage.sim.robots import available, load_robot, load_template, package_file
+
+
+def test_every_robot_and_scene_file_is_valid():
+    assert [load_robot(name).name for name in available("robots")] == available("robots")
+    assert [load_template(name).name for name in available("scenes")] == available("scenes")
+
+
+def test_an_unknown_robot_is_named_with_those_there_are():
+    with pytest.raises(UnknownName, match=r"'panda'.*dual_panda"):
+        load_robot("panda")
+
+
+def test_every_scene_names_a_robot_that_exists():
+    assert all(load_template(name).robot in available("robots") for name in available("scenes"))
+
+
+def test_a_package_that_is_missing_is_named_with_the_command_that_installs_it():
+    with pytest.raises(MissingDependency, match="no_such_package") as caught:
+        package_file("no_such_package:arm.urdf")
+    assert caught.value.hint == "pip install no_such_package"
+
+
+def test_a_file_that_a_package_lacks_is_named():
+    with pytest.raises(DamagedFile, match=r"arms/none\.urdf"):
+        package_file("mani_skill:arms/none.urdf")
+
+
+def test_the_arms_at_home_leave_the_workspace_free_in_the_top_view(template, robot):
+    from vcage.sim.kinematics import kinematics_of
+
+    camera = template.top_camera.camera()
+    x0, y0 = template.workspace.lower
+    edge = camera.project([x0, y0, template.table.height])[1]
+    for arm in robot.arms.values():
+        kinematics = kinematics_of(arm)
+        base, poses = arm.base.pose(), kinematics.base_poses(kinematics.home, 1.0)
+        for link, shape in kinematics.link_shapes:
+            centre = base.apply((poses[link] * shape.local).to_transformation_matrix()[:3] @ [*shape.centre, 1])
+            assert camera.project(centre)[1] > edge, link

@@ -1,0 +1,46 @@
+from __future__ import annotations
+
+import xml.etree.ElementTree as ElementTree
+
+import trimesh
+
+from vcage.sim.robots import package_file
+from vcage.sim.urdf import physics_urdf, render_urdf
+
+PANDA = "mani_skill:assets/robots/panda/panda_v2.urdf"
+
+
+def faces(urdf):
+    meshes = ElementTree.parse(urdf).getroot().iterfind(".//visual//mesh")
+    return sum(len(g.faces) for m in meshes for g in trimesh.load_scene(m.attrib["filename"]).geometry.values())
+
+
+def test_the_copy_for_physics_has_collisions_and_no_visuals():
+    root = ElementTree.parse(physics_urdf(package_file(PANDA))).getroot()
+    assert root.findall(".//visual") == []
+    assert len(root.findall(".//collision")) > 8
+
+
+def test_the_copy_for_rendering_keeps_about_the_share_that_was_asked_for():
+    source = package_file(PANDA)
+    share = faces(render_urdf(source, 0.1)) / faces(render_urdf(source, 1.0))
+    assert 0.08 < share < 0.13
+
+
+def test_decimated_meshes_keep_their_size_and_colours():
+    source = package_file(PANDA)
+    for name in ("link5.glb", "hand.glb"):
+        original = trimesh.load_scene(source.parent / "franka_description/meshes/visual" / name)
+        small = trimesh.load_scene(render_urdf(source, 0.1).parent / name)
+        assert abs(original.bounds - small.bounds).max() < 0.004
+        assert set(small.geometry) == set(original.geometry)
+        for key, mesh in small.geometry.items():
+            colour = original.geometry[key].visual.material.baseColorFactor
+            assert (mesh.visual.material.baseColorFactor == colour).all()
+
+
+def test_copies_are_made_once():
+    source = package_file(PANDA)
+    first = render_urdf(source, 0.1)
+    before = first.stat().st_mtime_ns
+    assert render_urdf(source, 0.1).stat().st_mtime_ns == before

@@ -1,0 +1,1 @@
+"""The ``vcage`` command, and the entry of every script under ``skills/``."""

@@ -1,0 +1,23 @@
+"""Command-line parsing whose errors are errors of ours: exit code 2, and a JSON line like any other."""
+
+from __future__ import annotations
+
+import argparse
+from typing import NoReturn
+
+from vcage.errors import UsageError
+
+
+class Parser(argparse.ArgumentParser):
+    """An ``ArgumentParser`` that raises :class:`UsageError` and prints descriptions as they are written."""
+
+    def __init__(self, prog: str, description: str):
+        super().__init__(
+            prog=prog,
+            description=description,
+            formatter_class=argparse.RawDescriptionHelpFormatter,
+            allow_abbrev=False,
+        )
+
+    def error(self, message: str) -> NoReturn:
+        raise UsageError(f"{self.prog}: {message}", hint=f"see: {self.prog} --help")

@@ -1,0 +1,50 @@
+"""Say what this machine has for vcage, and for each thing missing the one command that mends it.
+
+Draws a real picture with the Vulkan driver, which takes some seconds. Keys are shown by name only.
+
+examples:
+  vcage doctor
+  vcage doctor --json | tail -n 1
+"""
+
+from __future__ import annotations
+
+import argparse
+import dataclasses
+
+from vcage.cli import checks
+from vcage.cli.output import Result
+from vcage.errors import ConfigurationError
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options of ``vcage doctor``."""
+    parser.add_argument("--json", action="store_true", help="no table, only the JSON line")
+
+
+def execute(args: argparse.Namespace) -> Result:
+    """Look at everything; the result is a failure when something required is missing."""
+    found = [check() for check in checks.ALL]
+    text = "" if args.json else table(found)
+    record = {"checks": [dataclasses.asdict(finding) for finding in found]}
+    missing = [finding for finding in found if not finding.ok and finding.required]
+    if not missing:
+        return Result(summary=record, schema="vcage.doctor/1", text=text)
+    error = ConfigurationError(
+        f"missing or unfit: {', '.join(finding.name for finding in missing)}",
+        hint=f"run: {missing[0].mend}",
+        details=record,
+    )
+    return Result(text=text, error=error)
+
+
+def table(found: list[checks.Finding]) -> str:
+    """The findings, one a line, each followed by what mends it."""
+    width = max(len(finding.name) for finding in found)
+    lines = []
+    for finding in found:
+        mark = "ok" if finding.ok else "MISSING" if finding.required else "-"
+        lines.append(f"{mark:<8}{finding.name:<{width}}  {finding.found}")
+        if finding.mend:
+            lines.append(f"{'':<8}{'':<{width}}  → {finding.mend}")
+    return "\n".join(lines)

@@ -1,0 +1,96 @@
+"""The ``vcage`` command: a table of sub-commands, each imported only when it is the one that runs."""
+
+from __future__ import annotations
+
+import importlib
+import inspect
+import sys
+from pathlib import Path
+
+from vcage import __version__
+from vcage.cli.arguments import Parser
+from vcage.cli.output import Result, run_cli, stray_output_on_stderr
+from vcage.cli.progress import set_up_logging
+from vcage.errors import UnknownName, UsageError
+
+COMMANDS: dict[str, tuple[str, str]] = {
+    "run": ("vcage.cli.run", "the whole chain: from an instruction to a data set and its report"),
+    "select-place": ("vcage.cli.stages.select_place", "1. choose the objects and place them"),
+    "inpaint-plan": ("vcage.cli.stages.inpaint_plan", "2. plan the layout and draw it"),
+    "match": ("vcage.cli.stages.match", "3. find the objects in the drawn layout"),
+    "optimize": ("vcage.cli.stages.optimize", "4. make the layout collision-free"),
+    "search-subtasks": ("vcage.cli.stages.search_subtasks", "5. find feasible sub-tasks and chain them"),
+    "collect": ("vcage.cli.stages.collect", "6. let the robot do it, verified step by step"),
+    "verify": ("vcage.cli.stages.verify", "7. judge episodes or pictures again"),
+    "compress": ("vcage.cli.stages.compress", "8. compress the videos as far as nobody sees it"),
+    "export": ("vcage.cli.stages.export", "9. write LeRobot data sets"),
+    "report": ("vcage.cli.report", "write the HTML page of a run"),
+    "assets": ("vcage.cli.assets", "list the objects, or draw them all on one page"),
+    "doctor": ("vcage.cli.doctor", "say what this machine has, and how to mend what it lacks"),
+    "setup": ("vcage.cli.setup", "fetch or build what a run needs: vulkan, assets, cvvdp, opencv, all"),
+}
+"""Name → (module, one line of help). A module offers ``add_arguments(parser)`` and ``execute(args) -> Result``,
+and its docstring is the command's help."""
+
+
+def main(argv: list[str] | None = None) -> int:
+    """Entry of the ``vcage`` command; returns the exit code."""
+    arguments = sys.argv[1:] if argv is None else argv
+    return run_cli(lambda: _dispatch(arguments))
+
+
+def script_main(command: str, argv: list[str] | None = None) -> int:
+    """Entry of a script that is one sub-command; its help shows the script's own name."""
+    arguments = sys.argv[1:] if argv is None else argv
+    return run_cli(lambda: _run(command, arguments, prog=Path(sys.argv[0]).name))
+
+
+def _dispatch(arguments: list[str]) -> Result | None:
+    if not arguments:
+        raise UsageError("no command given", hint="see: vcage --help")
+    command, *rest = arguments
+    if command in ("-h", "--help"):
+        sys.stdout.write(help_text())
+        return None
+    if command == "--version":
+        sys.stdout.write(f"vcage {__version__}\n")
+        return None
+    if command not in COMMANDS:
+        raise UnknownName("command", command, COMMANDS)
+    return _run(command, rest, prog=f"vcage {command}")
+
+
+def _run(command: str, arguments: list[str], prog: str) -> Result | None:
+    module = importlib.import_module(COMMANDS[command][0])
+    parser = Parser(prog, inspect.getdoc(module) or "")
+    module.add_arguments(parser)
+    parser.add_argument("-v", "--verbose", action="store_true", help="say more on stderr")
+    try:
+        options = parser.parse_args(arguments)
+    except SystemExit:  # after --help
+        return None
+    set_up_logging(options.verbose)
+    with stray_output_on_stderr():
+        return module.execute(options)
+
+
+def help_text() -> str:
+    """The text of ``vcage --help``."""
+    width = max(map(len, COMMANDS))
+    lines = [f"  {name:<{width}}  {text}" for name, (_, text) in COMMANDS.items()]
+    return "\n".join(
+        [
+            "usage: vcage COMMAND [options]",
+            "",
+            "An instruction in plain language goes in; a verified robot-manipulation dataset comes out.",
+            "",
+            *lines,
+            "",
+            "The last line of stdout is one JSON object. `vcage COMMAND --help` says more; `vcage --version`.",
+            "",
+        ]
+    )
+
+
+if __name__ == "__main__":
+    sys.exit(main())

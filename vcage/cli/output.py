@@ -1,0 +1,153 @@
+"""What a command owes its caller: diagnostics on stderr, results on stdout, and one JSON object as the last line.
+
+Success: ``{"ok": true, "schema": …, "output": …, "summary": {…}, "next": …}``.
+Failure: ``{"ok": false, "error": {"code", "message", "hint", "retryable", "details"}}``, and one line on stderr.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import ctypes
+import errno
+import json
+import logging
+import os
+import sys
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from vcage.errors import DiskFull, VcageError
+
+logger = logging.getLogger(__name__)
+
+INTERRUPTED = 130
+"""Exit code after Ctrl-C, as shells have it (128 + SIGINT)."""
+
+
+@dataclass(frozen=True)
+class Result:
+    """What a command did.
+
+    Args:
+        output: the file or folder that it wrote.
+        summary: a few facts for the caller, JSON-serialisable.
+        schema: id of the schema of ``output``.
+        next: the command that goes on from here.
+        text: what a person reads, printed before the JSON line.
+        error: set when the command did its work and the finding is a failure.
+    """
+
+    output: Path | None = None
+    summary: dict[str, Any] = field(default_factory=dict)
+    schema: str = ""
+    next: str = ""
+    text: str = ""
+    error: VcageError | None = None
+
+    def as_record(self) -> dict[str, Any]:
+        """The object of the last line of stdout."""
+        if self.error is not None:
+            return {"ok": False, "error": self.error.as_record()}
+        return {
+            "ok": True,
+            "schema": self.schema or None,
+            "output": str(self.output) if self.output is not None else None,
+            "summary": self.summary,
+            "next": self.next or None,
+        }
+
+
+def run_cli(function: Callable[[], Result | None]) -> int:
+    """Run a command and report on it.
+
+    Args:
+        function: does the work; None means that nothing is to be reported (``--help``).
+
+    Returns:
+        The exit code for ``sys.exit``.
+    """
+    try:
+        result = function()
+    except VcageError as error:
+        return _report_error(error)
+    except KeyboardInterrupt:
+        record = _error_record("interrupted", "interrupted", "run the same command again to go on", retryable=True)
+        return _report(record, INTERRUPTED, "interrupted")
+    except OSError as error:
+        if error.errno in (errno.ENOSPC, errno.EDQUOT):
+            return _report_error(DiskFull(f"no space left: {error}", hint="free some space and run the command again"))
+        return _report_bug(error)
+    except Exception as error:
+        return _report_bug(error)
+    if result is None:
+        return 0
+    if result.text:
+        _print(result.text)
+    return _report_error(result.error) if result.error is not None else _report(result.as_record(), 0)
+
+
+def _report_error(error: VcageError) -> int:
+    return _report(Result(error=error).as_record(), error.exit_code, error.as_line())
+
+
+def _report_bug(error: Exception) -> int:
+    logger.error("this is a bug in vcage", exc_info=error)
+    message = f"{type(error).__name__}: {error}"
+    record = _error_record("bug", message, "report it with the traceback on stderr", retryable=False)
+    return _report(record, 1, message)
+
+
+def _error_record(code: str, message: str, hint: str, *, retryable: bool) -> dict[str, Any]:
+    return {
+        "ok": False,
+        "error": {"code": code, "message": message, "hint": hint, "retryable": retryable, "details": {}},
+    }
+
+
+def _report(record: dict[str, Any], code: int, complaint: str = "") -> int:
+    if complaint:
+        sys.stderr.write(f"vcage: error: {' '.join(complaint.split())}\n")
+        sys.stderr.flush()
+    _print(json.dumps(record, ensure_ascii=False))
+    return code
+
+
+def _print(text: str) -> None:
+    """Print to stdout; a reader that has gone away (``| head``) is no error."""
+    try:
+        sys.stdout.write(text + "\n")
+        sys.stdout.flush()
+    except BrokenPipeError:
+        # The interpreter flushes stdout once more at exit, which must not complain either.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
+@contextlib.contextmanager
+def stray_output_on_stderr() -> Iterator[None]:
+    """Send to stderr what libraries print to stdout, so that the last line of stdout is ours.
+
+    Works on the file descriptor, since SAPIEN and others print from C++; those buffers are flushed at the end.
+    """
+    with contextlib.redirect_stdout(sys.stderr):
+        if not _stdout_is_the_process_own():
+            yield
+            return
+        libc = ctypes.CDLL(None)
+        real = os.dup(1)
+        os.dup2(2, 1)
+        try:
+            yield
+        finally:
+            libc.fflush(None)
+            os.dup2(real, 1)
+            os.close(real)
+
+
+def _stdout_is_the_process_own() -> bool:
+    """False where a test or a host program has put something else in place of stdout."""
+    try:
+        return sys.__stdout__ is not None and sys.__stdout__.fileno() == 1
+    except ValueError:
+        return False

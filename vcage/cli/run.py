@@ -1,0 +1,50 @@
+"""Turn an instruction into a verified, compressed, training-ready data set: all stages, then the report.
+
+Runs select-place, inpaint-plan, match, optimize, search-subtasks, collect, verify, compress and export in one
+process, on the same files as the single commands. A run that was interrupted goes on when started again.
+
+examples:
+  vcage run "Pack the marker pens and the eraser into the box" --out runs/pack-stationery --episodes 3
+  vcage run "Put the blocks on the plate" --out runs/blocks --seed 4 --models offline
+"""
+
+from __future__ import annotations
+
+import argparse
+import logging
+from pathlib import Path
+
+from vcage.cli.output import Result
+from vcage.cli.progress import progress
+from vcage.cli.stages import collect, select_place
+from vcage.cli.stages.common import settings_of
+from vcage.files import RunFolder
+from vcage.pipeline.chain import STAGES, run_stage, stage_module
+from vcage.pipeline.timings import timed
+from vcage.pipeline.workbench import Workbench
+from vcage.report.page import write_report
+
+logger = logging.getLogger(__name__)
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options of ``vcage run``: those of the first stage and of the collection."""
+    select_place.add_own_arguments(parser)
+    collect.add_arguments(parser, run=False)
+
+
+def execute(args: argparse.Namespace) -> Result:
+    """Run the chain."""
+    run, settings = RunFolder(args.out), settings_of(args)
+    bench = Workbench(settings.models)
+    if args.dry_run:
+        return Result(output=run.root, summary={"would_run": list(STAGES)})
+    facts = {}
+    for number, stage in enumerate(STAGES, start=1):
+        logger.info("[%d/%d] %s", number, len(STAGES), stage)
+        with progress(stage) as show:
+            done = run_stage(stage, run, settings, bench, show)
+        facts[stage] = {"fresh": done.fresh, **stage_module(stage).summary(done.record)}
+    with timed(run, "report"):
+        page = write_report(run)
+    return Result(output=page, summary=facts["collect"] | {"compress": facts["compress"]}, next=f"open {page}")

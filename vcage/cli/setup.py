@@ -1,0 +1,116 @@
+"""Fetch or build what a run needs. What is there already is left alone.
+
+  vulkan  a Vulkan driver that SAPIEN draws with: the GPU's, the system's, or Mesa's software driver, fetched
+          from this machine's package mirror into the user's cache (no root needed)
+  assets  the models of all objects and robots, built into the user's cache
+  cvvdp   the perceptual metric, without its dependencies (they would replace a CPU build of torch)
+  opencv  where the machine has no libGL, the build of OpenCV that needs none over the one that SAPIEN asks for
+  all     the four
+
+examples:
+  vcage setup all
+  vcage setup vulkan --force
+"""
+
+from __future__ import annotations
+
+import argparse
+import importlib.util
+import logging
+import shlex
+import subprocess
+import sys
+from importlib import metadata
+from typing import Any
+
+from vcage import files
+from vcage.cli.output import Result
+from vcage.cli.progress import progress
+from vcage.errors import MissingDependency, NoRenderer
+
+logger = logging.getLogger(__name__)
+
+CVVDP = "0.5.7"
+"""The version of cvvdp whose scores were checked."""
+
+OPENCV = "opencv-python-headless"
+"""sapien asks for opencv-python, which lays its files over this one's and links to libGL."""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options of ``vcage setup``."""
+    parser.add_argument("part", choices=["vulkan", "assets", "cvvdp", "opencv", "all"], help="what to set up")
+    parser.add_argument("--force", action="store_true", help="fetch again what is there (not the assets)")
+
+
+def execute(args: argparse.Namespace) -> Result:
+    """Set up the parts asked for.
+
+    Raises:
+        NoRenderer: no driver that draws is here or can be fetched.
+        MissingDependency: pip could not install a package.
+    """
+    parts = {"opencv": _opencv, "cvvdp": _cvvdp, "vulkan": _vulkan, "assets": _assets}
+    chosen = parts if args.part == "all" else [args.part]
+    summary = {part: parts[part](args.force) for part in chosen}
+    return Result(output=files.cache_path(), summary=summary, next="vcage doctor")
+
+
+def _vulkan(force: bool) -> dict[str, Any]:
+    from vcage.sim import vulkan
+
+    try:
+        driver = vulkan.install_driver() if force else vulkan.ensure_driver()
+    except NoRenderer:
+        if force:
+            raise
+        driver = vulkan.install_driver()
+    logger.info("Vulkan: %s driver %s", driver.kind, driver.name or driver.icd)
+    return {"kind": driver.kind, "name": driver.name, "icd": str(driver.icd) if driver.icd else None}
+
+
+def _assets(_force: bool) -> dict[str, Any]:
+    from vcage.assets.library import Library
+
+    library = Library.load()
+    with progress("building assets") as show:
+        library.build_all(show)
+    return {"objects": len(library.names)}
+
+
+def _cvvdp(force: bool) -> dict[str, Any]:
+    if force or cvvdp_version() != CVVDP:
+        _pip("cvvdp", "--no-deps", f"cvvdp=={CVVDP}")
+    return {"version": CVVDP}
+
+
+def _opencv(force: bool) -> dict[str, Any]:
+    version = metadata.version(OPENCV)
+    if force or not opencv_loads():
+        _pip("opencv", "--no-deps", "--force-reinstall", f"{OPENCV}=={version}")
+    return {"version": version}
+
+
+def _pip(part: str, *arguments: str) -> None:
+    if importlib.util.find_spec("pip") is None:
+        command = shlex.join(["uv", "pip", "install", "--python", sys.executable, *arguments])
+        raise MissingDependency(f"this environment has no pip to install {part} with", hint=f"run: {command}")
+    command = [sys.executable, "-m", "pip", "install", "--quiet", "--disable-pip-version-check", *arguments]
+    if subprocess.run(command, stdout=sys.stderr).returncode != 0:
+        raise MissingDependency(
+            f"pip could not install {part}; its complaint is above",
+            hint=f"check the package index that pip uses, then run: vcage setup {part}",
+        )
+
+
+def opencv_loads() -> bool:
+    """Whether OpenCV can be imported, found out in another process since an import cannot be undone."""
+    return subprocess.run([sys.executable, "-c", "import cv2"], capture_output=True).returncode == 0
+
+
+def cvvdp_version() -> str:
+    """The version of cvvdp that is installed, or an empty text."""
+    try:
+        return metadata.version("cvvdp")
+    except metadata.PackageNotFoundError:
+        return ""

@@ -1,0 +1,1 @@
+"""The nine stages as commands: arguments in, one call of :mod:`vcage.pipeline`, one JSON line out."""

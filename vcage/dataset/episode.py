@@ -1,0 +1,138 @@
+"""One episode in memory: what was measured, what was commanded, where everything was, and what was verified."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vcage.schema.episodes import Truth, Verdict
+
+SPACING_TOLERANCE = 1e-6
+"""Largest deviation of a timestamp from even spacing, seconds."""
+
+
+def _check(name: str, array: NDArray[Any], shape: tuple[int | None, ...]) -> None:
+    """Raise ValueError unless ``array`` has ``shape`` (None: any length) and only finite numbers."""
+    fits = array.ndim == len(shape) and all(want in (None, got) for want, got in zip(shape, array.shape, strict=True))
+    if not fits:
+        wanted = ", ".join("any" if n is None else str(n) for n in shape)
+        raise ValueError(f"{name} has the shape {array.shape}, expected ({wanted})")
+    if not np.isfinite(array).all():
+        raise ValueError(f"{name} holds NaN or infinity, first at index {np.argwhere(~np.isfinite(array))[0].tolist()}")
+
+
+@dataclass(frozen=True)
+class CameraTrack:
+    """A camera over an episode of T frames.
+
+    Args:
+        width: pixels.
+        height: pixels.
+        intrinsics: (3, 3) OpenCV matrix K, pixels.
+        extrinsics: (T, 4, 4) world → camera, OpenCV axes (x right, y down, z forward), metres.
+    """
+
+    width: int
+    height: int
+    intrinsics: NDArray[np.float64]
+    extrinsics: NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Segment:
+    """The frames ``start … end - 1`` in which one sub-task was carried out and verified."""
+
+    subtask: str
+    text: str
+    start: int
+    end: int
+    arm: str
+    contact: int
+    attempts: int
+    verdict: Verdict
+    truth: Truth
+
+
+@dataclass(frozen=True)
+class EpisodeData:
+    """All of an episode but its pictures, which are streamed.
+
+    Args:
+        fps: frames per second.
+        timestamp: (T,) seconds, evenly spaced by ``1 / fps``.
+        state_names: names of the D numbers of a state, e.g. ``left_joint_1 … left_gripper, right_…``.
+        qpos: (T, D) measured joint positions, radians; grippers in metres.
+        qvel: (T, D) measured joint velocities.
+        action: (T, D) commanded joint positions, in the units of ``qpos``.
+        object_poses: object id → (T, 7) position (metres) and quaternion wxyz in the world.
+        cameras: camera name → its calibration over time.
+        segments: the verified sub-tasks in order, without overlap.
+        meta: JSON-serialisable facts: ``instruction``, ``seed``, ``robot``, ``scene``, ``versions``, ``providers``…
+
+    Raises:
+        ValueError: an array has a wrong shape, NaN or uneven times, or a segment lies outside; names the field.
+    """
+
+    fps: float
+    timestamp: NDArray[np.float64]
+    state_names: list[str]
+    qpos: NDArray[np.float64]
+    qvel: NDArray[np.float64]
+    action: NDArray[np.float64]
+    object_poses: dict[str, NDArray[np.float64]]
+    cameras: dict[str, CameraTrack]
+    segments: list[Segment]
+    meta: dict[str, Any] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        frames, size = len(self.timestamp), len(self.state_names)
+        if frames == 0:
+            raise ValueError("timestamp is empty: an episode has at least one frame")
+        _check("timestamp", self.timestamp, (frames,))
+        for name in ("qpos", "qvel", "action"):
+            _check(name, getattr(self, name), (frames, size))
+        for name, poses in self.object_poses.items():
+            _check(f"object_poses[{name}]", poses, (frames, 7))
+        for name, camera in self.cameras.items():
+            _check(f"cameras[{name}].intrinsics", camera.intrinsics, (3, 3))
+            _check(f"cameras[{name}].extrinsics", camera.extrinsics, (frames, 4, 4))
+        self._check_spacing()
+        self._check_segments()
+
+    @property
+    def frames(self) -> int:
+        """T, the number of frames."""
+        return len(self.timestamp)
+
+    @property
+    def instruction(self) -> str:
+        return str(self.meta["instruction"])
+
+    @property
+    def grippers(self) -> list[int]:
+        """Columns of a state or action that command a gripper."""
+        return [column for column, name in enumerate(self.state_names) if name.endswith("gripper")]
+
+    def _check_spacing(self) -> None:
+        if not (np.isfinite(self.fps) and self.fps > 0):
+            raise ValueError(f"fps is {self.fps}, expected a positive number")
+        expected = self.timestamp[0] + np.arange(self.frames) / self.fps
+        error = np.abs(self.timestamp - expected)
+        if error.max() > SPACING_TOLERANCE:
+            worst = int(error.argmax())
+            raise ValueError(
+                f"timestamp[{worst}] is {self.timestamp[worst]:.6f} s, expected {expected[worst]:.6f} s at {self.fps} fps"
+            )
+
+    def _check_segments(self) -> None:
+        previous = 0
+        for index, segment in enumerate(self.segments):
+            if not previous <= segment.start < segment.end <= self.frames:
+                raise ValueError(
+                    f"segments[{index}] ({segment.subtask}) covers {segment.start}…{segment.end}, "
+                    f"expected a range after {previous} within {self.frames} frames"
+                )
+            previous = segment.end

@@ -1,0 +1,266 @@
+"""The task API: what a sub-task script may tell the robot to do, and what it asks the critic.
+
+A task knows the state of its world, as an expert does; whether the sub-task was done is not its to say.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from vcage.errors import UnknownName, VcageError
+from vcage.geometry import Pose
+from vcage.schema.episodes import AttemptStage
+from vcage.schema.subtasks import Goal
+from vcage.sim.collision import CollisionScene, Held
+from vcage.sim.motion import Load, MotionFailed, MotionPlanner
+from vcage.sim.trajectory import Trajectory
+from vcage.sim.world import PHYSICS_HZ, World
+from vcage.subtasks.feasibility import TURNS
+from vcage.subtasks.grasps import GraspPose, grasp_poses
+from vcage.subtasks.objects import SceneObject
+from vcage.subtasks.waypoints import (
+    MAX_DROP,
+    RELEASE_ROOM,
+    PickWay,
+    PlaceWay,
+    pick_way,
+    place_way,
+    transfer_height,
+)
+
+CAREFUL = 0.6
+"""Share of the speed limit near things that are to be touched."""
+
+GRIP_SECONDS, RELEASE_SECONDS, PAUSE_SECONDS = 0.36, 0.24, 0.1
+"""Time for the fingers to close, to open, and for the arm to come to rest."""
+
+EMPTY = 0.003
+"""Fingers closer than this hold nothing, metres."""
+
+
+class TaskFailed(VcageError):
+    """A step could not be planned, or the hand felt that it failed; ends the attempt.
+
+    Args:
+        stage: how far the attempt came.
+    """
+
+    code = "task_failed"
+
+    def __init__(self, stage: AttemptStage, message: str):
+        super().__init__(message)
+        self.stage = stage
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What the critic is asked after a sub-task."""
+
+    text: str
+    goals: list[Goal]
+
+
+@dataclass(frozen=True)
+class _Grip:
+    """What is in which hand."""
+
+    arm: str
+    object_id: str
+    load: Load
+
+
+class Task:
+    """One attempt at one sub-task in a world.
+
+    Args:
+        world: where it happens; the robot is at home.
+        objects: by id, with their geometry; poses are read from the world.
+        slots: object id → where it goes, in its receptacle's frame.
+        attempt: number of the attempt; later ones begin with other grasps.
+    """
+
+    def __init__(self, world: World, objects: Mapping[str, SceneObject], slots: Mapping[str, Pose], attempt: int = 0):
+        self.world = world
+        self.arm: str | None = None
+        self.contact: int | None = None
+        self._objects = objects
+        self._slots = slots
+        self._attempt = attempt
+        self._grip: _Grip | None = None
+
+    # --- what scripts call -----------------------------------------------------------------------------
+
+    def pick(self, object_id: str, grasps: Sequence[tuple[int, str]]) -> None:
+        """Grasp an object with the first of ``grasps`` (contact point, arm) that can be planned, and lift it.
+
+        Raises:
+            TaskFailed: none can be planned, or the fingers closed on nothing.
+        """
+        target = self._object(object_id)
+        first = self._attempt % len(grasps)
+        reasons: list[str] = []
+        for contact, arm in [*grasps[first:], *grasps[:first]]:
+            planned = self._plan_pick(target, contact, arm, reasons)
+            if planned is not None:
+                self.arm, self.contact = arm, contact
+                self._grasp(target, arm, *planned)
+                return
+        raise TaskFailed("plan", f"no grasp of {target.record.phrase} can be planned: {_joined(reasons)}")
+
+    def place(self, receptacle_id: str, point: int = 0) -> None:
+        """Carry what is held to its slot in the receptacle, let it go, and draw the hand back.
+
+        Raises:
+            TaskFailed: nothing is held any more, or no way can be planned.
+        """
+        grip = self._holding()
+        receptacle = self._object(receptacle_id)
+        way, carry, lower = self._plan_place(grip, receptacle, point)
+        self._follow(grip.arm, carry)
+        self._holding()
+        self._follow(grip.arm, lower)
+        control = self.world.arms[grip.arm]
+        opened = min(1.0, control.opening + RELEASE_ROOM / control.arm.gripper.max_width)
+        self._drive_gripper(grip.arm, opened, RELEASE_SECONDS)
+        self._grip = None
+        away = Load(opening=opened, ignore=(grip.object_id, receptacle_id), speed=CAREFUL)
+        self._follow(grip.arm, self._plan(grip.arm, "place").line(self._joints(grip.arm), way.after, away))
+
+    def home(self) -> None:
+        """Bring every arm home, open the grippers, and wait until everything is at rest."""
+        for name, control in self.world.arms.items():
+            if np.abs(self._joints(name) - control.arm.home).max() > 1e-3:
+                self._follow(name, self._plan(name, "place").move(self._joints(name), np.array(control.arm.home)))
+            control.command_gripper(1.0)
+        self.world.settle(max_steps=PHYSICS_HZ)
+
+    def ask(self, text: str, goals: Sequence[tuple[str, str, str]]) -> Asked:
+        """The question for the critic: the sub-task in words, and its goals (subject, relation, reference)."""
+        return Asked(text, [Goal(subject=s, relation=r, reference=o) for s, r, o in goals])
+
+    # --- planning --------------------------------------------------------------------------------------
+
+    def _plan(self, arm: str, stage: AttemptStage) -> _StagedPlanner:
+        """A planner around everything as it stands now."""
+        return _StagedPlanner(MotionPlanner(CollisionScene.of_world(self.world, arm)), stage)
+
+    def _plan_pick(
+        self, target: SceneObject, contact_id: int, arm: str, reasons: list[str]
+    ) -> tuple[GraspPose, PickWay, list[Trajectory]] | None:
+        contact = target.asset.annotation.contact_point(contact_id)
+        gripper = self.world.arms[arm].arm.gripper
+        others = [o for o in map(self._object, self._objects) if o.id != target.id]
+        height = transfer_height(others, self.world.table.height)
+        planner = MotionPlanner(CollisionScene.of_world(self.world, arm))
+        closing = Load(ignore=(target.id,), speed=CAREFUL)
+        for grasp in grasp_poses(target.pose, contact, gripper, target.box.bottom):
+            way = pick_way(target, grasp, height)
+            try:
+                reach = planner.move(self._joints(arm), way.before, then=[way.grasp, way.lifted])
+                down = planner.line(reach.end, way.grasp, closing)
+            except MotionFailed as error:
+                reasons.append(f"{arm} arm at {contact.name!r}: {error.message}")
+                continue
+            return grasp, way, [reach, down]
+        return None
+
+    def _plan_place(self, grip: _Grip, receptacle: SceneObject, point: int) -> tuple[PlaceWay, Trajectory, Trajectory]:
+        control = self.world.arms[grip.arm]
+        others = [o for o in map(self._object, self._objects) if o.id not in (grip.object_id, receptacle.id)]
+        obstacles = [*receptacle.walls(point), *(o.box for o in others)]
+        height = transfer_height([*others, receptacle], self.world.table.height)
+        held = self._object(grip.object_id).pose.inverse() * control.tool_pose
+        planner = MotionPlanner(CollisionScene.of_world(self.world, grip.arm))
+        reasons: list[str] = []
+        for goal in self._goals(grip.object_id, receptacle):
+            way = place_way(held, goal, obstacles, control.arm.gripper, control.finger_width, height)
+            if way.drop > MAX_DROP:
+                reasons.append(f"it would fall {way.drop * 100:.1f} cm")
+                continue
+            try:
+                carry = planner.move(self._joints(grip.arm), way.above, grip.load, then=[way.release, way.after])
+                careful = Load(grip.load.opening, grip.load.held, grip.load.ignore, CAREFUL)
+                return way, carry, planner.line(carry.end, way.release, careful)
+            except MotionFailed as error:
+                reasons.append(error.message)
+        raise TaskFailed("plan", f"{grip.object_id} cannot be brought to {receptacle.id}: {_joined(reasons)}")
+
+    def _goals(self, object_id: str, receptacle: SceneObject) -> Iterator[Pose]:
+        """Where the object may come to rest, in the world; both headings fill its slot."""
+        if object_id not in self._slots:
+            raise UnknownName("slot", object_id, self._slots)
+        for turn in TURNS:
+            yield receptacle.pose * self._slots[object_id] * Pose.from_yaw([0, 0, 0], turn)
+
+    # --- execution -------------------------------------------------------------------------------------
+
+    def _grasp(self, target: SceneObject, arm: str, _grasp: GraspPose, way: PickWay, reach: list[Trajectory]) -> None:
+        for part in reach:
+            self._follow(arm, part)
+        self._drive_gripper(arm, 0.0, GRIP_SECONDS)
+        control = self.world.arms[arm]
+        if control.finger_width < EMPTY:
+            raise TaskFailed("grasp", f"the fingers closed on nothing where {target.record.phrase} should be")
+        in_gripper = control.tool_pose.inverse() * self._object(target.id).pose
+        held = Held(target.id, target.asset.model, in_gripper)
+        self._grip = _Grip(arm, target.id, Load(opening=control.opening, held=held, ignore=("table",)))
+        lift = Load(opening=control.opening, ignore=(target.id, "table"), speed=CAREFUL)
+        self._follow(arm, self._plan(arm, "grasp").line(self._joints(arm), way.lifted, lift))
+        self._holding()
+
+    def _follow(self, arm: str, trajectory: Trajectory) -> None:
+        control = self.world.arms[arm]
+        for q, velocity in zip(trajectory.q, trajectory.velocity, strict=True):
+            control.command_joints(q, velocity)
+            self.world.step()
+        control.command_joints(trajectory.end)
+        self.world.step(round(PAUSE_SECONDS * PHYSICS_HZ))
+
+    def _drive_gripper(self, arm: str, opening: float, seconds: float) -> None:
+        self.world.arms[arm].command_gripper(opening)
+        self.world.step(round(seconds * PHYSICS_HZ))
+
+    # --- state -----------------------------------------------------------------------------------------
+
+    def _object(self, object_id: str) -> SceneObject:
+        if object_id not in self._objects:
+            raise UnknownName("object", object_id, self._objects)
+        return self._objects[object_id].moved(self.world.object_pose(object_id))
+
+    def _joints(self, arm: str) -> np.ndarray:
+        """Joints that the arm was last told to take: plans go on from there without a jump."""
+        return self.world.arms[arm].command[:-1]
+
+    def _holding(self) -> _Grip:
+        """What is held, by the feel of the fingers."""
+        if self._grip is None:
+            raise TaskFailed("grasp", "nothing was picked up before placing")
+        if self.world.arms[self._grip.arm].finger_width < EMPTY:
+            raise TaskFailed("grasp", f"{self._grip.object_id} slipped out of the fingers")
+        return self._grip
+
+
+class _StagedPlanner:
+    """A planner whose failures say how far the attempt had come."""
+
+    def __init__(self, planner: MotionPlanner, stage: AttemptStage):
+        self._planner, self._stage = planner, stage
+
+    def line(self, q: np.ndarray, pose: Pose, load: Load) -> Trajectory:
+        try:
+            return self._planner.line(q, pose, load)
+        except MotionFailed as error:
+            raise TaskFailed(self._stage, error.message) from error
+
+    def move(self, q: np.ndarray, goal: np.ndarray) -> Trajectory:
+        try:
+            return self._planner.move(q, goal)
+        except MotionFailed as error:
+            raise TaskFailed(self._stage, error.message) from error
+
+
+def _joined(reasons: Sequence[str]) -> str:
+    return "; ".join(dict.fromkeys(reasons)) or "nothing to try"

@@ -1,0 +1,1 @@
+"""Inpainting-guided scene construction (paper, section III-A): pure functions on records and arrays."""

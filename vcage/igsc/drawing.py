@@ -1,0 +1,110 @@
+"""What the overlay and the layout picture share: colours, text, labels that do not cover each other, arrows."""
+
+from __future__ import annotations
+
+import colorsys
+from collections.abc import Sequence
+
+import numpy as np
+from PIL import Image, ImageDraw, ImageFont
+
+Colour = tuple[int, int, int]
+INK: Colour = (38, 40, 46)
+PAPER: Colour = (250, 250, 248)
+WARNING: Colour = (206, 38, 38)
+
+_GOLDEN = 0.61803398875
+
+
+def palette(count: int) -> list[Colour]:
+    """``count`` colours that are easy to tell apart and dark enough for white text."""
+    hues = [(0.58 + k * _GOLDEN) % 1.0 for k in range(count)]
+    values = [(0.72, 0.55)[k % 2] for k in range(count)]
+    return [
+        tuple(round(255 * c) for c in colorsys.hsv_to_rgb(hue, 0.78, value))
+        for hue, value in zip(hues, values, strict=True)
+    ]
+
+
+class Canvas:
+    """A picture to draw on, which remembers where labels are.
+
+    Args:
+        picture: (H, W, 3) uint8.
+        text_size: height of the labels' font, pixels.
+    """
+
+    def __init__(self, picture: np.ndarray, text_size: int):
+        self.image = Image.fromarray(picture)
+        self.draw = ImageDraw.Draw(self.image, "RGBA")
+        self.font = ImageFont.load_default(text_size)
+        self._text_size = text_size
+        self._labels: list[tuple[float, float, float, float]] = []
+        self._things: list[tuple[float, float, float, float]] = []
+
+    def picture(self) -> np.ndarray:
+        """(H, W, 3) uint8 copy of what was drawn."""
+        return np.array(self.image.convert("RGB"))
+
+    def text(self, at: tuple[float, float], words: str, fill: Colour = INK, size: int | None = None) -> None:
+        """Words with their upper left corner at ``at``."""
+        self.draw.text(at, words, fill=fill, font=ImageFont.load_default(size) if size else self.font)
+
+    def arrow(self, start: Sequence[float], end: Sequence[float], colour: Colour, width: int = 3) -> None:
+        """An arrow with a light rim, from ``start`` to ``end`` in pixels; nothing where they meet."""
+        start, end = np.asarray(start, dtype=np.float64), np.asarray(end, dtype=np.float64)
+        length = np.hypot(*(end - start))
+        if length < 4 * width:
+            return
+        along = (end - start) / length
+        across = np.array([-along[1], along[0]])
+        neck = end - along * 4.5 * width
+        for fill, grow in ((PAPER, 2), (colour, 0)):
+            self.draw.line([*start, *neck], fill=fill, width=width + 2 * grow)
+            head = [end + along * grow, *(neck - along * grow + s * across * (2.2 * width + grow) for s in (1, -1))]
+            self.draw.polygon([tuple(p) for p in head], fill=fill)
+
+    def keep_clear(self, box: Sequence[float]) -> None:
+        """Ask later labels not to cover ``box`` (u0, v0, u1, v1) if they can help it."""
+        self._things.append(tuple(box))
+
+    def label(self, box: Sequence[float], words: str, colour: Colour) -> None:
+        """A filled label beside ``box`` (u0, v0, u1, v1), where it covers no other label if there is such a place."""
+        left, top, right, bottom = self.draw.textbbox((0, 0), words, font=self.font)
+        pad = max(2, self._text_size // 5)
+        size = np.array([right - left + 2 * pad, bottom - top + 2 * pad])
+        room = np.array(self.image.size) - size
+        spots = [np.clip(spot, 0, np.maximum(room, 0)) for spot in _spots(box, size)]
+        spot = min(spots, key=lambda spot: self._covered(spot, size))  # the first of equals: the nearest
+        self._labels.append((*spot, *(spot + size)))
+        self.draw.rounded_rectangle([*spot, *(spot + size)], radius=pad, fill=(*colour, 232))
+        self.draw.text((spot[0] + pad - left, spot[1] + pad - top), words, fill=(255, 255, 255), font=self.font)
+
+    def _covered(self, spot: np.ndarray, size: np.ndarray) -> float:
+        """Area of other labels, and a quarter as bad of things, under a label at ``spot``."""
+        area = 0.0
+        for boxes, weight in ((self._labels, 4.0), (self._things, 1.0)):
+            for u0, v0, u1, v1 in boxes:
+                overlap = np.minimum(spot + size, (u1, v1)) - np.maximum(spot, (u0, v0))
+                area += weight * float(np.prod(np.maximum(overlap, 0)))
+        return area
+
+
+def _spots(box: Sequence[float], size: np.ndarray) -> list[np.ndarray]:
+    """Upper left corners for a label near a box, the best first."""
+    u0, v0, u1, v1 = box
+    middle = (u0 + u1 - size[0]) / 2
+    beside = (v0 + v1 - size[1]) / 2
+    spots = []
+    for away in (3, 3 + size[1], 3 + 2 * size[1]):
+        above, below = v0 - size[1] - away, v1 + away
+        spots += [
+            (middle, above),
+            (middle, below),
+            (u0, above),
+            (u1 - size[0], above),
+            (u0, below),
+            (u1 - size[0], below),
+        ]
+        spots += [(u1 + away, beside), (u0 - size[0] - away, beside)]
+    return [np.array(spot, dtype=np.float64) for spot in spots]

@@ -1,0 +1,74 @@
+"""From a reasoner's selection to named objects: what is wrong with it, and what each object is called."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from vcage.schema.asset import CatalogueEntry
+from vcage.schema.plan import Selection
+from vcage.schema.scene import Role
+
+
+@dataclass(frozen=True)
+class NamedObject:
+    """One object of a scene before it has a place.
+
+    Args:
+        id: unique in the scene: ``marker_black``, ``marker_black_2``.
+        asset, variant: names in the catalogue.
+        phrase: what to call it: "black marker pen" where the asset comes in several colours, else "stapler".
+        role: what the instruction does with it.
+    """
+
+    id: str
+    asset: str
+    variant: str
+    phrase: str
+    role: Role
+
+
+def validate_selection(selection: Selection, entries: Sequence[CatalogueEntry]) -> list[str]:
+    """Complaints about names that the catalogue does not have, one sentence each; empty when all are known."""
+    variants = {entry.name: [variant.id for variant in entry.variants] for entry in entries}
+    complaints = []
+    for chosen in selection.objects:
+        if chosen.asset not in variants:
+            complaints.append(f"there is no asset {chosen.asset!r}{_nearest(chosen.asset, list(variants))}")
+        elif chosen.variant not in variants[chosen.asset]:
+            known = ", ".join(variants[chosen.asset])
+            complaints.append(f"{chosen.asset} has no variant {chosen.variant!r}; it has {known}")
+    return complaints
+
+
+def _nearest(name: str, names: list[str]) -> str:
+    close = difflib.get_close_matches(name, names, n=3)
+    return f"; did you mean {' or '.join(close)}?" if close else ""
+
+
+def name_objects(selection: Selection, entries: Sequence[CatalogueEntry]) -> list[NamedObject]:
+    """Names for a valid selection, in its order (see :class:`NamedObject`).
+
+    Raises:
+        KeyError: the selection names what the catalogue does not have (:func:`validate_selection` tells).
+    """
+    by_name = {entry.name: entry for entry in entries}
+    named: list[NamedObject] = []
+    for chosen in selection.objects:
+        entry = by_name[chosen.asset]
+        variant = {v.id: v for v in entry.variants}[chosen.variant]
+        base = entry.name if len(entry.variants) == 1 else f"{entry.name}_{variant.id}"
+        several = len({v.colour for v in entry.variants}) > 1
+        phrase = f"{variant.colour} {entry.words.name}" if several else entry.words.name
+        taken = {other.id for other in named}
+        named.append(NamedObject(_unique(base, taken), entry.name, variant.id, phrase, chosen.role))
+    return named
+
+
+def _unique(base: str, taken: set[str]) -> str:
+    name, number = base, 1
+    while name in taken:
+        number += 1
+        name = f"{base}_{number}"
+    return name

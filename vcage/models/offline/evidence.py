@@ -1,0 +1,120 @@
+"""What two top views show of one moved object: did it leave its place, and where is it now."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from vcage.geometry import Camera
+from vcage.models.offline.colour import distance, palette, palette_distance, to_lab
+from vcage.models.offline.locate import FINE_HEADINGS, Sighting, pixels_per_metre, refine, search, templates
+from vcage.models.protocols import Reference
+
+CHANGED = 9.0
+"""Colour distance between the two pictures above which a pixel has changed."""
+
+ALIKE = 16.0
+"""Colour distance to the object's palette below which a pixel may be the object's."""
+
+NEARLY = 0.06
+"""Places whose misfit is this close to the best are told apart by whether they changed."""
+
+CLEARLY = 0.06
+"""A receptacle is taken to have moved only when the new place is better by so much misfit."""
+
+SEARCH = 0.09
+"""How far from its old place a receptacle is looked for, metres."""
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """Measurements, all from pixels.
+
+    Args:
+        left: share of the object's old outline that has changed.
+        inside: new pixels that look like the object within the receptacle's outline, over the object's area.
+        outside: the same for the largest patch elsewhere on the table.
+        shifted: how far the receptacle moved, metres.
+        worse: by how much the receptacle's rim fits its reference worse than before, in [-1, 1].
+    """
+
+    left: float
+    inside: float
+    outside: float
+    shifted: float
+    worse: float
+
+
+def gather(
+    before: np.ndarray, after: np.ndarray, camera: Camera, table_height: float, moved: Reference, place: Reference
+) -> Evidence:
+    """Measure one sub-task: ``moved`` was to be put in or on ``place``. Pictures are RGB of the same camera."""
+    lab_before, lab_after = (to_lab(cv2.GaussianBlur(p, (3, 3), 0)) for p in (before, after))
+    scale = pixels_per_metre(camera, table_height)
+    table = table_colour(lab_before)
+    change = distance(lab_before, lab_after) > CHANGED
+    change = cv2.morphologyEx(change.astype(np.uint8), cv2.MORPH_OPEN, np.ones((2, 2), np.uint8)).astype(bool)
+    old_place, new_place = _receptacle(lab_before, lab_after, place, scale, table)
+    old = _object(lab_before, moved, scale, table, change, old_place.mask)
+    unlike_before, unlike_after = (_unlikeness(lab, moved) for lab in (lab_before, lab_after))
+    new = change & (unlike_after < ALIKE) & (unlike_after < unlike_before)
+    area = float(old.mask.sum())
+    within = _grown(new_place.mask, 0.006 * scale)
+    elsewhere = new & ~within & ~_grown(old.mask, 0.004 * scale)
+    return Evidence(
+        left=float(change[old.mask].mean()),
+        inside=float((new & within).sum()) / area,
+        outside=_largest(elsewhere) / area,
+        shifted=float(np.linalg.norm(new_place.centre - old_place.centre)) / scale,
+        worse=new_place.misfit - old_place.misfit,
+    )
+
+
+def table_colour(lab: np.ndarray) -> np.ndarray:
+    """(3,) the most frequent colour of the picture: the table fills most of a top view."""
+    centres, _ = palette(lab[::4, ::4].reshape(-1, 3), count=5)
+    return centres[0]
+
+
+def _receptacle(
+    before: np.ndarray, after: np.ndarray, place: Reference, scale: float, table: np.ndarray
+) -> tuple[Sighting, Sighting]:
+    """Where the receptacle was and is; where it was stays the answer unless another place fits clearly better."""
+    old = search(before, place, scale, table, rim_only=True)[0]
+    made = templates(place, scale, table, old.heading + FINE_HEADINGS, rim_only=True)
+    still = refine(after, made[2:3], old.centre, reach=2)
+    pixels = int(round(SEARCH * scale))
+    rough = refine(after, made[1:4], old.centre, reach=pixels, step=6)
+    moved = refine(after, made, rough.centre, reach=4)
+    return old, moved if moved.misfit < still.misfit - CLEARLY else still
+
+
+def _object(
+    lab: np.ndarray, moved: Reference, scale: float, table: np.ndarray, change: np.ndarray, place: np.ndarray
+) -> Sighting:
+    """Where the object was: among the places that fit it nearly best, the one that changed most."""
+    found = search(lab, moved, scale, table, count=4)
+    close = [s for s in found if s.misfit <= found[0].misfit + NEARLY and s.mask.any()]
+    return max(close, key=lambda s: float(change[s.mask].mean()) - 0.5 * float(place[s.mask].mean()))
+
+
+def _unlikeness(lab: np.ndarray, reference: Reference) -> np.ndarray:
+    """(H, W) colour distance of each pixel to the reference's main colours, in light or in shade."""
+    colours = to_lab(np.ascontiguousarray(reference.picture[..., :3]))[reference.picture[..., 3] > 200]
+    centres, shares = palette(colours)
+    centres = centres[shares > 0.08]
+    shaded = centres * np.array([0.75, 0.85, 0.85])
+    return palette_distance(lab, np.concatenate([centres, shaded]))
+
+
+def _grown(mask: np.ndarray, radius: float) -> np.ndarray:
+    side = 2 * max(1, int(round(radius))) + 1
+    return cv2.dilate(mask.astype(np.uint8), cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (side, side))).astype(bool)
+
+
+def _largest(mask: np.ndarray) -> float:
+    """Area of the largest connected patch, pixels."""
+    _, _, stats, _ = cv2.connectedComponentsWithStats(mask.astype(np.uint8), connectivity=8)
+    return float(stats[1:, cv2.CC_STAT_AREA].max(initial=0))

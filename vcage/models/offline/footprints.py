@@ -1,0 +1,67 @@
+"""What the source picture shows of each object: its pixels, and the turned rectangle that it covers on the table."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from vcage.geometry import Camera
+from vcage.schema.scene import ObjectRecord, Scene
+
+
+@dataclass(frozen=True)
+class Footprint:
+    """One object as it stands.
+
+    Args:
+        record: the object.
+        mask: (H, W) bool, its visible pixels; empty when something hides it.
+        centre: (2,) world x, y of its box.
+        size: (2,) sides of the rectangle, the longer first, metres.
+        axis: direction of the longer side, radians in [0, π).
+        height: z of the middle of its box: the plane in which its picture is moved.
+    """
+
+    record: ObjectRecord
+    mask: np.ndarray
+    centre: np.ndarray
+    size: np.ndarray
+    axis: float
+    height: float
+
+    @property
+    def elongated(self) -> bool:
+        return bool(self.size[0] > 1.5 * self.size[1])
+
+    def half_size(self, turn: float) -> np.ndarray:
+        """(2,) half size of the axis-aligned rectangle around the object when turned by ``turn`` from where it is."""
+        c, s = abs(np.cos(self.axis + turn)), abs(np.sin(self.axis + turn))
+        long, short = self.size / 2
+        return np.array([c * long + s * short, s * long + c * short])
+
+
+def footprints(scene: Scene, segmentation: np.ndarray) -> list[Footprint]:
+    """Footprints of all objects of the scene, in its order."""
+    camera = scene.top_camera.camera()
+    return [_footprint(record, segmentation == scene.segmentation_ids.get(record.id, -1), camera) for record in scene.objects]
+
+
+def _footprint(record: ObjectRecord, mask: np.ndarray, camera: Camera) -> Footprint:
+    box = np.array(record.aabb)
+    height = float(box[:, 2].mean())
+    centre = box[:, :2].mean(axis=0)
+    rows, columns = np.nonzero(mask)
+    if len(rows) < 12:
+        size = box[1, :2] - box[0, :2]
+        axis = 0.0 if size[0] >= size[1] else np.pi / 2
+        return Footprint(record, mask, centre, np.sort(size)[::-1], axis, height)
+    pixels = np.stack([columns + 0.5, rows + 0.5], axis=1)
+    points = camera.unproject(pixels, height)[:, :2]
+    (_, sides, degrees) = cv2.minAreaRect(points.astype(np.float32) * 1000)
+    size = np.array(sides) / 1000
+    axis = np.radians(degrees)
+    if size[1] > size[0]:
+        size, axis = size[::-1], axis + np.pi / 2
+    return Footprint(record, mask, centre, size, float(axis % np.pi), height)

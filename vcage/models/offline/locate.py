@@ -1,0 +1,189 @@
+"""Finds an object in a picture from its reference: template matching over positions and headings."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from vcage.geometry import Camera
+from vcage.models.offline.colour import LIGHTNESS_WEIGHT, distance, to_lab
+from vcage.models.protocols import Reference
+
+HEADINGS = 24
+"""Headings that are tried around the circle."""
+
+FINE_HEADINGS = np.radians([-8.0, -4.0, 0.0, 4.0, 8.0])
+"""Headings around a proposed one that the refinement tries."""
+
+PROPOSALS = 6
+"""Places that template matching at half size proposes."""
+
+CAP = 25.0
+"""Largest colour distance that one pixel can cost."""
+
+MAX_PIXELS = 2500
+"""Pixels of a template that the refinement compares."""
+
+_MARGIN = 4
+"""Width of the rim of table colour around a template, pixels."""
+
+
+@dataclass(frozen=True)
+class Sighting:
+    """One place where an object may be.
+
+    Args:
+        centre: (2,) pixel of the middle of the template.
+        heading: radians.
+        misfit: mean colour distance between template and picture, capped for each pixel; 0 is perfect, 1 useless.
+        mask: (H, W) bool, the object's outline there.
+    """
+
+    centre: np.ndarray
+    heading: float
+    misfit: float
+    mask: np.ndarray
+
+
+@dataclass(frozen=True)
+class Template:
+    """An object at one heading: Lab colours (h, w, 3) over the table's colour, weights and outline (h, w)."""
+
+    heading: float
+    lab: np.ndarray
+    weight: np.ndarray
+    outline: np.ndarray
+
+
+def pixels_per_metre(camera: Camera, table_height: float) -> float:
+    """Scale of the picture at the middle of the view on the table plane."""
+    middle = camera.unproject(np.array([camera.width / 2, camera.height / 2]), table_height)
+    step = camera.project(np.stack([middle + [0.005, 0, 0], middle - [0.005, 0, 0]]))
+    return float(np.linalg.norm(step[0] - step[1]) / 0.01)
+
+
+def templates(
+    reference: Reference, scale: float, table_lab: np.ndarray, headings: np.ndarray, rim_only: bool = False
+) -> list[Template]:
+    """The reference at each heading, in a picture of ``scale`` pixels per metre.
+
+    Args:
+        table_lab: (3,) colour of the table around the object.
+        rim_only: weigh only the outer part: what lies in a receptacle hides its middle.
+    """
+    zoom = scale * reference.metres_per_pixel
+    height, width = reference.picture.shape[:2]
+    side = int(np.ceil(np.hypot(*reference.size[:2]) * scale * 1.25)) + 2 * _MARGIN + 3
+    lab = to_lab(_over(reference.picture, table_lab))
+    alpha = (reference.picture[..., 3] > 127).astype(np.float32)
+    made = []
+    for heading in headings:
+        turn = cv2.getRotationMatrix2D((width / 2 - 0.5, height / 2 - 0.5), float(np.degrees(heading)), zoom)
+        turn[:, 2] += side / 2 - np.array([width, height]) / 2
+        border = tuple(float(x) for x in table_lab)
+        turned = cv2.warpAffine(lab, turn, (side, side), flags=cv2.INTER_AREA, borderValue=border)
+        outline = cv2.warpAffine(alpha, turn, (side, side)) > 0.5
+        made.append(Template(float(heading), turned, _weights(outline, rim_only), outline))
+    return made
+
+
+def _over(rgba: np.ndarray, table_lab: np.ndarray) -> np.ndarray:
+    """The reference over the table's colour."""
+    table = cv2.cvtColor(table_lab.astype(np.float32).reshape(1, 1, 3), cv2.COLOR_LAB2RGB)[0, 0] * 255
+    alpha = rgba[..., 3:].astype(np.float32) / 255
+    return np.clip(rgba[..., :3] * alpha + table * (1 - alpha), 0, 255).astype(np.uint8)
+
+
+def _weights(outline: np.ndarray, rim_only: bool) -> np.ndarray:
+    """1 on the object, ½ on the rim of table around it; the object's middle left out when asked."""
+    kernel = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * _MARGIN + 1, 2 * _MARGIN + 1))
+    around = cv2.dilate(outline.astype(np.uint8), kernel).astype(bool)
+    weight = np.where(outline, 1.0, np.where(around, 0.5, 0.0)).astype(np.float32)
+    if rim_only:
+        depth = cv2.distanceTransform(outline.astype(np.uint8), cv2.DIST_L2, 5)
+        weight[depth > 0.35 * depth.max()] = 0
+    return weight
+
+
+def search(
+    lab: np.ndarray, reference: Reference, scale: float, table_lab: np.ndarray, *, rim_only: bool = False, count: int = 1
+) -> list[Sighting]:
+    """The ``count`` best places of the reference in a Lab picture, the best first, none on top of another.
+
+    Template matching at half size over all headings proposes places; each is then refined at full size with a
+    cost that is capped for every pixel, so that what covers a part of the object costs no more than that part.
+    """
+    half = cv2.resize(lab, None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA)
+    headings = np.arange(HEADINGS) * 2 * np.pi / HEADINGS
+    coarse = templates(reference, scale / 2, table_lab, headings, rim_only)
+    found = [
+        refine(lab, templates(reference, scale, table_lab, heading + FINE_HEADINGS, rim_only), 2 * centre)
+        for centre, heading in _proposals(half, coarse, max(PROPOSALS, count))
+    ]
+    return sorted(found, key=lambda s: s.misfit)[:count]
+
+
+def _proposals(lab: np.ndarray, made: list[Template], count: int) -> list[tuple[np.ndarray, float]]:
+    """(pixel, heading) of the best matches, the best first."""
+    scales = np.array([LIGHTNESS_WEIGHT, 1, 1], dtype=np.float32)
+    picture = lab * scales
+    stack = np.stack([_squares(picture, template, scales) for template in made])
+    best, which = stack.min(axis=0), stack.argmin(axis=0)
+    side = made[0].outline.shape[0]
+    reach = max(3, int(0.4 * np.sqrt(made[0].outline.sum())))
+    found = []
+    for _ in range(count):
+        row, column = np.unravel_index(np.argmin(best), best.shape)
+        if not np.isfinite(best[row, column]):
+            break
+        found.append((np.array([column, row]) + side / 2, made[which[row, column]].heading))
+        best[max(0, row - reach) : row + reach + 1, max(0, column - reach) : column + reach + 1] = np.inf
+    return found
+
+
+def _squares(picture: np.ndarray, template: Template, scales: np.ndarray) -> np.ndarray:
+    """Weighted sum of squared distances of the template at each position that lies inside the picture."""
+    weight = np.repeat(np.sqrt(template.weight)[..., None], 3, axis=2)
+    return cv2.matchTemplate(picture, template.lab * scales, cv2.TM_SQDIFF, mask=weight)
+
+
+def refine(lab: np.ndarray, made: list[Template], centre: np.ndarray, reach: int = 4, step: int = 1) -> Sighting:
+    """The best of the templates at whole-pixel shifts of up to ``reach`` around ``centre``; the nearest of equals."""
+    shifts = np.arange(-reach, reach + 1, step)
+    grid = np.stack(np.meshgrid(shifts, shifts, indexing="ij"), axis=-1).reshape(-1, 2)
+    grid = grid[np.argsort(np.abs(grid).sum(axis=1), kind="stable")]
+    best = (np.inf, made[0], centre)
+    for template in made:
+        corner = np.rint(centre - np.array(template.outline.shape[::-1]) / 2).astype(int)
+        costs = _capped(lab, template, corner + grid)
+        k = int(np.argmin(costs))
+        if costs[k] < best[0] - 1e-9:
+            best = (float(costs[k]), template, corner + grid[k])
+    return _sighting(best[1], best[2], best[0], lab.shape[:2])
+
+
+def _capped(lab: np.ndarray, template: Template, corners: np.ndarray) -> np.ndarray:
+    """(n,) mean capped colour distance, as a share of the cap, with the template's corner at each (u, v)."""
+    rows, columns = np.nonzero(template.weight)
+    thin = slice(None, None, max(1, len(rows) // MAX_PIXELS))
+    rows, columns = rows[thin], columns[thin]
+    weights, colours = template.weight[rows, columns], template.lab[rows, columns]
+    costs = np.empty(len(corners))
+    for k, (u, v) in enumerate(corners):
+        r, c = rows + v, columns + u
+        seen = (r >= 0) & (r < lab.shape[0]) & (c >= 0) & (c < lab.shape[1])
+        away = np.full(len(r), CAP, dtype=np.float32)
+        away[seen] = np.minimum(distance(lab[r[seen], c[seen]], colours[seen]), CAP)
+        costs[k] = float((away * weights).sum() / (CAP * weights.sum()))
+    return costs
+
+
+def _sighting(template: Template, corner: np.ndarray, misfit: float, shape: tuple[int, int]) -> Sighting:
+    height, width = template.outline.shape
+    u, v = (int(x) for x in corner)
+    mask = np.zeros(shape, bool)
+    low, high = (max(v, 0), max(u, 0)), (min(v + height, shape[0]), min(u + width, shape[1]))
+    mask[low[0] : high[0], low[1] : high[1]] = template.outline[low[0] - v : high[0] - v, low[1] - u : high[1] - u]
+    return Sighting(np.array([u + width / 2, v + height / 2]), template.heading, misfit, mask)

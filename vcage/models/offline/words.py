@@ -1,0 +1,121 @@
+"""Words: lemmas, number words, colours, kinds of kinds, and how alike two names are."""
+
+from __future__ import annotations
+
+import difflib
+import re
+from collections.abc import Iterable, Sequence
+
+IRREGULAR = {
+    "loaves": "loaf", "knives": "knife", "shelves": "shelf", "leaves": "leaf", "halves": "half", "mice": "mouse",
+    "potatoes": "potato", "tomatoes": "tomato", "dishes": "dish", "dice": "die", "men": "man", "children": "child",
+    "cookies": "cookie", "brownies": "brownie", "pies": "pie", "boxes": "box", "axes": "axe", "cacti": "cactus",
+}  # fmt: skip
+"""Plural → singular where the rules below would go wrong."""
+
+NO_PLURAL = frozenset("scissors pliers tongs tweezers headphones glasses cutlery stationery bus gas chess".split())
+"""Words that end like a plural and are none."""
+
+NUMBERS = {
+    "a": 1, "an": 1, "one": 1, "two": 2, "both": 2, "couple": 2, "pair": 2, "three": 3, "few": 3, "several": 3,
+    "some": None, "four": 4, "five": 5, "six": 6, "seven": 7, "eight": 8, "nine": 9, "ten": 10,
+}  # fmt: skip
+
+DETERMINERS = frozenset("the of this that these those my your our its his her all every each of any other".split())
+
+COLOURS = frozenset(
+    "red green blue yellow orange purple violet pink brown black white grey gray silver gold golden beige cyan teal "
+    "turquoise navy cream tan magenta".split()
+)
+
+_SAME_COLOUR = {"gray": "grey", "violet": "purple", "golden": "gold"}
+
+KINDS: dict[str, frozenset[str]] = {
+    "bread": frozenset("baguette croissant roll bun toast bagel loaf brioche pretzel ciabatta pita".split()),
+    "pastry": frozenset("croissant muffin donut doughnut brioche danish".split()),
+    "fruit": frozenset("apple banana orange lemon lime pear peach plum kiwi mango grape strawberry".split()),
+    "vegetable": frozenset("carrot potato tomato pepper onion cucumber broccoli aubergine".split()),
+    "cutlery": frozenset("fork knife spoon teaspoon".split()),
+    "tableware": frozenset("plate bowl mug cup fork knife spoon".split()),
+    "tool": frozenset("hammer screwdriver wrench pliers tape".split()),
+    "stationery": frozenset("pen pencil marker eraser stapler ruler notebook sharpener highlighter clip".split()),
+    "toy": frozenset("block cube brick ball doll car".split()),
+    "food": frozenset("apple banana orange baguette croissant roll bun toast bagel loaf".split()),
+    "drink": frozenset("can bottle carton juice soda".split()),
+}
+"""Words for a kind of things → heads of names of such things."""
+
+_WORD = re.compile(r"[a-z0-9]+(?:'[a-z]+)?")
+
+
+def tokens(text: str) -> list[str]:
+    """Lower-case words of a text, without punctuation; underscores and hyphens separate words."""
+    return _WORD.findall(text.lower().replace("_", " "))
+
+
+def lemma(word: str) -> str:
+    """Singular of an English noun in lower case."""
+    if word in NO_PLURAL:
+        return word
+    if word in IRREGULAR:
+        return IRREGULAR[word]
+    if len(word) > 4 and word.endswith("ies"):
+        return word[:-3] + "y"
+    if len(word) > 4 and word.endswith(("sses", "xes", "ches", "shes")):
+        return word[:-2]
+    if len(word) > 3 and word.endswith("s") and not word.endswith(("ss", "us", "is")):
+        return word[:-1]
+    return word
+
+
+def is_plural(word: str) -> bool:
+    """Whether the word is a plural form."""
+    return lemma(word) != word
+
+
+def lemmas(text: str) -> list[str]:
+    """Lemmas of the words of a text that carry meaning."""
+    return [lemma(word) for word in tokens(text) if word not in DETERMINERS]
+
+
+def colour_of(text: str) -> str | None:
+    """The first colour word in a text, in one spelling."""
+    for word in tokens(text):
+        if word in COLOURS:
+            return _SAME_COLOUR.get(word, word)
+    return None
+
+
+def kinds_of(head: str) -> set[str]:
+    """The kinds that a name with this head belongs to: ``bagel`` → {``bread``}."""
+    return {kind for kind, members in KINDS.items() if head in members}
+
+
+def same_word(a: str, b: str) -> bool:
+    """Equal, or one slip of the pen apart (only words of five letters and more)."""
+    if a == b:
+        return True
+    if min(len(a), len(b)) < 5:
+        return False
+    return difflib.SequenceMatcher(None, a, b).ratio() >= 0.86
+
+
+def name_similarity(phrase: Sequence[str], name: Sequence[str]) -> float:
+    """How well a name answers a phrase, in [0, 1]; both are lemmas, the head last.
+
+    1 for equal names; at least 0.6 when the heads agree (``box`` and ``bread box``); 0.45 when the phrase is
+    only a qualifier of the name (``marker`` and ``marker pen``); else 0.
+    """
+    if not phrase or not name:
+        return 0.0
+    shared = sum(any(same_word(word, other) for other in name) for word in phrase)
+    union = len(phrase) + len(name) - shared
+    if same_word(phrase[-1], name[-1]):
+        return 0.6 + 0.4 * shared / union
+    return 0.45 if shared == len(phrase) else 0.0
+
+
+def near_names(word: str, names: Iterable[str], count: int = 3) -> list[str]:
+    """The names most like ``word`` in spelling, best first."""
+    ranked = sorted(names, key=lambda name: (-difflib.SequenceMatcher(None, word, name).ratio(), name))
+    return ranked[:count]

@@ -1,0 +1,174 @@
+"""Stage 1: choose the objects, place them without collision, prove that they stay put, take the pictures."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from vcage.errors import InfeasibleScene, ModelRefused, UsageError
+from vcage.files import RunFolder
+from vcage.geometry import Pose, world_aabb
+from vcage.igsc.place import PlaceItem, place
+from vcage.igsc.select import NamedObject, name_objects, validate_selection
+from vcage.pipeline.pictures import write_labels, write_picture
+from vcage.pipeline.progress import Progress, silent
+from vcage.pipeline.settings import Settings
+from vcage.pipeline.stage import Job, StageResult
+from vcage.pipeline.workbench import Workbench
+from vcage.schema.base import PoseRecord, Provenance
+from vcage.schema.scene import ObjectRecord, Scene, SceneTemplate
+from vcage.sim.cameras import observe, shoot
+from vcage.sim.robots import load_template
+from vcage.sim.world import World
+
+YAWS = tuple(np.radians(range(-180, 180, 15)))
+"""Headings that an object may take at first, radians."""
+
+MAX_DRIFT, MAX_TILT = 0.005, np.radians(4)
+"""What settling may move an object by: metres, radians."""
+
+TRIES = 5
+"""Placements that are drawn before a scene whose objects do not stay put is given up."""
+
+
+def job(run: RunFolder, settings: Settings, bench: Workbench) -> Job:
+    """What the stage has to do.
+
+    Raises:
+        UsageError: there is no instruction.
+    """
+    instruction = " ".join((settings.instruction or "").split())
+    if not instruction:
+        raise UsageError("the instruction is empty", hint='give it in quotes: "Put the blocks on the plate"')
+    return Job(
+        run=run,
+        output=run.scene,
+        seed=settings.seed or 0,
+        options={"instruction": instruction, "template": settings.template},
+        providers=bench.models.providers("reasoner"),
+    )
+
+
+def summary(record: Scene) -> dict[str, Any]:
+    """A few facts for whoever ran the stage."""
+    return {"objects": [o.id for o in record.objects], **record.checks}
+
+
+def execute(run: RunFolder, settings: Settings, bench: Workbench, progress: Progress = silent) -> StageResult[Scene]:
+    """Write ``place/``: M, the top view, the empty table, the segmentation.
+
+    Raises:
+        NoAssetFits: the catalogue has nothing that the instruction names.
+        InfeasibleScene: the objects have no place, or do not stay where they are put.
+    """
+    stage = job(run, settings, bench)
+
+    def make(folder: Path, provenance: Provenance) -> Scene:
+        rng = stage.rng()
+        template = load_template(settings.template)
+        instruction = stage.options["instruction"]
+        selection = bench.models.reasoner.select_assets(instruction, bench.catalogue, rng)
+        complaints = validate_selection(selection, bench.catalogue)
+        if complaints:
+            raise ModelRefused(f"the reasoner chose what does not exist: {'; '.join(complaints)}", hint="run it again")
+        objects = name_objects(selection, bench.catalogue)
+        scene = _empty_scene(template, instruction, provenance, stage)
+        placed = _place_until_stable(scene, objects, template, bench, rng)
+        return _photograph(placed, bench, folder)
+
+    return stage.do(Scene, make, force=settings.force)
+
+
+def _empty_scene(template: SceneTemplate, instruction: str, provenance: Provenance, stage: Job) -> dict:
+    """The fields of the scene that do not depend on the objects."""
+    return {
+        "provenance": provenance,
+        "instruction": instruction,
+        "template": template.name,
+        "robot": template.robot,
+        "table": template.table,
+        "workspace": template.workspace,
+        "top_camera": template.top_camera,
+        "pictures": {name: stage.inside(f"{name}.png") for name in ("source", "background", "segmentation")},
+    }
+
+
+def _place_until_stable(
+    fields: dict, objects: list[NamedObject], template: SceneTemplate, bench: Workbench, rng: np.random.Generator
+) -> Scene:
+    """Draw placements until one stays put in the simulator; its settled poses are what M records."""
+    workspace = np.array([template.workspace.lower, template.workspace.upper])
+    items = _place_items(objects, template, bench)
+    height = template.table.height
+    worst: list[str] = []
+    for attempt in range(1, TRIES + 1):
+        spots = place(items, workspace, rng, margin=0.015)
+        poses = {key: Pose.from_yaw([spot.x, spot.y, height], spot.yaw) for key, spot in spots.items()}
+        scene = Scene(**fields, objects=[_record(o, poses[o.id], bench) for o in objects])
+        world = World.of_scene(scene, bench.physical_models(scene))
+        report = world.settle()
+        worst = [key for key in report.drift_m if report.drift_m[key] > MAX_DRIFT or report.tilt_rad[key] > MAX_TILT]
+        if report.settled and not worst:
+            poses = world.object_poses()
+            checks = {
+                "settle_steps": report.steps,
+                "largest_drift_mm": round(1000 * max(report.drift_m.values()), 3),
+                "largest_tilt_deg": round(float(np.degrees(max(report.tilt_rad.values()))), 3),
+                "placements": attempt,
+            }
+            return Scene(**fields, objects=[_record(o, poses[o.id], bench) for o in objects], checks=checks)
+    raise InfeasibleScene(
+        f"{', '.join(worst) or 'the objects'} did not stay where they were put in {TRIES} placements",
+        hint="check their collision hulls, or leave them out",
+        details={"objects": worst},
+    )
+
+
+def _place_items(
+    objects: list[NamedObject], template: SceneTemplate, bench: Workbench
+) -> list[PlaceItem]:
+    """What the placement needs of each object; what a task touches must be where an arm reaches."""
+    reach = bench.reach(template.robot, template.workspace, template.table)
+    items = []
+    for o in objects:
+        size = bench.library.asset(o.asset, o.variant).footprint
+        allowed = None if o.role == "context" else reach
+        items.append(PlaceItem(o.id, (float(size[0]), float(size[1])), YAWS, allowed=allowed))
+    return items
+
+
+def _record(o: NamedObject, pose: Pose, bench: Workbench) -> ObjectRecord:
+    box = world_aabb(bench.library.asset(o.asset, o.variant).bounds, pose)
+    return ObjectRecord(
+        id=o.id,
+        asset=o.asset,
+        variant=o.variant,
+        phrase=o.phrase,
+        role=o.role,
+        pose=PoseRecord.of(pose),
+        aabb=tuple(tuple(float(x) for x in corner) for corner in box),
+    )
+
+
+def _photograph(scene: Scene, bench: Workbench, folder: Path) -> Scene:
+    """Write the pictures of the scene, and note what the segmentation's values mean."""
+    look = bench.appearance(scene.table.texture)
+    world = World.of_scene(scene, bench.physical_models(scene), appearance=look, render=True)
+    shot = observe(world, scene.top_camera)
+    empty = World(scene.table, {}, appearance=look, render=True)
+    write_picture(folder / "source.png", shot.picture)
+    write_picture(folder / "background.png", shoot(empty, scene.top_camera))
+    write_labels(folder / "segmentation.png", shot.segmentation)
+    write_picture(folder / "segmentation_view.png", _colour_labels(shot.segmentation))
+    return scene.model_copy(update={"segmentation_ids": world.segmentation_ids})
+
+
+def _colour_labels(labels: np.ndarray) -> np.ndarray:
+    """(H, W, 3) picture of a label image: one hue per object, black for none."""
+    import cv2
+
+    hues = (labels.astype(np.int64) * 47 % 180).astype(np.uint8)
+    shown = np.where(labels > 0, 230, 0).astype(np.uint8)
+    return cv2.cvtColor(np.stack([hues, np.full_like(hues, 170), shown], axis=-1), cv2.COLOR_HSV2RGB)

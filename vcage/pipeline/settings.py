@@ -1,0 +1,43 @@
+"""What a user may choose for a run: one place for the defaults of all stages."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+OnFailure = Literal["resample", "abort"]
+
+
+@dataclass(frozen=True)
+class Settings:
+    """Options of the stages; each stage reads those that concern it.
+
+    Args:
+        instruction: the task in plain language (first stage).
+        template: scene template (first stage).
+        seed: of every random choice; None for the seed of ``place/scene.json``, or 0 in the first stage.
+        models: 'auto', 'offline', 'gemini', 'openai' or 'openrouter'.
+        force: make a finished stage again.
+        threshold: the paper's τ, smallest cosine similarity of a match.
+        margin: the paper's δ, smallest gap between two objects, metres.
+        restarts: random restarts of the layout optimisation.
+        episodes: how many accepted episodes to collect.
+        on_failure: try a failed sub-task again from the verified state before it, or abort the episode.
+        retries: attempts per sub-task beyond the first, when resampling.
+        fps: frames per second of the recording; divides the 250 Hz of the physics.
+        max_loss: largest JOD loss of the compressed keyframes.
+    """
+
+    instruction: str | None = None
+    template: str = "table"
+    seed: int | None = None
+    models: str = "auto"
+    force: bool = False
+    threshold: float = 0.6
+    margin: float = 0.015
+    restarts: int = 6
+    episodes: int = 3
+    on_failure: OnFailure = "resample"
+    retries: int = 3
+    fps: int = 10
+    max_loss: float = 0.1

@@ -1,0 +1,91 @@
+"""Stage 7: judge finished episodes again, or any pair of pictures of a run's table (paper, section III-C)."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from vcage.errors import MissingStage, UnknownName
+from vcage.files import RunFolder
+from vcage.pipeline.judging import TOP, critic_question
+from vcage.pipeline.pictures import read_picture
+from vcage.pipeline.progress import Progress, silent
+from vcage.pipeline.settings import Settings
+from vcage.pipeline.stage import Job, StageResult, stage_seed
+from vcage.pipeline.workbench import Workbench
+from vcage.schema.base import Provenance
+from vcage.schema.episodes import Episode, Episodes, SingleVerdict, Verdict, Verdicts
+from vcage.schema.scene import Scene
+from vcage.schema.subtasks import Subtask, Subtasks
+
+
+def job(run: RunFolder, settings: Settings, bench: Workbench) -> Job:
+    """What the stage has to do."""
+    return Job(
+        run=run,
+        output=run.verdicts,
+        inputs=[run.layout, run.subtasks, run.episodes],
+        seed=stage_seed(run, settings.seed),
+        providers=bench.models.providers("critic"),
+    )
+
+
+def summary(record: Verdicts) -> dict[str, Any]:
+    """A few facts for whoever ran the stage."""
+    verified = sum(all(v.accepted for v in verdicts) for verdicts in record.episodes.values())
+    return {"episodes": len(record.episodes), "verified": verified}
+
+
+def execute(
+    run: RunFolder, settings: Settings, bench: Workbench, progress: Progress = silent
+) -> StageResult[Verdicts]:
+    """Write ``verify/verdicts.json``: one verdict per sub-task of every accepted episode, from the pictures kept."""
+    stage = job(run, settings, bench)
+
+    def make(_folder: Path, provenance: Provenance) -> Verdicts:
+        scene = Scene.read(run.layout)
+        subtasks = {s.id: s for s in Subtasks.read(run.subtasks).kept}
+        accepted = [e for e in Episodes.read(run.episodes).episodes if e.accepted]
+        judged = {}
+        for number, episode in enumerate(accepted):
+            progress(f"episode {episode.index}", number, len(accepted))
+            judged[episode.file or f"episode {episode.index}"] = _judge_episode(run, scene, bench, episode, subtasks)
+        return Verdicts(provenance=provenance, episodes=judged)
+
+    return stage.do(Verdicts, make, force=settings.force)
+
+
+def _judge_episode(
+    run: RunFolder, scene: Scene, bench: Workbench, episode: Episode, subtasks: dict[str, Subtask]
+) -> list[Verdict]:
+    verdicts = []
+    for name, earlier in zip(episode.subtasks, episode.verdicts, strict=True):
+        before, after = (run.episodes.parent / picture for picture in earlier.pictures[:2])
+        verdict = _judge(scene, bench, subtasks[name], before, after)
+        pictures = [f"../{run.episodes.parent.name}/{picture}" for picture in earlier.pictures]
+        verdicts.append(verdict.model_copy(update={"pictures": pictures}))
+    return verdicts
+
+
+def judge_pair(run: RunFolder, bench: Workbench, subtask_id: str, before: Path, after: Path) -> SingleVerdict:
+    """A verdict about two pictures from the run's top camera.
+
+    Raises:
+        MissingStage: the run has no layout or sub-tasks yet, or a picture is missing.
+        UnknownName: the run has no such sub-task.
+    """
+    for path, stage in ((run.layout, "optimize"), (run.subtasks, "search_subtasks")):
+        if not path.exists():
+            raise MissingStage(f"verify needs {path}, which does not exist", hint=f"run {stage} first")
+    kept = {s.id: s for s in Subtasks.read(run.subtasks).kept}
+    if subtask_id not in kept:
+        raise UnknownName("sub-task", subtask_id, kept)
+    subtask = kept[subtask_id]
+    verdict = _judge(Scene.read(run.layout), bench, subtask, before, after)
+    pictures = [str(before), str(after)]
+    return SingleVerdict(text=subtask.text, verdict=verdict.model_copy(update={"pictures": pictures}))
+
+
+def _judge(scene: Scene, bench: Workbench, subtask: Subtask, before: Path, after: Path) -> Verdict:
+    views = [{TOP: read_picture(path)} for path in (before, after)]
+    return bench.models.critic.judge(critic_question(scene, bench, subtask.text, subtask.goals, *views))

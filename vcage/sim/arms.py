@@ -1,0 +1,210 @@
+"""Arms in a world: SAPIEN articulations driven by position targets."""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ElementTree
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from vcage.geometry import Pose
+from vcage.schema.robot import Arm
+from vcage.sim.poses import from_sapien, to_sapien
+from vcage.sim.robots import package_file
+from vcage.sim.trajectory import Trajectory
+from vcage.sim.urdf import physics_urdf, render_urdf
+
+if TYPE_CHECKING:
+    import sapien
+
+FINGER_FRICTION = 2.0
+"""Coulomb coefficient of the rubber finger tips."""
+
+FINGER_PATCH = 0.1
+"""Radius of the torsional friction patch of the finger tips, metres."""
+
+
+def build_arm(scene: sapien.Scene, arm: Arm, visual_faces: float | None) -> sapien.physx.PhysxArticulation:
+    """Add the arm to the scene at its home, gripper open, gravity compensated.
+
+    Args:
+        visual_faces: share of the visual triangles to keep, or None for an arm that is not drawn.
+    """
+    source = package_file(arm.urdf)
+    urdf = physics_urdf(source) if visual_faces is None else render_urdf(source, visual_faces)
+    loader = scene.create_urdf_loader()
+    loader.fix_root_link = True
+    for link in _finger_links(arm, urdf):
+        loader.set_link_material(link, FINGER_FRICTION, FINGER_FRICTION, 0.0)
+        loader.set_link_patch_radius(link, FINGER_PATCH)
+        loader.set_link_min_patch_radius(link, FINGER_PATCH)
+    srdf = None if arm.srdf is None else str(package_file(arm.srdf))
+    articulation = loader.load(str(urdf), srdf_file=srdf)
+    articulation.set_root_pose(to_sapien(arm.base.pose()))
+    for link in articulation.links:
+        link.disable_gravity = True
+    return articulation
+
+
+def _finger_links(arm: Arm, urdf: Path) -> list[str]:
+    joints = ElementTree.parse(urdf).getroot().iterfind("joint")
+    return [j.find("child").attrib["link"] for j in joints if j.attrib["name"] in arm.gripper.joints]
+
+
+ARRIVED = 0.003
+"""The arm has arrived when every joint is this near its target, radians."""
+
+ARRIVAL_STEPS = 125
+"""Longest wait for it, physics steps."""
+
+FINGERS_STILL = 2e-5
+"""Movement of the fingers per physics step below which they stand still, metres."""
+
+FINGER_STEPS = (25, 250)
+"""Shortest and longest time that the fingers are given, physics steps."""
+
+
+class ArmControl:
+    """One arm of a world: what it is told to do, and what it does.
+
+    ``qpos`` and ``command`` have the same layout: the arm's joints in radians, then the gripper's opening from
+    0 (closed) to 1 (open).
+
+    Args:
+        name: 'left', 'right'.
+        arm: its description.
+        articulation: its body in a SAPIEN scene.
+        step: advances the world by one physics step.
+    """
+
+    def __init__(
+        self, name: str, arm: Arm, articulation: sapien.physx.PhysxArticulation, step: Callable[[], None]
+    ):
+        self.name = name
+        self.arm = arm
+        self.articulation = articulation
+        self._step = step
+        order = {joint.name: i for i, joint in enumerate(articulation.active_joints)}
+        self._arm_index = np.array([order[j] for j in arm.joints])
+        self._finger_index = np.array([order[j] for j in arm.gripper.joints])
+        self._tool = articulation.find_link_by_name(arm.tool_link)
+        self._offset = arm.tool_offset.pose() if arm.tool_offset else Pose()
+        for joint in articulation.active_joints:
+            force = arm.gripper.force if joint.name in arm.gripper.joints else arm.force
+            joint.set_drive_properties(arm.stiffness, arm.damping, force_limit=force, mode="force")
+        self.reset()
+
+    # --- actions: these advance the world ---
+
+    def move(self, trajectory: Trajectory) -> None:
+        """Follow a trajectory, one target for each physics step, and wait until the arm has arrived."""
+        for q, velocity in zip(trajectory.q, trajectory.velocity, strict=True):
+            self.command_joints(q, velocity)
+            self._step()
+        self.command_joints(trajectory.end)
+        for _ in range(ARRIVAL_STEPS):
+            if np.abs(self.joints - trajectory.end).max() < ARRIVED:
+                break
+            self._step()
+
+    def grip(self, opening: float) -> None:
+        """Drive the fingers to ``opening`` (0 closed, 1 open) until they stand still, there or against an object."""
+        self.command_gripper(opening)
+        shortest, longest = FINGER_STEPS
+        for count in range(longest):
+            before = self.finger_width
+            self._step()
+            if count >= shortest and abs(self.finger_width - before) < FINGERS_STILL:
+                break
+
+    # --- commands ---
+
+    def reset(self) -> None:
+        """At home, open, at rest, at once."""
+        joints = np.zeros(self.articulation.dof)
+        joints[self._arm_index] = self.arm.home
+        joints[self._finger_index] = self.arm.gripper.open
+        self.articulation.set_qpos(joints)
+        self.articulation.set_qvel(np.zeros_like(joints))
+        self.command_joints(np.array(self.arm.home))
+        self.command_gripper(1.0)
+
+    def command_joints(self, q: np.ndarray, velocity: np.ndarray | None = None) -> None:
+        """Drive the arm's joints (n,) to ``q``, rad, passing at ``velocity``, rad/s (0 when not given)."""
+        self._joint_target = np.asarray(q, dtype=np.float64).copy()
+        velocity = np.zeros_like(self._joint_target) if velocity is None else velocity
+        joints = self.articulation.active_joints
+        for index, target, speed in zip(self._arm_index, self._joint_target, velocity, strict=True):
+            joints[index].set_drive_target(float(target))
+            joints[index].set_drive_velocity_target(float(speed))
+
+    def command_gripper(self, opening: float) -> None:
+        """Drive the fingers to ``opening``, 0 closed to 1 open."""
+        self._gripper_target = float(opening)
+        gripper = self.arm.gripper
+        position = gripper.closed + opening * (gripper.open - gripper.closed)
+        for index in self._finger_index:
+            self.articulation.active_joints[index].set_drive_target(position)
+
+    def drive_targets(self) -> np.ndarray:
+        """(2, dof) position and velocity targets of all active joints, as the drives hold them."""
+        joints = self.articulation.active_joints
+        return np.array(
+            [
+                [float(np.squeeze(j.get_drive_target())) for j in joints],
+                [float(np.squeeze(j.get_drive_velocity_target())) for j in joints],
+            ]
+        )
+
+    def set_drive_targets(self, targets: np.ndarray, command: np.ndarray) -> None:
+        """Restore :meth:`drive_targets` and :attr:`command` of a snapshot."""
+        self._joint_target = command[:-1].copy()
+        self._gripper_target = float(command[-1])
+        for joint, position, velocity in zip(self.articulation.active_joints, *targets, strict=True):
+            joint.set_drive_target(float(position))
+            joint.set_drive_velocity_target(float(velocity))
+
+    # --- state ---
+
+    @property
+    def joints(self) -> np.ndarray:
+        """(n,) measured arm joints, rad."""
+        return self.articulation.get_qpos()[self._arm_index].astype(np.float64)
+
+    @property
+    def opening(self) -> float:
+        """Measured opening of the gripper, 0 closed to 1 open."""
+        gripper = self.arm.gripper
+        position = float(self.articulation.get_qpos()[self._finger_index].mean())
+        return (position - gripper.closed) / (gripper.open - gripper.closed)
+
+    @property
+    def finger_width(self) -> float:
+        """Measured distance between the fingers, metres."""
+        return self.opening * self.arm.gripper.max_width
+
+    @property
+    def qpos(self) -> np.ndarray:
+        """(n + 1,) measured joints and gripper opening."""
+        return np.append(self.joints, self.opening)
+
+    @property
+    def command(self) -> np.ndarray:
+        """(n + 1,) the targets now in force."""
+        return np.append(self._joint_target, self._gripper_target)
+
+    @property
+    def tool_pose(self) -> Pose:
+        """Measured pose of the gripper frame in the world."""
+        return from_sapien(self._tool.entity_pose) * self._offset
+
+    @property
+    def fingers(self) -> list[sapien.Entity]:
+        """The entities of the finger links."""
+        return [self.articulation.active_joints[i].child_link.entity for i in self._finger_index]
+
+    def link_pose(self, name: str) -> Pose:
+        """Measured pose of a link in the world."""
+        return from_sapien(self.articulation.find_link_by_name(name).entity_pose)

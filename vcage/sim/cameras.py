@@ -1,0 +1,87 @@
+"""Pictures of a world: colour, segmentation and depth, from fixed cameras and cameras on links."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from vcage.geometry import Camera, Pose, look_at
+from vcage.schema.base import CameraRecord
+from vcage.schema.robot import RobotCamera
+from vcage.sim.poses import to_sapien
+from vcage.sim.world import World
+
+NEAR, FAR = 0.01, 20.0
+"""Clipping planes of every camera, metres."""
+
+
+@dataclass(frozen=True)
+class Shot:
+    """What a camera saw.
+
+    Args:
+        picture: (H, W, 3) uint8 sRGB.
+        segmentation: (H, W) int32, values of :attr:`World.segmentation_ids`, 0 where no object is.
+        depth: (H, W) float32, metres along the optical axis; infinite where nothing is.
+    """
+
+    picture: np.ndarray
+    segmentation: np.ndarray
+    depth: np.ndarray
+
+
+def shoot(world: World, camera: Camera | CameraRecord) -> np.ndarray:
+    """(H, W, 3) uint8 picture of a world made with ``render=True``."""
+    return _colour(_take(world, camera))
+
+
+def observe(world: World, camera: Camera | CameraRecord) -> Shot:
+    """Colour, segmentation and depth of the same moment."""
+    component = _take(world, camera)
+    depth = -component.get_picture("Position")[..., 2]
+    return Shot(
+        picture=_colour(component),
+        segmentation=_object_ids(world, component.get_picture("Segmentation")[..., 1]),
+        depth=np.where(depth > 0, depth, np.inf).astype(np.float32),
+    )
+
+
+def robot_cameras(world: World) -> dict[str, Camera]:
+    """The cameras of the world's robot by name, where they are now."""
+    cameras = world.robot.cameras if world.robot else {}
+    return {name: _placed(world, camera) for name, camera in cameras.items()}
+
+
+def _placed(world: World, camera: RobotCamera) -> Camera:
+    position = np.asarray(camera.position)
+    local = look_at(position, position + np.asarray(camera.forward), camera.up)
+    carrier = world.arms[camera.arm].link_pose(camera.link) if camera.arm and camera.link else Pose()
+    return Camera(camera.width, camera.height, camera.fovy, carrier * local)
+
+
+def _take(world: World, camera: Camera | CameraRecord) -> object:
+    """The world's camera component of that size and opening, after it took the picture."""
+    if not world.rendered:
+        raise ValueError("this world was made without render=True")
+    if isinstance(camera, CameraRecord):
+        camera = camera.camera()
+    component = world.camera_component(camera.width, camera.height, camera.fovy, NEAR, FAR)
+    component.entity.set_pose(to_sapien(camera.pose))
+    world.scene.update_render()
+    component.take_picture()
+    return component
+
+
+def _colour(component: object) -> np.ndarray:
+    return np.ascontiguousarray(component.get_picture("Color")[..., :3])
+
+
+def _object_ids(world: World, entities: np.ndarray) -> np.ndarray:
+    """SAPIEN's per-scene entity ids → our object values."""
+    table = np.zeros(int(entities.max()) + 1, dtype=np.int32)
+    for name, value in world.segmentation_ids.items():
+        index = world.entity(name).per_scene_id
+        if index < len(table):
+            table[index] = value
+    return table[entities]

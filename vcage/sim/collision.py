@@ -1,0 +1,175 @@
+"""What an arm would touch at given joints: its links and what it holds, against objects, table and other arms."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from vcage.geometry import Pose
+from vcage.schema.asset import PhysicalModel
+from vcage.schema.robot import Robot
+from vcage.schema.scene import Table
+from vcage.sim.bodies import Body
+from vcage.sim.kinematics import ArmKinematics, kinematics_of
+from vcage.sim.poses import to_sapien
+from vcage.sim.shapes import Shape, box_shape, model_shapes
+from vcage.sim.surroundings import THICKNESS
+
+if TYPE_CHECKING:
+    import sapien
+
+    from vcage.sim.world import World
+
+TOLERANCE = 0.002
+"""Overlap that still counts as touching, metres: objects rest on things, and fingers lie against what they hold."""
+
+SELF_GAP = 4
+"""Links that are so many links apart are checked against each other."""
+
+
+@dataclass(frozen=True)
+class Held:
+    """An object between the fingers.
+
+    Args:
+        object_id: which.
+        model: its geometry.
+        in_gripper: object frame in the gripper frame.
+    """
+
+    object_id: str
+    model: PhysicalModel
+    in_gripper: Pose
+
+
+@dataclass(frozen=True)
+class Contact:
+    """Two things that would overlap."""
+
+    moving: str
+    other: str
+
+
+class _Solids:
+    """Shapes with poses, as FCL objects, and spheres around them for a quick first look."""
+
+    def __init__(self, items: Iterable[tuple[str, Shape, sapien.Pose]]):
+        from mplib.pymp.collision_detection import fcl
+
+        self.names: list[str] = []
+        self.objects: list[object] = []
+        centres, radii = [], []
+        for name, shape, pose in items:
+            placed = pose * shape.local
+            self.names.append(name)
+            self.objects.append(fcl.CollisionObject(shape.geometry, placed.p.astype(float), placed.q.astype(float)))
+            centres.append(placed.to_transformation_matrix() @ [*shape.centre, 1.0])
+            radii.append(shape.radius)
+        self.centres = np.array(centres).reshape(-1, 4)[:, :3]
+        self.radii = np.array(radii)
+
+
+class CollisionScene:
+    """Everything around one arm.
+
+    Args:
+        robot: whose arm it is.
+        arm: its name.
+        table: a solid slab.
+        bodies: objects by id.
+        joints: where the other arms are, (n,) by name; at home where not given.
+    """
+
+    def __init__(
+        self,
+        robot: Robot,
+        arm: str,
+        table: Table,
+        bodies: Mapping[str, Body],
+        joints: Mapping[str, np.ndarray] | None = None,
+    ):
+        from mplib.pymp.collision_detection import fcl
+
+        self.kinematics = kinematics_of(robot.arms[arm])
+        self._request = fcl.CollisionRequest(num_max_contacts=1, enable_contact=True)
+        self._to_base = to_sapien(robot.arms[arm].base.pose().inverse())
+        items = [("table", *_table_slab(table))]
+        for name, body in bodies.items():
+            items += [(name, shape, to_sapien(body.pose)) for shape in model_shapes(body.model)]
+        for other, record in robot.arms.items():
+            if other != arm:
+                items += _links_of(other, kinematics_of(record), (joints or {}).get(other))
+        self._obstacles = _Solids((name, shape, self._to_base * pose) for name, shape, pose in items)
+
+    @classmethod
+    def of_world(cls, world: World, arm: str) -> CollisionScene:
+        """The surroundings of an arm as they are in the world now."""
+        bodies = {name: Body(world.bodies[name].model, pose) for name, pose in world.object_poses().items()}
+        others = {name: control.joints for name, control in world.arms.items() if name != arm}
+        return cls(world.robot, arm, world.table, bodies, others)
+
+    def first_contact(
+        self, q: np.ndarray, opening: float = 1.0, held: Held | None = None, ignore: Collection[str] = ()
+    ) -> Contact | None:
+        """What would overlap by more than :data:`TOLERANCE` with the arm at ``q``, or None.
+
+        Args:
+            q: (n,) arm joints, rad.
+            opening: of the gripper, 0 closed to 1 open.
+            held: what the gripper holds.
+            ignore: names of obstacles that may be touched: object ids, ``table``, or ``<arm>/<link>``.
+        """
+        poses = self.kinematics.base_poses(q, opening)
+        parts = [(link, shape, poses[link]) for link, shape in self.kinematics.link_shapes]
+        ranks = self.kinematics.link_ranks
+        if held is not None:
+            pose = self.kinematics.base_pose_of_tool(q) * to_sapien(held.in_gripper)
+            carried = [(held.object_id, shape, pose) for shape in model_shapes(held.model)]
+            parts, ranks = parts + carried, np.append(ranks, np.full(len(carried), ranks.max()))
+        moving = _Solids(parts)
+        skip = {*ignore, held.object_id} if held else set(ignore)
+        return self._with_obstacles(moving, ranks, skip) or self._with_itself(moving, ranks)
+
+    def _with_obstacles(self, moving: _Solids, ranks: np.ndarray, skip: Collection[str]) -> Contact | None:
+        near = _spheres_meet(moving, self._obstacles) & (ranks > 0)[:, None]  # the base never moves
+        for i, j in np.argwhere(near):
+            name = self._obstacles.names[j]
+            if name not in skip and self._overlap(moving.objects[i], self._obstacles.objects[j]):
+                return Contact(moving.names[i], name)
+        return None
+
+    def _with_itself(self, moving: _Solids, ranks: np.ndarray) -> Contact | None:
+        near = _spheres_meet(moving, moving) & (ranks[:, None] - ranks[None] >= SELF_GAP)
+        for i, j in np.argwhere(near):
+            if self._overlap(moving.objects[i], moving.objects[j]):
+                return Contact(moving.names[i], moving.names[j])
+        return None
+
+    def _overlap(self, a: object, b: object) -> bool:
+        from mplib.pymp.collision_detection import fcl
+
+        result = fcl.collide(a, b, self._request)
+        return result.is_collision() and abs(result.get_contact(0).penetration_depth) > TOLERANCE
+
+
+def _spheres_meet(a: _Solids, b: _Solids) -> np.ndarray:
+    """(len(a), len(b)) whether the spheres around two shapes meet."""
+    apart = np.linalg.norm(a.centres[:, None] - b.centres[None], axis=2)
+    return apart < a.radii[:, None] + b.radii[None]
+
+
+def _table_slab(table: Table) -> tuple[Shape, sapien.Pose]:
+    import sapien
+
+    return box_shape([*table.size, THICKNESS]), sapien.Pose([*table.centre, table.height - THICKNESS / 2])
+
+
+def _links_of(
+    arm: str, kinematics: ArmKinematics, joints: np.ndarray | None
+) -> list[tuple[str, Shape, sapien.Pose]]:
+    base = to_sapien(kinematics.arm.base.pose())
+    poses = kinematics.base_poses(kinematics.home if joints is None else joints, 1.0)
+    return [(f"{arm}/{link}", shape, base * poses[link]) for link, shape in kinematics.link_shapes]

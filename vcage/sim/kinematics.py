@@ -1,0 +1,173 @@
+"""Forward and inverse kinematics of an arm, without physics and without rendering."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from vcage.geometry import Pose
+from vcage.schema.robot import Arm
+from vcage.sim.arms import build_arm
+from vcage.sim.poses import from_sapien, to_sapien
+from vcage.sim.shapes import Shape, physics_shape
+
+if TYPE_CHECKING:
+    import sapien
+
+POSITION_TOLERANCE, ROTATION_TOLERANCE = 5e-4, 2e-3
+"""How far a solution may be off: metres, radians."""
+
+LIMIT_MARGIN = 0.01
+"""How far a solution stays from the joint limits, radians."""
+
+DISTINCT = 0.1
+"""Solutions that differ by less in every joint are the same, radians."""
+
+ITERATIONS = 100
+"""Steps of the solver from one seed; a seed that needs more is worth less than the next seed."""
+
+_SEEDS = 10
+"""How many variations of home are tried after the given seed and home itself."""
+
+
+class ArmKinematics:
+    """Kinematics of one arm in the world frame; answers are deterministic.
+
+    Args:
+        arm: its description; the gripper frame is ``tool_link`` with ``tool_offset``.
+    """
+
+    def __init__(self, arm: Arm):
+        import sapien
+
+        self.arm = arm
+        # The scene must outlive the articulation from which the model was made.
+        self._scene = sapien.Scene([sapien.physx.PhysxCpuSystem()])
+        articulation = build_arm(self._scene, arm, visual_faces=None)
+        self._model = articulation.create_pinocchio_model()
+        names = [link.name for link in articulation.links]
+        self._links = {name: i for i, name in enumerate(names)}
+        self.link_shapes = [(x.name, physics_shape(shape)) for x in articulation.links for shape in x.collision_shapes]
+        """Link name and collision shape, from the base out."""
+        solid = list(dict.fromkeys(name for name, _ in self.link_shapes))
+        self.link_ranks = np.array([solid.index(name) for name, _ in self.link_shapes])
+        """For each of :attr:`link_shapes`, how many solid links come before its link; 0 is the base."""
+        order = [joint.name for joint in articulation.active_joints]
+        self._index = np.array([order.index(name) for name in arm.joints])
+        self._fingers = np.array([order.index(name) for name in arm.gripper.joints])
+        self._mask = np.isin(np.arange(len(order)), self._index).astype(np.int32)
+        self._base = arm.base.pose()
+        self._from_base = self._base.inverse()
+        self._offset = arm.tool_offset.pose() if arm.tool_offset else Pose()
+        self._to_link = self._offset.inverse()
+        limits = np.concatenate([joint.limits for joint in articulation.active_joints])[self._index]
+        self.lower, self.upper = limits[:, 0].astype(np.float64), limits[:, 1].astype(np.float64)
+        self.home = np.array(arm.home, dtype=np.float64)
+        self._seeds = self._variations_of_home()
+
+    def fk(self, q: Sequence[float] | np.ndarray) -> Pose:
+        """Pose of the gripper frame in the world at arm joints ``q`` (n,), rad."""
+        self._model.compute_forward_kinematics(self._full(q, 1.0))
+        link = self._model.get_link_pose(self._links[self.arm.tool_link])
+        return self._base * from_sapien(link) * self._offset
+
+    def base_poses(self, q: Sequence[float] | np.ndarray, opening: float) -> dict[str, sapien.Pose]:
+        """Pose of every link in the frame of the arm's base; the gripper ``opening`` from 0 to 1."""
+        self._model.compute_forward_kinematics(self._full(q, opening))
+        return {name: self._model.get_link_pose(i) for name, i in self._links.items()}
+
+    def base_pose_of_tool(self, q: Sequence[float] | np.ndarray) -> sapien.Pose:
+        """Pose of the gripper frame in the frame of the arm's base."""
+        self._model.compute_forward_kinematics(self._full(q, 1.0))
+        return self._model.get_link_pose(self._links[self.arm.tool_link]) * to_sapien(self._offset)
+
+    def ik(self, pose: Pose, seed_q: np.ndarray | None = None, attempts: int = _SEEDS + 1) -> np.ndarray | None:
+        """Joints (n,) within limits that bring the gripper frame to ``pose``, or None.
+
+        Args:
+            pose: of the gripper frame in the world.
+            seed_q: (n,) where to start; the solution nearest to it is usually found. Home is next, then fixed
+                variations of home.
+            attempts: how many starts to try besides ``seed_q``.
+        """
+        return next(self._solutions(pose, seed_q, attempts), None)
+
+    def ik_all(self, pose: Pose, seed_q: np.ndarray | None = None, attempts: int = _SEEDS + 1) -> list[np.ndarray]:
+        """The different solutions that the starts of :meth:`ik` lead to, in that order."""
+        found: list[np.ndarray] = []
+        for q in self._solutions(pose, seed_q, attempts):
+            if all(np.abs(q - other).max() > DISTINCT for other in found):
+                found.append(q)
+        return found
+
+    def reachable(self, pose: Pose) -> bool:
+        """Whether :meth:`ik` has a solution."""
+        return self.ik(pose) is not None
+
+    def limit_margin(self, q: np.ndarray) -> float:
+        """How far the joint nearest to a limit is from it, as a share of half its range: 0 at a limit, 1 in the middle."""
+        half = (self.upper - self.lower) / 2
+        return float(np.min(1 - np.abs(np.asarray(q) - (self.lower + half)) / half))
+
+    def within_limits(self, q: np.ndarray) -> bool:
+        """Whether all joints keep :data:`LIMIT_MARGIN` from their limits."""
+        return bool(np.all(q >= self.lower + LIMIT_MARGIN) and np.all(q <= self.upper - LIMIT_MARGIN))
+
+    def _solutions(self, pose: Pose, seed_q: np.ndarray | None, attempts: int) -> Iterator[np.ndarray]:
+        target = to_sapien(self._from_base * pose * self._to_link)
+        for seed in ([] if seed_q is None else [np.asarray(seed_q)]) + self._seeds[:attempts]:
+            q = self._solve(target, pose, seed)
+            if q is not None:
+                yield q
+
+    def _solve(self, target: object, pose: Pose, seed: np.ndarray) -> np.ndarray | None:
+        """One descent in closed loop (CLIK) from ``seed``; joint angles are brought back by whole turns."""
+        full, _, _ = self._model.compute_inverse_kinematics(
+            self._links[self.arm.tool_link],
+            target,
+            initial_qpos=self._full(seed, 1.0),
+            active_qmask=self._mask,
+            eps=1e-4,
+            max_iterations=ITERATIONS,
+            dt=0.3,
+            damp=1e-6,
+        )
+        q = self._unwound(np.asarray(full, dtype=np.float64)[self._index])
+        return q if self.within_limits(q) and self._arrives(q, pose) else None
+
+    def _arrives(self, q: np.ndarray, pose: Pose) -> bool:
+        reached = self.fk(q)
+        angle = 2 * np.arccos(min(1.0, abs(float(reached.q @ pose.q))))
+        return bool(np.linalg.norm(reached.p - pose.p) < POSITION_TOLERANCE and angle < ROTATION_TOLERANCE)
+
+    def _unwound(self, q: np.ndarray) -> np.ndarray:
+        """Each angle moved by whole turns into its limits where that is possible."""
+        turns = np.ceil((self.lower - q) / (2 * np.pi)).clip(min=0) - np.ceil((q - self.upper) / (2 * np.pi)).clip(min=0)
+        return q + 2 * np.pi * turns
+
+    def _full(self, q: Sequence[float] | np.ndarray, opening: float) -> np.ndarray:
+        gripper = self.arm.gripper
+        full = np.zeros(len(self._mask))
+        full[self._index] = q
+        full[self._fingers] = gripper.closed + opening * (gripper.open - gripper.closed)
+        return full
+
+    def _variations_of_home(self) -> list[np.ndarray]:
+        """Home, then fixed points around it: the same for every run, and independent of any other random choice."""
+        rng = np.random.default_rng(0)
+        spread = rng.uniform(-1.0, 1.0, size=(_SEEDS, len(self.home)))
+        return [self.home] + [np.clip(self.home + s, self.lower + 0.05, self.upper - 0.05) for s in spread]
+
+
+@functools.cache
+def arm_kinematics(arm_json: str) -> ArmKinematics:
+    """The kinematics of the arm whose record is ``arm_json``, made once per process."""
+    return ArmKinematics(Arm.model_validate_json(arm_json))
+
+
+def kinematics_of(arm: Arm) -> ArmKinematics:
+    """The kinematics of an arm; equal records share one."""
+    return arm_kinematics(arm.model_dump_json())

@@ -1,0 +1,212 @@
+"""Deterministic motion planning: straight lines of the gripper, and free moves around obstacles.
+
+mplib's planners cannot be seeded (the same query may fail in one run and succeed in the next), so paths are made
+here: inverse kinematics along lines, each solution from the one before; joint interpolation; and, where neither
+is free, a bidirectional random tree with a fixed seed.
+"""
+
+from __future__ import annotations
+
+import functools
+import itertools
+from collections.abc import Callable, Collection, Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial.transform import Rotation, Slerp
+
+from vcage.errors import VcageError
+from vcage.geometry import Pose
+from vcage.sim.collision import CollisionScene, Held
+from vcage.sim.rrt import connect
+from vcage.sim.trajectory import Trajectory, timed
+from vcage.sim.world import PHYSICS_HZ
+
+LINE_STEP, LINE_TURN = 0.01, 0.06
+"""Spacing of the poses along a line: metres, radians."""
+
+MAX_JUMP = 0.25
+"""Largest change of a joint between neighbouring poses of a line, radians: more is another branch."""
+
+JOINT_STEP = 0.05
+"""Spacing of collision checks in joint space, radians."""
+
+RISES = (0.08, 0.16, 0.24)
+"""Heights above the start and goal that a raised way is tried at, metres."""
+
+
+class MotionFailed(VcageError):
+    """No way was found; the message says for which move, and what stands in the way."""
+
+    code = "motion_failed"
+
+
+@dataclass(frozen=True)
+class Load:
+    """What the hand does while it moves.
+
+    Args:
+        opening: of the gripper, 0 closed to 1 open.
+        held: what it holds.
+        ignore: obstacles that may be touched (see :meth:`CollisionScene.first_contact`).
+        speed: share of the speed limit.
+    """
+
+    opening: float = 1.0
+    held: Held | None = None
+    ignore: Collection[str] = ()
+    speed: float = 1.0
+
+
+class MotionPlanner:
+    """Plans for one arm in surroundings that stand still.
+
+    Args:
+        scene: what is around it; its kinematics say which arm.
+    """
+
+    def __init__(self, scene: CollisionScene):
+        self.scene = scene
+        self.kinematics = scene.kinematics
+
+    def line(self, q: np.ndarray, pose: Pose, load: Load = Load()) -> Trajectory:
+        """Move the gripper frame straight to ``pose``, turning evenly on the way.
+
+        Args:
+            q: (n,) joints at the start, rad.
+
+        Raises:
+            MotionFailed: a joint limit or an obstacle stops it.
+        """
+        return self._timed(self._line(q, pose, load), load)
+
+    def move(self, q: np.ndarray, goal: Pose | np.ndarray, load: Load = Load(), then: Sequence[Pose] = ()) -> Trajectory:
+        """Move to a gripper pose or to joints, by any free way.
+
+        Args:
+            q: (n,) joints at the start, rad.
+            goal: pose of the gripper frame, or (n,) joints.
+            then: poses that straight lines must reach from there one after the other (obstacles are not looked
+                at); of several ways to hold the arm, one from which they do is taken.
+
+        Raises:
+            MotionFailed: no free way was found.
+        """
+        reasons: list[str] = []
+        for way in self._ways(q, goal, load, then):
+            try:
+                return way()
+            except MotionFailed as error:
+                reasons.append(error.message)
+        where = f"to {np.round(goal.p, 3).tolist()}" if isinstance(goal, Pose) else "to the given joints"
+        why = "; ".join(dict.fromkeys(reasons)) or "no joint angles reach it"
+        raise MotionFailed(f"the {self.kinematics.arm.tool_link} cannot move {where}: {why}")
+
+    # --- ways ---
+
+    def _ways(
+        self, q: np.ndarray, goal: Pose | np.ndarray, load: Load, then: Sequence[Pose]
+    ) -> Iterator[Callable[[], Trajectory]]:
+        """Ways to try, the plainest first."""
+        if isinstance(goal, Pose):
+            yield lambda: self._timed(self._line(q, goal, load, then), load)
+            goals = [g for g in self.kinematics.ik_all(goal, q) if self._continues(g, then)]
+            goals.sort(key=lambda g: float(np.abs(g - q).max()))
+        else:
+            goals = [np.asarray(goal, dtype=np.float64)]
+        for g in goals:
+            yield lambda g=g: self._timed(self._straight(q, g, load), load)
+        for rise in RISES:
+            for g in goals[:2]:
+                yield lambda g=g, rise=rise: self._raised(q, g, rise, load)
+        for g in goals[:2]:
+            yield lambda g=g: self._around(q, g, load)
+
+    def _raised(self, q: np.ndarray, goal: np.ndarray, rise: float, load: Load) -> Trajectory:
+        """Straight up, across in joint space, straight down."""
+        up = [0.0, 0.0, rise]
+        here, there = self.kinematics.fk(q), self.kinematics.fk(goal)
+        first = self._line(q, Pose(here.p + up, here.q), load)
+        last = self._line(goal, Pose(there.p + up, there.q), load)[::-1]
+        across = self._straight(first[-1], last[0], load)
+        return self._timed(first, load).then(self._timed(across, load)).then(self._timed(last, load))
+
+    def _around(self, q: np.ndarray, goal: np.ndarray, load: Load) -> Trajectory:
+        """A way found by a random tree with a fixed seed; the arm rests at its corners."""
+        for end in (q, goal):
+            self._check(end, load)
+        path = connect(
+            q,
+            goal,
+            free=lambda a, b: all(self._touches(x, load) is None for x in _between(a, b)[1:]),
+            lower=self.kinematics.lower,
+            upper=self.kinematics.upper,
+            rng=np.random.default_rng(0),
+        )
+        if path is None:
+            raise MotionFailed("no way around the obstacles was found")
+        legs = [self._timed(_between(a, b), load) for a, b in itertools.pairwise(path)]
+        return functools.reduce(Trajectory.then, legs)
+
+    def _straight(self, q: np.ndarray, goal: np.ndarray, load: Load) -> np.ndarray:
+        """(k, n) evenly spaced points of a straight line in joint space."""
+        path = _between(q, goal)
+        for point in path[1:]:
+            self._check(point, load)
+        return path
+
+    def _line(self, q: np.ndarray, pose: Pose, load: Load, then: Sequence[Pose] = ()) -> np.ndarray:
+        """(k, n) joints along a straight line of the gripper frame."""
+        path = [np.asarray(q, dtype=np.float64)]
+        start = self.kinematics.fk(q)
+        poses = _poses_between(start, pose)
+        for i, step in enumerate(poses, start=1):
+            solution = self.kinematics.ik(step, path[-1], attempts=0)
+            if solution is None or np.abs(solution - path[-1]).max() > MAX_JUMP:
+                share = f"{100 * i / len(poses):.0f} %"
+                raise MotionFailed(f"the arm cannot follow the straight line to its end (joint limit at {share})")
+            self._check(solution, load)
+            path.append(solution)
+        if not self._continues(path[-1], then):
+            raise MotionFailed("the arm gets there, but could not go on from there")
+        return np.array(path)
+
+    def _continues(self, q: np.ndarray, poses: Sequence[Pose]) -> bool:
+        """Whether straight lines lead from ``q`` through ``poses``, obstacles aside."""
+        for pose in poses:
+            for step in _poses_between(self.kinematics.fk(q), pose):
+                solution = self.kinematics.ik(step, q, attempts=0)
+                if solution is None or np.abs(solution - q).max() > MAX_JUMP:
+                    return False
+                q = solution
+        return True
+
+    # --- checks and timing ---
+
+    def _touches(self, q: np.ndarray, load: Load) -> object | None:
+        return self.scene.first_contact(q, load.opening, load.held, load.ignore)
+
+    def _check(self, q: np.ndarray, load: Load) -> None:
+        contact = self._touches(q, load)
+        if contact is not None:
+            raise MotionFailed(f"{contact.moving} would touch {contact.other}")
+
+    def _timed(self, path: np.ndarray, load: Load) -> Trajectory:
+        return timed(path, PHYSICS_HZ, load.speed)
+
+
+def _poses_between(start: Pose, end: Pose) -> list[Pose]:
+    """Poses on the straight line from ``start`` (left out) to ``end``."""
+    turn = Rotation.from_quat(np.roll([start.q, end.q], -1, axis=1))
+    angle = (turn[0].inv() * turn[1]).magnitude()
+    count = max(1, int(np.ceil(max(np.linalg.norm(end.p - start.p) / LINE_STEP, angle / LINE_TURN))))
+    shares = np.arange(1, count + 1) / count
+    quaternions = np.roll(Slerp([0, 1], turn)(shares).as_quat(), 1, axis=1)
+    points = start.p + shares[:, None] * (end.p - start.p)
+    return [Pose(p, q) for p, q in zip(points, quaternions, strict=True)]
+
+
+def _between(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """(k, n) points from ``a`` to ``b``, no joint further than :data:`JOINT_STEP` from one to the next."""
+    count = max(1, int(np.ceil(np.abs(b - a).max() / JOINT_STEP)))
+    return a + np.linspace(0, 1, count + 1)[:, None] * (b - a)

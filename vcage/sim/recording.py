@@ -1,0 +1,141 @@
+"""Recording a simulated episode as state, evenly in time, to be drawn later."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from vcage.errors import UsageError
+from vcage.geometry import Pose
+from vcage.sim.state import WorldState
+from vcage.sim.world import PHYSICS_HZ, World
+
+DEFAULT_FPS = 10
+
+
+@dataclass(frozen=True)
+class ArmFrame:
+    """One arm at one moment.
+
+    Args:
+        state: (n + 1,) measured arm joints (rad) and gripper opening (0 closed, 1 open).
+        command: (n + 1,) the targets given for the time from this frame on; same layout.
+        joints: (dof,) measured positions of all active joints, fingers too, for replay.
+        velocity: (dof,) their measured velocities.
+        tool: measured pose of the gripper frame in the world.
+    """
+
+    state: np.ndarray
+    command: np.ndarray
+    joints: np.ndarray
+    velocity: np.ndarray
+    tool: Pose
+
+
+@dataclass(frozen=True)
+class Frame:
+    """Everything at one moment.
+
+    Args:
+        step: physics step at which it was taken.
+        arms: by name.
+        objects: pose by object id.
+    """
+
+    step: int
+    arms: dict[str, ArmFrame]
+    objects: dict[str, Pose]
+
+    @property
+    def timestamp(self) -> float:
+        """Seconds of simulated time."""
+        return self.step / PHYSICS_HZ
+
+    def world_state(self) -> WorldState:
+        """What :meth:`World.set_state` needs to show it."""
+        return WorldState(self.objects, {name: arm.joints for name, arm in self.arms.items()})
+
+
+@dataclass
+class StateLog:
+    """The frames of an episode, ``1 / fps`` seconds apart.
+
+    Args:
+        fps: frames per second of simulated time.
+    """
+
+    fps: int
+    frames: list[Frame] = field(default_factory=list)
+
+    def __len__(self) -> int:
+        return len(self.frames)
+
+    @property
+    def every(self) -> int:
+        """Physics steps from frame to frame."""
+        return PHYSICS_HZ // self.fps
+
+    def truncate(self, step: int) -> None:
+        """Forget the frames taken at or after a physics step: go back to a snapshot taken then."""
+        self.frames = [frame for frame in self.frames if frame.step < step]
+
+    def frame_at(self, step: int) -> int:
+        """Index of the first frame taken at or after a physics step (the boundary of a sub-task)."""
+        return sum(frame.step < step for frame in self.frames)
+
+    def timestamps(self) -> np.ndarray:
+        """(T,) seconds, evenly spaced from 0."""
+        return np.array([frame.timestamp - self.frames[0].timestamp for frame in self.frames])
+
+    def arm_array(self, arm: str, field_name: str) -> np.ndarray:
+        """(T, …) a field of :class:`ArmFrame`; ``tool`` as (T, 7) position and quaternion wxyz."""
+        values = [getattr(frame.arms[arm], field_name) for frame in self.frames]
+        return np.stack([np.concatenate([v.p, v.q]) if isinstance(v, Pose) else v for v in values])
+
+    def object_array(self, object_id: str) -> np.ndarray:
+        """(T, 7) position and quaternion wxyz of an object."""
+        poses = [frame.objects[object_id] for frame in self.frames]
+        return np.stack([np.concatenate([pose.p, pose.q]) for pose in poses])
+
+
+class Recorder:
+    """Adds a frame to a log whenever one is due, for as long as the world steps.
+
+    A frame is taken just before a physics step: the state is what a camera sees, and the command is what the arm
+    was just told to do next.
+
+    Args:
+        world: to record; a snapshot restored into it goes on with the step count of the snapshot.
+        log: a new one, or one to go on with; frames that the world has not reached yet are dropped.
+
+    Raises:
+        UsageError: the physics rate is no multiple of the log's frame rate.
+    """
+
+    def __init__(self, world: World, log: StateLog):
+        if log.fps <= 0 or PHYSICS_HZ % log.fps:
+            divisors = [d for d in range(1, PHYSICS_HZ + 1) if PHYSICS_HZ % d == 0]
+            raise UsageError(f"cannot record {log.fps} frames per second", hint=f"take one of {divisors}")
+        self.log = log
+        log.truncate(world.steps)
+        world.before_step.append(self._before_step)
+
+    def _before_step(self, world: World) -> None:
+        if world.steps % self.log.every == 0:
+            self.log.frames.append(take_frame(world))
+
+
+def take_frame(world: World) -> Frame:
+    """Everything at this moment."""
+    arms = {
+        name: ArmFrame(
+            state=arm.qpos,
+            command=arm.command,
+            joints=arm.articulation.get_qpos().copy(),
+            velocity=arm.articulation.get_qvel().copy(),
+            tool=arm.tool_pose,
+        )
+        for name, arm in world.arms.items()
+    }
+    return Frame(world.steps, arms, world.object_poses())

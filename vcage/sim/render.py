@@ -1,0 +1,64 @@
+"""The process-wide render system, and materials made from colours and pictures.
+
+Compiling the shaders costs about six CPU seconds whenever the last render system of a process dies, so one is
+kept alive for the life of the process and every world draws with the same device.
+"""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Sequence
+
+import numpy as np
+
+from vcage.errors import NoRenderer
+
+SAMPLES = 4
+"""Samples per pixel (multisample anti-aliasing)."""
+
+
+@functools.cache
+def _first_system() -> object:
+    """The render system that keeps the shaders compiled; made on first use, never dropped."""
+    from vcage.sim.vulkan import ensure_driver
+
+    ensure_driver()
+    import sapien
+
+    sapien.render.set_log_level("error")
+    sapien.render.set_picture_format("Color", "r8g8b8a8unorm")
+    sapien.render.set_msaa(SAMPLES)
+    try:
+        return sapien.render.RenderSystem()
+    except RuntimeError as error:
+        raise NoRenderer(f"SAPIEN cannot draw: {error}", hint="run `vcage doctor`") from error
+
+
+def new_render_system() -> object:
+    """A render system of its own for one scene, on the process-wide device.
+
+    Raises:
+        NoRenderer: no Vulkan driver here can draw.
+    """
+    device = _first_system().device
+    import sapien
+
+    return sapien.render.RenderSystem(device)
+
+
+def plain_material(colour: Sequence[float], roughness: float = 0.8) -> object:
+    """A material of one colour, linear RGB in [0, 1]."""
+    import sapien
+
+    return sapien.render.RenderMaterial(base_color=[*colour, 1.0], roughness=roughness)
+
+
+def painted_material(picture: np.ndarray, roughness: float = 0.7) -> object:
+    """A material that shows an (H, W, 3) uint8 sRGB picture."""
+    import sapien
+
+    material = sapien.render.RenderMaterial(base_color=[1, 1, 1, 1], roughness=roughness)
+    opaque = np.dstack([picture, np.full(picture.shape[:2], 255, np.uint8)])
+    texture = sapien.render.RenderTexture2D(np.ascontiguousarray(opaque), "R8G8B8A8Unorm", mipmap_levels=6, srgb=True)
+    material.set_base_color_texture(texture)
+    return material

@@ -1,0 +1,55 @@
+"""Rendering a recorded episode: states are set, never stepped, so it can be drawn again in any appearance."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from vcage.geometry import Camera
+from vcage.sim.cameras import robot_cameras, shoot
+from vcage.sim.recording import StateLog
+from vcage.sim.state import WorldState
+from vcage.sim.world import World
+
+
+@dataclass(frozen=True)
+class RenderedFrame:
+    """What the cameras saw at one moment.
+
+    Args:
+        pictures: (H, W, 3) uint8 by camera name.
+        cameras: the cameras as they stood.
+    """
+
+    pictures: dict[str, np.ndarray]
+    cameras: dict[str, Camera]
+
+
+def render_state(world: World, state: WorldState, names: Sequence[str] | None = None) -> RenderedFrame:
+    """Show a state in a rendered world and take the pictures of the robot's cameras (all, or those named)."""
+    world.set_state(state)
+    cameras = {name: camera for name, camera in robot_cameras(world).items() if names is None or name in names}
+    return RenderedFrame({name: shoot(world, camera) for name, camera in cameras.items()}, cameras)
+
+
+def render_log(world: World, log: StateLog, names: Sequence[str] | None = None) -> Iterator[RenderedFrame]:
+    """The frames of a log, in order, each with the pictures of the robot's cameras.
+
+    Args:
+        world: made with ``render=True`` from the same objects and robot as the recorded one.
+        names: of the cameras; all of the robot's when not given.
+    """
+    for frame in log.frames:
+        yield render_state(world, frame.world_state(), names)
+
+
+def camera_paths(world: World, log: StateLog) -> dict[str, list[Camera]]:
+    """Where each camera of the robot was in each frame, without drawing; any world with the same robot will do."""
+    paths: dict[str, list[Camera]] = {}
+    for frame in log.frames:
+        world.set_state(frame.world_state())
+        for name, camera in robot_cameras(world).items():
+            paths.setdefault(name, []).append(camera)
+    return paths

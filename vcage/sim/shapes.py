@@ -1,0 +1,72 @@
+"""Convex collision shapes for planning: the very shapes that physics uses, as FCL geometry."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from vcage.schema.asset import PhysicalModel
+
+if TYPE_CHECKING:
+    import sapien
+
+
+@dataclass(frozen=True)
+class Shape:
+    """A convex solid in the frame of its body.
+
+    Args:
+        geometry: FCL collision geometry.
+        local: the shape's frame in the body's frame.
+        centre, radius: a sphere around it, in the shape's frame, metres.
+    """
+
+    geometry: object
+    local: sapien.Pose
+    centre: np.ndarray
+    radius: float
+
+
+def box_shape(size: Iterable[float]) -> Shape:
+    """A box of that size (x, y, z) around the origin."""
+    import sapien
+    from mplib.pymp.collision_detection import fcl
+
+    size = np.asarray(list(size), dtype=np.float64)
+    return Shape(fcl.Box(*size), sapien.Pose(), np.zeros(3), float(np.linalg.norm(size) / 2))
+
+
+def physics_shape(shape: sapien.physx.PhysxCollisionShape) -> Shape:
+    """A SAPIEN box or convex mesh.
+
+    Raises:
+        ValueError: the shape is of another kind.
+    """
+    import sapien
+    from mplib.pymp.collision_detection import fcl
+
+    if isinstance(shape, sapien.physx.PhysxCollisionShapeBox):
+        box = box_shape(2 * np.asarray(shape.half_size))
+        return Shape(box.geometry, shape.local_pose, box.centre, box.radius)
+    if not isinstance(shape, sapien.physx.PhysxCollisionShapeConvexMesh):
+        raise ValueError(f"cannot plan around a {type(shape).__name__}")
+    vertices = np.asarray(shape.vertices, dtype=np.float64) * shape.scale
+    geometry = fcl.Convex(vertices, np.asarray(shape.triangles, dtype=np.int32))
+    centre = (vertices.min(axis=0) + vertices.max(axis=0)) / 2
+    return Shape(geometry, shape.local_pose, centre, float(np.linalg.norm(vertices - centre, axis=1).max()))
+
+
+def model_shapes(model: PhysicalModel) -> list[Shape]:
+    """The hulls of an object."""
+    return [_hull(path) for path in model.hulls]
+
+
+@functools.lru_cache(maxsize=1024)
+def _hull(path: str) -> Shape:
+    from sapien import physx
+
+    return physics_shape(physx.PhysxCollisionShapeConvexMesh(path, [1, 1, 1], physx.get_default_material()))

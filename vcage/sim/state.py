@@ -1,0 +1,56 @@
+"""The state of a world at one moment, and snapshots to continue from."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from vcage.geometry import Pose
+
+
+@dataclass(frozen=True)
+class WorldState:
+    """All that is needed to draw a world: positions, no velocities.
+
+    Args:
+        objects: pose by object id.
+        joints: positions of all active joints (fingers too) by arm, in the order of the articulation.
+    """
+
+    objects: dict[str, Pose]
+    joints: dict[str, np.ndarray]
+
+
+@dataclass(frozen=True)
+class SettleReport:
+    """What happened while a world came to rest.
+
+    Args:
+        steps: physics steps taken.
+        settled: whether everything came to rest on the table within the cap.
+        drift_m: how far each object's origin moved.
+        tilt_rad: how far each object's up axis turned.
+        fallen: objects that left the table.
+    """
+
+    steps: int
+    settled: bool
+    drift_m: dict[str, float]
+    tilt_rad: dict[str, float]
+    fallen: list[str]
+
+
+def pack_arrays(arrays: Mapping[str, np.ndarray]) -> bytes:
+    """Arrays by name as bytes; the same arrays give the same bytes."""
+    buffer = io.BytesIO()
+    np.savez(buffer, **arrays)
+    return buffer.getvalue()
+
+
+def unpack_arrays(data: bytes) -> dict[str, np.ndarray]:
+    """The inverse of :func:`pack_arrays`."""
+    with np.load(io.BytesIO(data), allow_pickle=False) as arrays:
+        return dict(arrays)

@@ -1,0 +1,142 @@
+"""The table, and around it the floor, a back wall, the pedestals of the arms, and the light."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from vcage.schema.robot import Robot
+from vcage.schema.scene import Table
+from vcage.sim.appearance import Appearance
+from vcage.sim.render import painted_material, plain_material
+
+if TYPE_CHECKING:
+    import sapien
+
+THICKNESS = 0.04
+"""Thickness of the table top, metres."""
+
+FRICTION = 0.8
+"""Coulomb coefficient of the table top."""
+
+LEG = 0.025
+"""Half width of a table leg, metres."""
+
+WALL_BEHIND, WALL_HEIGHT = 2.5, 3.0
+"""Distance of the back wall from the table's centre, so that its shadow does not reach the table, metres."""
+
+
+def add_table(scene: sapien.Scene, table: Table) -> None:
+    """The solid table top (no picture)."""
+    import sapien
+
+    component = sapien.physx.PhysxRigidStaticComponent()
+    half = [table.size[0] / 2, table.size[1] / 2, THICKNESS / 2]
+    material = sapien.physx.PhysxMaterial(FRICTION, FRICTION, 0.0)
+    component.attach(sapien.physx.PhysxCollisionShapeBox(half, material))
+    entity = sapien.Entity()
+    entity.name = "table"
+    entity.add_component(component)
+    entity.pose = sapien.Pose([*table.centre, table.height - THICKNESS / 2])
+    scene.add_entity(entity)
+
+
+def add_surroundings(scene: sapien.Scene, table: Table, robot: Robot | None, appearance: Appearance) -> None:
+    """Everything that is only seen: table, floor, wall, pedestals, light."""
+    _add_visuals(scene, "table", _table_shapes(table, appearance))
+    _add_visuals(scene, "room", _room_shapes(table, appearance))
+    if robot is not None:
+        _add_visuals(scene, "pedestals", _pedestal_shapes(robot))
+    scene.set_ambient_light(list(appearance.ambient))
+    scene.add_directional_light(
+        list(appearance.light_direction),
+        list(appearance.light_colour),
+        shadow=True,
+        position=[0.0, 0.0, table.height],
+        shadow_scale=1.5,
+        shadow_near=-1.6,
+        shadow_far=3.0,
+        shadow_map_size=2048,
+    )
+
+
+def _add_visuals(scene: sapien.Scene, name: str, shapes: list[sapien.render.RenderShape]) -> None:
+    import sapien
+
+    component = sapien.render.RenderBodyComponent()
+    for shape in shapes:
+        component.attach(shape)
+    entity = sapien.Entity()
+    entity.name = name
+    entity.add_component(component)
+    scene.add_entity(entity)
+
+
+def _table_shapes(table: Table, appearance: Appearance) -> list[sapien.render.RenderShape]:
+    (cx, cy), (w, d), top = table.centre, table.size, table.height
+    edge = plain_material(_edge_colour(appearance))
+    if appearance.table_texture is None:
+        surface = plain_material(appearance.table_colour, roughness=0.7)
+    else:
+        surface = painted_material(appearance.table_texture)
+    shapes = [
+        _rectangle([cx - w / 2, cy - d / 2, top], [w, 0, 0], [0, d, 0], surface),
+        _box([cx, cy, top - THICKNESS / 2 - 0.001], [w / 2, d / 2, THICKNESS / 2 - 0.001], edge),
+    ]
+    legs = top - THICKNESS
+    for x in (cx - w / 2 + 2 * LEG, cx + w / 2 - 2 * LEG):
+        for y in (cy - d / 2 + 2 * LEG, cy + d / 2 - 2 * LEG):
+            shapes.append(_box([x, y, legs / 2], [LEG, LEG, legs / 2], edge))
+    return shapes
+
+
+def _edge_colour(appearance: Appearance) -> list[float]:
+    """The mean colour of the top, a little darker."""
+    if appearance.table_texture is None:
+        return [0.7 * c for c in appearance.table_colour]
+    srgb = appearance.table_texture.reshape(-1, 3).mean(axis=0) / 255
+    return [float(0.7 * c) for c in srgb**2.2]
+
+
+def _room_shapes(table: Table, appearance: Appearance) -> list[sapien.render.RenderShape]:
+    (cx, cy), size = table.centre, 10.0
+    floor, wall = plain_material(appearance.floor_colour), plain_material(appearance.wall_colour)
+    behind = cy + WALL_BEHIND
+    return [
+        _rectangle([cx - size / 2, behind - size, 0], [size, 0, 0], [0, size, 0], floor),
+        _rectangle([cx - size / 2, behind, 0], [size, 0, 0], [0, 0, WALL_HEIGHT], wall),
+    ]
+
+
+def _pedestal_shapes(robot: Robot) -> list[sapien.render.RenderShape]:
+    dark = plain_material((0.05, 0.05, 0.055), roughness=0.5)
+    shapes = []
+    for arm in robot.arms.values():
+        x, y, z = arm.base.position
+        if z > 0.05:
+            shapes.append(_box([x, y, z / 2], [0.11, 0.11, z / 2], dark))
+    return shapes
+
+
+def _box(centre: list[float], half_size: list[float], material: object) -> sapien.render.RenderShape:
+    import sapien
+
+    shape = sapien.render.RenderShapeBox(half_size, material)
+    shape.local_pose = sapien.Pose(centre)
+    return shape
+
+
+def _rectangle(corner: list[float], u: list[float], v: list[float], material: object) -> sapien.render.RenderShape:
+    """The parallelogram from ``corner`` along ``u`` and ``v``, facing u × v; the picture's bottom edge lies along ``u``."""
+    import sapien
+
+    corner, u, v = (np.asarray(x, dtype=np.float32) for x in (corner, u, v))
+    normal = np.cross(u, v) / np.linalg.norm(np.cross(u, v))
+    return sapien.render.RenderShapeTriangleMesh(
+        vertices=np.stack([corner, corner + u, corner + u + v, corner + v]),
+        triangles=np.array([[0, 1, 2], [0, 2, 3]], dtype=np.uint32),
+        normals=np.repeat(normal[None], 4, axis=0),
+        uvs=np.array([[0, 1], [1, 1], [1, 0], [0, 0]], dtype=np.float32),
+        material=material,
+    )
