@@ -20,7 +20,9 @@ from vcage.sim.world import World
 TABLE_TOP = 0.74
 
 
-def boxes_model(folder: Path, name: str, boxes: list[np.ndarray], colour: tuple[int, int, int], mass: float) -> PhysicalModel:
+def boxes_model(
+    folder: Path, name: str, boxes: list[np.ndarray], colour: tuple[int, int, int], mass: float
+) -> PhysicalModel:
     """An object whose solid parts are ``boxes``, each (2, 3)."""
     parts = [trimesh.creation.box(bounds=bounds) for bounds in boxes]
     hulls = []
@@ -28,7 +30,9 @@ def boxes_model(folder: Path, name: str, boxes: list[np.ndarray], colour: tuple[
         hulls.append(str(folder / f"{name}-{i}.obj"))
         part.export(hulls[-1])
     mesh = trimesh.util.concatenate(parts)
-    mesh.visual = trimesh.visual.TextureVisuals(material=trimesh.visual.material.PBRMaterial(baseColorFactor=[*colour, 255]))
+    mesh.visual = trimesh.visual.TextureVisuals(
+        material=trimesh.visual.material.PBRMaterial(baseColorFactor=[*colour, 255])
+    )
     visual = folder / f"{name}.glb"
     visual.write_bytes(mesh.export(file_type="glb"))
     lower, upper = ([float(x) for x in corner] for corner in mesh.bounds)

@@ -27,7 +27,9 @@ def test_an_oblique_camera_agrees_with_the_camera_model(shown, bodies):
     camera = Camera(320, 240, 0.9, look_at([0.5, -0.6, 1.4], [0, 0, 0.74]))
     ids = observe(shown, camera).segmentation
     v, u = np.nonzero(ids == shown.segmentation_ids["cube"])
-    corners = camera.project(bodies["cube"].pose.apply([[x, y, z] for x in (-0.02, 0.02) for y in (-0.02, 0.02) for z in (0, 0.04)]))
+    corners = camera.project(
+        bodies["cube"].pose.apply([[x, y, z] for x in (-0.02, 0.02) for y in (-0.02, 0.02) for z in (0, 0.04)])
+    )
     assert abs(u.min() - corners[:, 0].min()) < 1.5 and abs(u.max() + 1 - corners[:, 0].max()) < 1.5
     assert abs(v.min() - corners[:, 1].min()) < 1.5 and abs(v.max() + 1 - corners[:, 1].max()) < 1.5
 

@@ -92,7 +92,11 @@ def test_a_pose_out_of_reach_is_refused_with_a_reason(world):
 
 def test_a_move_goes_around_a_wall(template, models, robot):
     """A stack of cubes between start and goal, higher than a straight way."""
-    wall = {f"c{i}{j}": Body(models["cube"], Pose([0.2, -0.1 + 0.04 * i, 0.74 + 0.04 * j])) for i in range(6) for j in range(5)}
+    wall = {
+        f"c{i}{j}": Body(models["cube"], Pose([0.2, -0.1 + 0.04 * i, 0.74 + 0.04 * j]))
+        for i in range(6)
+        for j in range(5)
+    }
     world = World(template.table, wall, robot)
     planner = planner_of(world)
     down = ([0, 0, -1], [1, 0, 0])

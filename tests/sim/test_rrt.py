@@ -24,11 +24,14 @@ def test_it_finds_the_gap_in_a_wall():
 
 def test_the_same_seed_gives_the_same_path():
     paths = [
-        connect(np.array([-1.0, 0]), np.array([1.0, 0]), misses_wall, LOWER, UPPER, np.random.default_rng(3)) for _ in range(2)
+        connect(np.array([-1.0, 0]), np.array([1.0, 0]), misses_wall, LOWER, UPPER, np.random.default_rng(3))
+        for _ in range(2)
     ]
     assert np.array_equal(paths[0], paths[1])
 
 
 def test_it_gives_up_where_there_is_no_way():
-    closed = connect(np.array([-1.0, 0]), np.array([1.0, 0]), lambda a, b: b[0] < -0.5, LOWER, UPPER, np.random.default_rng(0))
+    closed = connect(
+        np.array([-1.0, 0]), np.array([1.0, 0]), lambda a, b: b[0] < -0.5, LOWER, UPPER, np.random.default_rng(0)
+    )
     assert closed is None

@@ -44,7 +44,7 @@ class JodMetric:
 
         self._torch = torch
         self.device = torch.device(device or ("cuda" if torch.cuda.is_available() else "cpu"))
-        displays = pycvvdp.vvdp_display_photometry.list_displays([])
+        displays = _displays()
         if display not in displays:
             raise UnknownName("display", display, displays)
         self.display = display
@@ -83,6 +83,13 @@ def _import_pycvvdp() -> ModuleType:
                 f"ColorVideoVDP cannot be imported: {error}", hint="run make setup, or pip install --no-deps cvvdp"
             ) from error
     return pycvvdp
+
+
+def _displays() -> list[str]:
+    """Names of ColorVideoVDP's display models."""
+    from pycvvdp import utils
+
+    return sorted(utils.json2dict(utils.config_files.find("display_models.json", [])))
 
 
 @contextmanager

@@ -13,17 +13,17 @@ import numpy as np
 from vcage.errors import UnknownName, VcageError
 from vcage.geometry import Pose
 from vcage.schema.episodes import AttemptStage
+from vcage.schema.robot import Gripper
 from vcage.schema.subtasks import Goal
 from vcage.sim.collision import CollisionScene, Held
 from vcage.sim.motion import Load, MotionFailed, MotionPlanner
 from vcage.sim.trajectory import Trajectory
 from vcage.sim.world import PHYSICS_HZ, World
 from vcage.subtasks.feasibility import TURNS
-from vcage.subtasks.grasps import GraspPose, grasp_poses
+from vcage.subtasks.grasps import approach_opening, grasp_poses
 from vcage.subtasks.objects import SceneObject
 from vcage.subtasks.waypoints import (
     MAX_DROP,
-    RELEASE_ROOM,
     PickWay,
     PlaceWay,
     pick_way,
@@ -123,7 +123,7 @@ class Task:
         self._holding()
         self._follow(grip.arm, lower)
         control = self.world.arms[grip.arm]
-        opened = min(1.0, control.opening + RELEASE_ROOM / control.arm.gripper.max_width)
+        opened = _opening(control.finger_width, control.arm.gripper)
         self._drive_gripper(grip.arm, opened, RELEASE_SECONDS)
         self._grip = None
         away = Load(opening=opened, ignore=(grip.object_id, receptacle_id), speed=CAREFUL)
@@ -149,13 +149,14 @@ class Task:
 
     def _plan_pick(
         self, target: SceneObject, contact_id: int, arm: str, reasons: list[str]
-    ) -> tuple[GraspPose, PickWay, list[Trajectory]] | None:
+    ) -> tuple[PickWay, list[Trajectory]] | None:
         contact = target.asset.annotation.contact_point(contact_id)
         gripper = self.world.arms[arm].arm.gripper
         others = [o for o in map(self._object, self._objects) if o.id != target.id]
         height = transfer_height(others, self.world.table.height)
         planner = MotionPlanner(CollisionScene.of_world(self.world, arm))
-        closing = Load(ignore=(target.id,), speed=CAREFUL)
+        opening = _opening(target.asset.grasp_width(contact), gripper)
+        closing = Load(opening, ignore=(target.id,), speed=CAREFUL)
         for grasp in grasp_poses(target.pose, contact, gripper, target.box.bottom):
             way = pick_way(target, grasp, height)
             try:
@@ -164,7 +165,8 @@ class Task:
             except MotionFailed as error:
                 reasons.append(f"{arm} arm at {contact.name!r}: {error.message}")
                 continue
-            return grasp, way, [reach, down]
+            self.world.arms[arm].command_gripper(opening)
+            return way, [reach, down]
         return None
 
     def _plan_place(self, grip: _Grip, receptacle: SceneObject, point: int) -> tuple[PlaceWay, Trajectory, Trajectory]:
@@ -197,7 +199,7 @@ class Task:
 
     # --- execution -------------------------------------------------------------------------------------
 
-    def _grasp(self, target: SceneObject, arm: str, _grasp: GraspPose, way: PickWay, reach: list[Trajectory]) -> None:
+    def _grasp(self, target: SceneObject, arm: str, way: PickWay, reach: list[Trajectory]) -> None:
         for part in reach:
             self._follow(arm, part)
         self._drive_gripper(arm, 0.0, GRIP_SECONDS)
@@ -262,5 +264,12 @@ class _StagedPlanner:
             raise TaskFailed(self._stage, error.message) from error
 
 
+def _opening(width: float, gripper: Gripper) -> float:
+    """The command, 0 closed to 1 open, that leaves room on both sides of ``width`` of material."""
+    return approach_opening(width, gripper) / gripper.max_width
+
+
 def _joined(reasons: Sequence[str]) -> str:
-    return "; ".join(dict.fromkeys(reasons)) or "nothing to try"
+    told = list(dict.fromkeys(reasons))
+    more = f"; and {len(told) - 3} more" if len(told) > 3 else ""
+    return ("; ".join(told[:3]) or "nothing to try") + more

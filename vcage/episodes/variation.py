@@ -15,8 +15,8 @@ SHIFT = 0.008
 TURN = np.radians(6)
 """Largest turn, radians."""
 
-GAP = 0.005
-"""Gap that two objects keep, metres."""
+GAP = 0.035
+"""Gap that two objects keep, so that a finger finds room between them, metres."""
 
 
 def shifted_poses(objects: Sequence[SceneObject], rng: np.random.Generator) -> dict[str, Pose]:

@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.optimize import minimize
+from threadpoolctl import threadpool_limits
 
 from vcage.igsc.cost import LayoutProblem, Weights, evaluate, penetrations
 from vcage.igsc.free_region import free_region
@@ -111,6 +112,15 @@ def _minimise(problem: LayoutProblem, weights: Weights, start: np.ndarray) -> np
     lower, upper = np.minimum(lower, upper), np.maximum(lower, upper)
 
     centres = np.clip(start, lower, upper)
+    # BLAS threads cost more than they give on matrices this small
+    with threadpool_limits(limits=1, user_api="blas"):
+        return _descend(tight, weights, centres, lower, upper)
+
+
+def _descend(
+    tight: LayoutProblem, weights: Weights, centres: np.ndarray, lower: np.ndarray, upper: np.ndarray
+) -> np.ndarray:
+    """L-BFGS-B with the collision weight raised in stages."""
     for share in STAGES:
         staged = replace(weights, collision=share * weights.collision)
 

@@ -34,7 +34,7 @@ class Settings:
     models: str = "auto"
     force: bool = False
     threshold: float = 0.6
-    margin: float = 0.015
+    margin: float = 0.045
     restarts: int = 6
     episodes: int = 3
     on_failure: OnFailure = "resample"

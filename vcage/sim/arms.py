@@ -79,9 +79,7 @@ class ArmControl:
         step: advances the world by one physics step.
     """
 
-    def __init__(
-        self, name: str, arm: Arm, articulation: sapien.physx.PhysxArticulation, step: Callable[[], None]
-    ):
+    def __init__(self, name: str, arm: Arm, articulation: sapien.physx.PhysxArticulation, step: Callable[[], None]):
         self.name = name
         self.arm = arm
         self.articulation = articulation
@@ -189,6 +187,14 @@ class ArmControl:
     def qpos(self) -> np.ndarray:
         """(n + 1,) measured joints and gripper opening."""
         return np.append(self.joints, self.opening)
+
+    @property
+    def qvel(self) -> np.ndarray:
+        """(n + 1,) measured velocities in the layout of :attr:`qpos`, per second."""
+        speeds = self.articulation.get_qvel()
+        gripper = self.arm.gripper
+        fingers = float(speeds[self._finger_index].mean()) / (gripper.open - gripper.closed)
+        return np.append(speeds[self._arm_index].astype(np.float64), fingers)
 
     @property
     def command(self) -> np.ndarray:

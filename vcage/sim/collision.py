@@ -167,9 +167,7 @@ def _table_slab(table: Table) -> tuple[Shape, sapien.Pose]:
     return box_shape([*table.size, THICKNESS]), sapien.Pose([*table.centre, table.height - THICKNESS / 2])
 
 
-def _links_of(
-    arm: str, kinematics: ArmKinematics, joints: np.ndarray | None
-) -> list[tuple[str, Shape, sapien.Pose]]:
+def _links_of(arm: str, kinematics: ArmKinematics, joints: np.ndarray | None) -> list[tuple[str, Shape, sapien.Pose]]:
     base = to_sapien(kinematics.arm.base.pose())
     poses = kinematics.base_poses(kinematics.home if joints is None else joints, 1.0)
     return [(f"{arm}/{link}", shape, base * poses[link]) for link, shape in kinematics.link_shapes]

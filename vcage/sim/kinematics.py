@@ -145,7 +145,9 @@ class ArmKinematics:
 
     def _unwound(self, q: np.ndarray) -> np.ndarray:
         """Each angle moved by whole turns into its limits where that is possible."""
-        turns = np.ceil((self.lower - q) / (2 * np.pi)).clip(min=0) - np.ceil((q - self.upper) / (2 * np.pi)).clip(min=0)
+        turns = np.ceil((self.lower - q) / (2 * np.pi)).clip(min=0) - np.ceil((q - self.upper) / (2 * np.pi)).clip(
+            min=0
+        )
         return q + 2 * np.pi * turns
 
     def _full(self, q: Sequence[float] | np.ndarray, opening: float) -> np.ndarray:

@@ -17,7 +17,7 @@ from scipy.spatial.transform import Rotation, Slerp
 
 from vcage.errors import VcageError
 from vcage.geometry import Pose
-from vcage.sim.collision import CollisionScene, Held
+from vcage.sim.collision import CollisionScene, Contact, Held
 from vcage.sim.rrt import connect
 from vcage.sim.trajectory import Trajectory, timed
 from vcage.sim.world import PHYSICS_HZ
@@ -80,7 +80,9 @@ class MotionPlanner:
         """
         return self._timed(self._line(q, pose, load), load)
 
-    def move(self, q: np.ndarray, goal: Pose | np.ndarray, load: Load = Load(), then: Sequence[Pose] = ()) -> Trajectory:
+    def move(
+        self, q: np.ndarray, goal: Pose | np.ndarray, load: Load = Load(), then: Sequence[Pose] = ()
+    ) -> Trajectory:
         """Move to a gripper pose or to joints, by any free way.
 
         Args:
@@ -110,8 +112,9 @@ class MotionPlanner:
         """Ways to try, the plainest first."""
         if isinstance(goal, Pose):
             yield lambda: self._timed(self._line(q, goal, load, then), load)
-            goals = [g for g in self.kinematics.ik_all(goal, q) if self._continues(g, then)]
-            goals.sort(key=lambda g: float(np.abs(g - q).max()))
+            goals = sorted(self.kinematics.ik_all(goal, q), key=lambda g: float(np.abs(g - q).max()))
+            goals = [g for g in goals if self._continues(g, then)]
+            goals = [g for g in goals if self._touches(g, load) is None] or goals
         else:
             goals = [np.asarray(goal, dtype=np.float64)]
         for g in goals:
@@ -183,7 +186,7 @@ class MotionPlanner:
 
     # --- checks and timing ---
 
-    def _touches(self, q: np.ndarray, load: Load) -> object | None:
+    def _touches(self, q: np.ndarray, load: Load) -> Contact | None:
         return self.scene.first_contact(q, load.opening, load.held, load.ignore)
 
     def _check(self, q: np.ndarray, load: Load) -> None:

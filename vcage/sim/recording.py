@@ -22,7 +22,7 @@ class ArmFrame:
         state: (n + 1,) measured arm joints (rad) and gripper opening (0 closed, 1 open).
         command: (n + 1,) the targets given for the time from this frame on; same layout.
         joints: (dof,) measured positions of all active joints, fingers too, for replay.
-        velocity: (dof,) their measured velocities.
+        velocity: (n + 1,) measured velocities, same layout as ``state``.
         tool: measured pose of the gripper frame in the world.
     """
 
@@ -133,7 +133,7 @@ def take_frame(world: World) -> Frame:
             state=arm.qpos,
             command=arm.command,
             joints=arm.articulation.get_qpos().copy(),
-            velocity=arm.articulation.get_qvel().copy(),
+            velocity=arm.qvel,
             tool=arm.tool_pose,
         )
         for name, arm in world.arms.items()

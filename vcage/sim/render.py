@@ -13,8 +13,8 @@ import numpy as np
 
 from vcage.errors import NoRenderer
 
-SAMPLES = 4
-"""Samples per pixel (multisample anti-aliasing)."""
+MIPMAPS = 6
+"""Levels of smaller copies of every texture, so that fine patterns do not shimmer from afar."""
 
 
 @functools.cache
@@ -27,7 +27,7 @@ def _first_system() -> object:
 
     sapien.render.set_log_level("error")
     sapien.render.set_picture_format("Color", "r8g8b8a8unorm")
-    sapien.render.set_msaa(SAMPLES)
+    sapien.render.set_global_config(default_mipmap_levels=MIPMAPS)
     try:
         return sapien.render.RenderSystem()
     except RuntimeError as error:
@@ -59,6 +59,8 @@ def painted_material(picture: np.ndarray, roughness: float = 0.7) -> object:
 
     material = sapien.render.RenderMaterial(base_color=[1, 1, 1, 1], roughness=roughness)
     opaque = np.dstack([picture, np.full(picture.shape[:2], 255, np.uint8)])
-    texture = sapien.render.RenderTexture2D(np.ascontiguousarray(opaque), "R8G8B8A8Unorm", mipmap_levels=6, srgb=True)
+    texture = sapien.render.RenderTexture2D(
+        np.ascontiguousarray(opaque), "R8G8B8A8Unorm", mipmap_levels=MIPMAPS, srgb=True
+    )
     material.set_base_color_texture(texture)
     return material

@@ -62,5 +62,7 @@ def package_file(name: str) -> Path:
         raise MissingDependency(f"the robot needs the package {package!r}", hint=f"pip install {package}")
     path = Path(spec.submodule_search_locations[0]) / inside
     if not path.is_file():
-        raise DamagedFile(f"the package {package!r} has no file {inside}", hint=f"pip install --force-reinstall {package}")
+        raise DamagedFile(
+            f"the package {package!r} has no file {inside}", hint=f"pip install --force-reinstall {package}"
+        )
     return path

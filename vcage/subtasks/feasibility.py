@@ -15,7 +15,7 @@ from vcage.geometry import Pose, oriented_boxes_overlap
 from vcage.schema.asset import ContactPoint, FunctionalPoint
 from vcage.schema.subtasks import Check, Grasp
 from vcage.sim.kinematics import ArmKinematics
-from vcage.subtasks.grasps import GraspPose, grasp_poses, hand_boxes
+from vcage.subtasks.grasps import GraspPose, approach_opening, grasp_poses, hand_boxes
 from vcage.subtasks.objects import SceneObject
 from vcage.subtasks.waypoints import MAX_DROP, pick_way, place_way, transfer_height
 
@@ -198,8 +198,9 @@ def _best_place(
 def _blocked_by(pose: Pose, candidate: Candidate, kinematics: ArmKinematics) -> str | None:
     """The phrase of the first object that the open hand would touch at a grasp, or None."""
     gripper = kinematics.arm.gripper
+    opening = approach_opening(candidate.target.asset.grasp_width(candidate.contact), gripper)
     for other in [candidate.receptacle, *candidate.others]:
-        for part in hand_boxes(gripper, gripper.max_width):
+        for part in hand_boxes(gripper, opening):
             if oriented_boxes_overlap(part, pose, other.asset.bounds, other.pose):
                 return other.record.phrase
     return None

@@ -20,6 +20,9 @@ TILTS = tuple(np.radians(degrees) for degrees in (0.0, 20.0, -20.0, 40.0, -40.0)
 TIP_CLEARANCE = 0.002
 """Metres between the finger tips and what lies under them."""
 
+GRASP_ROOM = 0.024
+"""How much wider than the material the fingers open before they close on it, or let it go, metres."""
+
 FINGER_THICKNESS = 0.022
 """Extent of one finger along the closing axis, metres; taken generously."""
 
@@ -69,6 +72,11 @@ def _above_support(pose: Pose, gripper: Gripper, support: float) -> Pose:
     lowest = pose.p[2] - max(down, 0.0) * gripper.tip_depth - sideways
     rise = max(0.0, support + TIP_CLEARANCE - lowest)
     return Pose(pose.p + [0, 0, rise], pose.q)
+
+
+def approach_opening(width: float, gripper: Gripper) -> float:
+    """How far the fingers are apart when they come down around ``width`` of material, metres."""
+    return min(gripper.max_width, width + GRASP_ROOM)
 
 
 def hand_boxes(gripper: Gripper, opening: float) -> list[np.ndarray]:

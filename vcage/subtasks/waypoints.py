@@ -9,7 +9,7 @@ import numpy as np
 
 from vcage.geometry import Pose
 from vcage.schema.robot import Gripper
-from vcage.subtasks.grasps import GraspPose, hand_boxes
+from vcage.subtasks.grasps import GraspPose, approach_opening, hand_boxes
 from vcage.subtasks.objects import SceneObject, SolidBox
 
 APPROACH = 0.09
@@ -17,9 +17,6 @@ APPROACH = 0.09
 
 CLEARANCE = 0.03
 """Metres between what is carried and the highest thing on the table."""
-
-RELEASE_ROOM = 0.024
-"""How much wider than the object the fingers open to let go, metres."""
 
 SET_DOWN = 0.004
 """Metres above its support at which an object is let go when nothing is in the way."""
@@ -76,7 +73,7 @@ def place_way(
         height: z that the object's bottom keeps on the way, metres.
     """
     lowest = Pose(goal.p + [0, 0, SET_DOWN], goal.q) * held
-    rise = _rise_to_clear(lowest, obstacles, gripper, min(width + RELEASE_ROOM, gripper.max_width))
+    rise = _rise_to_clear(lowest, obstacles, gripper, approach_opening(width, gripper))
     release = Pose(lowest.p + [0, 0, rise], lowest.q)
     above = Pose(release.p + [0, 0, max(height - goal.p[2] - SET_DOWN - rise, 0.02)], release.q)
     after = Pose(release.p + [0, 0, max(above.p[2] - release.p[2], APPROACH)], release.q)

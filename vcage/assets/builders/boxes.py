@@ -14,7 +14,7 @@ def packaging_box(variant: str) -> BuiltObject:
     """An open cardboard box, 0.22 × 0.18 m inside, with the long flaps folded down outside."""
     rng = variant_rng("packaging_box", variant)
     colour = {"brown": (190, 148, 100), "white": (228, 226, 220)}[variant]
-    inner, wall, floor, height = (0.22, 0.18), 0.004, 0.004, 0.052
+    inner, wall, floor, height = (0.22, 0.18), 0.004, 0.004, 0.044
     flap = 0.004
     shell = _open_box(inner, wall, floor, height)
     board = materials.cardboard(rng, colour)
@@ -33,7 +33,7 @@ def bread_box(variant: str) -> BuiltObject:
     """An open wooden box, 0.26 × 0.20 m inside, lined with a checked cloth."""
     rng = variant_rng("bread_box", variant)
     colours = {"oak": materials.OAK, "walnut": materials.WALNUT}[variant]
-    inner, wall, floor, height = (0.26, 0.20), 0.009, 0.008, 0.056
+    inner, wall, floor, height = (0.26, 0.20), 0.009, 0.008, 0.048
     shell = _open_box(inner, wall, floor, height, rounding=0.003)
     cloth = solids.box((inner[0] - 0.004, inner[1] - 0.004, 0.001), (0, 0, floor - 0.0002))
     parts = [

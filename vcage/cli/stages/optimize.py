@@ -4,7 +4,7 @@ Reads place/, inpaint/ and match/. Writes optimize/scene.json and optimize/layou
 
 examples:
   vcage optimize --run runs/stationery
-  vcage optimize --run runs/stationery --margin 0.02 --force
+  vcage optimize --run runs/stationery --margin 0.05 --force
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from vcage.cli.stages.common import add_common, execute_stage, natural
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options of ``vcage optimize``."""
     parser.add_argument(
-        "--margin", type=float, default=0.015, metavar="δ", help="gap between two objects, metres (default: 0.015)"
+        "--margin", type=float, default=0.045, metavar="δ", help="gap between two objects, metres (default: 0.045)"
     )
     parser.add_argument("--restarts", type=natural, default=6, help="random restarts of the optimiser (default: 6)")
     add_common(parser, models=False)

@@ -1,0 +1,87 @@
+"""Where keys of model endpoints are looked up; a key is never logged, printed or written anywhere."""
+
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+
+from vcage.errors import ConfigurationError, MissingKey, UnknownName
+
+OWN_VARIABLES: dict[str, tuple[str, ...]] = {
+    "gemini": ("GEMINI_API_KEY", "GOOGLE_API_KEY"),
+    "openai": ("OPENAI_API_KEY",),
+    "openrouter": ("OPENROUTER_API_KEY",),
+}
+"""Provider → the variables that its own tools read."""
+
+
+def variables(provider: str) -> tuple[str, ...]:
+    """The environment variables that may hold the provider's key, in the order in which they are read.
+
+    The project's own name comes first: agents strip the well-known names from the commands that they run.
+
+    Raises:
+        UnknownName: there is no such provider.
+    """
+    if provider not in OWN_VARIABLES:
+        raise UnknownName("provider", provider, OWN_VARIABLES)
+    return (f"VCAGE_{provider.upper()}_API_KEY", *OWN_VARIABLES[provider])
+
+
+def key_file() -> Path:
+    """``$VCAGE_KEY_FILE``, else ``~/.config/vcage/keys.json``: ``{"gemini": "…"}``."""
+    return Path(os.environ.get("VCAGE_KEY_FILE") or Path.home() / ".config" / "vcage" / "keys.json")
+
+
+def find_key(provider: str) -> tuple[str, str] | None:
+    """The provider's key and the name of the place where it was found; None when there is none.
+
+    Raises:
+        ConfigurationError: the key file cannot be read.
+    """
+    for name in variables(provider):
+        if value := os.environ.get(name, "").strip():
+            return value, name
+    if value := _read_key_file().get(provider, "").strip():
+        return value, str(key_file())
+    return None
+
+
+def require_key(provider: str) -> str:
+    """The provider's key.
+
+    Raises:
+        MissingKey: it is nowhere; the hint names the places.
+    """
+    found = find_key(provider)
+    if found is None:
+        names = " or ".join(variables(provider))
+        raise MissingKey(
+            f"no key for {provider}",
+            hint=f'set {names}, or write {{"{provider}": "<key>"}} to {key_file()}, or use --models offline',
+            details={"provider": provider, "variables": list(variables(provider)), "file": str(key_file())},
+        )
+    return found[0]
+
+
+def found_keys() -> dict[str, str]:
+    """Provider → the name of the variable or file that holds its key, for those that have one; never the key."""
+    return {provider: found[1] for provider in OWN_VARIABLES if (found := find_key(provider)) is not None}
+
+
+def _read_key_file() -> dict[str, str]:
+    path = key_file()
+    try:
+        data = json.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        return {}
+    except (OSError, ValueError) as error:
+        raise ConfigurationError(
+            f"the key file {path} cannot be read: {type(error).__name__}", hint='it holds JSON like {"gemini": "<key>"}'
+        ) from None
+    if not isinstance(data, dict) or not all(isinstance(value, str) for value in data.values()):
+        raise ConfigurationError(
+            f"the key file {path} is not an object of strings", hint='it holds JSON like {"gemini": "<key>"}'
+        )
+    return data

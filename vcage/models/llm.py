@@ -1,0 +1,144 @@
+"""The reasoner behind any chat endpoint: prompts, answer types made of what the scene holds, and their checks."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, get_args
+
+import numpy as np
+from pydantic import create_model
+
+from vcage.errors import NoAssetFits
+from vcage.models import prompts
+from vcage.models.chat import Chat
+from vcage.models.structured import Answer, ask, one_of
+from vcage.schema.asset import CatalogueEntry
+from vcage.schema.plan import TABLE, LayoutPlan, Relation, RelationWord, SelectedAsset, Selection
+from vcage.schema.scene import Role, Scene
+from vcage.schema.subtasks import ChainOption, PairAnswer, PairQuestion
+
+PAIRS_PER_CALL = 30
+
+_OPPOSITE = {"left_of": "right_of", "right_of": "left_of", "in_front_of": "behind", "behind": "in_front_of"}
+
+
+class LlmReasoner:
+    """Implements :class:`vcage.models.protocols.Reasoner`; ``rng`` is not used, since the model chooses.
+
+    Raises (all methods): ModelRefused, EndpointFailed, ConfigurationError; see :func:`vcage.models.structured.ask`.
+    """
+
+    def __init__(self, chat: Chat):
+        self._chat = chat
+        self.provider = chat.provider
+
+    def select_assets(
+        self, instruction: str, catalogue: Sequence[CatalogueEntry], rng: np.random.Generator
+    ) -> Selection:
+        """The model's choice among ``asset/variant`` names of the catalogue."""
+        looks = [f"{entry.name}/{variant.id}" for entry in catalogue for variant in entry.variants]
+        item = _type("Chosen", look=one_of(looks), role=one_of(get_args(Role)), reason=str)
+        answer = _type("SelectionAnswer", missing=list[str], objects=list[item])
+        prompt = prompts.fill("select_assets", instruction=instruction, catalogue=list(catalogue))
+        found = ask(self._chat, prompt, answer, complaints=_selection_complaints)
+        if found.missing:
+            listed = " and ".join(repr(name) for name in found.missing)
+            raise NoAssetFits(
+                f"no asset of the catalogue matches {listed}",
+                hint="`vcage assets list` shows what there is",
+                details={"unmatched": list(found.missing)},
+            )
+        objects = []
+        for chosen in found.objects:
+            asset, _, variant = chosen.look.partition("/")
+            objects.append(SelectedAsset(asset=asset, variant=variant, role=chosen.role, reason=chosen.reason))
+        return Selection(objects=objects)
+
+    def plan_layout(self, scene: Scene, catalogue: Sequence[CatalogueEntry], rng: np.random.Generator) -> LayoutPlan:
+        """The model's plan; relations name objects of the scene only, and do not contradict each other."""
+        ids = [record.id for record in scene.objects]
+        relation = _type(
+            "PlannedRelation", subject=one_of(ids), relation=one_of(get_args(RelationWord)), reference=one_of([*ids, TABLE])
+        )
+        answer = _type("LayoutAnswer", text=str, relations=list[relation])
+        words = {entry.name: entry.words for entry in catalogue}
+        prompt = prompts.fill("plan_layout", scene=scene, words=words)
+        found = ask(self._chat, prompt, answer, complaints=lambda a: layout_complaints(a.text, a.relations, ids))
+        relations = [Relation(**relation.model_dump()) for relation in found.relations]
+        return LayoutPlan(text=found.text, relations=relations)
+
+    def judge_pairs(self, questions: Sequence[PairQuestion]) -> list[PairAnswer]:
+        """One answer per question, asked in batches."""
+        answers: list[PairAnswer] = []
+        for start in range(0, len(questions), PAIRS_PER_CALL):
+            answers += self._judge_batch(questions[start : start + PAIRS_PER_CALL])
+        return answers
+
+    def _judge_batch(self, questions: Sequence[PairQuestion]) -> list[PairAnswer]:
+        item = _type("JudgedPair", number=int, sensible=bool, reason=str, text=str)
+        answer = _type("PairsAnswer", pairs=list[item])
+        prompt = prompts.fill("judge_pairs", questions=list(questions))
+        found = ask(self._chat, prompt, answer, complaints=lambda a: _pair_complaints(a.pairs, len(questions)))
+        return [
+            PairAnswer(
+                object=question.object,
+                receptacle=question.receptacle,
+                sensible=pair.sensible,
+                reason=pair.reason,
+                text=pair.text if pair.sensible else "",
+                relation="inside" if question.holds == "in" else "on",
+            )
+            for question, pair in zip(questions, found.pairs, strict=True)
+        ]
+
+    def compose_chain(self, instruction: str, options: Sequence[ChainOption]) -> list[str]:
+        """The model's chain; without options there is nothing to ask."""
+        if not options:
+            return []
+        answer = _type("ChainAnswer", reason=str, chain=list[one_of([option.id for option in options])])
+        objects = {option.id: option.object for option in options}
+        prompt = prompts.fill("compose_chain", instruction=instruction, options=list(options))
+        return list(ask(self._chat, prompt, answer, complaints=lambda a: _chain_complaints(a.chain, objects)).chain)
+
+
+def _type(name: str, **fields: Any) -> type[Answer]:
+    """An answer type with these required fields."""
+    return create_model(name, __base__=Answer, **{key: (kind, ...) for key, kind in fields.items()})
+
+
+def _selection_complaints(answer: Any) -> list[str]:
+    if answer.missing:
+        return []
+    roles = {chosen.role for chosen in answer.objects}
+    return [] if "content" in roles else ["objects: none has the role 'content', so there is nothing to move"]
+
+
+def layout_complaints(text: str, relations: Sequence[Any], ids: Sequence[str]) -> list[str]:
+    """What makes relations unusable: self-reference, the table misused, contradictions, objects left out."""
+    found = [] if text.strip() else ["text: is empty"]
+    triples = {(r.subject, r.relation, r.reference) for r in relations}
+    for subject, word, reference in sorted(triples):
+        if subject == reference:
+            found.append(f"relations: {subject} refers to itself")
+        if (word == "center") != (reference == TABLE):
+            found.append(f"relations: '{subject} {word} {reference}': 'center' goes with 'table', and only with it")
+        if word in _OPPOSITE and (subject, _OPPOSITE[word], reference) in triples:
+            found.append(f"relations: {subject} cannot be both {word} and {_OPPOSITE[word]} {reference}")
+        if (reference, word, subject) in triples and word not in ("near", "beside"):
+            found.append(f"relations: {subject} and {reference} cannot each be {word} the other")
+    missing = [object_id for object_id in ids if object_id not in {r.subject for r in relations}]
+    return found + ([f"relations: nothing says where {', '.join(missing)} go"] if missing else [])
+
+
+def _pair_complaints(pairs: Sequence[Any], count: int) -> list[str]:
+    numbers = [pair.number for pair in pairs]
+    if numbers != list(range(1, count + 1)):
+        return [f"pairs: expected the numbers 1 to {count} once each, in order, got {numbers}"]
+    found = [f"pairs.{p.number}: reason is empty" for p in pairs if not p.reason.strip()]
+    return found + [f"pairs.{p.number}: text is empty though sensible" for p in pairs if p.sensible and not p.text.strip()]
+
+
+def _chain_complaints(chain: Sequence[str], objects: dict[str, str]) -> list[str]:
+    moved = [objects[option] for option in chain]
+    twice = sorted({name for name in moved if moved.count(name) > 1})
+    return [f"chain: moves {name} more than once" for name in twice]

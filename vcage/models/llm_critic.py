@@ -1,0 +1,57 @@
+"""The critic behind any chat endpoint that sees pictures."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import Field
+
+from vcage.models import prompts
+from vcage.models.chat import Chat
+from vcage.models.protocols import CriticQuestion
+from vcage.models.structured import Answer, ask
+from vcage.schema.episodes import Verdict
+
+
+class Judgement(Answer):
+    """What the model answers: what it sees first, then the verdict."""
+
+    observations: str
+    accepted: bool
+    reason: Annotated[str, Field(min_length=1)]
+    confidence: float
+
+
+class LlmCritic:
+    """Implements :class:`vcage.models.protocols.Critic`: the paper's φ(I, T), asked with the pictures before and after."""
+
+    def __init__(self, chat: Chat):
+        self._chat = chat
+        self.provider = chat.provider
+
+    def judge(self, question: CriticQuestion) -> Verdict:
+        """The model's verdict.
+
+        Raises:
+            ModelRefused, EndpointFailed, ConfigurationError: see :func:`vcage.models.structured.ask`.
+        """
+        named = [(f"before, camera {name}", view.picture) for name, view in sorted(question.before.items())]
+        named += [(f"after, camera {name}", view.picture) for name, view in sorted(question.after.items())]
+        phrases = {object_id: reference.phrase for object_id, reference in question.references.items()}
+        prompt = prompts.fill(
+            "judge_subtask",
+            text=question.text,
+            goals=list(question.goals),
+            phrases=phrases,
+            pictures=[name for name, _ in named],
+        )
+        found = ask(
+            self._chat, prompt, Judgement, pictures=[picture for _, picture in named], complaints=_complaints
+        )
+        return Verdict(
+            accepted=found.accepted, reason=found.reason, confidence=found.confidence, provider=self.provider
+        )
+
+
+def _complaints(answer: Judgement) -> list[str]:
+    return [] if 0 <= answer.confidence <= 1 else [f"confidence: {answer.confidence} is not between 0 and 1"]

@@ -1,0 +1,43 @@
+"""Pictures on the wire: PNG and base64 in, whatever a server sends out."""
+
+from __future__ import annotations
+
+import base64
+import binascii
+
+import cv2
+import numpy as np
+
+from vcage.errors import EndpointFailed
+
+
+def encode_png(picture: np.ndarray) -> bytes:
+    """PNG of an (H, W, 3) RGB picture."""
+    _, data = cv2.imencode(".png", cv2.cvtColor(picture, cv2.COLOR_RGB2BGR))
+    return data.tobytes()
+
+
+def encode_base64(picture: np.ndarray) -> str:
+    """Base64 (standard alphabet) of the picture's PNG."""
+    return base64.b64encode(encode_png(picture)).decode()
+
+
+def decode_base64(text: str, source: str) -> np.ndarray:
+    """(H, W, 3) RGB of a base64 picture in either alphabet, with or without padding or a ``data:`` head.
+
+    The type is found from the bytes: servers do not always name it truly.
+
+    Raises:
+        EndpointFailed: it is not base64, or no whole picture; names ``source``.
+    """
+    if text.startswith("data:"):
+        text = text.partition(",")[2]
+    text = "".join(text.split()).rstrip("=").replace("-", "+").replace("_", "/")
+    try:
+        data = base64.b64decode(text + "=" * (-len(text) % 4), validate=True)
+    except binascii.Error as error:
+        raise EndpointFailed(f"{source} sent a picture that is not base64: {error}", hint="run it again") from error
+    decoded = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_COLOR) if data else None
+    if decoded is None:
+        raise EndpointFailed(f"{source} sent {len(data)} bytes that are no picture", hint="run it again")
+    return cv2.cvtColor(decoded, cv2.COLOR_BGR2RGB)

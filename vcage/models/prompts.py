@@ -1,0 +1,38 @@
+"""Prompts are files, ``prompts/<name>.md``, with named placeholders ``{{ name }}``."""
+
+from __future__ import annotations
+
+import jinja2
+import jinja2.meta
+
+from vcage.errors import ConfigurationError, UnknownName
+from vcage.files import resource
+
+
+def names() -> list[str]:
+    """The prompts that there are."""
+    return sorted(path.stem for path in resource("prompts").glob("*.md"))
+
+
+def fill(name: str, **values: object) -> str:
+    """The prompt's text with all its placeholders filled in.
+
+    Raises:
+        UnknownName: there is no such prompt.
+        ConfigurationError: the prompt's placeholders are not exactly the values that the engine gives.
+    """
+    path = resource("prompts", f"{name}.md")
+    if not path.is_file():
+        raise UnknownName("prompt", name, names())
+    environment = jinja2.Environment(undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True)
+    text = path.read_text(encoding="utf-8")
+    try:
+        wanted = jinja2.meta.find_undeclared_variables(environment.parse(text))
+    except jinja2.TemplateSyntaxError as error:
+        raise ConfigurationError(f"{path}, line {error.lineno}: {error.message}", hint="mend the prompt") from error
+    if wanted != set(values):
+        raise ConfigurationError(
+            f"{path} uses the placeholders {sorted(wanted)}, but gets {sorted(values)}",
+            hint="name exactly these in the prompt",
+        )
+    return environment.from_string(text).render(**values).strip()
