@@ -63,7 +63,7 @@ def test_the_same_state_gives_the_same_picture(shown, template):
 def test_wrist_cameras_move_with_their_arm(world):
     before = robot_cameras(world)
     arm = world.arms["right"]
-    arm.command_joints(arm.joints + [0.2, 0, 0, 0, 0, 0, 0])
+    arm.command_joints(arm.joints + 0.2 * np.eye(7)[0])
     world.step(150)
     after = robot_cameras(world)
     assert np.linalg.norm(after["cam_right_wrist"].pose.p - before["cam_right_wrist"].pose.p) > 0.02

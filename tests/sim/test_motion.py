@@ -9,14 +9,16 @@ from vcage.sim.collision import CollisionScene, Contact, Held
 from vcage.sim.motion import Load, MotionFailed, MotionPlanner
 from vcage.sim.world import World
 
+UP = np.array([0.0, 0.0, 1.0])
+
 
 def above(pose: Pose, height: float) -> Pose:
-    return Pose(pose.p + [0, 0, height], pose.q)
+    return Pose(pose.p + height * UP, pose.q)
 
 
 def grasp_of(world: World, object_id: str, height: float = 0.02) -> Pose:
     pose = world.object_pose(object_id)
-    return frame_from_axes(pose.p + [0, 0, height], [0, 0, -1], [np.cos(pose.yaw), np.sin(pose.yaw), 0])
+    return frame_from_axes(pose.p + height * UP, [0, 0, -1], [np.cos(pose.yaw), np.sin(pose.yaw), 0])
 
 
 def planner_of(world: World, arm: str = "right") -> MotionPlanner:
@@ -70,7 +72,7 @@ def test_the_gripper_stays_on_a_straight_line(world):
     arm, planner = world.arms["right"], planner_of(world)
     start = grasp_of(world, "cube", 0.15)
     q = planner.move(arm.joints, start).end
-    goal = Pose(start.p + [0.1, 0.05, 0.05], start.q)
+    goal = Pose(start.p + np.array([0.1, 0.05, 0.05]), start.q)
     direction = (goal.p - start.p) / np.linalg.norm(goal.p - start.p)
     for point in planner.line(q, goal).q[::20]:
         offset = planner.kinematics.fk(point).p - start.p
@@ -81,12 +83,12 @@ def test_a_line_into_the_table_names_the_table(world):
     arm, planner = world.arms["right"], planner_of(world)
     start = grasp_of(world, "cube", 0.15)
     q = planner.move(arm.joints, start).end
-    with pytest.raises(MotionFailed, match="finger would touch (cube|table)"):
+    with pytest.raises(MotionFailed, match=r"finger would touch (cube|table)"):
         planner.line(q, Pose(start.p - [0, 0, 0.25], start.q))
 
 
 def test_a_pose_out_of_reach_is_refused_with_a_reason(world):
-    with pytest.raises(MotionFailed, match="cannot move to .*joint"):
+    with pytest.raises(MotionFailed, match=r"cannot move to .*joint"):
         planner_of(world).move(world.arms["right"].joints, grasp_of(world, "cube", 1.5))
 
 

@@ -15,7 +15,7 @@ def log(template, bodies, robot) -> StateLog:
     world, log = World(template.table, bodies, robot), StateLog(fps=10)
     Recorder(world, log)
     arm = world.arms["right"]
-    arm.command_joints(arm.joints + [0.3, 0, 0, 0, 0, 0, 0])
+    arm.command_joints(arm.joints + 0.3 * np.eye(7)[0])
     world.step(250)
     return log
 

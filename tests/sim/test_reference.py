@@ -15,7 +15,7 @@ def test_the_reference_has_the_scale_it_says(models):
 
 def test_x_is_to_the_right_and_y_up(models):
     alpha = reference_view(models["bar"])[..., 3]  # its lug is at +x, +y
-    v, u = np.nonzero(alpha)
+    v, _ = np.nonzero(alpha)
     height, width = alpha.shape
     assert v.min() + 0.5 < height - v.max()  # reaches further up than down
     assert alpha[v.min(), : width // 2].max() == 0 and alpha[v.min(), width // 2 :].max() == 255

@@ -13,7 +13,10 @@ from vcage.sim.world import World
 
 
 def test_objects_placed_just_above_the_table_settle_where_they_are(template, bodies):
-    lifted = {name: Body(body.model, Pose(body.pose.p + [0, 0, 0.002], body.pose.q)) for name, body in bodies.items()}
+    lifted = {
+        name: Body(body.model, Pose(body.pose.p + np.array([0, 0, 0.002]), body.pose.q))
+        for name, body in bodies.items()
+    }
     report = World(template.table, lifted).settle()
     assert report.settled and report.fallen == []
     assert report.steps < 60

@@ -37,6 +37,11 @@ class Record(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, ser_json_inf_nan="constants")
 
 
+def _rounded(values: np.ndarray) -> tuple[float, ...]:
+    """To 0.1 µm: enough for any use, and readable."""
+    return tuple(round(float(x), 7) for x in values)
+
+
 class PoseRecord(Record):
     """A pose in the world frame: metres, and a unit quaternion wxyz."""
 
@@ -45,7 +50,7 @@ class PoseRecord(Record):
 
     @classmethod
     def of(cls, pose: Pose) -> PoseRecord:
-        return cls(position=tuple(float(x) for x in pose.p), quaternion=tuple(float(x) for x in pose.q))
+        return cls(position=_rounded(pose.p), quaternion=_rounded(pose.q))
 
     def pose(self) -> Pose:
         return Pose(self.position, self.quaternion)

@@ -27,7 +27,7 @@ class Grasp(Record):
 
     contact: int = Field(ge=0)
     arm: str
-    score: Finite = Field(description="higher is better: joint-limit margin along the whole motion")
+    score: Finite = Field(description="higher is better: minus the joint travel of the whole motion, radians")
 
 
 class Goal(Record):

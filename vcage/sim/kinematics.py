@@ -12,7 +12,7 @@ from vcage.geometry import Pose
 from vcage.schema.robot import Arm
 from vcage.sim.arms import build_arm
 from vcage.sim.poses import from_sapien, to_sapien
-from vcage.sim.shapes import Shape, physics_shape
+from vcage.sim.shapes import physics_shape
 
 if TYPE_CHECKING:
     import sapien
@@ -108,7 +108,7 @@ class ArmKinematics:
         return self.ik(pose) is not None
 
     def limit_margin(self, q: np.ndarray) -> float:
-        """How far the joint nearest to a limit is from it, as a share of half its range: 0 at a limit, 1 in the middle."""
+        """Distance of the joint nearest to a limit from it, as a share of half its range: 0 at a limit, 1 midway."""
         half = (self.upper - self.lower) / 2
         return float(np.min(1 - np.abs(np.asarray(q) - (self.lower + half)) / half))
 

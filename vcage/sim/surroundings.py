@@ -128,7 +128,7 @@ def _box(centre: list[float], half_size: list[float], material: object) -> sapie
 
 
 def _rectangle(corner: list[float], u: list[float], v: list[float], material: object) -> sapien.render.RenderShape:
-    """The parallelogram from ``corner`` along ``u`` and ``v``, facing u × v; the picture's bottom edge lies along ``u``."""
+    """The parallelogram from ``corner`` along ``u`` and ``v``, facing u × v; ``u`` is the picture's bottom edge."""
     import sapien
 
     corner, u, v = (np.asarray(x, dtype=np.float32) for x in (corner, u, v))

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -113,20 +114,17 @@ def examine(candidate: Candidate, kinematics: Mapping[str, ArmKinematics], slot:
 def examine_arm(
     candidate: Candidate, arm: str, kinematics: ArmKinematics, slot: Pose, table_height: float
 ) -> tuple[list[Check], float | None]:
-    """The checks of one arm, and its best joint-limit margin along the motion; None when it cannot."""
+    """The checks of one arm, and the score of its motion; None when it cannot."""
     found: dict[str, Check] = {}
-    best: float | None = None
     poses = grasp_poses(candidate.target.pose, candidate.contact, kinematics.arm.gripper, candidate.target.box.bottom)
     for grasp in poses:
-        checks, margin = _examine_pose(candidate, arm, kinematics, grasp, slot, table_height)
+        checks, score = _examine_pose(candidate, arm, kinematics, grasp, slot, table_height)
+        if score is not None:
+            return checks, score  # the straightest pose that works: later ones only tilt more
         for check in checks:
             if check.name not in found or check.passed:
                 found[check.name] = check
-        if margin is not None:
-            best = margin if best is None else max(best, margin)
-            found.update({check.name: check for check in checks})
-            break  # the straightest pose that works: later ones only tilt more
-    return list(found.values()), best
+    return list(found.values()), None
 
 
 def _examine_pose(
@@ -169,7 +167,7 @@ def _examine_pose(
             message=f"{phrase} is let go {drop * 100:.1f} cm above {where}",
         )
     )
-    return checks, min(kinematics.limit_margin(q) for q in [*picked, *path])
+    return checks, -_travel([kinematics.home, *picked, *path, kinematics.home])
 
 
 def _best_place(
@@ -215,6 +213,11 @@ def _follow(kinematics: ArmKinematics, poses: Sequence[Pose], start: np.ndarray)
             return None
         path.append(q)
     return path
+
+
+def _travel(path: Sequence[np.ndarray]) -> float:
+    """Length of a joint path, radians: the largest joint change of each leg, which rules how long it takes."""
+    return float(sum(np.abs(b - a).max() for a, b in pairwise(path)))
 
 
 def _reach_check(name: str, where: str, reached: bool, arm: str) -> Check:

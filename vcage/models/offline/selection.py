@@ -21,6 +21,9 @@ CONTEXT_OBJECTS = 2
 CONTEXT_FOOTPRINT = 0.03
 """Largest footprint of an object that is there for the occasion only, m²."""
 
+LOOK_ALIKE = frozenset(("bread", "pastry", "fruit", "vegetable", "cutlery"))
+"""Kinds whose members resemble each other."""
+
 _SYNONYM = 0.97
 _KIND = 0.8
 _AMBIGUITY = 0.12
@@ -69,6 +72,12 @@ def _variants(entry: CatalogueEntry, phrase: Phrase) -> list[Variant]:
     if phrase.colour is None:
         return list(entry.variants)
     return [v for v in entry.variants if phrase.colour in (colour_of(v.colour), colour_of(v.id))]
+
+
+def _confusable(entry: CatalogueEntry, other: CatalogueEntry) -> bool:
+    """Whether the two are called alike or are foods of one kind, which look alike."""
+    a, b = names_of(entry)[0][-1], names_of(other)[0][-1]
+    return a == b or bool(kinds_of(a) & kinds_of(b) & LOOK_ALIKE)
 
 
 class _Occasion:
@@ -179,29 +188,28 @@ class Selector:
         return sorted(tags)
 
     def _context(self, phrases: Sequence[Phrase], chosen: Sequence[SelectedAsset]) -> list[SelectedAsset]:
-        """Objects that fit the occasion and cannot be taken for what the instruction names."""
+        """Small objects from where the contents belong, which cannot be taken for what the instruction names."""
         by_name = {entry.name: entry for entry in self.catalogue}
-        tags = {tag for s in chosen for tag in by_name[s.asset].words.scene_tags}
-        heads = {names_of(by_name[s.asset])[0][-1] for s in chosen}
-        kinds = {kind for head in heads for kind in kinds_of(head)} - {"stationery", "tableware"}
-        colours = {s.variant for s in chosen}
-        fitting = []
-        for entry in self.catalogue:
-            head = names_of(entry)[0][-1]
-            confusable = head in heads or bool(kinds_of(head) & kinds) or entry.name in {s.asset for s in chosen}
-            confusable = confusable or any(score_entry(phrase, entry).score >= MIN_SCORE for phrase in phrases)
-            if not confusable and tags & set(entry.words.scene_tags) and entry.size[0] * entry.size[1] <= CONTEXT_FOOTPRINT:
-                fitting.append(entry)
+        entries = [by_name[s.asset] for s in chosen]
+        tags = {tag for s in chosen if s.role == "content" for tag in by_name[s.asset].words.scene_tags}
+        fitting = [
+            entry
+            for entry in self.catalogue
+            if tags & set(entry.words.scene_tags)
+            and entry.size[0] * entry.size[1] <= CONTEXT_FOOTPRINT
+            and not any(_confusable(entry, other) for other in entries)
+            and all(score_entry(phrase, entry).score < MIN_SCORE for phrase in phrases)
+        ]
         picked = [fitting[i] for i in self.rng.permutation(len(fitting))[:CONTEXT_OBJECTS]]
-        selected = []
-        for entry in picked:
-            variants = [v for v in entry.variants if v.id not in colours] or entry.variants
-            variant = variants[int(self.rng.integers(len(variants)))]
-            shared = ", ".join(sorted(tags & set(entry.words.scene_tags)))
-            selected.append(
-                SelectedAsset(asset=entry.name, variant=variant.id, role="context", reason=f"belongs to {shared}")
-            )
-        return selected
+        return [self._context_object(entry, chosen, tags) for entry in picked]
+
+    def _context_object(self, entry: CatalogueEntry, chosen: Sequence[SelectedAsset], tags: set[str]) -> SelectedAsset:
+        """One variant of the entry, of a look that no chosen object has where that can be had."""
+        looks = {s.variant for s in chosen}
+        variants = [v for v in entry.variants if v.id not in looks] or entry.variants
+        variant = variants[int(self.rng.integers(len(variants)))]
+        shared = ", ".join(sorted(tags & set(entry.words.scene_tags)))
+        return SelectedAsset(asset=entry.name, variant=variant.id, role="context", reason=f"belongs to {shared}")
 
     def _require_matches(self) -> None:
         if not any(request.contents for request in self.requests):

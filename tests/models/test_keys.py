@@ -1,0 +1,42 @@
+from __future__ import annotations
+
+import json
+
+import pytest
+
+from vcage.errors import ConfigurationError, MissingKey
+from vcage.models.keys import find_key, found_keys, key_file, require_key
+
+
+def test_the_projects_own_variable_comes_before_the_providers(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("GEMINI_API_KEY", "theirs")
+    monkeypatch.setenv("VCAGE_GEMINI_API_KEY", "ours")
+    assert find_key("gemini") == ("ours", "VCAGE_GEMINI_API_KEY")
+
+
+def test_googles_other_variable_is_read_too(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("GOOGLE_API_KEY", "key")
+    assert find_key("gemini") == ("key", "GOOGLE_API_KEY")
+
+
+def test_the_key_file_is_read_last() -> None:
+    key_file().write_text(json.dumps({"openai": "from-file"}))
+    assert find_key("openai") == ("from-file", str(key_file()))
+
+
+def test_found_keys_names_places_and_never_a_key(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("OPENROUTER_API_KEY", "secret")
+    assert found_keys() == {"openrouter": "OPENROUTER_API_KEY"}
+
+
+def test_a_missing_key_says_where_to_put_it() -> None:
+    with pytest.raises(MissingKey) as caught:
+        require_key("openai")
+    assert "VCAGE_OPENAI_API_KEY" in caught.value.hint and str(key_file()) in caught.value.hint
+
+
+@pytest.mark.parametrize("text", ["{", "[]", '{"openai": 3}'])
+def test_a_damaged_key_file_is_named(text: str) -> None:
+    key_file().write_text(text)
+    with pytest.raises(ConfigurationError, match=str(key_file())):
+        find_key("openai")

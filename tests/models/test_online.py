@@ -1,0 +1,186 @@
+"""Both wire shapes, against the loopback stand-in: every role, and what servers do besides answering well."""
+
+from __future__ import annotations
+
+import base64
+
+import numpy as np
+import pytest
+
+from tests.models.catalogue import CATALOGUE
+from tests.models.tabletop import BLOCKS, BOX, MARKERS, PLATE, draw, reference, scene_of, table_picture, view
+from tests.standin import Special, StandIn, no_picture, text_answer
+from vcage.errors import ConfigurationError, EndpointFailed, MissingKey, ModelRefused, NoAssetFits, UnknownName
+from vcage.models import pictures
+from vcage.models.protocols import CriticQuestion, EditRequest, Models
+from vcage.models.registry import build_models
+from vcage.schema.plan import LayoutPlan, Relation
+from vcage.schema.subtasks import ChainOption, Goal, PairQuestion
+
+RNG = np.random.default_rng(0)
+PROVIDERS = ("gemini", "openai", "openrouter")
+TEXT_PROVIDERS = ("gemini", "openai")
+
+
+def build(provider: str, server: StandIn, monkeypatch: pytest.MonkeyPatch) -> Models:
+    monkeypatch.setenv(f"VCAGE_{provider.upper()}_API_KEY", server.key)
+    monkeypatch.setenv(f"VCAGE_{provider.upper()}_BASE_URL", server.url + ("" if provider == "gemini" else "/v1"))
+    return build_models(provider)
+
+
+@pytest.fixture(params=TEXT_PROVIDERS)
+def models(request: pytest.FixtureRequest, server: StandIn, monkeypatch: pytest.MonkeyPatch) -> Models:
+    return build(request.param, server, monkeypatch)
+
+
+@pytest.fixture(params=PROVIDERS)
+def editing(request: pytest.FixtureRequest, server: StandIn, monkeypatch: pytest.MonkeyPatch) -> Models:
+    return build(request.param, server, monkeypatch)
+
+
+def edit_request() -> EditRequest:
+    things = [PLATE, *BLOCKS]
+    picture, ids = draw(things)
+    relation = Relation(subject="plate", relation="center", reference="table")
+    return EditRequest(picture, table_picture(), ids, scene_of(things), LayoutPlan(text="…", relations=[relation]))
+
+
+def critic_question(moved: bool) -> CriticQuestion:
+    before = [BOX, *MARKERS]
+    after = [BOX, MARKERS[0].moved(at=BOX.at, base=0.005), *MARKERS[1:]] if moved else before
+    return CriticQuestion(
+        "Put the black marker into the box.",
+        [Goal(subject="black-marker", relation="inside", reference="box")],
+        {"top": view(before)},
+        {"top": view(after)},
+        {thing.id: reference(thing) for thing in before},
+    )
+
+
+def test_the_provider_names_the_model(models: Models) -> None:
+    assert models.providers("reasoner", "critic")["reasoner"].split(":")[0] in TEXT_PROVIDERS
+    assert models.detector.provider == models.embedder.provider == "offline"
+
+
+def test_selection_names_assets_of_the_catalogue(models: Models) -> None:
+    chosen = models.reasoner.select_assets("Put the blocks on the plate", CATALOGUE, RNG).objects
+    assert [(o.asset, o.role) for o in chosen if o.role != "context"] == [("block", "content")] * 3 + [("plate", "receptacle")]
+
+
+def test_what_the_model_misses_is_no_asset_fits(models: Models) -> None:
+    with pytest.raises(NoAssetFits, match="helicopter"):
+        models.reasoner.select_assets("Fly the helicopter to the moon", CATALOGUE, RNG)
+
+
+def test_a_layout_mentions_every_object(models: Models) -> None:
+    scene = scene_of([PLATE, *BLOCKS])
+    plan = models.reasoner.plan_layout(scene, CATALOGUE, RNG)
+    assert {r.subject for r in plan.relations} == {o.id for o in scene.objects}
+
+
+def test_a_contradictory_layout_goes_back(models: Models, server: StandIn) -> None:
+    both = '{"text": "x", "relations": [{"subject": "plate", "relation": "left_of", "reference": "plate"}]}'
+    server.queue(text_answer(both))
+    models.reasoner.plan_layout(scene_of([PLATE, *BLOCKS]), CATALOGUE, RNG)
+    assert "plate refers to itself" in str(server.requests[1])
+
+
+def test_pairs_are_answered_in_order(models: Models) -> None:
+    sizes = {"object_size": (0.1, 0.02, 0.02), "opening_size": (0.2, 0.2, 0.1)}
+    questions = [
+        PairQuestion(object="m", object_words="marker pen", receptacle=r, receptacle_words=words, holds="in", **sizes)
+        for r, words in (("s", "stapler"), ("b", "packaging box"))
+    ]
+    answers = models.reasoner.judge_pairs(questions)
+    assert [(a.receptacle, a.sensible) for a in answers] == [("s", False), ("b", True)]
+
+
+def test_a_chain_names_options(models: Models) -> None:
+    options = [ChainOption(id="a", text="Put the red block onto the plate.", object="block_1", receptacle="plate_1")]
+    assert models.reasoner.compose_chain("Put the red block on the plate", options) == ["a"]
+    assert models.reasoner.compose_chain("Put the red block on the plate", []) == []
+
+
+@pytest.mark.parametrize("moved", [True, False])
+def test_the_critic_looks_at_the_pictures(models: Models, moved: bool) -> None:
+    assert models.critic.judge(critic_question(moved)).accepted is moved
+
+
+def test_a_fenced_answer_is_read(models: Models, server: StandIn) -> None:
+    server.queue(text_answer('```json\n{"observations": "", "accepted": true, "reason": "in", "confidence": 1}\n```'))
+    assert models.critic.judge(critic_question(True)).reason == "in"
+
+
+@pytest.mark.parametrize("finish", ["MAX_TOKENS", "SAFETY", "content_filter"])
+def test_an_answer_that_was_cut_off_is_a_refusal(models: Models, server: StandIn, finish: str) -> None:
+    server.queue(text_answer("" if finish == "SAFETY" else '{"obs', finish))
+    with pytest.raises(ModelRefused):
+        models.critic.judge(critic_question(True))
+
+
+def test_a_refusal_of_openai_is_a_refusal(server: StandIn, monkeypatch: pytest.MonkeyPatch) -> None:
+    server.queue(Special(refusal="I will not."))
+    with pytest.raises(ModelRefused, match="I will not"):
+        build("openai", server, monkeypatch).critic.judge(critic_question(True))
+
+
+def test_a_wrong_key_is_a_configuration_error(server: StandIn, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(server, "key", "another-key-entirely")
+    models = build("gemini", server, monkeypatch)
+    monkeypatch.setattr(server, "key", "the-right-key-now")
+    with pytest.raises(ConfigurationError, match="key"):
+        models.critic.judge(critic_question(True))
+
+
+def test_the_edited_picture_may_have_another_size(editing: Models) -> None:
+    assert editing.editor.rearrange(edit_request()).shape == (600, 800, 3)
+
+
+def test_an_answer_without_a_picture_is_asked_again_by_gemini(server: StandIn, monkeypatch: pytest.MonkeyPatch) -> None:
+    server.queue(no_picture())
+    assert build("gemini", server, monkeypatch).editor.rearrange(edit_request()).shape == (600, 800, 3)
+    assert len(server.requests) == 2
+
+
+def test_a_safety_block_is_final(server: StandIn, monkeypatch: pytest.MonkeyPatch) -> None:
+    server.queue(no_picture("IMAGE_SAFETY"))
+    with pytest.raises(ModelRefused, match="IMAGE_SAFETY"):
+        build("gemini", server, monkeypatch).editor.rearrange(edit_request())
+    assert len(server.requests) == 1
+
+
+def test_no_picture_at_all_is_a_refusal(editing: Models, server: StandIn) -> None:
+    server.queue(*[no_picture()] * 3)
+    with pytest.raises(ModelRefused, match="drew no picture"):
+        editing.editor.rearrange(edit_request())
+
+
+@pytest.mark.parametrize("data", ["AAAA", "%%%", base64.b64encode(b"no picture").decode()])
+def test_a_picture_that_cannot_be_decoded_is_an_endpoint_failure(editing: Models, server: StandIn, data: str) -> None:
+    server.queue(Special(picture=data))
+    with pytest.raises(EndpointFailed, match="picture"):
+        editing.editor.rearrange(edit_request())
+
+
+def test_both_base64_alphabets_are_read() -> None:
+    picture = np.random.default_rng(0).integers(0, 255, (9, 7, 3), dtype=np.uint8)
+    url_safe = base64.urlsafe_b64encode(pictures.encode_png(picture)).decode().rstrip("=")
+    assert np.array_equal(pictures.decode_base64(url_safe, "x"), picture)
+
+
+def test_auto_takes_the_provider_that_has_a_key_and_else_offline(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert build_models("auto").reasoner.provider == "offline"
+    monkeypatch.setenv("OPENROUTER_API_KEY", "key-1")
+    assert build_models("auto").reasoner.provider.startswith("openrouter:")
+    monkeypatch.setenv("GEMINI_API_KEY", "key-2")
+    assert build_models("auto").reasoner.provider.startswith("gemini:")
+
+
+def test_an_online_choice_without_a_key_says_so() -> None:
+    with pytest.raises(MissingKey, match="no key for gemini"):
+        build_models("gemini")
+
+
+def test_an_unknown_choice_is_named() -> None:
+    with pytest.raises(UnknownName, match="clippy"):
+        build_models("clippy")

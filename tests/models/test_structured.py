@@ -1,0 +1,69 @@
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import pytest
+
+from vcage.errors import ModelRefused
+from vcage.models.chat import Message
+from vcage.models.structured import Answer, ask, flat_schema, json_of, one_of
+
+
+class Colour(Answer):
+    name: one_of(["red", "blue"])
+
+
+class Script:
+    """A chat that answers with the given texts, one after another, and keeps what it was sent."""
+
+    provider = "script"
+
+    def __init__(self, *texts: str):
+        self.texts = list(texts)
+        self.sent: list[Sequence[Message]] = []
+
+    def complete(self, messages: Sequence[Message], schema: dict[str, Any]) -> str:
+        self.sent.append(list(messages))
+        return self.texts.pop(0)
+
+
+def test_a_valid_answer_is_taken_at_once() -> None:
+    assert ask(Script('{"name": "red"}'), "colour?", Colour).name == "red"
+
+
+@pytest.mark.parametrize("text", ['```json\n{"name": "red"}\n```', 'Sure: {"name": "red"} as you like', ' {"name":"red"}'])
+def test_json_is_found_in_fences_and_prose(text: str) -> None:
+    assert ask(Script(text), "colour?", Colour).name == "red"
+
+
+def test_what_breaks_the_schema_goes_back_with_the_exact_complaint() -> None:
+    chat = Script('{"name": "green"}', '{"name": "blue"}')
+    assert ask(chat, "colour?", Colour).name == "blue"
+    first, answer, complaint = chat.sent[1]
+    assert (first.text, answer.text) == ("colour?", '{"name": "green"}')
+    assert "name: Input should be 'red' or 'blue'" in complaint.text
+
+
+def test_what_the_caller_objects_to_goes_back_too() -> None:
+    chat = Script('{"name": "red"}', '{"name": "blue"}')
+    found = ask(chat, "colour?", Colour, complaints=lambda a: ["not red, please"] if a.name == "red" else [])
+    assert found.name == "blue" and "not red, please" in chat.sent[1][-1].text
+
+
+def test_three_invalid_answers_are_a_refusal_that_holds_the_last_complaint() -> None:
+    with pytest.raises(ModelRefused, match="not JSON"):
+        ask(Script("no", "no", "no"), "colour?", Colour)
+
+
+def test_the_schema_holds_the_names_and_nothing_that_providers_refuse() -> None:
+    assert flat_schema(Colour) == {
+        "type": "object",
+        "properties": {"name": {"type": "string", "enum": ["red", "blue"]}},
+        "required": ["name"],
+        "additionalProperties": False,
+    }
+
+
+def test_json_with_braces_inside_strings_is_kept_whole() -> None:
+    assert json_of('{"a": "}{"}') == '{"a": "}{"}'

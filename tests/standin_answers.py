@@ -1,0 +1,81 @@
+"""What the stand-in server answers to structured questions: valid JSON from the schema and the prompt alone."""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+import numpy as np
+
+from vcage.errors import NoAssetFits
+from vcage.models.offline.chain import compose_chain
+from vcage.models.offline.selection import Selector
+from vcage.schema.asset import CatalogueEntry, Variant, Words
+from vcage.schema.subtasks import ChainOption
+
+_HOLDERS = ("box", "plate", "tray", "bowl", "basket")
+
+
+def answer_question(schema: dict[str, Any], prompt: str, pictures: list[np.ndarray]) -> dict[str, Any]:
+    """A valid answer; which question it is shows in the schema's fields."""
+    fields = schema["properties"]
+    if "objects" in fields:
+        return _select(fields["objects"]["items"]["properties"]["look"]["enum"], _section(prompt, "The task"))
+    if "relations" in fields:
+        return _arrange(fields["relations"]["items"]["properties"]["subject"]["enum"], prompt)
+    if "pairs" in fields:
+        return {"pairs": [_pair(*found) for found in _PAIR.findall(prompt)]}
+    if "chain" in fields:
+        options = [ChainOption(id=i, text=t, object=o, receptacle=r) for i, t, o, r in _OPTION.findall(prompt)]
+        return {"reason": "in order", "chain": compose_chain(_section(prompt, "The task"), options)}
+    changed = len(pictures) > 1 and bool(np.abs(pictures[0].astype(int) - pictures[-1]).max() > 40)
+    seen = "the pictures differ" if changed else "the pictures are the same"
+    return {"observations": seen, "accepted": changed, "reason": seen, "confidence": 0.8}
+
+
+_PAIR = re.compile(r"^(\d+)\. Put the (.+?) \([^()]*\) (?:in|on) the (.+?) \(free", re.MULTILINE)
+_OPTION = re.compile(r"^- `([\w-]+)`: (.+?) \(moves `([\w-]+)` to `([\w-]+)`\)", re.MULTILINE)
+_OBJECT = re.compile(r"^- `([\w-]+)`: .*?, role (\w+),", re.MULTILINE)
+
+
+def _section(prompt: str, title: str) -> str:
+    return prompt.partition(f"# {title}\n")[2].partition("\n#")[0].strip()
+
+
+def _select(looks: list[str], instruction: str) -> dict[str, Any]:
+    variants: dict[str, list[Variant]] = {}
+    for look in looks:
+        asset, _, variant = look.partition("/")
+        variants.setdefault(asset, []).append(Variant(id=variant, colour=variant))
+    catalogue = [
+        CatalogueEntry(name=asset, words=_words(asset.replace("_", " ")), variants=found, size=(0.05, 0.05, 0.05))
+        for asset, found in variants.items()
+    ]
+    try:
+        chosen = Selector(instruction, catalogue, np.random.default_rng(0)).select().objects
+    except NoAssetFits as error:
+        return {"missing": error.details.get("unmatched", [instruction]), "objects": []}
+    return {
+        "missing": [],
+        "objects": [{"look": f"{o.asset}/{o.variant}", "role": o.role, "reason": o.reason} for o in chosen],
+    }
+
+
+def _words(name: str) -> Words:
+    return Words(name=name, plural=f"{name}s", description=name, category="thing")
+
+
+def _arrange(ids: list[str], prompt: str) -> dict[str, Any]:
+    roles = dict(_OBJECT.findall(prompt))
+    centre = next((i for i in ids if roles.get(i) == "receptacle"), ids[0])
+    relations = [{"subject": centre, "relation": "center", "reference": "table"}]
+    places = ("left_of", "right_of", "in_front_of", "behind")
+    for index, other in enumerate(i for i in ids if i != centre):
+        relations.append({"subject": other, "relation": places[index % 4], "reference": centre})
+    return {"text": f"Everything stands around the {centre}.", "relations": relations}
+
+
+def _pair(number: str, thing: str, place: str) -> dict[str, Any]:
+    sensible = place.split()[-1] in _HOLDERS
+    text = f"Put the {thing} into the {place}." if sensible else ""
+    return {"number": int(number), "sensible": sensible, "reason": "it is a holder" if sensible else "no", "text": text}
