@@ -34,9 +34,6 @@ from vcage.subtasks.waypoints import (
 CAREFUL = 0.6
 """Share of the speed limit near things that are to be touched."""
 
-GRIP_SECONDS, RELEASE_SECONDS, PAUSE_SECONDS = 0.36, 0.24, 0.1
-"""Time for the fingers to close, to open, and for the arm to come to rest."""
-
 EMPTY = 0.003
 """Fingers closer than this hold nothing, metres."""
 
@@ -119,21 +116,21 @@ class Task:
         grip = self._holding()
         receptacle = self._object(receptacle_id)
         way, carry, lower = self._plan_place(grip, receptacle, point)
-        self._follow(grip.arm, carry)
-        self._holding()
-        self._follow(grip.arm, lower)
         control = self.world.arms[grip.arm]
+        control.move(carry)
+        self._holding()
+        control.move(lower)
         opened = _opening(control.finger_width, control.arm.gripper)
-        self._drive_gripper(grip.arm, opened, RELEASE_SECONDS)
+        control.grip(opened)
         self._grip = None
         away = Load(opening=opened, ignore=(grip.object_id, receptacle_id), speed=CAREFUL)
-        self._follow(grip.arm, self._plan(grip.arm, "place").line(self._joints(grip.arm), way.after, away))
+        control.move(self._plan(grip.arm, "place").line(self._joints(grip.arm), way.after, away))
 
     def home(self) -> None:
         """Bring every arm home, open the grippers, and wait until everything is at rest."""
         for name, control in self.world.arms.items():
             if np.abs(self._joints(name) - control.arm.home).max() > 1e-3:
-                self._follow(name, self._plan(name, "place").move(self._joints(name), np.array(control.arm.home)))
+                control.move(self._plan(name, "place").move(self._joints(name), np.array(control.arm.home)))
             control.command_gripper(1.0)
         self.world.settle(max_steps=PHYSICS_HZ)
 
@@ -200,30 +197,18 @@ class Task:
     # --- execution -------------------------------------------------------------------------------------
 
     def _grasp(self, target: SceneObject, arm: str, way: PickWay, reach: list[Trajectory]) -> None:
-        for part in reach:
-            self._follow(arm, part)
-        self._drive_gripper(arm, 0.0, GRIP_SECONDS)
         control = self.world.arms[arm]
+        for part in reach:
+            control.move(part)
+        control.grip(0.0)
         if control.finger_width < EMPTY:
             raise TaskFailed("grasp", f"the fingers closed on nothing where {target.record.phrase} should be")
         in_gripper = control.tool_pose.inverse() * self._object(target.id).pose
         held = Held(target.id, target.asset.model, in_gripper)
         self._grip = _Grip(arm, target.id, Load(opening=control.opening, held=held, ignore=("table",)))
         lift = Load(opening=control.opening, ignore=(target.id, "table"), speed=CAREFUL)
-        self._follow(arm, self._plan(arm, "grasp").line(self._joints(arm), way.lifted, lift))
+        control.move(self._plan(arm, "grasp").line(self._joints(arm), way.lifted, lift))
         self._holding()
-
-    def _follow(self, arm: str, trajectory: Trajectory) -> None:
-        control = self.world.arms[arm]
-        for q, velocity in zip(trajectory.q, trajectory.velocity, strict=True):
-            control.command_joints(q, velocity)
-            self.world.step()
-        control.command_joints(trajectory.end)
-        self.world.step(round(PAUSE_SECONDS * PHYSICS_HZ))
-
-    def _drive_gripper(self, arm: str, opening: float, seconds: float) -> None:
-        self.world.arms[arm].command_gripper(opening)
-        self.world.step(round(seconds * PHYSICS_HZ))
 
     # --- state -----------------------------------------------------------------------------------------
 

@@ -17,7 +17,7 @@ from vcage.models.registry import build_models
 from vcage.schema.asset import CatalogueEntry, PhysicalModel
 from vcage.schema.scene import ObjectRecord, Scene, Table, Workspace
 from vcage.sim.appearance import Appearance
-from vcage.sim.kinematics import ArmKinematics
+from vcage.sim.kinematics import ArmKinematics, kinematics_of
 from vcage.sim.reference import reference_view
 from vcage.sim.robots import load_robot
 from vcage.subtasks.objects import SceneObject
@@ -38,7 +38,6 @@ class Workbench:
 
     def __init__(self, models: str = "auto"):
         self._models = models
-        self._kinematics: dict[str, dict[str, ArmKinematics]] = {}
         self._references: dict[tuple[str, str], np.ndarray] = {}
         self._reach: dict[tuple[str, Workspace, Table], np.ndarray] = {}
 
@@ -56,10 +55,7 @@ class Workbench:
 
     def kinematics(self, robot: str) -> Mapping[str, ArmKinematics]:
         """The kinematics of a robot's arms, by arm."""
-        if robot not in self._kinematics:
-            arms = load_robot(robot).arms
-            self._kinematics[robot] = {name: ArmKinematics(arm) for name, arm in arms.items()}
-        return self._kinematics[robot]
+        return {name: kinematics_of(arm) for name, arm in load_robot(robot).arms.items()}
 
     def reach(self, robot: str, workspace: Workspace, table: Table) -> np.ndarray:
         """Rectangles (m, 2, 2) of the table where some arm reaches what stands there."""

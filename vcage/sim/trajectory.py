@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-MAX_SPEED = 1.6
+MAX_SPEED = 2.1
 """Joint speed, rad/s; a Panda's slowest joints allow 2.175."""
 
-MAX_ACCELERATION = 6.0
+MAX_ACCELERATION = 7.5
 """Joint acceleration, rad/s²; a Panda's slowest joint allows 7.5."""
 
 

@@ -27,9 +27,11 @@ class ClassicalEmbedder:
 
     def embed(self, picture: np.ndarray, regions: Sequence[Detection]) -> np.ndarray:
         """(len(regions), d) float64 rows of unit length; none of the features depends on the region's rotation."""
+        if not regions:
+            return np.zeros((0, 0))
         lab = to_lab(picture)
         rows = [_features(lab, region) for region in regions]
-        return np.array(rows, dtype=np.float64).reshape(len(regions), -1)
+        return np.array(rows, dtype=np.float64)
 
 
 def region_mask(region: Detection, shape: tuple[int, ...]) -> np.ndarray:

@@ -23,7 +23,7 @@ PROPOSALS = 6
 CAP = 25.0
 """Largest colour distance that one pixel can cost."""
 
-MAX_PIXELS = 2500
+MAX_PIXELS = 1500
 """Pixels of a template that the refinement compares."""
 
 _MARGIN = 4
@@ -149,7 +149,7 @@ def _squares(picture: np.ndarray, template: Template, scales: np.ndarray) -> np.
     return cv2.matchTemplate(picture, template.lab * scales, cv2.TM_SQDIFF, mask=weight)
 
 
-def refine(lab: np.ndarray, made: list[Template], centre: np.ndarray, reach: int = 4, step: int = 1) -> Sighting:
+def refine(lab: np.ndarray, made: list[Template], centre: np.ndarray, reach: int = 2, step: int = 1) -> Sighting:
     """The best of the templates at whole-pixel shifts of up to ``reach`` around ``centre``; the nearest of equals."""
     shifts = np.arange(-reach, reach + 1, step)
     grid = np.stack(np.meshgrid(shifts, shifts, indexing="ij"), axis=-1).reshape(-1, 2)

@@ -1,0 +1,96 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tests.models.tabletop import BLOCKS, BOX, ERASER, MARKERS, PLATE, scene_of
+from vcage.models.llm import layout_complaints
+from vcage.models.offline.reasoner import OfflineReasoner
+from vcage.schema.subtasks import ChainOption, PairQuestion
+
+REASONER = OfflineReasoner()
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_a_layout_holds_every_object_and_no_contradiction(seed: int) -> None:
+    scene = scene_of([BOX, *MARKERS, ERASER.moved(role="context"), PLATE.moved(role="context")])
+    plan = REASONER.plan_layout(scene, [], np.random.default_rng(seed))
+    assert layout_complaints(plan.text, plan.relations, [o.id for o in scene.objects]) == []
+    assert all(o.phrase in plan.text for o in scene.objects)
+
+
+def test_contents_start_beside_their_receptacle_on_both_sides() -> None:
+    plan = REASONER.plan_layout(scene_of([PLATE, *BLOCKS]), [], np.random.default_rng(0))
+    words = {r.relation for r in plan.relations if r.subject.endswith("block")}
+    assert words == {"left_of", "right_of", "in_front_of"}
+
+
+def ask(thing: str, place: str, holds: str, size: tuple = (0.05, 0.05, 0.05), opening: tuple = (0.2, 0.2, 0.1)):  # noqa: ANN201
+    question = PairQuestion(
+        object="a", object_words=thing, receptacle="b", receptacle_words=place, holds=holds, object_size=size,
+        opening_size=opening,
+    )  # fmt: skip
+    return REASONER.judge_pairs([question])[0]
+
+
+@pytest.mark.parametrize(
+    ("thing", "place", "holds", "text"),
+    [
+        ("black marker pen", "packaging box", "in", "Put the black marker pen into the packaging box."),
+        ("red block", "white plate", "on", "Put the red block onto the white plate."),
+        ("bread roll", "bread box", "in", "Put the bread roll into the bread box."),
+        ("marker pen: a fat one", "mug", "in", "Put the marker pen into the mug."),
+    ],
+)
+def test_sensible_pairs_get_a_sentence(thing: str, place: str, holds: str, text: str) -> None:
+    answer = ask(thing, place, holds)
+    assert answer.sensible and answer.text == text and answer.relation == ("inside" if holds == "in" else "on")
+
+
+@pytest.mark.parametrize(
+    ("thing", "place", "holds"),
+    [
+        ("bagel", "stapler", "on"),
+        ("packaging box", "mug", "in"),
+        ("croissant", "book", "on"),
+        ("stapler", "bread box", "in"),
+        ("plate", "red block", "on"),
+    ],
+)
+def test_senseless_pairs_get_a_reason(thing: str, place: str, holds: str) -> None:
+    answer = ask(thing, place, holds)
+    assert not answer.sensible and answer.reason and not answer.text
+
+
+def test_what_is_too_large_for_the_opening_is_refused_with_both_sizes() -> None:
+    answer = ask("book", "packaging box", "in", size=(0.3, 0.2, 0.03), opening=(0.24, 0.17, 0.07))
+    assert not answer.sensible and "30.0 x 20.0 cm" in answer.reason and "24.0 x 17.0 cm" in answer.reason
+
+
+def option(name: str, thing: str, place: str) -> ChainOption:
+    place_id, thing_id = place.replace(" ", "_"), thing.replace(" ", "_")
+    return ChainOption(id=name, text=f"Put the {thing} into the {place}.", object=thing_id, receptacle=place_id)
+
+
+OPTIONS = [
+    option("eraser-box", "whiteboard eraser", "packaging box"),
+    option("black-box", "black marker pen", "packaging box"),
+    option("black-mug", "black marker pen", "white mug"),
+    option("red-box", "red marker pen", "packaging box"),
+    option("croissant-bread", "croissant", "bread box"),
+    option("roll-bread", "bread roll", "bread box"),
+]
+
+
+@pytest.mark.parametrize(
+    ("instruction", "chain"),
+    [
+        ("Pack the marker pens and the eraser into the box", ["black-box", "red-box", "eraser-box"]),
+        ("Put the bread into the bread box", ["croissant-bread", "roll-bread"]),
+        ("Put the red marker into the box", ["red-box"]),
+        ("Put three markers into the box", []),
+        ("Put the eraser in the mug", []),
+    ],
+)
+def test_a_chain_fulfils_the_whole_instruction_or_nothing(instruction: str, chain: list[str]) -> None:
+    assert REASONER.compose_chain(instruction, OPTIONS) == chain

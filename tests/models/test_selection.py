@@ -1,0 +1,83 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tests.models.catalogue import CATALOGUE
+from vcage.errors import NoAssetFits
+from vcage.models.offline.reasoner import OfflineReasoner
+from vcage.schema.plan import SelectedAsset
+
+
+def select(instruction: str, seed: int = 0) -> list[SelectedAsset]:
+    return OfflineReasoner().select_assets(instruction, CATALOGUE, np.random.default_rng(seed)).objects
+
+
+def assets(instruction: str, role: str, seed: int = 0) -> list[str]:
+    return [o.asset for o in select(instruction, seed) if o.role == role]
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_pens_and_eraser_into_the_box(seed: int) -> None:
+    chosen = select("Pack the marker pens and the eraser into the box", seed)
+    pens = [o.variant for o in chosen if o.asset == "marker_pen"]
+    assert len(pens) == len(set(pens)) == 3
+    assert [o.asset for o in chosen if o.role != "context"][3:] == ["whiteboard_eraser", "packaging_box"]
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_blocks_come_in_different_colours(seed: int) -> None:
+    chosen = select("Put the blocks on the plate", seed)
+    assert len({o.variant for o in chosen if o.asset == "block"}) == 3
+    assert assets("Put the blocks on the plate", "receptacle", seed) == ["plate"]
+
+
+@pytest.mark.parametrize("instruction", ["Put the bread into the bread box", "Put the breads in the bread box"])
+def test_bread_means_several_kinds_of_bread(instruction: str) -> None:
+    assert sorted(assets(instruction, "content")) == ["bagel", "baguette_piece", "croissant"]
+    assert assets(instruction, "receptacle") == ["bread_box"]
+
+
+def test_a_number_is_kept_even_beyond_the_variants() -> None:
+    assert assets("Put five markers in the mug", "content") == ["marker_pen"] * 5
+
+
+def test_a_colour_chooses_the_variant() -> None:
+    assert [o.variant for o in select("Put the green apple in the bowl") if o.role == "content"] == ["green"]
+
+
+def test_each_clause_has_its_receptacle() -> None:
+    assert assets("Put an apple in the bowl and the stapler into the box", "receptacle") == ["bowl", "packaging_box"]
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_context_fits_the_occasion_and_is_not_confused_with_the_contents(seed: int) -> None:
+    context = assets("Put the bread into the bread box", "context", seed)
+    assert len(context) == 2 and not set(context) & {"croissant", "bagel", "baguette_piece", "packaging_box", "stapler"}
+
+
+@pytest.mark.parametrize(
+    ("instruction", "named"),
+    [
+        ("Fly the helicopter to the moon", ["helicopter", "moon"]),
+        ("Put the bread into the cupboard", ["cupboard"]),
+        ("Put the submarine on the plate", ["submarine"]),
+        ("Put the purple block on the plate", ["purple block"]),
+    ],
+)
+def test_what_matches_nothing_is_named(instruction: str, named: list[str]) -> None:
+    with pytest.raises(NoAssetFits) as caught:
+        select(instruction)
+    assert caught.value.details["unmatched"] == named
+    assert all(name in caught.value.message for name in named) and caught.value.hint
+
+
+@pytest.mark.parametrize("instruction", ["", "   ", "Tidy up", "???"])
+def test_an_instruction_that_names_nothing_is_refused(instruction: str) -> None:
+    with pytest.raises(NoAssetFits, match="names nothing to move"):
+        select(instruction)
+
+
+def test_the_same_seed_gives_the_same_selection_whatever_the_catalogues_order() -> None:
+    backwards = OfflineReasoner().select_assets("Put the bread into the bread box", CATALOGUE[::-1], np.random.default_rng(5))
+    assert backwards.objects == select("Put the bread into the bread box", 5)
