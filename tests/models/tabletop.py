@@ -111,12 +111,12 @@ def _draw(picture: np.ndarray, ids: np.ndarray, index: int, thing: Thing, camera
 
 
 def reference(thing: Thing, phrase: str = "") -> Reference:
-    """The thing alone, seen from straight above, on nothing."""
+    """The thing alone, seen from straight above and far away, on nothing."""
     alone = thing.moved(at=(0.0, 0.0), yaw=0.0, base=0.0)
-    camera = Camera(256, 256, 0.3, Pose((0, 0, HEIGHT + 1.6), (0.5, -0.5, 0.5, 0.5)))
+    camera = Camera(256, 256, 0.03, Pose((0, 0, HEIGHT + 15), (0.5, -0.5, 0.5, 0.5)))
     picture, ids = draw([alone], camera)
     alpha = np.where(ids > 0, 255, 0).astype(np.uint8)
-    return Reference(phrase or thing.id, np.dstack([picture, alpha]), 1.6 / camera.focal, thing.size)
+    return Reference(phrase or thing.id, np.dstack([picture, alpha]), 15 / camera.focal, thing.size)
 
 
 def view(things: list[Thing], seed: int = 0) -> View:

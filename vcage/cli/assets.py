@@ -1,4 +1,4 @@
-"""List the objects of the library, or draw every one of them on a page.
+"""List the objects of the library, or draw every one of them in one picture.
 
 examples:
   vcage assets list
@@ -9,8 +9,13 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from vcage.cli.output import Result
+from vcage.cli.progress import progress
+
+if TYPE_CHECKING:
+    from vcage.assets.library import Library
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -27,7 +32,7 @@ def execute(args: argparse.Namespace) -> Result:
     return _list(library) if args.what == "list" else _gallery(library, args.out)
 
 
-def _list(library) -> Result:
+def _list(library: Library) -> Result:
     from vcage.assets.catalogue import catalogue_text
 
     entries = library.entries()
@@ -35,7 +40,9 @@ def _list(library) -> Result:
     return Result(text=catalogue_text(entries), summary=summary)
 
 
-def _gallery(library, out: Path) -> Result:
+def _gallery(library: Library, out: Path) -> Result:
     from vcage.pipeline.gallery import write_gallery
 
-    return Result(output=write_gallery(library, out), summary={"kinds": len(library.names)})
+    with progress("drawing") as show:
+        page = write_gallery(library, out, show)
+    return Result(output=page, summary={"kinds": len(library.names)})

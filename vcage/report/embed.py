@@ -35,7 +35,7 @@ def video_url(frames: Iterable[np.ndarray], fps: float) -> str:
     A preview only: the data set's own streams are HEVC, which most browsers do not decode.
     """
     buffer = io.BytesIO()
-    with av.open(buffer, "w", format="mp4", options={"movflags": "faststart"}) as container:
+    with av.open(buffer, "w", format="mp4") as container:
         stream = None
         for frame in frames:
             if stream is None:
