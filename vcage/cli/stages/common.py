@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import argparse
+import shutil
+import sys
 from dataclasses import fields
 from pathlib import Path
 
@@ -81,4 +83,9 @@ def _preview(stage: str, run: RunFolder, settings: Settings, bench: Workbench) -
 def following(stage: str, run: RunFolder) -> str:
     """The command that goes on after a stage."""
     index = STAGES.index(stage) + 1
-    return f"vcage {SCRIPTS[STAGES[index]]} --run {run}" if index < len(STAGES) else f"vcage report --run {run}"
+    return f"{vcage_command()} {SCRIPTS[STAGES[index]] if index < len(STAGES) else 'report'} --run {run}"
+
+
+def vcage_command() -> str:
+    """How to call ``vcage`` from here: by name where it is on the PATH, else by the path of this environment's."""
+    return "vcage" if shutil.which("vcage") else str(Path(sys.executable).with_name("vcage"))
