@@ -45,7 +45,8 @@ def test_deb822_keeps_enabled_binary_sources_with_their_key() -> None:
 
 
 def test_one_line_sources_keep_their_options() -> None:
-    text = "# no\ndeb-src http://m/x bookworm main\ndeb [arch=amd64,arm64 signed-by=/k.gpg] http://m/d bookworm main # yes\n"
+    wanted = "deb [arch=amd64,arm64 signed-by=/k.gpg] http://m/d bookworm main # yes"
+    text = f"# no\ndeb-src http://m/x bookworm main\n{wanted}\n"
     (source,) = apt_sources.parse_one_line(text)
     assert source == apt_sources.Source(
         ("http://m/d",), ("bookworm",), ("main",), {"Architectures": "amd64 arm64", "signed-by": "/k.gpg"}

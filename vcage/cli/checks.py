@@ -139,7 +139,10 @@ def cvvdp() -> Finding:
 def keys() -> Finding:
     from vcage.models.keys import found_keys
 
-    names = found_keys()
+    try:
+        names = [f"{provider} in {source}" for provider, source in found_keys().items()]
+    except VcageError as error:
+        return Finding("keys", False, error.message, required=False, mend=error.hint)
     return Finding("keys", True, ", ".join(names) or "none (the offline stand-ins are used)", required=False)
 
 

@@ -58,7 +58,11 @@ def torchvision_names() -> Iterator[None]:
     if _usable():
         yield
         return
-    names = {"torchvision": {}, "torchvision.transforms": {"GaussianBlur": GaussianBlur}, "torchvision.ops": {"MLP": MLP}}
+    names = {
+        "torchvision": {},
+        "torchvision.transforms": {"GaussianBlur": GaussianBlur},
+        "torchvision.ops": {"MLP": MLP},
+    }
     before = {name: sys.modules.get(name) for name in names}
     for name, members in names.items():
         module = ModuleType(name)

@@ -65,9 +65,7 @@ class JodMetric:
         return np.round(np.concatenate(losses), DIGITS)
 
     def _predict(self, test: NDArray[np.uint8], reference: NDArray[np.uint8]) -> NDArray[np.float64]:
-        jod, _ = self._metric.predict(
-            np.ascontiguousarray(test), np.ascontiguousarray(reference), dim_order="BHWC"
-        )
+        jod, _ = self._metric.predict(np.ascontiguousarray(test), np.ascontiguousarray(reference), dim_order="BHWC")
         return PERFECT - np.atleast_1d(jod.cpu().numpy()).astype(np.float64)
 
 

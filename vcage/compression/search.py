@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +22,9 @@ THRESHOLD = 0.1
 FIRST_GUESS = 18
 LOSS_GROWTH = 0.16
 """Growth of ln(loss) per CRF step on rendered clips; it only makes guesses better, never a result."""
+
+FIRST_STEP = 3
+"""Smallest step up while nothing has failed yet: a bound above is worth more than a small gain."""
 
 BUDGET = 7
 """Trials at most for one clip."""
@@ -53,6 +56,10 @@ class SearchResult:
     loss_max: float
     trials: list[Trial]
 
+    def without_video(self) -> SearchResult:
+        """The same result with the video let go."""
+        return replace(self, video=b"")
+
 
 def search_clip(
     frames: NDArray[np.uint8],
@@ -73,7 +80,7 @@ def search_clip(
         settings: the encoder's.
         metric: the judge.
         threshold: the largest loss of a keyframe must be below it, JOD.
-        upper: where to start when it is below the usual first guess: the CRF that an earlier clip allowed.
+        upper: the CRF that an earlier clip of the same camera allowed, tried first; -1 when it allowed none.
     """
     reference = frames[list(keyframes)]
     trials: list[Trial] = []
@@ -85,7 +92,7 @@ def search_clip(
         trials.append(Trial(crf, float(losses.max()), round(float(losses.mean()), 5), len(videos[crf])))
         return trials[-1].loss_max
 
-    first = min(upper, FIRST_GUESS) if upper == MAX_CRF else upper
+    first = FIRST_GUESS if upper == MAX_CRF else upper
     crf = highest_passing(loss_at, threshold, upper=upper, first=first)
     if crf is None:
         return SearchResult(None, encode(frames, fps, settings, None), 0.0, trials)
@@ -121,7 +128,8 @@ def highest_passing(
         step = math.log(threshold / max(loss, 1e-6)) / LOSS_GROWTH
         if loss < threshold:
             passes = guess
-            guess += max(1, math.floor(step))
+            bounded = fails <= upper
+            guess += max(1, math.floor(step)) if bounded else max(FIRST_STEP, math.floor(step) + 1)
         else:
             fails = guess
             guess += min(-1, math.floor(step))

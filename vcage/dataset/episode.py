@@ -124,7 +124,8 @@ class EpisodeData:
         if error.max() > SPACING_TOLERANCE:
             worst = int(error.argmax())
             raise ValueError(
-                f"timestamp[{worst}] is {self.timestamp[worst]:.6f} s, expected {expected[worst]:.6f} s at {self.fps} fps"
+                f"timestamp[{worst}] is {self.timestamp[worst]:.6f} s, "
+                f"expected {expected[worst]:.6f} s at {self.fps} fps"
             )
 
     def _check_segments(self) -> None:

@@ -91,9 +91,7 @@ def _write_arrays(file: h5py.File, episode: EpisodeData) -> None:
 
 
 def _write_segments(group: h5py.Group, episode: EpisodeData) -> None:
-    columns: dict[str, list[str]] = {
-        name: [getattr(s, name) for s in episode.segments] for name in SEGMENT_TEXTS
-    }
+    columns: dict[str, list[str]] = {name: [getattr(s, name) for s in episode.segments] for name in SEGMENT_TEXTS}
     columns["verdict"] = [s.verdict.model_dump_json() for s in episode.segments]
     columns["truth"] = [s.truth.model_dump_json() for s in episode.segments]
     columns["id"] = columns.pop("subtask")
@@ -108,9 +106,7 @@ def _text(group: h5py.Group, name: str, text: str) -> None:
     group.create_dataset(name, data=text, dtype=TEXT, track_times=False)
 
 
-def _write_images(
-    group: h5py.Group, episode: EpisodeData, frames: Iterable[Mapping[str, NDArray[np.uint8]]]
-) -> None:
+def _write_images(group: h5py.Group, episode: EpisodeData, frames: Iterable[Mapping[str, NDArray[np.uint8]]]) -> None:
     """Compress pictures in threads (zlib releases the interpreter) and store them in order."""
     datasets = {
         name: group.create_dataset(

@@ -101,9 +101,7 @@ def run_episode(setting: Setting, chain: Sequence[tuple[Subtask, Script]], index
 class _StepRun:
     """The attempts at one sub-task."""
 
-    def __init__(
-        self, setting: Setting, run: EpisodeRun, index: int, step: int, subtask: Subtask, script: Script
-    ):
+    def __init__(self, setting: Setting, run: EpisodeRun, index: int, step: int, subtask: Subtask, script: Script):
         self._setting, self._run = setting, run
         self._index, self._step = index, step
         self._subtask, self._script = subtask, script

@@ -95,9 +95,10 @@ class Task:
 
         Raises:
             TaskFailed: none can be planned, or the fingers closed on nothing.
+            UnknownName: there is no such object, contact point or arm.
         """
         target = self._object(object_id)
-        first = self._attempt % len(grasps)
+        first = self._attempt % max(1, len(grasps))
         reasons: list[str] = []
         for contact, arm in [*grasps[first:], *grasps[:first]]:
             planned = self._plan_pick(target, contact, arm, reasons)
@@ -131,7 +132,7 @@ class Task:
         for name, control in self.world.arms.items():
             if np.abs(self._joints(name) - control.arm.home).max() > 1e-3:
                 control.move(self._plan(name, "place").move(self._joints(name), np.array(control.arm.home)))
-            control.command_gripper(1.0)
+            control.grip(1.0)
         self.world.settle(max_steps=PHYSICS_HZ)
 
     def ask(self, text: str, goals: Sequence[tuple[str, str, str]]) -> Asked:
@@ -148,6 +149,8 @@ class Task:
         self, target: SceneObject, contact_id: int, arm: str, reasons: list[str]
     ) -> tuple[PickWay, list[Trajectory]] | None:
         contact = target.asset.annotation.contact_point(contact_id)
+        if arm not in self.world.arms:
+            raise UnknownName("arm", arm, self.world.arms)
         gripper = self.world.arms[arm].arm.gripper
         others = [o for o in map(self._object, self._objects) if o.id != target.id]
         height = transfer_height(others, self.world.table.height)
@@ -205,7 +208,7 @@ class Task:
             raise TaskFailed("grasp", f"the fingers closed on nothing where {target.record.phrase} should be")
         in_gripper = control.tool_pose.inverse() * self._object(target.id).pose
         held = Held(target.id, target.asset.model, in_gripper)
-        self._grip = _Grip(arm, target.id, Load(opening=control.opening, held=held, ignore=("table",)))
+        self._grip = _Grip(arm, target.id, Load(opening=control.opening, held=held))
         lift = Load(opening=control.opening, ignore=(target.id, "table"), speed=CAREFUL)
         control.move(self._plan(arm, "grasp").line(self._joints(arm), way.lifted, lift))
         self._holding()

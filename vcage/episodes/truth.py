@@ -13,6 +13,9 @@ from vcage.subtasks.objects import SceneObject
 EDGE_TOLERANCE = 0.005
 """An object's centre may be this far outside the opening's rectangle, metres."""
 
+RIM_MARGIN = 0.005
+"""An object's bottom is this far below the rim of a deep opening: else it lies across it, metres."""
+
 HEIGHT_TOLERANCE = 0.02
 """An object's bottom may be this far off the floor that carries it, metres: it may lie on another content's edge."""
 
@@ -42,7 +45,7 @@ def _complaint(goal: Goal, subject: SceneObject, receptacle: SceneObject, point_
         return f"{subject.id} is {100 * outside.max():.1f} cm outside {receptacle.id}"
     floor = receptacle.pose.apply([*opening.centre, opening.floor])[2]
     above = subject.aabb[0, 2] - floor
-    limit = max(HEIGHT_TOLERANCE, opening.depth)
+    limit = max(HEIGHT_TOLERANCE, opening.depth - RIM_MARGIN)
     if not -HEIGHT_TOLERANCE <= above <= limit:
         return f"{subject.id} is {100 * above:.1f} cm above the floor of {receptacle.id}"
     if receptacle.pose.rotation()[2, 2] < np.cos(np.radians(10)):

@@ -10,8 +10,9 @@ from vcage.schema.base import Finite, Record, StageDocument
 
 
 class Evaluation(Record):
-    """One point of the CRF search."""
+    """One point of the CRF search: one encoding of one episode's video."""
 
+    episode: str = Field(default="", description="episode file that was encoded")
     crf: int
     loss_max: Finite = Field(description="largest JOD loss over the keyframes")
     loss_mean: Finite

@@ -33,7 +33,9 @@ BY_HAND = (
     "install your distribution's Mesa Vulkan drivers (24.3 or newer, with lavapipe) and libX11, "
     "then run: vcage setup vulkan"
 )
-_RELATION = re.compile(r"(?P<name>[a-z0-9][a-z0-9.+-]+)(?::\w+)?\s*(?:\((?P<operator>[<>=]+)\s*(?P<version>[^)]+)\))?")
+_RELATION = re.compile(
+    r"(?:^|\|)\s*(?P<name>[a-z0-9][a-z0-9.+-]+)(?::\w+)?\s*(?:\((?P<operator>[<>=]+)\s*(?P<version>[^)]+)\))?"
+)
 
 
 def install(folder: Path) -> Path:
@@ -110,7 +112,7 @@ def _lacking(package: Path) -> set[str]:
     depends = _run(["dpkg-deb", "-f", str(package), "Depends"]).strip()
     lacking = set()
     for group in filter(None, (part.strip() for part in depends.split(","))):
-        relations = [match.groupdict(default="") for match in map(_RELATION.match, group.split("|")) if match]
+        relations = [match.groupdict(default="") for match in _RELATION.finditer(group)]
         if not relations or any(_satisfied(**relation) for relation in relations):
             continue
         name = relations[0]["name"]

@@ -130,7 +130,7 @@ def examine_arm(
 def _examine_pose(
     candidate: Candidate, arm: str, kinematics: ArmKinematics, grasp: GraspPose, slot: Pose, table_height: float
 ) -> tuple[list[Check], float | None]:
-    target, gripper = candidate.target, kinematics.arm.gripper
+    target = candidate.target
     blocked = _blocked_by(grasp.pose, candidate, kinematics)
     contact = candidate.contact.name
     phrase = target.record.phrase
@@ -152,21 +152,14 @@ def _examine_pose(
     if picked is None:
         return checks, None
 
-    placed = _best_place(candidate, kinematics, grasp, slot, height, picked[-1])
+    drop, path = _best_place(candidate, kinematics, grasp, slot, height, picked[-1])
     where = f"{candidate.point.name!r} of {candidate.receptacle.record.phrase}"
-    checks.append(_reach_check("reach_place", where, placed is not None, arm))
-    if placed is None:
+    checks.append(_drop_check(phrase, where, drop))
+    if drop > MAX_DROP:
         return checks, None
-    drop, path = placed
-    checks.append(
-        Check(
-            name="drop",
-            passed=True,
-            value=drop,
-            limit=MAX_DROP,
-            message=f"{phrase} is let go {drop * 100:.1f} cm above {where}",
-        )
-    )
+    checks.append(_reach_check("reach_place", where, path is not None, arm))
+    if path is None:
+        return checks, None
     return checks, -_travel([kinematics.home, *picked, *path, kinematics.home])
 
 
@@ -177,20 +170,21 @@ def _best_place(
     slot: Pose,
     height: float,
     start: np.ndarray,
-) -> tuple[float, list[np.ndarray]] | None:
-    """The drop and joint path of the first turn of the object that the arm can place, or None."""
+) -> tuple[float, list[np.ndarray] | None]:
+    """The drop and joint path of the first turn of the object that the arm can place; else the least drop and None."""
     receptacle = candidate.receptacle
     obstacles = [*receptacle.walls(candidate.point.id), *(o.box for o in candidate.others)]
     width = candidate.target.asset.grasp_width(candidate.contact)
+    drops = []
     for turn in TURNS:
         goal = receptacle.pose * slot * Pose.from_yaw([0, 0, 0], turn)
         way = place_way(grasp.in_object, goal, obstacles, kinematics.arm.gripper, width, height)
-        if way.drop > MAX_DROP:
-            continue
-        path = _follow(kinematics, [way.above, way.release, way.after], start)
+        drops.append(way.drop)
+        poses = [way.above, way.release, way.after]
+        path = _follow(kinematics, poses, start) if way.drop <= MAX_DROP else None
         if path is not None:
             return way.drop, path
-    return None
+    return min(drops), None
 
 
 def _blocked_by(pose: Pose, candidate: Candidate, kinematics: ArmKinematics) -> str | None:
@@ -218,6 +212,13 @@ def _follow(kinematics: ArmKinematics, poses: Sequence[Pose], start: np.ndarray)
 def _travel(path: Sequence[np.ndarray]) -> float:
     """Length of a joint path, radians: the largest joint change of each leg, which rules how long it takes."""
     return float(sum(np.abs(b - a).max() for a, b in pairwise(path)))
+
+
+def _drop_check(phrase: str, where: str, drop: float) -> Check:
+    passed = drop <= MAX_DROP
+    how = "is let go" if passed else "can only be let go"
+    message = f"{phrase} {how} {drop * 100:.1f} cm above {where}"
+    return Check(name="drop", passed=passed, value=drop, limit=MAX_DROP, message=message)
 
 
 def _reach_check(name: str, where: str, reached: bool, arm: str) -> Check:

@@ -136,7 +136,8 @@ def _examine_pair(
     """The sub-task of a sensible pair, and a refusal for each contact point that no arm can use."""
     others = [o for o in objects if o.id not in (pair.target.id, pair.receptacle.id)]
     try:
-        slot = allocate(pair.receptacle, pair.point.id, [pair.target], rng)[pair.target.id]
+        present = _inside(pair.receptacle, others)
+        slot = allocate(pair.receptacle, pair.point.id, [pair.target], rng, present)[pair.target.id]
     except InfeasibleScene as error:
         return None, [pair.refusal(error.message)]
     findings: list[Finding] = []
@@ -219,5 +220,12 @@ def slots_for_chain(
         groups.setdefault((subtask.receptacle, subtask.functional_point), []).append(by_id[subtask.object])
     slots: dict[str, Pose] = {}
     for (receptacle, point), contents in groups.items():
-        slots |= allocate(by_id[receptacle], point, contents, rng)
+        moved = {o.id for o in contents}
+        present = _inside(by_id[receptacle], [o for o in objects if o.id not in moved])
+        slots |= allocate(by_id[receptacle], point, contents, rng, present)
     return slots
+
+
+def _inside(receptacle: SceneObject, objects: Sequence[SceneObject]) -> list[SceneObject]:
+    """What lies in or on the receptacle from the start."""
+    return [o for o in objects if o.record.container == receptacle.id]

@@ -24,9 +24,7 @@ from vcage.schema.subtasks import Subtask
 
 def render_script(subtask: Subtask, scene: Scene) -> str:
     """The script's source."""
-    # a model's words also stand in the docstring, where a quote or backslash would end it
-    calm = subtask.model_copy(update={"text": _one_line(subtask.text)})
-    text = _template().render(subtask=calm, scene=scene, instruction=_one_line(scene.instruction))
+    text = _template().render(subtask=subtask, scene=scene)
     ast.parse(text)
     return text
 
@@ -60,14 +58,17 @@ def load_script(path: Path) -> Script:
 
     Raises:
         MissingStage: it is not there.
-        DamagedFile: it does not parse, or lacks ``play`` or ``verify``.
+        DamagedFile: it does not parse, fails while it is loaded, or lacks ``play`` or ``verify``.
     """
     if not path.is_file():
         raise MissingStage(f"{path} does not exist", hint="run search_subtasks first")
+    hint = "mend it, or run search_subtasks --force"
     try:
         names = runpy.run_path(str(path), run_name="vcage_subtask")
     except SyntaxError as error:
-        raise DamagedFile(f"{path}: line {error.lineno}: {error.msg}", hint="mend it, or run search_subtasks --force") from error
+        raise DamagedFile(f"{path}: line {error.lineno}: {error.msg}", hint=hint) from error
+    except Exception as error:  # whatever the hand that edited it left there
+        raise DamagedFile(f"{path} cannot be loaded: {type(error).__name__}: {error}", hint=hint) from error
     for name in ("play", "verify"):
         if not callable(names.get(name)):
             raise DamagedFile(f"{path} defines no function {name}(task)", hint="run search_subtasks --force")
@@ -75,8 +76,10 @@ def load_script(path: Path) -> Script:
     return Script(path, names["play"], names["verify"], values)
 
 
-def _one_line(text: str) -> str:
-    return " ".join(text.replace("\\", "/").replace('"', "'").split())
+def _for_docstring(text: str) -> str:
+    """One line of ``text`` that can neither end a docstring nor hide anything in it."""
+    visible = "".join(c if c.isprintable() else " " for c in text)
+    return " ".join(visible.replace("\\", "/").replace('"', "'").split())
 
 
 @functools.cache
@@ -88,4 +91,5 @@ def _template() -> jinja2.Template:
         autoescape=False,
     )
     environment.filters["literal"] = repr
+    environment.filters["docstring"] = _for_docstring
     return environment.get_template("script.py.jinja")

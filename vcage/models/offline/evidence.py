@@ -9,19 +9,22 @@ import numpy as np
 
 from vcage.geometry import Camera
 from vcage.models.offline.colour import distance, palette, palette_distance, to_lab
-from vcage.models.offline.locate import FINE_HEADINGS, Sighting, pixels_per_metre, refine, search, templates
+from vcage.models.offline.locate import FINALISTS, FINE_HEADINGS, FINEST_HEADINGS, Sighting, pixels_per_metre, refine, search, templates
 from vcage.models.protocols import Reference
 
-CHANGED = 9.0
-"""Colour distance between the two pictures above which a pixel has changed."""
+CHANGED = 4.0
+"""Least colour distance between the two pictures above which a pixel has changed."""
+
+NOISE_FACTOR = 8.0
+"""That limit grows with the noise: so many times the median distance between the pictures."""
 
 ALIKE = 16.0
 """Colour distance to the object's palette below which a pixel may be the object's."""
 
-NEARLY = 0.06
+NEARLY = 0.04
 """Places whose misfit is this close to the best are told apart by whether they changed."""
 
-CLEARLY = 0.06
+CLEARLY = 0.05
 """A receptacle is taken to have moved only when the new place is better by so much misfit."""
 
 SEARCH = 0.09
@@ -52,11 +55,11 @@ def gather(
 ) -> Evidence:
     """Measure one sub-task: ``moved`` was to be put in or on ``place``. Pictures are RGB of the same camera."""
     lab_before, lab_after = (to_lab(cv2.GaussianBlur(p, (3, 3), 0)) for p in (before, after))
-    scale = pixels_per_metre(camera, table_height)
+    scale = pixels_per_metre(camera, table_height + moved.size[2] / 2)
+    rim_scale = pixels_per_metre(camera, table_height + place.size[2])
     table = table_colour(lab_before)
-    change = distance(lab_before, lab_after) > CHANGED
-    change = cv2.morphologyEx(change.astype(np.uint8), cv2.MORPH_OPEN, np.ones((2, 2), np.uint8)).astype(bool)
-    old_place, new_place = _receptacle(lab_before, lab_after, place, scale, table)
+    change = _changed(lab_before, lab_after)
+    old_place, new_place = _receptacle(lab_before, lab_after, place, rim_scale, table)
     old = _object(lab_before, moved, scale, table, change, old_place.mask)
     unlike_before, unlike_after = (_unlikeness(lab, moved) for lab in (lab_before, lab_after))
     new = change & (unlike_after < ALIKE) & (unlike_after < unlike_before)
@@ -70,6 +73,13 @@ def gather(
         shifted=float(np.linalg.norm(new_place.centre - old_place.centre)) / scale,
         worse=new_place.misfit - old_place.misfit,
     )
+
+
+def _changed(before: np.ndarray, after: np.ndarray) -> np.ndarray:
+    """(H, W) bool: pixels that differ by more than noise, without specks."""
+    away = distance(before, after)
+    change = away > max(CHANGED, NOISE_FACTOR * float(np.median(away)))
+    return cv2.morphologyEx(change.astype(np.uint8), cv2.MORPH_OPEN, np.ones((2, 2), np.uint8)).astype(bool)
 
 
 def table_colour(lab: np.ndarray) -> np.ndarray:
@@ -87,17 +97,22 @@ def _receptacle(
     still = refine(after, made[2:3], old.centre, reach=2)
     pixels = int(round(SEARCH * scale))
     rough = refine(after, made[1:4], old.centre, reach=pixels, step=6)
-    moved = refine(after, made, rough.centre, reach=4)
+    near = templates(place, scale, table, rough.heading + FINEST_HEADINGS, rim_only=True)
+    moved = refine(after, near, rough.centre, reach=4)
     return old, moved if moved.misfit < still.misfit - CLEARLY else still
 
 
 def _object(
     lab: np.ndarray, moved: Reference, scale: float, table: np.ndarray, change: np.ndarray, place: np.ndarray
 ) -> Sighting:
-    """Where the object was: among the places that fit it nearly best, the one that changed most."""
-    found = search(lab, moved, scale, table, count=4)
-    close = [s for s in found if s.misfit <= found[0].misfit + NEARLY and s.mask.any()]
-    return max(close, key=lambda s: float(change[s.mask].mean()) - 0.5 * float(place[s.mask].mean()))
+    """Where the object was: among the places outside the receptacle that fit it nearly best, the one that changed most.
+
+    What lies in the receptacle already was put there by earlier sub-tasks.
+    """
+    found = [s for s in search(lab, moved, scale, table, count=FINALISTS) if s.mask.any()]
+    found = [s for s in found if place[s.mask].mean() < 0.5] or found
+    close = [s for s in found if s.misfit <= found[0].misfit + NEARLY]
+    return max(close, key=lambda s: float(change[s.mask].mean()))
 
 
 def _unlikeness(lab: np.ndarray, reference: Reference) -> np.ndarray:

@@ -21,6 +21,7 @@ class Footprint:
         centre: (2,) world x, y of its box.
         size: (2,) sides of the rectangle, the longer first, metres.
         axis: direction of the longer side, radians in [0, π).
+        hull: (n, 2) corners of the convex hull of its outline, relative to the centre, metres.
         height: z of the middle of its box: the plane in which its picture is moved.
     """
 
@@ -29,6 +30,7 @@ class Footprint:
     centre: np.ndarray
     size: np.ndarray
     axis: float
+    hull: np.ndarray
     height: float
 
     @property
@@ -37,9 +39,8 @@ class Footprint:
 
     def half_size(self, turn: float) -> np.ndarray:
         """(2,) half size of the axis-aligned rectangle around the object when turned by ``turn`` from where it is."""
-        c, s = abs(np.cos(self.axis + turn)), abs(np.sin(self.axis + turn))
-        long, short = self.size / 2
-        return np.array([c * long + s * short, s * long + c * short])
+        c, s = np.cos(turn), np.sin(turn)
+        return np.abs(self.hull @ np.array([[c, s], [-s, c]])).max(axis=0)
 
 
 def footprints(scene: Scene, segmentation: np.ndarray) -> list[Footprint]:
@@ -56,12 +57,14 @@ def _footprint(record: ObjectRecord, mask: np.ndarray, camera: Camera) -> Footpr
     if len(rows) < 12:
         size = box[1, :2] - box[0, :2]
         axis = 0.0 if size[0] >= size[1] else np.pi / 2
-        return Footprint(record, mask, centre, np.sort(size)[::-1], axis, height)
+        hull = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * size / 2
+        return Footprint(record, mask, centre, np.sort(size)[::-1], axis, hull, height)
     pixels = np.stack([columns + 0.5, rows + 0.5], axis=1)
     points = camera.unproject(pixels, height)[:, :2]
     (_, sides, degrees) = cv2.minAreaRect(points.astype(np.float32) * 1000)
+    hull = cv2.convexHull(points.astype(np.float32))[:, 0].astype(np.float64) - centre
     size = np.array(sides) / 1000
     axis = np.radians(degrees)
     if size[1] > size[0]:
         size, axis = size[::-1], axis + np.pi / 2
-    return Footprint(record, mask, centre, size, float(axis % np.pi), height)
+    return Footprint(record, mask, centre, size, float(axis % np.pi), hull, height)

@@ -7,10 +7,10 @@ import numpy as np
 
 from vcage.models.offline.colour import to_lab
 
-CHROMA_LIMIT = 5.0
+CHROMA_LIMIT = 2.5
 """Least difference in a, b above which a pixel is an object's."""
 
-LIGHT_LIMIT = 5.0
+LIGHT_LIMIT = 2.5
 """Least difference in L above which a pixel is an object's."""
 
 NOISE_FACTOR = 6.0
@@ -19,8 +19,11 @@ NOISE_FACTOR = 6.0
 SHADOW_FLOOR = 0.62
 """A shadow leaves at least this share of the light."""
 
-SHADOW_TINT = 0.08
-"""A shadow takes nearly the same share of red, green and blue: largest spread of the three ratios."""
+SHADOW_TINT = 0.03
+"""A shadow takes nearly the same share of red, green and blue: largest spread of the three ratios. Noise adds to it."""
+
+SHADOW_ROUGHNESS = 0.05
+"""A shadow darkens evenly: largest spread of the ratio among neighbours. Noise adds to it."""
 
 
 def foreground(picture: np.ndarray, background: np.ndarray | None) -> np.ndarray:
@@ -39,9 +42,16 @@ def foreground(picture: np.ndarray, background: np.ndarray | None) -> np.ndarray
     chroma = np.hypot(delta[..., 1], delta[..., 2])
     light = delta[..., 0]
     ratio = (blurred.astype(np.float32) + 4) / (plain.astype(np.float32) + 4)
-    shadow = (ratio.min(-1) > SHADOW_FLOOR) & (np.ptp(ratio, axis=-1) < SHADOW_TINT) & (light < 0)
+    smooth = _local_spread(ratio.mean(axis=-1)) < SHADOW_ROUGHNESS + noise[0] / 100
+    shadow = smooth & (ratio.min(-1) > SHADOW_FLOOR) & (np.ptp(ratio, axis=-1) < SHADOW_TINT + noise[0] / 100) & (light < 0)
     differs = (chroma > max(CHROMA_LIMIT, noise[1:].max())) | (np.abs(light) > max(LIGHT_LIMIT, noise[0]))
     return clean(differs & ~shadow)
+
+
+def _local_spread(values: np.ndarray) -> np.ndarray:
+    """(H, W) standard deviation within 7 x 7 pixels."""
+    mean, square = (cv2.blur(v, (7, 7)) for v in (values, values * values))
+    return np.sqrt(np.maximum(square - mean * mean, 0))
 
 
 def _unlike_border(picture: np.ndarray) -> np.ndarray:
@@ -55,7 +65,7 @@ def _unlike_border(picture: np.ndarray) -> np.ndarray:
 
 def clean(mask: np.ndarray) -> np.ndarray:
     """Specks dropped, cracks closed, holes filled."""
-    small, large = np.ones((3, 3), np.uint8), cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (5, 5))
+    small, large = np.ones((3, 3), np.uint8), cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (7, 7))
     mask = cv2.morphologyEx(mask.astype(np.uint8), cv2.MORPH_OPEN, small)
     mask = cv2.morphologyEx(mask, cv2.MORPH_CLOSE, large)
     contours, _ = cv2.findContours(mask, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)

@@ -1,4 +1,7 @@
-"""Finds an object in a picture from its reference: template matching over positions and headings."""
+"""Finds an object in a picture from its reference: colours and outline, over positions and headings.
+
+Colours alone fail for a cardboard box on a wooden table, an outline alone among many edges: both count the same.
+"""
 
 from __future__ import annotations
 
@@ -12,16 +15,27 @@ from vcage.models.offline.colour import LIGHTNESS_WEIGHT, distance, to_lab
 from vcage.models.protocols import Reference
 
 HEADINGS = 24
-"""Headings that are tried around the circle."""
+"""Headings that are tried around the circle; twice as many for long objects, whose ends move faster."""
 
 FINE_HEADINGS = np.radians([-8.0, -4.0, 0.0, 4.0, 8.0])
 """Headings around a proposed one that the refinement tries."""
+
+FINEST_HEADINGS = np.radians([-3.0, -2.0, -1.0, 0.0, 1.0, 2.0, 3.0])
+"""Headings around the best of those that the last pass tries."""
+
+FINALISTS = 4
+"""Places that reach the last pass."""
 
 PROPOSALS = 6
 """Places that template matching at half size proposes."""
 
 CAP = 25.0
 """Largest colour distance that one pixel can cost."""
+
+STRONG_EDGE = 3.0
+"""Change of lightness per pixel of an edge that counts fully."""
+
+_ANGLES = np.arange(8) * np.pi / 8
 
 MAX_PIXELS = 1500
 """Pixels of a template that the refinement compares."""
@@ -37,7 +51,8 @@ class Sighting:
     Args:
         centre: (2,) pixel of the middle of the template.
         heading: radians.
-        misfit: mean colour distance between template and picture, capped for each pixel; 0 is perfect, 1 useless.
+        misfit: half colour (mean capped distance to the template), half outline (how little of it lies on edges of
+            the picture); 0 is perfect, 1 useless.
         mask: (H, W) bool, the object's outline there.
     """
 
@@ -49,12 +64,22 @@ class Sighting:
 
 @dataclass(frozen=True)
 class Template:
-    """An object at one heading: Lab colours (h, w, 3) over the table's colour, weights and outline (h, w)."""
+    """An object at one heading.
+
+    Args:
+        lab: (h, w, 3) colours, over the table's colour.
+        weight: (h, w) how much each pixel counts.
+        outline: (h, w) bool, the object's pixels.
+        rim: (n, 2) pixels (u, v) along the edge of the outline.
+        normals: (n, 2) directions across that edge.
+    """
 
     heading: float
     lab: np.ndarray
     weight: np.ndarray
     outline: np.ndarray
+    rim: np.ndarray
+    normals: np.ndarray
 
 
 def pixels_per_metre(camera: Camera, table_height: float) -> float:
@@ -85,8 +110,23 @@ def templates(
         border = tuple(float(x) for x in table_lab)
         turned = cv2.warpAffine(lab, turn, (side, side), flags=cv2.INTER_AREA, borderValue=border)
         outline = cv2.warpAffine(alpha, turn, (side, side)) > 0.5
-        made.append(Template(float(heading), turned, _weights(outline, rim_only), outline))
+        made.append(Template(float(heading), turned, _weights(outline, rim_only), outline, *_rim(outline)))
     return made
+
+
+def _rim(outline: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Edge pixels of an outline, and the directions across the edge there."""
+    soft = cv2.GaussianBlur(outline.astype(np.float32), (0, 0), 1.5)
+    edge = outline & ~cv2.erode(outline.astype(np.uint8), np.ones((3, 3), np.uint8)).astype(bool)
+    rows, columns = np.nonzero(edge)
+    across = np.stack([cv2.Sobel(soft, cv2.CV_32F, 1, 0), cv2.Sobel(soft, cv2.CV_32F, 0, 1)], axis=-1)[rows, columns]
+    return np.stack([columns, rows], axis=1), across / (np.linalg.norm(across, axis=1, keepdims=True) + 1e-9)
+
+
+def gradients(lab: np.ndarray) -> np.ndarray:
+    """(H, W, 2) change of lightness per pixel along u and v."""
+    light = cv2.GaussianBlur(lab[..., 0], (0, 0), 1.0)
+    return np.stack([cv2.Sobel(light, cv2.CV_32F, 1, 0), cv2.Sobel(light, cv2.CV_32F, 0, 1)], axis=-1) / 8
 
 
 def _over(rgba: np.ndarray, table_lab: np.ndarray) -> np.ndarray:
@@ -116,20 +156,26 @@ def search(
     cost that is capped for every pixel, so that what covers a part of the object costs no more than that part.
     """
     half = cv2.resize(lab, None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA)
-    headings = np.arange(HEADINGS) * 2 * np.pi / HEADINGS
+    long = max(reference.size[:2]) > 2.5 * min(reference.size[:2])
+    headings = np.linspace(0, 2 * np.pi, HEADINGS * (2 if long else 1), endpoint=False)
     coarse = templates(reference, scale / 2, table_lab, headings, rim_only)
-    found = [
-        refine(lab, templates(reference, scale, table_lab, heading + FINE_HEADINGS, rim_only), 2 * centre)
-        for centre, heading in _proposals(half, coarse, max(PROPOSALS, count))
-    ]
-    return sorted(found, key=lambda s: s.misfit)[:count]
+    found = [(2 * centre, heading) for centre, heading in _proposals(half, coarse, max(PROPOSALS, count))]
+    for steps, kept in ((FINE_HEADINGS, FINALISTS), (FINEST_HEADINGS, count)):
+        refined = [
+            refine(lab, templates(reference, scale, table_lab, heading + steps, rim_only), centre)
+            for centre, heading in found
+        ]
+        refined = sorted(refined, key=lambda s: s.misfit)[: max(kept, count)]
+        found = [(s.centre, s.heading) for s in refined]
+    return refined
 
 
 def _proposals(lab: np.ndarray, made: list[Template], count: int) -> list[tuple[np.ndarray, float]]:
     """(pixel, heading) of the best matches, the best first."""
     scales = np.array([LIGHTNESS_WEIGHT, 1, 1], dtype=np.float32)
-    picture = lab * scales
-    stack = np.stack([_squares(picture, template, scales) for template in made])
+    picture, edges = lab * scales, gradients(lab)
+    responses = [_response(edges, angle) for angle in _ANGLES]
+    stack = np.stack([_colour_cost(picture, t, scales) + _outline_cost(responses, t) for t in made])
     best, which = stack.min(axis=0), stack.argmin(axis=0)
     side = made[0].outline.shape[0]
     reach = max(3, int(0.4 * np.sqrt(made[0].outline.sum())))
@@ -143,10 +189,28 @@ def _proposals(lab: np.ndarray, made: list[Template], count: int) -> list[tuple[
     return found
 
 
-def _squares(picture: np.ndarray, template: Template, scales: np.ndarray) -> np.ndarray:
-    """Weighted sum of squared distances of the template at each position that lies inside the picture."""
+def _colour_cost(picture: np.ndarray, template: Template, scales: np.ndarray) -> np.ndarray:
+    """Root mean square distance of the template at each position inside the picture, as a share of the cap."""
     weight = np.repeat(np.sqrt(template.weight)[..., None], 3, axis=2)
-    return cv2.matchTemplate(picture, template.lab * scales, cv2.TM_SQDIFF, mask=weight)
+    squares = cv2.matchTemplate(picture, template.lab * scales, cv2.TM_SQDIFF, mask=weight)
+    return np.minimum(np.sqrt(np.maximum(squares, 0) / template.weight.sum()) / CAP, 1)
+
+
+def _outline_cost(responses: list[np.ndarray], template: Template) -> np.ndarray:
+    """Share of the template's outline that lies on no edge of its direction, at each position."""
+    directions = np.arctan2(template.normals[:, 1], template.normals[:, 0])
+    bins = np.rint(directions / np.pi * len(_ANGLES)).astype(int) % len(_ANGLES)
+    total: np.ndarray | float = 0.0
+    for index in np.unique(bins):
+        drawn = np.zeros(template.outline.shape, np.float32)
+        drawn[template.rim[bins == index, 1], template.rim[bins == index, 0]] = 1
+        total = total + cv2.matchTemplate(responses[index], drawn, cv2.TM_CCORR)
+    return 1 - total / len(bins)
+
+
+def _response(edges: np.ndarray, angle: float) -> np.ndarray:
+    """(H, W) strength of the edges across one direction, in [0, 1]."""
+    return np.minimum(np.abs(edges @ np.array([np.cos(angle), np.sin(angle)], np.float32)) / STRONG_EDGE, 1)
 
 
 def refine(lab: np.ndarray, made: list[Template], centre: np.ndarray, reach: int = 2, step: int = 1) -> Sighting:
@@ -155,9 +219,10 @@ def refine(lab: np.ndarray, made: list[Template], centre: np.ndarray, reach: int
     grid = np.stack(np.meshgrid(shifts, shifts, indexing="ij"), axis=-1).reshape(-1, 2)
     grid = grid[np.argsort(np.abs(grid).sum(axis=1), kind="stable")]
     best = (np.inf, made[0], centre)
+    edges = gradients(lab)
     for template in made:
         corner = np.rint(centre - np.array(template.outline.shape[::-1]) / 2).astype(int)
-        costs = _capped(lab, template, corner + grid)
+        costs = (_capped(lab, template, corner + grid) + _off_edges(edges, template, corner + grid)) / 2
         k = int(np.argmin(costs))
         if costs[k] < best[0] - 1e-9:
             best = (float(costs[k]), template, corner + grid[k])
@@ -178,6 +243,16 @@ def _capped(lab: np.ndarray, template: Template, corners: np.ndarray) -> np.ndar
         away[seen] = np.minimum(distance(lab[r[seen], c[seen]], colours[seen]), CAP)
         costs[k] = float((away * weights).sum() / (CAP * weights.sum()))
     return costs
+
+
+def _off_edges(edges: np.ndarray, template: Template, corners: np.ndarray) -> np.ndarray:
+    """(n,) share of the template's outline that lies on no edge of its direction."""
+    points = template.rim[None] + corners[:, None]
+    limits = np.array([edges.shape[1], edges.shape[0]])
+    seen = np.all((points >= 0) & (points < limits), axis=-1)
+    points = np.clip(points, 0, limits - 1)
+    across = np.abs((edges[points[..., 1], points[..., 0]] * template.normals[None]).sum(axis=-1))
+    return 1 - np.where(seen, np.minimum(across / STRONG_EDGE, 1), 0).mean(axis=1)
 
 
 def _sighting(template: Template, corner: np.ndarray, misfit: float, shape: tuple[int, int]) -> Sighting:

@@ -1,0 +1,108 @@
+"""What ``vcage doctor`` says."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from vcage.cli import checks
+from vcage.cli.checks import Finding
+from vcage.cli.main import main
+from vcage.errors import NoRenderer
+from vcage.sim import vulkan
+from vcage.sim.vulkan import Driver, RenderProbe
+
+FINE = Finding("Python", True, "3.11.2")
+OPTIONAL = Finding("assets", False, "0 of 9", required=False, mend="vcage setup assets")
+BROKEN = Finding("Vulkan", False, "none", mend="vcage setup vulkan")
+
+
+def look(monkeypatch: pytest.MonkeyPatch, *findings: Finding) -> None:
+    """Let the doctor find these."""
+    found: list[Callable[[], Finding]] = [lambda finding=finding: finding for finding in findings]
+    monkeypatch.setattr(checks, "ALL", tuple(found))
+
+
+def test_all_well_exits_with_0_and_lists_what_was_found(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    look(monkeypatch, FINE, OPTIONAL)
+    assert main(["doctor"]) == 0
+    *table, record = capsys.readouterr().out.splitlines()
+    assert table[0].split() == ["ok", "Python", "3.11.2"]
+    assert table[2].split("→")[1].strip() == "vcage setup assets"
+    assert [check["name"] for check in json.loads(record)["summary"]["checks"]] == ["Python", "assets"]
+
+
+def test_a_missing_requirement_exits_with_4_and_names_the_command(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    look(monkeypatch, FINE, BROKEN)
+    assert main(["doctor"]) == 4
+    out, err = capsys.readouterr()
+    error = json.loads(out.splitlines()[-1])["error"]
+    assert error["hint"] == "run: vcage setup vulkan"
+    assert len(error["details"]["checks"]) == 2
+    assert "MISSING Vulkan" in out
+    assert "missing or unfit: Vulkan" in err
+
+
+def test_json_leaves_only_the_last_line(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    look(monkeypatch, FINE)
+    assert main(["doctor", "--json"]) == 0
+    assert len(capsys.readouterr().out.splitlines()) == 1
+
+
+def test_numpy_2_is_unfit(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(checks.metadata, "version", lambda name: "2.1.0")
+    finding = checks.numpy()
+    assert not finding.ok
+    assert "numpy>=1.26,<2" in finding.mend
+
+
+def test_a_package_that_is_not_installed_is_mended_with_pip(monkeypatch: pytest.MonkeyPatch) -> None:
+    def absent(name: str) -> str:
+        raise checks.metadata.PackageNotFoundError(name)
+
+    monkeypatch.setattr(checks.metadata, "version", absent)
+    for check in (checks.sapien, checks.mani_skill, checks.torch, checks.video, checks.opencv):
+        finding = check()
+        assert not finding.ok and finding.required
+        assert " -m pip install " in finding.mend
+
+
+def test_cvvdp_of_another_version_is_mended_by_setup(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(checks, "cvvdp_version", lambda: "0.1")
+    assert checks.cvvdp().mend.endswith("vcage setup cvvdp")
+
+
+def test_no_driver_and_a_driver_that_does_not_draw_are_told_apart(monkeypatch: pytest.MonkeyPatch) -> None:
+    def none() -> Driver:
+        raise NoRenderer("nothing draws", hint="x")
+
+    monkeypatch.setattr(vulkan, "ensure_driver", none)
+    assert checks.vulkan().found == "nothing draws"
+    monkeypatch.setattr(vulkan, "ensure_driver", lambda: Driver("system", None, ""))
+    monkeypatch.setattr(vulkan, "probe", lambda: RenderProbe(False, 1.0, "", "blank"))
+    finding = checks.vulkan()
+    assert "blank" in finding.found
+    assert finding.mend.endswith("vcage setup vulkan --force")
+
+
+def test_keys_are_shown_by_name_only(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("VCAGE_GEMINI_API_KEY", "the-secret-itself")
+    finding = checks.keys()
+    assert "VCAGE_GEMINI_API_KEY" in finding.found
+    assert "the-secret-itself" not in str(finding)
+
+
+def test_an_empty_cache_of_assets_is_no_failure(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("VCAGE_CACHE", str(tmp_path / "none" / "yet"))
+    finding = checks.assets()
+    assert not finding.ok and not finding.required
+    assert finding.found.startswith("0 of ")
+    assert checks.disk().found.endswith("free in the cache")
+    assert not (tmp_path / "none").exists()

@@ -1,0 +1,77 @@
+"""The skills are what agents' clients accept, and say nothing that is not there."""
+
+from __future__ import annotations
+
+import os
+import re
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+
+from vcage import files
+from vcage.cli.main import COMMANDS
+
+SKILLS = sorted(path.parent for path in files.resource("skills").glob("*/SKILL.md"))
+ROOT = Path(__file__).parents[2]
+PAGES = [*SKILLS, ROOT]
+SCRIPTS = sorted(files.resource("skills").glob("*/scripts/*.py"))
+
+
+def front_matter(folder: Path) -> tuple[str, dict[str, Any]]:
+    """The head of a SKILL.md, as text and parsed."""
+    text = (folder / "SKILL.md").read_text(encoding="utf-8")
+    head = text.split("---\n")[1]
+    return head, yaml.safe_load(head)
+
+
+def names(paths: list[Path]) -> list[str]:
+    return [path.name for path in paths]
+
+
+def test_all_six_skills_are_there() -> None:
+    assert names(SKILLS) == ["collect", "compress", "export", "igsc", "subtask-search", "vlm-verify"]
+
+
+@pytest.mark.parametrize("folder", PAGES, ids=lambda path: path.name)
+def test_the_head_is_what_every_client_accepts(folder: Path) -> None:
+    text, head = front_matter(folder)
+    assert set(head) == {"name", "description", "license", "metadata"}
+    assert head["name"] == ("vcage" if folder == ROOT else folder.name)
+    assert re.fullmatch(r"[a-z0-9]+(-[a-z0-9]+)*", head["name"]) and len(head["name"]) <= 64
+    assert len(head["description"]) <= 160 and not set("<>\n") & set(head["description"])
+    assert {"version", "homepage"} <= set(head["metadata"])
+    assert "{" not in text, "metadata must be block YAML"
+
+
+@pytest.mark.parametrize("folder", PAGES, ids=lambda path: path.name)
+def test_no_key_is_required(folder: Path) -> None:
+    _, head = front_matter(folder)
+    assert "env" not in head["metadata"]["openclaw"]["requires"]
+
+
+@pytest.mark.parametrize("folder", PAGES, ids=lambda path: path.name)
+def test_every_script_that_a_page_names_exists(folder: Path) -> None:
+    text = (folder / "SKILL.md").read_text(encoding="utf-8")
+    assert len(text.splitlines()) < 500
+    assert "`{baseDir}` is the folder of this SKILL.md" in text
+    for path in re.findall(r"\{baseDir\}/((?:scripts|references)/[\w./-]+)", text):
+        assert (folder / path).is_file(), path
+    for path in re.findall(r"\]\((?!http)([\w./-]+)\)", text):
+        assert (folder / path).is_file(), path
+    for options in re.findall(r"scripts/(\w+)\.py", text):
+        assert options in {path.stem for path in SCRIPTS}
+
+
+@pytest.mark.parametrize("script", SCRIPTS, ids=lambda path: path.name)
+def test_a_script_is_executable_and_only_names_its_command(script: Path) -> None:
+    assert os.access(script, os.X_OK)
+    text = script.read_text()
+    (command,) = re.findall(r'script_main\("([\w-]+)"\)', text)
+    assert command in COMMANDS and command.replace("-", "_") == script.stem
+    assert len(text.splitlines()) < 15
+
+
+def test_the_nine_stages_have_a_script_each() -> None:
+    assert len(SCRIPTS) == 9
