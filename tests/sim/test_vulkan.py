@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import _ctypes
+import os
+import shutil
 import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -19,7 +23,9 @@ BAD = RenderProbe(False, 1.0, "", "failed to find a rendering device")
 def machine(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A machine with an empty cache, no GPU, no system driver, and no driver named by the user."""
     monkeypatch.setenv("VCAGE_CACHE", str(tmp_path))
-    monkeypatch.delenv(vulkan.ICD_VARIABLE, raising=False)
+    # Set before it is deleted: then what ensure_driver() puts there is taken back, too.
+    monkeypatch.setenv(vulkan.ICD_VARIABLE, "")
+    monkeypatch.delenv(vulkan.ICD_VARIABLE)
     monkeypatch.setattr(vulkan, "ICD_FOLDERS", (str(tmp_path / "icd.d"),))
     monkeypatch.setattr(vulkan, "find_gpu", lambda: "")
     return tmp_path
@@ -63,7 +69,7 @@ def test_the_cached_driver_is_handed_to_this_process_and_its_children(
     icd = put_driver(machine)
     probing(monkeypatch, GOOD)
     assert vulkan.ensure_driver() == Driver("cache", icd, "llvmpipe")
-    assert vulkan.os.environ[vulkan.ICD_VARIABLE] == str(icd)
+    assert os.environ[vulkan.ICD_VARIABLE] == str(icd)
     assert vulkan.ensure_driver().kind == "cache"
 
 
@@ -92,7 +98,7 @@ def test_a_gpu_comes_first_and_needs_no_manifest(machine: Path, monkeypatch: pyt
     monkeypatch.setattr(vulkan, "find_gpu", lambda: "GPU 0: a card")
     probing(monkeypatch, GOOD)
     assert vulkan.ensure_driver() == Driver("gpu", None, "llvmpipe")
-    assert vulkan.ICD_VARIABLE not in vulkan.os.environ
+    assert vulkan.ICD_VARIABLE not in os.environ
 
 
 @pytest.mark.parametrize("change", ["new system driver", "damaged", "driver deleted"])
@@ -122,6 +128,17 @@ def test_complaints_of_every_driver_are_reported(machine: Path, monkeypatch: pyt
     probing(monkeypatch, BAD)
     with pytest.raises(NoRenderer, match="cache: failed to find a rendering device"):
         vulkan.ensure_driver()
+
+
+def test_libraries_in_the_cache_are_loaded_before_sapien(tmp_path: Path) -> None:
+    """On a machine without X11, ``import sapien`` fails unless ``import vcage.sim`` has loaded libX11."""
+    library = tmp_path / "vulkan" / "mesa" / "usr" / "lib" / "x86_64-linux-gnu" / "libvcagetest.so.1"
+    library.parent.mkdir(parents=True)
+    shutil.copy(_ctypes.__file__, library)
+    code = "import vcage.sim; print('libvcagetest' in open('/proc/self/maps').read())"
+    environment = os.environ | {"VCAGE_CACHE": str(tmp_path)}
+    done = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True)
+    assert done.stdout == "True\n"
 
 
 def test_a_crashing_driver_is_reported_not_fatal(monkeypatch: pytest.MonkeyPatch) -> None:

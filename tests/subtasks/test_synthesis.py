@@ -28,7 +28,7 @@ HOSTILE = [
     "backwards \u202e and \u200b unseen",
     '"',
 ]
-texts = st.one_of(st.sampled_from(HOSTILE), st.text(alphabet=st.characters(), min_size=1, max_size=60))
+texts = st.one_of(st.sampled_from(HOSTILE), st.text(min_size=1, max_size=60))
 PLAIN = {**os.environ, "VCAGE_PYTHON": ""}
 
 

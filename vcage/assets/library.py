@@ -12,7 +12,7 @@ from pathlib import Path
 from vcage.assets.asset import Asset
 from vcage.assets.model import read_model, write_model
 from vcage.errors import InputFileError, SchemaMismatch, UnknownName
-from vcage.files import atomic_folder, cache_dir, resource
+from vcage.files import atomic_folder, cache_dir, cache_path, resource
 from vcage.schema.asset import Annotation, CatalogueEntry, PhysicalModel
 
 
@@ -90,17 +90,28 @@ class Library:
         """What a model sees of the library, in the order of the names."""
         return [self.entry(name) for name in self.names]
 
+    def unbuilt(self) -> list[tuple[str, str]]:
+        """(name, variant) of every model that is not in the cache."""
+        wanted = [(name, v.id) for name, annotation in self._annotations.items() for v in annotation.variants]
+        return [pair for pair in wanted if not model_folder(*pair).is_dir()]
+
     def build_all(self, progress: Callable[[str, int, int], None] | None = None) -> None:
         """Build every variant that is not in the cache.
 
         Args:
             progress: called before each variant with its name, its number from 0, and how many there are.
         """
-        wanted = [(name, v.id) for name, annotation in self._annotations.items() for v in annotation.variants]
+        wanted = self.unbuilt()
         for i, (name, variant) in enumerate(wanted):
             if progress is not None:
                 progress(f"{name}/{variant}", i, len(wanted))
             self.asset(name, variant)
+
+
+def model_folder(name: str, variant: str) -> Path:
+    """Where a variant's model lies in the cache, built or not; the name changes with the builders' source."""
+    digest = hashlib.sha256(f"{_source_hash()}/{name}/{variant}".encode()).hexdigest()[:16]
+    return cache_path("assets", f"{name}-{variant}-{digest}")
 
 
 def built_model(name: str, variant: str) -> PhysicalModel:
@@ -109,8 +120,7 @@ def built_model(name: str, variant: str) -> PhysicalModel:
     Raises:
         InputFileError: no builder has that name.
     """
-    digest = hashlib.sha256(f"{_source_hash()}/{name}/{variant}".encode()).hexdigest()[:16]
-    folder = cache_dir("assets") / f"{name}-{variant}-{digest}"
+    folder = model_folder(name, variant)
     if not folder.is_dir():
         with _only_one(folder):
             if not folder.is_dir():
@@ -143,7 +153,7 @@ def _build(name: str, variant: str, folder: Path) -> None:
 @contextlib.contextmanager
 def _only_one(folder: Path) -> Iterator[None]:
     """Keep other processes from building into the same folder."""
-    with open(folder.with_name(f"{folder.name}.lock"), "w") as handle:
+    with open(cache_dir("assets") / f"{folder.name}.lock", "w") as handle:
         fcntl.flock(handle, fcntl.LOCK_EX)
         yield
 

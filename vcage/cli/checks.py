@@ -161,11 +161,11 @@ def assets() -> Finding:
     from vcage.assets.library import Library
 
     library = Library.load()
-    wanted = [f"{name}-{variant.id}" for name in library.names for variant in library.annotation(name).variants]
-    cache = files.cache_path("assets")
-    built = sum(any(cache.glob(f"{name}-" + "[0-9a-f]" * 16)) for name in wanted)
-    mend = "" if built == len(wanted) else _vcage("setup", "assets")
-    return Finding("assets", not mend, f"{built} of {len(wanted)} models built in {cache}", required=False, mend=mend)
+    total = sum(len(library.annotation(name).variants) for name in library.names)
+    unbuilt = len(library.unbuilt())
+    found = f"{total - unbuilt} of {total} models built in {files.cache_path('assets')}"
+    mend = _vcage("setup", "assets") if unbuilt else ""
+    return Finding("assets", not unbuilt, found, required=False, mend=mend)
 
 
 ALL: tuple[Callable[[], Finding], ...] = (

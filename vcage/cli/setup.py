@@ -75,6 +75,7 @@ def _assets(_force: bool) -> dict[str, Any]:
     library = Library.load()
     with progress("building assets") as show:
         library.build_all(show)
+    logger.info("assets: %d objects", len(library.names))
     return {"objects": len(library.names)}
 
 

@@ -19,7 +19,7 @@ FEWEST_PEAKS = 2
 """Motion peaks that are taken however often the grippers move."""
 
 GROUP_GAP = 5
-"""Changes of a gripper's command at most this many frames apart belong to one opening or closing."""
+"""Changes of the grippers' commands at most this many frames apart belong to one opening or closing."""
 
 COMMAND_TOLERANCE = 1e-6
 """A smaller change of a gripper's command is rounding."""
@@ -39,9 +39,7 @@ def keyframes(action: NDArray[np.float64], grippers: Sequence[int], count: int =
     frames = len(action)
     if frames == 0:
         raise ValueError("action has no frames")
-    chosen = {0, frames - 1}
-    for column in grippers:
-        chosen.update(gripper_midpoints(action[:, column]))
+    chosen = {0, frames - 1, *gripper_midpoints(action[:, list(grippers)])}
     wanted = max(count - len(chosen), FEWEST_PEAKS)
     arms = np.delete(action, list(grippers), axis=1)
     apart = max(1, frames // (2 * count))
@@ -55,9 +53,9 @@ def keyframes(action: NDArray[np.float64], grippers: Sequence[int], count: int =
     return sorted(chosen)
 
 
-def gripper_midpoints(command: NDArray[np.float64]) -> list[int]:
-    """The median frame of each group of changes in one gripper's command, (T,)."""
-    changes = np.flatnonzero(np.abs(np.diff(command)) > COMMAND_TOLERANCE) + 1
+def gripper_midpoints(commands: NDArray[np.float64]) -> list[int]:
+    """The median frame of each group of changes in the (T, G) commands of G grippers."""
+    changes = np.flatnonzero((np.abs(np.diff(commands, axis=0)) > COMMAND_TOLERANCE).any(axis=1)) + 1
     if changes.size == 0:
         return []
     groups = np.split(changes, np.flatnonzero(np.diff(changes) > GROUP_GAP) + 1)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import warnings
+from vcage.sim.vulkan import prepare_import
 
-# SAPIEN says so when it is imported, and then uses its own copy, which works.
-warnings.filterwarnings("ignore", message="Failed to find system libvulkan")
+# Before anything imports SAPIEN: on a machine without X11 it cannot even be loaded otherwise.
+prepare_import()

@@ -30,8 +30,8 @@ NEVER_FETCHED = ("libc6", "libvulkan1")
 """The C library cannot be exchanged, and SAPIEN brings its own Vulkan loader."""
 
 BY_HAND = (
-    "install your distribution's Mesa Vulkan drivers (24.3 or newer, with lavapipe) and libX11, "
-    "then run: vcage setup vulkan"
+    "check that the mirror answers, or install your distribution's Mesa Vulkan drivers (24.3 or newer, with "
+    "lavapipe) and libX11; then run: vcage setup vulkan"
 )
 _RELATION = re.compile(
     r"(?:^|\|)\s*(?P<name>[a-z0-9][a-z0-9.+-]+)(?::\w+)?\s*(?:\((?P<operator>[<>=]+)\s*(?P<version>[^)]+)\))?"
@@ -136,8 +136,10 @@ def _satisfied(name: str, operator: str, version: str) -> bool:
 
 
 def _run(command: list[str], *, cwd: Path | None = None, context: str = "") -> str:
+    """Standard output of a command; ``context`` is what an earlier one said that may be the reason for its failure."""
     done = subprocess.run(command, cwd=cwd, capture_output=True, text=True)
     if done.returncode != 0:
-        complaint = (context.strip() or done.stderr.strip() or "no reason given").splitlines()[-1]
-        raise NoRenderer(f"cannot fetch a Vulkan driver: {command[0]}: {complaint}", hint=BY_HAND)
+        lines = f"{context}\n{done.stderr}".strip().splitlines() or ["no reason given"]
+        reason = next((line for line in lines if line.startswith(("E: ", "W: Failed"))), lines[-1])
+        raise NoRenderer(f"cannot fetch a Vulkan driver: {command[0]}: {reason}", hint=BY_HAND)
     return done.stdout

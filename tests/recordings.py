@@ -1,0 +1,122 @@
+"""Synthetic recordings: a textured rectangle that moves over noise, and an arm that moves with it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vcage.dataset.episode import CameraTrack, EpisodeData, Segment
+from vcage.dataset.hdf5 import write_episode
+from vcage.files import RunFolder
+from vcage.schema.base import Provenance
+from vcage.schema.episodes import Episode, Episodes, Truth, Verdict
+
+CAMERAS = ("cam_high", "cam_left_wrist", "cam_right_wrist")
+WIDTH, HEIGHT, FPS = 64, 48, 10.0
+INSTRUCTION = "Put the red block on the plate"
+STATE_NAMES = ["left_joint_1", "left_joint_2", "left_gripper", "right_joint_1", "right_joint_2", "right_gripper"]
+
+
+def clip(frames: int = 30, seed: int = 0) -> NDArray[np.uint8]:
+    """(T, 48, 64, 3): a red checked block crosses a smooth noisy floor."""
+    rng = np.random.default_rng(seed)
+    coarse = rng.uniform(60, 180, (HEIGHT // 4, WIDTH // 4, 3))
+    floor = np.kron(coarse, np.ones((4, 4, 1))) + rng.normal(0, 3, (HEIGHT, WIDTH, 3))
+    pictures = np.repeat(floor[None], frames, axis=0)
+    check = np.indices((16, 16)).sum(0) // 4 % 2
+    block = np.stack([200 + 40 * check, 20 + 10 * check, 30 + 10 * check], axis=-1)
+    for index, picture in enumerate(pictures):
+        left = 4 + index % 40
+        picture[16:32, left : left + 16] = block
+    return pictures.clip(0, 255).astype(np.uint8)
+
+
+def pictures(frames: int = 30, seed: int = 0) -> Iterator[dict[str, NDArray[np.uint8]]]:
+    """One mapping camera → picture per frame."""
+    clips = {name: clip(frames, seed + number) for number, name in enumerate(CAMERAS)}
+    for index in range(frames):
+        yield {name: frames_of[index] for name, frames_of in clips.items()}
+
+
+def segment(start: int, end: int, subtask: str = "lift-block") -> Segment:
+    return Segment(
+        subtask=subtask,
+        text=subtask.replace("-", " "),
+        start=start,
+        end=end,
+        arm="left",
+        contact=1,
+        attempts=2,
+        verdict=Verdict(accepted=True, reason="it lies there", confidence=0.9, provider="offline"),
+        truth=Truth(success=True, reason="on the plate"),
+    )
+
+
+def episode(frames: int = 30, **changes: Any) -> EpisodeData:
+    """An episode of two sub-tasks in which the left gripper closes and opens."""
+    time = np.arange(frames) / FPS
+    action = np.stack([np.sin(time * (column + 1)) for column in range(len(STATE_NAMES))], axis=1)
+    action[:, [2, 5]] = 1.0
+    action[frames // 3 : 2 * frames // 3, 2] = 0.0
+    poses = np.tile([0.0, 0.0, 0.74, 1.0, 0.0, 0.0, 0.0], (frames, 1))
+    track = CameraTrack(WIDTH, HEIGHT, np.diag([50.0, 50.0, 1.0]), np.tile(np.eye(4), (frames, 1, 1)))
+    half = max(1, frames // 2)
+    whole = EpisodeData(
+        fps=FPS,
+        timestamp=time,
+        state_names=STATE_NAMES,
+        qpos=action - 0.01,
+        qvel=np.gradient(action, 1 / FPS, axis=0) if frames > 1 else np.zeros_like(action),
+        action=action,
+        object_poses={"block": poses, "plate": poses + 0.1 * np.eye(7)[0]},
+        cameras=dict.fromkeys(CAMERAS, track),
+        segments=[segment(0, half), segment(half, frames, "place-block")] if frames > 1 else [],
+        meta={"instruction": INSTRUCTION, "seed": 7, "robot": "dual_panda", "scene": {"objects": ["block", "plate"]}},
+    )
+    return replace(whole, **changes)
+
+
+def written(path: Path, frames: int = 30, seed: int = 0, **changes: Any) -> Path:
+    """An episode file."""
+    return write_episode(path, episode(frames, **changes), pictures(frames, seed))
+
+
+def collected(root: Path, count: int = 2, frames: int = 12) -> RunFolder:
+    """A run folder as ``collect`` leaves it: ``count`` accepted episodes and a rejected one."""
+    run = RunFolder(root)
+    records = []
+    for index in range(count):
+        file = f"episodes/episode_{index:06d}.hdf5"
+        written(run.root / file, frames, seed=10 * index)
+        records.append(_record(index, True, file, frames))
+    records.append(_record(count, False, None, 0))
+    Episodes(
+        provenance=Provenance(producer="collect", seed=7),
+        instruction=INSTRUCTION,
+        chain=["lift-block", "place-block"],
+        episodes=records,
+        attempts=count,
+        acceptance={},
+        critic={},
+    ).write(run.episodes)
+    return run
+
+
+def _record(index: int, accepted: bool, file: str | None, frames: int) -> Episode:
+    return Episode(
+        index=index,
+        seed=7,
+        accepted=accepted,
+        reason="verified" if accepted else "dropped",
+        file=file,
+        frames=frames,
+        fps=FPS,
+        subtasks=["lift-block"],
+        verdicts=[],
+        attempts=1,
+    )
