@@ -26,7 +26,7 @@ FINEST_HEADINGS = np.radians([-3.0, -2.0, -1.0, 0.0, 1.0, 2.0, 3.0])
 FINALISTS = 4
 """Places that reach the last pass."""
 
-PROPOSALS = 6
+PROPOSALS = 8
 """Places that template matching at half size proposes."""
 
 CAP = 25.0
@@ -175,7 +175,7 @@ def _proposals(lab: np.ndarray, made: list[Template], count: int) -> list[tuple[
     scales = np.array([LIGHTNESS_WEIGHT, 1, 1], dtype=np.float32)
     picture, edges = lab * scales, gradients(lab)
     responses = [_response(edges, angle) for angle in _ANGLES]
-    stack = np.stack([_colour_cost(picture, t, scales) + _outline_cost(responses, t) for t in made])
+    stack = np.stack([_colour_cost(picture, t, scales) / 2 + _outline_cost(responses, t) for t in made])
     best, which = stack.min(axis=0), stack.argmin(axis=0)
     side = made[0].outline.shape[0]
     reach = max(3, int(0.4 * np.sqrt(made[0].outline.sum())))
@@ -209,8 +209,9 @@ def _outline_cost(responses: list[np.ndarray], template: Template) -> np.ndarray
 
 
 def _response(edges: np.ndarray, angle: float) -> np.ndarray:
-    """(H, W) strength of the edges across one direction, in [0, 1]."""
-    return np.minimum(np.abs(edges @ np.array([np.cos(angle), np.sin(angle)], np.float32)) / STRONG_EDGE, 1)
+    """(H, W) strength of the edges across one direction, in [0, 1], widened to bear with coarse headings."""
+    across = np.abs(edges @ np.array([np.cos(angle), np.sin(angle)], np.float32))
+    return cv2.dilate(np.minimum(across / STRONG_EDGE, 1), np.ones((5, 5), np.uint8))
 
 
 def refine(lab: np.ndarray, made: list[Template], centre: np.ndarray, reach: int = 2, step: int = 1) -> Sighting:
