@@ -186,7 +186,9 @@ def _gemini(request: dict[str, Any], special: Special) -> dict[str, Any]:
     _require(isinstance(contents, list) and contents, "contents: missing")
     for content in contents:
         _require(content.get("role") in ("user", "model"), "contents.role: unknown")
-        _require(all(("text" in p) != ("inlineData" in p) for p in content["parts"]), "contents.parts: text or inlineData")
+        _require(
+            all(("text" in p) != ("inlineData" in p) for p in content["parts"]), "contents.parts: text or inlineData"
+        )
     config = request.get("generationConfig", {})
     text = "\n".join(p["text"] for c in contents[:1] for p in c["parts"] if "text" in p)
     pictures = [_decode(p["inlineData"]["data"]) for c in contents for p in c["parts"] if "inlineData" in p]
@@ -221,7 +223,9 @@ def _chat(request: dict[str, Any], special: Special) -> dict[str, Any]:
             message["images"] = [{"type": "image_url", "image_url": {"url": f"data:image/png;base64,{data}"}}]
     elif special.refusal is None:
         form = request.get("response_format", {})
-        _require(form.get("type") == "json_schema" and "schema" in form.get("json_schema", {}), "response_format: missing")
+        _require(
+            form.get("type") == "json_schema" and "schema" in form.get("json_schema", {}), "response_format: missing"
+        )
         message["content"] = _text(special, form["json_schema"]["schema"], parts[0]["text"], pictures)
     finish = {"STOP": "stop", "MAX_TOKENS": "length"}.get(special.finish, special.finish)
     return {"object": "chat.completion", "choices": [{"index": 0, "message": message, "finish_reason": finish}]}

@@ -83,9 +83,13 @@ def _disk_errors(path: Path) -> Iterator[None]:
         yield
     except OSError as error:
         if error.errno in (errno.ENOSPC, errno.EDQUOT):
-            raise DiskFull(f"no space left to write {path}", hint="free some space and run the same command again") from error
+            raise DiskFull(
+                f"no space left to write {path}", hint="free some space and run the same command again"
+            ) from error
         if error.errno in (errno.EACCES, errno.EPERM, errno.EROFS, errno.ENOTDIR, errno.EEXIST):
-            raise OutputFolderError(f"cannot write {path}: {error.strerror}", hint="give another --out, or make the folder writable") from error
+            raise OutputFolderError(
+                f"cannot write {path}: {error.strerror}", hint="give another --out, or make the folder writable"
+            ) from error
         raise
 
 
@@ -133,11 +137,17 @@ def read_json(path: Path) -> Any:
     try:
         return json.loads(path.read_text(encoding="utf-8"))
     except FileNotFoundError as error:
-        raise MissingStage(f"{path} does not exist", hint="run the stage that writes it first, or check --out") from error
+        raise MissingStage(
+            f"{path} does not exist", hint="run the stage that writes it first, or check --out"
+        ) from error
     except (json.JSONDecodeError, UnicodeDecodeError) as error:
-        raise DamagedFile(f"{path} is not valid JSON: {error}", hint="delete it and run its stage again with --force") from error
+        raise DamagedFile(
+            f"{path} is not valid JSON: {error}", hint="delete it and run its stage again with --force"
+        ) from error
     except IsADirectoryError as error:
-        raise DamagedFile(f"{path} is a folder, not a JSON file", hint="move it away and run the stage again") from error
+        raise DamagedFile(
+            f"{path} is a folder, not a JSON file", hint="move it away and run the stage again"
+        ) from error
 
 
 @contextlib.contextmanager
@@ -180,7 +190,9 @@ def recover(path: Path) -> None:
             shutil.rmtree(old, ignore_errors=True)
         else:
             os.replace(old, path)
-    leftovers = set(path.parent.glob(f"{path.name}{PARTIAL}*")) | set(path.parent.glob(f"{path.stem}{PARTIAL}*{path.suffix}"))
+    leftovers = set(path.parent.glob(f"{path.name}{PARTIAL}*")) | set(
+        path.parent.glob(f"{path.stem}{PARTIAL}*{path.suffix}")
+    )
     for part in leftovers:
         if part.is_dir():
             shutil.rmtree(part, ignore_errors=True)

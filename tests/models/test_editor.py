@@ -3,7 +3,19 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.models.tabletop import BLOCKS, BOX, BREADS, CAMERA, ERASER, HEIGHT, MARKERS, PLATE, draw, scene_of, table_picture
+from tests.models.tabletop import (
+    BLOCKS,
+    BOX,
+    BREADS,
+    CAMERA,
+    ERASER,
+    HEIGHT,
+    MARKERS,
+    PLATE,
+    draw,
+    scene_of,
+    table_picture,
+)
 from vcage.errors import InputFileError
 from vcage.geometry import boxes_overlap
 from vcage.models.offline.arrange import arrange

@@ -25,7 +25,7 @@ def test_contents_start_beside_their_receptacle_on_both_sides() -> None:
     assert words == {"left_of", "right_of", "in_front_of"}
 
 
-def ask(thing: str, place: str, holds: str, size: tuple = (0.05, 0.05, 0.05), opening: tuple = (0.2, 0.2, 0.1)):  # noqa: ANN201
+def ask(thing: str, place: str, holds: str, size: tuple = (0.05, 0.05, 0.05), opening: tuple = (0.2, 0.2, 0.1)):
     question = PairQuestion(
         object="a", object_words=thing, receptacle="b", receptacle_words=place, holds=holds, object_size=size,
         opening_size=opening,

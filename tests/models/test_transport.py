@@ -4,7 +4,7 @@ import logging
 
 import pytest
 
-from tests.standin import StandIn, raw_answer, rate_limited, server_error
+from tests.standin import StandIn, rate_limited, raw_answer, server_error
 from vcage.errors import ConfigurationError, EndpointFailed
 from vcage.models.transport import Transport
 

@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import argparse
 import logging
-from pathlib import Path
 
 from vcage.cli.output import Result
 from vcage.cli.progress import progress

@@ -64,7 +64,7 @@ class EpisodeData:
         fps: frames per second.
         timestamp: (T,) seconds, evenly spaced by ``1 / fps``.
         state_names: names of the D numbers of a state, e.g. ``left_joint_1 … left_gripper, right_…``.
-        qpos: (T, D) measured joint positions, radians; grippers in metres.
+        qpos: (T, D) measured joint positions, radians; grippers as opening, 0 closed to 1 open.
         qvel: (T, D) measured joint velocities.
         action: (T, D) commanded joint positions, in the units of ``qpos``.
         object_poses: object id → (T, 7) position (metres) and quaternion wxyz in the world.

@@ -15,12 +15,15 @@ from vcage.pipeline.workbench import Workbench
 STAGES = tuple(PRODUCERS.values())
 """Names of the nine stages, in the order in which they run."""
 
+
 def stage_module(name: str) -> ModuleType:
     """The module of a stage: ``job(run, settings, bench)`` and ``execute(run, settings, bench, progress)``."""
     return importlib.import_module(f"vcage.pipeline.{name}")
 
 
-def run_stage(name: str, run: RunFolder, settings: Settings, bench: Workbench, progress: Progress = silent) -> StageResult:
+def run_stage(
+    name: str, run: RunFolder, settings: Settings, bench: Workbench, progress: Progress = silent
+) -> StageResult:
     """Run one stage and note how long it took; raises what the stage raises."""
     with timed(run, name):
         return stage_module(name).execute(run, settings, bench, progress)

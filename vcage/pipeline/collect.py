@@ -77,9 +77,7 @@ def summary(record: Episodes) -> dict[str, Any]:
     }
 
 
-def execute(
-    run: RunFolder, settings: Settings, bench: Workbench, progress: Progress = silent
-) -> StageResult[Episodes]:
+def execute(run: RunFolder, settings: Settings, bench: Workbench, progress: Progress = silent) -> StageResult[Episodes]:
     """Write ``episodes/``: one HDF5 per accepted episode, the log of all attempts, the rejected ones as states.
 
     Raises:

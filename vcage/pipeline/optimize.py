@@ -15,8 +15,8 @@ from vcage.igsc.layout_picture import Footprint, draw_layout
 from vcage.igsc.optimize import LayoutResult, displacement_summary, optimize_layout
 from vcage.igsc.relations import relations_kept
 from vcage.pipeline.pictures import write_picture
-from vcage.pipeline.select_place import MAX_DRIFT, MAX_TILT
 from vcage.pipeline.progress import Progress, silent
+from vcage.pipeline.select_place import MAX_DRIFT, MAX_TILT
 from vcage.pipeline.settings import Settings
 from vcage.pipeline.stage import Job, StageResult, stage_seed
 from vcage.pipeline.workbench import Workbench
@@ -84,7 +84,9 @@ def execute(run: RunFolder, settings: Settings, bench: Workbench, progress: Prog
             "restarts": result.starts,
             "repaired": result.repaired,
         }
-        return settled.model_copy(update={"provenance": provenance, "checks": checks, "pictures": {"top": stage.inside("top.png")}})
+        return settled.model_copy(
+            update={"provenance": provenance, "checks": checks, "pictures": {"top": stage.inside("top.png")}}
+        )
 
     return stage.do(Scene, make, force=settings.force)
 

@@ -126,9 +126,7 @@ def _place_until_stable(
     )
 
 
-def _place_items(
-    objects: list[NamedObject], template: SceneTemplate, bench: Workbench
-) -> list[PlaceItem]:
+def _place_items(objects: list[NamedObject], template: SceneTemplate, bench: Workbench) -> list[PlaceItem]:
     """What the placement needs of each object; what a task touches must be where an arm reaches."""
     reach = bench.reach(template.robot, template.workspace, template.table)
     items = []

@@ -36,9 +36,7 @@ def summary(record: Verdicts) -> dict[str, Any]:
     return {"episodes": len(record.episodes), "verified": verified}
 
 
-def execute(
-    run: RunFolder, settings: Settings, bench: Workbench, progress: Progress = silent
-) -> StageResult[Verdicts]:
+def execute(run: RunFolder, settings: Settings, bench: Workbench, progress: Progress = silent) -> StageResult[Verdicts]:
     """Write ``verify/verdicts.json``: one verdict per sub-task of every accepted episode, from the pictures kept."""
     stage = job(run, settings, bench)
 

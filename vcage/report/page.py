@@ -41,7 +41,9 @@ def write_report(run: RunFolder) -> Path:
         DamagedFile, SchemaMismatch: a stage's file cannot be read.
     """
     if not run.scene.exists():
-        raise MissingStage(f"{run} holds no run: {run.scene} does not exist", hint="run select_place first, or vcage run")
+        raise MissingStage(
+            f"{run} holds no run: {run.scene} does not exist", hint="run select_place first, or vcage run"
+        )
     return write_text(run.report, _template().render(**_context(run)))
 
 

@@ -36,7 +36,9 @@ class CameraCompression(Record):
     """The search for one camera."""
 
     camera: str
-    crf: int | None = Field(description="highest CRF whose loss stays under the threshold; none when even the best fails")
+    crf: int | None = Field(
+        description="highest CRF whose loss stays under the threshold; none when even the best fails"
+    )
     lossless: bool
     loss_max: Finite
     evaluations: list[Evaluation]

@@ -19,7 +19,9 @@ class Verdict(Record):
     reason: str = Field(min_length=1)
     confidence: Finite = Field(ge=0, le=1)
     provider: str
-    pictures: list[str] = Field(default=[], description="paths of the pictures, relative to the file that holds the verdict")
+    pictures: list[str] = Field(
+        default=[], description="paths of the pictures, relative to the file that holds the verdict"
+    )
 
 
 class Truth(Record):

@@ -19,7 +19,9 @@ class Match(Record):
     method: MatchMethod
     similarity: Finite | None = Field(description="cosine similarity of the features; none when kept")
     confidence: Finite = Field(ge=0, le=1)
-    box: tuple[Finite, Finite, Finite, Finite] | None = Field(description="u0, v0, u1, v1 in the target picture, pixels")
+    box: tuple[Finite, Finite, Finite, Finite] | None = Field(
+        description="u0, v0, u1, v1 in the target picture, pixels"
+    )
     position: Vec2 = Field(description="x, y of the object's origin in the world, metres")
     yaw: Finite = Field(description="heading of the object's x axis in the world, radians")
     turned: Finite = Field(description="rotation from source to target found by NCC, radians")
@@ -34,5 +36,7 @@ class Matches(StageDocument):
 
     threshold: Finite = Field(description="the paper's τ")
     matches: list[Match] = Field(min_length=1)
-    unclaimed: list[tuple[Finite, Finite, Finite, Finite]] = Field(description="boxes of detections that no object claimed")
+    unclaimed: list[tuple[Finite, Finite, Finite, Finite]] = Field(
+        description="boxes of detections that no object claimed"
+    )
     overlay: str = Field(description="path of the overlay picture in the run folder")

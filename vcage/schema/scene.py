@@ -7,7 +7,17 @@ from typing import Any, ClassVar, Literal
 from pydantic import Field, model_validator
 
 from vcage.errors import UnknownName
-from vcage.schema.base import Box, CameraRecord, Document, Finite, Identifier, PoseRecord, Record, StageDocument, Vec2, Vec3
+from vcage.schema.base import (
+    Box,
+    CameraRecord,
+    Document,
+    Finite,
+    Identifier,
+    PoseRecord,
+    Record,
+    StageDocument,
+    Vec2,
+)
 
 Role = Literal["content", "receptacle", "context"]
 """What the instruction does with an object: moves it, puts things into it, or nothing."""
@@ -74,8 +84,12 @@ class Scene(StageDocument):
     workspace: Workspace
     top_camera: CameraRecord
     objects: list[ObjectRecord] = Field(min_length=1)
-    pictures: dict[str, str] = Field(default={}, description="source, background, segmentation: paths in the run folder")
-    segmentation_ids: dict[str, int] = Field(default={}, description="object id → value in segmentation.png (0 is no object)")
+    pictures: dict[str, str] = Field(
+        default={}, description="source, background, segmentation: paths in the run folder"
+    )
+    segmentation_ids: dict[str, int] = Field(
+        default={}, description="object id → value in segmentation.png (0 is no object)"
+    )
     checks: dict[str, Any] = Field(default={}, description="what was measured: settle time, largest drift…")
 
     @model_validator(mode="after")

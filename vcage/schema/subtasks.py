@@ -74,7 +74,9 @@ class Subtasks(StageDocument):
     candidates: int = Field(ge=0, description="ordered pairs × contact points × functional points that were examined")
     kept: list[Subtask]
     refused: list[Refusal]
-    chain: list[Identifier] = Field(description="ids of the kept sub-tasks T₁…T_k that fulfil the instruction, in order")
+    chain: list[Identifier] = Field(
+        description="ids of the kept sub-tasks T₁…T_k that fulfil the instruction, in order"
+    )
 
 
 class PairQuestion(Record):

@@ -12,7 +12,7 @@ from itertools import permutations
 
 import numpy as np
 
-from vcage.errors import InfeasibleScene, NoFeasibleTask
+from vcage.errors import InfeasibleScene, ModelRefused, NoFeasibleTask
 from vcage.geometry import Pose
 from vcage.schema.asset import FunctionalPoint
 from vcage.schema.subtasks import ChainOption, Check, Goal, Grasp, PairAnswer, PairQuestion, Refusal, Subtask
@@ -186,12 +186,18 @@ def compose(
         choose: the reasoner's :meth:`~vcage.models.protocols.Reasoner.compose_chain`.
 
     Raises:
+        ModelRefused: the reasoner names a sub-task that was not offered.
         NoFeasibleTask: none fulfils it, or a content has no feasible sub-task, or the contents do not fit
             together; says why.
     """
     options = [ChainOption(id=s.id, text=s.text, object=s.object, receptacle=s.receptacle) for s in kept]
     chain = choose(instruction, options) if options else []
     by_id = {s.id: s for s in kept}
+    strangers = [i for i in chain if i not in by_id]
+    if strangers:
+        raise ModelRefused(
+            f"the reasoner chained sub-tasks that do not exist: {', '.join(strangers)}", hint="run it again"
+        )
     moved = {by_id[i].object for i in chain}
     goals = {o.id for o in objects if o.record.role == "receptacle"}
     missing = [o for o in objects if o.record.role == "content" and o.id not in moved]

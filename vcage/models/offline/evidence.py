@@ -9,7 +9,16 @@ import numpy as np
 
 from vcage.geometry import Camera
 from vcage.models.offline.colour import distance, palette, palette_distance, to_lab
-from vcage.models.offline.locate import FINALISTS, FINE_HEADINGS, FINEST_HEADINGS, Sighting, pixels_per_metre, refine, search, templates
+from vcage.models.offline.locate import (
+    FINALISTS,
+    FINE_HEADINGS,
+    FINEST_HEADINGS,
+    Sighting,
+    pixels_per_metre,
+    refine,
+    search,
+    templates,
+)
 from vcage.models.protocols import Reference
 
 CHANGED = 4.0

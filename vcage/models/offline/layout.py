@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 
 import numpy as np
@@ -12,6 +13,9 @@ from vcage.schema.scene import ObjectRecord, Scene
 _PLACES = ("left_of", "right_of", "in_front_of")
 """Where contents stand around a receptacle, in turn, so that both arms have something to do."""
 
+ROOM = 0.06
+"""Free space that an object behind another needs, metres."""
+
 _WORDS = {
     "inside": "inside", "on": "on", "left_of": "to the left of", "right_of": "to the right of",
     "in_front_of": "in front of", "behind": "behind", "beside": "beside", "near": "near",
@@ -20,7 +24,7 @@ _WORDS = {
 
 
 def plan_layout(scene: Scene, rng: np.random.Generator) -> LayoutPlan:
-    """Receptacles in the middle, contents left, right and in front of them, everything else behind.
+    """Receptacles in the middle, contents left, right and in front of them, everything else behind or outermost.
 
     Contents are not put inside: to move them there is the task. The relations form a tree that starts at the
     table, so they cannot contradict each other. Which object goes to which side is a random choice.
@@ -33,10 +37,7 @@ def plan_layout(scene: Scene, rng: np.random.Generator) -> LayoutPlan:
     context = [o for o in context if o not in anchors]
     relations = _anchor_relations(anchors)
     relations += _around(contents, anchors)
-    for index, item in enumerate(context):
-        relations.append(_relation(item, "behind", anchors[index % len(anchors)]))
-        if index and len(anchors) == 1:
-            relations.append(_relation(item, "right_of", context[index - 1]))
+    relations += _out_of_the_way(context, anchors, relations, scene)
     return LayoutPlan(text=describe(relations, scene), relations=relations)
 
 
@@ -69,6 +70,36 @@ def _around(contents: Sequence[ObjectRecord], anchors: Sequence[ObjectRecord]) -
             relations.append(_relation(item, "near", before))
         last[anchor.id, place] = item
     return relations
+
+
+def _out_of_the_way(
+    context: Sequence[ObjectRecord], anchors: Sequence[ObjectRecord], planned: Sequence[Relation], scene: Scene
+) -> list[Relation]:
+    """Behind a receptacle while there is room, the others in turn beyond the outermost object on either side."""
+    relations = []
+    outermost = {
+        side: next((r.subject for r in reversed(planned) if r.relation == side), anchors[0].id)
+        for side in ("left_of", "right_of")
+    }
+    sides = itertools.cycle(outermost)
+    free = [anchor for anchor in anchors if len(anchors) == 1 or anchor is not anchors[0]]
+    for item in context:
+        behind = next((anchor for anchor in free if _fits_behind(item, anchor, scene)), None)
+        if behind is not None:
+            free.remove(behind)
+            relations.append(_relation(item, "behind", behind))
+            continue
+        side = next(sides)
+        relations.append(Relation(subject=item.id, relation=side, reference=outermost[side]))
+        outermost[side] = item.id
+    return relations
+
+
+def _fits_behind(item: ObjectRecord, anchor: ObjectRecord, scene: Scene) -> bool:
+    """Whether the workspace has room for ``item`` behind ``anchor`` when that stands in the middle."""
+    depth = sum(o.aabb[1][1] - o.aabb[0][1] for o in (item, anchor)) - (anchor.aabb[1][1] - anchor.aabb[0][1]) / 2
+    middle = (scene.workspace.lower[1] + scene.workspace.upper[1]) / 2
+    return middle + depth + ROOM < scene.workspace.upper[1]
 
 
 def describe(relations: Sequence[Relation], scene: Scene) -> str:

@@ -1,6 +1,6 @@
 """Finds an object in a picture from its reference: colours and outline, over positions and headings.
 
-Colours alone fail for a cardboard box on a wooden table, an outline alone among many edges: both count the same.
+Colours alone fail for a cardboard box on a wooden table, an outline alone among many edges: both count.
 """
 
 from __future__ import annotations
@@ -32,6 +32,9 @@ PROPOSALS = 8
 CAP = 25.0
 """Largest colour distance that one pixel can cost."""
 
+COLOUR_SHARE = 0.6
+"""Share of the colours in the misfit; the rest is the outline's."""
+
 STRONG_EDGE = 3.0
 """Change of lightness per pixel of an edge that counts fully."""
 
@@ -51,8 +54,8 @@ class Sighting:
     Args:
         centre: (2,) pixel of the middle of the template.
         heading: radians.
-        misfit: half colour (mean capped distance to the template), half outline (how little of it lies on edges of
-            the picture); 0 is perfect, 1 useless.
+        misfit: of colours (mean capped distance to the template) and outline (how little of it lies on edges of the
+            picture); 0 is perfect, 1 useless.
         mask: (H, W) bool, the object's outline there.
     """
 
@@ -223,7 +226,8 @@ def refine(lab: np.ndarray, made: list[Template], centre: np.ndarray, reach: int
     edges = gradients(lab)
     for template in made:
         corner = np.rint(centre - np.array(template.outline.shape[::-1]) / 2).astype(int)
-        costs = (_capped(lab, template, corner + grid) + _off_edges(edges, template, corner + grid)) / 2
+        colour, outline = (cost(source, template, corner + grid) for cost, source in ((_capped, lab), (_off_edges, edges)))
+        costs = COLOUR_SHARE * colour + (1 - COLOUR_SHARE) * outline
         k = int(np.argmin(costs))
         if costs[k] < best[0] - 1e-9:
             best = (float(costs[k]), template, corner + grid[k])

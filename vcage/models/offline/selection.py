@@ -9,8 +9,18 @@ import numpy as np
 
 from vcage.errors import NoAssetFits
 from vcage.models.offline.instruction import SEVERAL, Phrase, Request, parse_instruction
-from vcage.models.offline.words import COLOURS, DETERMINERS, colour_of, kinds_of, lemma, lemmas, name_similarity
-from vcage.models.offline.words import near_names, same_word, tokens
+from vcage.models.offline.words import (
+    COLOURS,
+    DETERMINERS,
+    colour_of,
+    kinds_of,
+    lemma,
+    lemmas,
+    name_similarity,
+    near_names,
+    same_word,
+    tokens,
+)
 from vcage.schema.asset import CatalogueEntry, Variant
 from vcage.schema.plan import SelectedAsset, Selection
 
