@@ -72,4 +72,4 @@ def test_the_stand_in_blur_keeps_a_constant_and_spreads_a_point():
 
 
 def test_no_false_torchvision_is_left_behind(metric):
-    assert getattr(sys.modules.get("torchvision"), "__file__", "real") is not None
+    assert "torchvision" not in sys.modules or hasattr(sys.modules["torchvision"], "__file__")

@@ -132,9 +132,14 @@ def scene_of(things: list[Thing], instruction: str = "Put the blocks on the plat
         box = world_aabb([(-x / 2, -y / 2, 0), (x / 2, y / 2, z)], pose)
         objects.append(
             ObjectRecord(
-                id=thing.id, asset=thing.id.split("-")[0], variant="plain", phrase=thing.id.replace("-", " "),
-                role=thing.role, pose=PoseRecord.of(pose), aabb=tuple(tuple(map(float, row)) for row in box),
-            )  # fmt: skip
+                id=thing.id,
+                asset=thing.id.split("-")[0],
+                variant="plain",
+                phrase=thing.id.replace("-", " "),
+                role=thing.role,
+                pose=PoseRecord.of(pose),
+                aabb=tuple(tuple(map(float, row)) for row in box),
+            )
         )
     return Scene(
         provenance=Provenance(producer="test", seed=0), instruction=instruction, template="table", robot="dual_panda",

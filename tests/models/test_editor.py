@@ -96,7 +96,9 @@ def test_pictures_of_another_size_are_refused() -> None:
     request = request_for("blocks")
     with pytest.raises(InputFileError, match="background is 320 x 240"):
         OfflineEditor().rearrange(
-            EditRequest(request.picture, request.background[::2, ::2], request.segmentation, request.scene, request.plan)
+            EditRequest(
+                request.picture, request.background[::2, ::2], request.segmentation, request.scene, request.plan
+            )
         )
 
 

@@ -64,7 +64,9 @@ def test_the_provider_names_the_model(models: Models) -> None:
 
 def test_selection_names_assets_of_the_catalogue(models: Models) -> None:
     chosen = models.reasoner.select_assets("Put the blocks on the plate", CATALOGUE, RNG).objects
-    assert [(o.asset, o.role) for o in chosen if o.role != "context"] == [("block", "content")] * 3 + [("plate", "receptacle")]
+    assert [(o.asset, o.role) for o in chosen if o.role != "context"] == [("block", "content")] * 3 + [
+        ("plate", "receptacle")
+    ]
 
 
 def test_what_the_model_misses_is_no_asset_fits(models: Models) -> None:

@@ -79,5 +79,7 @@ def test_an_instruction_that_names_nothing_is_refused(instruction: str) -> None:
 
 
 def test_the_same_seed_gives_the_same_selection_whatever_the_catalogues_order() -> None:
-    backwards = OfflineReasoner().select_assets("Put the bread into the bread box", CATALOGUE[::-1], np.random.default_rng(5))
+    backwards = OfflineReasoner().select_assets(
+        "Put the bread into the bread box", CATALOGUE[::-1], np.random.default_rng(5)
+    )
     assert backwards.objects == select("Put the bread into the bread box", 5)

@@ -32,7 +32,9 @@ def test_a_valid_answer_is_taken_at_once() -> None:
     assert ask(Script('{"name": "red"}'), "colour?", Colour).name == "red"
 
 
-@pytest.mark.parametrize("text", ['```json\n{"name": "red"}\n```', 'Sure: {"name": "red"} as you like', ' {"name":"red"}'])
+@pytest.mark.parametrize(
+    "text", ['```json\n{"name": "red"}\n```', 'Sure: {"name": "red"} as you like', ' {"name":"red"}']
+)
 def test_json_is_found_in_fences_and_prose(text: str) -> None:
     assert ask(Script(text), "colour?", Colour).name == "red"
 

@@ -10,7 +10,14 @@ from vcage.models.offline.words import is_plural, lemma, name_similarity
 
 @pytest.mark.parametrize(
     ("plural", "singular"),
-    [("boxes", "box"), ("loaves", "loaf"), ("berries", "berry"), ("mugs", "mug"), ("dishes", "dish"), ("glass", "glass")],
+    [
+        ("boxes", "box"),
+        ("loaves", "loaf"),
+        ("berries", "berry"),
+        ("mugs", "mug"),
+        ("dishes", "dish"),
+        ("glass", "glass"),
+    ],
 )
 def test_lemmas_are_singular(plural: str, singular: str) -> None:
     assert lemma(plural) == singular

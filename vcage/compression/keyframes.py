@@ -18,6 +18,9 @@ COUNT = 8
 FEWEST_PEAKS = 2
 """Motion peaks that are taken however often the grippers move."""
 
+SPREAD = 4
+"""A motion peak keeps a distance of 1 / (SPREAD · count) of the episode from the other keyframes."""
+
 GROUP_GAP = 5
 """Changes of the grippers' commands at most this many frames apart belong to one opening or closing."""
 
@@ -42,7 +45,7 @@ def keyframes(action: NDArray[np.float64], grippers: Sequence[int], count: int =
     chosen = {0, frames - 1, *gripper_midpoints(action[:, list(grippers)])}
     wanted = max(count - len(chosen), FEWEST_PEAKS)
     arms = np.delete(action, list(grippers), axis=1)
-    apart = max(1, frames // (2 * count))
+    apart = max(1, frames // (SPREAD * count))
     taken = 0
     for peak in motion_peaks(arms):
         if taken == wanted:

@@ -46,6 +46,7 @@ class LayoutItem:
         opening: what makes it a container, or None.
         inside: id of the container that it may lie in or on, by the plan; None to keep it clear of all.
         allowed: (m, 2, 2) rectangles that its centre must lie in one of, None for anywhere; not used in a container.
+        grasped: whether a hand will reach for it, and needs room beside it above what is low.
     """
 
     id: str
@@ -55,6 +56,7 @@ class LayoutItem:
     opening: Opening | None = None
     inside: str | None = None
     allowed: ArrayLike | None = None
+    grasped: bool = False
 
     def half_size(self, frame_yaw: float = 0.0) -> np.ndarray:
         """(2,) half size of its axis-aligned rectangle in a frame turned by ``frame_yaw``."""

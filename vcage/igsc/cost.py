@@ -38,6 +38,7 @@ class LayoutProblem:
         bounds: (2, 2) lower and upper corner that every footprint must stay within.
         margin: δ, smallest gap between two footprints.
         allowed: for each footprint (m, 2, 2) rectangles for its centre, or None.
+        extra: (n, n) symmetric, what a pair's gap is wider than the margin, metres; none when left out.
     """
 
     half: np.ndarray
@@ -45,6 +46,11 @@ class LayoutProblem:
     bounds: np.ndarray
     margin: float
     allowed: tuple[np.ndarray | None, ...]
+    extra: np.ndarray | None = None
+
+    def gaps(self, i: np.ndarray | int, j: np.ndarray | list[int]) -> np.ndarray:
+        """The smallest gaps of the pairs (i, j)."""
+        return self.margin + (np.zeros(len(j)) if self.extra is None else self.extra[i, j])
 
     @property
     def weight(self) -> np.ndarray:
@@ -92,7 +98,7 @@ def evaluate(problem: LayoutProblem, weights: Weights, centres: np.ndarray) -> t
 def penetrations(problem: LayoutProblem, centres: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """(pairs,) indices i and j, i < j, and (pairs, 2) penetration along each axis with the margin; ≤ 0 is apart."""
     i, j = np.triu_indices(len(centres), k=1)
-    reach = problem.half[i] + problem.half[j] + problem.margin
+    reach = problem.half[i] + problem.half[j] + problem.gaps(i, j)[:, None]
     return i, j, reach - np.abs(centres[i] - centres[j])
 
 

@@ -20,6 +20,12 @@ from vcage.igsc.solver import Solution, solve
 
 log = logging.getLogger(__name__)
 
+PALM_ABOVE = 0.05
+"""Things lower than this pass under the palm of a hand that grasps what lies beside them, metres."""
+
+PALM_ROOM = 0.095
+"""Gap that a hand needs between what it grasps and what is higher: half a palm, metres."""
+
 CONTENT_MARGIN = 0.003
 """Smallest gap between two objects in one container, metres."""
 
@@ -160,7 +166,16 @@ def _table_problem(items: Sequence[LayoutItem], workspace: np.ndarray, margin: f
         bounds=workspace,
         margin=margin,
         allowed=tuple(None if item.allowed is None else np.reshape(item.allowed, (-1, 2, 2)) for item in items),
+        extra=_hand_room(items, margin),
     )
+
+
+def _hand_room(items: Sequence[LayoutItem], margin: float) -> np.ndarray:
+    """(n, n) wider gaps between what is grasped and what is so high that the palm would touch it."""
+    grasped = np.array([item.grasped for item in items])
+    high = np.array([item.size[2] > PALM_ABOVE for item in items])
+    pairs = grasped[:, None] & high[None]
+    return np.where(pairs | pairs.T, max(PALM_ROOM - margin, 0.0), 0.0)
 
 
 def _container_problem(container: LayoutItem, contents: Sequence[LayoutItem]) -> LayoutProblem:

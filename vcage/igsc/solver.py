@@ -93,7 +93,7 @@ def repair(problem: LayoutProblem, centres: np.ndarray) -> tuple[np.ndarray, tup
     kept: list[int] = []
     for k in np.argsort(-problem.half.prod(axis=1), kind="stable"):
         taken = np.stack([fixed[kept] - problem.half[kept], fixed[kept] + problem.half[kept]], axis=1)
-        region = free_region(problem.bounds, problem.half[k], taken, problem.margin, problem.allowed[k])
+        region = free_region(problem.bounds, problem.half[k], taken, problem.gaps(int(k), kept), problem.allowed[k])
         if region.is_empty:
             return None
         nearest = region.nearest(fixed[k])
@@ -150,7 +150,7 @@ def _shrunk(rectangles: np.ndarray | None) -> np.ndarray | None:
 def _packed(
     problem: LayoutProblem, items: list[PlaceItem], weights: Weights, rng: np.random.Generator
 ) -> tuple[np.ndarray, tuple[int, ...]]:
-    """A packed layout, pulled back towards the targets where that stays feasible."""
+    """A packed layout, pulled back towards the targets where that stays feasible; packing gives up extra gaps."""
     placed = place(items, problem.bounds, rng, problem.margin)
     packed = np.array([[placement.x, placement.y] for placement in placed.values()])
     return repair(problem, _minimise(problem, weights, packed)) or (packed, tuple(range(len(packed))))

@@ -58,7 +58,10 @@ class LlmReasoner:
         """The model's plan; relations name objects of the scene only, and do not contradict each other."""
         ids = [record.id for record in scene.objects]
         relation = _type(
-            "PlannedRelation", subject=one_of(ids), relation=one_of(get_args(RelationWord)), reference=one_of([*ids, TABLE])
+            "PlannedRelation",
+            subject=one_of(ids),
+            relation=one_of(get_args(RelationWord)),
+            reference=one_of([*ids, TABLE]),
         )
         answer = _type("LayoutAnswer", text=str, relations=list[relation])
         words = {entry.name: entry.words for entry in catalogue}
@@ -135,7 +138,9 @@ def _pair_complaints(pairs: Sequence[Any], count: int) -> list[str]:
     if numbers != list(range(1, count + 1)):
         return [f"pairs: expected the numbers 1 to {count} once each, in order, got {numbers}"]
     found = [f"pairs.{p.number}: reason is empty" for p in pairs if not p.reason.strip()]
-    return found + [f"pairs.{p.number}: text is empty though sensible" for p in pairs if p.sensible and not p.text.strip()]
+    return found + [
+        f"pairs.{p.number}: text is empty though sensible" for p in pairs if p.sensible and not p.text.strip()
+    ]
 
 
 def _chain_complaints(chain: Sequence[str], objects: dict[str, str]) -> list[str]:

@@ -45,9 +45,7 @@ class LlmCritic:
             phrases=phrases,
             pictures=[name for name, _ in named],
         )
-        found = ask(
-            self._chat, prompt, Judgement, pictures=[picture for _, picture in named], complaints=_complaints
-        )
+        found = ask(self._chat, prompt, Judgement, pictures=[picture for _, picture in named], complaints=_complaints)
         return Verdict(
             accepted=found.accepted, reason=found.reason, confidence=found.confidence, provider=self.provider
         )

@@ -78,7 +78,9 @@ class OpenAiEditor:
         items = data.get("data")
         first = items[0] if isinstance(items, list) and items and isinstance(items[0], dict) else {}
         if not first.get("b64_json"):
-            raise ModelRefused(f"{self.provider} drew no picture", hint="change the instruction, or use --models offline")
+            raise ModelRefused(
+                f"{self.provider} drew no picture", hint="change the instruction, or use --models offline"
+            )
         return decode_base64(first["b64_json"], self.provider)
 
 

@@ -104,7 +104,9 @@ class Reasoner(Protocol):
 
     provider: str
 
-    def select_assets(self, instruction: str, catalogue: Sequence[CatalogueEntry], rng: np.random.Generator) -> Selection:
+    def select_assets(
+        self, instruction: str, catalogue: Sequence[CatalogueEntry], rng: np.random.Generator
+    ) -> Selection:
         """The objects that the instruction needs, and some that fit the occasion.
 
         Raises:
@@ -140,7 +142,9 @@ class Detector(Protocol):
 
     provider: str
 
-    def detect(self, picture: np.ndarray, names: Sequence[str], background: np.ndarray | None = None) -> list[Detection]:
+    def detect(
+        self, picture: np.ndarray, names: Sequence[str], background: np.ndarray | None = None
+    ) -> list[Detection]:
         """Regions that may be objects, best first; ``names`` is the text prompt, ``background`` the empty table."""
         ...
 

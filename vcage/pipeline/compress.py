@@ -33,8 +33,8 @@ from vcage.schema.episodes import Episode, Episodes
 
 ENCODER_SETTINGS = EncoderSettings()
 JPEG_QUALITY = 95
-WORKERS = 2
-"""Cameras at a time; x265 with one frame thread keeps little more than one core busy."""
+WORKERS = 3
+"""Cameras at a time; x265 with one frame thread keeps little more than one core busy, and they end unevenly."""
 
 NO_CRF = -1
 

@@ -102,6 +102,7 @@ def _item(o: SceneObject, match: Match, plan: Plan, reach: np.ndarray) -> Layout
         opening=_opening(o, points[0]) if points else None,
         inside=inside,
         allowed=None if o.record.role == "context" else reach,
+        grasped=o.record.role == "content",
     )
 
 

@@ -101,9 +101,7 @@ def _back(scene: Scene, half: np.ndarray) -> np.ndarray:
     return np.array([0.0, np.clip(0.3 * room, 0.0, 0.05)])
 
 
-def _one_relation(
-    grid: np.ndarray, half: np.ndarray, word: str, centre: np.ndarray, other: np.ndarray
-) -> np.ndarray:
+def _one_relation(grid: np.ndarray, half: np.ndarray, word: str, centre: np.ndarray, other: np.ndarray) -> np.ndarray:
     """(n,) cost of one relation to a box at ``centre`` with half size ``other``."""
     offset = grid - centre
     gaps = np.maximum(np.abs(offset) - half - other, 0)

@@ -45,7 +45,9 @@ class OfflineCritic:
     def _judge_goal(self, question: CriticQuestion, goal: Goal) -> Verdict:
         for name in (goal.subject, goal.reference):
             if name not in question.references:
-                raise InputFileError(f"no reference picture of {name!r}", hint="render one for each object of the scene")
+                raise InputFileError(
+                    f"no reference picture of {name!r}", hint="render one for each object of the scene"
+                )
         if "top" not in question.before or "top" not in question.after:
             raise InputFileError("the critic needs a 'top' view before and after", hint="render the top camera")
         before, after = question.before["top"], question.after["top"]

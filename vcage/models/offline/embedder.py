@@ -40,7 +40,7 @@ def region_mask(region: Detection, shape: tuple[int, ...]) -> np.ndarray:
         return region.mask
     u0, v0, u1, v1 = region.box
     mask = np.zeros(shape[:2], np.uint8)
-    centre = (int(round((u0 + u1) / 2)), int(round((v0 + v1) / 2)))
+    centre = (round((u0 + u1) / 2), round((v0 + v1) / 2))
     axes = (max(1, int((u1 - u0) / 2)), max(1, int((v1 - v0) / 2)))
     return cv2.ellipse(mask, centre, axes, 0, 0, 360, 1, cv2.FILLED).astype(bool)
 

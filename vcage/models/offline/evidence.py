@@ -104,7 +104,7 @@ def _receptacle(
     old = search(before, place, scale, table, rim_only=True)[0]
     made = templates(place, scale, table, old.heading + FINE_HEADINGS, rim_only=True)
     still = refine(after, made[2:3], old.centre, reach=2)
-    pixels = int(round(SEARCH * scale))
+    pixels = round(SEARCH * scale)
     rough = refine(after, made[1:4], old.centre, reach=pixels, step=6)
     near = templates(place, scale, table, rough.heading + FINEST_HEADINGS, rim_only=True)
     moved = refine(after, near, rough.centre, reach=4)
@@ -134,7 +134,7 @@ def _unlikeness(lab: np.ndarray, reference: Reference) -> np.ndarray:
 
 
 def _grown(mask: np.ndarray, radius: float) -> np.ndarray:
-    side = 2 * max(1, int(round(radius))) + 1
+    side = 2 * max(1, round(radius)) + 1
     return cv2.dilate(mask.astype(np.uint8), cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (side, side))).astype(bool)
 
 

@@ -46,7 +46,10 @@ class Footprint:
 def footprints(scene: Scene, segmentation: np.ndarray) -> list[Footprint]:
     """Footprints of all objects of the scene, in its order."""
     camera = scene.top_camera.camera()
-    return [_footprint(record, segmentation == scene.segmentation_ids.get(record.id, -1), camera) for record in scene.objects]
+    return [
+        _footprint(record, segmentation == scene.segmentation_ids.get(record.id, -1), camera)
+        for record in scene.objects
+    ]
 
 
 def _footprint(record: ObjectRecord, mask: np.ndarray, camera: Camera) -> Footprint:

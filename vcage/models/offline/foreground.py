@@ -22,7 +22,7 @@ SHADOW_FLOOR = 0.62
 SHADOW_TINT = 0.03
 """A shadow takes nearly the same share of red, green and blue: largest spread of the three ratios. Noise adds to it."""
 
-SHADOW_ROUGHNESS = 0.05
+SHADOW_ROUGHNESS = 0.12
 """A shadow darkens evenly: largest spread of the ratio among neighbours. Noise adds to it."""
 
 
@@ -43,7 +43,9 @@ def foreground(picture: np.ndarray, background: np.ndarray | None) -> np.ndarray
     light = delta[..., 0]
     ratio = (blurred.astype(np.float32) + 4) / (plain.astype(np.float32) + 4)
     smooth = _local_spread(ratio.mean(axis=-1)) < SHADOW_ROUGHNESS + noise[0] / 100
-    shadow = smooth & (ratio.min(-1) > SHADOW_FLOOR) & (np.ptp(ratio, axis=-1) < SHADOW_TINT + noise[0] / 100) & (light < 0)
+    shadow = (
+        smooth & (ratio.min(-1) > SHADOW_FLOOR) & (np.ptp(ratio, axis=-1) < SHADOW_TINT + noise[0] / 100) & (light < 0)
+    )
     differs = (chroma > max(CHROMA_LIMIT, noise[1:].max())) | (np.abs(light) > max(LIGHT_LIMIT, noise[0]))
     return clean(differs & ~shadow)
 

@@ -13,8 +13,12 @@ SEVERAL = 3
 _INTO = ("on top of", "inside of", "into", "inside", "onto", "upon", "in", "on", "to", "beside", "near", "next to")
 _FROM = ("from", "off", "out of", "with", "for", "using", "so that", "at", "by")
 _PREPOSITION = re.compile(r"\b(" + "|".join(sorted(_INTO + _FROM, key=len, reverse=True)) + r")\b")
-_CLAUSE = re.compile(r"[.;!?]|,?\s*\b(?:and then|then|afterwards|finally)\b|\band\b(?=\s+(?:put|place|pack|set|move|drop)\b)")
-_PARTICLES = frozenset(["please", "away", "up", "down", "together", "back", "carefully", "neatly", "can", "could", "you"])
+_CLAUSE = re.compile(
+    r"[.;!?]|,?\s*\b(?:and then|then|afterwards|finally)\b|\band\b(?=\s+(?:put|place|pack|set|move|drop)\b)"
+)
+_PARTICLES = frozenset(
+    ["please", "away", "up", "down", "together", "back", "carefully", "neatly", "can", "could", "you"]
+)
 _SURFACES = frozenset(("table", "desk", "tabletop", "worktop", "counter"))
 
 

@@ -24,7 +24,7 @@ _WORDS = {
 
 
 def plan_layout(scene: Scene, rng: np.random.Generator) -> LayoutPlan:
-    """Receptacles in the middle, contents left, right and in front of them, everything else behind or outermost.
+    """Receptacles in the middle, contents left, right and in front of them, everything else behind those.
 
     Contents are not put inside: to move them there is the task. The relations form a tree that starts at the
     table, so they cannot contradict each other. Which object goes to which side is a random choice.
@@ -52,7 +52,7 @@ def _relation(subject: ObjectRecord, word: str, reference: ObjectRecord) -> Rela
 def _anchor_relations(anchors: Sequence[ObjectRecord]) -> list[Relation]:
     """The first in the middle of the table, the others to its right, one after another."""
     first = [Relation(subject=anchors[0].id, relation="center", reference=TABLE)]
-    return first + [_relation(b, "right_of", a) for a, b in zip(anchors, anchors[1:], strict=False)]
+    return first + [_relation(b, "right_of", a) for a, b in itertools.pairwise(anchors)]
 
 
 def _around(contents: Sequence[ObjectRecord], anchors: Sequence[ObjectRecord]) -> list[Relation]:
@@ -75,28 +75,23 @@ def _around(contents: Sequence[ObjectRecord], anchors: Sequence[ObjectRecord]) -
 def _out_of_the_way(
     context: Sequence[ObjectRecord], anchors: Sequence[ObjectRecord], planned: Sequence[Relation], scene: Scene
 ) -> list[Relation]:
-    """Behind a receptacle while there is room, the others in turn beyond the outermost object on either side."""
+    """Behind a receptacle or behind what stands beside one, as a hand that reaches for that comes from the front."""
+    beside = [scene.object(r.subject) for r in planned if r.relation in ("left_of", "right_of")]
+    free = [*anchors, *(o for o in beside if o not in anchors)]
     relations = []
-    outermost = {
-        side: next((r.subject for r in reversed(planned) if r.relation == side), anchors[0].id)
-        for side in ("left_of", "right_of")
-    }
-    sides = itertools.cycle(outermost)
-    free = [anchor for anchor in anchors if len(anchors) == 1 or anchor is not anchors[0]]
-    for item in context:
-        behind = next((anchor for anchor in free if _fits_behind(item, anchor, scene)), None)
-        if behind is not None:
-            free.remove(behind)
-            relations.append(_relation(item, "behind", behind))
-            continue
-        side = next(sides)
-        relations.append(Relation(subject=item.id, relation=side, reference=outermost[side]))
-        outermost[side] = item.id
+    for index, item in enumerate(context):
+        reference = next((o for o in free if _fits_behind(item, o, scene)), None)
+        if reference is None:
+            side = ("left_of", "right_of")[index % 2]
+            relations.append(_relation(item, side, anchors[0]))
+        else:
+            free.remove(reference)
+            relations.append(_relation(item, "behind", reference))
     return relations
 
 
 def _fits_behind(item: ObjectRecord, anchor: ObjectRecord, scene: Scene) -> bool:
-    """Whether the workspace has room for ``item`` behind ``anchor`` when that stands in the middle."""
+    """Whether the workspace has room for ``item`` behind ``anchor`` when that stands half-way to it."""
     depth = sum(o.aabb[1][1] - o.aabb[0][1] for o in (item, anchor)) - (anchor.aabb[1][1] - anchor.aabb[0][1]) / 2
     middle = (scene.workspace.lower[1] + scene.workspace.upper[1]) / 2
     return middle + depth + ROOM < scene.workspace.upper[1]

@@ -151,7 +151,13 @@ def _weights(outline: np.ndarray, rim_only: bool) -> np.ndarray:
 
 
 def search(
-    lab: np.ndarray, reference: Reference, scale: float, table_lab: np.ndarray, *, rim_only: bool = False, count: int = 1
+    lab: np.ndarray,
+    reference: Reference,
+    scale: float,
+    table_lab: np.ndarray,
+    *,
+    rim_only: bool = False,
+    count: int = 1,
 ) -> list[Sighting]:
     """The ``count`` best places of the reference in a Lab picture, the best first, none on top of another.
 
@@ -226,7 +232,9 @@ def refine(lab: np.ndarray, made: list[Template], centre: np.ndarray, reach: int
     edges = gradients(lab)
     for template in made:
         corner = np.rint(centre - np.array(template.outline.shape[::-1]) / 2).astype(int)
-        colour, outline = (cost(source, template, corner + grid) for cost, source in ((_capped, lab), (_off_edges, edges)))
+        colour, outline = (
+            cost(source, template, corner + grid) for cost, source in ((_capped, lab), (_off_edges, edges))
+        )
         costs = COLOUR_SHARE * colour + (1 - COLOUR_SHARE) * outline
         k = int(np.argmin(costs))
         if costs[k] < best[0] - 1e-9:

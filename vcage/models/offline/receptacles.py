@@ -8,12 +8,49 @@ from vcage.models.offline.words import kinds_of, lemmas
 from vcage.schema.subtasks import PairAnswer, PairQuestion
 
 IN_WORDS = frozenset(
-    ["box", "bowl", "basket", "bin", "crate", "tray", "drawer", "cup", "mug", "jar", "pot", "pan", "bucket", "holder", "case", "container", "rack", "carton", "toolbox"]
+    [
+        "box",
+        "bowl",
+        "basket",
+        "bin",
+        "crate",
+        "tray",
+        "drawer",
+        "cup",
+        "mug",
+        "jar",
+        "pot",
+        "pan",
+        "bucket",
+        "holder",
+        "case",
+        "container",
+        "rack",
+        "carton",
+        "toolbox",
+    ]
 )
 """Heads of names of things that people put other things into."""
 
 ON_WORDS = frozenset(
-    ["plate", "tray", "board", "mat", "coaster", "saucer", "rack", "shelf", "stand", "platter", "book", "notebook", "dish", "napkin", "scale", "block"]
+    [
+        "plate",
+        "tray",
+        "board",
+        "mat",
+        "coaster",
+        "saucer",
+        "rack",
+        "shelf",
+        "stand",
+        "platter",
+        "book",
+        "notebook",
+        "dish",
+        "napkin",
+        "scale",
+        "block",
+    ]
 )
 """Heads of names of things that people put other things on."""
 
@@ -21,8 +58,27 @@ STACKING = frozenset(["block", "cube", "brick", "book", "plate", "bowl", "notebo
 """Things that are put on their own like and on little else of this list."""
 
 _DRINKING = frozenset(["cup", "mug", "glass"])
-_FOOD_PLACES = frozenset(["plate", "bowl", "bread", "basket", "tray", "board", "dish", "platter", "lunch", "saucer", "pan", "pot", "rack", "napkin"])
-_NOT_FOOD_PLACES = frozenset(["book", "notebook", "stapler", "keyboard", "pencil", "pen", "tool", "packaging", "holder", "coaster", "block"])
+_FOOD_PLACES = frozenset(
+    [
+        "plate",
+        "bowl",
+        "bread",
+        "basket",
+        "tray",
+        "board",
+        "dish",
+        "platter",
+        "lunch",
+        "saucer",
+        "pan",
+        "pot",
+        "rack",
+        "napkin",
+    ]
+)
+_NOT_FOOD_PLACES = frozenset(
+    ["book", "notebook", "stapler", "keyboard", "pencil", "pen", "tool", "packaging", "holder", "coaster", "block"]
+)
 _FOOD = ("bread", "pastry", "fruit", "vegetable", "food")
 
 MARGIN = 0.004

@@ -64,10 +64,14 @@ def score_entry(phrase: Phrase, entry: CatalogueEntry) -> Candidate:
     )
     own = names[0]
     category = lemma(entry.words.category.lower())
-    kind = len(phrase.lemmas) == 1 and not same_word(own[-1], phrase.head) and (
-        phrase.head in kinds_of(own[-1])
-        or phrase.head == category
-        or any(name == [phrase.head] for name in names[3:])
+    kind = (
+        len(phrase.lemmas) == 1
+        and not same_word(own[-1], phrase.head)
+        and (
+            phrase.head in kinds_of(own[-1])
+            or phrase.head == category
+            or any(name == [phrase.head] for name in names[3:])
+        )
     )
     return Candidate(entry, max(score, _KIND) if kind else score, kind)
 

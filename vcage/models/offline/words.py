@@ -13,7 +13,9 @@ IRREGULAR = {
 }  # fmt: skip
 """Plural → singular where the rules below would go wrong."""
 
-NO_PLURAL = frozenset(["scissors", "pliers", "tongs", "tweezers", "headphones", "glasses", "cutlery", "stationery", "bus", "gas", "chess"])
+NO_PLURAL = frozenset(
+    ["scissors", "pliers", "tongs", "tweezers", "headphones", "glasses", "cutlery", "stationery", "bus", "gas", "chess"]
+)
 """Words that end like a plural and are none."""
 
 NUMBERS = {
@@ -21,23 +23,75 @@ NUMBERS = {
     "some": None, "four": 4, "five": 5, "six": 6, "seven": 7, "eight": 8, "nine": 9, "ten": 10,
 }  # fmt: skip
 
-DETERMINERS = frozenset(["the", "of", "this", "that", "these", "those", "my", "your", "our", "its", "his", "her", "all", "every", "each", "of", "any", "other"])
+DETERMINERS = frozenset(
+    [
+        "the",
+        "of",
+        "this",
+        "that",
+        "these",
+        "those",
+        "my",
+        "your",
+        "our",
+        "its",
+        "his",
+        "her",
+        "all",
+        "every",
+        "each",
+        "of",
+        "any",
+        "other",
+    ]
+)
 
 COLOURS = frozenset(
-    ["red", "green", "blue", "yellow", "orange", "purple", "violet", "pink", "brown", "black", "white", "grey", "gray", "silver", "gold", "golden", "beige", "cyan", "teal", "turquoise", "navy", "cream", "tan", "magenta"]
+    [
+        "red",
+        "green",
+        "blue",
+        "yellow",
+        "orange",
+        "purple",
+        "violet",
+        "pink",
+        "brown",
+        "black",
+        "white",
+        "grey",
+        "gray",
+        "silver",
+        "gold",
+        "golden",
+        "beige",
+        "cyan",
+        "teal",
+        "turquoise",
+        "navy",
+        "cream",
+        "tan",
+        "magenta",
+    ]
 )
 
 _SAME_COLOUR = {"gray": "grey", "violet": "purple", "golden": "gold"}
 
 KINDS: dict[str, frozenset[str]] = {
-    "bread": frozenset(["baguette", "croissant", "roll", "bun", "toast", "bagel", "loaf", "brioche", "pretzel", "ciabatta", "pita"]),
+    "bread": frozenset(
+        ["baguette", "croissant", "roll", "bun", "toast", "bagel", "loaf", "brioche", "pretzel", "ciabatta", "pita"]
+    ),
     "pastry": frozenset(["croissant", "muffin", "donut", "doughnut", "brioche", "danish"]),
-    "fruit": frozenset(["apple", "banana", "orange", "lemon", "lime", "pear", "peach", "plum", "kiwi", "mango", "grape", "strawberry"]),
+    "fruit": frozenset(
+        ["apple", "banana", "orange", "lemon", "lime", "pear", "peach", "plum", "kiwi", "mango", "grape", "strawberry"]
+    ),
     "vegetable": frozenset(["carrot", "potato", "tomato", "pepper", "onion", "cucumber", "broccoli", "aubergine"]),
     "cutlery": frozenset(["fork", "knife", "spoon", "teaspoon"]),
     "tableware": frozenset(["plate", "bowl", "mug", "cup", "fork", "knife", "spoon"]),
     "tool": frozenset(["hammer", "screwdriver", "wrench", "pliers", "tape"]),
-    "stationery": frozenset(["pen", "pencil", "marker", "eraser", "stapler", "ruler", "notebook", "sharpener", "highlighter", "clip"]),
+    "stationery": frozenset(
+        ["pen", "pencil", "marker", "eraser", "stapler", "ruler", "notebook", "sharpener", "highlighter", "clip"]
+    ),
     "toy": frozenset(["block", "cube", "brick", "ball", "doll", "car"]),
     "food": frozenset(["apple", "banana", "orange", "baguette", "croissant", "roll", "bun", "toast", "bagel", "loaf"]),
     "drink": frozenset(["can", "bottle", "carton", "juice", "soda"]),
