@@ -12,18 +12,25 @@ from __future__ import annotations
 
 import argparse
 import logging
+from dataclasses import replace
 
 from vcage.cli.output import Result
 from vcage.cli.progress import progress
 from vcage.cli.stages import collect, select_place
 from vcage.cli.stages.common import settings_of
+from vcage.errors import StaleStage
 from vcage.files import RunFolder
 from vcage.pipeline.chain import STAGES, run_stage, stage_module
+from vcage.pipeline.settings import Settings
+from vcage.pipeline.stage import StageResult
 from vcage.pipeline.timings import timed
 from vcage.pipeline.workbench import Workbench
 from vcage.report.page import write_report
 
 logger = logging.getLogger(__name__)
+
+OF_THE_EPISODES = STAGES[STAGES.index("collect") + 1 :]
+"""Stages whose files can be had again from the episodes."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -37,13 +44,25 @@ def execute(args: argparse.Namespace) -> Result:
     run, settings = RunFolder(args.out), settings_of(args)
     bench = Workbench(settings.models)
     if args.dry_run:
+        stage_module(STAGES[0]).job(run, settings, bench)
         return Result(output=run.root, summary={"would_run": list(STAGES)})
     facts = {}
     for number, stage in enumerate(STAGES, start=1):
         logger.info("[%d/%d] %s", number, len(STAGES), stage)
-        with progress(stage) as show:
-            done = run_stage(stage, run, settings, bench, show)
+        done = _run_stage(stage, run, settings, bench)
         facts[stage] = {"fresh": done.fresh, **stage_module(stage).summary(done.record)}
     with timed(run, "report"):
         page = write_report(run)
     return Result(output=page, summary=facts["collect"] | {"compress": facts["compress"]}, next=f"open {page}")
+
+
+def _run_stage(stage: str, run: RunFolder, settings: Settings, bench: Workbench) -> StageResult:
+    """Run a stage; what was made from fewer episodes than there are now is made again without being asked."""
+    with progress(stage) as show:
+        try:
+            return run_stage(stage, run, settings, bench, show)
+        except StaleStage as error:
+            if stage not in OF_THE_EPISODES or not all(what.startswith("input ") for what in error.details["changed"]):
+                raise
+            logger.info("%s: made again, as the episodes are others than before", stage)
+            return run_stage(stage, run, replace(settings, force=True), bench, show)

@@ -31,7 +31,7 @@ from vcage.subtasks.waypoints import (
     transfer_height,
 )
 
-CAREFUL = 0.6
+CAREFUL = 0.85
 """Share of the speed limit near things that are to be touched."""
 
 EMPTY = 0.003

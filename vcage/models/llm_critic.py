@@ -23,7 +23,7 @@ class Judgement(Answer):
 
 
 class LlmCritic:
-    """Implements :class:`vcage.models.protocols.Critic`: the paper's φ(I, T), asked with the pictures before and after."""
+    """Implements :class:`vcage.models.protocols.Critic`: the paper's φ(I, T), with pictures before and after."""
 
     def __init__(self, chat: Chat):
         self._chat = chat

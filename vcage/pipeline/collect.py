@@ -24,8 +24,8 @@ from vcage.episodes.assemble import episode_data
 from vcage.episodes.loop import EpisodeRun, Setting, run_episode
 from vcage.episodes.task import Asked
 from vcage.episodes.variation import shifted_poses
-from vcage.errors import PartlyDone
-from vcage.files import RunFolder, recover, write_text
+from vcage.errors import DamagedFile, InputFileError, PartlyDone
+from vcage.files import PARTIAL, RunFolder, atomic_folder, recover, write_text
 from vcage.pipeline.judging import TOP, critic_question
 from vcage.pipeline.pictures import write_picture
 from vcage.pipeline.progress import Progress, silent
@@ -226,17 +226,34 @@ class _Gathering:
 
     def begin(self, done: StageResult[Episodes] | None) -> None:
         """Go on with a killed collection of the same provenance, or with a finished one, or start anew."""
-        recover(self._index)
-        wanted = self._stage.provenance()
-        if self._index.exists() and Episodes.read(self._index).provenance == wanted:
+        recover(self.folder)
+        if self._go_on():
             log.info("collect: going on with the episodes of a run that was interrupted")
-        else:
-            self._stage.run.make()
-            shutil.rmtree(self.folder, ignore_errors=True)
-            if done is None:
-                self.folder.mkdir()
-                return
-            shutil.copytree(done.path.parent, self.folder, copy_function=os.link)
+            return
+        self._stage.run.make()
+        shutil.rmtree(self.folder, ignore_errors=True)
+        with atomic_folder(self.folder) as folder:
+            if done is not None:
+                shutil.copytree(done.path.parent, folder, copy_function=os.link, dirs_exist_ok=True)
+        if done is not None:
+            self._load()
+
+    def _go_on(self) -> bool:
+        """Take up what a killed collection left, if it is whole and was made in the same way."""
+        if not self._index.exists():
+            return False
+        for part in sorted(self.folder.rglob(f"*{PARTIAL}*")):  # what was being written when it was killed
+            part.unlink()
+        try:
+            if Episodes.read(self._index).provenance != self._stage.provenance():
+                return False
+            self._load()
+        except InputFileError as error:
+            log.warning("collect: starting anew, as an interrupted run left what cannot be read: %s", error)
+            return False
+        return True
+
+    def _load(self) -> None:
         self.episodes = list(Episodes.read(self._index).episodes)
         self._attempts = [a for a in read_log(self.folder) if a.episode < len(self.episodes)]
 
@@ -273,10 +290,17 @@ class _Gathering:
 
 
 def read_log(folder: Path) -> list[Attempt]:
-    """The attempts of ``log.jsonl``, in order; none when there is no log."""
+    """The attempts of ``log.jsonl``, in order; none when there is no log.
+
+    Raises:
+        DamagedFile: a line is not an attempt.
+    """
     path = folder / "log.jsonl"
-    lines = path.read_text(encoding="utf-8").splitlines() if path.is_file() else []
-    return [Attempt.model_validate_json(line) for line in lines]
+    try:
+        lines = path.read_text(encoding="utf-8").splitlines() if path.is_file() else []
+        return [Attempt.model_validate_json(line) for line in lines]
+    except ValueError as error:
+        raise DamagedFile(f"{path} is damaged: {error}", hint="run collect --force") from error
 
 
 def acceptance(attempts: Sequence[Attempt]) -> dict[str, dict[str, int]]:

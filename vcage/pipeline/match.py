@@ -24,7 +24,12 @@ def job(run: RunFolder, settings: Settings, bench: Workbench) -> Job:
     return Job(
         run=run,
         output=run.matches,
-        inputs=[run.scene, run.scene.parent / "source.png", run.plan, run.plan.parent / "target.png"],
+        inputs=[
+            run.scene,
+            *(run.scene.parent / f"{name}.png" for name in ("source", "background", "segmentation")),
+            run.plan,
+            run.plan.parent / "target.png",
+        ],
         seed=stage_seed(run, settings.seed),
         options={"threshold": settings.threshold},
         providers=bench.models.providers("detector", "embedder"),

@@ -152,9 +152,21 @@ def differences(before: Provenance, now: Provenance) -> list[str]:
 
 
 def stage_seed(run: RunFolder, seed: int | None) -> int:
-    """The seed of a later stage: the one asked for, or that of ``place/scene.json``.
+    """The seed of a later stage: the one asked for, or that of the run's first scene.
+
+    That is ``place/scene.json``, or ``optimize/scene.json`` where a single sub-task began the run.
 
     Raises:
-        MissingStage, DamagedFile, SchemaMismatch: the first stage has not run, or its file is unreadable.
+        MissingStage: the run has not begun.
+        DamagedFile, SchemaMismatch: the scene is unreadable.
     """
-    return seed if seed is not None else Scene.read(run.scene).provenance.seed
+    if seed is not None:
+        return seed
+    scenes = [path for path in (run.scene, run.layout) if path.exists()]
+    if not scenes:
+        raise MissingStage(
+            f"{run} holds no run: {run.scene} does not exist",
+            hint="run select_place first, or check the folder",
+            details={"missing": str(run.scene), "stage": "select_place"},
+        )
+    return Scene.read(scenes[0]).provenance.seed

@@ -7,7 +7,7 @@ import time
 from collections.abc import Iterator
 
 from vcage.errors import InputFileError
-from vcage.files import RunFolder, read_json, write_json
+from vcage.files import RunFolder, read_json, recover, write_json
 
 
 @contextlib.contextmanager
@@ -20,12 +20,14 @@ def timed(run: RunFolder, stage: str) -> Iterator[None]:
     yield
     seconds = time.perf_counter() - start
     if seconds > 0.1 and run.root.is_dir():
+        recover(run.timings)
         write_json(run.timings, {**read_timings(run), stage: round(seconds, 2)})
 
 
 def read_timings(run: RunFolder) -> dict[str, float]:
     """Seconds by stage; empty when nothing was timed or the file is damaged (it is a by-product)."""
     try:
-        return dict(read_json(run.timings))
+        timings = read_json(run.timings)
     except InputFileError:
         return {}
+    return timings if isinstance(timings, dict) else {}

@@ -17,7 +17,7 @@ import numpy as np
 from vcage import __version__
 from vcage.dataset.reader import EpisodeReader
 from vcage.errors import MissingStage
-from vcage.files import RunFolder, write_text
+from vcage.files import RunFolder, recover, write_text
 from vcage.pipeline.collect import read_log
 from vcage.pipeline.timings import read_timings
 from vcage.report.embed import picture_url, video_url
@@ -44,6 +44,7 @@ def write_report(run: RunFolder) -> Path:
         raise MissingStage(
             f"{run} holds no run: {run.scene} does not exist", hint="run select_place first, or vcage run"
         )
+    recover(run.report)
     return write_text(run.report, _template().render(**_context(run)))
 
 

@@ -57,7 +57,7 @@ def add_surroundings(scene: sapien.Scene, table: Table, robot: Robot | None, app
         shadow_scale=1.5,
         shadow_near=-1.6,
         shadow_far=3.0,
-        shadow_map_size=2048,
+        shadow_map_size=1024,
     )
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import shutil
 import sys
+from collections.abc import Callable
 from dataclasses import fields
 from pathlib import Path
 
@@ -35,6 +36,21 @@ def natural(text: str) -> int:
     if value < 0:
         raise argparse.ArgumentTypeError(f"{text} is negative")
     return value
+
+
+def number(lower: float, upper: float) -> Callable[[str], float]:
+    """For ``type=`` of an option: a number between two bounds, which are allowed themselves."""
+
+    def parse(text: str) -> float:
+        try:
+            value = float(text)
+        except ValueError as error:
+            raise argparse.ArgumentTypeError(f"{text!r} is not a number") from error
+        if not lower <= value <= upper:
+            raise argparse.ArgumentTypeError(f"{text} is not between {lower:g} and {upper:g}")
+        return value
+
+    return parse
 
 
 def add_common(parser: argparse.ArgumentParser, *, run: bool = True, models: bool = True) -> None:

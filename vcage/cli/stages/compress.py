@@ -13,13 +13,17 @@ from __future__ import annotations
 import argparse
 
 from vcage.cli.output import Result
-from vcage.cli.stages.common import add_common, execute_stage
+from vcage.cli.stages.common import add_common, execute_stage, number
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options of ``vcage compress``."""
     parser.add_argument(
-        "--max-loss", type=float, default=0.1, metavar="JOD", help="largest loss of a keyframe (default: 0.1)"
+        "--max-loss",
+        type=number(0, 10),
+        default=0.1,
+        metavar="JOD",
+        help="largest loss of a keyframe (default: 0.1)",
     )
     add_common(parser, models=False)
 

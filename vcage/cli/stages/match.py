@@ -12,13 +12,17 @@ from __future__ import annotations
 import argparse
 
 from vcage.cli.output import Result
-from vcage.cli.stages.common import add_common, execute_stage
+from vcage.cli.stages.common import add_common, execute_stage, number
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options of ``vcage match``."""
     parser.add_argument(
-        "--threshold", type=float, default=0.6, metavar="τ", help="smallest cosine similarity of a match (default: 0.6)"
+        "--threshold",
+        type=number(0, 1),
+        default=0.6,
+        metavar="τ",
+        help="smallest cosine similarity of a match (default: 0.6)",
     )
     add_common(parser)
 

@@ -12,13 +12,17 @@ from __future__ import annotations
 import argparse
 
 from vcage.cli.output import Result
-from vcage.cli.stages.common import add_common, execute_stage, natural
+from vcage.cli.stages.common import add_common, execute_stage, natural, number
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options of ``vcage optimize``."""
     parser.add_argument(
-        "--margin", type=float, default=0.045, metavar="δ", help="gap between two objects, metres (default: 0.045)"
+        "--margin",
+        type=number(0, 0.5),
+        default=0.045,
+        metavar="δ",
+        help="gap between two objects, metres (default: 0.045)",
     )
     parser.add_argument("--restarts", type=natural, default=6, help="random restarts of the optimiser (default: 6)")
     add_common(parser, models=False)

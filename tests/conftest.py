@@ -1,0 +1,13 @@
+"""The finished run that many tests look at: made once, since the first picture of a process takes seconds."""
+
+from __future__ import annotations
+
+import pytest
+
+from tests.runs import Finished, finished_run
+
+
+@pytest.fixture(scope="session")
+def finished(tmp_path_factory: pytest.TempPathFactory) -> Finished:
+    """One episode of "Put the blocks on the plate", through all nine stages and the report."""
+    return finished_run(tmp_path_factory.mktemp("chain") / "run")

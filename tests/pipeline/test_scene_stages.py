@@ -1,0 +1,195 @@
+"""From an instruction to a settled layout: select_place, inpaint_plan, match, optimize on a small scene."""
+
+from __future__ import annotations
+
+from itertools import combinations
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tests.runs import INSTRUCTION, SETTINGS, Finished, copied, digests
+from vcage.errors import InfeasibleScene, MissingStage, NoAssetFits, StaleStage, UnknownName, UsageError
+from vcage.files import RunFolder
+from vcage.geometry import boxes_overlap
+from vcage.igsc.relations import contradictions
+from vcage.pipeline import inpaint_plan, match, optimize, select_place
+from vcage.pipeline.pictures import read_labels, read_picture
+from vcage.pipeline.settings import Settings
+from vcage.schema.matches import Matches
+from vcage.schema.plan import Plan
+from vcage.schema.scene import Scene
+
+
+def aabbs(scene: Scene) -> dict[str, np.ndarray]:
+    return {o.id: np.array(o.aabb) for o in scene.objects}
+
+
+def copy_of(finished: Finished, folder: Path, before: str) -> RunFolder:
+    return copied(finished.run, folder / "run", before=before)
+
+
+# --- select_place --------------------------------------------------------------------------------------
+
+
+def test_the_scene_holds_what_the_instruction_names_and_says_where_it_came_from(finished):
+    scene = Scene.read(finished.run.scene)
+    roles = {o.id: (o.asset, o.role) for o in scene.objects}
+    assert scene.instruction == INSTRUCTION
+    assert sum(role == ("block", "content") for role in roles.values()) >= 2
+    assert sum(role == ("plate", "receptacle") for role in roles.values()) == 1
+    assert scene.provenance.producer == "select_place"
+    assert scene.provenance.providers == {"reasoner": "offline"}
+
+
+def test_all_objects_stand_on_the_table_inside_the_workspace_and_apart(finished):
+    scene = Scene.read(finished.run.scene)
+    boxes = aabbs(scene)
+    for box in boxes.values():
+        assert np.all(box[0, :2] >= np.array(scene.workspace.lower) - 1e-3)
+        assert np.all(box[1, :2] <= np.array(scene.workspace.upper) + 1e-3)
+        assert box[0, 2] == pytest.approx(scene.table.height, abs=1e-3)
+    assert not any(boxes_overlap(boxes[a], boxes[b], margin=0.01) for a, b in combinations(boxes, 2))
+    assert scene.checks["largest_drift_mm"] < 1
+
+
+def test_the_segmentation_shows_every_object_where_its_box_is(finished):
+    scene = Scene.read(finished.run.scene)
+    labels = read_labels(finished.run.root / scene.pictures["segmentation"])
+    assert scene.segmentation_ids.keys() == {o.id for o in scene.objects}
+    assert set(np.unique(labels)) == {0, *scene.segmentation_ids.values()}
+    camera = scene.top_camera.camera()
+    for record in scene.objects:
+        v, u = np.argwhere(labels == scene.segmentation_ids[record.id]).mean(axis=0)
+        x, y, _ = camera.unproject([u, v], z=record.aabb[1][2])
+        assert (x, y) == pytest.approx(record.pose.position[:2], abs=0.02)
+
+
+def test_the_three_pictures_have_the_camera_s_size_and_differ_where_objects_are(finished):
+    scene = Scene.read(finished.run.scene)
+    source, background = (read_picture(finished.run.root / scene.pictures[n]) for n in ("source", "background"))
+    labels = read_labels(finished.run.root / scene.pictures["segmentation"])
+    assert source.shape == background.shape == (scene.top_camera.height, scene.top_camera.width, 3)
+    changed = np.abs(source.astype(int) - background).sum(axis=2) > 20
+    assert changed[labels > 0].mean() > 0.7
+    assert changed[labels == 0].mean() < 0.05
+
+
+def test_the_same_seed_gives_the_same_bytes_and_another_seed_another_scene(finished, tmp_path):
+    runs = [RunFolder(tmp_path / name) for name in ("same", "other")]
+    for run, seed in zip(runs, (None, 1)):
+        select_place.execute(run, Settings(instruction=INSTRUCTION, seed=seed), finished.bench)
+    same, other = (digests(run.root / "place") for run in runs)
+    assert same == digests(finished.run.root / "place")
+    assert same["source.png"] != other["source.png"]
+
+
+def test_an_instruction_without_words_is_refused_before_anything_is_written(finished, tmp_path):
+    with pytest.raises(UsageError, match="empty"):
+        select_place.execute(RunFolder(tmp_path / "run"), Settings(instruction=" \n "), finished.bench)
+    assert not (tmp_path / "run").exists()
+
+
+def test_what_no_asset_fits_is_named(finished, tmp_path):
+    with pytest.raises(NoAssetFits, match="submarine"):
+        select_place.execute(RunFolder(tmp_path), Settings(instruction="Put the submarine on the plate"), finished.bench)
+    assert not digests(tmp_path)
+
+
+def test_an_unknown_scene_lists_those_there_are(finished, tmp_path):
+    with pytest.raises(UnknownName, match="available: .*table"):
+        select_place.execute(
+            RunFolder(tmp_path), Settings(instruction=INSTRUCTION, template="nowhere"), finished.bench
+        )
+    assert not digests(tmp_path)
+
+
+def test_more_than_the_table_holds_is_refused_with_names_and_area(finished, tmp_path, monkeypatch):
+    name_objects = select_place.name_objects
+
+    def many(selection, catalogue):
+        first = name_objects(selection, catalogue)[0]
+        return [type(first)(f"plate_{i}", "plate", "white", "white plate", "context") for i in range(60)]
+
+    monkeypatch.setattr(select_place, "name_objects", many)
+    with pytest.raises(InfeasibleScene, match=r"plate_\d+.*m²"):
+        select_place.execute(RunFolder(tmp_path), Settings(instruction=INSTRUCTION), finished.bench)
+    assert not digests(tmp_path)
+
+
+# --- inpaint_plan --------------------------------------------------------------------------------------
+
+
+def test_the_plan_speaks_of_objects_that_exist_and_does_not_contradict_itself(finished):
+    plan, scene = Plan.read(finished.run.plan), Scene.read(finished.run.scene)
+    known = {o.id for o in scene.objects} | {"table"}
+    assert {name for r in plan.relations for name in (r.subject, r.reference)} <= known
+    assert not contradictions(plan.relations)
+    assert plan.text
+
+
+def test_the_target_picture_has_the_size_of_the_source_and_shows_another_layout(finished):
+    plan, scene = Plan.read(finished.run.plan), Scene.read(finished.run.scene)
+    target = read_picture(finished.run.root / plan.target)
+    source = read_picture(finished.run.root / scene.pictures["source"])
+    assert target.shape == source.shape
+    assert (np.abs(target.astype(int) - source).sum(axis=2) > 20).mean() > 0.002
+
+
+def test_planning_without_a_scene_names_the_first_stage(finished, tmp_path):
+    with pytest.raises(MissingStage, match="holds no run") as caught:
+        inpaint_plan.execute(RunFolder(tmp_path), SETTINGS, finished.bench)
+    assert "select_place" in caught.value.hint
+
+
+# --- match ---------------------------------------------------------------------------------------------
+
+
+def test_every_object_is_matched_once(finished):
+    scene, matches = Scene.read(finished.run.scene), Matches.read(finished.run.matches)
+    assert [m.object for m in matches.matches] == [o.id for o in scene.objects]
+    found = [m for m in matches.matches if m.method != "kept"]
+    assert len(found) == len(scene.objects)
+    assert all(m.similarity >= matches.threshold for m in found if m.method == "feature")
+
+
+def test_an_impossible_threshold_leaves_the_matches_to_the_names(finished, tmp_path):
+    run = copy_of(finished, tmp_path, "match")
+    record = match.execute(run, Settings(threshold=1.0), finished.bench).record
+    assert {m.method for m in record.matches} <= {"name", "kept"}
+    assert (run.root / record.overlay).is_file()
+
+
+def test_another_picture_of_the_empty_table_makes_the_match_stale(finished, tmp_path):
+    run = copied(finished.run, tmp_path / "run")
+    background = run.root / "place" / "background.png"
+    background.write_bytes(background.read_bytes() + b" ")
+    with pytest.raises(StaleStage, match=r"place/background\.png"):
+        match.execute(run, SETTINGS, finished.bench)
+
+
+# --- optimize ------------------------------------------------------------------------------------------
+
+
+def test_the_final_layout_is_free_of_collisions_and_keeps_to_the_workspace(finished):
+    scene = Scene.read(finished.run.layout)
+    boxes = {o.id: np.array(o.aabb) for o in scene.objects if o.container is None}
+    assert not any(boxes_overlap(boxes[a], boxes[b], margin=0.03) for a, b in combinations(boxes, 2))
+    for box in boxes.values():
+        assert np.all(box[0, :2] >= np.array(scene.workspace.lower) - 1e-3)
+        assert np.all(box[1, :2] <= np.array(scene.workspace.upper) + 1e-3)
+
+
+def test_the_final_layout_says_what_was_measured(finished):
+    checks = Scene.read(finished.run.layout).checks
+    assert checks["cost_after"] <= checks["cost_before"]
+    assert 0 <= checks["relations_kept"] <= 1
+    assert checks["largest_drift_mm"] < 5
+
+
+def test_a_layout_with_no_room_for_the_margin_is_refused_and_the_old_one_stays(finished, tmp_path):
+    run = copied(finished.run, tmp_path / "run")
+    before = digests(run.root)
+    with pytest.raises(InfeasibleScene):
+        optimize.execute(run, Settings(margin=0.5, restarts=0, force=True), finished.bench)
+    assert digests(run.root) == before
