@@ -254,8 +254,9 @@ class _Gathering:
         return True
 
     def _load(self) -> None:
-        self.episodes = list(Episodes.read(self._index).episodes)
-        self._attempts = [a for a in read_log(self.folder) if a.episode < len(self.episodes)]
+        episodes, attempts = Episodes.read(self._index).episodes, read_log(self.folder)
+        self.episodes = list(episodes)
+        self._attempts = [a for a in attempts if a.episode < len(episodes)]
 
     def add(self, episode: Episode, attempts: Sequence[Attempt]) -> None:
         """Note an episode whose files are written; the index is written last, as it makes the episode count."""

@@ -5,7 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from vcage.errors import MissingStage, UnknownName
+import numpy as np
+
+from vcage.errors import InputFileError, MissingStage, UnknownName
 from vcage.files import RunFolder
 from vcage.pipeline.judging import TOP, critic_question
 from vcage.pipeline.pictures import read_picture
@@ -70,6 +72,7 @@ def judge_pair(run: RunFolder, bench: Workbench, subtask_id: str, before: Path, 
 
     Raises:
         MissingStage: the run has no layout or sub-tasks yet, or a picture is missing.
+        DamagedFile, InputFileError: a picture cannot be read, or is of another size than the camera's.
         UnknownName: the run has no such sub-task.
     """
     for path, stage in ((run.layout, "optimize"), (run.subtasks, "search_subtasks")):
@@ -84,6 +87,18 @@ def judge_pair(run: RunFolder, bench: Workbench, subtask_id: str, before: Path, 
     return SingleVerdict(text=subtask.text, verdict=verdict.model_copy(update={"pictures": pictures}))
 
 
+def _view(path: Path, scene: Scene) -> np.ndarray:
+    """A picture of the scene's top camera: (H, W, 3) uint8 RGB."""
+    picture, camera = read_picture(path), scene.top_camera
+    height, width = picture.shape[:2]
+    if (width, height) != (camera.width, camera.height):
+        raise InputFileError(
+            f"{path} is {width} x {height}, the run's top camera takes {camera.width} x {camera.height}",
+            hint="give pictures as collect keeps them in episodes/critic",
+        )
+    return picture
+
+
 def _judge(scene: Scene, bench: Workbench, subtask: Subtask, before: Path, after: Path) -> Verdict:
-    views = [{TOP: read_picture(path)} for path in (before, after)]
+    views = [{TOP: _view(path, scene)} for path in (before, after)]
     return bench.models.critic.judge(critic_question(scene, bench, subtask.text, subtask.goals, *views))

@@ -36,9 +36,13 @@ def shoot(world: World, camera: Camera | CameraRecord) -> np.ndarray:
     return _colour(_take(world, camera))
 
 
-def observe(world: World, camera: Camera | CameraRecord) -> Shot:
-    """Colour, segmentation and depth of the same moment."""
-    component = _take(world, camera)
+def observe(world: World, camera: Camera | CameraRecord, near: float = NEAR) -> Shot:
+    """Colour, segmentation and depth of the same moment.
+
+    Args:
+        near: nothing closer is drawn, metres; a far camera needs a far near plane to tell surfaces apart in depth.
+    """
+    component = _take(world, camera, near)
     depth = -component.get_picture("Position")[..., 2]
     return Shot(
         picture=_colour(component),
@@ -60,13 +64,13 @@ def _placed(world: World, camera: RobotCamera) -> Camera:
     return Camera(camera.width, camera.height, camera.fovy, carrier * local)
 
 
-def _take(world: World, camera: Camera | CameraRecord) -> object:
+def _take(world: World, camera: Camera | CameraRecord, near: float = NEAR) -> object:
     """The world's camera component of that size and opening, after it took the picture."""
     if not world.rendered:
         raise ValueError("this world was made without render=True")
     if isinstance(camera, CameraRecord):
         camera = camera.camera()
-    component = world.camera_component(camera.width, camera.height, camera.fovy, NEAR, FAR)
+    component = world.camera_component(camera.width, camera.height, camera.fovy, near, FAR)
     component.entity.set_pose(to_sapien(camera.pose))
     world.scene.update_render()
     component.take_picture()

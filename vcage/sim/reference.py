@@ -35,6 +35,6 @@ def reference_view(
     # The table stands far below: no shadow and no colour of it reach the object.
     world = World(Table(height=-2.0), {"object": Body(model, Pose())}, appearance=appearance, render=True)
     camera = Camera(width, height, fovy, look_at([0, 0, DISTANCE], [0, 0, 0], up=(0, 1, 0)))
-    shot = observe(world, camera)
+    shot = observe(world, camera, near=DISTANCE - 1.0)
     alpha = np.where(shot.segmentation > 0, 255, 0).astype(np.uint8)
     return np.dstack([shot.picture, alpha])

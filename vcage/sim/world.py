@@ -63,7 +63,7 @@ class World:
         self.rendered = render
         self.steps = 0
         self.before_step: list[Callable[[World], None]] = []
-        self._cameras: dict[tuple[int, int, float], object] = {}
+        self._cameras: dict[tuple[int, int, float, float, float], object] = {}
         self.scene = sapien.Scene([sapien.physx.PhysxCpuSystem(), *systems])
         self.scene.set_timestep(1 / PHYSICS_HZ)
         add_table(self.scene, table)
@@ -136,7 +136,7 @@ class World:
 
     def camera_component(self, width: int, height: int, fovy: float, near: float, far: float) -> object:
         """SAPIEN's camera of that size (pixels) and vertical opening (radians), made once; its pose is the caller's."""
-        key = (width, height, fovy)
+        key = (width, height, fovy, near, far)
         if key not in self._cameras:
             self._cameras[key] = self.scene.add_camera(f"camera-{len(self._cameras)}", width, height, fovy, near, far)
         return self._cameras[key]
