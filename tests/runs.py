@@ -90,7 +90,9 @@ def command(capsys: pytest.CaptureFixture[str], *arguments: str | Path) -> Answe
 
 def clean_environment() -> dict[str, str]:
     """The environment of a shell in which ours is not activated: no search paths, and the system's PATH."""
-    kept = {name: value for name, value in os.environ.items() if name not in ("PYTHONPATH", "PYTHONHOME", "VIRTUAL_ENV")}
+    kept = {
+        name: value for name, value in os.environ.items() if name not in ("PYTHONPATH", "PYTHONHOME", "VIRTUAL_ENV")
+    }
     own = str(Path(sys.executable).parent)
     return kept | {"PATH": os.pathsep.join(part for part in kept["PATH"].split(os.pathsep) if part != own)}
 

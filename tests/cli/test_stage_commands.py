@@ -13,9 +13,9 @@ import pytest
 
 from tests.runs import FPS, INSTRUCTION, Finished, command, copied, digests
 from vcage.cli.stages.common import SCRIPTS
-from vcage.errors import EndpointFailed
-from vcage.files import RunFolder, read_json, write_json
-from vcage.pipeline import collect, optimize, verify
+from vcage.errors import EndpointFailed, PartlyDone
+from vcage.files import RunFolder, read_json, sha256_file, write_json
+from vcage.pipeline import collect, compress, optimize
 from vcage.pipeline.chain import STAGES
 from vcage.schema.episodes import Episodes
 
@@ -107,17 +107,16 @@ def test_a_pair_of_pictures_is_judged(finished, capsys):
     assert (answer.code, answer.error["code"]) == (2, "usage")
 
 
-def test_after_more_episodes_what_follows_from_them_is_made_again(run, capsys, monkeypatch):
-    made = []
-    monkeypatch.setattr("vcage.cli.run.STAGES", ("collect", "verify"))
+def test_after_other_episodes_a_run_makes_again_what_follows_from_them(run, capsys, monkeypatch):
+    def stop(*_: object) -> None:
+        raise PartlyDone("far enough")
+
+    monkeypatch.setattr(compress, "_compress", stop)
     write_json(run.episodes, {**read_json(run.episodes), "attempts": 9})
-    execute = verify.execute
-    monkeypatch.setattr(verify, "execute", lambda *a: made.append(a[1].force) or execute(*a))
-    monkeypatch.setattr("vcage.cli.run.write_report", lambda run: run.report)
-    monkeypatch.setattr("vcage.cli.run._facts", lambda facts: {})
+    assert command(capsys, "verify", "--run", run, "--models", "offline").error["code"] == "stale_stage"
     answer = command(capsys, *RUN, "--out", run)
-    assert answer.code == 0, answer.stderr
-    assert made == [False, True]
+    assert answer.error["message"] == "far enough"
+    assert read_json(run.verdicts)["provenance"]["inputs"]["episodes/episodes.json"] == sha256_file(run.episodes)
 
 
 # --- what a command line can get wrong -----------------------------------------------------------------

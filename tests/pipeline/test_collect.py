@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shutil
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +11,7 @@ import h5py
 import numpy as np
 import pytest
 
-from tests.runs import FPS, INSTRUCTION, SETTINGS, Finished, copied, digests
+from tests.runs import FPS, INSTRUCTION, Finished, copied, digests
 from vcage.dataset.reader import EpisodeReader
 from vcage.errors import DamagedFile, PartlyDone, StaleStage
 from vcage.files import RunFolder, read_json, write_json
@@ -56,7 +57,8 @@ def test_time_stamps_are_evenly_spaced_from_zero(reader):
 
 def test_state_and_action_stand_side_by_side_and_grippers_open_from_0_to_1(reader):
     episode = reader.episode
-    assert episode.qpos.shape == episode.qvel.shape == episode.action.shape == (episode.frames, len(episode.state_names))
+    shape = (episode.frames, len(episode.state_names))
+    assert episode.qpos.shape == episode.qvel.shape == episode.action.shape == shape
     grippers = [i for i, name in enumerate(episode.state_names) if name.endswith("gripper")]
     for values in (episode.qpos[:, grippers], episode.action[:, grippers]):
         assert values.min() >= -0.01 and values.max() <= 1.01
@@ -67,7 +69,7 @@ def test_the_segments_follow_the_chain_without_gaps_each_with_verdict_and_truth(
     segments = reader.episode.segments
     assert [s.subtask for s in segments] == Subtasks.read(finished.run.subtasks).chain
     assert segments[0].start == 0
-    assert all(a.end == b.start for a, b in zip(segments, segments[1:]))
+    assert all(a.end == b.start for a, b in pairwise(segments))
     assert segments[-1].end in (reader.episode.frames, reader.episode.frames - 1)
     assert all(s.verdict.accepted and s.verdict.provider == "offline" and s.truth.success for s in segments)
 
@@ -103,7 +105,8 @@ def test_acceptance_and_the_critic_s_confusion_follow_from_the_log(finished):
     assert sum(entry["attempts"] for entry in record.acceptance.values()) == len(attempts)
     assert sum(entry["accepted"] for entry in record.acceptance.values()) == sum(a.accepted for a in attempts)
     counts = record.critic
-    assert counts["judged"] == sum(counts[k] for k in counts if k != "judged") == sum(a.verdict is not None for a in attempts)
+    assert counts["judged"] == sum(a.verdict is not None for a in attempts)
+    assert counts["judged"] == sum(counts[name] for name in counts if name != "judged")
 
 
 def test_the_pictures_of_every_verdict_are_kept(finished):

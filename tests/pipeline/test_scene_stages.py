@@ -92,15 +92,15 @@ def test_an_instruction_without_words_is_refused_before_anything_is_written(fini
 
 def test_what_no_asset_fits_is_named(finished, tmp_path):
     with pytest.raises(NoAssetFits, match="submarine"):
-        select_place.execute(RunFolder(tmp_path), Settings(instruction="Put the submarine on the plate"), finished.bench)
+        select_place.execute(
+            RunFolder(tmp_path), Settings(instruction="Put the submarine on the plate"), finished.bench
+        )
     assert not digests(tmp_path)
 
 
 def test_an_unknown_scene_lists_those_there_are(finished, tmp_path):
-    with pytest.raises(UnknownName, match="available: .*table"):
-        select_place.execute(
-            RunFolder(tmp_path), Settings(instruction=INSTRUCTION, template="nowhere"), finished.bench
-        )
+    with pytest.raises(UnknownName, match=r"available: .*table"):
+        select_place.execute(RunFolder(tmp_path), Settings(instruction=INSTRUCTION, template="nowhere"), finished.bench)
     assert not digests(tmp_path)
 
 

@@ -49,7 +49,7 @@ def test_another_seed_makes_it_stale_and_says_so(run):
 def test_a_changed_input_makes_it_stale(run):
     job(run).do(Export, make)
     write_text(run.compression, "{ }")
-    with pytest.raises(StaleStage, match="input compress/compression.json"):
+    with pytest.raises(StaleStage, match=r"input compress/compression\.json"):
         job(run).do(Export, make)
 
 

@@ -62,16 +62,22 @@ def _dispatch(arguments: list[str]) -> Result | None:
 
 def _run(command: str, arguments: list[str], prog: str) -> Result | None:
     module = importlib.import_module(COMMANDS[command][0])
-    parser = Parser(prog, inspect.getdoc(module) or "")
-    module.add_arguments(parser)
-    parser.add_argument("-v", "--verbose", action="store_true", help="say more on stderr")
     try:
-        options = parser.parse_args(arguments)
+        options = parser_of(command, prog).parse_args(arguments)
     except SystemExit:  # after --help
         return None
     set_up_logging(options.verbose)
     with stray_output_on_stderr():
         return module.execute(options)
+
+
+def parser_of(command: str, prog: str) -> Parser:
+    """The parser of a sub-command, whose help shows ``prog`` as its name."""
+    module = importlib.import_module(COMMANDS[command][0])
+    parser = Parser(prog, inspect.getdoc(module) or "")
+    module.add_arguments(parser)
+    parser.add_argument("-v", "--verbose", action="store_true", help="say more on stderr")
+    return parser
 
 
 def help_text() -> str:

@@ -89,6 +89,7 @@ class CriticQuestion:
         before, after: view by camera name; ``top`` is always there, with the robot at its home in both.
         references: object id → what it looks like, for every object of the scene.
         table_height: z of the table top, metres (part of the calibration).
+        background: the ``top`` view of the empty table in the same light, where there is one.
     """
 
     text: str
@@ -97,6 +98,7 @@ class CriticQuestion:
     after: dict[str, View]
     references: dict[str, Reference] = field(default_factory=dict)
     table_height: float = 0.74
+    background: np.ndarray | None = None
 
 
 class Reasoner(Protocol):

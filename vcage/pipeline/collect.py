@@ -26,14 +26,15 @@ from vcage.episodes.task import Asked
 from vcage.episodes.variation import shifted_poses
 from vcage.errors import DamagedFile, InputFileError, PartlyDone
 from vcage.files import PARTIAL, RunFolder, atomic_folder, recover, write_text
-from vcage.pipeline.judging import TOP, critic_question
+from vcage.geometry import Pose
+from vcage.pipeline.judging import TOP, background_name, critic_question
 from vcage.pipeline.pictures import write_picture
 from vcage.pipeline.progress import Progress, silent
 from vcage.pipeline.settings import Settings
 from vcage.pipeline.stage import Job, StageResult, stage_seed
 from vcage.pipeline.workbench import Workbench
 from vcage.schema.base import PoseRecord
-from vcage.schema.episodes import Attempt, Episode, Episodes
+from vcage.schema.episodes import Attempt, Episode, Episodes, Verdict
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Subtask, Subtasks
 from vcage.sim.appearance import Appearance
@@ -140,12 +141,14 @@ class _Collection:
             update={"objects": [o.record.model_copy(update={"pose": PoseRecord.of(o.pose)}) for o in objects]}
         )
         drawn = World.of_scene(scene, self._models, self._robot, look, render=True)
+        background = self._empty_table(drawn)
+        write_picture(folder / background_name(index), background)
         setting = Setting(
             build=lambda: World.of_scene(scene, self._models, self._robot),
             objects={o.id: o for o in objects},
             slots=slots_for_chain([subtask for subtask, _ in self._chain], objects, rng),
             photograph=lambda state: self._photograph(drawn, state),
-            judge=self._judge,
+            judge=lambda *asked: self._judge(*asked, background),
             on_failure=self._settings.on_failure,
             retries=self._settings.retries,
             fps=self._settings.fps,
@@ -159,8 +162,18 @@ class _Collection:
         drawn.set_state(state)
         return {TOP: shoot(drawn, self._scene.top_camera)}
 
-    def _judge(self, asked: Asked, before: Mapping[str, np.ndarray], after: Mapping[str, np.ndarray]) -> Any:
-        question = critic_question(self._scene, self._bench, asked.text, asked.goals, before, after)
+    def _empty_table(self, drawn: World) -> np.ndarray:
+        """The table in the episode's light with nothing on it, the robot at home."""
+        state = drawn.state()
+        away = {key: Pose([0.0, 0.0, -9.0 - number]) for number, key in enumerate(state.objects)}
+        picture = self._photograph(drawn, WorldState(away, state.joints))[TOP]
+        drawn.set_state(state)
+        return picture
+
+    def _judge(
+        self, asked: Asked, before: Mapping[str, np.ndarray], after: Mapping[str, np.ndarray], background: np.ndarray
+    ) -> Verdict:
+        question = critic_question(self._scene, self._bench, asked.text, asked.goals, before, after, background)
         return self._bench.models.critic.judge(question)
 
     def _write(self, done: EpisodeRun, index: int, drawn: World, folder: Path) -> Episode:

@@ -22,6 +22,7 @@ def critic_question(
     goals: Sequence[Goal],
     before: Mapping[str, np.ndarray],
     after: Mapping[str, np.ndarray],
+    background: np.ndarray | None = None,
 ) -> CriticQuestion:
     """The question about one sub-task; pictures by camera name, taken by the scene's own cameras."""
     camera = scene.top_camera.camera()
@@ -36,4 +37,10 @@ def critic_question(
         after={TOP: View(after[TOP], camera)},
         references=references,
         table_height=scene.table.height,
+        background=background,
     )
+
+
+def background_name(episode: int) -> str:
+    """File, in the folder of the episodes, of an episode's picture of the empty table."""
+    return f"critic/e{episode:06d}-background-{TOP}.png"

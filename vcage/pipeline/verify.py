@@ -9,7 +9,7 @@ import numpy as np
 
 from vcage.errors import InputFileError, MissingStage, UnknownName
 from vcage.files import RunFolder
-from vcage.pipeline.judging import TOP, critic_question
+from vcage.pipeline.judging import TOP, background_name, critic_question
 from vcage.pipeline.pictures import read_picture
 from vcage.pipeline.progress import Progress, silent
 from vcage.pipeline.settings import Settings
@@ -61,7 +61,8 @@ def _judge_episode(
     verdicts = []
     for name, earlier in zip(episode.subtasks, episode.verdicts, strict=True):
         before, after = (run.episodes.parent / picture for picture in earlier.pictures[:2])
-        verdict = _judge(scene, bench, subtasks[name], before, after)
+        empty = read_picture(run.episodes.parent / background_name(episode.index))
+        verdict = _judge(scene, bench, subtasks[name], before, after, empty)
         pictures = [f"../{run.episodes.parent.name}/{picture}" for picture in earlier.pictures]
         verdicts.append(verdict.model_copy(update={"pictures": pictures}))
     return verdicts
@@ -99,6 +100,8 @@ def _view(path: Path, scene: Scene) -> np.ndarray:
     return picture
 
 
-def _judge(scene: Scene, bench: Workbench, subtask: Subtask, before: Path, after: Path) -> Verdict:
+def _judge(
+    scene: Scene, bench: Workbench, subtask: Subtask, before: Path, after: Path, background: np.ndarray | None = None
+) -> Verdict:
     views = [{TOP: _view(path, scene)} for path in (before, after)]
-    return bench.models.critic.judge(critic_question(scene, bench, subtask.text, subtask.goals, *views))
+    return bench.models.critic.judge(critic_question(scene, bench, subtask.text, subtask.goals, *views, background))

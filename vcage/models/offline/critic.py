@@ -52,7 +52,9 @@ class OfflineCritic:
             raise InputFileError("the critic needs a 'top' view before and after", hint="render the top camera")
         before, after = question.before["top"], question.after["top"]
         moved, place = question.references[goal.subject], question.references[goal.reference]
-        evidence = gather(before.picture, after.picture, before.camera, question.table_height, moved, place)
+        evidence = gather(
+            before.picture, after.picture, before.camera, question.table_height, moved, place, question.background
+        )
         return decide(evidence, goal, moved.phrase, place.phrase)
 
 

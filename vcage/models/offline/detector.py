@@ -32,7 +32,7 @@ class BackgroundDetector:
         touching objects split.
         """
         mask = foreground(picture, background)
-        pieces = _components(mask, MIN_AREA * mask.size)
+        pieces = components(mask, MIN_AREA * mask.size)
         while len(pieces) < len(names):
             split = _split_best(pieces, picture, MIN_AREA * mask.size)
             if split is None:
@@ -42,7 +42,8 @@ class BackgroundDetector:
         return sorted(detections, key=lambda d: (-d.score, d.box))
 
 
-def _components(mask: np.ndarray, min_area: float) -> list[np.ndarray]:
+def components(mask: np.ndarray, min_area: float) -> list[np.ndarray]:
+    """The connected parts of a mask that have at least ``min_area`` pixels, each as a mask."""
     count, labels, stats, _ = cv2.connectedComponentsWithStats(mask.astype(np.uint8), connectivity=8)
     return [labels == i for i in range(1, count) if stats[i, cv2.CC_STAT_AREA] >= min_area]
 

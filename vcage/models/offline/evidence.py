@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import cv2
@@ -9,6 +10,8 @@ import numpy as np
 
 from vcage.geometry import Camera
 from vcage.models.offline.colour import distance, palette, palette_distance, to_lab
+from vcage.models.offline.detector import MIN_AREA, components
+from vcage.models.offline.foreground import foreground
 from vcage.models.offline.locate import (
     FINALISTS,
     FINE_HEADINGS,
@@ -36,6 +39,9 @@ NEARLY = 0.04
 CLEARLY = 0.05
 """A receptacle is taken to have moved only when the new place is better by so much misfit."""
 
+SIZE_FACTOR = 2.5
+"""A region may be an object when its area is within this factor of the object's: shadows add, occlusion takes."""
+
 SEARCH = 0.09
 """How far from its old place a receptacle is looked for, metres."""
 
@@ -60,16 +66,28 @@ class Evidence:
 
 
 def gather(
-    before: np.ndarray, after: np.ndarray, camera: Camera, table_height: float, moved: Reference, place: Reference
+    before: np.ndarray,
+    after: np.ndarray,
+    camera: Camera,
+    table_height: float,
+    moved: Reference,
+    place: Reference,
+    background: np.ndarray | None = None,
 ) -> Evidence:
-    """Measure one sub-task: ``moved`` was to be put in or on ``place``. Pictures are RGB of the same camera."""
+    """Measure one sub-task: ``moved`` was to be put in or on ``place``.
+
+    Args:
+        before, after, background: RGB of the same camera; the last shows the empty table, where there is one.
+    """
     lab_before, lab_after = (to_lab(cv2.GaussianBlur(p, (3, 3), 0)) for p in (before, after))
     scale = pixels_per_metre(camera, table_height + moved.size[2] / 2)
     rim_scale = pixels_per_metre(camera, table_height + place.size[2])
     table = table_colour(lab_before)
     change = _changed(lab_before, lab_after)
-    old_place, new_place = _receptacle(lab_before, lab_after, place, rim_scale, table)
-    old = _object(lab_before, moved, scale, table, change, old_place.mask)
+    standing = [] if background is None else components(foreground(before, background), MIN_AREA * change.size)
+    old_place, new_place = _receptacle(lab_before, lab_after, place, rim_scale, table, standing)
+    standing += components(change & ~old_place.mask, MIN_AREA * change.size)
+    old = _object(lab_before, moved, scale, table, change, old_place.mask, standing)
     unlike_before, unlike_after = (_unlikeness(lab, moved) for lab in (lab_before, lab_after))
     new = change & (unlike_after < ALIKE) & (unlike_after < unlike_before)
     area = float(old.mask.sum())
@@ -98,10 +116,16 @@ def table_colour(lab: np.ndarray) -> np.ndarray:
 
 
 def _receptacle(
-    before: np.ndarray, after: np.ndarray, place: Reference, scale: float, table: np.ndarray
+    before: np.ndarray,
+    after: np.ndarray,
+    place: Reference,
+    scale: float,
+    table: np.ndarray,
+    standing: Sequence[np.ndarray],
 ) -> tuple[Sighting, Sighting]:
     """Where the receptacle was and is; where it was stays the answer unless another place fits clearly better."""
-    old = search(before, place, scale, table, rim_only=True)[0]
+    around = _alike_in_size(standing, place, scale)
+    old = search(before, place, scale, table, rim_only=True, around=around)[0]
     made = templates(place, scale, table, old.heading + FINE_HEADINGS, rim_only=True)
     still = refine(after, made[2:3], old.centre, reach=2)
     pixels = round(SEARCH * scale)
@@ -112,16 +136,30 @@ def _receptacle(
 
 
 def _object(
-    lab: np.ndarray, moved: Reference, scale: float, table: np.ndarray, change: np.ndarray, place: np.ndarray
+    lab: np.ndarray,
+    moved: Reference,
+    scale: float,
+    table: np.ndarray,
+    change: np.ndarray,
+    place: np.ndarray,
+    standing: Sequence[np.ndarray],
 ) -> Sighting:
     """Where the object was: among the places outside the receptacle that fit it nearly best, the one that changed most.
 
     What lies in the receptacle already was put there by earlier sub-tasks.
     """
-    found = [s for s in search(lab, moved, scale, table, count=FINALISTS) if s.mask.any()]
+    around = _alike_in_size(standing, moved, scale)
+    found = [s for s in search(lab, moved, scale, table, count=FINALISTS, around=around) if s.mask.any()]
     found = [s for s in found if place[s.mask].mean() < 0.5] or found
     close = [s for s in found if s.misfit <= found[0].misfit + NEARLY]
     return max(close, key=lambda s: float(change[s.mask].mean()))
+
+
+def _alike_in_size(masks: Sequence[np.ndarray], reference: Reference, scale: float) -> list[np.ndarray]:
+    """(2,) middles of the regions whose area is about that of the object."""
+    area = (reference.picture[..., 3] > 127).sum() * (reference.metres_per_pixel * scale) ** 2
+    alike = [mask for mask in masks if area / SIZE_FACTOR < mask.sum() < area * SIZE_FACTOR]
+    return [np.argwhere(mask).mean(axis=0)[::-1] + 0.5 for mask in alike]
 
 
 def _unlikeness(lab: np.ndarray, reference: Reference) -> np.ndarray:

@@ -1,0 +1,52 @@
+"""``vcage run`` as a process that is killed at bad moments: the same command again finishes the same job."""
+
+from __future__ import annotations
+
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from tests.runs import FPS, INSTRUCTION, Finished, clean_environment, copied, digests, process
+
+VCAGE = [sys.executable, "-m", "vcage.cli.main"]
+RUN = [*VCAGE, "run", INSTRUCTION, "--models", "offline", "--episodes", "1", "--fps", str(FPS), "--out", "run"]
+
+
+def killed(program: list[str], cwd: Path, when: Callable[[], bool]) -> None:
+    """Start a program and kill it without warning as soon as ``when`` is true."""
+    with open(cwd / "killed.log", "ab") as log:
+        child = subprocess.Popen(program, cwd=cwd, env=clean_environment(), stdout=log, stderr=log)
+        try:
+            deadline = time.monotonic() + 300
+            while not when():
+                assert child.poll() is None, (cwd / "killed.log").read_text()
+                assert time.monotonic() < deadline
+                time.sleep(0.01)
+        finally:
+            child.send_signal(signal.SIGKILL)
+            child.wait()
+
+
+@pytest.mark.slow
+def test_a_run_that_is_killed_again_and_again_ends_with_the_same_files(finished: Finished, tmp_path):
+    run = tmp_path / "run"
+    for half_written in ("place.partial-*/*.png", "episodes.collecting/critic/*", "compress.partial-*/*.mp4"):
+        killed(RUN, tmp_path, lambda pattern=half_written: any(run.glob(pattern)))
+    answer = process(RUN, tmp_path)
+    assert answer.code == 0, answer.stderr
+    assert digests(run) == digests(finished.run.root)
+    assert sorted(p.name for p in run.iterdir()) == sorted(p.name for p in finished.run.root.iterdir())
+
+
+@pytest.mark.slow
+def test_a_replacement_that_is_killed_leaves_the_old_stage(finished: Finished, tmp_path):
+    run = copied(finished.run, tmp_path / "run", before="inpaint_plan")
+    before = digests(run.root / "place")
+    line = [*VCAGE, "select-place", INSTRUCTION, "--out", "run", "--seed", "1", "--force"]
+    killed(line, tmp_path, lambda: any(run.root.glob("place.partial-*/*.png")))
+    assert digests(run.root / "place") == before
