@@ -15,6 +15,9 @@ LEFT = 0.5
 INSIDE = {"inside": 0.2, "on": 0.4}
 """Share of the object's area that must be seen in or on the receptacle; walls and other contents hide some."""
 
+TOO_MUCH = 1.8
+"""More new pixels than that, over the object's area, are of something larger."""
+
 MAX_SHIFT = 0.06
 """A receptacle that moved farther was knocked away, metres."""
 
@@ -71,6 +74,8 @@ def decide(evidence: Evidence, goal: Goal, thing: str, place: str) -> Verdict:
         return _verdict(False, f"the {thing} lies outside the {place}: only {seen}", min(1.0, evidence.outside))
     if evidence.inside < needed:
         return _verdict(False, f"the {thing} left its place and is not found {word} the {place}: {seen}", 0.75)
+    if evidence.inside > TOO_MUCH:
+        return _verdict(False, f"something larger than the {thing} came to be {word} the {place}: {seen}", 0.6)
     return _verdict(True, f"the {thing} left its place, and {seen}", 0.5 + 0.5 * min(1.0, evidence.inside / 0.8))
 
 
