@@ -44,6 +44,9 @@ _ANGLES = np.arange(8) * np.pi / 8
 MAX_PIXELS = 1500
 """Pixels of a template that the refinement compares."""
 
+GOOD_FIT = 0.35
+"""A place with less misfit, where something is known to stand, makes a search of the whole picture needless."""
+
 _MARGIN = 4
 """Width of the rim of table colour around a template, pixels."""
 
@@ -163,21 +166,23 @@ def search(
 ) -> list[Sighting]:
     """The ``count`` best places of the reference in a Lab picture, the best first, none on top of another.
 
-    Template matching at half size over all headings proposes places; each is then refined at full size with a
-    cost that is capped for every pixel, so that what covers a part of the object costs no more than that part.
+    Where something is known to stand is looked at first; when nothing there fits well, template matching at half
+    size over all headings proposes places. Each is then refined at full size with a cost that is capped for every
+    pixel, so that what covers a part of the object costs no more than that part.
 
     Args:
         rim_only: compare only the outer part (see :func:`templates`).
-        around: (2,) pixels of further places to look at, where something is known to stand.
+        around: (2,) pixels where something is known to stand.
     """
-    half = cv2.resize(lab, None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA)
     long = max(reference.size[:2]) > 2.5 * min(reference.size[:2])
     headings = np.linspace(0, 2 * np.pi, HEADINGS * (2 if long else 1), endpoint=False)
-    coarse = templates(reference, scale / 2, table_lab, headings, rim_only)
-    found = [(2 * centre, heading) for centre, heading in _proposals(half, coarse, max(PROPOSALS, count))]
     made = templates(reference, scale, table_lab, headings, rim_only) if len(around) else []
     standing = [refine(lab, made, centre, reach=6, step=3) for centre in around]
-    found += [(s.centre, s.heading) for s in standing]
+    found = [(s.centre, s.heading) for s in standing]
+    if min((s.misfit for s in standing), default=1.0) > GOOD_FIT:
+        half = cv2.resize(lab, None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA)
+        coarse = templates(reference, scale / 2, table_lab, headings, rim_only)
+        found += [(2 * centre, heading) for centre, heading in _proposals(half, coarse, max(PROPOSALS, count))]
     for steps, kept in ((FINE_HEADINGS, FINALISTS), (FINEST_HEADINGS, count)):
         refined = [
             refine(lab, templates(reference, scale, table_lab, heading + steps, rim_only), centre)
