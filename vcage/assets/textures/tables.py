@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from vcage.assets.textures import materials
-from vcage.assets.textures.noise import blend, clouds, noise, over, shaded
+from vcage.assets.textures.noise import blend, clouds, over, shaded
 from vcage.errors import UnknownName
 
 SIZE = 1024
@@ -39,11 +39,13 @@ def _white_laminate(rng: np.random.Generator) -> np.ndarray:
 
 
 def _grey_stone(rng: np.random.Generator) -> np.ndarray:
+    """Fine granite: a calm ground with dark and light grains."""
     shape = (SIZE, SIZE)
-    picture = blend((104, 106, 108), (168, 168, 166), clouds(rng, shape, (6, 6), 6) * 1.6 - 0.3)
-    veins = np.abs(clouds(rng, shape, (3, 3), 5) - 0.5)
-    picture = over(picture, (206, 206, 204), np.clip(1 - veins * 45, 0, 1) * 0.35)
-    return over(picture, (70, 72, 74), (noise(rng, shape, (300, 300)) > 0.93) * 0.4)
+    picture = blend((132, 133, 135), (152, 152, 150), clouds(rng, shape, (5, 5), 4))
+    for colour, share in (((84, 86, 90), 0.10), ((186, 186, 182), 0.10), ((112, 113, 116), 0.25)):
+        grains = clouds(rng, shape, (260, 260), 2)
+        picture = over(picture, colour, (grains > np.quantile(grains, 1 - share)) * 0.3)
+    return picture
 
 
 TABLES: dict[str, Callable[[np.random.Generator], np.ndarray]] = {
