@@ -74,10 +74,6 @@ def test_broken_json_is_damaged(tmp_path):
         files.read_json(tmp_path / "scene.json")
 
 
-def test_content_hash_ignores_the_order_of_keys():
-    assert files.content_hash({"a": 1, "b": 2}) == files.content_hash({"b": 2, "a": 1})
-
-
 def test_cache_dir_follows_the_environment(tmp_path, monkeypatch):
     monkeypatch.setenv("VCAGE_CACHE", str(tmp_path / "c"))
     assert files.cache_dir("assets") == tmp_path / "c" / "assets"

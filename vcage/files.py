@@ -67,12 +67,6 @@ def sha256_file(path: Path) -> str:
     return digest.hexdigest()
 
 
-def content_hash(value: Any) -> str:
-    """Hex SHA-256 of a JSON-serialisable value, independent of key order."""
-    text = json.dumps(value, sort_keys=True, separators=(",", ":"), ensure_ascii=False)
-    return hashlib.sha256(text.encode()).hexdigest()
-
-
 # --- atomic writes -------------------------------------------------------------------------------------
 
 

@@ -224,9 +224,9 @@ class Camera:
         return np.stack([u, v], axis=-1)
 
     def unproject(self, pixels: ArrayLike, height: ArrayLike) -> np.ndarray:
-        """World points (..., 3) where the rays through ``pixels`` (..., 2) meet the plane z = ``height``; the inverse of :meth:`project`.
+        """World points (..., 3) where the rays through ``pixels`` (..., 2) meet the plane z = ``height``.
 
-        NaN where a ray does not meet the plane in front of the camera.
+        The inverse of :meth:`project`; NaN where a ray does not meet the plane in front of the camera.
         """
         pixels = np.asarray(pixels, dtype=np.float64)
         height = np.asarray(height, dtype=np.float64)

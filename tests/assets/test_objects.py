@@ -84,9 +84,3 @@ def test_containers_are_open_from_above(first_variant: Asset) -> None:
             column = np.linspace(point.position[2] + 0.002, first_variant.size[2] + 0.05, 40)
             points = np.column_stack([np.tile(point.position[:2], (40, 1)), column])
             assert (_distance_outside(first_variant, points) > 0).all()
-
-
-def test_a_container_is_one_that_holds_things_in_it(library) -> None:
-    assert library.asset("packaging_box").is_container
-    assert not library.asset("plate").is_container
-    assert not library.asset("marker").is_container

@@ -3,11 +3,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from vcage.assets.openings import Opening
 from vcage.errors import UnknownName, UsageError
-from vcage.igsc.containers import LayoutItem, Opening, assign_containers, validate_items
+from vcage.igsc.containers import LayoutItem, assign_containers, validate_items
 
-TRAY = Opening(centre=(0.0, 0.0), size=(0.26, 0.16, np.inf), floor=0.01)
-CUP = Opening(centre=(0.0, 0.0), size=(0.06, 0.06, 0.1), floor=0.005)
+TRAY = Opening(centre=(0.0, 0.0), size=(0.26, 0.16), floor=0.01, rim=np.inf)
+CUP = Opening(centre=(0.0, 0.0), size=(0.06, 0.06), floor=0.005, rim=0.105)
 
 
 def tray(name: str = "tray", **fields) -> LayoutItem:

@@ -16,7 +16,7 @@ def matched(things, moved, paint, make_scene, detect, background, embedder):
     source, segmentation = paint(things)
     target, found = paint(moved)
     scene = make_scene(things)
-    return match_objects(scene, source, segmentation, target, background, detect(found), embedder)
+    return match_objects(scene, source, segmentation, target, background, detect(found), embedder, threshold=0.7)
 
 
 def test_every_object_is_matched_by_its_features(matched, things):
@@ -55,7 +55,7 @@ def test_an_object_hidden_in_the_source_is_kept(things, moved, paint, make_scene
     target, found = paint(moved)
     segmentation = np.where(segmentation == 2, 0, segmentation)
     matches, unclaimed = match_objects(
-        make_scene(things), source, segmentation, target, background, detect(found), embedder
+        make_scene(things), source, segmentation, target, background, detect(found), embedder, threshold=0.7
     )
     assert matches[1].method == "kept"
     assert "hidden" in matches[1].note
@@ -77,7 +77,9 @@ def test_a_recoloured_object_is_found_by_its_name(things, moved, paint, make_sce
 
 def test_no_detections_leave_everything_kept(things, paint, make_scene, background, embedder):
     source, segmentation = paint(things)
-    matches, unclaimed = match_objects(make_scene(things), source, segmentation, source, background, [], embedder)
+    matches, unclaimed = match_objects(
+        make_scene(things), source, segmentation, source, background, [], embedder, threshold=0.7
+    )
     assert {m.method for m in matches} == {"kept"}
     assert unclaimed == []
 
@@ -88,7 +90,9 @@ def test_detections_without_masks_get_them_from_the_empty_table(
     source, segmentation = paint(things)
     target, found = paint(moved)
     boxes = [replace(d, mask=None) for d in detect(found)]
-    matches, _ = match_objects(make_scene(things), source, segmentation, target, background, boxes, embedder)
+    matches, _ = match_objects(
+        make_scene(things), source, segmentation, target, background, boxes, embedder, threshold=0.7
+    )
     for match, thing in zip(matches, moved, strict=True):
         assert np.hypot(*np.subtract(match.position, thing.xy)) < 0.005, match
 
@@ -96,7 +100,7 @@ def test_detections_without_masks_get_them_from_the_empty_table(
 def test_pictures_of_another_size_are_refused(things, paint, make_scene, background, embedder):
     source, segmentation = paint(things)
     with pytest.raises(ValueError, match="sizes differ"):
-        match_objects(make_scene(things), source, segmentation, source[:100], background, [], embedder)
+        match_objects(make_scene(things), source, segmentation, source[:100], background, [], embedder, threshold=0.7)
 
 
 def test_resizing_brings_a_picture_to_the_size_asked_for(background):

@@ -7,9 +7,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from vcage.assets.openings import Opening
 from vcage.errors import InfeasibleScene, UsageError
 from vcage.geometry import Pose, boxes_overlap, world_aabb
-from vcage.igsc.containers import LayoutItem, Opening
+from vcage.igsc.containers import LayoutItem
 from vcage.igsc.optimize import LayoutResult, displacement_summary, optimize_layout
 
 WORKSPACE = np.array([[-0.5, -0.3], [0.5, 0.3]])
@@ -40,7 +41,7 @@ def random_items(rng: np.random.Generator, count: int) -> list[LayoutItem]:
 
 
 def tray_with_rolls(count: int = 3, yaw: float = 0.4) -> list[LayoutItem]:
-    opening = Opening(centre=(0.01, 0.0), size=(0.26, 0.16, np.inf), floor=0.012)
+    opening = Opening(centre=(0.01, 0.0), size=(0.26, 0.16), floor=0.012, rim=np.inf)
     tray = LayoutItem("tray", (0.3, 0.2, 0.03), yaw, (0.1, 0.05), opening)
     rolls = [
         LayoutItem(f"roll{k}", (0.08, 0.05, 0.05), yaw + 0.1 * k, (0.1 + 0.02 * k, 0.05), inside="tray")
@@ -93,7 +94,7 @@ def test_contents_stay_inside_their_container_and_apart(yaw):
     assert result.containers == {"tray": None, "roll0": "tray", "roll1": "tray", "roll2": "tray"}
     frame = Pose.from_yaw(result.positions["tray"], yaw)
     boxes = [box_of(roll, result, frame) for roll in rolls]
-    centre, half = np.array(tray.opening.centre), np.array(tray.opening.size[:2]) / 2
+    centre, half = np.array(tray.opening.centre), np.array(tray.opening.size) / 2
     for box in boxes:
         assert np.all(box[0, :2] >= centre - half - 1e-6) and np.all(box[1, :2] <= centre + half + 1e-6)
     for a, b in combinations(boxes, 2):
@@ -116,7 +117,7 @@ def test_contents_move_with_their_container():
 
 
 def test_containers_nest():
-    opening = Opening((0, 0), (0.12, 0.12, 0.06), 0.01)
+    opening = Opening(centre=(0, 0), size=(0.12, 0.12), floor=0.01, rim=0.07)
     items = tray_with_rolls(0)
     items.append(LayoutItem("bowl", (0.14, 0.14, 0.07), 0.4, (0.1, 0.05), opening, inside="tray"))
     items.append(LayoutItem("egg", (0.04, 0.04, 0.05), 0.0, (0.12, 0.05), inside="bowl"))

@@ -35,7 +35,7 @@ def test_the_overlay_is_enlarged_and_marks_what_nobody_claimed(
     source, segmentation = paint(things)
     target, found = paint(moved)
     scene = make_scene(things)
-    matches, _ = match_objects(scene, source, segmentation, target, background, detect(found), embedder)
+    matches, _ = match_objects(scene, source, segmentation, target, background, detect(found), embedder, threshold=0.7)
     plain = draw_overlay(target, scene, matches)
     marked = draw_overlay(target, scene, matches, unclaimed=[(10, 10, 60, 60)])
     assert plain.shape == (960, 1280, 3)

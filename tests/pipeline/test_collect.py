@@ -15,7 +15,7 @@ from tests.runs import FPS, INSTRUCTION, Finished, copied, digests
 from vcage.dataset.reader import EpisodeReader
 from vcage.errors import DamagedFile, PartlyDone, StaleStage
 from vcage.files import RunFolder, read_json, write_json
-from vcage.pipeline import collect
+from vcage.pipeline import collect, gathering
 from vcage.pipeline.settings import Settings
 from vcage.schema.episodes import Attempt, Episode, Episodes, Truth, Verdict
 from vcage.schema.scene import Scene
@@ -100,7 +100,7 @@ def test_the_scenes_of_two_episodes_differ(finished, more):
 
 def test_acceptance_and_the_critic_s_confusion_follow_from_the_log(finished):
     record = Episodes.read(finished.run.episodes)
-    attempts = collect.read_log(finished.run.episodes.parent)
+    attempts = gathering.read_log(finished.run.episodes.parent)
     assert record.attempts == len(attempts)
     assert sum(entry["attempts"] for entry in record.acceptance.values()) == len(attempts)
     assert sum(entry["accepted"] for entry in record.acceptance.values()) == sum(a.accepted for a in attempts)
@@ -270,7 +270,7 @@ def test_a_collection_without_success_ends_and_says_why(finished, begun, cheap):
     cheap.bad = frozenset(range(100))
     with pytest.raises(PartlyDone, match=r"none of 6 episodes was verified: it slipped"):
         collect.execute(begun, settings(episodes=2), finished.bench)
-    assert len(collect.read_log(begun.episodes.parent)) == 6
+    assert len(gathering.read_log(begun.episodes.parent)) == 6
 
 
 def test_a_damaged_script_is_named_before_anything_is_collected(finished, begun):

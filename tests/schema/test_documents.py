@@ -52,7 +52,7 @@ def test_a_written_scene_fits_its_json_schema(tmp_path):
 def test_another_schema_version_is_refused(tmp_path):
     path = scene().write(tmp_path / "scene.json")
     path.write_text(path.read_text().replace("vcage.scene/1", "vcage.scene/9"))
-    with pytest.raises(SchemaMismatch, match="'vcage.scene/9', expected 'vcage.scene/1'"):
+    with pytest.raises(SchemaMismatch, match=r"'vcage\.scene/9', expected 'vcage\.scene/1'"):
         Scene.read(path)
 
 

@@ -64,13 +64,6 @@ def test_all_solutions_reach_the_pose_and_differ(right):
         assert all(np.abs(a - b).max() > 0.1 for b in solutions[:i])
 
 
-def test_the_margin_is_one_in_the_middle_and_zero_at_a_limit(right):
-    middle = (right.lower + right.upper) / 2
-    assert right.limit_margin(middle) == pytest.approx(1)
-    middle[3] = right.upper[3]
-    assert right.limit_margin(middle) == pytest.approx(0)
-
-
 def test_kinematics_agree_with_the_simulated_arm(world):
     arm = world.arms["right"]
     assert np.allclose(kinematics_of(arm.arm).fk(arm.joints).p, arm.tool_pose.p, atol=1e-5)

@@ -58,11 +58,6 @@ class Asset:
         """Volume of the material in m³ (pieces overlap a little where they join)."""
         return sum(piece.volume for piece in self.pieces)
 
-    @property
-    def is_container(self) -> bool:
-        """Whether things can be put into it."""
-        return any(point.holds == "in" for point in self.annotation.functional_points)
-
     def entry(self) -> CatalogueEntry:
         """What a model sees of it."""
         return CatalogueEntry(

@@ -1,4 +1,4 @@
-"""A contact sheet of given pictures: one row per asset, or one labelled cell per picture."""
+"""A contact sheet of given pictures: one labelled cell per name."""
 
 from __future__ import annotations
 

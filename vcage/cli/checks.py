@@ -97,7 +97,7 @@ def vulkan() -> Finding:
 
 
 def video() -> Finding:
-    finding = _package("av", "av>=14", name="PyAV")
+    finding = _package("av", "av>=18", name="PyAV")
     if not finding.ok:
         return finding
     import av

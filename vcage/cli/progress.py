@@ -5,11 +5,10 @@ from __future__ import annotations
 import contextlib
 import logging
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from typing import TextIO
 
-Progress = Callable[[str, int, int], None]
-"""Called before each step of a job with the step's name, its number from 0, and how many there are."""
+from vcage.pipeline.progress import Progress
 
 logger = logging.getLogger(__name__)
 

@@ -2,7 +2,7 @@
 
   vulkan  a Vulkan driver that SAPIEN draws with: the GPU's, the system's, or Mesa's software driver, fetched
           from this machine's package mirror into the user's cache (no root needed)
-  assets  the models of all objects and robots, built into the user's cache
+  assets  the models of all objects, built into the user's cache
   cvvdp   the perceptual metric, without its dependencies (they would replace a CPU build of torch)
   opencv  where the machine has no libGL, the build of OpenCV that needs none over the one that SAPIEN asks for
   all     the four

@@ -16,9 +16,6 @@ from numpy.typing import NDArray
 from vcage.compression.codec import MAX_CRF, EncoderSettings, decode, encode
 from vcage.compression.jod import JodMetric
 
-THRESHOLD = 0.1
-"""JOD; a viewer notices the difference about half of the time (paper, section III-D)."""
-
 FIRST_GUESS = 18
 LOSS_GROWTH = 0.16
 """Growth of ln(loss) per CRF step on rendered clips; it only makes guesses better, never a result."""
@@ -68,7 +65,7 @@ def search_clip(
     settings: EncoderSettings,
     metric: JodMetric,
     *,
-    threshold: float = THRESHOLD,
+    threshold: float,
     upper: int = MAX_CRF,
 ) -> SearchResult:
     """Find the highest CRF of one clip, not above ``upper``.

@@ -62,7 +62,7 @@ class EpisodeRun:
     """What came of an episode: the recording of what was verified, and every attempt with its pictures.
 
     Args:
-        log: states of the accepted sub-tasks, gapless.
+        log: states of the accepted sub-tasks, gapless; when one failed for good, its last attempt follows.
         segments: the accepted sub-tasks.
         attempts: all tries, in order.
         pictures: file name → picture that a verdict looked at.
@@ -118,7 +118,6 @@ class _StepRun:
                 Recorder(world, self._run.log)
             if self._attempt(world, attempt, start, before):
                 return world
-        self._run.log.truncate(start)
         return None
 
     def _attempt(self, world: World, attempt: int, start: int, before: Pictures) -> bool:

@@ -12,26 +12,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from vcage.assets.openings import Opening
 from vcage.errors import UnknownName, UsageError
 from vcage.geometry import boxes_overlap, footprint_half_size
 
 FILL_LIMIT = 0.9
 """Largest share of an opening's floor and volume that contents may take."""
-
-
-@dataclass(frozen=True)
-class Opening:
-    """The space of a container that receives things, in the object frame.
-
-    Args:
-        centre: (x, y) middle of its floor, metres.
-        size: (x, y, z) of the free space; z is infinite for a plate or tray that things stand on.
-        floor: height of its floor above the container's bottom.
-    """
-
-    centre: tuple[float, float]
-    size: tuple[float, float, float]
-    floor: float
 
 
 @dataclass(frozen=True)
@@ -43,7 +29,7 @@ class LayoutItem:
         size: (x, y, z) of its bounding box at yaw 0, metres.
         yaw: its heading, radians; the optimiser does not turn objects.
         target: (x, y) where it should stand in the world.
-        opening: what makes it a container, or None.
+        opening: what makes it a container, or None; its rim is infinitely high where things stand on it, not in it.
         inside: id of the container that it may lie in or on, by the plan; None to keep it clear of all.
         allowed: (m, 2, 2) rectangles that its centre must lie in one of, None for anywhere; not used in a container.
         grasped: whether a hand will reach for it, and needs room beside it above what is low.
@@ -121,11 +107,11 @@ def assign_containers(items: Sequence[LayoutItem]) -> dict[str, str | None]:
 def _room(opening: Opening) -> np.ndarray:
     """Floor area and volume that contents may take, m² and m³."""
     area = FILL_LIMIT * opening.size[0] * opening.size[1]
-    return np.array([area, area * opening.size[2]])
+    return np.array([area, area * opening.depth])
 
 
 def _passes(item: LayoutItem, container: LayoutItem) -> bool:
-    return bool(np.all(2 * item.half_size(container.yaw) <= np.array(container.opening.size[:2])))
+    return bool(np.all(2 * item.half_size(container.yaw) <= np.array(container.opening.size)))
 
 
 def _target_box(item: LayoutItem) -> np.ndarray:

@@ -20,8 +20,6 @@ from vcage.models.protocols import Detection, Embedder
 from vcage.schema.matches import Match
 from vcage.schema.scene import ObjectRecord, Scene
 
-THRESHOLD = 0.7
-"""The paper's τ: smallest cosine similarity of a match by features."""
 FALLBACK_THRESHOLD = 0.55
 """Smallest mean of name and feature similarity of a match by name."""
 UNNAMED = 0.5
@@ -52,7 +50,7 @@ def match_objects(
     background: np.ndarray,
     detections: Sequence[Detection],
     embedder: Embedder,
-    threshold: float = THRESHOLD,
+    threshold: float,
 ) -> tuple[list[Match], list[tuple[float, float, float, float]]]:
     """Where every object of the scene is in the target picture.
 
@@ -64,7 +62,7 @@ def match_objects(
         background: (H, W, 3) the empty table; gives masks to detections that have none.
         detections: what was found in the target picture, in any order.
         embedder: makes the features.
-        threshold: the paper's τ.
+        threshold: the paper's τ: smallest cosine similarity of a match by features.
 
     Returns:
         (matches, unclaimed): one match per object, and the boxes of detections that no object claimed.

@@ -181,7 +181,7 @@ def _hand_room(items: Sequence[LayoutItem], margin: float) -> np.ndarray:
 def _container_problem(container: LayoutItem, contents: Sequence[LayoutItem]) -> LayoutProblem:
     """The same problem in the container's own frame, so that its inner walls are axis-aligned at any heading."""
     offsets = np.array([item.target for item in contents]) - container.target
-    centre, half = np.array(container.opening.centre), np.array(container.opening.size[:2]) / 2
+    centre, half = np.array(container.opening.centre), np.array(container.opening.size) / 2
     return LayoutProblem(
         half=np.array([item.half_size(container.yaw) for item in contents]),
         target=offsets @ _turn(container.yaw),

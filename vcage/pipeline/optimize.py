@@ -2,26 +2,28 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from vcage.assets.openings import Opening
 from vcage.errors import InfeasibleScene
 from vcage.files import RunFolder
-from vcage.geometry import Pose, world_aabb
-from vcage.igsc.containers import LayoutItem, Opening
+from vcage.geometry import Pose
+from vcage.igsc.containers import LayoutItem
 from vcage.igsc.layout_picture import Footprint, draw_layout
 from vcage.igsc.optimize import LayoutResult, displacement_summary, optimize_layout
 from vcage.igsc.relations import relations_kept
 from vcage.pipeline.pictures import write_picture
 from vcage.pipeline.progress import Progress, silent
-from vcage.pipeline.select_place import MAX_DRIFT, MAX_TILT
 from vcage.pipeline.settings import Settings
+from vcage.pipeline.settling import moved_objects, settle_checks
 from vcage.pipeline.stage import Job, StageResult, stage_seed
 from vcage.pipeline.workbench import Workbench
 from vcage.schema.asset import FunctionalPoint
-from vcage.schema.base import PoseRecord, Provenance
+from vcage.schema.base import PoseRecord, Provenance, box_record
 from vcage.schema.matches import Match, Matches
 from vcage.schema.plan import Plan
 from vcage.schema.scene import ObjectRecord, Scene
@@ -30,7 +32,7 @@ from vcage.sim.world import World
 from vcage.subtasks.objects import SceneObject
 
 
-def job(run: RunFolder, settings: Settings, bench: Workbench) -> Job:
+def job(run: RunFolder, settings: Settings, _bench: Workbench) -> Job:
     """What the stage has to do."""
     return Job(
         run=run,
@@ -107,9 +109,8 @@ def _item(o: SceneObject, match: Match, plan: Plan, reach: np.ndarray) -> Layout
 
 
 def _opening(o: SceneObject, point: FunctionalPoint) -> Opening:
-    room = o.asset.opening(point)
-    depth = room.depth if point.holds == "in" else np.inf
-    return Opening(centre=room.centre, size=(*room.size, float(depth)), floor=room.floor)
+    opening = o.asset.opening(point)
+    return opening if point.holds == "in" else replace(opening, rim=np.inf)
 
 
 def _with_poses(scene: Scene, bench: Workbench, poses: dict[str, Pose], result: LayoutResult | None = None) -> Scene:
@@ -121,9 +122,7 @@ def _with_poses(scene: Scene, bench: Workbench, poses: dict[str, Pose], result: 
 
 
 def _moved(o: ObjectRecord, bench: Workbench, pose: Pose) -> ObjectRecord:
-    box = world_aabb(bench.asset(o).bounds, pose)
-    aabb = tuple(tuple(float(x) for x in corner) for corner in box)
-    return o.model_copy(update={"pose": PoseRecord.of(pose), "aabb": aabb})
+    return o.model_copy(update={"pose": PoseRecord.of(pose), "aabb": box_record(bench.asset(o).bounds, pose)})
 
 
 def _rebuild(scene: Scene, bench: Workbench, folder: Path) -> Scene:
@@ -131,7 +130,7 @@ def _rebuild(scene: Scene, bench: Workbench, folder: Path) -> Scene:
     look = bench.appearance(scene.table.texture)
     world = World.of_scene(scene, bench.physical_models(scene), appearance=look, render=True)
     report = world.settle()
-    moved = [key for key in report.drift_m if report.drift_m[key] > MAX_DRIFT or report.tilt_rad[key] > MAX_TILT]
+    moved = moved_objects(report)
     if moved or not report.settled:
         raise InfeasibleScene(
             f"the optimised layout does not hold: {', '.join(moved or report.fallen) or 'something'} moves",
@@ -139,12 +138,7 @@ def _rebuild(scene: Scene, bench: Workbench, folder: Path) -> Scene:
             details={"objects": moved, "drift_mm": {k: round(1000 * v, 2) for k, v in report.drift_m.items()}},
         )
     write_picture(folder / "top.png", shoot(world, scene.top_camera))
-    checks = {
-        "settle_steps": report.steps,
-        "largest_drift_mm": round(1000 * max(report.drift_m.values()), 3),
-        "largest_tilt_deg": round(float(np.degrees(max(report.tilt_rad.values()))), 3),
-    }
-    return _with_poses(scene, bench, world.object_poses()).model_copy(update={"checks": checks})
+    return _with_poses(scene, bench, world.object_poses()).model_copy(update={"checks": settle_checks(report)})
 
 
 def _drawing(scene: Scene, bench: Workbench, before: dict[str, Pose], after: dict[str, Pose]) -> np.ndarray:

@@ -5,19 +5,21 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+import cv2
 import numpy as np
 
 from vcage.errors import InfeasibleScene, ModelRefused, UsageError
 from vcage.files import RunFolder
-from vcage.geometry import Pose, world_aabb
+from vcage.geometry import Pose
 from vcage.igsc.place import PlaceItem, place
 from vcage.igsc.select import NamedObject, name_objects, validate_selection
 from vcage.pipeline.pictures import write_labels, write_picture
 from vcage.pipeline.progress import Progress, silent
 from vcage.pipeline.settings import Settings
+from vcage.pipeline.settling import moved_objects, settle_checks
 from vcage.pipeline.stage import Job, StageResult
 from vcage.pipeline.workbench import Workbench
-from vcage.schema.base import PoseRecord, Provenance
+from vcage.schema.base import PoseRecord, Provenance, box_record
 from vcage.schema.scene import ObjectRecord, Scene, SceneTemplate
 from vcage.sim.cameras import observe, shoot
 from vcage.sim.robots import load_template
@@ -25,9 +27,6 @@ from vcage.sim.world import World
 
 YAWS = tuple(np.radians(range(-180, 180, 15)))
 """Headings that an object may take at first, radians."""
-
-MAX_DRIFT, MAX_TILT = 0.005, np.radians(4)
-"""What settling may move an object by: metres, radians."""
 
 TRIES = 5
 """Placements that are drawn before a scene whose objects do not stay put is given up."""
@@ -109,15 +108,10 @@ def _place_until_stable(
         scene = Scene(**fields, objects=[_record(o, poses[o.id], bench) for o in objects])
         world = World.of_scene(scene, bench.physical_models(scene))
         report = world.settle()
-        worst = [key for key in report.drift_m if report.drift_m[key] > MAX_DRIFT or report.tilt_rad[key] > MAX_TILT]
+        worst = moved_objects(report)
         if report.settled and not worst:
             poses = world.object_poses()
-            checks = {
-                "settle_steps": report.steps,
-                "largest_drift_mm": round(1000 * max(report.drift_m.values()), 3),
-                "largest_tilt_deg": round(float(np.degrees(max(report.tilt_rad.values()))), 3),
-                "placements": attempt,
-            }
+            checks = {**settle_checks(report), "placements": attempt}
             return Scene(**fields, objects=[_record(o, poses[o.id], bench) for o in objects], checks=checks)
     raise InfeasibleScene(
         f"{', '.join(worst) or 'the objects'} did not stay where they were put in {TRIES} placements",
@@ -138,7 +132,6 @@ def _place_items(objects: list[NamedObject], template: SceneTemplate, bench: Wor
 
 
 def _record(o: NamedObject, pose: Pose, bench: Workbench) -> ObjectRecord:
-    box = world_aabb(bench.library.asset(o.asset, o.variant).bounds, pose)
     return ObjectRecord(
         id=o.id,
         asset=o.asset,
@@ -146,7 +139,7 @@ def _record(o: NamedObject, pose: Pose, bench: Workbench) -> ObjectRecord:
         phrase=o.phrase,
         role=o.role,
         pose=PoseRecord.of(pose),
-        aabb=tuple(tuple(float(x) for x in corner) for corner in box),
+        aabb=box_record(bench.library.asset(o.asset, o.variant).bounds, pose),
     )
 
 
@@ -165,8 +158,6 @@ def _photograph(scene: Scene, bench: Workbench, folder: Path) -> Scene:
 
 def _colour_labels(labels: np.ndarray) -> np.ndarray:
     """(H, W, 3) picture of a label image: one hue per object, black for none."""
-    import cv2
-
     hues = (labels.astype(np.int64) * 47 % 180).astype(np.uint8)
     shown = np.where(labels > 0, 230, 0).astype(np.uint8)
     return cv2.cvtColor(np.stack([hues, np.full_like(hues, 170), shown], axis=-1), cv2.COLOR_HSV2RGB)

@@ -8,9 +8,9 @@ from typing import Any
 from vcage.assets.library import Library
 from vcage.errors import DamagedFile
 from vcage.files import RunFolder, sha256_file, write_bytes
-from vcage.geometry import Pose, world_aabb
+from vcage.geometry import Pose
 from vcage.pipeline.stage import Job
-from vcage.schema.base import PoseRecord, Provenance
+from vcage.schema.base import PoseRecord, Provenance, box_record
 from vcage.schema.scene import ObjectRecord, Scene
 from vcage.schema.subtasks import Goal, Grasp, Subtask, Subtasks
 from vcage.sim.robots import load_template
@@ -67,7 +67,6 @@ def _scene(values: dict[str, Any], provenance: Provenance) -> Scene:
 def _object(key: str, fields: tuple, library: Library) -> ObjectRecord:
     asset, variant, role, phrase, position, quaternion = fields
     pose = Pose(position, quaternion)
-    box = world_aabb(library.asset(asset, variant).bounds, pose)
     return ObjectRecord(
         id=key,
         asset=asset,
@@ -75,7 +74,7 @@ def _object(key: str, fields: tuple, library: Library) -> ObjectRecord:
         phrase=phrase,
         role=role,
         pose=PoseRecord.of(pose),
-        aabb=tuple(tuple(float(x) for x in corner) for corner in box),
+        aabb=box_record(library.asset(asset, variant).bounds, pose),
     )
 
 

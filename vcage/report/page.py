@@ -18,7 +18,7 @@ from vcage import __version__
 from vcage.dataset.reader import EpisodeReader
 from vcage.errors import MissingStage
 from vcage.files import RunFolder, recover, write_text
-from vcage.pipeline.collect import read_log
+from vcage.pipeline.gathering import read_log
 from vcage.pipeline.timings import read_timings
 from vcage.report.embed import picture_url, video_url
 from vcage.schema.base import StageDocument
@@ -60,13 +60,15 @@ def _context(run: RunFolder) -> dict[str, Any]:
         "compression": _read(run.compression, Compression),
         "export": _read(run.export, Export),
     }
+    rejections = _rejections(run) if episodes else []
     return {
         **documents,
         "version": __version__,
         "name": run.root.name,
         "pictures": _stage_pictures(run),
         "cards": [_episode_card(run, e) for e in episodes.episodes] if episodes else [],
-        "rejections": _rejections(run) if episodes else [],
+        "rejections": rejections,
+        "refused": [_verdict_card(run, a.verdict, a.subtask) for a in rejections if a.verdict],
         "timings": read_timings(run),
         "provenances": [d.provenance for d in documents.values() if d is not None],
         "refusals": _refusals(documents["subtasks"]),
@@ -108,12 +110,13 @@ def _refusals(subtasks: Subtasks | None) -> list[tuple[str, int]]:
 def _episode_card(run: RunFolder, episode: Episode) -> dict[str, Any]:
     path = run.root / episode.file if episode.file else None
     video = _preview(path, episode.fps) if path and path.is_file() else None
-    return {"episode": episode, "video": video, "verdicts": [_verdict_card(run, v) for v in episode.verdicts]}
+    judged = zip(episode.verdicts, episode.subtasks, strict=True)
+    return {"episode": episode, "video": video, "verdicts": [_verdict_card(run, v, s) for v, s in judged]}
 
 
-def _verdict_card(run: RunFolder, verdict: Verdict) -> dict[str, Any]:
+def _verdict_card(run: RunFolder, verdict: Verdict, subtask: str) -> dict[str, Any]:
     urls = [picture_url(run.episodes.parent / picture, max_width=480) for picture in verdict.pictures]
-    return {"verdict": verdict, "pictures": [url for url in urls if url]}
+    return {"verdict": verdict, "subtask": subtask, "pictures": [url for url in urls if url]}
 
 
 def _preview(path: Path, fps: float) -> str:

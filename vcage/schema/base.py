@@ -11,7 +11,7 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationErr
 from vcage import __version__
 from vcage.errors import SchemaMismatch
 from vcage.files import read_json, write_json
-from vcage.geometry import Camera, Pose
+from vcage.geometry import Camera, Pose, world_aabb
 
 Identifier = Annotated[str, Field(pattern=r"^[a-z0-9][a-z0-9_-]*$", max_length=80)]
 Finite = Annotated[float, Field(allow_inf_nan=False)]
@@ -54,6 +54,12 @@ class PoseRecord(Record):
 
     def pose(self) -> Pose:
         return Pose(self.position, self.quaternion)
+
+
+def box_record(bounds: np.ndarray, pose: Pose) -> Box:
+    """The axis-aligned world box of a local box (2, 3) at ``pose``."""
+    lower, upper = (tuple(float(x) for x in corner) for corner in world_aabb(bounds, pose))
+    return lower, upper
 
 
 class CameraRecord(Record):

@@ -107,11 +107,6 @@ class ArmKinematics:
         """Whether :meth:`ik` has a solution."""
         return self.ik(pose) is not None
 
-    def limit_margin(self, q: np.ndarray) -> float:
-        """Distance of the joint nearest to a limit from it, as a share of half its range: 0 at a limit, 1 midway."""
-        half = (self.upper - self.lower) / 2
-        return float(np.min(1 - np.abs(np.asarray(q) - (self.lower + half)) / half))
-
     def within_limits(self, q: np.ndarray) -> bool:
         """Whether all joints keep :data:`LIMIT_MARGIN` from their limits."""
         return bool(np.all(q >= self.lower + LIMIT_MARGIN) and np.all(q <= self.upper - LIMIT_MARGIN))

@@ -11,8 +11,6 @@ from vcage.geometry import Pose
 from vcage.sim.state import WorldState
 from vcage.sim.world import PHYSICS_HZ, World
 
-DEFAULT_FPS = 10
-
 
 @dataclass(frozen=True)
 class ArmFrame:

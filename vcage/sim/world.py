@@ -151,11 +151,6 @@ class World:
             self.scene.step()
             self.steps += 1
 
-    @property
-    def time(self) -> float:
-        """Simulated seconds since the world began."""
-        return self.steps / PHYSICS_HZ
-
     def settle(self, max_steps: int = 500) -> SettleReport:
         """Step until all objects are at rest, one falls, or ``max_steps`` are over."""
         before = self.object_poses()

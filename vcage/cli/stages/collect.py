@@ -14,20 +14,35 @@ import argparse
 
 from vcage.cli.output import Result
 from vcage.cli.stages.common import add_common, execute_stage, natural, positive
+from vcage.pipeline.settings import Settings
 
 
 def add_arguments(parser: argparse.ArgumentParser, *, run: bool = True) -> None:
     """Declare the options of ``vcage collect``."""
-    parser.add_argument("--episodes", type=positive, default=3, help="accepted episodes to collect (default: 3)")
+    parser.add_argument(
+        "--episodes",
+        type=positive,
+        default=Settings.episodes,
+        help="accepted episodes to collect (default: %(default)s)",
+    )
     parser.add_argument(
         "--on-failure",
         choices=["resample", "abort"],
-        default="resample",
+        default=Settings.on_failure,
         help="after a failed sub-task: try it again from the verified state before it, or give the episode up",
     )
-    parser.add_argument("--retries", type=natural, default=3, help="further attempts per sub-task (default: 3)")
     parser.add_argument(
-        "--fps", type=int, choices=[5, 10, 25, 50], default=10, help="frames per second of the recording (default: 10)"
+        "--retries",
+        type=natural,
+        default=Settings.retries,
+        help="further attempts per sub-task (default: %(default)s)",
+    )
+    parser.add_argument(
+        "--fps",
+        type=int,
+        choices=[5, 10, 25, 50],
+        default=Settings.fps,
+        help="frames per second of the recording (default: %(default)s)",
     )
     add_common(parser, run=run)
 

@@ -12,11 +12,10 @@ from pathlib import Path
 from vcage.cli.output import Result
 from vcage.cli.progress import progress
 from vcage.files import RunFolder
+from vcage.models.registry import CHOICES
 from vcage.pipeline.chain import STAGES, run_stage, stage_module
 from vcage.pipeline.settings import Settings
 from vcage.pipeline.workbench import Workbench
-
-MODELS = ["auto", "offline", "gemini", "openai", "openrouter"]
 
 SCRIPTS = dict(zip(STAGES, (name.replace("_", "-") for name in STAGES), strict=True))
 """Stage → its command."""
@@ -60,7 +59,7 @@ def add_common(parser: argparse.ArgumentParser, *, run: bool = True, models: boo
     parser.add_argument("--seed", type=natural, help="of every random choice (default: the run's, or 0)")
     if models:
         text = "which models answer (default: auto, that is gemini or openai with a key, else offline)"
-        parser.add_argument("--models", choices=MODELS, default="auto", help=text)
+        parser.add_argument("--models", choices=CHOICES, default=Settings.models, help=text)
     parser.add_argument("--force", action="store_true", help="make a finished stage again")
     parser.add_argument("--dry-run", action="store_true", help="say what would be done, and do nothing")
 

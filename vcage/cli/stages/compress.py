@@ -14,6 +14,7 @@ import argparse
 
 from vcage.cli.output import Result
 from vcage.cli.stages.common import add_common, execute_stage, number
+from vcage.pipeline.settings import Settings
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -21,9 +22,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--max-loss",
         type=number(0, 10),
-        default=0.1,
+        default=Settings.max_loss,
         metavar="JOD",
-        help="largest loss of a keyframe (default: 0.1)",
+        help="largest loss of a keyframe (default: %(default)s)",
     )
     add_common(parser, models=False)
 

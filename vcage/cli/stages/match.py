@@ -13,6 +13,7 @@ import argparse
 
 from vcage.cli.output import Result
 from vcage.cli.stages.common import add_common, execute_stage, number
+from vcage.pipeline.settings import Settings
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -20,9 +21,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--threshold",
         type=number(0, 1),
-        default=0.6,
+        default=Settings.threshold,
         metavar="τ",
-        help="smallest cosine similarity of a match (default: 0.6)",
+        help="smallest cosine similarity of a match (default: %(default)s)",
     )
     add_common(parser)
 

@@ -13,6 +13,7 @@ import argparse
 
 from vcage.cli.output import Result
 from vcage.cli.stages.common import add_common, execute_stage, natural, number
+from vcage.pipeline.settings import Settings
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -20,11 +21,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--margin",
         type=number(0, 0.5),
-        default=0.045,
+        default=Settings.margin,
         metavar="δ",
-        help="gap between two objects, metres (default: 0.045)",
+        help="gap between two objects, metres (default: %(default)s)",
     )
-    parser.add_argument("--restarts", type=natural, default=6, help="random restarts of the optimiser (default: 6)")
+    parser.add_argument(
+        "--restarts",
+        type=natural,
+        default=Settings.restarts,
+        help="random restarts of the optimiser (default: %(default)s)",
+    )
     add_common(parser, models=False)
 
 

@@ -14,6 +14,7 @@ from pathlib import Path
 
 from vcage.cli.output import Result
 from vcage.cli.stages.common import add_common, execute_stage
+from vcage.pipeline.settings import Settings
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -26,7 +27,9 @@ def add_own_arguments(parser: argparse.ArgumentParser) -> None:
     """What begins a run: the instruction, its folder, the scene."""
     parser.add_argument("instruction", help="the task in plain language, in quotes")
     parser.add_argument("--out", "--run", required=True, type=Path, metavar="DIR", help="the run folder to begin")
-    parser.add_argument("--scene", dest="template", default="table", help="the scene template (default: table)")
+    parser.add_argument(
+        "--scene", dest="template", default=Settings.template, help="the scene template (default: %(default)s)"
+    )
 
 
 def execute(args: argparse.Namespace) -> Result:
