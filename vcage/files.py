@@ -50,8 +50,7 @@ def cache_path(*parts: str) -> Path:
 def cache_dir(*parts: str) -> Path:
     """A folder of the user's cache (see :func:`cache_path`), made on demand."""
     path = cache_path(*parts)
-    with _disk_errors(path):
-        path.mkdir(parents=True, exist_ok=True)
+    _make_folder(path, "name a folder that can be written: export VCAGE_CACHE=/another/folder")
     return path
 
 
@@ -70,8 +69,11 @@ def sha256_file(path: Path) -> str:
 # --- atomic writes -------------------------------------------------------------------------------------
 
 
+ANOTHER_FOLDER = "give another --out, or make the folder writable"
+
+
 @contextlib.contextmanager
-def _disk_errors(path: Path) -> Iterator[None]:
+def _disk_errors(path: Path, hint: str = ANOTHER_FOLDER) -> Iterator[None]:
     """Turn the operating system's refusals to write into errors that name the way out."""
     try:
         yield
@@ -81,10 +83,17 @@ def _disk_errors(path: Path) -> Iterator[None]:
                 f"no space left to write {path}", hint="free some space and run the same command again"
             ) from error
         if error.errno in (errno.EACCES, errno.EPERM, errno.EROFS, errno.ENOTDIR, errno.EEXIST):
-            raise OutputFolderError(
-                f"cannot write {path}: {error.strerror}", hint="give another --out, or make the folder writable"
-            ) from error
+            raise OutputFolderError(f"cannot write {path}: {error.strerror}", hint=hint) from error
         raise
+
+
+def _make_folder(path: Path, hint: str = ANOTHER_FOLDER) -> None:
+    """Make a folder and those above it; where the system makes none (``/proc``), it calls them missing."""
+    with _disk_errors(path, hint):
+        try:
+            path.mkdir(parents=True, exist_ok=True)
+        except FileNotFoundError as error:
+            raise OutputFolderError(f"cannot make the folder {path}: {error.strerror}", hint=hint) from error
 
 
 @contextlib.contextmanager
@@ -233,8 +242,8 @@ class RunFolder:
             OutputFolderError: it cannot.
         """
         probe = self.root / f"probe{PARTIAL}{os.getpid()}"
+        _make_folder(self.root)
         with _disk_errors(self.root):
-            self.root.mkdir(parents=True, exist_ok=True)
             probe.touch()
             probe.unlink()
         return self

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from pathlib import Path
 from typing import NoReturn
 
 from vcage.errors import UsageError
@@ -21,3 +22,10 @@ class Parser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         raise UsageError(f"{self.prog}: {message}", hint=f"see: {self.prog} --help")
+
+
+def folder(text: str) -> Path:
+    """A folder's path, for ``type=`` of an option; an empty text would mean the working directory."""
+    if not text.strip():
+        raise argparse.ArgumentTypeError("the folder has no name")
+    return Path(text)

@@ -81,7 +81,7 @@ def gpu() -> Finding:
 
 
 def vulkan() -> Finding:
-    from vcage.sim.vulkan import ensure_driver, probe
+    from vcage.sim.vulkan import ICD_VARIABLE, ensure_driver, probe
 
     try:
         driver = ensure_driver()
@@ -90,9 +90,8 @@ def vulkan() -> Finding:
     result = probe()
     source = f"{driver.kind} driver {driver.icd or 'found by the loader'}"
     if not result.ok:
-        return Finding(
-            "Vulkan", False, f"{source} draws nothing: {result.message}", mend=_vcage("setup", "vulkan", "--force")
-        )
+        mend = f"unset {ICD_VARIABLE}" if driver.kind == "given" else _vcage("setup", "vulkan", "--force")
+        return Finding("Vulkan", False, f"{source} draws nothing: {result.message}", mend=mend)
     return Finding("Vulkan", True, f"{result.device}, {source}; drew a picture in {result.seconds:.1f} s")
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from vcage import __version__
 from vcage.cli.arguments import Parser
-from vcage.cli.output import Result, run_cli, stray_output_on_stderr
+from vcage.cli.output import Result, end_process, run_cli, stray_output_on_stderr
 from vcage.cli.progress import set_up_logging
 from vcage.errors import UnknownName, UsageError
 
@@ -36,13 +36,15 @@ and its docstring is the command's help."""
 def main(argv: list[str] | None = None) -> int:
     """Entry of the ``vcage`` command; returns the exit code."""
     arguments = sys.argv[1:] if argv is None else argv
-    return run_cli(lambda: _dispatch(arguments))
+    code = run_cli(lambda: _dispatch(arguments))
+    return end_process(code) if argv is None else code
 
 
 def script_main(command: str, argv: list[str] | None = None) -> int:
     """Entry of a script that is one sub-command; its help shows the script's own name."""
     arguments = sys.argv[1:] if argv is None else argv
-    return run_cli(lambda: _run(command, arguments, prog=Path(sys.argv[0]).name))
+    code = run_cli(lambda: _run(command, arguments, prog=Path(sys.argv[0]).name))
+    return end_process(code) if argv is None else code
 
 
 def _dispatch(arguments: list[str]) -> Result | None:

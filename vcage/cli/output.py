@@ -12,13 +12,16 @@ import errno
 import json
 import logging
 import os
+import signal
 import sys
+import threading
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
+from types import FrameType
 from typing import Any
 
-from vcage.errors import DiskFull, VcageError
+from vcage.errors import DiskFull, OutputFolderError, VcageError
 
 logger = logging.getLogger(__name__)
 
@@ -69,18 +72,20 @@ def run_cli(function: Callable[[], Result | None]) -> int:
         The exit code for ``sys.exit``.
     """
     try:
-        result = function()
+        with _noting_interrupts():
+            result = function()
     except VcageError as error:
         return _report_error(error)
-    except KeyboardInterrupt:
-        record = _error_record("interrupted", "interrupted", "run the same command again to go on", retryable=True)
-        return _report(record, INTERRUPTED, "interrupted")
+    except KeyboardInterrupt as error:
+        return _report_interruption(error)
     except OSError as error:
         if error.errno in (errno.ENOSPC, errno.EDQUOT):
             return _report_error(DiskFull(f"no space left: {error}", hint="free some space and run the command again"))
-        return _report_bug(error)
+        if error.errno == errno.ENAMETOOLONG:
+            return _report_error(OutputFolderError(f"too long a name: {error.filename}", hint="give a shorter --out"))
+        return _report_interruption(error) if _interrupted.is_set() else _report_bug(error)
     except Exception as error:
-        return _report_bug(error)
+        return _report_interruption(error) if _interrupted.is_set() else _report_bug(error)
     if result is None:
         return 0
     if result.text:
@@ -90,6 +95,57 @@ def run_cli(function: Callable[[], Result | None]) -> int:
 
 def _report_error(error: VcageError) -> int:
     return _report(Result(error=error).as_record(), error.exit_code, error.as_line())
+
+
+_interrupted = threading.Event()
+"""Set by Ctrl-C. Libraries in C that are being imported swallow the exception, or make another one of it."""
+
+
+@contextlib.contextmanager
+def _noting_interrupts() -> Iterator[None]:
+    """Note Ctrl-C besides raising :class:`KeyboardInterrupt`."""
+    before = signal.getsignal(signal.SIGINT)
+    _interrupted.clear()
+    if before is not signal.default_int_handler or threading.current_thread() is not threading.main_thread():
+        yield
+        return
+
+    def note(number: int, frame: FrameType | None) -> None:
+        _interrupted.set()
+        signal.default_int_handler(number, frame)
+
+    signal.signal(signal.SIGINT, note)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+def stop_if_interrupted() -> None:
+    """Raise :class:`KeyboardInterrupt` if there was a Ctrl-C that a library has swallowed."""
+    if _interrupted.is_set():
+        raise KeyboardInterrupt
+
+
+def end_process(code: int) -> int:
+    """The exit code for ``sys.exit``; after Ctrl-C it ends the process at once.
+
+    The simulator's tear-down crashes when it was stopped in the middle of its work.
+    """
+    if code == INTERRUPTED:
+        logging.shutdown()
+        os._exit(code)
+    return code
+
+
+_interruptions: list[BaseException] = []
+"""Kept until the process ends: to let go of one lets go of what it stopped, which crashes (:func:`end_process`)."""
+
+
+def _report_interruption(error: BaseException) -> int:
+    _interruptions.append(error)
+    record = _error_record("interrupted", "interrupted", "run the same command again to go on", retryable=True)
+    return _report(record, INTERRUPTED, "interrupted")
 
 
 def _report_bug(error: Exception) -> int:
@@ -110,8 +166,16 @@ def _report(record: dict[str, Any], code: int, complaint: str = "") -> int:
     if complaint:
         sys.stderr.write(f"vcage: error: {' '.join(complaint.split())}\n")
         sys.stderr.flush()
-    _print(json.dumps(record, ensure_ascii=False))
+    _print(json.dumps(record, ensure_ascii=not _can_print(json.dumps(record, ensure_ascii=False))))
     return code
+
+
+def _can_print(text: str) -> bool:
+    try:
+        text.encode(sys.stdout.encoding or "utf-8")
+    except UnicodeEncodeError:
+        return False
+    return True
 
 
 def _print(text: str) -> None:

@@ -7,15 +7,15 @@ examples:
 from __future__ import annotations
 
 import argparse
-from pathlib import Path
 
+from vcage.cli.arguments import folder
 from vcage.cli.output import Result
 from vcage.files import RunFolder
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options of ``vcage report``."""
-    parser.add_argument("--run", required=True, type=Path, metavar="DIR", help="the run folder")
+    parser.add_argument("--run", required=True, type=folder, metavar="DIR", help="the run folder")
 
 
 def execute(args: argparse.Namespace) -> Result:

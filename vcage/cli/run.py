@@ -14,7 +14,7 @@ import argparse
 import logging
 from dataclasses import replace
 
-from vcage.cli.output import Result
+from vcage.cli.output import Result, stop_if_interrupted
 from vcage.cli.progress import progress
 from vcage.cli.stages import collect, select_place
 from vcage.cli.stages.common import settings_of
@@ -48,6 +48,7 @@ def execute(args: argparse.Namespace) -> Result:
         return Result(output=run.root, summary={"would_run": list(STAGES)})
     facts = {}
     for number, stage in enumerate(STAGES, start=1):
+        stop_if_interrupted()
         logger.info("[%d/%d] %s", number, len(STAGES), stage)
         done = _run_stage(stage, run, settings, bench)
         facts[stage] = {"fresh": done.fresh, **stage_module(stage).summary(done.record)}

@@ -7,8 +7,8 @@ import inspect
 import sys
 from pathlib import Path
 
-from vcage.cli.arguments import Parser
-from vcage.cli.output import Result, run_cli, stray_output_on_stderr
+from vcage.cli.arguments import Parser, folder
+from vcage.cli.output import Result, end_process, run_cli, stray_output_on_stderr
 from vcage.cli.progress import set_up_logging
 from vcage.cli.stages import collect
 from vcage.cli.stages.common import execute_stage
@@ -16,7 +16,8 @@ from vcage.cli.stages.common import execute_stage
 
 def run_script(path: str, argv: list[str] | None = None) -> int:
     """Collect episodes of one sub-task script into a run folder of its own; returns the exit code."""
-    return run_cli(lambda: _run(Path(path).resolve(), sys.argv[1:] if argv is None else argv))
+    code = run_cli(lambda: _run(Path(path).resolve(), sys.argv[1:] if argv is None else argv))
+    return end_process(code) if argv is None else code
 
 
 def _run(path: Path, argv: list[str]) -> Result | None:
@@ -24,7 +25,7 @@ def _run(path: Path, argv: list[str]) -> Result | None:
 
     script = load_script(path)
     parser = Parser(path.name, f"{script.values['TEXT']}\n\n{inspect.cleandoc(collect.__doc__ or '').splitlines()[0]}")
-    parser.add_argument("--out", required=True, type=Path, metavar="DIR", help="the run folder")
+    parser.add_argument("--out", required=True, type=folder, metavar="DIR", help="the run folder")
     collect.add_arguments(parser, run=False)
     parser.add_argument("-v", "--verbose", action="store_true", help="say more on stderr")
     try:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import unicodedata
 from pathlib import Path
 from typing import Any
 
@@ -28,6 +29,9 @@ from vcage.sim.world import World
 YAWS = tuple(np.radians(range(-180, 180, 15)))
 """Headings that an object may take at first, radians."""
 
+LONGEST_INSTRUCTION = 1000
+"""Characters."""
+
 TRIES = 5
 """Placements that are drawn before a scene whose objects do not stay put is given up."""
 
@@ -36,11 +40,21 @@ def job(run: RunFolder, settings: Settings, bench: Workbench) -> Job:
     """What the stage has to do.
 
     Raises:
-        UsageError: there is no instruction.
+        UsageError: there is no instruction, or it is too long or no text.
     """
     instruction = " ".join((settings.instruction or "").split())
     if not instruction:
         raise UsageError("the instruction is empty", hint='give it in quotes: "Put the blocks on the plate"')
+    if len(instruction) > LONGEST_INSTRUCTION:
+        raise UsageError(
+            f"the instruction has {len(instruction)} characters, at most {LONGEST_INSTRUCTION} are read",
+            hint="make a run of each part",
+        )
+    if any(unicodedata.category(c) in ("Cc", "Cs") for c in instruction):
+        raise UsageError(
+            f"the instruction {instruction!r} holds what is no text",
+            hint="write it in UTF-8, without control characters",
+        )
     return Job(
         run=run,
         output=run.scene,

@@ -7,6 +7,7 @@ so that nothing of an earlier run is lost by accident.
 
 from __future__ import annotations
 
+import contextlib
 import logging
 import zlib
 from collections.abc import Callable, Sequence
@@ -16,7 +17,7 @@ from typing import Any, Generic, TypeVar
 
 import numpy as np
 
-from vcage.errors import InputFileError, MissingStage, StaleStage
+from vcage.errors import InputFileError, MissingStage, OutputFolderError, StaleStage
 from vcage.files import RunFolder, atomic_folder, recover, sha256_file
 from vcage.schema.base import Provenance, StageDocument
 from vcage.schema.scene import Scene
@@ -102,9 +103,13 @@ class Job:
         Raises:
             StaleStage: the stage is finished, but from other inputs or options, and ``force`` is not set.
             InputFileError: what it left cannot be read, and ``force`` is not set.
+            OutputFolderError: its folder holds files, but no stage made it, and ``force`` is not set.
         """
         recover(self.output.parent)
-        if force or not self.output.exists():
+        if force:
+            return None
+        if not self.output.exists():
+            self._refuse_foreign_files()
             return None
         try:
             record = document.read(self.output)
@@ -121,6 +126,15 @@ class Job:
             details={"changed": changed},
         )
 
+    def _refuse_foreign_files(self) -> None:
+        folder = self.output.parent
+        if not folder.exists() or (folder.is_dir() and not any(folder.iterdir())):
+            return
+        raise OutputFolderError(
+            f"{folder} is in the way: {self.stage} would replace it, and did not make it",
+            hint="give another run folder, move it away, or add --force to replace it",
+        )
+
     def do(self, document: type[D], make: Callable[[Path, Provenance], D], *, force: bool = False) -> StageResult[D]:
         """Run ``make(folder, provenance)`` unless the stage is finished; its folder appears whole or not at all."""
         provenance = self.provenance()
@@ -128,10 +142,16 @@ class Job:
         if done is not None:
             log.info("%s: finished before, nothing to do", self.stage)
             return done
+        begun = self.run.root.exists()
         self.run.make()
-        with atomic_folder(self.output.parent) as folder:
-            record = make(folder, provenance)
-            record.write(folder / self.output.name)
+        try:
+            with atomic_folder(self.output.parent) as folder:
+                record = make(folder, provenance)
+                record.write(folder / self.output.name)
+        finally:
+            if not begun:
+                with contextlib.suppress(OSError):  # not empty: the stage is done
+                    self.run.root.rmdir()
         return StageResult(record, self.output, fresh=True)
 
     def inside(self, name: str) -> str:

@@ -19,7 +19,7 @@ from vcage.schema.subtasks import ChainOption, Check, Goal, Grasp, PairAnswer, P
 from vcage.sim.kinematics import ArmKinematics
 from vcage.subtasks.feasibility import Candidate, Finding, examine, fits
 from vcage.subtasks.objects import SceneObject
-from vcage.subtasks.slots import allocate
+from vcage.subtasks.slots import GAP, allocate
 
 TEMPLATE = "pick_and_place"
 
@@ -135,11 +135,11 @@ def _examine_pair(
 ) -> tuple[Subtask | None, list[Refusal]]:
     """The sub-task of a sensible pair, and a refusal for each contact point that no arm can use."""
     others = [o for o in objects if o.id not in (pair.target.id, pair.receptacle.id)]
+    present = _inside(pair.receptacle, others)
     try:
-        present = _inside(pair.receptacle, others)
         slot = allocate(pair.receptacle, pair.point.id, [pair.target], rng, present)[pair.target.id]
     except InfeasibleScene as error:
-        return None, [pair.refusal(error.message)]
+        return None, [pair.refusal(_no_room(pair, present, error))]
     findings: list[Finding] = []
     refused = []
     for contact in pair.target.asset.annotation.contact_points:
@@ -150,6 +150,14 @@ def _examine_pair(
         else:
             refused.append(pair.refusal(finding.reason, contact.id, finding.checks))
     return (_subtask(pair, answer, findings) if findings else None), refused
+
+
+def _no_room(pair: _Pair, present: Sequence[SceneObject], error: InfeasibleScene) -> str:
+    """Why the object, which would fit if it were alone and exact, gets no place."""
+    if present:
+        return error.message
+    fit = fits(pair.target, pair.receptacle, pair.point)
+    return f"{fit.message} with less than {GAP * 1000:.0f} mm to spare on each side"
 
 
 def _subtask(pair: _Pair, answer: PairAnswer, findings: Sequence[Finding]) -> Subtask:
@@ -204,8 +212,9 @@ def compose(
     if not chain or missing:
         reasons = [r.reason for o in missing for r in refused if r.object == o.id and r.receptacle in goals]
         named = ", ".join(o.record.phrase for o in missing) or "any object"
+        why = "; ".join(reasons[:3]) or ("none was kept" if goals else "it names no place that holds things")
         raise NoFeasibleTask(
-            f"no feasible sub-task moves {named} as {instruction!r} asks: {'; '.join(reasons[:3]) or 'none was kept'}",
+            f"no feasible sub-task moves {named} as {instruction!r} asks: {why}",
             hint="another --seed gives another layout; another instruction other objects",
             details={"missing": [o.id for o in missing], "reasons": reasons},
         )

@@ -9,6 +9,7 @@ from collections.abc import Callable
 from dataclasses import fields
 from pathlib import Path
 
+from vcage.cli.arguments import folder
 from vcage.cli.output import Result
 from vcage.cli.progress import progress
 from vcage.files import RunFolder
@@ -21,9 +22,13 @@ SCRIPTS = dict(zip(STAGES, (name.replace("_", "-") for name in STAGES), strict=T
 """Stage → its command."""
 
 
+MOST = 2**63 - 1
+"""The largest whole number that the files can hold."""
+
+
 def positive(text: str) -> int:
     """An integer above 0, for ``type=`` of an option."""
-    value = int(text)
+    value = _whole(text)
     if value < 1:
         raise argparse.ArgumentTypeError(f"{text} is not a positive number")
     return value
@@ -31,9 +36,19 @@ def positive(text: str) -> int:
 
 def natural(text: str) -> int:
     """An integer of 0 or more, for ``type=`` of an option."""
-    value = int(text)
+    value = _whole(text)
     if value < 0:
         raise argparse.ArgumentTypeError(f"{text} is negative")
+    return value
+
+
+def _whole(text: str) -> int:
+    try:
+        value = int(text)
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a whole number") from error
+    if abs(value) > MOST:
+        raise argparse.ArgumentTypeError(f"{text} is too large; at most {MOST}")
     return value
 
 
@@ -55,7 +70,7 @@ def number(lower: float, upper: float) -> Callable[[str], float]:
 def add_common(parser: argparse.ArgumentParser, *, run: bool = True, models: bool = True) -> None:
     """Options that mean the same in every stage."""
     if run:
-        parser.add_argument("--run", required=True, type=Path, metavar="DIR", help="the run folder")
+        parser.add_argument("--run", required=True, type=folder, metavar="DIR", help="the run folder")
     parser.add_argument("--seed", type=natural, help="of every random choice (default: the run's, or 0)")
     if models:
         text = "which models answer (default: auto, that is gemini or openai with a key, else offline)"

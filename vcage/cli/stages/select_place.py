@@ -10,8 +10,8 @@ examples:
 from __future__ import annotations
 
 import argparse
-from pathlib import Path
 
+from vcage.cli.arguments import folder
 from vcage.cli.output import Result
 from vcage.cli.stages.common import add_common, execute_stage
 from vcage.pipeline.settings import Settings
@@ -26,7 +26,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def add_own_arguments(parser: argparse.ArgumentParser) -> None:
     """What begins a run: the instruction, its folder, the scene."""
     parser.add_argument("instruction", help="the task in plain language, in quotes")
-    parser.add_argument("--out", "--run", required=True, type=Path, metavar="DIR", help="the run folder to begin")
+    parser.add_argument("--out", "--run", required=True, type=folder, metavar="DIR", help="the run folder to begin")
     parser.add_argument(
         "--scene", dest="template", default=Settings.template, help="the scene template (default: %(default)s)"
     )

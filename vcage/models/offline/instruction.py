@@ -59,10 +59,9 @@ def parse_phrase(text: str) -> Phrase | None:
     counted = False
     content = []
     for word in words:
-        if word in NUMBERS:
-            count, counted = NUMBERS[word], True
-        elif word.isdigit():
-            count, counted = int(word), True
+        if word in NUMBERS or word.isdigit():
+            value = int(word) if word.isdigit() else NUMBERS[word]
+            count, counted = _with_number(count if counted else None, value), True
         else:
             content.append(word)
     if not content:
@@ -75,6 +74,15 @@ def parse_phrase(text: str) -> Phrase | None:
     colours = [word for word in content[:-1] if word in COLOURS]
     kept = [lemma(word) for word in content[:-1] if word not in COLOURS] + [lemma(head)]
     return Phrase(" ".join(content), tuple(kept), colour_of(colours[0]) if colours else None, count)
+
+
+def _with_number(before: int | None, value: int | None) -> int | None:
+    """The number that two words name: 'two dozen', 'twenty-five', 'a hundred'; else the latter rules."""
+    if not before or not value:
+        return value
+    if value in (12, 100, 1000):
+        return before * value
+    return before + value if value < 10 and before % 10 == 0 and before >= 20 else value
 
 
 def _phrases(text: str) -> tuple[Phrase, ...]:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vcage.errors import NoAssetFits
+from vcage.errors import InfeasibleScene, NoAssetFits
 from vcage.models.offline.instruction import SEVERAL, Phrase, Request, parse_instruction
 from vcage.models.offline.words import (
     COLOURS,
@@ -26,6 +26,9 @@ from vcage.schema.plan import SelectedAsset, Selection
 
 MIN_SCORE = 0.4
 """Below this a name does not answer a phrase."""
+
+MOST_OBJECTS = 40
+"""Things that one phrase may ask for; no table holds more."""
 
 CONTEXT_OBJECTS = 2
 CONTEXT_FOOTPRINT = 0.03
@@ -127,8 +130,10 @@ class Selector:
 
         Raises:
             NoAssetFits: a phrase of the instruction matches nothing; names it and the nearest names.
+            InfeasibleScene: it asks for none of a thing, or for more than any table holds.
         """
         self._require_matches()
+        self._require_counts()
         contents = [p for request in self.requests for p in request.contents]
         places = [request.receptacle for request in self.requests if request.receptacle is not None]
         chosen: list[SelectedAsset] = []
@@ -162,7 +167,11 @@ class Selector:
         found = [c for c in candidates(phrase, self.catalogue) if c.entry.name not in taken]
         found = [c for c in found if _variants(c.entry, phrase)]
         if not found:
-            raise self._no_asset([phrase])
+            raise NoAssetFits(
+                f"{phrase.text!r} would go to a place that is the same thing: {', '.join(sorted(taken))}",
+                hint="name another place for it",
+                details={"unmatched": [phrase.text]},
+            )
         best = occasion.best(found)
         kinds = [c.entry for c in found if c.kind or c.entry is best.entry]
         several = phrase.count is None or phrase.count > 1
@@ -235,6 +244,14 @@ class Selector:
         missing = [p for p in phrases if not any(_variants(c.entry, p) for c in candidates(p, self.catalogue))]
         if missing:
             raise self._no_asset(missing)
+
+    def _require_counts(self) -> None:
+        for phrase in (p for request in self.requests for p in request.contents):
+            if phrase.count is not None and not 0 < phrase.count <= MOST_OBJECTS:
+                raise InfeasibleScene(
+                    f"the instruction asks for {phrase.count} × {phrase.text!r}",
+                    hint=f"ask for 1 to {MOST_OBJECTS} of them",
+                )
 
     def _no_asset(self, phrases: Sequence[Phrase]) -> NoAssetFits:
         names = {entry.words.name for entry in self.catalogue}
