@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import os
+from pathlib import Path
 
 import pytest
 
@@ -83,3 +84,18 @@ def test_cache_dir_follows_the_environment(tmp_path, monkeypatch):
 def test_records_name_files_relative_to_the_run(tmp_path):
     run = files.RunFolder(tmp_path)
     assert run.relative(run.scene) == "place/scene.json"
+
+
+@pytest.mark.skipif(not Path("/proc/self").is_dir(), reason="no /proc")
+def test_where_the_system_makes_no_folder_another_is_asked_for():
+    with pytest.raises(OutputFolderError, match="/proc/vcage") as caught:
+        files.RunFolder("/proc/vcage").make()
+    assert "--out" in caught.value.hint
+
+
+def test_a_cache_that_cannot_be_made_names_its_variable(tmp_path, monkeypatch):
+    (tmp_path / "file").touch()
+    monkeypatch.setenv("VCAGE_CACHE", str(tmp_path / "file" / "cache"))
+    with pytest.raises(OutputFolderError) as caught:
+        files.cache_dir("assets")
+    assert "VCAGE_CACHE" in caught.value.hint

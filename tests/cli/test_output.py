@@ -99,3 +99,34 @@ def test_a_reader_that_goes_away_is_no_error() -> None:
     done = subprocess.run(["bash", "-c", command], capture_output=True, text=True)
     assert done.stdout.splitlines()[:2] == ["x", "0"]
     assert "BrokenPipe" not in done.stdout
+
+
+INTERRUPTED = """
+import os, signal, sys
+from vcage.cli.output import end_process, run_cli
+class Fragile:
+    def __del__(self):
+        os.abort()
+def work():
+    fragile = Fragile()
+    try:
+        os.kill(os.getpid(), signal.SIGINT)
+    except KeyboardInterrupt as error:
+        if len(sys.argv) > 1:
+            raise ImportError("made of it by a library") from error
+        raise
+sys.exit(end_process(run_cli(work)))
+"""
+
+
+@pytest.mark.parametrize("otherwise", [[], ["import-error"]])
+def test_ctrl_c_ends_the_process_before_what_it_stopped_is_torn_down(otherwise: list[str]) -> None:
+    done = subprocess.run([sys.executable, "-c", INTERRUPTED, *otherwise], capture_output=True, text=True)
+    assert done.returncode == 130
+    assert last_line(done.stdout)["error"]["code"] == "interrupted"
+
+
+def test_too_long_a_name_is_no_bug(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run_cli(raising(OSError(errno.ENAMETOOLONG, os.strerror(errno.ENAMETOOLONG), "n" * 300))) == 2
+    out, _ = capsys.readouterr()
+    assert last_line(out)["error"]["code"] == "output_not_writable"

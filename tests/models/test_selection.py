@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from tests.models.catalogue import CATALOGUE
-from vcage.errors import NoAssetFits
+from vcage.errors import InfeasibleScene, NoAssetFits
 from vcage.models.offline.reasoner import OfflineReasoner
 from vcage.schema.plan import SelectedAsset
 
@@ -83,3 +83,21 @@ def test_the_same_seed_gives_the_same_selection_whatever_the_catalogues_order() 
         "Put the bread into the bread box", CATALOGUE[::-1], np.random.default_rng(5)
     )
     assert backwards.objects == select("Put the bread into the bread box", 5)
+
+
+@pytest.mark.parametrize(
+    ("number", "count"), [("twelve", 12), ("a dozen", 12), ("two dozen", 24), ("twenty-five", 25), ("12", 12)]
+)
+def test_large_numbers_are_read(number: str, count: int) -> None:
+    assert assets(f"Put {number} blocks on the plate", "content") == ["block"] * count
+
+
+@pytest.mark.parametrize("number", ["0", "no", "a hundred", "99999999999"])
+def test_a_number_that_no_table_holds_is_refused(number: str) -> None:
+    with pytest.raises(InfeasibleScene, match="'blocks'"):
+        select(f"Put {number} blocks on the plate")
+
+
+def test_a_thing_on_its_own_like_is_refused_in_clear_words() -> None:
+    with pytest.raises(NoAssetFits, match="same thing: block"):
+        select("Put the red block on the blue block")

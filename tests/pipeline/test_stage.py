@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from vcage.errors import DamagedFile, MissingStage, StaleStage
+from vcage.errors import DamagedFile, MissingStage, OutputFolderError, StaleStage
 from vcage.files import RunFolder, write_text
 from vcage.pipeline.stage import Job
 from vcage.schema.export import Export
@@ -79,3 +79,18 @@ def test_a_damaged_output_asks_for_force(run):
     with pytest.raises(DamagedFile) as caught:
         job(run).do(Export, make)
     assert "--force" in caught.value.hint
+
+
+def test_files_that_no_stage_made_are_left_alone_unless_forced(run):
+    mine = write_text(run.export.parent / "mine.txt", "mine")
+    with pytest.raises(OutputFolderError, match="in the way") as caught:
+        job(run).do(Export, make)
+    assert mine.read_text() == "mine"
+    assert "--force" in caught.value.hint
+    assert job(run).do(Export, make, force=True).fresh
+
+
+def test_a_stage_that_fails_leaves_no_empty_run_folder(run):
+    with pytest.raises(RuntimeError):
+        Job(run=run, output=run.scene).do(Export, lambda *_: (_ for _ in ()).throw(RuntimeError()))
+    assert not run.root.exists()

@@ -153,11 +153,11 @@ def _examine_pair(
 
 
 def _no_room(pair: _Pair, present: Sequence[SceneObject], error: InfeasibleScene) -> str:
-    """Why the object, which would fit if it were alone and exact, gets no place."""
+    """Why the object, which fits by its size alone, gets no place."""
     if present:
         return error.message
     fit = fits(pair.target, pair.receptacle, pair.point)
-    return f"{fit.message} with less than {GAP * 1000:.0f} mm to spare on each side"
+    return f"{fit.message}, but with less than the {GAP * 1000:.0f} mm on each side that the robot needs"
 
 
 def _subtask(pair: _Pair, answer: PairAnswer, findings: Sequence[Finding]) -> Subtask:
