@@ -14,7 +14,7 @@ from vcage.geometry import Pose, world_aabb
 from vcage.igsc.place import PlaceItem, place
 from vcage.subtasks.objects import SceneObject
 
-GAP = 0.008
+GAP = 0.006
 """Metres kept between contents, and between contents and wall."""
 
 
