@@ -1,6 +1,6 @@
 """The machine's own package sources, read for apt-get calls that touch nothing outside one folder.
 
-Formats: https://manpages.debian.org/bookworm/apt/sources.list.5.en.html
+Formats: the manual page sources.list(5) of apt.
 """
 
 from __future__ import annotations
