@@ -122,3 +122,20 @@ def test_there_is_no_room_inside_from_above_under_a_roof() -> None:
 def test_without_a_roof_there_is_no_room_under_it() -> None:
     with pytest.raises(ValueError, match="nothing is over"):
         room_under_roof(_oven()[:1], (0, 0, 0.02))
+
+
+def test_a_handle_over_a_tray_does_not_make_its_walls_lower() -> None:
+    tray = pieces.tray((0.2, 0.1), 0.01, 0.005, 0.04)
+    handle = _box((-0.11, -0.005, 0.09), (0.11, 0.005, 0.1))
+    opening = room_inside([*_convex(tray), handle], (0, 0.02, 0.005))
+    assert opening.size[0] == pytest.approx(0.2, abs=0.002)
+    assert opening.rim == pytest.approx(0.1)
+
+
+def test_what_stands_between_sloping_walls_has_less_room_than_what_is_let_go_there() -> None:
+    floor = pieces.stack([(0.05, 0), (0.05, 0.005)])
+    wall = pieces.ring([(0.02, 0.005), (0.05, 0.005), (0.05, 0.05), (0.045, 0.05)])
+    bowl = _convex([floor, *wall])
+    standing, dropped = (room_inside(bowl, (0, 0, 0.005), standing=flag) for flag in (True, False))
+    assert standing.size[0] < dropped.size[0] - 0.01
+    assert (standing.floor, standing.rim) == (dropped.floor, dropped.rim)

@@ -79,3 +79,18 @@ def test_samples_are_spread_by_area():
     rng = np.random.default_rng(0)
     left = np.mean([region.sample(rng)[0] < 0 for _ in range(1000)])
     assert 0.70 < left < 0.80
+
+
+def test_the_centre_lies_in_every_union_that_is_given():
+    region = free_region(
+        BOUNDS, [0, 0], allowed=[[[0, 0], [0.2, 0.2]]], also=[[[[0.1, -1], [1, 1]]], [[[-1, -1], [1, 0.05]]]]
+    )
+    assert region.area == pytest.approx(0.1 * 0.05)
+    assert free_region(BOUNDS, [0, 0], also=[[[[0, 0], [1, 1]]], []]).is_empty
+
+
+def test_many_samples_are_like_one_by_one():
+    region = free_region(BOUNDS, [0.01, 0.01], boxes(np.random.default_rng(0), 5), 0.01)
+    for point in region.samples(np.random.default_rng(1), 50):
+        assert np.abs(nearest_in_rectangles(point, region.rectangles()) - point).max() < 1e-12
+    assert region.samples(np.random.default_rng(1), 0).shape == (0, 2)

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
@@ -123,9 +124,84 @@ def test_clearance_keeps_others_away():
         [PlaceItem("a", (np.nan, 0.1))],
         [PlaceItem("a", (0.1, 0.1), yaws=())],
         [PlaceItem("a", (0.1, 0.1), yaws=(np.inf,))],
+        [PlaceItem("a", (-0.1, 0.1))],
+        [PlaceItem("a", (0.1, 0.1, 0.1))],
+        [PlaceItem("a", ("wide", 0.1))],
+        [PlaceItem("a", (0.1, 0.1), clearance=np.nan)],
+        [PlaceItem("a", (0.1, 0.1), clearance=-0.1)],
+        [PlaceItem("a", (0.1, 0.1), allowed=[[[0, 0], [np.nan, 1]]])],
+        [PlaceItem("a", (0.1, 0.1), within=[[[1, 1], [0, 0]]])],
+        [PlaceItem("a", (0.1, 0.1), allowed=[1, 2, 3])],
     ],
-    ids=["id twice", "no width", "nan", "no yaw", "infinite yaw"],
+    ids=[
+        "id twice",
+        "no width",
+        "nan",
+        "no yaw",
+        "infinite yaw",
+        "negative width",
+        "three sizes",
+        "text",
+        "nan clearance",
+        "negative clearance",
+        "nan reach",
+        "inverted view",
+        "no rectangles",
+    ],
 )
 def test_items_that_make_no_sense_are_refused(items):
     with pytest.raises(UsageError, match="a"):
         place(items, WORKSPACE, np.random.default_rng(0))
+
+
+@pytest.mark.parametrize(
+    ("changed", "message"),
+    [
+        ({"workspace": WORKSPACE[::-1]}, "inverted: the workspace"),
+        ({"workspace": WORKSPACE * np.nan}, "not finite: the workspace"),
+        ({"workspace": [[0, 0], [1, 0]]}, "no inside"),
+        ({"workspace": [0, 1, 2]}, "no rectangles"),
+        ({"margin": -0.01}, "margin"),
+        ({"margin": np.nan}, "margin"),
+        ({"obstacles": [[[0, 0], [np.nan, 1]]]}, "not finite: the obstacles"),
+        ({"obstacles": [[[1, 1], [0, 0]]]}, "inverted: the obstacles"),
+    ],
+)
+def test_a_room_that_makes_no_sense_is_refused(changed, message):
+    with pytest.raises(UsageError, match=message):
+        place([PlaceItem("a", (0.1, 0.1))], **{"workspace": WORKSPACE, "rng": np.random.default_rng(0), **changed})
+
+
+def test_no_items_have_no_places():
+    assert place([], WORKSPACE, np.random.default_rng(0)) == {}
+
+
+def test_a_thousand_obstacles_are_kept_clear_of():
+    rng = np.random.default_rng(0)
+    lower = rng.uniform(*WORKSPACE, (1000, 2))
+    obstacles = np.stack([lower, lower + 0.002], axis=1)
+    items = [PlaceItem(f"o{k}", (0.02, 0.01), YAWS) for k in range(3)]
+    for box in true_boxes(items, place(items, WORKSPACE, rng, margin=0.002, obstacles=obstacles)).values():
+        assert not any(boxes_overlap(box, obstacle, 0.002 - 1e-7) for obstacle in obstacles)
+
+
+@settings(max_examples=30, deadline=None)
+@given(seed=st.integers(0, 2**32 - 1))
+def test_the_whole_footprint_stays_within_what_is_seen(seed):
+    rng = np.random.default_rng(seed)
+    within = np.array([[[-0.4, -0.25], [0.1, 0.1]], [[-0.2, -0.25], [0.1, 0.28]]])
+    items = [replace(item, within=within) for item in random_items(rng, 4)]
+    for box in true_boxes(items, place(items, WORKSPACE, rng)).values():
+        assert np.any(np.all((within[:, 0] <= box[0] + 1e-7) & (box[1] - 1e-7 <= within[:, 1]), axis=1))
+
+
+@pytest.mark.parametrize("count", [20, 40])
+def test_many_objects_at_any_heading_find_places_on_a_full_table(count: int):
+    rng = np.random.default_rng(count)
+    yaws = tuple(np.radians(range(-180, 180, 15)))
+    items = [PlaceItem(f"o{k}", tuple(rng.uniform(0.03, 0.2, 2)), yaws) for k in range(count)]
+    filled = sum(np.prod(item.size) for item in items)
+    half = np.sqrt(filled / 0.6) / 2 * np.array([np.sqrt(2), np.sqrt(0.5)])
+    boxes = true_boxes(items, place(items, np.stack([-half, half]), rng, margin=0.01))
+    for a, b in combinations(boxes.values(), 2):
+        assert not boxes_overlap(a, b, 0.01 - 1e-7)

@@ -3,7 +3,7 @@ from __future__ import annotations
 import pytest
 
 from vcage.igsc.select import name_objects, validate_selection
-from vcage.schema.asset import CatalogueEntry, Variant, Words
+from vcage.schema.asset import CatalogueEntry, FunctionalPoint, Variant, Words
 from vcage.schema.plan import SelectedAsset, Selection
 
 
@@ -59,3 +59,34 @@ def test_ids_have_the_variant_and_phrases_the_colour_where_there_are_several(cho
 def test_duplicates_get_numbers():
     named = name_objects(selection(*[("marker", "red")] * 3), ENTRIES)
     assert [n.id for n in named] == ["marker_red", "marker_red_2", "marker_red_3"]
+
+
+def holding(name: str, link: str | None = None) -> CatalogueEntry:
+    point = FunctionalPoint(id=0, name="inside", holds="in", position=(0, 0, 0.01), link=link)
+    return entry(name, name, plain="grey").model_copy(update={"functional_points": [point]})
+
+
+def starting_in(container: str) -> Selection:
+    return Selection(
+        objects=[
+            SelectedAsset(asset="stapler", variant="plain", role="content", starts_in=container),
+            SelectedAsset(asset=container, variant="plain", role="context"),
+        ]
+    )
+
+
+def test_what_starts_in_a_container_names_that_object_of_the_scene():
+    named = name_objects(starting_in("tray"), [*ENTRIES, holding("tray")])
+    assert [o.starts_in for o in named] == ["tray", None]
+
+
+def test_what_starts_in_something_without_room_is_complained_about():
+    entries = [*ENTRIES, entry("plank", "plank", plain="brown")]
+    assert validate_selection(starting_in("plank"), entries) == [
+        "stapler cannot start in or on plank, which has no room for things"
+    ]
+
+
+def test_nothing_starts_in_a_drawer_because_drawers_are_closed():
+    entries = [*ENTRIES, holding("cabinet", link="drawer")]
+    assert len(validate_selection(starting_in("cabinet"), entries)) == 1

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from vcage.assets.library import Library
+from vcage.assets.openings import Opening
 from vcage.geometry import Pose, world_aabb
 from vcage.igsc.place import PlaceItem, Placement, place
 from vcage.igsc.standing import ANY_YAW, FRONT_YAWS, standing
@@ -55,3 +56,11 @@ def test_every_object_finds_a_place_on_the_table_alone() -> None:
         room = standing(library.asset(name))
         item = PlaceItem(name, tuple(room.size), tuple(room.yaws))
         assert place([item], workspace, np.random.default_rng(0))[name]
+
+
+def test_an_opening_is_told_from_the_middle_of_the_rectangle(cabinet) -> None:
+    room, spot = standing(cabinet), Placement(0.1, 0.05, 0.4)
+    opening = room.local(Opening((0.02, 0.03), (0.1, 0.1), 0.2, 0.3))
+    in_world = Pose.from_yaw([spot.x, spot.y, 0.0], spot.yaw).apply([*opening.centre, 0.0])
+    np.testing.assert_allclose(in_world, room.pose(spot, 0.0).apply([0.02, 0.03, 0.0]), atol=1e-12)
+    assert (opening.size, opening.floor) == ((0.1, 0.1), 0.2)

@@ -95,8 +95,11 @@ class Asset:
         """How far apart the fingers are that close at a contact point, metres; 0 where they would meet nothing."""
         return openings.grasped_width(self.pieces_of(contact.link), contact.position, contact.closing)
 
-    def opening(self, point: FunctionalPoint) -> Opening:
+    def opening(self, point: FunctionalPoint, *, standing: bool = False) -> Opening:
         """The room at a functional point, in the frame of the part that it belongs to; other parts are out of the way.
+
+        Args:
+            standing: the room of what stands there as a box, which is smaller between sloping walls.
 
         Raises:
             ValueError: there is none: the point lies inside the material, or over nothing.
@@ -105,5 +108,5 @@ class Asset:
         if point.holds == "in" and point.sideways:
             return openings.room_under_roof(pieces, point.position)
         if point.holds == "in":
-            return openings.room_inside(pieces, point.position)
+            return openings.room_inside(pieces, point.position, standing=standing)
         return openings.surface_on_top(pieces, point.position)

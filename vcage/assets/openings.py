@@ -24,7 +24,12 @@ TOUCH = 0.001
 """A contact point this close to the surface counts as in the material, metres."""
 
 WALL_SHARE = 0.5
-"""Sloping walls count from this share of the depth on: what lies in a bowl does not need the bowl's flat bottom."""
+WALL_HEIGHT = 0.02
+"""Sloping walls count from this share of the depth on, at most from this height: what is dropped into a bowl does not
+need the bowl's flat bottom, but a handle over a tray does not make its walls lower."""
+
+FOOT = 0.003
+"""Height above the floor, metres, from which walls count for what stands in a container with a flat bottom."""
 
 
 @dataclass(frozen=True)
@@ -74,11 +79,16 @@ def material_along(pieces: Sequence[Convex], point: ArrayLike, axis: ArrayLike) 
     return joined
 
 
-def room_inside(pieces: Sequence[Convex], point: Sequence[float]) -> Opening:
-    """The largest free rectangle around ``point`` between the walls above its height."""
+def room_inside(pieces: Sequence[Convex], point: Sequence[float], *, standing: bool = False) -> Opening:
+    """The largest free rectangle around ``point`` between the walls above its height.
+
+    Args:
+        standing: the room of what stands on the floor as a box does; otherwise of what is let go there.
+    """
     floor = _support_height(pieces, point)
     rim = max(float(piece.vertices[:, 2].max()) for piece in pieces)
-    blocked = _grid(pieces, floor + max(SKIN, WALL_SHARE * (rim - floor)), np.inf)
+    from_height = FOOT if standing else min(WALL_SHARE * (rim - floor), WALL_HEIGHT)
+    blocked = _grid(pieces, floor + max(SKIN, from_height), np.inf)
     return _opening(~blocked, pieces, point, floor, rim)
 
 

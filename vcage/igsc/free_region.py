@@ -8,7 +8,7 @@ their edges every cell is free or blocked as a whole, so it is computed without 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -57,12 +57,18 @@ class FreeRegion:
         Raises:
             ValueError: the region is empty.
         """
+        return self.samples(rng, 1)[0]
+
+    def samples(self, rng: np.random.Generator, count: int) -> np.ndarray:
+        """(count, 2) points drawn uniformly by area; raises as :meth:`sample`."""
         if self.is_empty:
             raise ValueError("an empty region has no points")
         heaped = np.cumsum(self._areas())
-        index = min(np.searchsorted(heaped, rng.random() * heaped[-1], side="right"), heaped.size - 1)
-        i, j = np.unravel_index(index, self.free.shape)
-        return np.array([rng.uniform(self.x[i], self.x[i + 1]), rng.uniform(self.y[j], self.y[j + 1])])
+        cells = np.searchsorted(heaped, rng.random(count) * heaped[-1], side="right").clip(max=heaped.size - 1)
+        i, j = np.divmod(cells, self.free.shape[1])
+        lower = np.stack([self.x[i], self.y[j]], axis=-1)
+        upper = np.stack([self.x[i + 1], self.y[j + 1]], axis=-1)
+        return lower + rng.random((count, 2)) * (upper - lower)
 
     def nearest(self, point: ArrayLike) -> np.ndarray:
         """(2,) the region's point closest to ``point``.
@@ -76,14 +82,15 @@ class FreeRegion:
 
     def corners(self) -> np.ndarray:
         """(k, 2) convex corners of the region: where the object would touch something along both axes."""
-        padded = np.pad(self.free, 1)
-        centre = padded[1:-1, 1:-1]
-        found = []
-        for x, x_side in ((self.x[:-1], padded[:-2, 1:-1]), (self.x[1:], padded[2:, 1:-1])):
-            for y, y_side in ((self.y[:-1], padded[1:-1, :-2]), (self.y[1:], padded[1:-1, 2:])):
-                i, j = np.nonzero(centre & ~x_side & ~y_side)
-                found.append(np.stack([x[i], y[j]], axis=-1))
-        return np.unique(np.concatenate(found), axis=0)
+        padded = np.zeros((self.free.shape[0] + 2, self.free.shape[1] + 2), dtype=bool)
+        padded[1:-1, 1:-1] = free = self.free
+        vertex = np.zeros((len(self.x), len(self.y)), dtype=bool)
+        for x_side, columns in ((padded[:-2, 1:-1], slice(0, -1)), (padded[2:, 1:-1], slice(1, None))):
+            ends = free & ~x_side
+            for y_side, rows in ((padded[1:-1, :-2], slice(0, -1)), (padded[1:-1, 2:], slice(1, None))):
+                vertex[columns, rows] |= ends & ~y_side
+        i, j = np.nonzero(vertex)
+        return np.stack([self.x[i], self.y[j]], axis=-1)
 
 
 def free_region(
@@ -92,6 +99,7 @@ def free_region(
     obstacles: ArrayLike = (),
     gap: ArrayLike = 0.0,
     allowed: ArrayLike | None = None,
+    also: Sequence[ArrayLike] = (),
 ) -> FreeRegion:
     """Where the centre of a footprint may be.
 
@@ -101,32 +109,52 @@ def free_region(
         obstacles: (n, 2, 2) rectangles to keep clear of.
         gap: scalar or (n,) distance to keep along at least one axis.
         allowed: (m, 2, 2) rectangles that the centre must lie in one of (within reach), or None for anywhere.
+        also: more such unions of rectangles; the centre must lie in one rectangle of each.
     """
     bounds, half_size = np.asarray(bounds, dtype=np.float64), np.asarray(half_size, dtype=np.float64)
     obstacles = np.asarray(obstacles, dtype=np.float64).reshape(-1, 2, 2)
-    grow = half_size + np.broadcast_to(np.asarray(gap, dtype=np.float64), len(obstacles))[:, None] - TOLERANCE
-    blocked = np.stack([obstacles[:, 0] - grow, obstacles[:, 1] + grow], axis=1)
     domain = np.stack([bounds[0] + half_size - TOLERANCE, bounds[1] - half_size + TOLERANCE])
     if np.any(domain[0] >= domain[1]):
         return FreeRegion(np.zeros(2), np.zeros(2), np.zeros((1, 1), dtype=bool))
-    reach = np.empty((0, 2, 2)) if allowed is None else np.asarray(allowed, dtype=np.float64).reshape(-1, 2, 2)
-    reach = reach + np.array([[-TOLERANCE], [TOLERANCE]])
-    x, y = (_edges(domain[:, k], np.concatenate([blocked[..., k], reach[..., k]])) for k in (0, 1))
-    free = np.full((len(x) - 1, len(y) - 1), allowed is None)
-    for cells in _covered(reach, x, y):
-        free[cells] = True
+    grow = half_size - TOLERANCE + np.asarray(gap, dtype=np.float64)[..., None]
+    blocked = np.empty_like(obstacles)
+    blocked[:, 0], blocked[:, 1] = obstacles[:, 0] - grow, obstacles[:, 1] + grow
+    unions = [np.asarray(union, dtype=np.float64).reshape(-1, 2, 2) for union in (*_given(allowed), *also)]
+    unions = [union + _WIDENED for union in unions]
+    x, y = _edges(domain, np.concatenate([blocked, *unions]))
+    free = np.ones((len(x) - 1, len(y) - 1), dtype=bool)
+    for union in unions:
+        covered = np.zeros_like(free)
+        for cells in _covered(union, x, y):
+            covered[cells] = True
+        free &= covered
     for cells in _covered(blocked, x, y):
         free[cells] = False
     return FreeRegion(x, y, free)
 
 
-def _edges(domain: np.ndarray, edges: np.ndarray) -> np.ndarray:
-    return np.unique(np.concatenate([domain, np.clip(edges.ravel(), domain[0], domain[1])]))
+_WIDENED = np.array([[-TOLERANCE], [TOLERANCE]])
+
+
+def _given(allowed: ArrayLike | None) -> tuple[ArrayLike, ...]:
+    return () if allowed is None else (allowed,)
+
+
+def _edges(domain: np.ndarray, rectangles: np.ndarray) -> Iterator[np.ndarray]:
+    """Ascending x and y of all edges inside the domain, and of the domain itself."""
+    for axis in (0, 1):
+        edges = rectangles[..., axis].ravel()
+        lower, upper = domain[:, axis]
+        edges = np.sort(np.concatenate([domain[:, axis], edges[(edges > lower) & (edges < upper)]]))
+        yield edges[np.concatenate([_FIRST, edges[1:] > edges[:-1]])]
+
+
+_FIRST = np.array([True])
 
 
 def _covered(rectangles: np.ndarray, x: np.ndarray, y: np.ndarray) -> Iterator[tuple[slice, slice]]:
     """The block of grid cells under each rectangle; all edges inside the domain are grid edges."""
-    i, j = np.searchsorted(x, rectangles[..., 0]), np.searchsorted(y, rectangles[..., 1])  # (n, 2) each
+    i, j = np.searchsorted(x, rectangles[..., 0]).tolist(), np.searchsorted(y, rectangles[..., 1]).tolist()
     for (i0, i1), (j0, j1) in zip(i, j, strict=True):
         yield slice(i0, i1), slice(j0, j1)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from vcage.schema.asset import CatalogueEntry
 from vcage.schema.plan import Selection
@@ -20,6 +20,7 @@ class NamedObject:
         asset, variant: names in the catalogue.
         phrase: what to call it: "black marker pen" where the asset comes in several colours, else "stapler".
         role: what the instruction does with it.
+        starts_in: id of the object that it lies in or on at the start, None on the table.
     """
 
     id: str
@@ -27,11 +28,14 @@ class NamedObject:
     variant: str
     phrase: str
     role: Role
+    starts_in: str | None = None
 
 
 def validate_selection(selection: Selection, entries: Sequence[CatalogueEntry]) -> list[str]:
     """Complaints about names that the catalogue does not have, one sentence each; empty when all are known."""
     variants = {entry.name: [variant.id for variant in entry.variants] for entry in entries}
+    # Nothing starts in a drawer: it is closed then.
+    points = {entry.name: [p for p in entry.functional_points if p.link is None] for entry in entries}
     complaints = []
     for chosen in selection.objects:
         if chosen.asset not in variants:
@@ -39,6 +43,8 @@ def validate_selection(selection: Selection, entries: Sequence[CatalogueEntry]) 
         elif chosen.variant not in variants[chosen.asset]:
             known = ", ".join(variants[chosen.asset])
             complaints.append(f"{chosen.asset} has no variant {chosen.variant!r}; it has {known}")
+        if chosen.starts_in in points and not points[chosen.starts_in]:
+            complaints.append(f"{chosen.asset} cannot start in or on {chosen.starts_in}, which has no room for things")
     return complaints
 
 
@@ -55,6 +61,7 @@ def name_objects(selection: Selection, entries: Sequence[CatalogueEntry]) -> lis
     """
     by_name = {entry.name: entry for entry in entries}
     named: list[NamedObject] = []
+    containers: dict[str, str] = {}  # asset → id of its first object
     for chosen in selection.objects:
         entry = by_name[chosen.asset]
         variant = {v.id: v for v in entry.variants}[chosen.variant]
@@ -62,8 +69,9 @@ def name_objects(selection: Selection, entries: Sequence[CatalogueEntry]) -> lis
         several = len({v.colour for v in entry.variants}) > 1
         phrase = f"{variant.colour} {entry.words.name}" if several else entry.words.name
         taken = {other.id for other in named}
-        named.append(NamedObject(_unique(base, taken), entry.name, variant.id, phrase, chosen.role))
-    return named
+        named.append(NamedObject(_unique(base, taken), entry.name, variant.id, phrase, chosen.role, chosen.starts_in))
+        containers.setdefault(entry.name, named[-1].id)
+    return [replace(o, starts_in=containers.get(o.starts_in)) for o in named]
 
 
 def _unique(base: str, taken: set[str]) -> str:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from vcage.assets.asset import Asset
+from vcage.assets.openings import Opening
 from vcage.geometry import Pose
 from vcage.igsc.place import Placement
 from vcage.sim.joints import link_poses
@@ -40,6 +41,11 @@ class Standing:
         """Pose of the object whose rectangle lies at ``spot`` on a support of that height, metres."""
         turned = Pose.from_yaw([spot.x, spot.y, height], spot.yaw)
         return turned * Pose([-self.centre[0], -self.centre[1], 0.0])
+
+    def local(self, opening: Opening) -> Opening:
+        """An opening of the object, given in the object's frame, in the frame of its rectangle."""
+        x, y = np.array(opening.centre) - self.centre
+        return replace(opening, centre=(float(x), float(y)))
 
 
 def standing(asset: Asset) -> Standing:

@@ -11,7 +11,7 @@ from vcage.assets.asset import Asset
 from vcage.errors import InfeasibleScene
 from vcage.geometry import Pose
 from vcage.igsc.place import PlaceItem, Placement, place
-from vcage.igsc.reach import GRASP_HEIGHTS, reach_rectangles
+from vcage.igsc.reach import GRASP_HEIGHTS, robot_reach
 from vcage.igsc.standing import standing
 from vcage.schema.asset import ContactPoint
 from vcage.schema.robot import Robot
@@ -53,7 +53,7 @@ class Places:
     @cached_property
     def _reach(self) -> np.ndarray:
         heights = tuple(self.template.table.height + h for h in GRASP_HEIGHTS)
-        return reach_rectangles(self.kinematics, self._workspace, heights)
+        return robot_reach(self.robot, self._workspace, heights)
 
     @property
     def _workspace(self) -> np.ndarray:
