@@ -65,8 +65,23 @@ def test_volume_counts_in_deep_containers():
         ([tray(), roll(target=(np.nan, 0))], "roll"),
         ([tray(), roll(yaw=np.inf)], "roll"),
         ([tray(), roll(size=(0.1, 0.0, 0.1))], "size"),
+        ([tray(), roll(centre=(np.nan, 0.0))], "roll"),
+        ([tray(), roll(allowed=[[[0, 0], [np.inf, 1]]])], "roll"),
+        ([tray(opening=Opening((0, 0), (0.0, 0.1), 0.01, np.inf))], "opening"),
+        ([], "nothing"),
     ],
-    ids=["in itself", "in each other", "id twice", "nan", "infinite", "flat"],
+    ids=[
+        "in itself",
+        "in each other",
+        "id twice",
+        "nan",
+        "infinite",
+        "flat",
+        "no middle",
+        "endless reach",
+        "no room",
+        "none",
+    ],
 )
 def test_items_that_make_no_sense_are_refused(items, words):
     with pytest.raises(UsageError, match=words):
@@ -76,3 +91,30 @@ def test_items_that_make_no_sense_are_refused(items, words):
 def test_an_unknown_container_is_refused():
     with pytest.raises(UnknownName, match="drawer"):
         validate_items([tray(), roll(inside="drawer")])
+
+
+def test_what_the_plan_demands_is_assigned_wherever_its_target_is():
+    items = [tray(), roll(target=(0.3, 0))]
+    assert assign_containers(items, demanded=["roll"])["roll"] == "tray"
+
+
+def block(name: str, **fields) -> LayoutItem:
+    top = Opening(centre=(0.0, 0.0), size=(0.05, 0.05), floor=0.05, rim=np.inf)
+    return LayoutItem(
+        **{"id": name, "size": (0.05, 0.05, 0.05), "yaw": 0.0, "target": (0, 0), "opening": top, **fields}
+    )
+
+
+def test_one_thing_as_large_as_a_bare_top_stands_on_it_at_any_heading():
+    items = [block("a"), block("b", yaw=0.5, inside="a"), block("c", inside="a")]
+    assert assign_containers(items) == {"a": None, "b": "a", "c": None}
+
+
+def test_the_rectangle_turns_about_the_origin():
+    item = roll(centre=(0.1, 0.0), yaw=np.pi / 2)
+    assert item.rectangle() == pytest.approx(np.array([[-0.03, 0.05], [0.03, 0.15]]))
+
+
+def test_relations_see_the_body_and_not_the_room():
+    item = roll(centre=(0.1, 0.0), body=[[-0.01, -0.02], [0.01, 0.02]], yaw=np.pi / 2)
+    assert item.body_rectangle() == pytest.approx(np.array([[-0.02, -0.01], [0.02, 0.01]]))

@@ -1,11 +1,16 @@
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from vcage.errors import InfeasibleScene
 from vcage.igsc.cost import LayoutProblem, Weights
-from vcage.igsc.solver import is_feasible, repair, solve
+from vcage.igsc.relation_cost import Spot, relation_terms
+from vcage.igsc.repair import is_feasible
+from vcage.igsc.solver import solve
+from vcage.schema.plan import Relation
 
 BOUNDS = np.array([[-0.5, -0.3], [0.5, 0.3]])
 
@@ -35,24 +40,11 @@ def test_objects_with_the_same_target_come_apart():
     assert is_feasible(task, solve(task, list("abcd"), Weights(), np.random.default_rng(0), 4).centres)
 
 
-def test_repair_moves_the_smaller_one_to_the_nearest_free_point():
-    task = LayoutProblem(
-        np.array([[0.02, 0.02], [0.1, 0.1]]), np.array([[0.1, 0.0], [0.0, 0.0]]), BOUNDS, 0.01, (None, None)
-    )
-    fixed, moved = repair(task, task.target)
-    assert moved == (0,)
-    assert fixed == pytest.approx(np.array([[0.13, 0.0], [0.0, 0.0]]), abs=1e-6)
-
-
-def test_repair_gives_up_where_nothing_is_free():
-    assert repair(squares([(0, 0), (0, 0)], half=0.29), np.zeros((2, 2))) is None
-
-
 def test_centres_end_where_they_are_allowed():
     allowed = np.array([[[0.2, 0.0], [0.4, 0.2]]])
     task = squares([(-0.2, 0), (0, 0)], allowed=(allowed, None))
     centres = solve(task, ["a", "b"], Weights(), np.random.default_rng(0), 4).centres
-    assert centres[0] == pytest.approx([0.2, 0.0], abs=0.002)
+    assert centres[0] == pytest.approx([0.2, 0.0], abs=0.004)
     assert is_feasible(task, centres)
 
 
@@ -65,3 +57,51 @@ def test_a_tight_layout_is_found_by_packing():
 def test_what_cannot_be_solved_is_infeasible_with_names():
     with pytest.raises(InfeasibleScene, match="c"):
         solve(squares([(0, 0)] * 3, half=0.17), ["a", "b", "c"], Weights(), np.random.default_rng(0), 2)
+
+
+def related(task: LayoutProblem, *plan: tuple[int, str, int]) -> LayoutProblem:
+    """The task with a plan among its footprints."""
+    spots = {f"o{k}": Spot(k, np.zeros(2), half) for k, half in enumerate(task.half)}
+    relations = [Relation(subject=f"o{i}", relation=word, reference=f"o{j}") for i, word, j in plan]
+    return replace(task, relations=relation_terms(relations, spots, len(task.half)))
+
+
+def test_a_relation_that_noise_broke_is_restored():
+    task = related(squares([(0.02, 0.0), (0.0, 0.0)]), (0, "left_of", 1))
+    solution = solve(task, ["a", "b"], Weights(), np.random.default_rng(0), 4)
+    assert task.relations.broken(solution.centres) == 0
+    assert solution.centres[0, 0] < solution.centres[1, 0]
+
+
+def test_a_layout_that_keeps_the_plan_already_is_left_alone():
+    task = related(squares([(-0.2, 0), (0.2, 0)]), (0, "left_of", 1))
+    assert solve(task, ["a", "b"], Weights(), np.random.default_rng(0), 4).starts == 0
+
+
+def test_relations_in_a_circle_cost_one_of_them_and_no_collision():
+    task = related(squares([(0, 0.1), (0.1, 0), (-0.1, 0)]), (0, "left_of", 1), (1, "left_of", 2), (2, "left_of", 0))
+    centres = solve(task, list("abc"), Weights(), np.random.default_rng(0), 4).centres
+    assert is_feasible(task, centres)
+    assert task.relations.broken(centres) == 1
+
+
+def test_a_relation_that_cannot_be_kept_does_not_prevent_a_layout():
+    task = related(squares([(0, 0), (0.1, 0)], half=0.2), (0, "behind", 1), (0, "left_of", 1))
+    assert is_feasible(task, solve(task, ["a", "b"], Weights(), np.random.default_rng(0), 2).centres)
+
+
+def test_without_weight_the_plan_is_left_out():
+    task = related(squares([(0.2, 0.0), (0.0, 0.0)]), (0, "left_of", 1))
+    assert solve(task, ["a", "b"], Weights(relation=0), np.random.default_rng(0), 4).starts == 0
+
+
+def test_wider_gaps_are_given_up_before_the_layout_is():
+    task = replace(squares([(0, 0)] * 4, half=0.12), extra=np.full((4, 4), 0.2))
+    solution = solve(task, list("abcd"), Weights(), np.random.default_rng(0), 2)
+    assert solution.extra < 1
+    assert is_feasible(replace(task, extra=None), solution.centres)
+
+
+def test_an_object_that_is_allowed_nowhere_is_named():
+    with pytest.raises(InfeasibleScene, match="cup"):
+        solve(squares([(0, 0)], allowed=(np.empty((0, 2, 2)),)), ["cup"], Weights(), np.random.default_rng(0), 2)

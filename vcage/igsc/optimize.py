@@ -13,21 +13,16 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from vcage.errors import InfeasibleScene
-from vcage.igsc.containers import LayoutItem, assign_containers, validate_items
+from vcage.errors import InfeasibleScene, UnknownName, UsageError
+from vcage.igsc.containers import LayoutItem, validate_items
 from vcage.igsc.cost import Cost, LayoutProblem, Weights, evaluate
+from vcage.igsc.groups import Groups
+from vcage.igsc.layout_check import require_exact
 from vcage.igsc.solver import Solution, solve
+from vcage.schema.plan import TABLE, Relation
+from vcage.schema.scene import Table
 
 log = logging.getLogger(__name__)
-
-PALM_ABOVE = 0.05
-"""Things lower than this pass under the palm of a hand that grasps what lies beside them, metres."""
-
-PALM_ROOM = 0.095
-"""Gap that a hand needs between what it grasps and what is higher: half a palm, metres."""
-
-CONTENT_MARGIN = 0.003
-"""Smallest gap between two objects in one container, metres."""
 
 
 @dataclass(frozen=True)
@@ -43,6 +38,7 @@ class LayoutResult:
         feasible: how many of them became feasible.
         repaired: ids that the exact repair had to move.
         released: ids that a container had no room for after all; they stand on the table.
+        hand_room: share of the room for hands, wider than the margin, that the table had space for; 1 is all.
     """
 
     positions: dict[str, tuple[float, float, float]]
@@ -54,6 +50,7 @@ class LayoutResult:
     feasible: int
     repaired: list[str]
     released: list[str]
+    hand_room: float = 1.0
 
 
 def optimize_layout(
@@ -65,135 +62,116 @@ def optimize_layout(
     weights: Weights | None = None,
     margin: float = 0.01,
     restarts: int = 6,
+    relations: Sequence[Relation] = (),
+    table: Table | None = None,
 ) -> LayoutResult:
-    """Move the objects as little as possible until none collides.
+    """Move the objects as little as possible until none collides and the plan is kept.
+
+    Of the layouts without collisions that are found, the one that keeps most of the relations is returned, and among
+    those the one that moves least. Relations that contradict each other cost each other, never a collision.
 
     Args:
         items: the objects with their targets.
         workspace: (2, 2) lower and upper corner that every box stays within, metres.
         rng: the only source of randomness.
         table_height: z of the table top.
-        weights: the λ of the equation.
+        weights: the λ of the equation; ``relation=0`` leaves the plan out.
         margin: δ, smallest gap between objects that are not container and content.
-        restarts: random starts besides the targets themselves.
+        restarts: most random starts besides the targets themselves; more search longer where it is hard.
+        relations: of the plan, by object id.
+        table: what relations to the table mean; the workspace when left out.
 
     Raises:
-        UsageError, UnknownName: see :func:`vcage.igsc.containers.validate_items`.
+        UsageError, UnknownName: see :func:`vcage.igsc.containers.validate_items`; a relation names no object.
         InfeasibleScene: no collision-free layout was found; names the objects and the area that is missing.
     """
     validate_items(items)
+    workspace = _checked(workspace, margin, restarts)
+    _require_known(relations, items)
     weights = weights or Weights()
-    layout = _Layout(items, np.asarray(workspace, dtype=np.float64), rng, weights, margin, restarts)
-    released = layout.fill_containers()
-    roots = [item for item in items if layout.container[item.id] is None]
-    problem = _table_problem(roots, layout.workspace, margin)
-    solution = layout.solve(problem, roots)
-    layout.stand(roots, solution, table_height)
-    displaced = {item.id: float(np.hypot(*(np.array(layout.positions[item.id][:2]) - item.target))) for item in items}
+    groups = Groups(items, relations if weights.relation else ())
+    repaired: set[str] = set()
+    released = _fill_containers(groups, weights, rng, restarts, repaired)
+    roots = groups.roots
+    problem = groups.table_problem(workspace, margin, _rectangle(table, workspace))
+    solution = _solve(problem, roots, weights, rng, restarts, repaired)
+    if solution.extra < 1:
+        log.warning("the table has space for %.0f %% of the room for hands", 100 * solution.extra)
+    origins = solution.centres - problem.target + np.array([item.target for item in roots])
+    positions = groups.positions(roots, origins, table_height)
+    require_exact(groups, positions, workspace, margin)
     return LayoutResult(
-        positions={item.id: layout.positions[item.id] for item in items},
-        containers=layout.container,
-        displaced=displaced,
+        positions=positions,
+        containers=groups.container,
+        displaced={item.id: float(np.hypot(*np.subtract(positions[item.id][:2], item.target))) for item in items},
         cost_before=evaluate(problem, weights, problem.target)[0],
         cost_after=evaluate(problem, weights, solution.centres)[0],
         starts=solution.starts,
         feasible=solution.feasible,
-        repaired=sorted(layout.repaired),
+        repaired=sorted(repaired),
         released=released,
+        hand_room=solution.extra,
     )
 
 
-class _Layout:
-    """The state of one optimisation: who lies where, and the local layout of every container."""
-
-    def __init__(
-        self,
-        items: Sequence[LayoutItem],
-        workspace: np.ndarray,
-        rng: np.random.Generator,
-        weights: Weights,
-        margin: float,
-        restarts: int,
-    ):
-        self.items, self.workspace, self.margin = items, workspace, margin
-        self._rng, self._weights, self._restarts = rng, weights, restarts
-        self.container = assign_containers(items)
-        self.local: dict[str, np.ndarray] = {}  # id → (2,) centre in the container's frame
-        self.positions: dict[str, tuple[float, float, float]] = {}
-        self.repaired: set[str] = set()
-
-    def solve(self, problem: LayoutProblem, items: Sequence[LayoutItem]) -> Solution:
-        solution = solve(problem, [item.id for item in items], self._weights, self._rng, self._restarts)
-        self.repaired |= {items[k].id for k in solution.repaired}
-        return solution
-
-    def contents(self, container: LayoutItem) -> list[LayoutItem]:
-        return [item for item in self.items if self.container[item.id] == container.id]
-
-    def fill_containers(self) -> list[str]:
-        """Lay out the contents of every container; returns the ids of those that had to be released."""
-        released = []
-        for container in self.items:
-            while contents := self.contents(container):
-                try:
-                    solution = self.solve(_container_problem(container, contents), contents)
-                except InfeasibleScene as error:
-                    smallest = min(contents, key=lambda item: (np.prod(item.size), item.id))
-                    log.warning("%s goes beside %s: %s", smallest.id, container.id, error.message)
-                    self.container[smallest.id] = None
-                    released.append(smallest.id)
-                    continue
-                self.local |= {item.id: centre for item, centre in zip(contents, solution.centres, strict=True)}
-                break
-        return released
-
-    def stand(self, roots: Sequence[LayoutItem], solution: Solution, height: float) -> None:
-        """Positions in the world of the table's objects and, carried by them, of all contents."""
-        for item, centre in zip(roots, solution.centres, strict=True):
-            self._stand_one(item, centre, height)
-
-    def _stand_one(self, item: LayoutItem, centre: np.ndarray, height: float) -> None:
-        self.positions[item.id] = (float(centre[0]), float(centre[1]), float(height))
-        for content in self.contents(item):
-            inner = centre + _turn(item.yaw) @ self.local[content.id]
-            self._stand_one(content, inner, height + item.opening.floor)
+def _fill_containers(
+    groups: Groups, weights: Weights, rng: np.random.Generator, restarts: int, repaired: set[str]
+) -> list[str]:
+    """Lay out the contents of every container; returns the ids of those that had to be released."""
+    released = []
+    for container in groups.innermost_first():
+        while contents := groups.contents(container):
+            try:
+                problem = groups.container_problem(container)
+                solution = _solve(problem, contents, weights, rng, restarts, repaired)
+            except InfeasibleScene as error:
+                smallest = min(contents, key=lambda item: (np.prod(item.size), item.id))
+                log.warning("%s goes beside %s: %s", smallest.id, container.id, error.message)
+                groups.release(smallest)
+                released.append(smallest.id)
+                continue
+            groups.settle(container, solution.centres)
+            break
+    return released
 
 
-def _table_problem(items: Sequence[LayoutItem], workspace: np.ndarray, margin: float) -> LayoutProblem:
-    return LayoutProblem(
-        half=np.array([item.half_size() for item in items]),
-        target=np.array([item.target for item in items], dtype=np.float64),
-        bounds=workspace,
-        margin=margin,
-        allowed=tuple(None if item.allowed is None else np.reshape(item.allowed, (-1, 2, 2)) for item in items),
-        extra=_hand_room(items, margin),
-    )
+def _solve(
+    problem: LayoutProblem,
+    items: Sequence[LayoutItem],
+    weights: Weights,
+    rng: np.random.Generator,
+    restarts: int,
+    repaired: set[str],
+) -> Solution:
+    solution = solve(problem, [item.id for item in items], weights, rng, restarts)
+    repaired |= {items[k].id for k in solution.repaired}
+    return solution
 
 
-def _hand_room(items: Sequence[LayoutItem], margin: float) -> np.ndarray:
-    """(n, n) wider gaps between what is grasped and what is so high that the palm would touch it."""
-    grasped = np.array([item.grasped for item in items])
-    high = np.array([item.size[2] > PALM_ABOVE for item in items])
-    pairs = grasped[:, None] & high[None]
-    return np.where(pairs | pairs.T, max(PALM_ROOM - margin, 0.0), 0.0)
+def _checked(workspace: ArrayLike, margin: float, restarts: int) -> np.ndarray:
+    workspace = np.asarray(workspace, dtype=np.float64)
+    if workspace.shape != (2, 2) or not np.all(np.isfinite(workspace)) or np.any(workspace[0] >= workspace[1]):
+        raise UsageError(f"the workspace is {workspace.tolist()}", hint="give its lower and its upper corner")
+    if not (np.isfinite(margin) and margin >= 0):
+        raise UsageError(f"the margin is {margin}", hint="give the smallest gap in metres, 0 or more")
+    if restarts < 0:
+        raise UsageError(f"{restarts} restarts", hint="0 or more")
+    return workspace
 
 
-def _container_problem(container: LayoutItem, contents: Sequence[LayoutItem]) -> LayoutProblem:
-    """The same problem in the container's own frame, so that its inner walls are axis-aligned at any heading."""
-    offsets = np.array([item.target for item in contents]) - container.target
-    centre, half = np.array(container.opening.centre), np.array(container.opening.size) / 2
-    return LayoutProblem(
-        half=np.array([item.half_size(container.yaw) for item in contents]),
-        target=offsets @ _turn(container.yaw),
-        bounds=np.stack([centre - half, centre + half]),
-        margin=CONTENT_MARGIN,
-        allowed=(None,) * len(contents),
-    )
+def _require_known(relations: Sequence[Relation], items: Sequence[LayoutItem]) -> None:
+    known = {TABLE, *(item.id for item in items)}
+    for name in (name for r in relations for name in (r.subject, r.reference)):
+        if name not in known:
+            raise UnknownName("object", name, known)
 
 
-def _turn(yaw: float) -> np.ndarray:
-    """(2, 2) rotation by ``yaw``; rows times it rotate by −yaw."""
-    return np.array([[np.cos(yaw), -np.sin(yaw)], [np.sin(yaw), np.cos(yaw)]])
+def _rectangle(table: Table | None, workspace: np.ndarray) -> np.ndarray:
+    """(2, 2) the table's top."""
+    if table is None:
+        return workspace
+    centre, half = np.array(table.centre), np.array(table.size) / 2
+    return np.stack([centre - half, centre + half])
 
 
 def displacement_summary(displaced: Mapping[str, float]) -> dict[str, float]:
