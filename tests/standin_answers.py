@@ -59,7 +59,10 @@ def _select(looks: list[str], instruction: str) -> dict[str, Any]:
         return {"missing": error.details.get("unmatched", [instruction]), "objects": []}
     return {
         "missing": [],
-        "objects": [{"look": f"{o.asset}/{o.variant}", "role": o.role, "reason": o.reason} for o in chosen],
+        "objects": [
+            {"look": f"{o.asset}/{o.variant}", "role": o.role, "starts_in": o.starts_in or "", "reason": o.reason}
+            for o in chosen
+        ],
     }
 
 

@@ -94,3 +94,22 @@ def test_how_many_things_a_phrase_asks_for(phrase: str, count: int | None) -> No
 
 def test_an_instruction_that_only_opens_something_names_it() -> None:
     assert [p.text for p in only("Open the microwave").contents] == ["microwave"]
+
+
+@pytest.mark.parametrize(
+    ("instruction", "contents", "sources", "place"),
+    [
+        ("Take the eraser out of the pen holder and put it on the plate", ["eraser"], ["pen holder"], "plate"),
+        ("Take the apple and the pear off the tray and put them in the box", ["apple", "pear"], ["tray"] * 2, "box"),
+        ("Move the mug from the desk to the tray", ["mug"], [], "tray"),
+        ("Empty the bowl onto the tray", ["things"], ["bowl"], "tray"),
+        ("Empty the basket", ["things"], ["basket"], ""),
+    ],
+)
+def test_what_is_taken_out_of_a_place_starts_there(
+    instruction: str, contents: list[str], sources: list[str], place: str
+) -> None:
+    request = only(instruction)
+    assert [p.text for p in request.contents] == contents
+    assert [(thing.text, start.text) for thing, start in request.sources] == list(zip(contents, sources, strict=False))
+    assert (request.receptacle.text if request.receptacle else "") == place

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import json
 
 import numpy as np
 import pytest
@@ -15,6 +16,7 @@ from vcage.models import pictures
 from vcage.models.protocols import CriticQuestion, EditRequest, Models
 from vcage.models.registry import build_models
 from vcage.schema.plan import LayoutPlan, Relation
+from vcage.schema.plan_check import Room, plan_complaints
 from vcage.schema.subtasks import ChainOption, Goal, PairQuestion
 
 RNG = np.random.default_rng(0)
@@ -80,11 +82,67 @@ def test_a_layout_mentions_every_object(models: Models) -> None:
     assert {r.subject for r in plan.relations} == {o.id for o in scene.objects}
 
 
-def test_a_contradictory_layout_goes_back(models: Models, server: StandIn) -> None:
-    both = '{"text": "x", "relations": [{"subject": "plate", "relation": "left_of", "reference": "plate"}]}'
-    server.queue(text_answer(both))
-    models.reasoner.plan_layout(scene_of([PLATE, *BLOCKS]), CATALOGUE, RNG)
-    assert "plate refers to itself" in str(server.requests[1])
+def layout_answer(*triples: tuple[str, str, str]) -> Special:
+    relations = [{"subject": s, "relation": r, "reference": o} for s, r, o in triples]
+    return text_answer(json.dumps({"text": "x", "relations": relations}))
+
+
+RED_AROUND = [("plate", "center", "table"), ("green-block", "left_of", "plate"), ("blue-block", "behind", "plate")]
+
+
+@pytest.mark.parametrize(
+    ("triples", "complaint"),
+    [
+        ([*RED_AROUND, ("red-block", "near", "red-block")], "red-block is near itself"),
+        ([*RED_AROUND, ("red-block", "center", "table")], "plate and red-block cannot both be in the center of table"),
+        (
+            [*RED_AROUND, ("red-block", "left_of", "green-block"), ("red-block", "right_of", "plate")],
+            "green-block left of plate left of red-block left of green-block: that is a circle",
+        ),
+        (RED_AROUND, "nothing says where red-block go"),
+        ([], "relations: is empty"),
+    ],
+)
+def test_a_contradictory_layout_goes_back_with_the_complaint(
+    models: Models, server: StandIn, triples: list[tuple[str, str, str]], complaint: str
+) -> None:
+    right = [*RED_AROUND, ("red-block", "in_front_of", "plate")]
+    server.queue(layout_answer(*triples), layout_answer(*right))
+    plan = models.reasoner.plan_layout(scene_of([PLATE, *BLOCKS]), CATALOGUE, RNG)
+    assert [(r.subject, r.relation, r.reference) for r in plan.relations] == right
+    assert len(server.requests) == 2 and complaint in str(server.requests[1])
+
+
+def test_what_does_not_fit_goes_back_with_both_sizes(models: Models, server: StandIn) -> None:
+    scene = scene_of([PLATE, *BLOCKS])
+    rooms = {"plate": Room(PLATE.size, "on", (0.03, 0.03)), "red-block": Room(BLOCKS[0].size)}
+    server.queue(layout_answer(*RED_AROUND, ("red-block", "on", "plate")))
+    models.reasoner.plan_layout(scene, CATALOGUE, RNG, lambda plan: plan_complaints(plan, scene, rooms))
+    complaint = "red-block (4.0 x 4.0 cm) is too large for plate, which has room for 3.0 x 3.0 cm"
+    assert len(server.requests) == 2 and complaint in str(server.requests[1])
+
+
+def test_a_layout_that_never_becomes_possible_is_a_refusal_with_the_complaints(models: Models, server: StandIn) -> None:
+    wrong = layout_answer(*RED_AROUND, ("red-block", "inside", "green-block"), ("green-block", "inside", "red-block"))
+    server.queue(wrong, wrong, wrong)
+    with pytest.raises(ModelRefused, match="green-block inside or on red-block inside or on green-block") as caught:
+        models.reasoner.plan_layout(scene_of([PLATE, *BLOCKS]), CATALOGUE, RNG)
+    assert len(server.requests) == 3 and caught.value.details["problems"]
+
+
+def test_a_selection_says_what_things_start_in(models: Models, server: StandIn) -> None:
+    apple = {"look": "apple/red", "role": "content", "starts_in": "bowl", "reason": "x"}
+    bowl = {"look": "bowl/white", "role": "context", "starts_in": "", "reason": "x"}
+    server.queue(text_answer(json.dumps({"missing": [], "objects": [apple, bowl]})))
+    chosen = models.reasoner.select_assets("Take the apple out of the bowl", CATALOGUE, RNG)
+    assert [(o.asset, o.starts_in) for o in chosen.objects] == [("apple", "bowl"), ("bowl", None)]
+
+
+def test_a_start_in_what_was_not_chosen_goes_back(models: Models, server: StandIn) -> None:
+    apple = {"look": "apple/red", "role": "content", "starts_in": "bowl", "reason": "x"}
+    server.queue(text_answer(json.dumps({"missing": [], "objects": [apple]})))
+    models.reasoner.select_assets("Put the blocks on the plate", CATALOGUE, RNG)
+    assert "starts_in names 'bowl', which is not another chosen object" in str(server.requests[1])
 
 
 def test_pairs_are_answered_in_order(models: Models) -> None:

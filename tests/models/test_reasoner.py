@@ -5,9 +5,9 @@ import pytest
 
 from tests.models.catalogue import CATALOGUE, KITCHEN, entry
 from tests.models.tabletop import BLOCKS, BOX, ERASER, MARKERS, PLATE, scene_of
-from vcage.models.llm import layout_complaints
 from vcage.models.offline.reasoner import OfflineReasoner
 from vcage.schema.asset import CatalogueEntry
+from vcage.schema.plan_check import plan_complaints
 from vcage.schema.subtasks import ChainOption, PairQuestion
 
 REASONER = OfflineReasoner()
@@ -17,7 +17,7 @@ REASONER = OfflineReasoner()
 def test_a_layout_holds_every_object_and_no_contradiction(seed: int) -> None:
     scene = scene_of([BOX, *MARKERS, ERASER.moved(role="context"), PLATE.moved(role="context")])
     plan = REASONER.plan_layout(scene, [], np.random.default_rng(seed))
-    assert layout_complaints(plan.text, plan.relations, [o.id for o in scene.objects]) == []
+    assert plan_complaints(plan, scene) == []
     assert all(o.phrase in plan.text for o in scene.objects)
 
 

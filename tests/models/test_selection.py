@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.models.catalogue import CATALOGUE
+from tests.models.catalogue import CATALOGUE, KITCHEN, entry
 from vcage.errors import InfeasibleScene, NoAssetFits
 from vcage.models.offline.reasoner import OfflineReasoner
 from vcage.schema.plan import SelectedAsset
@@ -126,3 +126,53 @@ def test_a_tool_stands_by_as_context() -> None:
 def test_a_place_made_for_the_thing_comes_before_others_of_its_name() -> None:
     assert assets("Put the bread into the box", "receptacle") == ["bread_box"]
     assert assets("Put the stapler into the box", "receptacle") == ["packaging_box"]
+
+
+BASKET = entry("basket", "basket", "container", ("brown",), KITCHEN, size=(0.25, 0.2, 0.1), holds="in")
+
+
+def starts(instruction: str) -> list[tuple[str, str, str | None]]:
+    """(asset, role, what it starts in) of all but what is there for the occasion."""
+    chosen = OfflineReasoner().select_assets(instruction, [*CATALOGUE, BASKET], np.random.default_rng(0)).objects
+    return [(o.asset, o.role, o.starts_in) for o in chosen if not o.reason.startswith("belongs")]
+
+
+@pytest.mark.parametrize(
+    "instruction",
+    [
+        "Take the apple out of the basket and put it on the plate",
+        "Move the apple from the basket to the plate",
+        "Remove the apple from the basket, then place it on the plate",
+    ],
+)
+def test_what_is_taken_out_of_something_starts_in_it(instruction: str) -> None:
+    assert starts(instruction) == [
+        ("apple", "content", "basket"), ("plate", "receptacle", None), ("basket", "context", None),
+    ]  # fmt: skip
+
+
+def test_what_is_emptied_holds_small_things_that_are_not_named() -> None:
+    chosen = starts("Empty the basket onto the plate")
+    assert chosen[2:] == [("plate", "receptacle", None), ("basket", "context", None)]
+    assert [(role, place) for _, role, place in chosen[:2]] == [("content", "basket")] * 2
+
+
+def test_a_place_that_is_both_emptied_and_filled_is_a_receptacle() -> None:
+    chosen = starts("Take the apple out of the basket and put it on the plate, then put the stapler into the basket")
+    assert ("apple", "content", "basket") in chosen and ("basket", "receptacle", None) in chosen
+
+
+def test_what_is_taken_from_the_table_starts_there() -> None:
+    assert starts("Take the apple from the table and put it on the plate")[0] == ("apple", "content", None)
+
+
+@pytest.mark.parametrize("source", ["stapler", "block"])
+def test_what_holds_nothing_or_too_little_is_said_and_left_alone(source: str, caplog) -> None:
+    chosen = starts(f"Take the book out of the {source} and put it on the plate")
+    assert chosen[0] == ("book", "content", None)
+    assert "starts on the table" in caplog.text
+
+
+def test_what_is_too_large_for_its_start_is_said_and_starts_beside_it(caplog) -> None:
+    assert ("book", "content", None) in starts("Take the book out of the mug and put it on the plate")
+    assert "'book' is too large for the mug, so it starts beside it" in caplog.text

@@ -17,6 +17,7 @@ from vcage.models.structured import Answer, ask, one_of
 from vcage.schema.asset import CatalogueEntry
 from vcage.schema.catalogue import LEGEND, catalogue_line, catalogue_text
 from vcage.schema.plan import TABLE, LayoutPlan, Relation, RelationWord, SelectedAsset, Selection
+from vcage.schema.plan_check import PlanCheck, plan_complaints
 from vcage.schema.scene import Role, Scene
 from vcage.schema.subtasks import ChainOption, PairAnswer, PairQuestion
 
@@ -27,8 +28,6 @@ MOST_KINDS = 150
 
 MOST_CATALOGUE_TEXT = 40_000
 """Characters that the catalogue takes in a prompt: about 10 000 tokens."""
-
-_OPPOSITE = {"left_of": "right_of", "right_of": "left_of", "in_front_of": "behind", "behind": "in_front_of"}
 
 
 class LlmReasoner:
@@ -49,7 +48,8 @@ class LlmReasoner:
         """The model's choice among ``asset/variant`` names of the catalogue, narrowed where it is large."""
         catalogue = narrow(instruction, catalogue, self._search)
         looks = [f"{entry.name}/{variant.id}" for entry in catalogue for variant in entry.variants]
-        item = _type("Chosen", look=one_of(looks), role=one_of(get_args(Role)), reason=str)
+        starts = one_of(["", *(entry.name for entry in catalogue)])
+        item = _type("Chosen", look=one_of(looks), role=one_of(get_args(Role)), starts_in=starts, reason=str)
         answer = _type("SelectionAnswer", missing=list[str], objects=list[item])
         prompt = prompts.fill(
             "select_assets", instruction=instruction, catalogue=catalogue_text(catalogue), legend=LEGEND
@@ -65,11 +65,25 @@ class LlmReasoner:
         objects = []
         for chosen in found.objects:
             asset, _, variant = chosen.look.partition("/")
-            objects.append(SelectedAsset(asset=asset, variant=variant, role=chosen.role, reason=chosen.reason))
+            objects.append(
+                SelectedAsset(
+                    asset=asset,
+                    variant=variant,
+                    role=chosen.role,
+                    reason=chosen.reason,
+                    starts_in=chosen.starts_in or None,
+                )
+            )
         return Selection(objects=objects)
 
-    def plan_layout(self, scene: Scene, catalogue: Sequence[CatalogueEntry], rng: np.random.Generator) -> LayoutPlan:
-        """The model's plan; relations name objects of the scene only, and do not contradict each other."""
+    def plan_layout(
+        self,
+        scene: Scene,
+        catalogue: Sequence[CatalogueEntry],
+        rng: np.random.Generator,
+        check: PlanCheck | None = None,
+    ) -> LayoutPlan:
+        """The model's plan; relations name objects of the scene only, and ``check`` has no complaint."""
         ids = [record.id for record in scene.objects]
         relation = _type(
             "PlannedRelation",
@@ -78,11 +92,10 @@ class LlmReasoner:
             reference=one_of([*ids, TABLE]),
         )
         answer = _type("LayoutAnswer", text=str, relations=list[relation])
-        words = {entry.name: entry.words for entry in catalogue}
-        prompt = prompts.fill("plan_layout", scene=scene, words=words)
-        found = ask(self._chat, prompt, answer, complaints=lambda a: layout_complaints(a.text, a.relations, ids))
-        relations = [Relation(**relation.model_dump()) for relation in found.relations]
-        return LayoutPlan(text=found.text, relations=relations)
+        complain = check or (lambda plan: plan_complaints(plan, scene))
+        prompt = prompts.fill("plan_layout", scene=scene, entries={entry.name: entry for entry in catalogue})
+        found = ask(self._chat, prompt, answer, complaints=lambda a: _read_plan(a, complain)[1])
+        return _read_plan(found, complain)[0]
 
     def judge_pairs(self, questions: Sequence[PairQuestion]) -> list[PairAnswer]:
         """One answer per question, asked in batches."""
@@ -152,24 +165,22 @@ def _selection_complaints(answer: Any) -> list[str]:
     if answer.missing:
         return []
     roles = {chosen.role for chosen in answer.objects}
-    return [] if "content" in roles else ["objects: none has the role 'content', so there is nothing to move"]
+    found = [] if "content" in roles else ["objects: none has the role 'content', so there is nothing to move"]
+    assets = {chosen.look.partition("/")[0] for chosen in answer.objects}
+    for index, chosen in enumerate(answer.objects):
+        if chosen.starts_in and (chosen.starts_in not in assets or chosen.look.startswith(f"{chosen.starts_in}/")):
+            found.append(f"objects.{index}: starts_in names {chosen.starts_in!r}, which is not another chosen object")
+    return found
 
 
-def layout_complaints(text: str, relations: Sequence[Any], ids: Sequence[str]) -> list[str]:
-    """What makes relations unusable: self-reference, the table misused, contradictions, objects left out."""
-    found = [] if text.strip() else ["text: is empty"]
-    triples = {(r.subject, r.relation, r.reference) for r in relations}
-    for subject, word, reference in sorted(triples):
-        if subject == reference:
-            found.append(f"relations: {subject} refers to itself")
-        if (word == "center") != (reference == TABLE):
-            found.append(f"relations: '{subject} {word} {reference}': 'center' goes with 'table', and only with it")
-        if word in _OPPOSITE and (subject, _OPPOSITE[word], reference) in triples:
-            found.append(f"relations: {subject} cannot be both {word} and {_OPPOSITE[word]} {reference}")
-        if (reference, word, subject) in triples and word not in ("near", "beside"):
-            found.append(f"relations: {subject} and {reference} cannot each be {word} the other")
-    missing = [object_id for object_id in ids if object_id not in {r.subject for r in relations}]
-    return found + ([f"relations: nothing says where {', '.join(missing)} go"] if missing else [])
+def _read_plan(answer: Any, check: PlanCheck) -> tuple[LayoutPlan | None, list[str]]:
+    """The plan that an answer holds, if it is one, and what is wrong with it."""
+    empty = [f"{field}: is empty" for field in ("text", "relations") if not getattr(answer, field)]
+    if empty:
+        return None, empty
+    relations = [Relation(**relation.model_dump()) for relation in answer.relations]
+    plan = LayoutPlan(text=answer.text, relations=relations)
+    return plan, list(check(plan))
 
 
 def _pair_complaints(pairs: Sequence[Any], count: int) -> list[str]:

@@ -6,7 +6,7 @@ file that its answers touched.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Protocol
 
@@ -16,6 +16,7 @@ from vcage.geometry import Camera
 from vcage.schema.asset import CatalogueEntry
 from vcage.schema.episodes import Verdict
 from vcage.schema.plan import LayoutPlan, Selection
+from vcage.schema.plan_check import PlanCheck, Room
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import ChainOption, Goal, PairAnswer, PairQuestion
 
@@ -70,6 +71,7 @@ class EditRequest:
         picture: the top view I_src.
         background: the same view of the empty table.
         segmentation: (H, W) int, values of ``scene.segmentation_ids``, 0 where no object is.
+        rooms: geometry of the objects by id, as far as it is known.
     """
 
     picture: np.ndarray
@@ -77,6 +79,7 @@ class EditRequest:
     segmentation: np.ndarray
     scene: Scene
     plan: LayoutPlan
+    rooms: Mapping[str, Room] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -116,8 +119,22 @@ class Reasoner(Protocol):
         """
         ...
 
-    def plan_layout(self, scene: Scene, catalogue: Sequence[CatalogueEntry], rng: np.random.Generator) -> LayoutPlan:
-        """How the objects of the scene should stand for the instruction."""
+    def plan_layout(
+        self,
+        scene: Scene,
+        catalogue: Sequence[CatalogueEntry],
+        rng: np.random.Generator,
+        check: PlanCheck | None = None,
+    ) -> LayoutPlan:
+        """How the objects of the scene should stand for the instruction.
+
+        Args:
+            check: what its complaints are about is mended, within the rounds that the reasoner has; without it the
+                plan is checked for contradictions, not for sizes.
+
+        Raises:
+            ModelRefused: the last round's plan is still complained about; lists the complaints.
+        """
         ...
 
     def judge_pairs(self, questions: Sequence[PairQuestion]) -> list[PairAnswer]:

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import Any
 
-from vcage.errors import ModelRefused
 from vcage.files import RunFolder
-from vcage.igsc.relations import contradictions
+from vcage.igsc.relations import Kept, relations_kept
+from vcage.igsc.rooms import room_of
+from vcage.models.offline.arrange import arrange
+from vcage.models.offline.footprints import footprints
+from vcage.models.offline.groups import placed_boxes
 from vcage.models.protocols import EditRequest
 from vcage.pictures import read_labels, read_picture, write_picture
 from vcage.pipeline.settings import Settings
@@ -15,7 +19,8 @@ from vcage.pipeline.stage import Job, StageResult, stage_seed
 from vcage.pipeline.workbench import Workbench
 from vcage.progress import Progress, silent
 from vcage.schema.base import Provenance
-from vcage.schema.plan import TABLE, LayoutPlan, Plan
+from vcage.schema.plan import Plan
+from vcage.schema.plan_check import plan_complaints, require_possible
 from vcage.schema.scene import Scene
 
 
@@ -33,28 +38,34 @@ def job(run: RunFolder, settings: Settings, bench: Workbench) -> Job:
 
 def summary(record: Plan) -> dict[str, Any]:
     """A few facts for whoever ran the stage."""
-    return {"text": record.text, "relations": len(record.relations)}
+    return {"text": record.text, "relations": len(record.relations), **record.checks, "notes": record.notes}
 
 
 def execute(run: RunFolder, settings: Settings, bench: Workbench, progress: Progress = silent) -> StageResult[Plan]:
     """Write ``inpaint/``: the plan L and the target picture.
 
     Raises:
-        ModelRefused: the plan contradicts itself or names what is not there, or the editor refuses.
+        ModelRefused: the reasoner was told what is wrong with its plan and found no better one in its rounds (the
+            message lists the complaints), or the editor refuses.
+        InfeasibleScene: the offline editor cannot show every object in the planned layout.
     """
     stage = job(run, settings, bench)
 
     def make(folder: Path, provenance: Provenance) -> Plan:
         scene = Scene.read(run.scene)
-        plan = bench.models.reasoner.plan_layout(scene, bench.catalogue, stage.rng())
-        _check(plan, scene)
+        rooms = {o.id: room_of(bench.asset(o)) for o in scene.objects}
+        check = partial(plan_complaints, scene=scene, rooms=rooms)
+        plan = bench.models.reasoner.plan_layout(scene, bench.catalogue, stage.rng(), check)
+        require_possible("the reasoner", plan, check)
         request = EditRequest(
             picture=read_picture(run.root / scene.pictures["source"]),
             background=read_picture(run.root / scene.pictures["background"]),
             segmentation=read_labels(run.root / scene.pictures["segmentation"]),
             scene=scene,
             plan=plan,
+            rooms=rooms,
         )
+        kept = _solvable(request)
         write_picture(folder / "target.png", bench.models.editor.rearrange(request))
         return Plan(
             provenance=provenance,
@@ -62,14 +73,24 @@ def execute(run: RunFolder, settings: Settings, bench: Workbench, progress: Prog
             text=plan.text,
             relations=plan.relations,
             target=stage.inside("target.png"),
+            checks={"relations_solvable": round(kept.share, 4), "relations_unsolved": kept.sentences},
+            notes=_notes(request),
         )
 
     return stage.do(Plan, make, force=settings.force)
 
 
-def _check(plan: LayoutPlan, scene: Scene) -> None:
-    known = {TABLE, *(o.id for o in scene.objects)}
-    strangers = sorted({name for r in plan.relations for name in (r.subject, r.reference)} - known)
-    complaints = [f"there is no object {name!r}" for name in strangers] + contradictions(plan.relations)
-    if complaints:
-        raise ModelRefused(f"the layout plan is not possible: {'; '.join(complaints)}", hint="run it again")
+def _solvable(request: EditRequest) -> Kept:
+    """How much of the plan the solver on the table plane can keep at once, whoever draws the picture."""
+    items = footprints(request.scene, request.segmentation)
+    placements = arrange(request.scene, request.plan, items, rooms=request.rooms)
+    return relations_kept(request.plan.relations, placed_boxes(items, placements), request.scene.table)
+
+
+def _notes(request: EditRequest) -> list[str]:
+    items = footprints(request.scene, request.segmentation)
+    return [
+        f"{item.record.id}: the source picture shows nothing of it, so the plan's picture cannot move it"
+        for item in items
+        if item.hidden
+    ]

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from typing import ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from vcage.schema.base import Identifier, Record, StageDocument
 from vcage.schema.scene import Role
@@ -23,12 +23,23 @@ class SelectedAsset(Record):
     variant: Identifier
     role: Role
     reason: str = ""
+    starts_in: Identifier | None = Field(
+        default=None, description="asset of another chosen object that it lies in or on at the start"
+    )
 
 
 class Selection(Record):
     """The paper's A*: the objects chosen for an instruction."""
 
     objects: list[SelectedAsset] = Field(min_length=1)
+
+    @model_validator(mode="after")
+    def _starts_in_what_was_chosen(self) -> Selection:
+        assets = {o.asset for o in self.objects}
+        for o in self.objects:
+            if o.starts_in is not None and (o.starts_in not in assets or o.starts_in == o.asset):
+                raise ValueError(f"{o.asset} starts in {o.starts_in!r}, which is not another chosen asset")
+        return self
 
 
 class Relation(Record):
@@ -55,3 +66,5 @@ class Plan(StageDocument):
     text: str
     relations: list[Relation]
     target: str = Field(description="path of the target picture in the run folder")
+    checks: dict[str, Any] = Field(default={}, description="relations_solvable: share that can be kept at once…")
+    notes: list[str] = Field(default=[], description="what a person should know about the picture")

@@ -1,72 +1,303 @@
-"""Solves a layout plan's relations on the table plane: where each object goes, and how far it turns."""
+"""Solves a layout plan's relations on the table plane: where each object goes, and how far it turns.
+
+Objects are placed one after another on a grid. What turns out badly is placed earlier in the next round
+(squeaky-wheel optimisation: Joslin and Clements, 1999), then single objects and pairs are moved while that helps.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+import itertools
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
 from vcage.geometry import wrap_angle
 from vcage.models.offline.footprints import Footprint
-from vcage.schema.plan import TABLE, LayoutPlan, Relation
+from vcage.models.offline.groups import Group, Placement, group_of, supports_of
+from vcage.models.offline.room_to_stand import Grid, Standing
+from vcage.schema.plan import TABLE, LayoutPlan, Plan, Relation
+from vcage.schema.plan_check import Room
+from vcage.schema.relations import DIRECTIONS, hold
 from vcage.schema.scene import Scene
 
 GAP = 0.03
 """Free space between neighbours, metres."""
 
-STEP = 0.01
-"""Spacing of the positions that are tried, metres."""
+TIERS = ((GAP, True), (GAP, False), (GAP / 2, False), (0.005, False))
+"""(gap, whether objects must also not hide each other in the picture): given up one after another."""
 
-_DIRECTIONS = {"left_of": (-1, 0), "right_of": (1, 0), "in_front_of": (0, -1), "behind": (0, 1)}
+ROUNDS = 8
+"""Orders of placing that are tried while relations are broken."""
+
+PAIR_TRIES = 12
+"""Places of one object that are tried while another's is sought."""
+
+MOVES = 100
+"""Moves that are tried in all to mend what is broken after the rounds."""
+
+_OVERLAP = 1000.0
+"""What an overlap costs, in broken relations."""
 
 
-@dataclass(frozen=True)
-class Placement:
-    """Where an object goes: world x, y of its centre, and how far it turns from where it stands now (radians)."""
+def arrange(
+    scene: Scene,
+    plan: LayoutPlan | Plan,
+    items: Sequence[Footprint],
+    fixed: Mapping[str, Placement] | None = None,
+    rooms: Mapping[str, Room] | None = None,
+) -> dict[str, Placement]:
+    """A placement for every object: relations first, no overlap, in the workspace, then short distances.
 
-    centre: np.ndarray
-    turn: float
+    Where relations and free space cannot both be had, relations give way, so no object is ever lost. What lies in or
+    on another object at the start and by the plan moves with it; what is only planned there is centred in its opening.
+    An object that the picture does not show stays where it is. Relations that name what there is not are passed over.
 
-
-def arrange(scene: Scene, plan: LayoutPlan, items: Sequence[Footprint]) -> dict[str, Placement]:
-    """A placement for every object: relations first, then no overlap, then short distances.
-
-    Objects are placed one after another on a grid of positions, references before those that refer to them;
-    each takes the cheapest position left. Where relations and free space cannot both be had, relations give way
-    gradually, so no object is ever lost.
+    Args:
+        fixed: objects whose place is known already.
+        rooms: geometry of the objects, as far as it is known; tells where openings are.
     """
-    by_id = {item.record.id: item for item in items}
-    lower, upper = np.array(scene.workspace.lower), np.array(scene.workspace.upper)
-    axes = [np.arange(lo, hi + STEP / 2, STEP) for lo, hi in zip(lower, upper, strict=True)]
-    grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 2)
-    placed: dict[str, Placement] = {}
-    for object_id in _order(plan, list(by_id)):
-        item = by_id[object_id]
-        turn = _turn(item)
-        half = item.half_size(turn)
-        relations = [r for r in plan.relations if r.subject == object_id]
-        supports = {r.reference for r in relations if r.relation in ("inside", "on")}
-        boxes = {k: (p.centre, by_id[k].half_size(p.turn)) for k, p in placed.items()}
-        cost = _relation_cost(grid, half, relations, boxes, scene)
-        cost += _overlap_cost(grid, half, [box for key, box in boxes.items() if key not in supports])
-        outside = np.maximum(lower + half - grid, 0) + np.maximum(grid + half - upper, 0)
-        cost += 1e3 * outside.sum(axis=1) + 1e-3 * np.linalg.norm(grid - item.centre, axis=1)
-        placed[object_id] = Placement(grid[int(np.argmin(cost))], turn)
-    return placed
+    known = {item.record.id: item for item in items}
+    relations = [r for r in plan.relations if r.subject in known and r.reference in (*known, TABLE)]
+    search = _Search(scene, relations, known, dict(fixed or {}), rooms or {})
+    return search.run()
 
 
-def _order(plan: LayoutPlan, ids: Sequence[str]) -> list[str]:
-    """References before subjects; among those that are free, the plan's order, and unplanned objects last."""
-    subjects = list(dict.fromkeys(r.subject for r in plan.relations if r.subject in ids))
-    waiting = subjects + [object_id for object_id in ids if object_id not in subjects]
-    done: list[str] = []
-    while waiting:
-        needs = {s: {r.reference for r in plan.relations if r.subject == s} - {TABLE} - set(done) for s in waiting}
-        ready = next((s for s in waiting if not needs[s] & set(waiting)), waiting[0])
-        waiting.remove(ready)
-        done.append(ready)
-    return done
+@dataclass
+class _State:
+    """Groups that have a place, by the root's id."""
+
+    placed: dict[str, Standing] = field(default_factory=dict)
+
+    @cached_property
+    def others(self) -> list[Standing]:
+        return list(self.placed.values())
+
+    @cached_property
+    def boxes(self) -> dict[str, np.ndarray]:
+        """(2, 3) world boxes of all members."""
+        return {name: box for there in self.placed.values() for name, box in there.boxes.items()}
+
+    def without(self, *roots: str) -> _State:
+        return _State({root: there for root, there in self.placed.items() if root not in roots})
+
+    def plus(self, there: Standing) -> _State:
+        return _State({**self.placed, there.group.root.record.id: there})
+
+
+class _Search:
+    """The arrangement of one scene; all of it is deterministic."""
+
+    def __init__(
+        self,
+        scene: Scene,
+        relations: list[Relation],
+        known: Mapping[str, Footprint],
+        fixed: dict[str, Placement],
+        rooms: Mapping[str, Room],
+    ):
+        self._scene = scene
+        self._relations = relations
+        self._grid = Grid(scene)
+        self._supports = {s: r for s, r in supports_of(relations, known).items() if s not in fixed}
+        carried: dict[str, list[Footprint]] = {}
+        for subject, reference in self._supports.items():
+            carried.setdefault(reference, []).append(known[subject])
+        roots = [item for name, item in known.items() if name not in self._supports]
+        for item in roots:
+            if item.hidden and item.record.id not in fixed:
+                fixed[item.record.id] = Placement(item.centre, 0.0)
+        self._fixed = _State()
+        self._choices: dict[str, list[Group]] = {}
+        for item in roots:
+            there = fixed.get(item.record.id)
+            turns = [there.turn] if there else list(dict.fromkeys((_turn(item), 0.0)))
+            groups = [group_of(item, turn, carried, rooms, relations) for turn in turns]
+            if there:
+                self._fixed = self._fixed.plus(self._grid.standing(groups[0], np.array(there.centre, dtype=np.float64)))
+            else:
+                self._choices[item.record.id] = groups
+        self._root_of = {m.item.record.id: root for root, groups in self._choices.items() for m in groups[0].members}
+        for root, standing in self._fixed.placed.items():
+            self._root_of.update(dict.fromkeys(standing.boxes, root))
+        self._about: dict[str, list[Relation]] = {}
+        for r in self._relations:
+            for root in {self._root_of[r.subject], self._root_of.get(r.reference)} - {None}:
+                self._about.setdefault(root, []).append(r)
+
+    def run(self) -> dict[str, Placement]:
+        """Rounds of placing, then mending; the best that was seen."""
+        order = self._order()
+        best, least = self._fixed, np.inf
+        for _ in range(ROUNDS):
+            state = self._place_all(order)
+            cost, culprits = self._faults(state)
+            if cost < least:
+                best, least = state, cost
+            if not culprits:
+                break
+            order = sorted(order, key=lambda root: root not in culprits)
+        best = self._mend(best)
+        found: dict[str, Placement] = {}
+        for there in best.others:
+            found.update(there.group.placements(there.centre))
+        return found
+
+    def _order(self) -> list[str]:
+        """References before subjects, among those that are free the plan's order, and unplanned objects last."""
+        needs = {root: set() for root in self._choices}
+        first: dict[str, None] = {}
+        for r in self._relations:
+            subject, reference = self._root_of[r.subject], self._root_of.get(r.reference)
+            first.setdefault(subject)
+            if subject in needs and reference in needs and subject != reference:
+                needs[subject].add(reference)
+        waiting = [root for root in first if root in needs] + [root for root in needs if root not in first]
+        done: list[str] = []
+        while waiting:
+            ready = next((root for root in waiting if needs[root] <= set(done)), waiting[0])
+            waiting.remove(ready)
+            done.append(ready)
+        return done
+
+    def _place_all(self, order: Sequence[str]) -> _State:
+        state = self._fixed
+        for root in order:
+            state = self._place(root, state)[1]
+        return state
+
+    def _place(self, root: str, state: _State) -> tuple[float, _State]:
+        """(cost, state with the group at its best place): broken relations first, then tiers, then distances."""
+        best: tuple[float, float, Group, np.ndarray] | None = None
+        for group in self._choices[root]:
+            found = self._best_place(group, state)
+            if best is None or found[0] < best[0]:
+                best = (*found[:2], group, found[2])
+            if best[0] == 0:
+                break
+        return best[0], state.plus(self._grid.standing(best[2], best[3]))
+
+    def _best_place(self, group: Group, state: _State) -> tuple[float, float, np.ndarray]:
+        """(broken relations, or more for an overlap; tier's price; centre)."""
+        grid = self._grid.centres(group)
+        broken, soft = self._judge(group, grid, state)
+        best: tuple[float, float, np.ndarray] | None = None
+        clearance, plain = (look(group, grid, state.others) for look in (self._grid.clearance, self._grid.plain))
+        for price, (gap, seen) in enumerate(TIERS):
+            free = (clearance >= gap - 1e-9) & (plain | (not seen))
+            if not free.any():
+                continue
+            score = np.where(free, 1e3 * broken + soft, np.inf)
+            at = int(np.argmin(score))
+            if best is None or broken[at] < best[0]:
+                best = (float(broken[at]), price, grid[at])
+            if best[0] == 0:
+                return best
+        if best is not None:
+            return best
+        depth = self._grid.overlap(group, grid, state.others)
+        at = int(np.argmin(1e3 * depth + soft))
+        return _OVERLAP + float(broken[at]), len(TIERS), grid[at]
+
+    def _judge(self, group: Group, grid: np.ndarray, state: _State) -> tuple[np.ndarray, np.ndarray]:
+        """(n,) relations to what is placed that break with the group at each centre, and how well it stands there."""
+        soft = 0.05 * np.linalg.norm(grid - group.root.centre, axis=1)
+        broken = np.zeros(len(grid))
+        table = self._grid.table
+        members = {m.item.record.id: m for m in group.members}
+        for r in self._about.get(group.root.record.id, ()):
+            if (r.subject in members) == (r.reference in members):
+                continue
+            other = r.reference if r.subject in members else r.subject
+            there = table if other == TABLE else state.boxes.get(other)
+            if there is None:
+                continue
+            here = members[r.subject if r.subject in members else r.reference].boxes(grid)
+            pair = (here, there) if r.subject in members else (there, here)
+            broken += ~hold(r.relation, *pair)
+            soft += self._cost(r, *pair)
+        return broken, soft
+
+    def _cost(self, r: Relation, subject: np.ndarray, reference: np.ndarray) -> np.ndarray:
+        """(n,) how far boxes (…, 2, 3) are from what a relation looks like at its best, metres, weighted."""
+        offset = subject[..., :2].mean(axis=-2) - reference[..., :2].mean(axis=-2)
+        if r.relation == "center":
+            back = self._back(subject) if r.reference == TABLE else 0
+            return 10 * np.linalg.norm(offset - back, axis=-1)
+        if r.relation in ("inside", "on"):
+            return np.zeros(len(offset))
+        reach = (subject[..., 1, :2] - subject[..., 0, :2] + reference[..., 1, :2] - reference[..., 0, :2]) / 2
+        gaps = np.maximum(np.abs(offset) - reach, 0)
+        near = np.abs(np.linalg.norm(gaps, axis=-1) - GAP)
+        if r.relation not in DIRECTIONS:
+            return 3 * near
+        direction = np.array(DIRECTIONS[r.relation])
+        along, across = offset @ direction, np.abs(offset @ direction[::-1])
+        return 30 * np.maximum(reach @ np.abs(direction) - along, 0) + near + across
+
+    def _back(self, subject: np.ndarray) -> np.ndarray:
+        """Offset of the middle place: a little away from the robot, to leave room for what stands in front."""
+        half = (subject[..., 1, 1] - subject[..., 0, 1]) / 2
+        room = self._scene.workspace.upper[1] - self._scene.table.centre[1] - half
+        back = np.clip(0.3 * room, 0.0, 0.05)
+        return np.stack([np.zeros_like(back), back], axis=-1)
+
+    def _broken(self, state: _State) -> list[Relation]:
+        boxes = {**state.boxes, TABLE: self._grid.table}
+        return [r for r in self._relations if not hold(r.relation, boxes[r.subject], boxes[r.reference])]
+
+    def _faults(self, state: _State) -> tuple[float, list[str]]:
+        """(overlaps and broken relations, the groups that can be moved to mend them)."""
+        broken = self._broken(state)
+        involved = [self._root_of.get(name) for r in broken for name in (r.subject, r.reference)]
+        overlapping = self._overlapping(state)
+        culprits = [root for root in dict.fromkeys((*overlapping, *involved)) if root in self._choices]
+        return _OVERLAP * len(overlapping) + len(broken), culprits
+
+    def _overlapping(self, state: _State) -> list[str]:
+        """Groups that can be moved and overlap another."""
+        found = []
+        for root, there in state.placed.items():
+            others = state.without(root).others
+            if root in self._choices and self._grid.overlap(there.group, there.centre[None], others)[0] > 1e-9:
+                found.append(root)
+        return found
+
+    def _mend(self, state: _State) -> _State:
+        """Move single groups, then pairs of a broken relation, as long as the faults become fewer."""
+        cost, culprits = self._faults(state)
+        left = MOVES
+        while culprits:
+            moves = enumerate(itertools.islice(self._moves(state, culprits), left), 1)
+            tried, better = next(((n, s) for n, s in moves if self._faults(s)[0] < cost), (0, None))
+            if better is None:
+                return state
+            left, state = left - tried, better
+            cost, culprits = self._faults(state)
+        return state
+
+    def _moves(self, state: _State, culprits: Sequence[str]) -> Iterable[_State]:
+        for root in culprits:
+            yield self._place(root, state.without(root))[1]
+        pairs = [tuple(self._root_of.get(n) for n in (r.subject, r.reference)) for r in self._broken(state)]
+        for first, second in dict.fromkeys(itertools.chain(pairs, (pair[::-1] for pair in pairs))):
+            if first in self._choices and second in self._choices and first != second:
+                rest = state.without(first, second)
+                for group in self._choices[first]:
+                    for centre in self._spread(group, rest):
+                        yield self._place(second, rest.plus(self._grid.standing(group, centre)))[1]
+
+    def _spread(self, group: Group, state: _State) -> np.ndarray:
+        """(k, 2) free places of a group, those that break the fewest relations, spread over all of these."""
+        grid = self._grid.centres(group)
+        broken, soft = self._judge(group, grid, state)
+        free = self._grid.clearance(group, grid, state.others) >= TIERS[-1][0]
+        if not free.any():
+            return grid[:0]
+        good = np.flatnonzero(free & (broken == broken[free].min()))
+        good = good[np.argsort(soft[good], kind="stable")]
+        return grid[good[np.unique(np.linspace(0, len(good) - 1, PAIR_TRIES).astype(int))]]
 
 
 def _turn(item: Footprint) -> float:
@@ -76,52 +307,3 @@ def _turn(item: Footprint) -> float:
     if item.elongated:
         return float((np.pi / 2 - item.axis + np.pi / 2) % np.pi - np.pi / 2)
     return 0.0
-
-
-def _relation_cost(
-    grid: np.ndarray,
-    half: np.ndarray,
-    relations: Sequence[Relation],
-    boxes: dict[str, tuple[np.ndarray, np.ndarray]],
-    scene: Scene,
-) -> np.ndarray:
-    """(n,) how far each position is from what the relations ask for; metres, weighted."""
-    cost = np.zeros(len(grid))
-    for relation in relations:
-        if relation.reference == TABLE:
-            cost += 10 * np.linalg.norm(grid - np.array(scene.table.centre) - _back(scene, half), axis=1)
-        elif relation.reference in boxes:
-            cost += _one_relation(grid, half, relation.relation, *boxes[relation.reference])
-    return cost
-
-
-def _back(scene: Scene, half: np.ndarray) -> np.ndarray:
-    """Offset of the middle place: a little away from the robot, to leave room for what stands in front."""
-    room = scene.workspace.upper[1] - scene.table.centre[1] - half[1]
-    return np.array([0.0, np.clip(0.3 * room, 0.0, 0.05)])
-
-
-def _one_relation(grid: np.ndarray, half: np.ndarray, word: str, centre: np.ndarray, other: np.ndarray) -> np.ndarray:
-    """(n,) cost of one relation to a box at ``centre`` with half size ``other``."""
-    offset = grid - centre
-    gaps = np.maximum(np.abs(offset) - half - other, 0)
-    distance = np.linalg.norm(gaps, axis=1)
-    if word in ("inside", "on", "center"):
-        return 10 * np.linalg.norm(offset, axis=1)
-    near = np.abs(distance - GAP)
-    if word in ("near", "beside"):
-        return 3 * near
-    direction = np.array(_DIRECTIONS[word])
-    along = offset @ direction
-    across = np.abs(offset @ direction[::-1])
-    wanted = (half + other) @ np.abs(direction)
-    return 30 * np.maximum(wanted - along, 0) + near + across
-
-
-def _overlap_cost(grid: np.ndarray, half: np.ndarray, boxes: Sequence[tuple[np.ndarray, np.ndarray]]) -> np.ndarray:
-    """(n,) penetration of the boxes grown by the gap; metres, weighted far above any relation."""
-    cost = np.zeros(len(grid))
-    for centre, other in boxes:
-        depth = (half + other + GAP - np.abs(grid - centre)).min(axis=1)
-        cost += np.where(depth > 1e-9, 100 + 1e3 * depth, 0.0)
-    return cost

@@ -10,8 +10,11 @@ INTO = (
 )  # fmt: skip
 """Before the place where things go."""
 
-FROM = ("from", "off", "out of", "with", "for", "using", "so that", "at", "by")
-"""Before what is no such place."""
+SOURCES = ("from", "off", "out of")
+"""Before the place where things are at the start."""
+
+FROM = (*SOURCES, "with", "for", "using", "so that", "at", "by")
+"""Before what is no place where things go."""
 
 PREPOSITION = re.compile(r"\b(" + "|".join(sorted(INTO + FROM, key=len, reverse=True)) + r")\b")
 
@@ -21,6 +24,9 @@ FILLING = frozenset(["fill", "load", "stock", "pack", "stuff"])
 OPENING = frozenset(["open", "close", "shut", "unlock", "lock"])
 """What is done to a place before or after things are put into it."""
 
+EMPTYING = frozenset(["empty"])
+"""Verbs whose object is where the things are that are moved: 'empty the bowl onto the tray'."""
+
 GATHERING = frozenset(["clear", "clean", "tidy", "wipe"])
 """What is done to a table, not with one."""
 
@@ -29,10 +35,10 @@ TOOL_VERBS = frozenset(["scan", "weigh", "wipe", "clean", "stir", "cut", "measur
 
 _PLACING = ("put", "place", "pack", "set", "move", "drop")
 _OTHER_VERBS = (
-    "add", "arrange", "bring", "carry", "collect", "deliver", "fetch", "fill", "gather", "give", "grab", "hand",
-    "hide", "insert", "keep", "lay", "leave", "lift", "load", "open", "close", "shut", "pick", "pop", "press", "pull",
-    "push", "put", "rest", "return", "scan", "slide", "slip", "sort", "stack", "stand", "stick", "store", "stow",
-    "take", "throw", "tidy", "toss", "transfer", "weigh",
+    "add", "arrange", "bring", "carry", "collect", "deliver", "empty", "fetch", "fill", "gather", "give", "grab",
+    "hand", "hide", "insert", "keep", "lay", "leave", "lift", "load", "open", "close", "shut", "pick", "pop", "press",
+    "pull", "push", "put", "remove", "rest", "return", "scan", "slide", "slip", "sort", "stack", "stand", "stick",
+    "store", "stow", "take", "throw", "tidy", "toss", "transfer", "weigh",
 )  # fmt: skip
 _MARKER = r"(?=\s+(?:the|a|an|it|them|these|those|this|that|both|all|each|every|everything|my|your|our|its|some|any|up|"
 _MARKER += r"one|two|three|four|five|six|seven|eight|nine|ten|\d+)\b)"
@@ -102,6 +108,7 @@ def plain_clause(text: str) -> str:
     """The clause in lower case, without punctuation and particles, as a command: 'put … into …'."""
     text = re.sub(r"[^\w\s,&'-]", " ", text.lower())
     text = re.sub(r"\bas well\b(?! as\b)", " ", text)
+    text = re.sub(r"\b(?:out|off) of\b", "from", text)
     text = " ".join(word for word in text.split() if word not in _PARTICLES).strip(" ,")
     pulled = _PULLING.match(text)
     if pulled:

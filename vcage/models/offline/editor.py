@@ -1,19 +1,29 @@
-"""The image editor that needs no model: cuts each object out and pastes it where the plan wants it."""
+"""The image editor that needs no model: takes each object out of the picture and draws it where the plan wants it."""
 
 from __future__ import annotations
 
-import cv2
+import logging
+from collections.abc import Sequence
+
 import numpy as np
 
-from vcage.errors import InputFileError
-from vcage.geometry import Camera
+from vcage.errors import InfeasibleScene, InputFileError
 from vcage.models.offline import PROVIDER
-from vcage.models.offline.arrange import Placement, arrange
+from vcage.models.offline.arrange import arrange
 from vcage.models.offline.footprints import Footprint, footprints
+from vcage.models.offline.groups import Placement
+from vcage.models.offline.light import find_light
+from vcage.models.offline.painting import Drawing, draw
 from vcage.models.protocols import EditRequest
+from vcage.schema.plan import Relation
 
-SHADOW_DEPTH = 0.22
-"""How much light the middle of a pasted shadow takes away."""
+logger = logging.getLogger(__name__)
+
+WELL_VISIBLE = 0.9
+"""Share of an object that should be seen in the picture, unless the plan puts something in or on it."""
+
+BARELY_VISIBLE = 0.5
+"""Share below which the picture is of no use."""
 
 
 class OfflineEditor:
@@ -22,21 +32,42 @@ class OfflineEditor:
     provider = PROVIDER
 
     def rearrange(self, request: EditRequest) -> np.ndarray:
-        """The target picture, in the size of the source.
+        """The target picture, in the size of the source. An object that the source does not show is left out.
 
         Raises:
             InputFileError: the pictures do not belong together.
+            InfeasibleScene: an object would be hidden behind another, or lie outside the picture.
         """
         _check_sizes(request)
-        camera = request.scene.top_camera.camera()
         items = footprints(request.scene, request.segmentation)
-        placements = arrange(request.scene, request.plan, items)
-        canvas = request.background.astype(np.float32)
-        for item in sorted(items, key=lambda item: item.record.aabb[0][2]):
-            if item.mask.any():
-                warp = _warp(camera, item, placements[item.record.id])
-                canvas = _paste(canvas, request.picture, item, warp)
-        return np.clip(np.rint(canvas), 0, 255).astype(np.uint8)
+        for item in items:
+            if item.hidden:
+                logger.warning("%s: the picture shows nothing of it, so it stays where it is", item.record.id)
+        drawing = _draw(request, items, request.plan.relations)
+        hidden = drawing.hidden(WELL_VISIBLE)
+        if hidden:
+            others = [r for r in request.plan.relations if r.subject not in hidden and r.reference not in hidden]
+            drawing = max((drawing, _draw(request, items, others)), key=lambda d: d.least_visible)
+        lost = drawing.hidden(BARELY_VISIBLE)
+        if lost:
+            raise InfeasibleScene(
+                f"{', '.join(lost)} would be hidden, or outside the picture, in the planned layout",
+                hint="plan with fewer or lower objects, or try another --seed",
+                details={"objects": lost, "visible": {name: round(drawing.visible[name], 2) for name in lost}},
+            )
+        for name in drawing.hidden(WELL_VISIBLE):
+            logger.warning("%s: %.0f %% of it is seen in the target picture", name, 100 * drawing.visible[name])
+        return drawing.picture
+
+
+def _draw(request: EditRequest, items: Sequence[Footprint], relations: Sequence[Relation]) -> Drawing:
+    plan = request.plan.model_copy(update={"relations": list(relations)})
+    placements: dict[str, Placement] = arrange(request.scene, plan, items, rooms=request.rooms)
+    camera = request.scene.top_camera.camera()
+    height = request.scene.table.height
+    light = find_light(request.picture, request.background, items, camera, height)
+    holders = {r.reference for r in relations if r.relation in ("inside", "on")}
+    return draw(request.picture, request.background, items, placements, camera, light, height, holders)
 
 
 def _check_sizes(request: EditRequest) -> None:
@@ -52,36 +83,3 @@ def _check_sizes(request: EditRequest) -> None:
                 f"{camera.width} x {camera.height}",
                 hint="run select_place again with --force",
             )
-
-
-def _warp(camera: Camera, item: Footprint, placement: Placement) -> np.ndarray:
-    """(3, 3) homography of source pixels to target pixels for points in the plane of the object's middle.
-
-    In that plane the centre of a box's silhouette moves exactly as the box does; perspective is kept.
-    """
-    corners = item.centre + np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * max(item.size[0] / 2, 0.01)
-    c, s = np.cos(placement.turn), np.sin(placement.turn)
-    moved = (corners - item.centre) @ np.array([[c, s], [-s, c]]) + placement.centre
-    lift = np.full((4, 1), item.height)
-    source = camera.project(np.hstack([corners, lift]))
-    target = camera.project(np.hstack([moved, lift]))
-    return cv2.getPerspectiveTransform(source.astype(np.float32), target.astype(np.float32))
-
-
-def _paste(canvas: np.ndarray, picture: np.ndarray, item: Footprint, warp: np.ndarray) -> np.ndarray:
-    """The canvas (H, W, 3) float32 with the object's soft shadow and then the object on it."""
-    size = (canvas.shape[1], canvas.shape[0])
-    half_pixel = np.array([[1, 0, -0.5], [0, 1, -0.5], [0, 0, 1.0]])
-    warp = half_pixel @ warp @ np.linalg.inv(half_pixel)
-    colour = cv2.inpaint(picture, (~item.mask & _near(item.mask)).astype(np.uint8), 3, cv2.INPAINT_TELEA)
-    moved = cv2.warpPerspective(colour, warp, size, flags=cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE)
-    alpha = cv2.warpPerspective(item.mask.astype(np.float32), warp, size, flags=cv2.INTER_LINEAR)[..., None]
-    blur = 2 * int(max(2, min(item.size) * size[0] / 60)) + 1
-    shadow = cv2.GaussianBlur(alpha, (blur, blur), 0)[..., None]
-    canvas = canvas * (1 - SHADOW_DEPTH * shadow)
-    return canvas * (1 - alpha) + moved.astype(np.float32) * alpha
-
-
-def _near(mask: np.ndarray) -> np.ndarray:
-    """Pixels up to three pixels from the mask, so that interpolation at its edge sees the object's own colour."""
-    return cv2.dilate(mask.astype(np.uint8), np.ones((7, 7), np.uint8)).astype(bool)

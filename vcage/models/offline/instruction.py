@@ -6,17 +6,22 @@ import re
 from dataclasses import dataclass, replace
 
 from vcage.models.offline.clauses import (
+    EMPTYING,
     FILLING,
     FROM,
     GATHERING,
     INTO,
     OPENING,
     PREPOSITION,
+    SOURCES,
     TOOL_VERBS,
     clauses,
     plain_clause,
 )
 from vcage.models.offline.phrases import Phrase, is_pronoun, parse_phrases, parse_place, points_back
+
+_WHATEVER = Phrase("things", ("thing",), None, None)
+"""What is in a place that is emptied."""
 
 _SURFACES = frozenset(("table", "desk", "desktop", "tabletop", "worktop", "counter", "countertop"))
 
@@ -28,6 +33,7 @@ class Request:
     Args:
         again: things that an earlier request moves already, and that this one moves on ("…, then put them…").
         tools: what it is done with ("scan it with the scanner").
+        sources: (thing, place) of what is in or on a place at the start ("take the pen out of the cup").
     """
 
     verb: str
@@ -35,6 +41,7 @@ class Request:
     receptacle: Phrase | None
     again: tuple[Phrase, ...] = ()
     tools: tuple[Phrase, ...] = ()
+    sources: tuple[tuple[Phrase, Phrase], ...] = ()
 
 
 def parse_instruction(instruction: str) -> list[Request]:
@@ -65,6 +72,11 @@ class _Reader:
         if filled:
             at = pieces.index("with", 1)
             self._add(verb, pieces[at + 1], parse_place(pieces[0]), ())
+        elif verb in EMPTYING and not set(pieces[1::2]) & set(SOURCES) and (place := _place_off_table(pieces[0])):
+            goal = next((p for w, p in zip(pieces[1::2], pieces[2::2], strict=True) if w in INTO), "")
+            self._requests.append(
+                Request(verb, (_WHATEVER,), self._read_place(goal, "into")[0], sources=((_WHATEVER, place),))
+            )
         elif verb in OPENING or _pulls_a_part(verb, pieces[0]):
             if not is_pronoun(pieces[0]):
                 self._place = parse_place(pieces[0]) or self._place
@@ -94,19 +106,22 @@ class _Reader:
         """'the apple in the bowl and the pen in the box' are two requests with one verb."""
         contents = pieces[0]
         tools: tuple[Phrase, ...] = ()
+        source: Phrase | None = None
         for preposition, piece in zip(pieces[1::2], pieces[2::2], strict=True):
             if preposition == "using" or (preposition == "with" and verb in TOOL_VERBS):
                 tools += tuple(phrase for phrase in parse_phrases(piece) if not is_pronoun(phrase.text))
+            if preposition in SOURCES:
+                source = _place_off_table(_first_part(piece)[0]) or source
             if preposition in FROM or not contents:
                 continue
             place_text, following = _first_part(piece)
             place, on_table = self._read_place(place_text, preposition)
             if place is None and not on_table:
                 continue
-            self._add(verb, contents, place, tools)
-            contents, tools = following, ()
+            self._add(verb, contents, place, tools, source)
+            contents, tools, source = following, (), None
         if contents:
-            self._add(verb, contents, None, tools)
+            self._add(verb, contents, None, tools, source)
 
     def _read_place(self, text: str, preposition: str) -> tuple[Phrase | None, bool]:
         """The place, and whether it is the table itself, which is no place to plan for."""
@@ -117,37 +132,57 @@ class _Reader:
             return None, True
         return owned, False
 
-    def _add(self, verb: str, contents: str, place: Phrase | None, tools: tuple[Phrase, ...]) -> None:
+    def _add(
+        self,
+        verb: str,
+        contents: str,
+        place: Phrase | None,
+        tools: tuple[Phrase, ...],
+        source: Phrase | None = None,
+    ) -> None:
         """Note a request; a pronoun takes over what was named before and has no place yet."""
+        sources: tuple[tuple[Phrase, Phrase], ...] = ()
         fresh: tuple[Phrase, ...] = ()
         again: tuple[Phrase, ...] = ()
         for part in _parts(contents):
             if is_pronoun(part) and (self._requests or self._announced):
-                taken, more_tools, moved = self._take_over()
+                taken, more_tools, moved, started = self._take_over()
+                sources += started
                 fresh, again, tools = (*fresh, *taken), (*again, *moved), (*more_tools, *tools)
             else:
-                fresh += _movable(parse_phrases(part)) if verb in GATHERING else parse_phrases(part)
+                named = _movable(parse_phrases(part)) if verb in GATHERING else parse_phrases(part)
+                fresh += named
+                sources += tuple((phrase, source) for phrase in named if source is not None)
         if place is not None:
             self._place = place
         if fresh or again:
-            self._requests.append(Request(verb, fresh, place, again, tools))
+            self._requests.append(Request(verb, fresh, place, again, tools, sources))
 
-    def _take_over(self) -> tuple[tuple[Phrase, ...], tuple[Phrase, ...], tuple[Phrase, ...]]:
-        """(things without a place so far, their tools, things that an earlier request has moved)."""
+    def _take_over(
+        self,
+    ) -> tuple[tuple[Phrase, ...], tuple[Phrase, ...], tuple[Phrase, ...], tuple[tuple[Phrase, Phrase], ...]]:
+        """(things without a place so far, their tools, things that were moved before, where things start)."""
         waiting = [r for r in self._requests if r.receptacle is None]
         last = self._requests[-1] if self._requests else None
         fresh = tuple(phrase for r in waiting for phrase in r.contents)
         tools = tuple(phrase for r in waiting for phrase in r.tools)
+        sources = tuple(pair for r in waiting for pair in r.sources)
         again = (*last.contents, *last.again) if last is not None and last.receptacle is not None else ()
         self._requests = [r for r in self._requests if r.receptacle is not None]
         if not fresh and not again:
             fresh, self._announced = self._announced, ()
-        return fresh, tools, again
+        return fresh, tools, again, sources
 
 
 def _pulls_a_part(verb: str, text: str) -> bool:
     place = parse_place(text) if verb in ("pull", "push") else None
     return place is not None and place.part is not None
+
+
+def _place_off_table(text: str) -> Phrase | None:
+    """The place that a text names, if it is not the table itself, where everything is anyway."""
+    place = None if not text.strip() or is_pronoun(text) or points_back(text) else parse_place(text)
+    return None if place is None or place.head in _SURFACES else place
 
 
 def _movable(phrases: tuple[Phrase, ...]) -> tuple[Phrase, ...]:

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from vcage.schema.plan import TABLE, LayoutPlan, Relation
+from vcage.schema.relations import holds
 from vcage.schema.scene import ObjectRecord, Scene
 
 _PLACES = ("left_of", "right_of", "in_front_of")
@@ -26,18 +27,25 @@ _WORDS = {
 def plan_layout(scene: Scene, rng: np.random.Generator) -> LayoutPlan:
     """Receptacles in the middle, contents left, right and in front of them, everything else behind those.
 
-    Contents are not put inside: to move them there is the task. The relations form a tree that starts at the
-    table, so they cannot contradict each other. Which object goes to which side is a random choice.
+    Contents are not put inside: to move them there is the task. What lies in another object at the start stays
+    there, and that object stands where a hand comes to it. The relations form a tree that starts at the table, so
+    they cannot contradict each other. Which object goes to which side is a random choice.
     """
-    receptacles = [o for o in scene.objects if o.role == "receptacle"]
-    contents = _shuffled([o for o in scene.objects if o.role == "content"], rng)
-    context = _shuffled([o for o in scene.objects if o.role == "context"], rng)
+    carried = [o for o in scene.objects if o.container is not None]
+    standing = [o for o in scene.objects if o.container is None]
+    holders = {o.container for o in carried}
+    receptacles = [o for o in standing if o.role == "receptacle"]
+    contents = _shuffled([o for o in standing if o.role == "content"], rng)
+    context = _shuffled([o for o in standing if o.role == "context"], rng)
+    contents += [o for o in context if o.id in holders]
+    context = [o for o in context if o.id not in holders]
     anchors = receptacles or contents[:1] or context[:1]
     contents = [o for o in contents if o not in anchors]
     context = [o for o in context if o not in anchors]
     relations = _anchor_relations(anchors)
     relations += _around(contents, anchors)
     relations += _out_of_the_way(context, anchors, relations, scene)
+    relations += [_relation(o, _lies(o, scene), scene.object(o.container)) for o in carried]
     return LayoutPlan(text=describe(relations, scene), relations=relations)
 
 
@@ -47,6 +55,11 @@ def _shuffled(items: Sequence[ObjectRecord], rng: np.random.Generator) -> list[O
 
 def _relation(subject: ObjectRecord, word: str, reference: ObjectRecord) -> Relation:
     return Relation(subject=subject.id, relation=word, reference=reference.id)
+
+
+def _lies(item: ObjectRecord, scene: Scene) -> str:
+    """Whether an object lies ``inside`` its container or ``on`` it."""
+    return "inside" if holds("inside", item.aabb, scene.object(item.container).aabb) else "on"
 
 
 def _anchor_relations(anchors: Sequence[ObjectRecord]) -> list[Relation]:

@@ -13,6 +13,7 @@ from vcage.models.offline.receptacles import judge_pair
 from vcage.models.offline.selection import Selector
 from vcage.schema.asset import CatalogueEntry
 from vcage.schema.plan import LayoutPlan, Selection
+from vcage.schema.plan_check import PlanCheck, plan_complaints, require_possible
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import ChainOption, PairAnswer, PairQuestion
 
@@ -28,9 +29,21 @@ class OfflineReasoner:
         """See :class:`vcage.models.offline.selection.Selector`."""
         return Selector(instruction, catalogue, rng).select()
 
-    def plan_layout(self, scene: Scene, catalogue: Sequence[CatalogueEntry], rng: np.random.Generator) -> LayoutPlan:
-        """See :func:`vcage.models.offline.layout.plan_layout`; roles say all that it needs of the catalogue."""
-        return plan_layout(scene, rng)
+    def plan_layout(
+        self,
+        scene: Scene,
+        catalogue: Sequence[CatalogueEntry],
+        rng: np.random.Generator,
+        check: PlanCheck | None = None,
+    ) -> LayoutPlan:
+        """See :func:`vcage.models.offline.layout.plan_layout`; roles say all that it needs of the catalogue.
+
+        Raises:
+            ModelRefused: the check complains about the plan.
+        """
+        plan = plan_layout(scene, rng)
+        require_possible(self.provider, plan, check or (lambda found: plan_complaints(found, scene)))
+        return plan
 
     def judge_pairs(self, questions: Sequence[PairQuestion]) -> list[PairAnswer]:
         """See :func:`vcage.models.offline.receptacles.judge_pair`."""

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -23,10 +25,12 @@ from vcage.models.offline.matching import (
     variants_of,
 )
 from vcage.models.offline.phrases import SEVERAL, Phrase
-from vcage.models.offline.words import tokens
+from vcage.models.offline.words import ANYTHING, tokens
 from vcage.models.search import Search, best_search
 from vcage.schema.asset import CatalogueEntry, Variant
 from vcage.schema.plan import SelectedAsset, Selection
+
+logger = logging.getLogger(__name__)
 
 MOST_OBJECTS = 40
 """Things that one phrase may ask for; no table holds more."""
@@ -37,6 +41,13 @@ CONTEXT_FOOTPRINT = 0.03
 
 SUGGESTIONS = 3
 """Names that a complaint suggests for a phrase that nothing answers."""
+
+
+UNNAMED_CONTENTS = 2
+"""How many things are in a place that is emptied."""
+
+SHARE_OF_PLACE = 0.2
+"""Largest share of a place's outer rectangle that one of several things in it at the start takes."""
 
 
 class Selector:
@@ -81,8 +92,10 @@ class Selector:
             for candidate in self._receptacle_of(request):
                 if all(s.asset != candidate.entry.name for s in chosen):
                     chosen.append(self._receptacle(request.receptacle, candidate))
+        chosen += self._sources(chosen)
         chosen += self._tools(tools, chosen)
-        return Selection(objects=chosen + self._context([*contents, *places_named, *tools], chosen))
+        sources = [place for request in self.requests for _, place in request.sources]
+        return Selection(objects=chosen + self._context([*contents, *places_named, *sources, *tools], chosen))
 
     def _receptacle_of(self, request: Request) -> list[Candidate]:
         """The receptacle of a clause, as a list of one or none."""
@@ -105,16 +118,65 @@ class Selector:
                 hint="name another place for it",
                 details={"unmatched": [phrase.text]},
             )
+        source = self._source_of(phrase, request)
+        if source is not None and len(kinds) > 1:
+            kinds = self._small_enough(kinds, source)
+        starts_in = source.name if source is not None and all(goes_in(kind, source) for kind in kinds) else None
+        if source is not None and starts_in is None:
+            logger.warning("%r is too large for the %s, so it starts beside it", phrase.text, source.words.name)
         if len(kinds) > 1:
             looks = self._one_of_each(self._suiting(kinds, request), phrase)
         else:
             looks = self._looks(kinds[0], phrase)
-        count = min(SEVERAL, max(2, len(looks))) if phrase.count is None else phrase.count
+        several = UNNAMED_CONTENTS if source is not None and phrase.head in ANYTHING else SEVERAL
+        count = min(several, max(2, len(looks))) if phrase.count is None else phrase.count
         picked = [looks[i % len(looks)] for i in range(count)]
         return [
-            SelectedAsset(asset=entry.name, variant=variant.id, role="content", reason=f"asked for: {phrase.text!r}")
+            SelectedAsset(
+                asset=entry.name,
+                variant=variant.id,
+                role="content",
+                reason=f"asked for: {phrase.text!r}",
+                starts_in=starts_in,
+            )
             for entry, variant in picked
         ]
+
+    def _source_of(self, phrase: Phrase, request: Request) -> CatalogueEntry | None:
+        """What a thing is in or on at the start, where the instruction says so and the catalogue has it."""
+        place = dict(request.sources).get(phrase)
+        if place is None:
+            return None
+        found = self._places.of(replace(request, contents=(phrase,), again=(), receptacle=place), self.catalogue)
+        if found is None or not found.entry.functional_points:
+            logger.warning("nothing holds things that is called %r, so %r starts on the table", place.text, phrase.text)
+            return None
+        return found.entry
+
+    def _small_enough(self, kinds: Sequence[CatalogueEntry], source: CatalogueEntry) -> list[CatalogueEntry]:
+        """Those of which several go into the place, else the smallest."""
+        room = SHARE_OF_PLACE * source.size[0] * source.size[1]
+        areas = {kind.name: kind.size[0] * kind.size[1] for kind in kinds}
+        small = [kind for kind in kinds if areas[kind.name] <= room and goes_in(kind, source) and kind is not source]
+        return small or [min(kinds, key=lambda kind: areas[kind.name])]
+
+    def _sources(self, chosen: Sequence[SelectedAsset]) -> list[SelectedAsset]:
+        """What contents start in; nothing goes into it, so it is context, unless it is a receptacle too."""
+        entries = {entry.name: entry for entry in self.catalogue}
+        phrases = {
+            entry.name: place
+            for request in self.requests
+            for phrase, place in request.sources
+            if (entry := self._source_of(phrase, request)) is not None
+        }
+        found = []
+        for name, place in phrases.items():
+            if all(s.asset != name for s in chosen):
+                variants = variants_of(entries[name], place)
+                variant = variants[int(self.rng.integers(len(variants)))]
+                reason = f"where things are at the start: {place.text!r}"
+                found.append(SelectedAsset(asset=name, variant=variant.id, role="context", reason=reason))
+        return found
 
     def _suiting(self, kinds: Sequence[CatalogueEntry], request: Request) -> list[CatalogueEntry]:
         """Those of a kind that are smaller than the place and belong to the scene, as far as there are several."""

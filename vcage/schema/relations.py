@@ -1,0 +1,103 @@
+"""Geometry of the relation words: when a relation holds between axis-aligned world boxes.
+
++x is right and −y is in front, as the robot sees the table. Thresholds are the module's constants.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from vcage.schema.plan import RelationWord
+
+INSIDE_TOLERANCE = 0.005
+"""Metres that the subject may stick out of the box of what it is inside of, in the plane."""
+REST_TOLERANCE = 0.01
+"""Metres that the subject's bottom may be above the top of what it stands on."""
+CONE = np.deg2rad(60)
+"""Largest angle between the direction of a word (left: −x) and the line between the centres."""
+BESIDE_GAP = 0.10
+"""Largest gap in the plane between two boxes that are beside each other, metres."""
+NEAR_GAP = 0.20
+"""Largest gap in the plane between two boxes that are near each other, metres."""
+CENTRE_SHARE = 0.15
+"""Largest offset of the centre along each axis, as a share of the reference's size."""
+CENTRE_MINIMUM = 0.02
+"""Offset that always counts as central, metres."""
+
+DIRECTIONS: dict[RelationWord, tuple[float, float]] = {
+    "left_of": (-1.0, 0.0),
+    "right_of": (1.0, 0.0),
+    "in_front_of": (0.0, -1.0),
+    "behind": (0.0, 1.0),
+}
+"""Unit vector in the plane from the reference towards the subject."""
+
+
+def holds(relation: RelationWord, subject: ArrayLike, reference: ArrayLike) -> bool:
+    """Whether the relation holds between two world boxes (2, 3); a box with a NaN stands in no relation.
+
+    - ``inside``: the subject's rectangle lies in the reference's, its bottom between the reference's bottom and top.
+    - ``on``: the subject's centre is over the reference, and its bottom not above the reference's top.
+    - ``left_of, right_of, in_front_of, behind``: the subject's centre is beyond the reference's edge on that side
+      and within 60° of that direction.
+    - ``beside``, ``near``: the rectangles do not overlap and the gap between them is at most 0.10 m, 0.20 m.
+    - ``center``: the centres differ by at most 15 % of the reference's size along each axis.
+
+    Raises:
+        ValueError: it is not a relation word.
+    """
+    return bool(hold(relation, subject, reference))
+
+
+def hold(relation: RelationWord, subjects: ArrayLike, references: ArrayLike) -> np.ndarray:
+    """:func:`holds` for many boxes (…, 2, 3) at once: (…) bool, subjects and references broadcast."""
+    a, b = np.asarray(subjects, dtype=np.float64), np.asarray(references, dtype=np.float64)
+    if relation == "inside":
+        return _inside(a, b)
+    if relation == "on":
+        return _on(a, b)
+    if relation in DIRECTIONS:
+        return _towards(np.array(DIRECTIONS[relation]), a, b)
+    if relation in ("beside", "near"):
+        gap = plane_gaps(a, b)
+        return (gap >= 0) & (gap <= (BESIDE_GAP if relation == "beside" else NEAR_GAP))
+    if relation == "center":
+        return _central(a, b)
+    raise ValueError(f"not a relation word: {relation!r}")
+
+
+def plane_gap(a: np.ndarray, b: np.ndarray) -> float:
+    """Distance in the plane between two boxes, metres; negative where they overlap (by the smaller penetration)."""
+    return float(plane_gaps(np.asarray(a, dtype=np.float64), np.asarray(b, dtype=np.float64)))
+
+
+def plane_gaps(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """(…) :func:`plane_gap` of boxes (…, 2, 2 or 3)."""
+    gaps = np.maximum(a[..., 0, :2] - b[..., 1, :2], b[..., 0, :2] - a[..., 1, :2])
+    return np.where(gaps.max(axis=-1) < 0, gaps.max(axis=-1), np.linalg.norm(np.maximum(gaps, 0), axis=-1))
+
+
+def _inside(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    contained = np.all(a[..., 0, :2] >= b[..., 0, :2] - INSIDE_TOLERANCE, axis=-1)
+    contained &= np.all(a[..., 1, :2] <= b[..., 1, :2] + INSIDE_TOLERANCE, axis=-1)
+    return contained & (b[..., 0, 2] - INSIDE_TOLERANCE <= a[..., 0, 2]) & (a[..., 0, 2] < b[..., 1, 2])
+
+
+def _on(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    centre = a[..., :2].mean(axis=-2)
+    over = np.all((b[..., 0, :2] <= centre) & (centre <= b[..., 1, :2]), axis=-1)
+    return over & (b[..., 0, 2] - REST_TOLERANCE <= a[..., 0, 2]) & (a[..., 0, 2] <= b[..., 1, 2] + REST_TOLERANCE)
+
+
+def _towards(direction: np.ndarray, a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    offset = a[..., :2].mean(axis=-2) - b[..., :2].mean(axis=-2)
+    half = (b[..., 1, :2] - b[..., 0, :2]) / 2
+    along = offset @ direction
+    return (along > half @ np.abs(direction)) & (along >= np.cos(CONE) * np.linalg.norm(offset, axis=-1))
+
+
+def _central(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    offset = np.abs(a[..., :2].mean(axis=-2) - b[..., :2].mean(axis=-2))
+    allowed = np.maximum(CENTRE_MINIMUM, CENTRE_SHARE * (b[..., 1, :2] - b[..., 0, :2]))
+    return np.all(offset <= allowed, axis=-1)
