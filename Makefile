@@ -38,7 +38,7 @@ $(STAMP): pyproject.toml
 	@test -x $(BIN)/python && $(BIN)/python -m pip --version >/dev/null 2>&1 || "$(PYTHON)" -m venv --clear .venv
 	@$(PIP) show -q torch 2>/dev/null || $(TORCH_FOR_CPU) || $(PIP) install -q $(INDEX) torch==$(TORCH)
 	$(PIP) install -q -e '.[test]'
-	@$(BIN)/vcage setup opencv >/dev/null && $(BIN)/vcage setup cvvdp >/dev/null
+	@for part in opencv cvvdp efficientnet; do $(BIN)/vcage setup $$part >/dev/null || exit; done
 	@touch $@
 
 vulkan: venv

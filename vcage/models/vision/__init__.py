@@ -1,0 +1,1 @@
+"""Neural detectors and embedders that run on this machine, from a hub's weights, a folder's, or a package's."""
