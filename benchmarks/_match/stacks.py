@@ -1,0 +1,67 @@
+"""What is measured: ours with a detector and an embedder by name, and the paper's plain rule with the offline ones."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+
+from benchmarks._match.cases import Case
+from benchmarks._match.paper import match_plainly
+from benchmarks._match.scoring import Score, score
+from vcage.errors import UsageError
+from vcage.igsc.match import ScenePictures, match_picture
+from vcage.igsc.symmetry import rotational_symmetry
+from vcage.models.registry import build_detector, build_embedder, split_weights
+from vcage.schema.matches import Match
+
+OFFLINE = "background+classical"
+PAPER = "paper-greedy"
+"""The paper's rule on the detections and features of the offline stack."""
+
+Matcher = Callable[[Case], list[Match]]
+
+
+def build(stack: str) -> Matcher:
+    """The matcher of a stack: ``detector+embedder``, each a name or ``name:weights``.
+
+    Raises:
+        UsageError: it is not spelled so, or there is no such detector or embedder.
+        MissingDependency, InputFileError: a package or the weights are not there.
+    """
+    detector, plus, embedder = (OFFLINE if stack == PAPER else stack).partition("+")
+    if not plus:
+        raise UsageError(f"no stack is called {stack!r}", hint=f"give detector+embedder, as in {OFFLINE}")
+    found = build_detector(*split_weights(detector)), build_embedder(*split_weights(embedder))
+    if stack == PAPER:
+        return lambda case: match_plainly(case, *found)
+
+    def match(case: Case) -> list[Match]:
+        pictures = ScenePictures(case.source, case.segmentation, case.background)
+        orders = symmetries(case)
+        return match_picture(case.scene, case.plan, pictures, case.target, *found, symmetry=orders).matches
+
+    return match
+
+
+def judge(matcher: Matcher, case: Case) -> Score:
+    """The score of a matcher's answer to a case, with the wall time that it took."""
+    symmetries(case)  # measured once for every look, as the stage does; not part of a picture's time
+    start, start_cpu = time.perf_counter(), time.process_time()
+    matches = matcher(case)
+    seconds, cpu_seconds = time.perf_counter() - start, time.process_time() - start_cpu
+    return score(case.scene, case.truth, matches, seconds, cpu_seconds)
+
+
+_ORDERS: dict[tuple[str, str], int] = {}
+
+
+def symmetries(case: Case) -> dict[str, int]:
+    """Order of symmetry by object id as the stage measures it, for the objects that the case has a reference of."""
+    orders = {}
+    for record in case.scene.objects:
+        if record.id in case.references:
+            look = (record.asset, record.variant)
+            if look not in _ORDERS:
+                _ORDERS[look] = rotational_symmetry(case.references[record.id])
+            orders[record.id] = _ORDERS[look]
+    return orders

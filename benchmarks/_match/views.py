@@ -1,0 +1,113 @@
+"""What an object looks like from straight above: its symmetry, and whether two looks can be told apart at all.
+
+Measured for the truth alone; nothing here is shared with what is scored. Objects are drawn in light from everywhere,
+so that their shading turns with them, and compared as sharply as the top camera sees; a turn counts as a symmetry
+when nearly no pixel shows it.
+"""
+
+from __future__ import annotations
+
+import functools
+
+import cv2
+import numpy as np
+
+from vcage.assets.library import Library
+from vcage.sim.appearance import Appearance
+from vcage.sim.reference import reference_view
+
+Look = tuple[str, str]
+"""Names of an asset and of its variant."""
+
+METRES_PER_PIXEL = 0.0006
+"""A third of the top camera's pixel: fine enough that its raster shows no turn."""
+
+SOFTENING = 0.0017
+"""Standard deviation of the blur before views are compared, metres: one pixel of the top camera."""
+
+EVEN_LIGHT = Appearance(light_colour=(0.0, 0.0, 0.0), ambient=(1.0, 1.0, 1.0))
+
+ORDERS = (12, 10, 9, 8, 6, 5, 4, 3, 2)
+"""Orders that are tried, the highest first."""
+
+ROUND_TURNS = np.radians([15, 33, 45, 71, 90, 120, 157, 180])
+"""Turns that must all look the same for an object to be round."""
+
+COLOUR_LIMIT = 11.0
+"""Grey levels: what 95 of 100 pixels of the silhouette may differ by at most."""
+
+NEIGHBOURS = np.ones((3, 3), np.uint8)
+"""A pixel differs by how far it lies outside the range of its neighbours: a print may be half a millimetre off."""
+
+EDGE = np.ones((5, 5), np.uint8)
+"""Silhouettes count as the same when each covers the other but for this much: less than a pixel of the top camera."""
+
+UNCOVERED = 0.005
+"""Share of a silhouette that the other may leave uncovered."""
+
+
+@functools.cache
+def library() -> Library:
+    """The library with all that this machine has."""
+    return Library.load()
+
+
+@functools.cache
+def _view(look: Look) -> np.ndarray:
+    return reference_view(library().asset(*look).model, METRES_PER_PIXEL, EVEN_LIGHT)
+
+
+@functools.cache
+def symmetry(look: Look) -> int:
+    """Order of rotational symmetry seen from above: 1 none, 0 any turn."""
+    return symmetry_of(_view(look))
+
+
+def symmetry_of(view: np.ndarray) -> int:
+    """Order of rotational symmetry of a view (h, w, 4) uint8 RGBA about its middle."""
+    view = _square(view)
+    if all(_same(view, _turned(view, turn)) for turn in ROUND_TURNS):
+        return 0
+    orders = (n for n in ORDERS if all(_same(view, _turned(view, k * 2 * np.pi / n)) for k in range(1, n // 2 + 1)))
+    return next(orders, 1)
+
+
+@functools.cache
+def alike(a: Look, b: Look) -> bool:
+    """Whether two looks cannot be told apart from straight above: variants that differ in a label on their side."""
+    first, second = _view(a), _view(b)
+    return first.shape == second.shape and _same(_square(first), _square(second))
+
+
+def _square(view: np.ndarray) -> np.ndarray:
+    """The view in the middle of a square that holds it at any turn, as float32; colours premultiplied and softened."""
+    height, width = view.shape[:2]
+    side = int(np.ceil(np.hypot(height, width))) + 2
+    side += (side - height) % 2
+    top, left = (side - height) // 2, (side - width) // 2
+    square = np.zeros((side, side + (side - width) % 2, 4), np.float32)
+    square[top : top + height, left : left + width] = view
+    square[..., :3] *= square[..., 3:] / 255
+    return cv2.GaussianBlur(square, (0, 0), SOFTENING / METRES_PER_PIXEL)
+
+
+def _turned(view: np.ndarray, angle: float) -> np.ndarray:
+    """The view turned about its middle by an angle in radians."""
+    height, width = view.shape[:2]
+    matrix = cv2.getRotationMatrix2D(((width - 1) / 2, (height - 1) / 2), float(np.degrees(angle)), 1.0)
+    return cv2.warpAffine(view, matrix, (width, height), flags=cv2.INTER_LINEAR)
+
+
+def _same(view: np.ndarray, other: np.ndarray) -> bool:
+    """Whether two views look the same: silhouettes that cover each other, and nearly the same colours."""
+    before, after = (np.uint8(one[..., 3] > 127) for one in (view, other))
+    if not (_covers(before, after) and _covers(after, before)):
+        return False
+    above, below = other - cv2.dilate(view, NEIGHBOURS), cv2.erode(view, NEIGHBOURS) - other
+    difference = np.maximum(above, below)[..., :3].max(axis=-1)[(before | after) > 0]
+    return float(np.percentile(difference, 95)) <= COLOUR_LIMIT
+
+
+def _covers(one: np.ndarray, other: np.ndarray) -> bool:
+    """Whether a silhouette (h, w) of 0 and 1, grown by :data:`EDGE`, covers another."""
+    return bool((other & ~cv2.dilate(one, EDGE)).sum() <= UNCOVERED * other.sum())

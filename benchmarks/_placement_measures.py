@@ -1,0 +1,180 @@
+"""What a placed scene is worth, measured on the objects' own shapes and not on the rectangles of the placement."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial import ConvexHull
+
+from benchmarks._placement_scenes import BenchmarkScene
+from vcage.assets.asset import Asset
+from vcage.geometry import Pose
+from vcage.schema.asset import ContactPoint, FunctionalPoint
+from vcage.sim.bodies import Body
+from vcage.sim.kinematics import ArmKinematics
+from vcage.sim.world import PHYSICS_HZ, World
+from vcage.subtasks.access import carrying_points
+from vcage.subtasks.grasps import grasp_poses
+from vcage.subtasks.waypoints import APPROACH
+
+TOUCHING = 0.005
+"""Deepest penetration of two convex pieces that still counts as touching (SceneEval's rule), metres."""
+
+ROUNDING = 1e-6
+"""Overlap of boxes that is rounding, metres."""
+
+SECONDS = 2.0
+"""How long the physics runs."""
+
+LOST_MM = 20_000.0
+"""Drift of what physics flings beyond all numbers: as far as it would have fallen, millimetres."""
+
+HEADINGS = tuple(np.radians(degrees) for degrees in (0.0, 45.0, 90.0, 135.0, 180.0, 225.0, 270.0, 315.0))
+"""Of a gripper that comes down on a functional point, radians."""
+
+
+# --- geometry ------------------------------------------------------------------------------------------
+
+
+class TrueShapes:
+    """The convex pieces of objects where they stand, all joints at 0.
+
+    Args:
+        assets: by id.
+        poses: of those that have a place, by id.
+    """
+
+    def __init__(self, assets: Mapping[str, Asset], poses: Mapping[str, Pose]):
+        self._pieces = {
+            name: [pose.apply(piece.vertices) for piece in assets[name].pieces] for name, pose in poses.items()
+        }
+        self.boxes = {name: _box(np.concatenate(pieces)) for name, pieces in self._pieces.items()}
+        """(2, 3) axis-aligned box around the vertices of all pieces, by id."""
+
+    def within(self, workspace: np.ndarray) -> int:
+        """How many of the objects are in the workspace (2, 2), seen from above."""
+        return sum(
+            bool(np.all(box[0, :2] >= workspace[0] - ROUNDING) and np.all(box[1, :2] <= workspace[1] + ROUNDING))
+            for box in self.boxes.values()
+        )
+
+    def meeting(self) -> list[tuple[str, str]]:
+        """The pairs whose boxes overlap, the deepest first."""
+        names = list(self.boxes)
+        boxes = np.array([self.boxes[name] for name in names]).reshape(-1, 2, 3)
+        depths = _box_overlaps(boxes, boxes)
+        pairs = np.argwhere(np.triu(depths > ROUNDING, k=1))
+        return [(names[i], names[j]) for i, j in sorted(pairs.tolist(), key=lambda pair: -depths[pair[0], pair[1]])]
+
+    def collide(self, a: str, b: str) -> bool:
+        """Whether two pieces of the objects penetrate by more than :data:`TOUCHING`."""
+        first, second = self._pieces[a], self._pieces[b]
+        # No two pieces penetrate deeper than their boxes overlap.
+        depths = _box_overlaps(np.array([_box(v) for v in first]), np.array([_box(v) for v in second]))
+        near = sorted(np.argwhere(depths > TOUCHING).tolist(), key=lambda pair: -depths[pair[0], pair[1]])
+        return any(penetration(first[i], second[j]) > TOUCHING for i, j in near)
+
+
+def penetration(a: np.ndarray, b: np.ndarray) -> float:
+    """Length of the shortest shift that parts two solids, the convex hulls of points (n, 3) and (m, 3); 0 when apart.
+
+    It is the distance from the origin to the nearest face of the Minkowski difference.
+    """
+    hull = ConvexHull((a[:, None] - b[None]).reshape(-1, 3))
+    return max(0.0, float((-hull.equations[:, 3]).min()))
+
+
+def _box(points: np.ndarray) -> np.ndarray:
+    return np.stack([points.min(axis=0), points.max(axis=0)])
+
+
+def _box_overlaps(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """(n, m) overlap of boxes (n, 2, 3) and (m, 2, 3) along the axis where it is least; negative for a gap."""
+    return (np.minimum(a[:, None, 1], b[None, :, 1]) - np.maximum(a[:, None, 0], b[None, :, 0])).min(axis=2)
+
+
+# --- physics -------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Drift:
+    """How far an object went in :data:`SECONDS` of physics: its origin, millimetres, and its turn, degrees."""
+
+    mm: float
+    degrees: float
+
+    @property
+    def stable(self) -> bool:
+        """Less than 10 mm and 8°."""
+        return self.mm <= 10.0 and self.degrees <= 8.0
+
+
+def drifts(scene: BenchmarkScene, poses: Mapping[str, Pose]) -> list[Drift]:
+    """How far every placed object goes when it is let go where it was put, on a table around the workspace."""
+    bodies = {thing.id: Body(thing.asset.model, poses[thing.id]) for thing in scene.things if thing.id in poses}
+    world = World(scene.table, bodies)
+    world.step(round(SECONDS * PHYSICS_HZ))
+    return [_drift(world, name, pose) for name, pose in poses.items()]
+
+
+def _drift(world: World, name: str, before: Pose) -> Drift:
+    try:
+        after = world.object_pose(name)
+    except ValueError:  # not finite: overlapping objects can be flung apart that hard
+        return Drift(LOST_MM, 180.0)
+    cosine = min(1.0, abs(float(before.q @ after.q)))
+    return Drift(1000 * float(np.linalg.norm(after.p - before.p)), float(np.degrees(2 * np.arccos(cosine))))
+
+
+# --- reach ---------------------------------------------------------------------------------------------
+
+
+def reached_points(
+    scene: BenchmarkScene, poses: Mapping[str, Pose], kinematics: Mapping[str, ArmKinematics]
+) -> tuple[int, int]:
+    """How many of the points that a robot needs some arm reaches, and how many there are.
+
+    They are the contact points by which the placed contents are carried, and the functional points of the placed
+    receptacles. What is in the way of the arm is not asked.
+    """
+    answers: list[bool] = []
+    for thing in scene.things:
+        if thing.id not in poses:
+            continue
+        pose, notes = poses[thing.id], thing.asset.annotation
+        if thing.role == "content":
+            answers += [_grasped(pose, point, kinematics.values(), scene.height) for point in carrying_points(notes)]
+        elif thing.role == "receptacle":
+            answers += [_come_down_on(pose, point, kinematics.values()) for point in notes.functional_points]
+    return sum(answers), len(answers)
+
+
+def _grasped(pose: Pose, contact: ContactPoint, arms: Iterable[ArmKinematics], support: float) -> bool:
+    """Whether an arm reaches a grasp of the contact point and the pose before it."""
+    return any(
+        _follows(arm, [_drawn_back(grasp.pose), grasp.pose])
+        for arm in arms
+        for grasp in grasp_poses(pose, contact, arm.arm.gripper, support)
+    )
+
+
+def _come_down_on(pose: Pose, point: FunctionalPoint, arms: Iterable[ArmKinematics]) -> bool:
+    """Whether an arm reaches straight down to above the functional point, at any heading."""
+    above = pose.apply(point.position) + [0, 0, APPROACH]
+    down = Pose(q=[0, 1, 0, 0])
+    return any(arm.reachable(Pose.from_yaw(above, heading) * down) for arm in arms for heading in HEADINGS)
+
+
+def _follows(arm: ArmKinematics, way: list[Pose]) -> bool:
+    q = None
+    for pose in way:
+        q = arm.ik(pose, seed_q=q)
+        if q is None:
+            return False
+    return True
+
+
+def _drawn_back(pose: Pose) -> Pose:
+    return Pose(pose.p - APPROACH * pose.rotation()[:, 2], pose.q)

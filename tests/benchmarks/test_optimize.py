@@ -1,0 +1,236 @@
+"""How the optimisation benchmark draws its scenes and judges what is returned."""
+
+from __future__ import annotations
+
+import functools
+import itertools
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.spatial import ConvexHull
+
+from benchmarks import optimize
+from benchmarks._optimize_checks import DEEP, Standing, colliding_boxes, colliding_meshes, meshes_collide
+from benchmarks._optimize_kinds import own_kinds
+from benchmarks._optimize_plan import ROBUST, plan_relations, robust_words
+from benchmarks._optimize_rival import PlainCost, finite_differences
+from benchmarks._optimize_scenes import FILL, CleanScene, draw_scene, is_within
+from vcage.assets.asset import Asset
+from vcage.assets.library import Library
+from vcage.errors import InfeasibleScene
+from vcage.geometry import Pose
+from vcage.igsc.cost import LayoutProblem, Weights, evaluate
+from vcage.igsc.relation_cost import Spot, relation_terms
+from vcage.igsc.relations import relations_kept
+from vcage.schema.plan import Relation
+from vcage.schema.scene import Table
+
+
+@pytest.fixture(scope="module")
+def library() -> Library:
+    return Library.load()
+
+
+@pytest.fixture(scope="module", params=[(5, 0, False), (12, 3, True), (20, 5, False)], ids=str)
+def scene(library: Library, request: pytest.FixtureRequest) -> CleanScene:
+    n, containers, bound = request.param
+    return draw_scene(own_kinds(library), n, containers, bound, np.random.default_rng([n, containers]))
+
+
+def clean_standing(scene: CleanScene) -> dict[str, Standing]:
+    return scene.standing({id: pose.p for id, pose in scene.poses.items()}, scene.containers)
+
+
+# --- scenes --------------------------------------------------------------------------------------------
+
+
+def test_a_clean_scene_has_no_collision_and_stays_in_bounds(scene: CleanScene) -> None:
+    standing = clean_standing(scene)
+    assert colliding_boxes(standing) == []
+    assert colliding_meshes(standing) == []
+    boxes = np.array([thing.box for thing in standing.values()])
+    assert np.all(boxes[:, 0, :2] >= scene.workspace[0] - 1e-6)
+    assert np.all(boxes[:, 1, :2] <= scene.workspace[1] + 1e-6)
+
+
+def test_a_clean_scene_keeps_its_plan_and_the_plan_speaks_of_every_object(scene: CleanScene) -> None:
+    boxes = {id: thing.box for id, thing in clean_standing(scene).items()}
+    assert relations_kept(scene.relations, boxes, Table()).share == 1.0
+    named = {name for r in scene.relations for name in (r.subject, r.reference)}
+    assert named == set(scene.kinds)
+
+
+def test_the_workspace_is_as_full_as_it_says(scene: CleanScene) -> None:
+    boxes = [thing.box for id, thing in clean_standing(scene).items() if id not in scene.containers]
+    covered = sum(np.prod(box[1, :2] - box[0, :2]) for box in boxes)
+    assert covered / np.prod(scene.workspace[1] - scene.workspace[0]) == pytest.approx(scene.fill, rel=1e-3)
+    assert scene.fill <= FILL[1]
+
+
+def test_every_container_holds_something(library: Library) -> None:
+    scene = draw_scene(own_kinds(library), 10, 5, False, np.random.default_rng(0))
+    assert len(scene.kinds) == 10
+    assert len(set(scene.containers.values())) == 5
+
+
+def test_bound_objects_stand_where_they_may(library: Library) -> None:
+    scene = draw_scene(own_kinds(library), 12, 2, True, np.random.default_rng(1))
+    assert set(scene.containers.values()) <= scene.allowed.keys()
+    assert all(is_within(scene.poses[id].p[:2], rectangles) for id, rectangles in scene.allowed.items())
+
+
+def test_the_same_seed_draws_the_same_scene(library: Library) -> None:
+    kinds = own_kinds(library)
+    one, other = (draw_scene(kinds, 8, 2, True, np.random.default_rng(3)) for _ in range(2))
+    assert one.relations == other.relations
+    assert all(np.array_equal(one.poses[id].p, other.poses[id].p) for id in one.kinds)
+
+
+# --- plan ----------------------------------------------------------------------------------------------
+
+
+def square(x: float, y: float, half: float = 0.03) -> np.ndarray:
+    return np.array([[x - half, y - half, 0.0], [x + half, y + half, 0.05]])
+
+
+def test_a_word_that_barely_holds_is_not_robust() -> None:
+    assert "right_of" in robust_words(square(0.03 + 2 * ROBUST, 0), square(0, 0))
+    assert "right_of" not in robust_words(square(0.03 + ROBUST / 2, 0), square(0, 0))
+
+
+def test_objects_that_nearly_touch_are_beside_each_other() -> None:
+    assert {"beside", "near"} <= set(robust_words(square(0.061, 0), square(0, 0)))
+    assert "beside" not in robust_words(square(0.06 + 0.095, 0), square(0, 0))
+
+
+def test_one_object_alone_has_no_relation() -> None:
+    assert plan_relations({"a": square(0, 0)}, {}, np.random.default_rng(0)) == []
+
+
+# --- checks --------------------------------------------------------------------------------------------
+
+
+def pair(library: Library, a: str, b: str, pose: Pose, container: str | None = None) -> dict[str, Standing]:
+    return {a: Standing(library.asset(a), Pose()), b: Standing(library.asset(b), pose, container)}
+
+
+def test_boxes_of_content_and_container_may_overlap_and_others_may_not(library: Library) -> None:
+    assert colliding_boxes(pair(library, "tray", "block", Pose([0, 0, 0.005]), "tray")) == []
+    assert colliding_boxes(pair(library, "tray", "block", Pose([0, 0, 0.005]))) == [("tray", "block")]
+
+
+def test_contents_are_compared_in_the_frame_of_what_carries_them(library: Library) -> None:
+    turned = Pose.from_yaw([0, 0, 0], np.pi / 4)
+    standing = {"tray": Standing(library.asset("tray"), turned)}
+    for name, y in (("a", -0.021), ("b", 0.021)):
+        standing[name] = Standing(library.asset("block"), turned * Pose([0, y, 0.005]), "tray")
+    assert colliding_boxes(standing) == []
+
+
+def test_what_stands_in_the_wall_of_its_container_collides_by_mesh(library: Library) -> None:
+    inside = pair(library, "basket", "block", Pose([0, 0, 0.006]), "basket")
+    assert colliding_meshes(inside) == []
+    in_the_wall = pair(library, "basket", "block", Pose([0.1, 0, 0.006]), "basket")
+    assert colliding_meshes(in_the_wall) == [("basket", "block")]
+
+
+@pytest.mark.parametrize(("gap", "collides"), [(-0.006, True), (-0.004, False), (0.0, False)])
+def test_five_millimetres_are_a_touch(library: Library, gap: float, collides: bool) -> None:
+    block = library.asset("block")
+    other = Standing(block, Pose([block.size[0] + gap, 0.003, 0]))
+    assert meshes_collide(Standing(block, Pose()), other) is collides
+
+
+@functools.cache
+def _block() -> Asset:
+    return Library.load().asset("block")
+
+
+@settings(max_examples=25, deadline=None)
+@given(
+    st.tuples(*[st.floats(-0.06, 0.06)] * 3),
+    st.tuples(*[st.floats(-1, 1)] * 4).filter(lambda q: np.linalg.norm(q) > 0.1),
+)
+def test_the_depth_is_that_of_the_minkowski_difference(p: tuple[float, ...], q: tuple[float, ...]) -> None:
+    block = _block()
+    a, b = Standing(block, Pose()), Standing(block, Pose(p, q))
+    difference = (a.pieces[0].vertices[:, None] - b.pieces[0].vertices[None]).reshape(-1, 3)
+    depth = -ConvexHull(difference).equations[:, 3].max()
+    if abs(depth - DEEP) > 1e-9:
+        assert meshes_collide(a, b) is bool(depth > DEEP)
+
+
+# --- rival ---------------------------------------------------------------------------------------------
+
+
+def problem(rng: np.random.Generator, n: int = 8) -> LayoutProblem:
+    workspace = np.array([[-0.3, -0.15], [0.3, 0.15]])
+    allowed = [np.array([[[-0.2, -0.1], [0.1, 0.1]]]) if k % 3 == 0 else None for k in range(n)]
+    half = rng.uniform(0.02, 0.06, (n, 2))
+    words = itertools.cycle(["left_of", "behind", "near", "beside"])
+    plan = [Relation(subject=f"o{k}", relation=next(words), reference=f"o{k - 1}") for k in range(1, n)]
+    spots = {f"o{k}": Spot(k, np.zeros(2), half[k]) for k in range(n)}
+    terms = relation_terms(plan, spots, n)
+    return LayoutProblem(half, rng.normal(0, 0.1, (n, 2)), workspace, 0.01, tuple(allowed), relations=terms)
+
+
+def test_the_rival_minimises_the_cost_of_the_module() -> None:
+    rng = np.random.default_rng(0)
+    for _ in range(10):
+        case = problem(rng)
+        centres = rng.normal(0, 0.2, case.target.shape)
+        assert PlainCost(case, Weights())(centres) == pytest.approx(evaluate(case, Weights(), centres)[0].total)
+
+
+def test_the_rival_comes_down_and_stays_in_bounds() -> None:
+    case = problem(np.random.default_rng(1))
+    centres, value = finite_differences(case, Weights()), PlainCost(case, Weights())
+    lower, upper = value.bounds
+    assert np.all((lower - 1e-9 <= centres) & (centres <= upper + 1e-9))
+    assert value(centres) < value(np.clip(case.target, lower, upper))
+
+
+# --- rows ----------------------------------------------------------------------------------------------
+
+
+def test_a_scene_without_noise_is_solved_and_keeps_its_plan(scene: CleanScene) -> None:
+    outcome = optimize.measure(scene, 0.0, [0], rival=True)
+    assert (outcome.boxes, outcome.in_bounds, outcome.kept) == ([], True, 1.0)
+    assert outcome.rival_ratio > 0
+
+
+def test_what_is_declared_infeasible_is_searched_longer(scene: CleanScene, monkeypatch: pytest.MonkeyPatch) -> None:
+    real, tried = optimize.optimize_layout, []
+
+    def only_with_many_restarts(*args, restarts: int, **kwargs):
+        tried.append(restarts)
+        if restarts < 10:
+            raise InfeasibleScene("no", hint="")
+        return real(*args, restarts=1, **kwargs)
+
+    monkeypatch.setattr(optimize, "optimize_layout", only_with_many_restarts)
+    monkeypatch.setattr(optimize, "RESTARTS", 1)
+    row = optimize.Row(0.01, 5, 0)
+    row.add(optimize.measure(scene, 0.01, [0], rival=False))
+    assert tried == [1, 10]
+    record = row.record()
+    assert (record["solved"], record["infeasible"], record["false_infeasible"]) == (0.0, 1.0, 1.0)
+    assert record["relations_kept"] is None
+
+
+def test_the_rival_is_given_every_object_once(scene: CleanScene) -> None:
+    problems = scene.problems({id: pose.p[:2] for id, pose in scene.poses.items()})
+    assert sorted(id for ids, _ in problems.values() for id in ids) == sorted(scene.kinds)
+    for _, problem in problems.values():
+        assert PlainCost(problem, Weights())(problem.target) == pytest.approx(0.0, abs=1e-12)
+
+
+def test_a_row_counts_scenes_and_not_pairs() -> None:
+    row = optimize.Row(0.03, 10, 2)
+    pairs = list(itertools.combinations("abc", 2))
+    for found in ([], pairs):
+        row.add(optimize.Outcome(1.0, 0.5, found, found, True, None, 0.9, [0.01, 0.03], 7))
+    record = row.record()
+    assert (record["collision_aabb"], record["collision_mesh"], record["displacement_mm_p50"]) == (0.5, 0.5, 20.0)
