@@ -11,7 +11,7 @@ from benchmarks._optimize_kinds import Kind
 from vcage.assets.openings import Opening
 from vcage.errors import InfeasibleScene
 from vcage.geometry import Pose, footprint_half_size
-from vcage.igsc.place import PlaceItem, Placement, place
+from vcage.igsc.placement.place import PlaceItem, Placement, place
 
 ASPECT = 2.0
 """Width of the workspace over its depth."""

@@ -9,7 +9,7 @@ import numpy as np
 from vcage.assets.asset import Asset
 from vcage.assets.library import Library
 from vcage.assets.openings import Opening
-from vcage.igsc.containers import LayoutItem
+from vcage.igsc.layout.containers import LayoutItem
 from vcage.schema.plan import RelationWord
 
 SMALLEST_OPENING = 0.065

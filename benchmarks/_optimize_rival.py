@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from scipy.optimize import minimize
 
-from vcage.igsc.cost import LayoutProblem, Weights
-from vcage.igsc.free_region import nearest_in_rectangles
+from vcage.igsc.layout.cost import LayoutProblem, Weights
+from vcage.igsc.placement.free_region import nearest_in_rectangles
 
 
 def finite_differences(problem: LayoutProblem, weights: Weights) -> np.ndarray:
@@ -24,7 +24,7 @@ def finite_differences(problem: LayoutProblem, weights: Weights) -> np.ndarray:
 
 
 class PlainCost:
-    """J of :mod:`vcage.igsc.cost` without its gradient, so that the rival does not pay for what it does not use.
+    """J of :mod:`vcage.igsc.layout.cost` without its gradient, so that the rival does not pay for what it does not use.
 
     Every pair has the same margin. Only the plan's term makes its gradient too: it is small beside the pairs.
     """

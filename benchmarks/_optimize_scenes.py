@@ -13,10 +13,10 @@ from benchmarks._optimize_kinds import Kind
 from benchmarks._optimize_plan import plan_relations
 from vcage.errors import InfeasibleScene
 from vcage.geometry import Pose
-from vcage.igsc.containers import LayoutItem
-from vcage.igsc.cost import LayoutProblem
-from vcage.igsc.place import place
-from vcage.igsc.relation_cost import Spot, relation_terms
+from vcage.igsc.layout.containers import LayoutItem
+from vcage.igsc.layout.cost import LayoutProblem
+from vcage.igsc.layout.relation_cost import Spot, relation_terms
+from vcage.igsc.placement.place import place
 from vcage.schema.plan import Relation
 
 MARGIN = 0.01

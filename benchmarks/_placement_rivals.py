@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from vcage.geometry import footprint_half_size
-from vcage.igsc.place import PlaceItem, Placement
+from vcage.igsc.placement.place import PlaceItem, Placement
 
 TRIES = 100
 """Random points per object; RoboTwin's clutter and ManiSkill's scenes take so many."""

@@ -13,9 +13,9 @@ import numpy as np
 from vcage.assets.asset import Asset
 from vcage.assets.library import Library
 from vcage.geometry import Pose, footprint_half_size
-from vcage.igsc.place import PlaceItem, Placement
-from vcage.igsc.reach import GRASP_HEIGHTS, reach_for, robot_reach
-from vcage.igsc.standing import Standing, standing
+from vcage.igsc.placement.place import PlaceItem, Placement
+from vcage.igsc.placement.reach import GRASP_HEIGHTS, reach_for, robot_reach
+from vcage.igsc.placement.standing import Standing, standing
 from vcage.schema.scene import Role, Table
 from vcage.sim.kinematics import ArmKinematics, kinematics_of
 from vcage.sim.robots import load_robot

@@ -22,8 +22,8 @@ from benchmarks._optimize_rival import finite_differences
 from benchmarks._optimize_scenes import MARGIN, CleanScene, draw_scene, is_within
 from vcage.assets.library import Library
 from vcage.errors import InfeasibleScene
-from vcage.igsc.cost import Weights
-from vcage.igsc.optimize import LayoutResult, optimize_layout
+from vcage.igsc.layout.cost import Weights
+from vcage.igsc.layout.optimize import LayoutResult, optimize_layout
 from vcage.igsc.relations import relations_kept
 from vcage.schema.scene import Table
 

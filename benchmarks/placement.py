@@ -5,12 +5,13 @@ each, drawn uniformly from the whole library (:class:`vcage.assets.library.Libra
 origin as the table is, twice as wide as deep, and sized so that the fill ratio (the objects' rectangles, each grown
 by the margin of 15 mm, over the workspace) is uniform in 0.2 … 0.8; a workspace in which one object alone would not
 fit is enlarged until it does. The rectangle and the headings that an object needs come from
-:func:`vcage.igsc.standing.standing`, for all methods alike. A third of the objects (1 … 6) are contents and a tenth
-(1 … 2) receptacles; both must be where an arm of ``dual_panda`` reaches, what is left is context.
+:func:`vcage.igsc.placement.standing.standing`, for all methods alike. A third of the objects (1 … 6) are contents
+and a tenth (1 … 2) receptacles; both must be where an arm of ``dual_panda`` reaches, what is left is context.
 
 **Methods.** The same scenes, bounds, margin and headings for all:
 
-- ``vcage``: :func:`vcage.igsc.place.place`, with the reach of the robot as regions; the others have no such notion.
+- ``vcage``: :func:`vcage.igsc.placement.place.place`, with the reach of the robot as regions; the others have no
+  such notion.
 - ``random``: RoboTwin's rejection sampling, 100 tries per object; an object that finds no place is left out.
 - ``maniskill``: the installed package's ``UniformPlacementSampler``, 100 trials per object; it keeps circles apart
   and leaves an object that finds no place at the origin.
@@ -54,7 +55,7 @@ from benchmarks._placement_measures import Drift, TrueShapes, drifts, reached_po
 from benchmarks._placement_rivals import depth_first, maniskill, random_retries
 from benchmarks._placement_scenes import MARGIN, BenchmarkScene, Stock
 from vcage.errors import InfeasibleScene
-from vcage.igsc.place import Placement, place
+from vcage.igsc.placement.place import Placement, place
 
 logger = logging.getLogger(__name__)
 

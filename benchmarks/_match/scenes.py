@@ -13,7 +13,7 @@ from benchmarks._match.views import Look, alike, library
 from vcage.assets.asset import Asset
 from vcage.errors import InfeasibleScene
 from vcage.geometry import Pose
-from vcage.igsc.place import PlaceItem, Placement, place
+from vcage.igsc.placement.place import PlaceItem, Placement, place
 from vcage.schema.scene import Table, Workspace
 
 SIBLING = 0.3

@@ -21,8 +21,8 @@ from vcage.assets.asset import Asset
 from vcage.assets.library import Library
 from vcage.errors import InfeasibleScene
 from vcage.geometry import Pose
-from vcage.igsc.cost import LayoutProblem, Weights, evaluate
-from vcage.igsc.relation_cost import Spot, relation_terms
+from vcage.igsc.layout.cost import LayoutProblem, Weights, evaluate
+from vcage.igsc.layout.relation_cost import Spot, relation_terms
 from vcage.igsc.relations import relations_kept
 from vcage.schema.plan import Relation
 from vcage.schema.scene import Table

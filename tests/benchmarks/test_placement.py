@@ -12,7 +12,7 @@ from benchmarks._placement_rivals import depth_first, maniskill, random_retries
 from benchmarks._placement_scenes import FILL, MARGIN, BenchmarkScene, Stock, cut
 from benchmarks.placement import Answer, Measured, measure, row, table
 from vcage.geometry import Pose, box_corners, boxes_overlap
-from vcage.igsc.place import PlaceItem, Placement, footprint, place
+from vcage.igsc.placement.place import PlaceItem, Placement, footprint, place
 
 # The import of ManiSkill's environments takes seconds.
 RIVALS = pytest.mark.parametrize(

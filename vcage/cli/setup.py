@@ -47,7 +47,9 @@ NO_PACKAGES = "VCAGE_NO_PACKAGES"
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options of ``vcage setup``."""
-    parser.add_argument("part", choices=["vulkan", "assets", "cvvdp", "efficientnet", "opencv", "all"], help="what to set up")
+    parser.add_argument(
+        "part", choices=["vulkan", "assets", "cvvdp", "efficientnet", "opencv", "all"], help="what to set up"
+    )
     parser.add_argument("--force", action="store_true", help="fetch again what is there (not the assets)")
     parser.add_argument(
         "--no-packages", action="store_true", help="fetch no models of others, as with VCAGE_NO_PACKAGES=1"

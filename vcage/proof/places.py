@@ -10,9 +10,9 @@ import numpy as np
 from vcage.assets.asset import Asset
 from vcage.errors import InfeasibleScene
 from vcage.geometry import Pose
-from vcage.igsc.place import PlaceItem, Placement, place
-from vcage.igsc.reach import GRASP_HEIGHTS, robot_reach
-from vcage.igsc.standing import standing
+from vcage.igsc.placement.place import PlaceItem, Placement, place
+from vcage.igsc.placement.reach import GRASP_HEIGHTS, robot_reach
+from vcage.igsc.placement.standing import standing
 from vcage.schema.asset import ContactPoint
 from vcage.schema.robot import Robot
 from vcage.schema.scene import SceneTemplate

@@ -18,6 +18,7 @@ from vcage import __version__
 from vcage.dataset.reader import EpisodeReader
 from vcage.errors import MissingStage
 from vcage.files import RunFolder, recover, write_text
+from vcage.igsc.relations import Kept, relations_kept_in
 from vcage.pipeline.gathering import read_log
 from vcage.pipeline.timings import read_timings
 from vcage.report.embed import picture_url, video_url
@@ -63,6 +64,8 @@ def _context(run: RunFolder) -> dict[str, Any]:
     rejections = _rejections(run) if episodes else []
     return {
         **documents,
+        "kept": _kept(documents["plan"], documents["layout"]),
+        "notes": _notes(documents["plan"], documents["matches"]),
         "version": __version__,
         "name": run.root.name,
         "pictures": _stage_pictures(run),
@@ -95,6 +98,16 @@ def _stage_pictures(run: RunFolder) -> list[dict[str, str]]:
         if url is not None:
             found.append({"title": title, "caption": caption, "url": url, "path": path})
     return found
+
+
+def _kept(plan: Plan | None, layout: Scene | None) -> Kept | None:
+    """Which of the plan's relations hold in the final scene."""
+    return relations_kept_in(layout, plan.relations) if plan and layout else None
+
+
+def _notes(plan: Plan | None, matches: Matches | None) -> list[str]:
+    """What the stages said of the target picture; of single objects the table of matches tells."""
+    return (plan.notes if plan else []) + (matches.notes if matches else [])
 
 
 def _refusals(subtasks: Subtasks | None) -> list[tuple[str, int]]:

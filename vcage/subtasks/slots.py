@@ -1,6 +1,6 @@
 """Where in a receptacle each of the objects goes that a task puts there.
 
-The exact free-region placement of the scene (:mod:`vcage.igsc.place`) is used again, with the opening as the
+The exact free-region placement of the scene (:mod:`vcage.igsc.placement.place`) is used again, with the opening as the
 workspace: what fits together gets places side by side, and what does not is refused by name.
 """
 
@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from vcage.geometry import Pose, world_aabb
-from vcage.igsc.place import PlaceItem, place
+from vcage.igsc.placement.place import PlaceItem, place
 from vcage.subtasks.objects import SceneObject
 
 GAP = 0.006

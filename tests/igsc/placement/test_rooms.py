@@ -1,0 +1,22 @@
+from __future__ import annotations
+
+import pytest
+
+from vcage.assets.library import Library
+from vcage.igsc.placement.rooms import room_of
+
+
+@pytest.fixture(scope="module")
+def library() -> Library:
+    return Library.load()
+
+
+def test_a_box_has_an_opening_smaller_than_itself(library):
+    room = room_of(library.asset("packaging_box"))
+    assert room.holds == "in" and room.ceiling is None
+    assert all(a < b for a, b in zip(sorted(room.opening), sorted(room.size[:2]), strict=True))
+
+
+def test_a_plate_takes_things_on_it_and_an_apple_takes_nothing(library):
+    assert room_of(library.asset("plate")).holds == "on"
+    assert room_of(library.asset("apple")).holds is None

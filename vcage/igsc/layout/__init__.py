@@ -1,0 +1,1 @@
+"""Collision-free optimisation of a layout (paper, section III-A4)."""

@@ -1,0 +1,1 @@
+"""Exact collision-free placement (paper, section III-A1)."""
