@@ -141,22 +141,3 @@ def detect() -> Callable[[np.ndarray], list[Detection]]:
         return found
 
     return regions
-
-
-class ColourEmbedder:
-    """Mean colour and area of the mask."""
-
-    provider = "test"
-
-    def embed(self, picture: np.ndarray, regions: Sequence[Detection]) -> np.ndarray:
-        rows = []
-        for region in regions:
-            mean = picture[region.mask].mean(axis=0) / 255 - 0.5
-            rows.append([*mean, np.log(region.mask.sum()) / 10 - 0.7])
-        rows = np.array(rows)
-        return rows / np.linalg.norm(rows, axis=1, keepdims=True)
-
-
-@pytest.fixture(scope="session")
-def embedder() -> ColourEmbedder:
-    return ColourEmbedder()

@@ -2,10 +2,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from tests.igsc.conftest import Thing
 from vcage.igsc.drawing import WARNING, Canvas, palette
-from vcage.igsc.layout_picture import Footprint, collisions, draw_layout
-from vcage.igsc.match import match_objects
+from vcage.igsc.layout.picture import Footprint, collisions, draw_layout
 from vcage.igsc.overlay import draw_overlay
+from vcage.schema.matches import Match
 from vcage.schema.scene import Table, Workspace
 
 WORKSPACE = Workspace(lower=(-0.5, -0.3), upper=(0.5, 0.3))
@@ -29,18 +30,27 @@ def test_labels_of_the_same_box_do_not_cover_each_other():
     assert not covered.any()
 
 
-def test_the_overlay_is_enlarged_and_marks_what_nobody_claimed(
-    things, moved, paint, make_scene, detect, background, embedder
-):
-    source, segmentation = paint(things)
-    target, found = paint(moved)
+def match_of(thing: Thing, target: Thing, **fields: object) -> Match:
+    found = {"method": "feature", "similarity": 0.9, "confidence": 0.9, "box": (300, 200, 380, 260), "ncc": 0.9}
+    place = {"object": thing.id, "position": target.xy, "yaw": target.yaw, "turned": target.yaw - thing.yaw}
+    return Match(**(found | place | fields))
+
+
+def test_the_overlay_is_enlarged_and_marks_what_nobody_claimed(things, moved, background, make_scene):
     scene = make_scene(things)
-    matches, _ = match_objects(scene, source, segmentation, target, background, detect(found), embedder, threshold=0.7)
-    plain = draw_overlay(target, scene, matches)
-    marked = draw_overlay(target, scene, matches, unclaimed=[(10, 10, 60, 60)])
+    matches = [match_of(*pair) for pair in zip(things, moved, strict=True)]
+    plain = draw_overlay(background, scene, matches)
+    marked = draw_overlay(background, scene, matches, unclaimed=[(10, 10, 60, 60)])
     assert plain.shape == (960, 1280, 3)
     assert not has_colour(plain, WARNING)
     assert has_colour(marked, WARNING)
+
+
+def test_a_kept_object_is_marked(things, moved, paint, make_scene):
+    matches = [match_of(*pair) for pair in zip(things, moved, strict=True)]
+    lost = {"method": "kept", "similarity": None, "confidence": 0.0, "box": None, "ncc": None}
+    matches[1] = match_of(things[1], things[1], **lost, note="not found in the target picture; kept where it was")
+    assert has_colour(draw_overlay(paint(moved)[0], make_scene(things), matches), WARNING)
 
 
 def pair(apart: float) -> list[Footprint]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import combinations
 from pathlib import Path
 
@@ -9,15 +10,15 @@ import numpy as np
 import pytest
 
 from tests.runs import INSTRUCTION, SETTINGS, Finished, copied, digests
-from vcage.errors import InfeasibleScene, MissingStage, NoAssetFits, StaleStage, UnknownName, UsageError
+from vcage.errors import InfeasibleScene, MissingStage, ModelRefused, NoAssetFits, StaleStage, UnknownName, UsageError
 from vcage.files import RunFolder
 from vcage.geometry import boxes_overlap
-from vcage.igsc.relations import contradictions
 from vcage.pictures import read_labels, read_picture
 from vcage.pipeline import inpaint_plan, match, optimize, select_place
 from vcage.pipeline.settings import Settings
 from vcage.schema.matches import Matches
-from vcage.schema.plan import Plan
+from vcage.schema.plan import LayoutPlan, Plan, Relation
+from vcage.schema.plan_check import plan_complaints
 from vcage.schema.scene import Scene
 
 
@@ -125,7 +126,7 @@ def test_the_plan_speaks_of_objects_that_exist_and_does_not_contradict_itself(fi
     plan, scene = Plan.read(finished.run.plan), Scene.read(finished.run.scene)
     known = {o.id for o in scene.objects} | {"table"}
     assert {name for r in plan.relations for name in (r.subject, r.reference)} <= known
-    assert not contradictions(plan.relations)
+    assert not plan_complaints(LayoutPlan(text=plan.text, relations=plan.relations), scene)
     assert plan.text
 
 
@@ -135,6 +136,62 @@ def test_the_target_picture_has_the_size_of_the_source_and_shows_another_layout(
     source = read_picture(finished.run.root / scene.pictures["source"])
     assert target.shape == source.shape
     assert (np.abs(target.astype(int) - source).sum(axis=2) > 20).mean() > 0.002
+
+
+class Planner:
+    """A reasoner that answers one plan after another, and takes note of the complaints."""
+
+    provider = "planner"
+
+    def __init__(self, *plans: list[tuple[str, str, str]]):
+        self.plans, self.complaints = list(plans), []
+
+    def plan_layout(self, scene, catalogue, rng, check=None) -> LayoutPlan:
+        for triples in self.plans:
+            relations = [Relation(subject=s, relation=r, reference=o) for s, r, o in triples]
+            plan = LayoutPlan(text="x", relations=relations)
+            self.complaints = check(plan)
+            if not self.complaints:
+                break
+        return plan
+
+
+def planned(finished: Finished, folder: Path, planner: Planner, monkeypatch: pytest.MonkeyPatch) -> Plan:
+    run = copy_of(finished, folder, "inpaint_plan")
+    monkeypatch.setattr(finished.bench, "models", replace(finished.bench.models, reasoner=planner))
+    return inpaint_plan.execute(run, SETTINGS, finished.bench).record
+
+
+def around_the_plate(finished: Finished) -> tuple[str, str, list[tuple[str, str, str]]]:
+    """(plate, a block, relations of all other objects)."""
+    scene = Scene.read(finished.run.scene)
+    plate = next(o.id for o in scene.objects if o.asset == "plate")
+    block, *others = [o.id for o in scene.objects if o.id != plate]
+    words = ("left_of", "right_of", "in_front_of", "behind")
+    return plate, block, [(o, words[i % 4], plate) for i, o in enumerate(others)]
+
+
+def test_the_plan_says_how_much_of_it_can_be_kept_at_once(finished):
+    plan = Plan.read(finished.run.plan)
+    assert plan.checks == {"relations_solvable": 1.0, "relations_unsolved": []} and plan.notes == []
+
+
+def test_the_reasoner_hears_what_does_not_fit_before_its_plan_is_used(finished, tmp_path, monkeypatch):
+    plate, block, others = around_the_plate(finished)
+    right = [(plate, "center", "table"), (block, "behind", plate), *others]
+    planner = Planner([(plate, "inside", block), *right[1:]], right)
+    plan = planned(finished, tmp_path, planner, monkeypatch)
+    assert [(r.subject, r.relation, r.reference) for r in plan.relations] == right
+
+
+def test_a_plan_that_stays_impossible_is_refused_with_every_complaint(finished, tmp_path, monkeypatch):
+    plate, block, others = around_the_plate(finished)
+    planner = Planner([(plate, "inside", block), (block, "near", block), *others])
+    with pytest.raises(ModelRefused) as caught:
+        planned(finished, tmp_path, planner, monkeypatch)
+    assert f"{block} is near itself" in caught.value.message
+    assert f"{plate} cannot be inside {block}, which has no opening" in caught.value.message
+    assert not (tmp_path / "run" / "inpaint").exists()
 
 
 def test_planning_without_a_scene_names_the_first_stage(finished, tmp_path):
@@ -154,10 +211,10 @@ def test_every_object_is_matched_once(finished):
     assert all(m.similarity >= matches.threshold for m in found if m.method == "feature")
 
 
-def test_an_impossible_threshold_leaves_the_matches_to_the_names(finished, tmp_path):
+def test_an_impossible_threshold_leaves_the_matches_to_names_and_crops(finished, tmp_path):
     run = copy_of(finished, tmp_path, "match")
     record = match.execute(run, Settings(threshold=1.0), finished.bench).record
-    assert {m.method for m in record.matches} <= {"name", "kept"}
+    assert {m.method for m in record.matches} <= {"name", "picture", "kept"}
     assert (run.root / record.overlay).is_file()
 
 

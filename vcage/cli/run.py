@@ -16,7 +16,7 @@ from dataclasses import replace
 
 from vcage.cli.output import Result, stop_if_interrupted
 from vcage.cli.progress import progress
-from vcage.cli.stages import collect, select_place
+from vcage.cli.stages import collect, match, select_place
 from vcage.cli.stages.common import settings_of
 from vcage.errors import StaleStage
 from vcage.files import RunFolder
@@ -34,15 +34,16 @@ OF_THE_EPISODES = STAGES[STAGES.index("collect") + 1 :]
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the options of ``vcage run``: those of the first stage and of the collection."""
+    """Declare the options of ``vcage run``: those of the first stage, of the matching and of the collection."""
     select_place.add_own_arguments(parser)
+    match.add_own_arguments(parser)
     collect.add_arguments(parser, run=False)
 
 
 def execute(args: argparse.Namespace) -> Result:
     """Run the chain."""
     run, settings = RunFolder(args.out), settings_of(args)
-    bench = Workbench(settings.models)
+    bench = Workbench(settings.models, settings.detector, settings.embedder)
     if args.dry_run:
         stage_module(STAGES[0]).job(run, settings, bench)
         return Result(output=run.root, summary={"would_run": list(STAGES)})

@@ -1,233 +1,250 @@
 """Correspondence between the source and the target picture (paper, section III-A3).
 
-Every known object of the source picture is looked for among the detections of the target picture: greedily by
-cosine similarity of features; then, for what is left, by name and feature together; what is still not found is
-kept where it was, and says so. Pixels become world coordinates at the object's own height.
+As in the paper: detections of the target picture, features of regions, pairs, coordinates by the inverse projection,
+rotation by normalised cross-correlation. What differs is the order. Detections of an edited picture merge what touches,
+miss what is pale and follow shadows, while every known object has a crop of its own; so each crop is laid over the
+target at every place and heading first, the detections only say where to look as well and what things are called, and
+features, correlation, colours and outline together decide.
 """
 
 from __future__ import annotations
 
-import difflib
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import cv2
 import numpy as np
 
-from vcage.geometry import Camera, wrap_angle
-from vcage.igsc.rotation import estimate_rotation, mask_centroid
-from vcage.models.protocols import Detection, Embedder
+from vcage.geometry import Camera
+from vcage.igsc.alignment import Fit, mask_at, middles
+from vcage.igsc.assignment import Chosen, assign
+from vcage.igsc.candidates import find_candidates
+from vcage.igsc.crops import Crop, View, crop_of
+from vcage.igsc.evidence import SMALLEST_MASK, log_odds, name_evidence, recoloured, region_of, similarities
+from vcage.igsc.keeping import kept
+from vcage.igsc.recover import heading_of, smallest_turn
+from vcage.igsc.register import register
+from vcage.models.offline.table_model import fit_table
+from vcage.models.protocols import Detection, Detector, Embedder
 from vcage.schema.matches import Match
-from vcage.schema.scene import ObjectRecord, Scene
+from vcage.schema.plan import LayoutPlan, Plan
+from vcage.schema.scene import ObjectRecord, Scene, Table
 
-FALLBACK_THRESHOLD = 0.55
-"""Smallest mean of name and feature similarity of a match by name."""
-UNNAMED = 0.5
-"""Name similarity of a detection without a label: it speaks neither for nor against."""
-SMALLEST_MASK = 12
-"""Pixels below which a mask says nothing about place and rotation."""
-FOREGROUND_SIGMAS, FOREGROUND_MINIMUM = 5.0, 12.0
-"""How far a pixel must stand out of the table: in deviations of its noise, and in grey levels at least."""
+DOUBT = 0.38
+"""Confidence below which a match is not made."""
 
-Pairs = dict[int, tuple[int, float]]
-"""Source index → (detection index, score)."""
+MOST_DETECTIONS = 200
+"""Detections that are looked at, the surest first."""
 
+TABLE_EDGE = 4
+"""Pixels along the table's edge that are left out: an edited picture may bend it."""
 
-def resize_to(picture: np.ndarray, size: tuple[int, int]) -> np.ndarray:
-    """The picture at (height, width) = ``size``: online editors may answer in another size than they were given."""
-    height, width = size
-    if picture.shape[:2] == (height, width):
-        return picture
-    shrinking = picture.shape[0] > height
-    return cv2.resize(picture, (width, height), interpolation=cv2.INTER_AREA if shrinking else cv2.INTER_CUBIC)
+UNCLAIMED_SHARE = 0.5
+"""A detected box of which more is table and no matched object is unclaimed."""
+
+LEAST_UNCLAIMED = 80
+"""Pixels of a part of a detection that matched objects leave over, for it to be something."""
+
+Box = tuple[float, float, float, float]
 
 
-def match_objects(
+@dataclass(frozen=True)
+class ScenePictures:
+    """The pictures that were taken of a scene.
+
+    Args:
+        source: (H, W, 3) uint8 top view.
+        segmentation: (H, W) int, values of ``scene.segmentation_ids``.
+        background: (H, W, 3) uint8, the same view of the empty table.
+    """
+
+    source: np.ndarray
+    segmentation: np.ndarray
+    background: np.ndarray
+
+
+@dataclass(frozen=True)
+class MatchResult:
+    """What the target picture shows of the scene.
+
+    Args:
+        matches: one per object, in the scene's order.
+        unclaimed: boxes of detections that no object claimed, pixels.
+        picture: (H, W, 3) uint8, the target in the source's frame.
+        notes: what was strange about the picture, in sentences.
+    """
+
+    matches: list[Match]
+    unclaimed: list[Box]
+    picture: np.ndarray
+    notes: list[str]
+
+
+@dataclass(frozen=True)
+class _Known:
+    """The objects that the source picture shows, and what was found of them."""
+
+    records: list[ObjectRecord]
+    crops: list[Crop]
+    fits: list[Fit]
+    masks: list[list[np.ndarray]]
+    similarity: list[np.ndarray]
+    names: list[np.ndarray]
+    odds: list[np.ndarray]
+
+
+def match_picture(
     scene: Scene,
-    source: np.ndarray,
-    segmentation: np.ndarray,
+    plan: LayoutPlan | Plan | None,
+    pictures: ScenePictures,
     target: np.ndarray,
-    background: np.ndarray,
-    detections: Sequence[Detection],
+    detector: Detector,
     embedder: Embedder,
-    threshold: float,
-) -> tuple[list[Match], list[tuple[float, float, float, float]]]:
+    *,
+    threshold: float = 0.6,
+    symmetry: Mapping[str, int] | None = None,
+) -> MatchResult:
     """Where every object of the scene is in the target picture.
 
     Args:
         scene: the known objects; their order is kept.
-        source: (H, W, 3) uint8 top view of the scene.
-        segmentation: (H, W) int, values of ``scene.segmentation_ids``.
-        target: (H, W, 3) the edited picture, in the size of the source (:func:`resize_to`).
-        background: (H, W, 3) the empty table; gives masks to detections that have none.
-        detections: what was found in the target picture, in any order.
+        plan: says where objects go that the picture does not show; None keeps them where they were.
+        pictures: of the scene.
+        target: what an image model answered: any size, grey, RGBA, cropped (:func:`vcage.igsc.register.register`).
+        detector: says where to look as well, what things are called, and what is there that nobody knows.
         embedder: makes the features.
-        threshold: the paper's τ: smallest cosine similarity of a match by features.
-
-    Returns:
-        (matches, unclaimed): one match per object, and the boxes of detections that no object claimed.
+        threshold: the paper's τ: smallest cosine similarity of a match by features. Below it an object is matched only
+            by its name or by its picture, and says so.
+        symmetry: object id → n-fold rotational symmetry seen from above (0: round); 1 where it is not given.
 
     Raises:
-        ValueError: the pictures differ in size.
+        InputFileError: the target is no picture.
+        ValueError: the scene's own pictures differ in size.
     """
-    _require_one_size(source, target, background, segmentation)
-    masks = {o.id: segmentation == scene.segmentation_ids[o.id] for o in scene.objects}
-    visible = [o for o in scene.objects if masks[o.id].sum() >= SMALLEST_MASK]
-    targets = [with_mask(detection, target, background) for detection in detections]
-    similarity = _similarity(embedder, source, [region_of(masks[o.id], o.phrase) for o in visible], target, targets)
-    by_feature = greedy_pairs(similarity, threshold)
-    by_name = _fallback_pairs(similarity, visible, targets, by_feature)
-    camera = scene.top_camera.camera()
+    _require_one_size(pictures)
+    registered = register(target, pictures.source, pictures.background)
+    picture, notes = registered.picture, list(registered.notes)
+    region = table_region(scene.top_camera.camera(), scene.table) & registered.valid
+    salience = fit_table(picture, pictures.background, region).salience
+    names = [o.phrase for o in scene.objects]
+    detections = _surest(detector.detect(picture, names, pictures.background), notes)
+    known = _look(scene, pictures, picture, salience, detections, embedder)
+    chosen = assign(known.masks, known.odds)
     found: dict[str, Match] = {}
-    for method, pairs in (("feature", by_feature), ("name", by_name)):
-        for index, (chosen, score) in pairs.items():
-            record, detection = visible[index], targets[chosen]
-            found[record.id] = Match(
-                object=record.id,
-                method=method,
-                similarity=float(similarity[index, chosen]),
-                confidence=float(np.clip(score, 0, 1)),
-                box=tuple(float(x) for x in detection.box),
-                **_recover(camera, record, source, masks[record.id], target, detection),
-            )
-    claimed = {chosen for pairs in (by_feature, by_name) for chosen, _ in pairs.values()}
-    unclaimed = [tuple(float(x) for x in d.box) for k, d in enumerate(targets) if k not in claimed]
-    seen = {o.id for o in visible}
-    return [found.get(o.id) or _kept(o, o.id in seen) for o in scene.objects], unclaimed
+    why = {o.id: "hidden in the source picture" for o in scene.objects}
+    for i, record in enumerate(known.records):
+        why[record.id] = "not found in the target picture"
+        if i in chosen:
+            match = _match(known, i, chosen[i], threshold, (symmetry or {}).get(record.id, 1))
+            if match.confidence >= DOUBT:
+                found[record.id] = match
+            else:
+                why[record.id] = f"in doubt in the target picture (confidence {match.confidence:.2f})"
+    stayed = {i: reason for i, reason in why.items() if i not in found}
+    notes += _twice(known, chosen, found)
+    rest = kept(scene, plan, pictures.segmentation, found, stayed)
+    masks = [known.masks[i][c.index] for i, c in chosen.items() if known.records[i].id in found]
+    return MatchResult(
+        [found.get(o.id) or rest[o.id] for o in scene.objects],
+        _unclaimed(detections, masks, region),
+        picture,
+        notes,
+    )
 
 
-def _require_one_size(*pictures: np.ndarray) -> None:
-    sizes = [picture.shape[:2] for picture in pictures]
+def _require_one_size(pictures: ScenePictures) -> None:
+    sizes = [p.shape[:2] for p in (pictures.source, pictures.segmentation, pictures.background)]
     if len(set(sizes)) > 1:
-        raise ValueError(f"the pictures' sizes differ: {sizes}")
+        raise ValueError(f"the scene's pictures differ in size: {sizes}")
 
 
-# --- regions and features ------------------------------------------------------------------------------
+def table_region(camera: Camera, table: Table) -> np.ndarray:
+    """(H, W) bool: where the camera sees the table's top, less a little along its edge."""
+    corners = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * np.array(table.size) / 2 + table.centre
+    pixels = camera.project(np.column_stack([corners, np.full(4, table.height)]))
+    drawn = np.zeros((camera.height, camera.width), np.uint8)
+    if not np.all(np.isfinite(pixels)):
+        return ~drawn.astype(bool)
+    cv2.fillConvexPoly(drawn, np.round(np.clip(pixels, -1e4, 1e4)).astype(np.int32), 1)
+    return cv2.erode(drawn, np.ones((2 * TABLE_EDGE + 1,) * 2, np.uint8), borderValue=1) > 0
 
 
-def region_of(mask: np.ndarray, label: str) -> Detection:
-    """A known object's mask (H, W), not empty, as a region for the embedder."""
-    v, u = np.nonzero(mask)
-    return Detection((float(u.min()), float(v.min()), float(u.max() + 1), float(v.max() + 1)), mask, 1.0, label)
+def _surest(detections: Sequence[Detection], notes: list[str]) -> list[Detection]:
+    if len(detections) <= MOST_DETECTIONS:
+        return list(detections)
+    notes.append(f"{len(detections)} things were detected; the {MOST_DETECTIONS} surest were looked at")
+    return sorted(detections, key=lambda d: -d.score)[:MOST_DETECTIONS]
 
 
-def with_mask(detection: Detection, picture: np.ndarray, background: np.ndarray) -> Detection:
-    """The detection with a mask: its own, else what differs from the empty table inside its box, else the box."""
-    if detection.mask is not None and detection.mask.sum() >= SMALLEST_MASK:
-        return detection
-    height, width = picture.shape[:2]
-    u0, v0 = max(0, int(np.floor(detection.box[0]))), max(0, int(np.floor(detection.box[1])))
-    u1, v1 = min(width, int(np.ceil(detection.box[2]))), min(height, int(np.ceil(detection.box[3])))
-    window = np.s_[v0 : max(v1, v0 + 1), u0 : max(u1, u0 + 1)]
-    foreground = _foreground(picture, background)[window]
-    mask = np.zeros((height, width), dtype=bool)
-    mask[window] = foreground if foreground.sum() >= SMALLEST_MASK else True
-    return Detection(detection.box, mask, detection.score, detection.label)
+def _look(
+    scene: Scene,
+    pictures: ScenePictures,
+    picture: np.ndarray,
+    salience: np.ndarray,
+    detections: Sequence[Detection],
+    embedder: Embedder,
+) -> _Known:
+    """All candidates of all objects that the source shows, with what speaks for them."""
+    source = View.of(pictures.source, np.zeros_like(salience))
+    masks = {o.id: pictures.segmentation == scene.segmentation_ids.get(o.id, -1) for o in scene.objects}
+    records = [o for o in scene.objects if masks[o.id].sum() >= SMALLEST_MASK]
+    if not records:
+        return _Known([], [], [], [], [], [], [])
+    crops = [crop_of(source, masks[o.id], scene.top_camera.camera(), o) for o in records]
+    centres = np.reshape([((d.box[0] + d.box[2]) / 2, (d.box[1] + d.box[3]) / 2) for d in detections], (-1, 2))
+    view, fits = find_candidates(View.of(picture, salience), source, crops, centres)
+    drawn = [[mask_at(crop, pose) for pose in fit.poses] for crop, fit in zip(crops, fits, strict=True)]
+    similarity = similarities(embedder, pictures.source, recoloured(view), crops, drawn)
+    names = [
+        name_evidence(crop.record.phrase, middles(crop, fit.poses), detections)
+        for crop, fit in zip(crops, fits, strict=True)
+    ]
+    odds = [log_odds(*three) for three in zip(fits, similarity, names, strict=True)]
+    return _Known(records, crops, fits, drawn, similarity, names, odds)
 
 
-def _foreground(picture: np.ndarray, background: np.ndarray) -> np.ndarray:
-    """(H, W) bool: what stands out of the noise of the table, holes closed.
-
-    An editor may change the whole picture a little; most of it is table, so the median is that change.
-    """
-    difference = cv2.GaussianBlur(cv2.absdiff(picture, background), (3, 3), 0).max(axis=2)
-    middle = np.median(difference)
-    noise = 1.4826 * np.median(np.abs(difference - middle))
-    mask = (difference > middle + max(FOREGROUND_MINIMUM, FOREGROUND_SIGMAS * noise)).astype(np.uint8)
-    return cv2.morphologyEx(mask, cv2.MORPH_CLOSE, np.ones((5, 5), np.uint8)) > 0
-
-
-def _similarity(
-    embedder: Embedder, source: np.ndarray, known: list[Detection], target: np.ndarray, found: list[Detection]
-) -> np.ndarray:
-    """(known, found) cosine similarities."""
-    if not known or not found:
-        return np.zeros((len(known), len(found)))
-    return np.clip(embedder.embed(source, known) @ embedder.embed(target, found).T, -1, 1)
-
-
-# --- pairing -------------------------------------------------------------------------------------------
-
-
-def greedy_pairs(similarity: np.ndarray, threshold: float) -> Pairs:
-    """Greedy one-to-one pairs of a (sources, detections) matrix, the best first, all above the threshold.
-
-    Equal scores are taken in the order of the sources, then of the detections.
-    """
-    pairs: Pairs = {}
-    taken: set[int] = set()
-    columns = max(similarity.shape[1], 1)
-    for flat in np.argsort(-similarity, axis=None, kind="stable"):
-        index, chosen = divmod(int(flat), columns)
-        if similarity[index, chosen] <= threshold:
-            break
-        if index not in pairs and chosen not in taken:
-            pairs[index] = (chosen, float(similarity[index, chosen]))
-            taken.add(chosen)
-    return pairs
-
-
-def _fallback_pairs(
-    similarity: np.ndarray, objects: Sequence[ObjectRecord], found: Sequence[Detection], matched: Pairs
-) -> Pairs:
-    """Pairs among what ``matched`` left, by the mean of name and feature similarity."""
-    scores = np.full(similarity.shape, -np.inf)
-    taken = {chosen for chosen, _ in matched.values()}
-    for index, record in enumerate(objects):
-        for chosen, detection in enumerate(found):
-            if index not in matched and chosen not in taken:
-                name = UNNAMED if detection.label is None else name_similarity(detection.label, record.phrase)
-                scores[index, chosen] = (name + similarity[index, chosen]) / 2
-    return greedy_pairs(scores, FALLBACK_THRESHOLD)
-
-
-def name_similarity(a: str, b: str) -> float:
-    """How alike two names are, in [0, 1]: the larger of shared words (Dice) and shared letters in order."""
-    a, b = " ".join(a.lower().split()), " ".join(b.lower().split())
-    words_a, words_b = set(a.split()), set(b.split())
-    if not words_a or not words_b:
-        return 0.0
-    dice = 2 * len(words_a & words_b) / (len(words_a) + len(words_b))
-    return max(dice, difflib.SequenceMatcher(None, a, b).ratio())
-
-
-# --- coordinates ---------------------------------------------------------------------------------------
-
-
-def _recover(
-    camera: Camera,
-    record: ObjectRecord,
-    source: np.ndarray,
-    source_mask: np.ndarray,
-    target: np.ndarray,
-    detection: Detection,
-) -> dict[str, Any]:
-    """The fields of a match that say where the object went.
-
-    A silhouette's centroid is close to the picture of the object's middle, so rays are met at half its height; the
-    rest of the way from there to the object's origin is measured in the source and turns with the object.
-    """
-    turned, ncc = estimate_rotation(source, source_mask, target, detection.mask)
-    middle = (record.aabb[0][2] + record.aabb[1][2]) / 2
-    seen = camera.unproject(mask_centroid(source_mask), middle)[:2]
-    offset = np.array(record.pose.position[:2]) - seen
-    c, s = np.cos(turned), np.sin(turned)
-    place = camera.unproject(mask_centroid(detection.mask), middle)[:2] + np.array([[c, -s], [s, c]]) @ offset
-    yaw = float(wrap_angle(record.pose.pose().yaw + turned))
-    return {"position": (float(place[0]), float(place[1])), "yaw": yaw, "turned": turned, "ncc": ncc}
-
-
-def _kept(record: ObjectRecord, visible: bool) -> Match:
-    why = "not found in the target picture" if visible else "hidden in the source picture"
+def _match(known: _Known, i: int, chosen: Chosen, threshold: float, order: int) -> Match:
+    record, k = known.records[i], chosen.index
+    pose, similarity = known.fits[i].poses[k], float(known.similarity[i][k])
+    turned = smallest_turn(pose[2], order)
+    by_name = "name" if known.names[i][k] > 0 else "picture"
     return Match(
         object=record.id,
-        method="kept",
-        similarity=None,
-        confidence=0.0,
-        box=None,
-        position=record.pose.position[:2],
-        yaw=record.pose.pose().yaw,
-        turned=0.0,
-        ncc=None,
-        note=f"{why}; kept where it was",
+        method="feature" if similarity > threshold else by_name,
+        similarity=similarity,
+        confidence=chosen.confidence,
+        box=region_of(known.masks[i][k]).box,
+        position=(float(pose[0]), float(pose[1])),
+        yaw=heading_of(record, turned),
+        turned=turned,
+        ncc=float(known.fits[i].terms[k, 1]),
     )
+
+
+def _twice(known: _Known, chosen: Mapping[int, Chosen], found: Mapping[str, Match]) -> list[str]:
+    names = [known.records[i].phrase for i, c in chosen.items() if c.twin is not None and known.records[i].id in found]
+    return [f"the {name} seems to be drawn twice; the better one was taken" for name in names]
+
+
+def _unclaimed(detections: Sequence[Detection], masks: Sequence[np.ndarray], region: np.ndarray) -> list[Box]:
+    """Boxes of what was detected on the table and is not covered by what was matched.
+
+    Of a detection with a mask each part that is left counts by itself: a stranger may touch what was matched.
+    """
+    free = region.astype(np.uint8)
+    for mask in masks:
+        free[cv2.dilate(mask.astype(np.uint8), np.ones((9, 9), np.uint8)) > 0] = 0
+    boxes: list[Box] = []
+    for d in detections:
+        if d.mask is None:
+            u0, v0, u1, v1 = (max(round(x), 0) for x in d.box)
+            inside = free[v0:v1, u0:u1]
+            if inside.size and inside.mean() > UNCLAIMED_SHARE:
+                boxes.append(tuple(float(x) for x in d.box))
+            continue
+        rest = cv2.morphologyEx(d.mask.astype(np.uint8) & free, cv2.MORPH_OPEN, np.ones((5, 5), np.uint8))
+        _, _, stats, _ = cv2.connectedComponentsWithStats(rest, connectivity=8)
+        for u, v, width, height, area in stats[1:].tolist():
+            if area >= LEAST_UNCLAIMED:
+                boxes.append((float(u), float(v), float(u + width), float(v + height)))
+    return boxes

@@ -14,6 +14,9 @@ from vcage.schema.scene import ObjectRecord, Scene
 WIDTH = 1280
 """Smaller pictures are enlarged to this width, so that the labels can be read."""
 
+DOUBTFUL = 0.6
+"""Confidence below which a match is drawn with a dashed box and a question mark."""
+
 
 def draw_overlay(
     picture: np.ndarray, scene: Scene, matches: Sequence[Match], unclaimed: Sequence[Sequence[float]] = ()
@@ -23,7 +26,7 @@ def draw_overlay(
     Args:
         picture: (H, W, 3) uint8 target picture, in the size of the scene's camera.
         scene: the source scene.
-        matches: see :func:`vcage.igsc.match.match_objects`.
+        matches: see :func:`vcage.igsc.match.match_picture`.
         unclaimed: boxes that no object claimed, drawn dashed.
 
     Returns:
@@ -64,7 +67,11 @@ def _places(scene: Scene, match: Match) -> np.ndarray:
 
 def _draw_match(canvas: Canvas, match: Match, places: np.ndarray, colour: Colour, scale: float) -> None:
     if match.box is not None:
-        canvas.draw.rectangle([x * scale for x in match.box], outline=(*colour, 255), width=3, fill=(*colour, 28))
+        sure = match.confidence >= DOUBTFUL
+        outline = {"outline": (*colour, 255), "width": 3} if sure else {}
+        canvas.draw.rectangle([x * scale for x in match.box], fill=(*colour, 28), **outline)
+        if not sure:
+            _dashed(canvas, np.array(match.box) * scale, colour)
     start, end = places
     canvas.draw.ellipse([*(start - 5), *(start + 5)], outline=(255, 255, 255), fill=colour, width=2)
     if match.box is None:
@@ -81,9 +88,10 @@ def _label_box(match: Match, places: np.ndarray, scale: float) -> np.ndarray:
 
 def _words(record: ObjectRecord, match: Match) -> str:
     if match.method == "kept":
-        return f"{record.phrase}: kept"
-    by_name = " by name" if match.method == "name" else ""
-    return f"{record.phrase} {match.confidence:.2f}{by_name}, {np.rad2deg(match.turned):+.0f}°"
+        return f"{record.phrase}: kept ({match.note.partition(' in ')[0].partition(';')[0]})"
+    how = {"name": " by name", "picture": " by picture"}.get(match.method, "")
+    doubt = "?" if match.confidence < DOUBTFUL else ""
+    return f"{record.phrase}{doubt} {match.confidence:.2f}{how}, {np.rad2deg(match.turned):+.0f}°"
 
 
 def _dashed(canvas: Canvas, box: np.ndarray, colour: Colour, dash: int = 9) -> None:

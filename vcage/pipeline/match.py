@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import logging
 from pathlib import Path
 from typing import Any
 
 from vcage.files import RunFolder
-from vcage.igsc.match import match_objects, resize_to
+from vcage.igsc.match import ScenePictures, match_picture
 from vcage.igsc.overlay import draw_overlay
 from vcage.pictures import read_labels, read_picture, write_picture
 from vcage.pipeline.settings import Settings
@@ -17,6 +18,8 @@ from vcage.schema.base import Provenance
 from vcage.schema.matches import Matches
 from vcage.schema.plan import Plan
 from vcage.schema.scene import Scene
+
+logger = logging.getLogger(__name__)
 
 
 def job(run: RunFolder, settings: Settings, bench: Workbench) -> Job:
@@ -38,7 +41,13 @@ def job(run: RunFolder, settings: Settings, bench: Workbench) -> Job:
 
 def summary(record: Matches) -> dict[str, Any]:
     """A few facts for whoever ran the stage."""
-    return {"matched": sum(m.method != "kept" for m in record.matches), "of": len(record.matches)}
+    kept = {m.object: m.note for m in record.matches if m.method == "kept"}
+    return {
+        "matched": len(record.matches) - len(kept),
+        "of": len(record.matches),
+        "kept": kept,
+        "notes": record.notes,
+    }
 
 
 def execute(run: RunFolder, settings: Settings, bench: Workbench, progress: Progress = silent) -> StageResult[Matches]:
@@ -47,23 +56,31 @@ def execute(run: RunFolder, settings: Settings, bench: Workbench, progress: Prog
 
     def make(folder: Path, provenance: Provenance) -> Matches:
         scene, plan = Scene.read(run.scene), Plan.read(run.plan)
-        source = read_picture(run.root / scene.pictures["source"])
-        background = read_picture(run.root / scene.pictures["background"])
-        # an online editor may answer in another size
-        target = resize_to(read_picture(run.root / plan.target), source.shape[:2])
-        names = [o.phrase for o in scene.objects]
-        detections = bench.models.detector.detect(target, names, background)
-        segmentation = read_labels(run.root / scene.pictures["segmentation"])
-        matches, unclaimed = match_objects(
-            scene, source, segmentation, target, background, detections, bench.models.embedder, settings.threshold
+        pictures = ScenePictures(
+            source=read_picture(run.root / scene.pictures["source"]),
+            segmentation=read_labels(run.root / scene.pictures["segmentation"]),
+            background=read_picture(run.root / scene.pictures["background"]),
         )
-        write_picture(folder / "overlay.png", draw_overlay(target, scene, matches, unclaimed))
+        found = match_picture(
+            scene,
+            plan,
+            pictures,
+            read_picture(run.root / plan.target),
+            bench.models.detector,
+            bench.models.embedder,
+            threshold=settings.threshold,
+            symmetry={o.id: bench.symmetry(o) for o in scene.objects},
+        )
+        for note in found.notes:
+            logger.warning("%s", note)
+        write_picture(folder / "overlay.png", draw_overlay(found.picture, scene, found.matches, found.unclaimed))
         return Matches(
             provenance=provenance,
             threshold=settings.threshold,
-            matches=matches,
-            unclaimed=unclaimed,
+            matches=found.matches,
+            unclaimed=found.unclaimed,
             overlay=stage.inside("overlay.png"),
+            notes=found.notes,
         )
 
     return stage.do(Matches, make, force=settings.force)

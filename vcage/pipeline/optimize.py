@@ -2,34 +2,39 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+import logging
+from collections.abc import Mapping
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from vcage.assets.openings import Opening
 from vcage.errors import InfeasibleScene
 from vcage.files import RunFolder
-from vcage.geometry import Pose
-from vcage.igsc.containers import LayoutItem
-from vcage.igsc.layout_picture import Footprint, draw_layout
-from vcage.igsc.optimize import LayoutResult, displacement_summary, optimize_layout
-from vcage.igsc.relations import relations_kept
+from vcage.geometry import Pose, wrap_angle
+from vcage.igsc.layout.containers import LayoutItem
+from vcage.igsc.layout.optimize import LayoutResult, displacement_summary, optimize_layout
+from vcage.igsc.layout.picture import Footprint, draw_layout
+from vcage.igsc.placement.reach import reach_for
+from vcage.igsc.placement.rooms import opening_for
+from vcage.igsc.placement.standing import standing
+from vcage.igsc.relations import relations_kept_in
 from vcage.pictures import write_picture
 from vcage.pipeline.settings import Settings
 from vcage.pipeline.settling import moved_objects, settle_checks
 from vcage.pipeline.stage import Job, StageResult, stage_seed
 from vcage.pipeline.workbench import Workbench
 from vcage.progress import Progress, silent
-from vcage.schema.asset import FunctionalPoint
 from vcage.schema.base import PoseRecord, Provenance, box_record
-from vcage.schema.matches import Match, Matches
-from vcage.schema.plan import Plan
+from vcage.schema.matches import Matches
+from vcage.schema.plan import TABLE, Plan
 from vcage.schema.scene import ObjectRecord, Scene
 from vcage.sim.cameras import shoot
 from vcage.sim.world import World
 from vcage.subtasks.objects import SceneObject
+
+logger = logging.getLogger(__name__)
 
 
 def job(run: RunFolder, settings: Settings, _bench: Workbench) -> Job:
@@ -39,7 +44,7 @@ def job(run: RunFolder, settings: Settings, _bench: Workbench) -> Job:
         output=run.layout,
         inputs=[run.scene, run.plan, run.matches],
         seed=stage_seed(run, settings.seed),
-        options={"margin": settings.margin, "restarts": settings.restarts},
+        options={"margin": settings.margin, "restarts": settings.restarts, "weights": asdict(settings.weights)},
     )
 
 
@@ -59,32 +64,34 @@ def execute(run: RunFolder, settings: Settings, bench: Workbench, progress: Prog
     def make(folder: Path, provenance: Provenance) -> Scene:
         scene, plan, matches = Scene.read(run.scene), Plan.read(run.plan), Matches.read(run.matches)
         objects = bench.objects(scene)
-        workspace = np.array([scene.workspace.lower, scene.workspace.upper])
-        reach = bench.reach(scene.robot, scene.workspace, scene.table)
-        by_id = {m.object: m for m in matches.matches}
-        items = [_item(o, by_id[o.id], plan, reach) for o in objects]
+        yaws = {m.object: _heading(scene.object(m.object), m.yaw, bench) for m in matches.matches}
         result = optimize_layout(
-            items,
-            workspace,
+            _items(objects, matches, yaws, plan, bench.reach(scene.robot, scene.workspace, scene.table)),
+            np.array([scene.workspace.lower, scene.workspace.upper]),
             stage.rng(),
             table_height=scene.table.height,
+            weights=settings.weights,
             margin=settings.margin,
             restarts=settings.restarts,
+            relations=plan.relations,
+            table=scene.table,
         )
-        poses = {m.object: Pose.from_yaw(result.positions[m.object], m.yaw) for m in matches.matches}
+        poses = {key: Pose.from_yaw(position, yaws[key]) for key, position in result.positions.items()}
         targets = {m.object: Pose.from_yaw([*m.position, scene.table.height], m.yaw) for m in matches.matches}
         write_picture(folder / "layout.png", _drawing(scene, bench, targets, poses))
         settled = _rebuild(_with_poses(scene, bench, poses, result), bench, folder)
-        kept = relations_kept(plan.relations, {o.id: o.aabb for o in settled.objects}, settled.table)
+        kept = relations_kept_in(settled, plan.relations)
         checks = {
             **settled.checks,
             "relations_kept": round(kept.share, 4),
-            "relations_broken": [f"{r.subject} {r.relation} {r.reference}" for r in kept.broken],
+            "relations_broken": kept.sentences,
             "displacement": displacement_summary(result.displaced),
             "cost_before": result.cost_before.total,
             "cost_after": result.cost_after.total,
             "restarts": result.starts,
             "repaired": result.repaired,
+            "released": result.released,
+            "hand_room": round(result.hand_room, 4),
         }
         return settled.model_copy(
             update={"provenance": provenance, "checks": checks, "pictures": {"top": stage.inside("top.png")}}
@@ -93,24 +100,45 @@ def execute(run: RunFolder, settings: Settings, bench: Workbench, progress: Prog
     return stage.do(Scene, make, force=settings.force)
 
 
-def _item(o: SceneObject, match: Match, plan: Plan, reach: np.ndarray) -> LayoutItem:
-    points = o.asset.annotation.functional_points
-    inside = next((r.reference for r in plan.relations if r.subject == o.id and r.relation in ("inside", "on")), None)
-    return LayoutItem(
-        id=o.id,
-        size=tuple(float(x) for x in o.asset.size),
-        yaw=match.yaw,
-        target=match.position,
-        opening=_opening(o, points[0]) if points else None,
-        inside=inside,
-        allowed=None if o.record.role == "context" else reach,
-        grasped=o.record.role == "content",
-    )
+def _heading(record: ObjectRecord, yaw: float, bench: Workbench) -> float:
+    """The heading that was matched; what opens at its front is turned back until that faces the robot."""
+    asset = bench.asset(record)
+    if not asset.articulated:
+        return yaw
+    yaws = standing(asset).yaws
+    turned = float(np.clip(wrap_angle(yaw), min(yaws), max(yaws)))
+    if abs(wrap_angle(turned - yaw)) > 1e-6:
+        logger.warning("%s is turned by %.0f°, so that its front faces the robot", record.id, np.degrees(turned - yaw))
+    return turned
 
 
-def _opening(o: SceneObject, point: FunctionalPoint) -> Opening:
-    opening = o.asset.opening(point)
-    return opening if point.holds == "in" else replace(opening, rim=np.inf)
+def _items(
+    objects: list[SceneObject], matches: Matches, yaws: Mapping[str, float], plan: Plan, reach: np.ndarray
+) -> list[LayoutItem]:
+    """What the optimisation needs of each object."""
+    places = {m.object: m.position for m in matches.matches}
+    inside = {r.subject: r.reference for r in plan.relations if r.relation in ("inside", "on") and r.reference != TABLE}
+    items = []
+    for o in objects:
+        room = standing(o.asset)
+        # Only a drawer that stands open could hold something, and at the start none does.
+        points = [point for point in o.asset.annotation.functional_points[:1] if point.link is None]
+        contents = [other.asset for other in objects if inside.get(other.id) == o.id]
+        items.append(
+            LayoutItem(
+                id=o.id,
+                size=(float(room.size[0]), float(room.size[1]), float(o.asset.size[2])),
+                yaw=yaws[o.id],
+                target=places[o.id],
+                opening=opening_for(o.asset, contents) if points else None,
+                inside=inside.get(o.id),
+                allowed=reach_for(o.asset, o.record.role, reach),
+                grasped=o.record.role == "content",
+                centre=(float(room.centre[0]), float(room.centre[1])),
+                body=o.asset.bounds[:, :2],
+            )
+        )
+    return items
 
 
 def _with_poses(scene: Scene, bench: Workbench, poses: dict[str, Pose], result: LayoutResult | None = None) -> Scene:

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal
+
+from vcage.igsc.layout.cost import Weights
+from vcage.models.registry import DETECTORS, EMBEDDERS
 
 OnFailure = Literal["resample", "abort"]
 
@@ -17,10 +20,13 @@ class Settings:
         template: scene template (first stage).
         seed: of every random choice; None for the seed of ``place/scene.json``, or 0 in the first stage.
         models: 'auto', 'offline', 'gemini', 'openai' or 'openrouter'.
+        detector, embedder: what finds and tells apart the objects of the target picture; ``name`` or ``name:weights``
+            (see :mod:`vcage.models.registry`).
         force: make a finished stage again.
         threshold: the paper's τ, smallest cosine similarity of a match.
         margin: the paper's δ, smallest gap between two objects, metres.
         restarts: random restarts of the layout optimisation.
+        weights: the λ of the layout's cost.
         episodes: how many accepted episodes to collect.
         on_failure: try a failed sub-task again from the verified state before it, or abort the episode.
         retries: attempts per sub-task beyond the first, when resampling.
@@ -32,10 +38,13 @@ class Settings:
     template: str = "table"
     seed: int | None = None
     models: str = "auto"
+    detector: str = DETECTORS[0]
+    embedder: str = EMBEDDERS[0]
     force: bool = False
     threshold: float = 0.6
     margin: float = 0.045
     restarts: int = 6
+    weights: Weights = field(default_factory=Weights)
     episodes: int = 3
     on_failure: OnFailure = "resample"
     retries: int = 3

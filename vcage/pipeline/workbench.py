@@ -11,9 +11,10 @@ from vcage.assets.asset import Asset
 from vcage.assets.library import Library
 from vcage.assets.textures.tables import table_texture
 from vcage.geometry import Pose
-from vcage.igsc.reach import GRASP_HEIGHTS, reach_rectangles
+from vcage.igsc.placement.reach import GRASP_HEIGHTS, robot_reach
+from vcage.igsc.symmetry import rotational_symmetry
 from vcage.models.protocols import Models
-from vcage.models.registry import build_models
+from vcage.models.registry import DETECTORS, EMBEDDERS, build_models
 from vcage.schema.asset import CatalogueEntry, PhysicalModel
 from vcage.schema.scene import ObjectRecord, Scene, Table, Workspace
 from vcage.sim.appearance import Appearance
@@ -30,12 +31,13 @@ class Workbench:
     """Shared by the stages of one process.
 
     Args:
-        models: which models answer (see :func:`vcage.models.registry.build_models`).
+        models, detector, embedder: which models answer (see :func:`vcage.models.registry.build_models`).
     """
 
-    def __init__(self, models: str = "auto"):
-        self._models = models
+    def __init__(self, models: str = "auto", detector: str = DETECTORS[0], embedder: str = EMBEDDERS[0]):
+        self._models = (models, detector, embedder)
         self._references: dict[tuple[str, str], np.ndarray] = {}
+        self._symmetries: dict[tuple[str, str], int] = {}
         self._reach: dict[tuple[str, Workspace, Table], np.ndarray] = {}
 
     @cached_property
@@ -48,7 +50,7 @@ class Workbench:
 
     @cached_property
     def models(self) -> Models:
-        return build_models(self._models)
+        return build_models(*self._models)
 
     def kinematics(self, robot: str) -> Mapping[str, ArmKinematics]:
         """The kinematics of a robot's arms, by arm."""
@@ -60,7 +62,7 @@ class Workbench:
         if key not in self._reach:
             bounds = np.array([workspace.lower, workspace.upper])
             heights = tuple(table.height + h for h in GRASP_HEIGHTS)
-            self._reach[key] = reach_rectangles(self.kinematics(robot), bounds, heights)
+            self._reach[key] = robot_reach(load_robot(robot), bounds, heights)
         return self._reach[key]
 
     def asset(self, record: ObjectRecord) -> Asset:
@@ -86,6 +88,13 @@ class Workbench:
         if key not in self._references:
             self._references[key] = reference_view(self.asset(record).model, METRES_PER_PIXEL)
         return self._references[key], METRES_PER_PIXEL
+
+    def symmetry(self, record: ObjectRecord) -> int:
+        """The n-fold rotational symmetry of an object's look from above; 0 is round, 1 none."""
+        key = (record.asset, record.variant)
+        if key not in self._symmetries:
+            self._symmetries[key] = rotational_symmetry(self.reference(record)[0])
+        return self._symmetries[key]
 
     def appearance(self, texture: str) -> Appearance:
         """The plain look of the scene: studio light and the table's own texture."""

@@ -8,8 +8,9 @@ from pydantic import Field
 
 from vcage.schema.base import Finite, Identifier, Record, StageDocument, Vec2
 
-MatchMethod = Literal["feature", "name", "kept"]
-"""By cosine similarity above τ; by the name-and-feature fallback; not found, so kept where it was."""
+MatchMethod = Literal["feature", "name", "picture", "kept"]
+"""By cosine similarity above τ; by the name that the detector gave; by its own crop laid over the target, though
+neither speaks for it; not found or in doubt, so kept."""
 
 
 class Match(Record):
@@ -18,13 +19,13 @@ class Match(Record):
     object: Identifier
     method: MatchMethod
     similarity: Finite | None = Field(description="cosine similarity of the features; none when kept")
-    confidence: Finite = Field(ge=0, le=1)
+    confidence: Finite = Field(ge=0, le=1, description="estimated probability that the match is right")
     box: tuple[Finite, Finite, Finite, Finite] | None = Field(
-        description="u0, v0, u1, v1 in the target picture, pixels"
+        description="u0, v0, u1, v1 in the target picture in the source's frame, pixels"
     )
     position: Vec2 = Field(description="x, y of the object's origin in the world, metres")
     yaw: Finite = Field(description="heading of the object's x axis in the world, radians")
-    turned: Finite = Field(description="rotation from source to target found by NCC, radians")
+    turned: Finite = Field(description="rotation from source to target, the smallest of those that look alike, radians")
     ncc: Finite | None = Field(description="normalised cross-correlation at that rotation")
     note: str = ""
 
@@ -40,3 +41,4 @@ class Matches(StageDocument):
         description="boxes of detections that no object claimed"
     )
     overlay: str = Field(description="path of the overlay picture in the run folder")
+    notes: list[str] = Field(default=[], description="what was strange about the picture, in sentences")

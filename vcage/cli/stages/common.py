@@ -88,7 +88,7 @@ def settings_of(args: argparse.Namespace) -> Settings:
 def execute_stage(stage: str, args: argparse.Namespace, folder: Path) -> Result:
     """Run one stage on a run folder, or with ``--dry-run`` say what it would do."""
     run, settings = RunFolder(folder), settings_of(args)
-    bench = Workbench(settings.models)
+    bench = Workbench(settings.models, settings.detector, settings.embedder)
     if args.dry_run:
         return _preview(stage, run, settings, bench)
     with progress(stage) as show:

@@ -1,4 +1,8 @@
-"""The detector that needs no weights: what differs from the empty table, split into objects."""
+"""The detector that needs no weights: what differs from the empty table, split into objects.
+
+Where most of the picture differs, the table was painted anew: then what stands out of the table that the picture
+itself shows is taken.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +12,8 @@ import cv2
 import numpy as np
 
 from vcage.models.offline import PROVIDER
-from vcage.models.offline.foreground import foreground
+from vcage.models.offline.foreground import clean, foreground
+from vcage.models.offline.table_model import fit_table
 from vcage.models.protocols import Detection
 
 MIN_AREA = 2e-4
@@ -16,6 +21,13 @@ MIN_AREA = 2e-4
 
 MIN_CORE = 0.35
 """A part of a split component has a core at least this deep, as a share of the deepest one."""
+
+
+PAINTED_ANEW = 0.5
+"""A table of whose picture a larger share differs from the known one is another table."""
+
+SPAN = 0.9
+"""What reaches across so much of a picture whose table is painted anew is floor or wall."""
 
 
 class BackgroundDetector:
@@ -32,7 +44,10 @@ class BackgroundDetector:
         touching objects split.
         """
         mask = foreground(picture, background)
-        pieces = components(mask, MIN_AREA * mask.size)
+        anew = background is not None and mask.mean() > PAINTED_ANEW
+        if anew:
+            mask = clean(fit_table(picture).salience > 0.5)
+        pieces = [piece for piece in components(mask, MIN_AREA * mask.size) if not (anew and _spans(piece))]
         while len(pieces) < len(names):
             split = _split_best(pieces, picture, MIN_AREA * mask.size)
             if split is None:
@@ -46,6 +61,11 @@ def components(mask: np.ndarray, min_area: float) -> list[np.ndarray]:
     """The connected parts of a mask that have at least ``min_area`` pixels, each as a mask."""
     count, labels, stats, _ = cv2.connectedComponentsWithStats(mask.astype(np.uint8), connectivity=8)
     return [labels == i for i in range(1, count) if stats[i, cv2.CC_STAT_AREA] >= min_area]
+
+
+def _spans(piece: np.ndarray) -> bool:
+    """Whether a mask reaches across the picture."""
+    return bool(piece.any(axis=0).mean() > SPAN or piece.any(axis=1).mean() > SPAN)
 
 
 def _split_best(pieces: list[np.ndarray], picture: np.ndarray, min_area: float) -> list[np.ndarray] | None:
