@@ -1,5 +1,7 @@
 """Measure: ``python -m benchmarks NAME [--quick] [options]`` prints one JSON object as its last line.
 
+The log ends with the same figures as a table.
+
 Each module of this package with a ``run(quick: bool, **options) -> dict`` is a benchmark; one that takes options
 declares them in ``add_arguments(parser)``. ``python -m benchmarks NAME --help`` lists them.
 """
@@ -15,7 +17,10 @@ import sys
 from collections.abc import Sequence
 
 import benchmarks
+from benchmarks import _table
 from vcage.errors import VcageError
+
+logger = logging.getLogger(__name__)
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -39,6 +44,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         print(error.as_line(), file=sys.stderr)
         print(json.dumps({"error": error.as_record()}))
         return error.exit_code
+    for line in _table.lines(figures):
+        logger.info("%s", line)
     print(json.dumps(figures))
     return 0
 

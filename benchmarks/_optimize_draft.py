@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from benchmarks._optimize_checks import Standing, colliding_meshes
+from benchmarks._optimize_checks import PlacedAsset, colliding_meshes
 from benchmarks._optimize_kinds import Kind
 from vcage.assets.openings import Opening
 from vcage.errors import InfeasibleScene
@@ -28,6 +28,9 @@ class Draft:
 
     def __init__(self, kinds: Sequence[Kind], n: int, containers: int, rng: np.random.Generator):
         self._rng, self._all = rng, kinds
+        self._containers = [kind for kind in kinds if kind.opening is not None]
+        # What has moving parts faces the robot, which in a turned container it would not.
+        self._still = [kind for kind in kinds if not kind.asset.articulated]
         self.kinds: dict[str, Kind] = {}
         self.yaws: dict[str, float] = {}
         self.container: dict[str, str] = {}
@@ -37,7 +40,7 @@ class Draft:
         while len(self.kinds) < n:
             into = rng.random() < 0.4 and containers > 0
             if not (into and self._add_content(str(rng.choice(list(self.contents))), tries=5)):
-                self._name(self._draw())
+                self._name(self._draw(self._all))
 
     @property
     def roots(self) -> list[str]:
@@ -45,7 +48,7 @@ class Draft:
         return [id for id in self.kinds if id not in self.container]
 
     def workspace(self, fill: float) -> np.ndarray:
-        """(2, 2) the corners of a workspace, centred, of which the boxes on the table cover the share ``fill``."""
+        """(2, 2) the corners of a workspace, centred, of which the rooms on the table cover the share ``fill``."""
         area = sum(4 * self._half(id).prod() for id in self.roots)
         depth = np.sqrt(area / fill / ASPECT)
         return np.array([[-ASPECT, -1.0], [ASPECT, 1.0]]) * depth / 2
@@ -53,13 +56,13 @@ class Draft:
     def place_items(self, allowed: Mapping[str, np.ndarray]) -> list[PlaceItem]:
         """What stands on the table, to be placed; ``allowed`` as in :class:`PlaceItem`, by id."""
         return [
-            PlaceItem(id, tuple(self.kinds[id].asset.size[:2]), (self.yaws[id],), allowed=allowed.get(id))
+            PlaceItem(id, tuple(self.kinds[id].room.size.tolist()), (self.yaws[id],), allowed=allowed.get(id))
             for id in self.roots
         ]
 
     def poses(self, placed: Mapping[str, Placement]) -> dict[str, Pose]:
-        """Poses of all objects from the places of those on the table."""
-        found = {id: Pose.from_yaw([at.x, at.y, 0.0], at.yaw) for id, at in placed.items()}
+        """Poses of all objects from the places of the rooms of those on the table."""
+        found = {id: self.kinds[id].room.pose(at, 0.0) for id, at in placed.items()}
         while len(found) < len(self.kinds):
             for id, container in self.container.items():
                 if container in found:
@@ -68,25 +71,25 @@ class Draft:
         return {id: found[id] for id in self.kinds}
 
     def _half(self, id: str) -> np.ndarray:
-        return footprint_half_size(self.kinds[id].asset.size[:2], self.yaws[id])
+        return footprint_half_size(self.kinds[id].room.size, self.yaws[id])
 
-    def _draw(self, container: bool = False) -> Kind:
-        kinds = [kind for kind in self._all if kind.opening is not None or not container]
+    def _draw(self, kinds: Sequence[Kind]) -> Kind:
         return kinds[self._rng.integers(len(kinds))]
 
     def _name(self, kind: Kind) -> str:
-        """Give a new object an id and a heading: square to the table, or any."""
+        """Give a new object an id and a heading: one that it may have; square to the table half the time."""
         id = f"{kind.asset.name}_{len(self.kinds)}"
         square = self._rng.random() < 0.5
+        yaw = self._rng.integers(4) * np.pi / 2 if square else self._rng.uniform(-np.pi, np.pi)
         self.kinds[id] = kind
-        self.yaws[id] = float(self._rng.integers(4) * np.pi / 2 if square else self._rng.uniform(-np.pi, np.pi))
+        self.yaws[id] = float(self._rng.choice(kind.room.yaws) if kind.asset.articulated else yaw)
         return id
 
     def _add_container(self) -> None:
         """A container with one object in it, sometimes in another; kinds that nothing was found for are drawn again."""
         while True:
             nested = self.contents and self._rng.random() < NESTED
-            id = (self._nest() if nested else None) or self._name(self._draw(container=True))
+            id = (self._nest() if nested else None) or self._name(self._draw(self._containers))
             self.contents[id] = {}
             if self._add_content(id, tries=50):
                 return
@@ -95,7 +98,7 @@ class Draft:
     def _nest(self) -> str | None:
         """A container in one of the others, None when none goes in."""
         outer = str(self._rng.choice(list(self.contents)))
-        return next((id for _ in range(50) if (id := self._put(self._draw(container=True), outer))), None)
+        return next((id for _ in range(50) if (id := self._put(self._draw(self._containers), outer))), None)
 
     def _forget(self, id: str) -> None:
         del self.kinds[id], self.yaws[id], self.contents[id]
@@ -103,7 +106,7 @@ class Draft:
             del self.contents[outer][id]
 
     def _add_content(self, container: str, tries: int) -> bool:
-        return any(self._put(self._draw(), container) for _ in range(tries))
+        return any(self._put(self._draw(self._still), container) for _ in range(tries))
 
     def _put(self, kind: Kind, container: str) -> str | None:
         """Put an object of a kind into a container and lay that out anew; None when it does not go in."""
@@ -126,14 +129,14 @@ class Draft:
         if area > room or volume > room * opening.depth:
             return None
         centre, half = np.array(opening.centre), np.array(opening.size) / 2
-        items = [PlaceItem(id, tuple(kind.asset.size[:2]), (self.yaws[id],)) for id, kind in kinds.items()]
+        items = [PlaceItem(id, tuple(kind.room.size.tolist()), (self.yaws[id],)) for id, kind in kinds.items()]
         try:
             placed = place(items, np.stack([centre - half, centre + half]), self._rng, CONTENT_GAP)
         except InfeasibleScene:
             return None
-        standing = {
-            id: Standing(kind.asset, Pose.from_yaw([placed[id].x, placed[id].y, opening.floor], placed[id].yaw))
+        contents = {
+            id: PlacedAsset(kind.asset, Pose.from_yaw([placed[id].x, placed[id].y, opening.floor], placed[id].yaw))
             for id, kind in kinds.items()
         }
-        clear = not colliding_meshes({container: Standing(outer.asset, Pose()), **standing})
+        clear = not colliding_meshes({container: PlacedAsset(outer.asset, Pose()), **contents})
         return placed if clear else None

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -10,6 +11,8 @@ from vcage.assets.asset import Asset
 from vcage.assets.library import Library
 from vcage.assets.openings import Opening
 from vcage.igsc.layout.containers import LayoutItem
+from vcage.igsc.placement.standing import Standing, standing
+from vcage.igsc.rooms import opening_for
 from vcage.schema.plan import RelationWord
 
 SMALLEST_OPENING = 0.065
@@ -18,18 +21,43 @@ SMALLEST_OPENING = 0.065
 
 @dataclass(frozen=True)
 class Kind:
-    """An asset, and the opening that makes it a container."""
+    """An asset, the rectangle that it needs, and the opening that makes it a container."""
 
     asset: Asset
+    room: Standing
     opening: Opening | None
     word: RelationWord
 
+    @cached_property
+    def rectangle(self) -> np.ndarray:
+        """(2, 2) lower and upper corner of the room in the object's frame, metres."""
+        return np.stack([self.room.centre - self.room.size / 2, self.room.centre + self.room.size / 2])
+
     def item(
-        self, id: str, yaw: float, target: np.ndarray, inside: str | None, allowed: np.ndarray | None
+        self,
+        id: str,
+        yaw: float,
+        target: np.ndarray,
+        inside: str | None,
+        allowed: np.ndarray | None,
+        grasped: bool = False,
     ) -> LayoutItem:
-        """What the optimiser is told about it, as the stage tells it."""
-        size = tuple(float(x) for x in self.asset.size)
-        return LayoutItem(id, size, yaw, (float(target[0]), float(target[1])), self.opening, inside, allowed)
+        """What the optimiser is told about it, as the stage tells it: the swept room, its middle and the body in it.
+
+        The stage gives openings that nothing is meant to lie in too; to the optimiser that is the same.
+        """
+        return LayoutItem(
+            id=id,
+            size=(float(self.room.size[0]), float(self.room.size[1]), float(self.asset.size[2])),
+            yaw=yaw,
+            target=(float(target[0]), float(target[1])),
+            opening=self.opening,
+            inside=inside,
+            allowed=allowed,
+            grasped=grasped,
+            centre=(float(self.room.centre[0]), float(self.room.centre[1])),
+            body=self.asset.bounds[:, :2],
+        )
 
 
 def own_kinds(library: Library) -> list[Kind]:
@@ -41,11 +69,10 @@ def own_kinds(library: Library) -> list[Kind]:
 def _kind(asset: Asset) -> Kind:
     """Openings of what has moving parts, those that open sideways and narrow ones count as none."""
     point = next(iter(asset.annotation.functional_points), None)
+    plain = Kind(asset, standing(asset), None, "on")
     if point is None or asset.articulated or point.sideways:
-        return Kind(asset, None, "on")
-    opening = asset.opening(point, standing=True)
-    if min(opening.size) < SMALLEST_OPENING or max(asset.size[:2]) <= 2 * SMALLEST_OPENING:
-        return Kind(asset, None, "on")
-    if point.holds == "in":
-        return Kind(asset, opening, "inside")
-    return Kind(asset, replace(opening, rim=np.inf), "on")
+        return plain
+    opening = opening_for(asset)
+    if opening is None or min(opening.size) < SMALLEST_OPENING or max(asset.size[:2]) <= 2 * SMALLEST_OPENING:
+        return plain
+    return Kind(asset, plain.room, opening, "inside" if point.holds == "in" else "on")

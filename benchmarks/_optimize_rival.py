@@ -2,11 +2,86 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
 import numpy as np
 from scipy.optimize import minimize
 
+from benchmarks._optimize_scenes import CleanScene
+from vcage.geometry import Pose
+from vcage.igsc.layout.containers import LayoutItem
 from vcage.igsc.layout.cost import LayoutProblem, Weights
+from vcage.igsc.layout.relation_cost import RelationTerms, Spot, relation_terms
+from vcage.igsc.placement.contents import CONTENT_MARGIN
 from vcage.igsc.placement.free_region import nearest_in_rectangles
+
+
+@dataclass(frozen=True)
+class Part:
+    """The equation's problem of what stands on one support.
+
+    Args:
+        ids: of its objects, in the problem's order.
+        middles: (n, 2) way from the origin of each to the middle of its rectangle, which the problem moves, metres.
+    """
+
+    ids: list[str]
+    middles: np.ndarray
+    problem: LayoutProblem
+
+
+def parts(clean: CleanScene, targets: Mapping[str, np.ndarray]) -> dict[str | None, Part]:
+    """What every container holds, in its frame, and what stands on the table (None); it is told what lies in what."""
+    items = {item.id: item for item in clean.items(targets)}
+    inside: dict[str | None, list[LayoutItem]] = {}
+    for item in items.values():
+        inside.setdefault(item.inside, []).append(item)
+    return {
+        at: _on_the_table(held, clean) if at is None else _in_container(held, items[at]) for at, held in inside.items()
+    }
+
+
+def _on_the_table(items: Sequence[LayoutItem], clean: CleanScene) -> Part:
+    middles, half = _rectangles(items, 0.0)
+    problem = LayoutProblem(
+        half=half,
+        target=np.array([item.target for item in items]) + middles,
+        bounds=clean.workspace,
+        margin=clean.setting.margin,
+        allowed=tuple(item.allowed for item in items),
+        relations=_plan(items, middles, clean),
+    )
+    return Part([item.id for item in items], middles, problem)
+
+
+def _in_container(items: Sequence[LayoutItem], container: LayoutItem) -> Part:
+    middles, half = _rectangles(items, container.yaw)
+    turn = Pose.from_yaw([0, 0, 0], container.yaw).rotation()[:2, :2]
+    centre, room = np.array(container.opening.centre), np.array(container.opening.size) / 2
+    problem = LayoutProblem(
+        half=half,
+        target=(np.array([item.target for item in items]) - container.target) @ turn + middles,
+        bounds=np.stack([centre - room, centre + room]),
+        margin=CONTENT_MARGIN,
+        allowed=(None,) * len(items),
+    )
+    return Part([item.id for item in items], middles, problem)
+
+
+def _rectangles(items: Sequence[LayoutItem], frame_yaw: float) -> tuple[np.ndarray, np.ndarray]:
+    """(n, 2) middles around the origins, and half sizes, in a frame turned by a yaw."""
+    corners = np.array([item.rectangle(frame_yaw) for item in items])
+    return corners.mean(axis=1), (corners[:, 1] - corners[:, 0]) / 2
+
+
+def _plan(items: Sequence[LayoutItem], middles: np.ndarray, clean: CleanScene) -> RelationTerms | None:
+    """The plan's term; relations are judged by the objects themselves, not by what they sweep."""
+    spots = {}
+    for k, (item, middle) in enumerate(zip(items, middles, strict=True)):
+        lower, upper = item.body_rectangle()
+        spots[item.id] = Spot(k, (lower + upper) / 2 - middle, (upper - lower) / 2)
+    return relation_terms(clean.relations, spots, len(items))
 
 
 def finite_differences(problem: LayoutProblem, weights: Weights) -> np.ndarray:

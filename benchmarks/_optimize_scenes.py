@@ -7,24 +7,41 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from benchmarks._optimize_checks import Standing
+from benchmarks._optimize_checks import PlacedAsset
 from benchmarks._optimize_draft import Draft
 from benchmarks._optimize_kinds import Kind
 from benchmarks._optimize_plan import plan_relations
+from benchmarks._placement_scenes import draw_roles
+from benchmarks._shapes import ROUNDING
 from vcage.errors import InfeasibleScene
 from vcage.geometry import Pose
 from vcage.igsc.layout.containers import LayoutItem
-from vcage.igsc.layout.cost import LayoutProblem
-from vcage.igsc.layout.relation_cost import Spot, relation_terms
 from vcage.igsc.placement.place import place
+from vcage.pipeline.settings import Settings
 from vcage.schema.plan import Relation
 
-MARGIN = 0.01
-"""Smallest gap on the table, metres."""
-CONTENT_MARGIN = 0.003
-"""Smallest gap in a container, metres, as the optimiser asks for."""
+
+@dataclass(frozen=True)
+class Setting:
+    """What is asked of the optimiser beside the targets and the plan.
+
+    Args:
+        name: in the table.
+        margin: smallest gap on the table, metres; clean layouts keep it too.
+        hands: whether what can be carried is grasped, and wants room for a hand beside what is high.
+    """
+
+    name: str
+    margin: float
+    hands: bool
+
+
+PLAIN = Setting("plain", 0.01, hands=False)
+"""Boxes a centimetre apart, as others measure."""
+STAGE = Setting("stage", Settings().margin, hands=True)
+"""What the pipeline's own stage asks for: its margin, and hand room around its contents."""
 FILL = (0.1, 0.6)
-"""Least and largest share of the workspace that is covered by the boxes of what stands on the table."""
+"""Least and largest share of the workspace that is covered by the rooms of what stands on the table."""
 LOOSEN = 0.95
 """A workspace in which no clean layout was found is drawn again with so much of its fill ratio."""
 
@@ -37,10 +54,12 @@ class CleanScene:
         kinds: by id, in the order in which they are given to the optimiser.
         poses: on a table of height 0, by id.
         containers: id of the container by id of the content; the others stand on the table.
-        allowed: (m, 2, 2) rectangles that a centre must lie in, by id of those that are bound.
+        allowed: (m, 2, 2) rectangles that the middle of a room must lie in, by id of those that are bound.
         workspace: (2, 2) metres.
         relations: the plan.
-        fill: share of the workspace that the boxes of what stands on the table cover.
+        fill: share of the workspace that the rooms of what stands on the table cover.
+        setting: what the optimiser is asked for.
+        grasped: ids of what a hand will reach for.
     """
 
     kinds: dict[str, Kind]
@@ -50,6 +69,8 @@ class CleanScene:
     workspace: np.ndarray
     relations: list[Relation]
     fill: float
+    setting: Setting = PLAIN
+    grasped: frozenset[str] = frozenset()
 
     def targets(self, sigma: float, rng: np.random.Generator) -> dict[str, np.ndarray]:
         """(2,) targets by id: the clean places with independent normal noise along each axis, metres."""
@@ -58,64 +79,61 @@ class CleanScene:
     def items(self, targets: Mapping[str, np.ndarray]) -> list[LayoutItem]:
         """The optimiser's input."""
         return [
-            kind.item(id, self.poses[id].yaw, targets[id], self.containers.get(id), self.allowed.get(id))
+            kind.item(
+                id, self.poses[id].yaw, targets[id], self.containers.get(id), self.allowed.get(id), id in self.grasped
+            )
             for id, kind in self.kinds.items()
         ]
 
-    def standing(
+    def placed(
         self, positions: Mapping[str, Sequence[float]], containers: Mapping[str, str | None]
-    ) -> dict[str, Standing]:
-        """The objects at positions (x, y, z) in their own headings."""
+    ) -> dict[str, PlacedAsset]:
+        """The objects at positions (x, y, z) of their origins, in their own headings."""
         return {
-            id: Standing(kind.asset, Pose.from_yaw(positions[id], self.poses[id].yaw), containers.get(id))
+            id: PlacedAsset(
+                kind.asset, Pose.from_yaw(positions[id], self.poses[id].yaw), containers.get(id), kind.rectangle
+            )
             for id, kind in self.kinds.items()
         }
 
-    def problems(self, targets: Mapping[str, np.ndarray]) -> dict[str | None, tuple[list[str], LayoutProblem]]:
-        """The ids and the equation's problem of every container, in its frame, and of the table (None)."""
-        items = {item.id: item for item in self.items(targets)}
-        inside: dict[str | None, list[LayoutItem]] = {}
-        for item in items.values():
-            inside.setdefault(item.inside, []).append(item)
-        return {at: ([i.id for i in held], self._problem(held, items.get(at))) for at, held in inside.items()}
+    def in_bounds(self, thing: PlacedAsset) -> bool:
+        """Whether all that it needs is in the workspace."""
+        room, (lower, upper) = thing.room_in(Pose())[:, :2], self.workspace
+        return bool(np.all(room[0] >= lower - ROUNDING) and np.all(room[1] <= upper + ROUNDING))
 
-    def _problem(self, items: Sequence[LayoutItem], container: LayoutItem | None) -> LayoutProblem:
-        target = np.array([item.target for item in items])
-        if container is None:
-            half, allowed = np.array([item.half_size() for item in items]), tuple(item.allowed for item in items)
-            spots = {item.id: Spot(k, np.zeros(2), half[k]) for k, item in enumerate(items)}
-            plan = relation_terms(self.relations, spots, len(items))
-            return LayoutProblem(half, target, self.workspace, MARGIN, allowed, relations=plan)
-        turn = Pose.from_yaw([0, 0, 0], container.yaw).rotation()[:2, :2]
-        centre, room = np.array(container.opening.centre), np.array(container.opening.size) / 2
-        return LayoutProblem(
-            half=np.array([item.half_size(container.yaw) for item in items]),
-            target=(target - container.target) @ turn,
-            bounds=np.stack([centre - room, centre + room]),
-            margin=CONTENT_MARGIN,
-            allowed=(None,) * len(items),
-        )
+    def in_reach(self, placed: Mapping[str, PlacedAsset]) -> bool:
+        """Whether what is bound and stands on the table is where it may be."""
+        bound = {id: thing for id, thing in placed.items() if thing.container is None and id in self.allowed}
+        return all(is_within(_middle(thing), self.allowed[id], ROUNDING) for id, thing in bound.items())
 
 
-def draw_scene(kinds: Sequence[Kind], n: int, containers: int, bound: bool, rng: np.random.Generator) -> CleanScene:
+def _middle(thing: PlacedAsset) -> np.ndarray:
+    """(2,) middle of the room of what stands there, in the world."""
+    return thing.pose.apply(np.array([*thing.room.mean(axis=0), 0.0]))[:2]
+
+
+def draw_scene(
+    kinds: Sequence[Kind], n: int, containers: int, bound: bool, rng: np.random.Generator, setting: Setting = PLAIN
+) -> CleanScene:
     """A scene of ``n`` objects, ``containers`` of which hold at least one of the others.
 
     Args:
         kinds: what to draw from.
         n: objects in all; at least twice ``containers``.
         containers: how many hold something.
-        bound: whether an arm's reach binds the containers, the contents and half of the others.
+        bound: whether an arm's reach binds the containers, the contents and half of what else has no moving parts.
         rng: the only source of randomness.
+        setting: what the optimiser is asked for.
     """
     draft = Draft(kinds, n, containers, rng)
     fill = rng.uniform(*FILL)
-    allowed: dict[str, np.ndarray] = {}
-    bound_ids = [id for id in draft.roots if id in draft.contents or rng.random() < 0.5] if bound else []
+    still = [id for id in draft.roots if not draft.kinds[id].asset.articulated]
+    bound_ids = [id for id in still if id in draft.contents or rng.random() < 0.5] if bound else []
     while True:
         workspace = draft.workspace(fill)
         allowed = dict.fromkeys(bound_ids, _reach(workspace))
         try:
-            placed = place(draft.place_items(allowed), workspace, rng, MARGIN)
+            placed = place(draft.place_items(allowed), workspace, rng, setting.margin)
             break
         except InfeasibleScene:
             fill *= LOOSEN
@@ -123,10 +141,17 @@ def draw_scene(kinds: Sequence[Kind], n: int, containers: int, bound: bool, rng:
     if bound:
         inner = {id: _reach(workspace) for id in draft.container if is_within(poses[id].p[:2], _reach(workspace))}
         allowed = {**allowed, **inner}
-    scene = CleanScene(draft.kinds, poses, draft.container, allowed, workspace, [], fill)
-    boxes = {id: s.box for id, s in scene.standing({id: p.p for id, p in poses.items()}, draft.container).items()}
+    grasped = _grasped(draft.kinds) if setting.hands else frozenset()
+    scene = CleanScene(draft.kinds, poses, draft.container, allowed, workspace, [], fill, setting, grasped)
+    boxes = {id: s.box for id, s in scene.placed({id: p.p for id, p in poses.items()}, draft.container).items()}
     supports = {id: (draft.kinds[c].word, c) for id, c in draft.container.items()}
     return replace(scene, relations=plan_relations(boxes, supports, rng))
+
+
+def _grasped(kinds: Mapping[str, Kind]) -> frozenset[str]:
+    """Ids of a task's contents, by the same rule as in the placement benchmark."""
+    roles = draw_roles([kind.asset for kind in kinds.values()])
+    return frozenset(id for id, role in zip(kinds, roles, strict=True) if role == "content")
 
 
 def _reach(workspace: np.ndarray) -> np.ndarray:

@@ -6,9 +6,9 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial import ConvexHull
 
 from benchmarks._placement_scenes import BenchmarkScene
+from benchmarks._shapes import ROUNDING, box_around, box_depths, pieces_collide
 from vcage.assets.asset import Asset
 from vcage.geometry import Pose
 from vcage.schema.asset import ContactPoint, FunctionalPoint
@@ -18,12 +18,6 @@ from vcage.sim.world import PHYSICS_HZ, World
 from vcage.subtasks.access import carrying_points
 from vcage.subtasks.grasps import grasp_poses
 from vcage.subtasks.waypoints import APPROACH
-
-TOUCHING = 0.005
-"""Deepest penetration of two convex pieces that still counts as touching (SceneEval's rule), metres."""
-
-ROUNDING = 1e-6
-"""Overlap of boxes that is rounding, metres."""
 
 SECONDS = 2.0
 """How long the physics runs."""
@@ -50,7 +44,7 @@ class TrueShapes:
         self._pieces = {
             name: [pose.apply(piece.vertices) for piece in assets[name].pieces] for name, pose in poses.items()
         }
-        self.boxes = {name: _box(np.concatenate(pieces)) for name, pieces in self._pieces.items()}
+        self.boxes = {name: box_around(np.concatenate(pieces)) for name, pieces in self._pieces.items()}
         """(2, 3) axis-aligned box around the vertices of all pieces, by id."""
 
     def within(self, workspace: np.ndarray) -> int:
@@ -64,35 +58,13 @@ class TrueShapes:
         """The pairs whose boxes overlap, the deepest first."""
         names = list(self.boxes)
         boxes = np.array([self.boxes[name] for name in names]).reshape(-1, 2, 3)
-        depths = _box_overlaps(boxes, boxes)
+        depths = box_depths(boxes, boxes)
         pairs = np.argwhere(np.triu(depths > ROUNDING, k=1))
         return [(names[i], names[j]) for i, j in sorted(pairs.tolist(), key=lambda pair: -depths[pair[0], pair[1]])]
 
     def collide(self, a: str, b: str) -> bool:
-        """Whether two pieces of the objects penetrate by more than :data:`TOUCHING`."""
-        first, second = self._pieces[a], self._pieces[b]
-        # No two pieces penetrate deeper than their boxes overlap.
-        depths = _box_overlaps(np.array([_box(v) for v in first]), np.array([_box(v) for v in second]))
-        near = sorted(np.argwhere(depths > TOUCHING).tolist(), key=lambda pair: -depths[pair[0], pair[1]])
-        return any(penetration(first[i], second[j]) > TOUCHING for i, j in near)
-
-
-def penetration(a: np.ndarray, b: np.ndarray) -> float:
-    """Length of the shortest shift that parts two solids, the convex hulls of points (n, 3) and (m, 3); 0 when apart.
-
-    It is the distance from the origin to the nearest face of the Minkowski difference.
-    """
-    hull = ConvexHull((a[:, None] - b[None]).reshape(-1, 3))
-    return max(0.0, float((-hull.equations[:, 3]).min()))
-
-
-def _box(points: np.ndarray) -> np.ndarray:
-    return np.stack([points.min(axis=0), points.max(axis=0)])
-
-
-def _box_overlaps(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """(n, m) overlap of boxes (n, 2, 3) and (m, 2, 3) along the axis where it is least; negative for a gap."""
-    return (np.minimum(a[:, None, 1], b[None, :, 1]) - np.maximum(a[:, None, 0], b[None, :, 0])).min(axis=2)
+        """Whether two pieces of the objects penetrate by more than :data:`~benchmarks._shapes.TOUCHING`."""
+        return pieces_collide(self._pieces[a], self._pieces[b])
 
 
 # --- physics -------------------------------------------------------------------------------------------

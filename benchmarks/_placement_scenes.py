@@ -16,13 +16,11 @@ from vcage.geometry import Pose, footprint_half_size
 from vcage.igsc.placement.place import PlaceItem, Placement
 from vcage.igsc.placement.reach import GRASP_HEIGHTS, reach_for, robot_reach
 from vcage.igsc.placement.standing import Standing, standing
+from vcage.pipeline.select_place import MARGIN
 from vcage.schema.scene import Role, Table
 from vcage.sim.kinematics import ArmKinematics, kinematics_of
 from vcage.sim.robots import load_robot
 from vcage.subtasks.access import carrying_points
-
-MARGIN = 0.015
-"""Smallest gap between two boxes that every method keeps, as in the pipeline, metres."""
 
 FILL = (0.2, 0.8)
 """Range of the fill ratio: sum of the objects' rectangles, each grown by the margin, over the workspace's area."""

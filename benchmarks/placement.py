@@ -3,8 +3,8 @@
 **Scenes.** For each N in 4, 10, 20, 30, 40 and each of 1,000 seeds: N objects of different kinds and a variant of
 each, drawn uniformly from the whole library (:class:`vcage.assets.library.Library`). The workspace is centred at the
 origin as the table is, twice as wide as deep, and sized so that the fill ratio (the objects' rectangles, each grown
-by the margin of 15 mm, over the workspace) is uniform in 0.2 … 0.8; a workspace in which one object alone would not
-fit is enlarged until it does. The rectangle and the headings that an object needs come from
+by the pipeline's margin, over the workspace) is uniform in 0.2 … 0.8; a workspace in which one object alone would
+not fit is enlarged until it does. The rectangle and the headings that an object needs come from
 :func:`vcage.igsc.placement.standing.standing`, for all methods alike. A third of the objects (1 … 6) are contents
 and a tenth (1 … 2) receptacles; both must be where an arm of ``dual_panda`` reaches, what is left is context.
 
@@ -53,9 +53,10 @@ import numpy as np
 
 from benchmarks._placement_measures import Drift, TrueShapes, drifts, reached_points
 from benchmarks._placement_rivals import depth_first, maniskill, random_retries
-from benchmarks._placement_scenes import MARGIN, BenchmarkScene, Stock
+from benchmarks._placement_scenes import BenchmarkScene, Stock
 from vcage.errors import InfeasibleScene
 from vcage.igsc.placement.place import Placement, place
+from vcage.pipeline.select_place import MARGIN
 
 logger = logging.getLogger(__name__)
 
@@ -127,8 +128,6 @@ def run(quick: bool) -> dict[str, Any]:
     tasks = list(_with_progress(place_all(stock, NUMBERS, seeds), len(NUMBERS) * len(seeds), "placing"))
     measured = [m for group in _measure_all(tasks) for m in group]
     rows = [row(method, n, measured) for n in NUMBERS for method in METHODS]
-    for line in table(rows):
-        logger.info("%s", line)
     return {
         "rows": rows,
         "seeds": len(seeds),
@@ -218,7 +217,7 @@ def measure(scene: BenchmarkScene, stock: Stock, seed: int, method: str, answer:
     )
 
 
-# --- the table -----------------------------------------------------------------------------------------
+# --- the figures ---------------------------------------------------------------------------------------
 
 
 def row(method: str, n: int, measured: Sequence[Measured]) -> dict[str, Any]:
@@ -244,14 +243,6 @@ def row(method: str, n: int, measured: Sequence[Measured]) -> dict[str, Any]:
         "infeasible": _share(m.refused for m in own),
         "solved_by_others": _share(m.seed in others and not m.solved for m in own),
     }
-
-
-def table(rows: Sequence[dict[str, Any]]) -> Iterator[str]:
-    """The rows as lines of text, a heading first."""
-    names = list(rows[0])
-    yield " ".join(f"{name:>{max(8, len(name))}}" for name in names)
-    for figures in rows:
-        yield " ".join(f"{figures[name]!s:>{max(8, len(name))}}" for name in names)
 
 
 def _share(answers: Iterable[bool]) -> float | None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +14,7 @@ import yaml
 
 from vcage.assets.library import Library
 from vcage.errors import VcageError
+from vcage.igsc.select import validate_selection
 from vcage.models.offline.reasoner import OfflineReasoner
 from vcage.schema.asset import CatalogueEntry
 from vcage.schema.plan import SelectedAsset
@@ -104,7 +106,8 @@ def own_kinds() -> list[CatalogueEntry]:
 def _measure(case: dict[str, Any], entries: Sequence[CatalogueEntry]) -> Tally:
     slots = [Slot.read(record) for record in case["slots"]]
     try:
-        selection = OfflineReasoner().select_assets(case["text"], entries, np.random.default_rng(SEED))
+        check = partial(validate_selection, entries=entries)
+        selection = OfflineReasoner().select_assets(case["text"], entries, np.random.default_rng(SEED), check)
     except VcageError as error:
         logger.info("%s\n  refused: %s", case["text"], error.message)
         return Tally(needed=len(slots))

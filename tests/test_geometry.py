@@ -15,6 +15,7 @@ from vcage.geometry import (
     frame_from_axes,
     look_at,
     oriented_boxes_overlap,
+    rotation_2d,
     world_aabb,
     wrap_angle,
 )
@@ -103,6 +104,11 @@ def test_oriented_boxes_see_a_gap_that_their_aabbs_do_not():
 def test_unproject_inverts_project_at_the_same_height(x, y, z):
     camera = top_camera()
     assert np.allclose(camera.unproject(camera.project([x, y, z]), z), [x, y, z], atol=1e-9)
+
+
+@given(angles)
+def test_the_rotation_of_the_plane_is_that_of_a_turn_about_the_vertical(yaw):
+    assert np.allclose(rotation_2d(yaw), Pose.from_yaw([0, 0, 0], yaw).rotation()[:2, :2])
 
 
 def test_opencv_matrices_agree_with_project():

@@ -119,6 +119,12 @@ def yaw_to_quat(yaw: float) -> np.ndarray:
     return np.array([np.cos(yaw / 2), 0.0, 0.0, np.sin(yaw / 2)])
 
 
+def rotation_2d(yaw: float) -> np.ndarray:
+    """(2, 2) rotation of the plane by ``yaw``, for columns: ``rotation_2d(yaw) @ point``."""
+    c, s = np.cos(yaw), np.sin(yaw)
+    return np.array([[c, -s], [s, c]])
+
+
 def wrap_angle(angle: ArrayLike) -> np.ndarray:
     """Angle(s) brought into [-π, π)."""
     return (np.asarray(angle, dtype=np.float64) + np.pi) % (2 * np.pi) - np.pi

@@ -50,7 +50,8 @@ def read_labels(path: Path) -> np.ndarray:
 def _decode(path: Path, flags: int) -> np.ndarray:
     if not path.is_file():
         raise MissingStage(f"{path} does not exist", hint="run the stage that writes it first")
-    picture = cv2.imdecode(np.frombuffer(path.read_bytes(), np.uint8), flags)
+    data = np.frombuffer(path.read_bytes(), np.uint8)
+    picture = cv2.imdecode(data, flags) if len(data) else None
     if picture is None:
         raise DamagedFile(f"{path} is not a picture", hint="delete it and run its stage again with --force")
     return picture

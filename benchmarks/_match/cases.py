@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -91,12 +91,6 @@ def case_folders(root: Path) -> list[Path]:
     if not found:
         raise InputFileError(f"{root} holds no case", hint=f"give the folder that holds the cases; see {DOCUMENT}")
     return sorted(found)
-
-
-def read_cases(root: Path) -> Iterator[Case]:
-    """The cases under ``root``, one at a time; raises as :func:`case_folders` and :func:`read_case`."""
-    for folder in case_folders(root):
-        yield read_case(folder, root)
 
 
 def read_case(folder: Path, root: Path | None = None) -> Case:

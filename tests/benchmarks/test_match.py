@@ -55,6 +55,14 @@ def test_the_last_line_is_json(pictures: Path, capsys: pytest.CaptureFixture[str
     assert json.loads(capsys.readouterr().out.splitlines()[-1])["rows"]
 
 
+def test_the_log_ends_with_the_rows_as_a_table(pictures: Path, caplog: pytest.LogCaptureFixture) -> None:
+    caplog.set_level("INFO")
+    assert main(["match", "--pictures", str(pictures)]) == 0
+    heading, ours, paper = (line.split() for line in caplog.messages[-3:])
+    assert heading[:3] == ["level", "stack", "pictures"]
+    assert (ours[:3], paper[:3]) == (["painted", "background+classical", "1"], ["painted", "paper-greedy", "1"])
+
+
 def test_a_damaged_case_ends_the_run_with_its_name(pictures: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (pictures / "painted" / "000" / "target.png").unlink()
     assert main(["match", "--pictures", str(pictures)]) == 3

@@ -10,7 +10,7 @@ import cv2
 import numpy as np
 import pytest
 
-from benchmarks._match.cases import Case, case_folders, read_case, read_cases, write_case
+from benchmarks._match.cases import Case, case_folders, read_case, write_case
 from benchmarks._match.truth import Stranger, TrueObject, Truth
 from tests.scenes import scene_of, thing
 from vcage.errors import InputFileError
@@ -41,7 +41,8 @@ def case() -> Case:
 
 def test_a_case_is_read_as_it_was_written(case: Case, tmp_path: Path):
     write_case(tmp_path, case)
-    (read,) = read_cases(tmp_path)
+    (folder,) = case_folders(tmp_path)
+    read = read_case(folder, tmp_path)
     assert read.name == case.name
     assert read.scene == case.scene
     assert read.truth == case.truth
@@ -63,7 +64,7 @@ def test_a_case_without_a_file_is_refused_by_name(case: Case, tmp_path: Path, na
     folder = write_case(tmp_path, case)
     (folder / name).unlink()
     with pytest.raises(InputFileError, match=f"moved/000.*{name}") as refused:
-        list(read_cases(tmp_path))
+        read_case(folder, tmp_path)
     assert "move its folder away" in refused.value.hint
 
 

@@ -97,3 +97,16 @@ def test_a_mark_on_a_disc_breaks_its_symmetry():
         cv2.circle(picture, (140, 100), 25, (20, 20, 200, 255), cv2.FILLED)
 
     assert symmetry_of(view(paint)) == 1
+
+
+@pytest.mark.parametrize(("mark", "order"), [((204, 64, 64), 0), ((230, 110, 110), 1)], ids=["pale", "plain to see"])
+def test_only_a_mark_that_the_top_camera_sees_breaks_the_symmetry_of_a_disc(mark: tuple[int, int, int], order: int):
+    def paint(picture: np.ndarray) -> None:
+        cv2.circle(picture, (100, 100), 80, (200, 60, 60, 255), cv2.FILLED)
+        cv2.circle(picture, (140, 100), 25, (*mark, 255), cv2.FILLED)
+
+    assert symmetry_of(view(paint)) == order
+
+
+def test_nothing_has_no_symmetry():
+    assert symmetry_of(np.zeros((20, 20, 4), np.uint8)) == 1

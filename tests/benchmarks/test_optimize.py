@@ -2,22 +2,18 @@
 
 from __future__ import annotations
 
-import functools
 import itertools
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
-from scipy.spatial import ConvexHull
 
 from benchmarks import optimize
-from benchmarks._optimize_checks import DEEP, Standing, colliding_boxes, colliding_meshes, meshes_collide
+from benchmarks._optimize_checks import PlacedAsset, colliding_boxes, colliding_meshes, meshes_collide
 from benchmarks._optimize_kinds import own_kinds
 from benchmarks._optimize_plan import ROBUST, plan_relations, robust_words
-from benchmarks._optimize_rival import PlainCost, finite_differences
-from benchmarks._optimize_scenes import FILL, CleanScene, draw_scene, is_within
-from vcage.assets.asset import Asset
+from benchmarks._optimize_rival import PlainCost, finite_differences, parts
+from benchmarks._optimize_rows import Outcome, Row
+from benchmarks._optimize_scenes import FILL, STAGE, CleanScene, draw_scene, is_within
 from vcage.assets.library import Library
 from vcage.errors import InfeasibleScene
 from vcage.geometry import Pose
@@ -39,32 +35,33 @@ def scene(library: Library, request: pytest.FixtureRequest) -> CleanScene:
     return draw_scene(own_kinds(library), n, containers, bound, np.random.default_rng([n, containers]))
 
 
-def clean_standing(scene: CleanScene) -> dict[str, Standing]:
-    return scene.standing({id: pose.p for id, pose in scene.poses.items()}, scene.containers)
+def clean_places(scene: CleanScene) -> dict[str, PlacedAsset]:
+    return scene.placed({id: pose.p for id, pose in scene.poses.items()}, scene.containers)
 
 
 # --- scenes --------------------------------------------------------------------------------------------
 
 
 def test_a_clean_scene_has_no_collision_and_stays_in_bounds(scene: CleanScene) -> None:
-    standing = clean_standing(scene)
-    assert colliding_boxes(standing) == []
-    assert colliding_meshes(standing) == []
-    boxes = np.array([thing.box for thing in standing.values()])
+    placed = clean_places(scene)
+    assert colliding_boxes(placed) == []
+    assert colliding_meshes(placed) == []
+    assert all(map(scene.in_bounds, placed.values())) and scene.in_reach(placed)
+    boxes = np.array([thing.box for thing in placed.values()])
     assert np.all(boxes[:, 0, :2] >= scene.workspace[0] - 1e-6)
     assert np.all(boxes[:, 1, :2] <= scene.workspace[1] + 1e-6)
 
 
 def test_a_clean_scene_keeps_its_plan_and_the_plan_speaks_of_every_object(scene: CleanScene) -> None:
-    boxes = {id: thing.box for id, thing in clean_standing(scene).items()}
+    boxes = {id: thing.box for id, thing in clean_places(scene).items()}
     assert relations_kept(scene.relations, boxes, Table()).share == 1.0
     named = {name for r in scene.relations for name in (r.subject, r.reference)}
     assert named == set(scene.kinds)
 
 
 def test_the_workspace_is_as_full_as_it_says(scene: CleanScene) -> None:
-    boxes = [thing.box for id, thing in clean_standing(scene).items() if id not in scene.containers]
-    covered = sum(np.prod(box[1, :2] - box[0, :2]) for box in boxes)
+    boxes = [thing.room_in(Pose())[:, :2] for id, thing in clean_places(scene).items() if id not in scene.containers]
+    covered = sum(np.prod(box[1] - box[0]) for box in boxes)
     assert covered / np.prod(scene.workspace[1] - scene.workspace[0]) == pytest.approx(scene.fill, rel=1e-3)
     assert scene.fill <= FILL[1]
 
@@ -78,7 +75,37 @@ def test_every_container_holds_something(library: Library) -> None:
 def test_bound_objects_stand_where_they_may(library: Library) -> None:
     scene = draw_scene(own_kinds(library), 12, 2, True, np.random.default_rng(1))
     assert set(scene.containers.values()) <= scene.allowed.keys()
-    assert all(is_within(scene.poses[id].p[:2], rectangles) for id, rectangles in scene.allowed.items())
+    assert scene.in_reach(clean_places(scene))
+    contents = scene.allowed.keys() & scene.containers.keys()
+    assert all(is_within(scene.poses[id].p[:2], scene.allowed[id]) for id in contents)
+
+
+def test_the_optimiser_is_told_what_a_drawer_sweeps_and_where_its_body_is(library: Library) -> None:
+    kind = next(k for k in own_kinds(library) if k.asset.name == "cabinet_one_drawer")
+    item = kind.item("a", 0.0, np.array([1.0, 2.0]), None, None)
+    assert item.size[1] > kind.asset.size[1] + 0.05
+    np.testing.assert_allclose(item.rectangle(), kind.rectangle)
+    np.testing.assert_allclose(item.body_rectangle(), kind.asset.bounds[:, :2])
+
+
+def test_what_has_moving_parts_stands_on_the_table_and_faces_the_robot(library: Library) -> None:
+    movable = [kind for kind in own_kinds(library) if kind.asset.articulated]
+    others = [kind for kind in own_kinds(library) if kind.opening is not None]
+    scene = draw_scene([*movable, *others], 12, 2, False, np.random.default_rng(2))
+    found = [id for id, kind in scene.kinds.items() if kind.asset.articulated]
+    assert found and not set(found) & scene.containers.keys()
+    assert all(np.degrees(abs(scene.poses[id].yaw)) <= 15 + 1e-9 for id in found)
+
+
+def test_scenes_of_the_stage_keep_its_margin_and_have_something_to_grasp(library: Library) -> None:
+    scene = draw_scene(own_kinds(library), 8, 2, False, np.random.default_rng(5), STAGE)
+    rooms = [thing.room_in(Pose())[:, :2] for id, thing in clean_places(scene).items() if id not in scene.containers]
+    gaps = [np.maximum(a[0] - b[1], b[0] - a[1]).max() for a, b in itertools.combinations(rooms, 2)]
+    assert min(gaps) >= STAGE.margin - 1e-9
+    assert scene.grasped
+    assert {
+        item.id for item in scene.items(scene.targets(0.0, np.random.default_rng(0))) if item.grasped
+    } == scene.grasped
 
 
 def test_the_same_seed_draws_the_same_scene(library: Library) -> None:
@@ -112,8 +139,8 @@ def test_one_object_alone_has_no_relation() -> None:
 # --- checks --------------------------------------------------------------------------------------------
 
 
-def pair(library: Library, a: str, b: str, pose: Pose, container: str | None = None) -> dict[str, Standing]:
-    return {a: Standing(library.asset(a), Pose()), b: Standing(library.asset(b), pose, container)}
+def pair(library: Library, a: str, b: str, pose: Pose, container: str | None = None) -> dict[str, PlacedAsset]:
+    return {a: PlacedAsset(library.asset(a), Pose()), b: PlacedAsset(library.asset(b), pose, container)}
 
 
 def test_boxes_of_content_and_container_may_overlap_and_others_may_not(library: Library) -> None:
@@ -123,10 +150,19 @@ def test_boxes_of_content_and_container_may_overlap_and_others_may_not(library: 
 
 def test_contents_are_compared_in_the_frame_of_what_carries_them(library: Library) -> None:
     turned = Pose.from_yaw([0, 0, 0], np.pi / 4)
-    standing = {"tray": Standing(library.asset("tray"), turned)}
+    placed = {"tray": PlacedAsset(library.asset("tray"), turned)}
     for name, y in (("a", -0.021), ("b", 0.021)):
-        standing[name] = Standing(library.asset("block"), turned * Pose([0, y, 0.005]), "tray")
-    assert colliding_boxes(standing) == []
+        placed[name] = PlacedAsset(library.asset("block"), turned * Pose([0, y, 0.005]), "tray")
+    assert colliding_boxes(placed) == []
+
+
+def test_what_stands_in_the_way_of_a_drawer_collides(library: Library) -> None:
+    kind = next(k for k in own_kinds(library) if k.asset.name == "cabinet_one_drawer")
+    in_front = Pose([0, kind.asset.bounds[0, 1] - 0.05, 0])
+    placed = {"block": PlacedAsset(library.asset("block"), in_front), "cabinet": PlacedAsset(kind.asset, Pose())}
+    assert colliding_boxes(placed) == []
+    placed["cabinet"] = PlacedAsset(kind.asset, Pose(), room=kind.rectangle)
+    assert colliding_boxes(placed) == [("block", "cabinet")]
 
 
 def test_what_stands_in_the_wall_of_its_container_collides_by_mesh(library: Library) -> None:
@@ -139,27 +175,8 @@ def test_what_stands_in_the_wall_of_its_container_collides_by_mesh(library: Libr
 @pytest.mark.parametrize(("gap", "collides"), [(-0.006, True), (-0.004, False), (0.0, False)])
 def test_five_millimetres_are_a_touch(library: Library, gap: float, collides: bool) -> None:
     block = library.asset("block")
-    other = Standing(block, Pose([block.size[0] + gap, 0.003, 0]))
-    assert meshes_collide(Standing(block, Pose()), other) is collides
-
-
-@functools.cache
-def _block() -> Asset:
-    return Library.load().asset("block")
-
-
-@settings(max_examples=25, deadline=None)
-@given(
-    st.tuples(*[st.floats(-0.06, 0.06)] * 3),
-    st.tuples(*[st.floats(-1, 1)] * 4).filter(lambda q: np.linalg.norm(q) > 0.1),
-)
-def test_the_depth_is_that_of_the_minkowski_difference(p: tuple[float, ...], q: tuple[float, ...]) -> None:
-    block = _block()
-    a, b = Standing(block, Pose()), Standing(block, Pose(p, q))
-    difference = (a.pieces[0].vertices[:, None] - b.pieces[0].vertices[None]).reshape(-1, 3)
-    depth = -ConvexHull(difference).equations[:, 3].max()
-    if abs(depth - DEEP) > 1e-9:
-        assert meshes_collide(a, b) is bool(depth > DEEP)
+    other = PlacedAsset(block, Pose([block.size[0] + gap, 0.003, 0]))
+    assert meshes_collide(PlacedAsset(block, Pose()), other) is collides
 
 
 # --- rival ---------------------------------------------------------------------------------------------
@@ -212,8 +229,7 @@ def test_what_is_declared_infeasible_is_searched_longer(scene: CleanScene, monke
 
     monkeypatch.setattr(optimize, "optimize_layout", only_with_many_restarts)
     monkeypatch.setattr(optimize, "RESTARTS", 1)
-    row = optimize.Row(0.01, 5, 0)
-    row.add(optimize.measure(scene, 0.01, [0], rival=False))
+    row = Row("plain", 0.01, 5, 0, [optimize.measure(scene, 0.01, [0], rival=False)])
     assert tried == [1, 10]
     record = row.record()
     assert (record["solved"], record["infeasible"], record["false_infeasible"]) == (0.0, 1.0, 1.0)
@@ -221,16 +237,16 @@ def test_what_is_declared_infeasible_is_searched_longer(scene: CleanScene, monke
 
 
 def test_the_rival_is_given_every_object_once(scene: CleanScene) -> None:
-    problems = scene.problems({id: pose.p[:2] for id, pose in scene.poses.items()})
-    assert sorted(id for ids, _ in problems.values() for id in ids) == sorted(scene.kinds)
-    for _, problem in problems.values():
-        assert PlainCost(problem, Weights())(problem.target) == pytest.approx(0.0, abs=1e-12)
+    found = parts(scene, {id: pose.p[:2] for id, pose in scene.poses.items()}).values()
+    assert sorted(id for part in found for id in part.ids) == sorted(scene.kinds)
+    for part in found:
+        assert PlainCost(part.problem, Weights())(part.problem.target) == pytest.approx(0.0, abs=1e-12)
 
 
 def test_a_row_counts_scenes_and_not_pairs() -> None:
-    row = optimize.Row(0.03, 10, 2)
+    row = Row("plain", 0.03, 10, 2)
     pairs = list(itertools.combinations("abc", 2))
     for found in ([], pairs):
-        row.add(optimize.Outcome(1.0, 0.5, found, found, True, None, 0.9, [0.01, 0.03], 7))
+        row.outcomes.append(Outcome(0.3, 1.0, 0.5, found, found, True, None, 0.9, [0.01, 0.03], 7, 1.0))
     record = row.record()
     assert (record["collision_aabb"], record["collision_mesh"], record["displacement_mm_p50"]) == (0.5, 0.5, 20.0)

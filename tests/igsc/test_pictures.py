@@ -77,3 +77,12 @@ def test_the_layout_picture_shows_both_plans_side_by_side():
 def test_the_same_layout_gives_the_same_picture():
     first, second = (draw_layout(pair(0.01), pair(0.1), WORKSPACE, Table()) for _ in range(2))
     assert (first == second).all()
+
+
+def test_contents_of_a_turned_container_collide_along_its_walls_only():
+    tray = Footprint("tray", "tray", (0.0, 0.0), (0.3, 0.3), 0.7)
+    along = np.array([np.cos(0.7), np.sin(0.7)])
+    near, far = (Footprint(n, n, tuple(s * 0.03 * along), (0.05, 0.2), 0.7, "tray") for n, s in (("a", -1), ("b", 1)))
+    assert collisions([tray, near, far]) == []
+    touching = Footprint("c", "c", tuple(0.01 * along), (0.05, 0.2), 0.7, "tray")
+    assert len(collisions([tray, near, touching])) == 1

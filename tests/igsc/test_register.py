@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from vcage.errors import InputFileError
 from vcage.igsc.register import Registered, read_picture, register, unpadded
-from vcage.igsc.register_search import box_fit, warp_of
+from vcage.igsc.register_lines import Axis, warp_of
 
 WIDTH, HEIGHT = 640, 480
 POINTS = np.array([[u, v, 1.0] for u in (100, 320, 540) for v in (90, 240, 390)])
@@ -34,6 +34,14 @@ def with_objects(table: np.ndarray, seed: int) -> np.ndarray:
     return picture
 
 
+def repainted(picture: np.ndarray, table: np.ndarray) -> np.ndarray:
+    """The picture with the table, where it shows, of another colour and without the grain of its own."""
+    noise = np.random.default_rng(9).normal(0, 1, table.shape)
+    painted = np.clip(np.array([88, 96, 120]) + noise, 0, 255).astype(np.uint8)
+    shown = (np.abs(picture.astype(int) - table).max(axis=2) < 8) & (table.mean(axis=2) > 190)
+    return np.where(shown[..., None], painted, picture)
+
+
 @pytest.fixture(scope="module")
 def source(table: np.ndarray) -> np.ndarray:
     return with_objects(table, 1)
@@ -48,7 +56,7 @@ def seen_through(
     picture: np.ndarray, window: tuple[float, ...], size: tuple[int, int]
 ) -> tuple[np.ndarray, np.ndarray]:
     """The part of a picture in a window (u0, v0, u1, v1), at (width, height); and the matrix that took it there."""
-    warp = warp_of(box_fit(window, (0, 0, *size)))
+    warp = warp_of(tuple(Axis.between((window[k], window[k + 2]), (0, size[k])) for k in (0, 1)))
     return cv2.warpAffine(picture, warp, size, flags=cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE), warp
 
 
@@ -92,6 +100,39 @@ def test_a_zoomed_picture_is_laid_over_the_table_by_its_edges(source, target, ta
     u0, v0 = (WIDTH - width) * across, (HEIGHT - height) / 2
     zoomed, warp = seen_through(target, (u0, v0, u0 + width, v0 + height), size)
     assert error(register(zoomed, source, table), warp) <= 2
+
+
+@pytest.mark.parametrize(("window", "size"), [((0, 24, 640, 456), (1280, 864)), ((40, 0, 600, 480), (1120, 960))])
+def test_a_crop_to_another_aspect_is_undone(source, target, table, window, size) -> None:
+    cropped, warp = seen_through(target, window, size)
+    assert error(register(cropped, source, table), warp) <= 2
+
+
+def test_beside_a_table_painted_anew_a_crop_is_found_by_the_edges_and_said_to_be_centred(source, target, table) -> None:
+    painted = repainted(target, table)
+    cropped, warp = seen_through(painted, (16, 12, 624, 468), (640, 480))
+    found = register(cropped, source, table)
+    assert error(found, warp) <= 2 and "taken to be centred" in found.notes[0]
+
+
+def test_planks_are_not_taken_for_the_edges_of_the_table(source, table) -> None:
+    planks = table.copy()
+    for k, v in enumerate(range(60, 480, 70)):
+        planks[v : v + 70] = (150 + 12 * (k % 2), 105, 60)
+    # The back edge lies beyond the picture, and a plank begins about where it should be.
+    cropped, _ = seen_through(planks, (30, 50, 610, 485), (640, 480))
+    found = register(cropped, source, table)
+    assert "not seen well enough" in found.notes[0] and np.array_equal(found.warp, np.eye(3)[:2])
+
+
+def test_where_the_table_shows_all_four_edges_they_say_everything(source, table) -> None:
+    island = np.full_like(table, (142, 138, 134))
+    island[28:452, 34:606] = (226, 222, 218)
+    painted = np.full_like(table, (120, 128, 131))
+    painted[28:452, 34:606] = (90, 60, 40)
+    cropped, warp = seen_through(painted, (12, 9, 628, 471), (1024, 768))
+    found = register(cropped, source, island)
+    assert error(found, warp) <= 1 and "not" not in found.notes[0]
 
 
 def test_a_letterboxed_picture_loses_its_padding(source, target, table) -> None:

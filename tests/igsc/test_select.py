@@ -2,9 +2,10 @@ from __future__ import annotations
 
 import pytest
 
-from vcage.igsc.select import name_objects, validate_selection
+from vcage.igsc.select import NamedObject, name_objects, validate_selection, with_room
 from vcage.schema.asset import CatalogueEntry, FunctionalPoint, Variant, Words
 from vcage.schema.plan import SelectedAsset, Selection
+from vcage.schema.plan_check import Capacity
 
 
 def entry(name: str, words: str, **colours: str) -> CatalogueEntry:
@@ -90,3 +91,39 @@ def test_what_starts_in_something_without_room_is_complained_about():
 def test_nothing_starts_in_a_drawer_because_drawers_are_closed():
     entries = [*ENTRIES, holding("cabinet", link="drawer")]
     assert len(validate_selection(starting_in("cabinet"), entries)) == 1
+
+
+def test_starts_that_run_in_a_circle_are_no_selection():
+    ring = [("a", "b"), ("b", "c"), ("c", "a")]
+    with pytest.raises(ValueError, match="a starts in b starts in c starts in a: that is a circle"):
+        Selection(objects=[SelectedAsset(asset=a, variant="x", role="content", starts_in=b) for a, b in ring])
+
+
+def test_a_second_cup_may_start_in_what_the_first_one_holds():
+    chosen = [("cup", None), ("bowl", "cup"), ("cup", "bowl")]
+    objects = [SelectedAsset(asset=a, variant="x", role="content", starts_in=b) for a, b in chosen]
+    named = name_objects(Selection(objects=objects), [entry("cup", "cup", x="red"), entry("bowl", "bowl", x="red")])
+    assert [(o.id, o.starts_in) for o in named] == [("cup", None), ("bowl", "cup"), ("cup_2", "bowl")]
+
+
+def test_what_has_no_room_where_it_starts_stands_on_the_table_and_is_noted():
+    objects = [NamedObject(i, i, "x", i, "content", "box") for i in ("pen", "book", "brick", "other_brick")]
+    objects.append(NamedObject("box", "box", "x", "box", "context"))
+    rooms = {
+        "box": Capacity((0.22, 0.17, 0.1), "in", (0.2, 0.15)),
+        "pen": Capacity((0.14, 0.01, 0.01)),
+        "book": Capacity((0.3, 0.2, 0.02)),
+        "brick": Capacity((0.13, 0.1, 0.05)),
+        "other_brick": Capacity((0.13, 0.1, 0.05)),
+    }
+    found, notes = with_room(objects, rooms)
+    assert [o.starts_in for o in found] == ["box", None, "box", None, None]
+    assert "book starts on the table" in notes[0] and "too large for box" in notes[0]
+    assert "other_brick starts on the table" in notes[1] and len(notes) == 2
+
+
+def test_at_the_start_nothing_sticks_out_of_a_bare_top():
+    objects = [NamedObject(i, i, "x", i, "content", start) for i, start in (("book", "tin"), ("tin", None))]
+    rooms = {"book": Capacity((0.2, 0.14, 0.03)), "tin": Capacity((0.1, 0.1, 0.1), "on", (0.09, 0.09), bare=True)}
+    found, notes = with_room(objects, rooms)
+    assert found[0].starts_in is None and "too large for tin" in notes[0]

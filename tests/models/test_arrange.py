@@ -12,10 +12,10 @@ from vcage.geometry import boxes_overlap
 from vcage.igsc.relations import relations_kept
 from vcage.models.offline.arrange import arrange
 from vcage.models.offline.footprints import Footprint, footprints
-from vcage.models.offline.groups import Placement, placed_boxes, supports_of
+from vcage.models.offline.groups import Placement, overlapping_objects, placed_boxes, supports_of
 from vcage.models.offline.layout import plan_layout
 from vcage.schema.plan import LayoutPlan, Relation
-from vcage.schema.plan_check import Room
+from vcage.schema.plan_check import Capacity
 from vcage.schema.scene import Scene
 
 
@@ -97,7 +97,7 @@ def test_what_lies_in_a_container_moves_and_turns_with_it() -> None:
 def test_contents_are_centred_in_the_opening_of_their_container() -> None:
     scene = scene_of([BOX, BLOCKS[0].moved(yaw=0), BLOCKS[1].moved(yaw=0)])
     layout = plan(("box", "center", "table"), ("red-block", "inside", "box"))
-    rooms = {"box": Room(BOX.size, "in", (0.2, 0.16), (0.01, 0.0))}
+    rooms = {"box": Capacity(BOX.size, "in", (0.2, 0.16), (0.01, 0.0))}
     found = arrange(scene, layout, seen(scene), rooms=rooms)
     assert found["red-block"].centre == pytest.approx(found["box"].centre + [0.01, 0])
     both = plan(*((r.subject, r.relation, r.reference) for r in layout.relations),
@@ -123,6 +123,23 @@ def test_an_object_larger_than_the_workspace_is_put_in_its_middle() -> None:
     scene = scene_of([Thing("board", (1, 2, 3), (1.2, 0.8, 0.02), at=(0.1, 0.1))])
     box = laid_out(scene, plan(("board", "center", "table")))["board"]
     assert box[:, :2].mean(axis=0) == pytest.approx([0, 0])
+
+
+def test_what_there_is_no_room_to_keep_apart_is_named(caplog: pytest.LogCaptureFixture) -> None:
+    boards = [Thing(name, (1, 2, 3), (0.5, 0.45, 0.02), at=(0.1, 0.1)) for name in ("oak", "elm", "ash", "fir")]
+    scene, layout = scene_of(boards), plan(("oak", "center", "table"))
+    items = seen(scene)
+    found = overlapping_objects(items, arrange(scene, layout, items), layout.relations)
+    assert len(found) >= 2
+    assert f"there is no room to keep these apart: {', '.join(found)}" in caplog.text
+
+
+def test_what_lies_in_another_does_not_count_as_overlapping(caplog: pytest.LogCaptureFixture) -> None:
+    scene = scene_of([BOX, BLOCKS[0]])
+    layout = plan(("box", "center", "table"), ("red-block", "inside", "box"))
+    items = seen(scene)
+    assert overlapping_objects(items, arrange(scene, layout, items), layout.relations) == []
+    assert not caplog.text
 
 
 def test_a_thousand_relations_are_laid_out() -> None:

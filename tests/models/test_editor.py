@@ -151,6 +151,18 @@ def test_the_editor_refuses_a_picture_that_would_lose_an_object(monkeypatch: pyt
         OfflineEditor().rearrange(request)
 
 
+def test_relations_that_the_picture_gives_up_are_said(monkeypatch: pytest.MonkeyPatch, caplog) -> None:
+    request = request_for("blocks")
+    spread = arrange(request.scene, request.plan, footprints(request.scene, request.segmentation))
+    hidden = {**spread, "red-block": Placement(np.array([0.8, 0.0]), 0.0)}
+    answers = iter((hidden, spread))
+    monkeypatch.setattr(editor, "arrange", lambda *_, **__: next(answers))
+    OfflineEditor().rearrange(request)
+    given_up = [r for r in request.plan.relations if "red-block" in (r.subject, r.reference)]
+    assert "so that red-block can be seen, the target picture does not keep to" in caplog.text
+    assert all(f"{r.subject} {r.relation} {r.reference}" in caplog.text for r in given_up)
+
+
 def test_the_same_request_gives_the_same_bytes() -> None:
     first, second = (OfflineEditor().rearrange(request_for("stationery")) for _ in range(2))
     assert first.tobytes() == second.tobytes()

@@ -4,19 +4,21 @@ from __future__ import annotations
 
 import base64
 import json
+from functools import partial
 
 import numpy as np
 import pytest
 
-from tests.models.catalogue import CATALOGUE
+from tests.models.catalogue import CATALOGUE, unchecked
 from tests.models.tabletop import BLOCKS, BOX, MARKERS, PLATE, draw, reference, scene_of, table_picture, view
 from tests.standin import Special, StandIn, no_picture, text_answer
 from vcage.errors import ConfigurationError, EndpointFailed, MissingKey, ModelRefused, NoAssetFits, UnknownName
+from vcage.igsc.select import validate_selection
 from vcage.models import pictures
 from vcage.models.protocols import CriticQuestion, EditRequest, Models
 from vcage.models.registry import build_models
 from vcage.schema.plan import LayoutPlan, Relation
-from vcage.schema.plan_check import Room, plan_complaints
+from vcage.schema.plan_check import Capacity, plan_complaints
 from vcage.schema.subtasks import ChainOption, Goal, PairQuestion
 
 RNG = np.random.default_rng(0)
@@ -65,7 +67,7 @@ def test_the_provider_names_the_model(models: Models) -> None:
 
 
 def test_selection_names_assets_of_the_catalogue(models: Models) -> None:
-    chosen = models.reasoner.select_assets("Put the blocks on the plate", CATALOGUE, RNG).objects
+    chosen = models.reasoner.select_assets("Put the blocks on the plate", CATALOGUE, RNG, unchecked).objects
     assert [(o.asset, o.role) for o in chosen if o.role != "context"] == [("block", "content")] * 3 + [
         ("plate", "receptacle")
     ]
@@ -73,12 +75,12 @@ def test_selection_names_assets_of_the_catalogue(models: Models) -> None:
 
 def test_what_the_model_misses_is_no_asset_fits(models: Models) -> None:
     with pytest.raises(NoAssetFits, match="helicopter"):
-        models.reasoner.select_assets("Fly the helicopter to the moon", CATALOGUE, RNG)
+        models.reasoner.select_assets("Fly the helicopter to the moon", CATALOGUE, RNG, unchecked)
 
 
 def test_a_layout_mentions_every_object(models: Models) -> None:
     scene = scene_of([PLATE, *BLOCKS])
-    plan = models.reasoner.plan_layout(scene, CATALOGUE, RNG)
+    plan = models.reasoner.plan_layout(scene, CATALOGUE, RNG, partial(plan_complaints, scene=scene))
     assert {r.subject for r in plan.relations} == {o.id for o in scene.objects}
 
 
@@ -87,6 +89,7 @@ def layout_answer(*triples: tuple[str, str, str]) -> Special:
     return text_answer(json.dumps({"text": "x", "relations": relations}))
 
 
+AROUND = scene_of([PLATE, *BLOCKS])
 RED_AROUND = [("plate", "center", "table"), ("green-block", "left_of", "plate"), ("blue-block", "behind", "plate")]
 
 
@@ -108,14 +111,14 @@ def test_a_contradictory_layout_goes_back_with_the_complaint(
 ) -> None:
     right = [*RED_AROUND, ("red-block", "in_front_of", "plate")]
     server.queue(layout_answer(*triples), layout_answer(*right))
-    plan = models.reasoner.plan_layout(scene_of([PLATE, *BLOCKS]), CATALOGUE, RNG)
+    plan = models.reasoner.plan_layout(AROUND, CATALOGUE, RNG, partial(plan_complaints, scene=AROUND))
     assert [(r.subject, r.relation, r.reference) for r in plan.relations] == right
     assert len(server.requests) == 2 and complaint in str(server.requests[1])
 
 
 def test_what_does_not_fit_goes_back_with_both_sizes(models: Models, server: StandIn) -> None:
     scene = scene_of([PLATE, *BLOCKS])
-    rooms = {"plate": Room(PLATE.size, "on", (0.03, 0.03)), "red-block": Room(BLOCKS[0].size)}
+    rooms = {"plate": Capacity(PLATE.size, "on", (0.03, 0.03)), "red-block": Capacity(BLOCKS[0].size)}
     server.queue(layout_answer(*RED_AROUND, ("red-block", "on", "plate")))
     models.reasoner.plan_layout(scene, CATALOGUE, RNG, lambda plan: plan_complaints(plan, scene, rooms))
     complaint = "red-block (4.0 x 4.0 cm) is too large for plate, which has room for 3.0 x 3.0 cm"
@@ -126,7 +129,7 @@ def test_a_layout_that_never_becomes_possible_is_a_refusal_with_the_complaints(m
     wrong = layout_answer(*RED_AROUND, ("red-block", "inside", "green-block"), ("green-block", "inside", "red-block"))
     server.queue(wrong, wrong, wrong)
     with pytest.raises(ModelRefused, match="green-block inside or on red-block inside or on green-block") as caught:
-        models.reasoner.plan_layout(scene_of([PLATE, *BLOCKS]), CATALOGUE, RNG)
+        models.reasoner.plan_layout(AROUND, CATALOGUE, RNG, partial(plan_complaints, scene=AROUND))
     assert len(server.requests) == 3 and caught.value.details["problems"]
 
 
@@ -134,15 +137,39 @@ def test_a_selection_says_what_things_start_in(models: Models, server: StandIn) 
     apple = {"look": "apple/red", "role": "content", "starts_in": "bowl", "reason": "x"}
     bowl = {"look": "bowl/white", "role": "context", "starts_in": "", "reason": "x"}
     server.queue(text_answer(json.dumps({"missing": [], "objects": [apple, bowl]})))
-    chosen = models.reasoner.select_assets("Take the apple out of the bowl", CATALOGUE, RNG)
+    chosen = models.reasoner.select_assets("Take the apple out of the bowl", CATALOGUE, RNG, unchecked)
     assert [(o.asset, o.starts_in) for o in chosen.objects] == [("apple", "bowl"), ("bowl", None)]
 
 
 def test_a_start_in_what_was_not_chosen_goes_back(models: Models, server: StandIn) -> None:
     apple = {"look": "apple/red", "role": "content", "starts_in": "bowl", "reason": "x"}
     server.queue(text_answer(json.dumps({"missing": [], "objects": [apple]})))
-    models.reasoner.select_assets("Put the blocks on the plate", CATALOGUE, RNG)
-    assert "starts_in names 'bowl', which is not another chosen object" in str(server.requests[1])
+    models.reasoner.select_assets("Put the blocks on the plate", CATALOGUE, RNG, unchecked)
+    assert "apple starts in 'bowl', which is not another chosen object" in str(server.requests[1])
+
+
+def chosen_answer(*chosen: tuple[str, str, str]) -> Special:
+    objects = [{"look": look, "role": role, "starts_in": start, "reason": "x"} for look, role, start in chosen]
+    return text_answer(json.dumps({"missing": [], "objects": objects}))
+
+
+def test_starts_that_run_in_a_circle_go_back(models: Models, server: StandIn) -> None:
+    server.queue(chosen_answer(("bowl/white", "content", "mug"), ("mug/red", "context", "bowl")))
+    models.reasoner.select_assets("Put the blocks on the plate", CATALOGUE, RNG, unchecked)
+    assert "bowl starts in mug starts in bowl: that is a circle" in str(server.requests[1])
+
+
+def test_what_the_check_says_of_a_selection_goes_back(models: Models, server: StandIn) -> None:
+    wrong = chosen_answer(("apple/red", "content", "stapler"), ("stapler/black", "context", ""))
+    right = chosen_answer(("apple/red", "content", "bowl"), ("bowl/white", "context", ""))
+    server.queue(wrong, right)
+    check = partial(validate_selection, entries=CATALOGUE)
+    chosen = models.reasoner.select_assets("Take the apple out of the bowl", CATALOGUE, RNG, check)
+    assert "apple cannot start in or on stapler, which has no room for things" in str(server.requests[1])
+    assert chosen.objects[0].starts_in == "bowl"
+    server.queue(wrong, wrong, wrong)
+    with pytest.raises(ModelRefused, match="no room for things"):
+        models.reasoner.select_assets("Take the apple out of the bowl", CATALOGUE, RNG, check)
 
 
 def test_pairs_are_answered_in_order(models: Models) -> None:

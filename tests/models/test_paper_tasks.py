@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from tests.models.catalogue import unchecked
 from vcage.assets.library import Library
 from vcage.models.offline.reasoner import OfflineReasoner
 from vcage.schema.asset import CatalogueEntry
@@ -20,7 +21,7 @@ def kinds() -> list[CatalogueEntry]:
 
 
 def select(instruction: str, kinds: list[CatalogueEntry], seed: int = 0) -> list[SelectedAsset]:
-    return OfflineReasoner().select_assets(instruction, kinds, np.random.default_rng(seed)).objects
+    return OfflineReasoner().select_assets(instruction, kinds, np.random.default_rng(seed), unchecked).objects
 
 
 def assets(chosen: list[SelectedAsset], role: str) -> list[str]:

@@ -1,12 +1,16 @@
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 import pytest
 
 from tests.models.catalogue import CATALOGUE, KITCHEN, entry
 from tests.models.tabletop import BLOCKS, BOX, ERASER, MARKERS, PLATE, scene_of
-from vcage.models.offline.reasoner import OfflineReasoner
+from vcage.errors import ModelRefused
+from vcage.models.offline.reasoner import TRIES, OfflineReasoner
 from vcage.schema.asset import CatalogueEntry
+from vcage.schema.plan import LayoutPlan, Relation, Selection
 from vcage.schema.plan_check import plan_complaints
 from vcage.schema.subtasks import ChainOption, PairQuestion
 
@@ -16,15 +20,39 @@ REASONER = OfflineReasoner()
 @pytest.mark.parametrize("seed", range(5))
 def test_a_layout_holds_every_object_and_no_contradiction(seed: int) -> None:
     scene = scene_of([BOX, *MARKERS, ERASER.moved(role="context"), PLATE.moved(role="context")])
-    plan = REASONER.plan_layout(scene, [], np.random.default_rng(seed))
+    plan = REASONER.plan_layout(scene, [], np.random.default_rng(seed), partial(plan_complaints, scene=scene))
     assert plan_complaints(plan, scene) == []
     assert all(o.phrase in plan.text for o in scene.objects)
 
 
 def test_contents_start_beside_their_receptacle_on_both_sides() -> None:
-    plan = REASONER.plan_layout(scene_of([PLATE, *BLOCKS]), [], np.random.default_rng(0))
+    plan = REASONER.plan_layout(scene_of([PLATE, *BLOCKS]), [], np.random.default_rng(0), lambda _: [])
     words = {r.relation for r in plan.relations if r.subject.endswith("block")}
     assert words == {"left_of", "right_of", "in_front_of"}
+
+
+def test_what_is_complained_about_is_drawn_again() -> None:
+    scene, seen = scene_of([PLATE, *BLOCKS]), []
+
+    def no_red_on_the_left(plan: LayoutPlan) -> list[str]:
+        seen.append(plan)
+        left = Relation(subject="red-block", relation="left_of", reference="plate")
+        return ["not there"] if left in plan.relations or len(seen) == 1 else []
+
+    plan = REASONER.plan_layout(scene, [], np.random.default_rng(0), no_red_on_the_left)
+    assert plan is seen[-1] and len(seen) > 1 and seen[0].relations != plan.relations
+
+
+def test_what_is_always_complained_about_is_refused_after_a_few_draws() -> None:
+    seen = []
+
+    def never(selection: Selection) -> list[str]:
+        seen.append(selection)
+        return ["no room"]
+
+    with pytest.raises(ModelRefused, match="no selection of offline can be used: no room"):
+        REASONER.select_assets("Put the blocks on the plate", CATALOGUE, np.random.default_rng(0), never)
+    assert len(seen) == TRIES
 
 
 def ask(thing: str, place: str, holds: str, size: tuple = (0.05, 0.05, 0.05), opening: tuple = (0.2, 0.2, 0.1)):

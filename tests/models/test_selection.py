@@ -3,14 +3,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.models.catalogue import CATALOGUE, KITCHEN, entry
+from tests.models.catalogue import CATALOGUE, KITCHEN, entry, unchecked
 from vcage.errors import InfeasibleScene, NoAssetFits
 from vcage.models.offline.reasoner import OfflineReasoner
-from vcage.schema.plan import SelectedAsset
+from vcage.schema.plan import SelectedAsset, Selection
 
 
 def select(instruction: str, seed: int = 0) -> list[SelectedAsset]:
-    return OfflineReasoner().select_assets(instruction, CATALOGUE, np.random.default_rng(seed)).objects
+    return OfflineReasoner().select_assets(instruction, CATALOGUE, np.random.default_rng(seed), unchecked).objects
 
 
 def assets(instruction: str, role: str, seed: int = 0) -> list[str]:
@@ -80,7 +80,7 @@ def test_an_instruction_that_names_nothing_is_refused(instruction: str) -> None:
 
 def test_the_same_seed_gives_the_same_selection_whatever_the_catalogues_order() -> None:
     backwards = OfflineReasoner().select_assets(
-        "Put the bread into the bread box", CATALOGUE[::-1], np.random.default_rng(5)
+        "Put the bread into the bread box", CATALOGUE[::-1], np.random.default_rng(5), unchecked
     )
     assert backwards.objects == select("Put the bread into the bread box", 5)
 
@@ -131,9 +131,20 @@ def test_a_place_made_for_the_thing_comes_before_others_of_its_name() -> None:
 BASKET = entry("basket", "basket", "container", ("brown",), KITCHEN, size=(0.25, 0.2, 0.1), holds="in")
 
 
+_CHEST = entry("chest", "chest", "container", ("brown",), KITCHEN, size=(0.25, 0.2, 0.1), holds="in")
+CHEST = _CHEST.model_copy(
+    update={"functional_points": [p.model_copy(update={"link": "drawer"}) for p in _CHEST.functional_points]}
+)
+
+
+def selection(instruction: str) -> Selection:
+    kinds = [*CATALOGUE, BASKET, CHEST]
+    return OfflineReasoner().select_assets(instruction, kinds, np.random.default_rng(0), unchecked)
+
+
 def starts(instruction: str) -> list[tuple[str, str, str | None]]:
     """(asset, role, what it starts in) of all but what is there for the occasion."""
-    chosen = OfflineReasoner().select_assets(instruction, [*CATALOGUE, BASKET], np.random.default_rng(0)).objects
+    chosen = selection(instruction).objects
     return [(o.asset, o.role, o.starts_in) for o in chosen if not o.reason.startswith("belongs")]
 
 
@@ -167,12 +178,21 @@ def test_what_is_taken_from_the_table_starts_there() -> None:
 
 
 @pytest.mark.parametrize("source", ["stapler", "block"])
-def test_what_holds_nothing_or_too_little_is_said_and_left_alone(source: str, caplog) -> None:
-    chosen = starts(f"Take the book out of the {source} and put it on the plate")
-    assert chosen[0] == ("book", "content", None)
-    assert "starts on the table" in caplog.text
+def test_what_holds_nothing_is_noted_and_left_alone(source: str) -> None:
+    chosen = selection(f"Take the book out of the {source} and put it on the plate")
+    assert (chosen.objects[0].asset, chosen.objects[0].starts_in) == ("book", None)
+    assert chosen.notes == [f"'book' starts on the table: nothing called '{source}' holds things"]
 
 
-def test_what_is_too_large_for_its_start_is_said_and_starts_beside_it(caplog) -> None:
-    assert ("book", "content", None) in starts("Take the book out of the mug and put it on the plate")
-    assert "'book' is too large for the mug, so it starts beside it" in caplog.text
+def test_what_is_too_large_for_its_start_is_noted_and_starts_beside_it() -> None:
+    chosen = selection("Take the book out of the mug and put it on the plate")
+    assert (chosen.objects[0].asset, chosen.objects[0].starts_in) == ("book", None)
+    assert "mug" in [o.asset for o in chosen.objects]
+    assert chosen.notes == ["'book' starts on the table: the mug is too small for the book"]
+
+
+def test_what_would_start_in_a_closed_drawer_is_noted_and_starts_beside_it() -> None:
+    chosen = selection("Take the apple out of the chest and put it on the plate")
+    assert [o.starts_in for o in chosen.objects if o.asset == "apple"] == [None]
+    assert "chest" in [o.asset for o in chosen.objects]
+    assert chosen.notes == ["'apple' starts on the table: the chest is closed then"]

@@ -17,7 +17,7 @@ from vcage.pictures import read_labels, read_picture
 from vcage.pipeline import inpaint_plan, match, optimize, select_place
 from vcage.pipeline.settings import Settings
 from vcage.schema.matches import Matches
-from vcage.schema.plan import LayoutPlan, Plan, Relation
+from vcage.schema.plan import LayoutPlan, Plan, Relation, SelectedAsset, Selection
 from vcage.schema.plan_check import plan_complaints
 from vcage.schema.scene import Scene
 
@@ -119,6 +119,63 @@ def test_more_than_the_table_holds_is_refused_with_names_and_area(finished, tmp_
     assert not digests(tmp_path)
 
 
+class Chooser:
+    """A reasoner that answers one selection, and takes note of the complaints."""
+
+    provider = "chooser"
+
+    def __init__(self, *chosen: tuple[str, str, str | None], notes: tuple[str, ...] = ()):
+        self.objects = [SelectedAsset(asset=a, variant=v, role="content", starts_in=s) for a, v, s in chosen]
+        self.notes, self.complaints = list(notes), []
+
+    def select_assets(self, instruction, catalogue, rng, check) -> Selection:
+        selection = Selection(objects=self.objects, notes=self.notes)
+        self.complaints = check(selection)
+        if self.complaints:
+            raise ModelRefused("; ".join(self.complaints))
+        return selection
+
+
+def chosen(finished: Finished, folder: Path, chooser: Chooser, monkeypatch: pytest.MonkeyPatch) -> Scene:
+    monkeypatch.setattr(finished.bench, "models", replace(finished.bench.models, reasoner=chooser))
+    return select_place.execute(RunFolder(folder / "run"), Settings(instruction="x"), finished.bench).record
+
+
+def test_the_reasoner_hears_what_is_wrong_with_its_selection(finished, tmp_path, monkeypatch):
+    chooser = Chooser(("block", "pink", None), ("apple", "red", "block"))
+    with pytest.raises(ModelRefused):
+        chosen(finished, tmp_path, chooser, monkeypatch)
+    assert any("no variant 'pink'" in text for text in chooser.complaints)
+    assert not digests(tmp_path)
+
+
+def test_what_is_too_large_for_where_it_starts_is_said_in_the_summary(finished, tmp_path, monkeypatch):
+    bench = finished.bench
+    variants = {name: bench.library.entry(name).variants[0].id for name in ("plate", "mug")}
+    chooser = Chooser(("plate", variants["plate"], "mug"), ("mug", variants["mug"], None), notes=("a note",))
+    scene = chosen(finished, tmp_path, chooser, monkeypatch)
+    notes = select_place.summary(scene)["notes"]
+    assert notes[0] == "a note" and "plate_white starts on the table" in notes[1]
+    assert all(o.container is None for o in scene.objects)
+
+
+def test_what_starts_in_a_box_must_be_seen_above_the_box_s_floor(finished, tmp_path, monkeypatch):
+    supports, seen = [], select_place.view_rectangles
+
+    def noted(camera, support, *rest):
+        supports.append(support)
+        return seen(camera, support, *rest)
+
+    monkeypatch.setattr(select_place, "view_rectangles", noted)
+    first = {name: finished.bench.library.entry(name).variants[0].id for name in ("block", "packaging_box")}
+    chooser = Chooser(("block", first["block"], "packaging_box"), ("packaging_box", first["packaging_box"], None))
+    scene = chosen(finished, tmp_path, chooser, monkeypatch)
+    block, box = scene.objects
+    assert block.container == box.id and select_place.summary(scene)["notes"] == []
+    floor = finished.bench.asset(box).opening(finished.bench.asset(box).annotation.functional_points[0]).floor
+    assert supports == pytest.approx([scene.table.height + floor, scene.table.height])
+
+
 # --- inpaint_plan --------------------------------------------------------------------------------------
 
 
@@ -146,14 +203,14 @@ class Planner:
     def __init__(self, *plans: list[tuple[str, str, str]]):
         self.plans, self.complaints = list(plans), []
 
-    def plan_layout(self, scene, catalogue, rng, check=None) -> LayoutPlan:
+    def plan_layout(self, scene, catalogue, rng, check) -> LayoutPlan:
         for triples in self.plans:
             relations = [Relation(subject=s, relation=r, reference=o) for s, r, o in triples]
             plan = LayoutPlan(text="x", relations=relations)
             self.complaints = check(plan)
             if not self.complaints:
-                break
-        return plan
+                return plan
+        raise ModelRefused("; ".join(self.complaints))
 
 
 def planned(finished: Finished, folder: Path, planner: Planner, monkeypatch: pytest.MonkeyPatch) -> Plan:
@@ -173,7 +230,8 @@ def around_the_plate(finished: Finished) -> tuple[str, str, list[tuple[str, str,
 
 def test_the_plan_says_how_much_of_it_can_be_kept_at_once(finished):
     plan = Plan.read(finished.run.plan)
-    assert plan.checks == {"relations_solvable": 1.0, "relations_unsolved": []} and plan.notes == []
+    assert plan.checks == {"relations_solvable": 1.0, "relations_unsolved": [], "overlapping": []}
+    assert plan.notes == []
 
 
 def test_the_reasoner_hears_what_does_not_fit_before_its_plan_is_used(finished, tmp_path, monkeypatch):

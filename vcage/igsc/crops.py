@@ -14,6 +14,9 @@ from vcage.schema.scene import ObjectRecord
 POINTS = 220
 """Points inside an object that are compared."""
 
+DENSE_POINTS = 700
+"""Points that are compared once an object is found."""
+
 RIM_POINTS = 80
 """Points along its outline."""
 
@@ -159,6 +162,15 @@ def crop_of(view: View, mask: np.ndarray, camera: Camera, record: ObjectRecord) 
         step=step,
         pixel=pixel,
     )
+
+
+def dense_points(crop: Crop) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """(n, 2) source pixels of an object, (n, 3) its points there and (n, 2) directions, as in :class:`Crop`."""
+    v, u = np.nonzero(crop.mask)
+    base = crop.record.aabb[0][2]
+    pixels = _spread_out(_inner(crop.mask, u, v, 1.0), DENSE_POINTS)
+    points, facing = _on_proxy(pixels, crop.mask, crop.camera, base + crop.layers[0], base + crop.layers[-1])
+    return pixels, points - [*crop.record.pose.position[:2], base], facing
 
 
 def _inside(mask: np.ndarray, camera: Camera, points: np.ndarray) -> np.ndarray:

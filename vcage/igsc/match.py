@@ -4,7 +4,7 @@ As in the paper: detections of the target picture, features of regions, pairs, c
 rotation by normalised cross-correlation. What differs is the order. Detections of an edited picture merge what touches,
 miss what is pale and follow shadows, while every known object has a crop of its own; so each crop is laid over the
 target at every place and heading first, the detections only say where to look as well and what things are called, and
-features, correlation, colours and outline together decide.
+features, correlation, colours and outline together decide. Which way an object faces is settled last, where it is.
 """
 
 from __future__ import annotations
@@ -16,11 +16,12 @@ import cv2
 import numpy as np
 
 from vcage.geometry import Camera
-from vcage.igsc.alignment import Fit, mask_at, middles
+from vcage.igsc.alignment import TERMS, Fit, mask_at, middles
 from vcage.igsc.assignment import Chosen, assign
 from vcage.igsc.candidates import find_candidates
 from vcage.igsc.crops import Crop, View, crop_of
 from vcage.igsc.evidence import SMALLEST_MASK, log_odds, name_evidence, recoloured, region_of, similarities
+from vcage.igsc.heading import settle, softened
 from vcage.igsc.keeping import kept
 from vcage.igsc.recover import heading_of, smallest_turn
 from vcage.igsc.register import register
@@ -82,8 +83,11 @@ class MatchResult:
 
 @dataclass(frozen=True)
 class _Known:
-    """The objects that the source picture shows, and what was found of them."""
+    """The objects that the source picture shows, and what was found of them: the target in the source's colours, and
+    the source as soft as the target."""
 
+    target: View
+    source: View
     records: list[ObjectRecord]
     crops: list[Crop]
     fits: list[Fit]
@@ -189,7 +193,7 @@ def _look(
     masks = {o.id: pictures.segmentation == scene.segmentation_ids.get(o.id, -1) for o in scene.objects}
     records = [o for o in scene.objects if masks[o.id].sum() >= SMALLEST_MASK]
     if not records:
-        return _Known([], [], [], [], [], [], [])
+        return _Known(source, source, [], [], [], [], [], [], [])
     crops = [crop_of(source, masks[o.id], scene.top_camera.camera(), o) for o in records]
     centres = np.reshape([((d.box[0] + d.box[2]) / 2, (d.box[1] + d.box[3]) / 2) for d in detections], (-1, 2))
     view, fits = find_candidates(View.of(picture, salience), source, crops, centres)
@@ -200,12 +204,13 @@ def _look(
         for crop, fit in zip(crops, fits, strict=True)
     ]
     odds = [log_odds(*three) for three in zip(fits, similarity, names, strict=True)]
-    return _Known(records, crops, fits, drawn, similarity, names, odds)
+    return _Known(view, softened(source), records, crops, fits, drawn, similarity, names, odds)
 
 
 def _match(known: _Known, i: int, chosen: Chosen, threshold: float, order: int) -> Match:
     record, k = known.records[i], chosen.index
-    pose, similarity = known.fits[i].poses[k], float(known.similarity[i][k])
+    pose, terms = settle(known.target, known.source, known.crops[i], known.fits[i].poses[k])
+    similarity = float(known.similarity[i][k])
     turned = smallest_turn(pose[2], order)
     by_name = "name" if known.names[i][k] > 0 else "picture"
     return Match(
@@ -217,7 +222,7 @@ def _match(known: _Known, i: int, chosen: Chosen, threshold: float, order: int) 
         position=(float(pose[0]), float(pose[1])),
         yaw=heading_of(record, turned),
         turned=turned,
-        ncc=float(known.fits[i].terms[k, 1]),
+        ncc=float(terms[TERMS.index("structure")]),
     )
 
 

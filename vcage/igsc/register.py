@@ -21,11 +21,13 @@ from vcage.igsc.register_lines import Axis, Line, Profile, agrees, laid, table_e
 SAME_ASPECT = 0.01
 """Logarithm of a stretch that is none: sizes are whole numbers."""
 
-PADDED_ASPECT, LARGEST_CONTENT = 0.015, 0.97
-"""The same for what a padding leaves, whose borders are found to some pixels; and the share that it leaves at most."""
+PADDED_ASPECT = 0.03
+"""The same for what a padding leaves: what it pads may be of a slightly other aspect already."""
 
-BENT = 0.03
-"""The same for two axes that were found each for itself."""
+BENT, BENT_EDGE = 0.03, 3.0
+"""The same for two axes that were found each for itself; and pixels by which image models bend an edge."""
+
+UNSEEN = ": the table is not seen well enough to check where the picture lies over it"
 
 WITHIN = 1.25
 """Pixels by which a table's edges may be off in an answer that is where it should be."""
@@ -83,7 +85,7 @@ def register(target: np.ndarray, source: np.ndarray, background: np.ndarray) -> 
         notes.append(f"padding was cut off; columns {u0} to {u1} and rows {v0} to {v1} are left")
     whole = _resized(content, size)
     x, y, note = _fit(whole, background, content.shape[1] / content.shape[0] * size[1] / size[0])
-    if max(abs(axis(at) - at) for axis, length in zip((x, y), size) for at in (0, length - 1)) < LEAST_SHIFT:
+    if max(axis.largest_shift(length) for axis, length in zip((x, y), size)) < LEAST_SHIFT:
         x, y = Axis(), Axis()
     laid_over, valid = _applied(whole, shown, (x, y), background)
     resized = Axis.between((u0, u1), (0, size[0])), Axis.between((v0, v1), (0, size[1]))
@@ -135,29 +137,24 @@ def _fit(whole: np.ndarray, background: np.ndarray, aspect: float) -> tuple[Axis
     Args:
         aspect: how much wider the picture was than the source, for its height.
     """
-    as_it_is = Axis(), Axis()
     profiles = [_profiles(picture) for picture in (background, whole)]
     edges = [table_edges(empty) for empty in profiles[0]]
     known = [k for k in (0, 1) if edges[k] is not None]
     confirmed = bool(known) and all(agrees(edges[k], profiles[1][k], WITHIN) for k in known)
     same = abs(np.log(aspect)) < SAME_ASPECT
     if confirmed and same:
-        return *as_it_is, ""
+        return Axis(), Axis(), ""
     # Stretched to the aspect of the answer; or cropped or extended to it, of which either keeps one side whole.
     plain = [(1.0, 1.0)] if same else [(1.0, 1.0), (1.0, 1 / aspect), (aspect, 1.0)]
     zooms = (1.0, *(ZOOMS if same else FEW_ZOOMS))
     lightness = (cv2.cvtColor(picture, cv2.COLOR_RGB2GRAY) for picture in (whole, background))
-    found = grain_fit(*lightness, [(zoom * sx, zoom * sy) for sx, sy in plain for zoom in zooms])
-    if found is not None:
-        (sx, sy, tx, ty), turn = found
+    by_grain = grain_fit(*lightness, [(zoom * sx, zoom * sy) for sx, sy in plain for zoom in zooms])
+    if by_grain is not None:
+        (sx, sy, tx, ty), turn = by_grain
         turned = "; it is turned a little, which is not undone" if abs(turn) > LARGEST_TURN else ""
         return Axis(sx, tx), Axis(sy, ty), f"laid over the table by its grain: {_spelled((sx, sy))}{turned}"
-    if confirmed:
-        return *as_it_is, f"resized as a whole: the table's edges agree; {_assumed(edges)}"
-    by_edges = _by_edges(profiles, edges, [1.0] if same else [1.0, aspect])
-    if by_edges is not None:
-        return by_edges
-    return *as_it_is, "resized as a whole: the table is not seen well enough to check where the picture lies over it"
+    by_edges = [Axis() if k in known else None for k in (0, 1)] if confirmed else _by_edges(profiles, edges)
+    return _completed(by_edges, 1.0 if same else aspect, whole.shape[1::-1])
 
 
 def _profiles(picture: np.ndarray) -> list[Profile]:
@@ -166,35 +163,45 @@ def _profiles(picture: np.ndarray) -> list[Profile]:
     return [Profile.of(lab, 1), Profile.of(lab, 0)]
 
 
-def _by_edges(
-    profiles: list[list[Profile]], edges: list[tuple[Line, Line] | None], stretches: list[float]
-) -> tuple[Axis, Axis, str] | None:
-    """The fit by the edges of the table; what they leave open keeps the middle, and the shape, of the picture."""
-    found: list[Axis | None] = []
-    for empty, seen, pair in zip(*profiles, edges):
-        ways = [] if pair is None else laid(empty, pair, seen)
-        if pair is not None and len(ways) != 1:
-            return None
-        found.append(ways[0] if ways else None)
+def _by_edges(profiles: list[list[Profile]], edges: list[tuple[Line, Line] | None]) -> list[Axis | None]:
+    """How the edges of the table lie along x and along y; None where the table shows none, or one cannot be sure."""
+    found: list[Axis | None] = [None, None]
+    for k, (empty, seen, pair) in enumerate(zip(*profiles, edges)):
+        if pair is not None:
+            ways = laid(empty, pair, seen)
+            if len(ways) != 1:
+                return [None, None]
+            found[k] = Axis() if ways[0].largest_shift(len(seen.change)) < BENT_EDGE else ways[0]
+    return found
+
+
+def _completed(found: list[Axis | None], aspect: float, size: Sequence[int]) -> tuple[Axis, Axis, str]:
+    """The fit by the edges of the table along x and y; an axis that they leave open is centred, and said to be.
+
+    Args:
+        aspect: exactly 1 when the picture's is the source's.
+    """
     x, y = found
+    if x is None and y is None:
+        how = "resized as a whole" if aspect == 1 else "taken to be cropped evenly"
+        return *(_centred(min(1.0, s), n) for s, n in zip((aspect, 1 / aspect), size)), f"{how}{UNSEEN}"
     if x is not None and y is not None:
-        bent = min(abs(np.log(x.scale / y.scale / stretch)) for stretch in stretches) > BENT
-        return None if bent else (x, y, f"laid over the table by its edges: {_spelled((x.scale, y.scale))}")
-    size = [len(seen.change) for seen in profiles[1]]
-    # Of the shapes that the picture may have, the one that shows the whole of the axis that nothing is known of.
-    if y is not None:
-        x = _centred(min((y.scale * stretch for stretch in stretches), key=lambda s: abs(np.log(s))), size[0])
-    elif x is not None:
-        y = _centred(min((x.scale / stretch for stretch in stretches), key=lambda s: abs(np.log(s))), size[1])
-    else:
-        return None
-    said = f"laid over the table by its edges: {_spelled((x.scale, y.scale))}"
-    return x, y, f"{said}; {_assumed(found)}"
+        if min(abs(np.log(x.scale / y.scale / shape)) for shape in (1.0, aspect)) > BENT:
+            return Axis(), Axis(), f"resized as a whole{UNSEEN}"
+        return x, y, f"laid over the table by its edges: {_spelled((x.scale, y.scale))}"
+    x = x or _centred(_open_scale(y.scale, aspect), size[0])
+    y = y or _centred(_open_scale(x.scale, 1 / aspect), size[1])
+    if aspect == 1 and (x, y) == (Axis(), Axis()):
+        return x, y, ""
+    side = "across" if found[0] is None else "along"
+    how = f"laid over the table by its edges: {_spelled((x.scale, y.scale))}"
+    return x, y, f"{how}; {side} the table it was not checked, and is taken to be centred"
 
 
-def _assumed(known: Sequence[object]) -> str:
-    """What is said of the axis along which no edges of the table are known."""
-    return f"{'across' if known[0] is None else 'along'} the table it was not checked, and is taken to be centred"
+def _open_scale(known: float, aspect: float) -> float:
+    """The scale of the open axis: with square pixels, or stretched where that would show more than there is."""
+    square = known * aspect
+    return square if square <= 1 + SAME_ASPECT else min(square, known, key=lambda scale: abs(np.log(scale)))
 
 
 def _centred(scale: float, length: int) -> Axis:
@@ -209,15 +216,15 @@ def _spelled(scale: Sequence[float]) -> str:
 
 
 def _content(picture: np.ndarray, there: np.ndarray, size: tuple[int, int]) -> tuple[int, int, int, int]:
-    """The box (u0, v0, u1, v1) without the padding; the whole picture unless what is left has the source's aspect.
+    """The box (u0, v0, u1, v1) without the padding by which an editor got to its own aspect from the source's.
 
-    A strip of even ground beside a table looks like a padding, but what it leaves does not have that aspect.
+    Even ground beside a table looks like a padding too, so it is one only where it leaves the aspect of the source.
     """
-    u0, v0, u1, v1 = unpadded(picture, there)
-    left = (u1 - u0) * (v1 - v0) / (picture.shape[1] * picture.shape[0])
-    if left < LARGEST_CONTENT and abs(np.log((u1 - u0) / (v1 - v0) * size[1] / size[0])) < PADDED_ASPECT:
-        return u0, v0, u1, v1
-    return 0, 0, picture.shape[1], picture.shape[0]
+    whole = 0, 0, picture.shape[1], picture.shape[0]
+    for box in (whole, unpadded(picture, there)):
+        if abs(np.log((box[2] - box[0]) / (box[3] - box[1]) * size[1] / size[0])) < PADDED_ASPECT:
+            return box
+    return whole
 
 
 def unpadded(picture: np.ndarray, there: np.ndarray) -> tuple[int, int, int, int]:

@@ -78,6 +78,10 @@ class Axis:
         """This one of what ``first`` gives."""
         return Axis(self.scale * first.scale, self(first.shift))
 
+    def largest_shift(self, length: int) -> float:
+        """Pixels by which one of so many is moved, at most."""
+        return max(abs(self(at) - at) for at in (0, length - 1))
+
     @classmethod
     def between(cls, start: tuple[float, float], end: tuple[float, float]) -> Axis:
         """The one that takes pixels ``start[0]`` up to, not including, ``start[1]`` onto those of ``end``."""

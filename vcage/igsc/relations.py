@@ -20,8 +20,7 @@ from vcage.schema.scene import Scene, Table
 
 def table_box(table: Table) -> np.ndarray:
     """(2, 3) the flat box of a table's top, to be the reference ``table``."""
-    centre, half = np.array(table.centre), np.array(table.size) / 2
-    return np.array([[*(centre - half), table.height], [*(centre + half), table.height]])
+    return np.column_stack([table.rectangle, [table.height, table.height]])
 
 
 @dataclass(frozen=True)

@@ -1,13 +1,15 @@
-"""From a reasoner's selection to named objects: what is wrong with it, and what each object is called."""
+"""From a reasoner's selection to named objects: what is wrong with it, what each is called, and where it starts."""
 
 from __future__ import annotations
 
 import difflib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
+from vcage.igsc.placement.contents import CONTENT_MARGIN
 from vcage.schema.asset import CatalogueEntry
-from vcage.schema.plan import Selection
+from vcage.schema.plan import Relation, Selection
+from vcage.schema.plan_check import Capacity, contradictions
 from vcage.schema.scene import Role
 
 
@@ -32,10 +34,10 @@ class NamedObject:
 
 
 def validate_selection(selection: Selection, entries: Sequence[CatalogueEntry]) -> list[str]:
-    """Complaints about names that the catalogue does not have, one sentence each; empty when all are known."""
+    """What makes a selection unusable, one sentence each: unknown names, starts where there is no room for things."""
     variants = {entry.name: [variant.id for variant in entry.variants] for entry in entries}
-    # Nothing starts in a drawer: it is closed then.
-    points = {entry.name: [p for p in entry.functional_points if p.link is None] for entry in entries}
+    # Layouts use the first point. Nothing starts in a drawer: it is closed then.
+    points = {entry.name: [p for p in entry.functional_points[:1] if p.link is None] for entry in entries}
     complaints = []
     for chosen in selection.objects:
         if chosen.asset not in variants:
@@ -72,6 +74,34 @@ def name_objects(selection: Selection, entries: Sequence[CatalogueEntry]) -> lis
         named.append(NamedObject(_unique(base, taken), entry.name, variant.id, phrase, chosen.role, chosen.starts_in))
         containers.setdefault(entry.name, named[-1].id)
     return [replace(o, starts_in=containers.get(o.starts_in)) for o in named]
+
+
+def with_room(objects: Sequence[NamedObject], rooms: Mapping[str, Capacity]) -> tuple[list[NamedObject], list[str]]:
+    """The objects, of which those that have no room where they start stand on the table; and which these are, and why.
+
+    Args:
+        rooms: geometry by object id.
+    """
+    rooms = {name: _as_placed(room) for name, room in rooms.items()}
+    found, notes, lying = [], [], []
+    for o in objects:
+        if o.starts_in is not None:
+            word = "inside" if rooms[o.starts_in].holds == "in" else "on"
+            tried = [*lying, Relation(subject=o.id, relation=word, reference=o.starts_in)]
+            complaints = contradictions(tried, rooms)
+            if complaints:
+                notes.append(f"{o.id} starts on the table, not in or on {o.starts_in}: {'; '.join(complaints)}")
+                o = replace(o, starts_in=None)
+            else:
+                lying = tried
+        found.append(o)
+    return found, notes
+
+
+def _as_placed(room: Capacity) -> Capacity:
+    """What a placement uses of it: contents keep clear of the walls, and nothing sticks out."""
+    opening = tuple(max(side - 2 * CONTENT_MARGIN, 0.0) for side in room.opening)
+    return replace(room, opening=opening, bare=False)
 
 
 def _unique(base: str, taken: set[str]) -> str:

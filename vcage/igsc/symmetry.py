@@ -10,10 +10,6 @@ import cv2
 import numpy as np
 
 from vcage.igsc.alignment import LIGHTNESS
-from vcage.models.offline.colour import to_lab
-
-SIDE = 96
-"""Pictures are compared at this size, pixels."""
 
 ORDERS = (8, 6, 5, 4, 3, 2)
 """Orders that are tried, the highest first."""
@@ -21,12 +17,19 @@ ORDERS = (8, 6, 5, 4, 3, 2)
 ROUND_ANGLES = np.radians([17.0, 41.0, 73.0, 101.0, 139.0, 163.0])
 """An object that looks the same at all of these is round: no n-fold symmetry has them all."""
 
-OUTLINE = 0.95
-"""Least overlap (intersection over union) of the outline with itself turned."""
+BLUR, WINDOW = 1.4, 2.7
+"""Standard deviations, pixels of the reference, of the blur before looks are compared and of the window of the
+strongest local difference: the sharpness of the top camera, and two of its pixels."""
 
-ALIKE, EXCEPTION = 9.0, 16.0
-"""Colour distances, Lab units: of the pixels that differ most, one in twelve may exceed the first and one in fifty the
-second. The reference's light comes from one side, so the same face turned is somewhat lighter or darker."""
+OUTLINE = 25.0
+"""Colour distance of the object to what is around it: its outline's raster must not count as much as its colours."""
+
+MEAN_LIMIT, LOCAL_LIMIT = 4.0, 5.0
+"""Colour distances, weighted Lab units, of a turn that nobody sees: in the mean over the object, and in the window. A
+slope of the lightness is taken away before: the reference's light comes from one side."""
+
+MARGIN = 6
+"""Empty pixels around the object at any turn."""
 
 
 def rotational_symmetry(reference: np.ndarray) -> int:
@@ -38,15 +41,12 @@ def rotational_symmetry(reference: np.ndarray) -> int:
         reference: (h, w, 4) uint8 RGBA of the object alone from straight above; alpha 0 where it is not. An empty
             picture has no symmetry.
     """
-    lab, mask = _normalised(reference)
-    if not mask.any():
+    if reference.ndim != 3 or reference.shape[2] != 4 or not (reference[..., 3] > 127).any():
         return 1
-    if all(_same(lab, mask, angle) for angle in ROUND_ANGLES):
+    look = _centred(reference)
+    if all(_same(look, angle) for angle in ROUND_ANGLES):
         return 0
-    for order in ORDERS:
-        if all(_same(lab, mask, 2 * np.pi * k / order) for k in range(1, order // 2 + 1)):
-            return order
-    return 1
+    return next((n for n in ORDERS if all(_same(look, 2 * np.pi * k / n) for k in range(1, n // 2 + 1))), 1)
 
 
 def yaw_error(a: float, b: float, order: int) -> float:
@@ -63,28 +63,38 @@ def yaw_error(a: float, b: float, order: int) -> float:
     return float(abs((a - b + period / 2) % period - period / 2))
 
 
-def _normalised(reference: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """(SIDE, SIDE, 3) Lab and (SIDE, SIDE) alpha in [0, 1] of the object, centred, its extent filling the picture."""
-    if reference.ndim != 3 or reference.shape[2] != 4 or not (reference[..., 3] > 127).any():
-        return np.zeros((SIDE, SIDE, 3), np.float32), np.zeros((SIDE, SIDE), np.float32)
-    alpha = (reference[..., 3] > 127).astype(np.float32)
-    v, u = np.nonzero(alpha)
+def _centred(reference: np.ndarray) -> np.ndarray:
+    """(n, n, 4) float32 blurred look with premultiplied colours in [0, 1], the middle of its outline in the middle."""
+    solid = (reference[..., 3] > 127).astype(np.float32)
+    v, u = np.nonzero(solid)
     centre = np.array([u.mean(), v.mean()])
-    radius = float(np.hypot(u - centre[0], v - centre[1]).max()) + 1
-    zoom = (SIDE / 2 - 3) / radius
-    shrunk = cv2.GaussianBlur(reference[..., :3], (0, 0), max(0.8, 0.5 / zoom))
-    shift = np.array([[zoom, 0, (SIDE - 1) / 2 - zoom * centre[0]], [0, zoom, (SIDE - 1) / 2 - zoom * centre[1]]])
-    lab = cv2.warpAffine(to_lab(shrunk), shift, (SIDE, SIDE), flags=cv2.INTER_LINEAR)
-    mask = cv2.warpAffine(cv2.GaussianBlur(alpha, (0, 0), max(0.5, 0.4 / zoom)), shift, (SIDE, SIDE))
-    return lab * np.float32([LIGHTNESS, 1, 1]), mask
+    side = 2 * (int(np.hypot(u - centre[0], v - centre[1]).max()) + MARGIN) + 1
+    look = np.dstack([reference[..., :3].astype(np.float32) / 255 * solid[..., None], solid])
+    shift = np.column_stack([np.eye(2), (side - 1) / 2 - centre])
+    return cv2.GaussianBlur(cv2.warpAffine(look, shift, (side, side), flags=cv2.INTER_LINEAR), (0, 0), BLUR)
 
 
-def _same(lab: np.ndarray, mask: np.ndarray, angle: float) -> bool:
-    turn = cv2.getRotationMatrix2D(((SIDE - 1) / 2, (SIDE - 1) / 2), float(np.degrees(angle)), 1.0)
-    turned, other = cv2.warpAffine(lab, turn, (SIDE, SIDE)), cv2.warpAffine(mask, turn, (SIDE, SIDE)) > 0.5
-    inside = mask > 0.5
-    if (inside & other).sum() < OUTLINE * (inside | other).sum():
-        return False
-    both = cv2.erode((inside & other).astype(np.uint8), np.ones((3, 3), np.uint8)) > 0
-    away = np.sqrt(((lab - turned) ** 2).sum(axis=-1))[both if both.any() else inside & other]
-    return bool((away > ALIKE).mean() < 1 / 12 and (away > EXCEPTION).mean() < 1 / 50)
+def _same(look: np.ndarray, angle: float) -> bool:
+    side = len(look)
+    turn = cv2.getRotationMatrix2D(((side - 1) / 2, (side - 1) / 2), float(np.degrees(angle)), 1.0)
+    turned = cv2.warpAffine(look, turn, (side, side), flags=cv2.INTER_LINEAR)
+    either = (look[..., 3] > 0.5) | (turned[..., 3] > 0.5)
+    ground = look[..., :3].sum(axis=(0, 1)) / look[..., 3].sum()
+    away = (_measured(look, ground) - _measured(turned, ground)) * np.float32([LIGHTNESS, 1, 1, OUTLINE])
+    _level(away[..., 0], (look[..., 3] > 0.9) & (turned[..., 3] > 0.9))
+    local = np.linalg.norm(cv2.GaussianBlur(away, (0, 0), WINDOW), axis=-1).max()
+    return bool(local <= LOCAL_LIMIT and np.linalg.norm(away, axis=-1)[either].mean() <= MEAN_LIMIT)
+
+
+def _measured(look: np.ndarray, ground: np.ndarray) -> np.ndarray:
+    """(n, n, 4) Lab of a look on a ground of its mean colour, and its alpha."""
+    covered = look[..., 3:]
+    return np.dstack([cv2.cvtColor(np.clip(look[..., :3] + ground * (1 - covered), 0, 1), cv2.COLOR_RGB2LAB), covered])
+
+
+def _level(lightness: np.ndarray, inside: np.ndarray) -> None:
+    """Take the plane that fits best inside a mask away from a picture (n, n), there."""
+    v, u = np.nonzero(inside)
+    if len(v) > 20:
+        plane = np.stack([np.ones(len(v)), u / len(inside), v / len(inside)], axis=1)
+        lightness[v, u] -= plane @ np.linalg.lstsq(plane, lightness[v, u], rcond=None)[0]

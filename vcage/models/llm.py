@@ -16,8 +16,17 @@ from vcage.models.search import Search, best_search, shortlist
 from vcage.models.structured import Answer, ask, one_of
 from vcage.schema.asset import CatalogueEntry
 from vcage.schema.catalogue import LEGEND, catalogue_line, catalogue_text
-from vcage.schema.plan import TABLE, LayoutPlan, Relation, RelationWord, SelectedAsset, Selection
-from vcage.schema.plan_check import PlanCheck, plan_complaints
+from vcage.schema.plan import (
+    TABLE,
+    LayoutPlan,
+    Relation,
+    RelationWord,
+    SelectedAsset,
+    Selection,
+    SelectionCheck,
+    starting_complaints,
+)
+from vcage.schema.plan_check import PlanCheck
 from vcage.schema.scene import Role, Scene
 from vcage.schema.subtasks import ChainOption, PairAnswer, PairQuestion
 
@@ -43,7 +52,7 @@ class LlmReasoner:
         self.provider = chat.provider
 
     def select_assets(
-        self, instruction: str, catalogue: Sequence[CatalogueEntry], rng: np.random.Generator
+        self, instruction: str, catalogue: Sequence[CatalogueEntry], rng: np.random.Generator, check: SelectionCheck
     ) -> Selection:
         """The model's choice among ``asset/variant`` names of the catalogue, narrowed where it is large."""
         catalogue = narrow(instruction, catalogue, self._search)
@@ -54,7 +63,7 @@ class LlmReasoner:
         prompt = prompts.fill(
             "select_assets", instruction=instruction, catalogue=catalogue_text(catalogue), legend=LEGEND
         )
-        found = ask(self._chat, prompt, answer, complaints=_selection_complaints)
+        found = ask(self._chat, prompt, answer, complaints=lambda a: _selection_complaints(a, check))
         if found.missing:
             listed = " and ".join(repr(name) for name in found.missing)
             raise NoAssetFits(
@@ -62,26 +71,10 @@ class LlmReasoner:
                 hint="`vcage assets list` shows what there is",
                 details={"unmatched": list(found.missing)},
             )
-        objects = []
-        for chosen in found.objects:
-            asset, _, variant = chosen.look.partition("/")
-            objects.append(
-                SelectedAsset(
-                    asset=asset,
-                    variant=variant,
-                    role=chosen.role,
-                    reason=chosen.reason,
-                    starts_in=chosen.starts_in or None,
-                )
-            )
-        return Selection(objects=objects)
+        return _selection(found)
 
     def plan_layout(
-        self,
-        scene: Scene,
-        catalogue: Sequence[CatalogueEntry],
-        rng: np.random.Generator,
-        check: PlanCheck | None = None,
+        self, scene: Scene, catalogue: Sequence[CatalogueEntry], rng: np.random.Generator, check: PlanCheck
     ) -> LayoutPlan:
         """The model's plan; relations name objects of the scene only, and ``check`` has no complaint."""
         ids = [record.id for record in scene.objects]
@@ -92,10 +85,9 @@ class LlmReasoner:
             reference=one_of([*ids, TABLE]),
         )
         answer = _type("LayoutAnswer", text=str, relations=list[relation])
-        complain = check or (lambda plan: plan_complaints(plan, scene))
         prompt = prompts.fill("plan_layout", scene=scene, entries={entry.name: entry for entry in catalogue})
-        found = ask(self._chat, prompt, answer, complaints=lambda a: _read_plan(a, complain)[1])
-        return _read_plan(found, complain)[0]
+        found = ask(self._chat, prompt, answer, complaints=lambda a: _read_plan(a, check)[1])
+        return _read_plan(found, check)[0]
 
     def judge_pairs(self, questions: Sequence[PairQuestion]) -> list[PairAnswer]:
         """One answer per question, asked in batches."""
@@ -161,16 +153,24 @@ def _type(name: str, **fields: Any) -> type[Answer]:
     return create_model(name, __base__=Answer, **{key: (kind, ...) for key, kind in fields.items()})
 
 
-def _selection_complaints(answer: Any) -> list[str]:
+def _selection_complaints(answer: Any, check: SelectionCheck) -> list[str]:
     if answer.missing:
         return []
     roles = {chosen.role for chosen in answer.objects}
     found = [] if "content" in roles else ["objects: none has the role 'content', so there is nothing to move"]
-    assets = {chosen.look.partition("/")[0] for chosen in answer.objects}
-    for index, chosen in enumerate(answer.objects):
-        if chosen.starts_in and (chosen.starts_in not in assets or chosen.look.startswith(f"{chosen.starts_in}/")):
-            found.append(f"objects.{index}: starts_in names {chosen.starts_in!r}, which is not another chosen object")
-    return found
+    found += starting_complaints((chosen.look.partition("/")[0], chosen.starts_in) for chosen in answer.objects)
+    return found or list(check(_selection(answer)))
+
+
+def _selection(answer: Any) -> Selection:
+    objects = []
+    for chosen in answer.objects:
+        asset, _, variant = chosen.look.partition("/")
+        starts_in = chosen.starts_in or None
+        objects.append(
+            SelectedAsset(asset=asset, variant=variant, role=chosen.role, reason=chosen.reason, starts_in=starts_in)
+        )
+    return Selection(objects=objects)
 
 
 def _read_plan(answer: Any, check: PlanCheck) -> tuple[LayoutPlan | None, list[str]]:

@@ -15,8 +15,8 @@ import numpy as np
 from vcage.geometry import Camera
 from vcage.schema.asset import CatalogueEntry
 from vcage.schema.episodes import Verdict
-from vcage.schema.plan import LayoutPlan, Selection
-from vcage.schema.plan_check import PlanCheck, Room
+from vcage.schema.plan import LayoutPlan, Selection, SelectionCheck
+from vcage.schema.plan_check import Capacity, PlanCheck
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import ChainOption, Goal, PairAnswer, PairQuestion
 
@@ -79,7 +79,7 @@ class EditRequest:
     segmentation: np.ndarray
     scene: Scene
     plan: LayoutPlan
-    rooms: Mapping[str, Room] = field(default_factory=dict)
+    rooms: Mapping[str, Capacity] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -105,32 +105,31 @@ class CriticQuestion:
 
 
 class Reasoner(Protocol):
-    """Chooses, plans and filters; all its answers are typed and validated by the caller."""
+    """Chooses, plans and filters. What it selects and plans passes the caller's check, or it refuses."""
 
     provider: str
 
     def select_assets(
-        self, instruction: str, catalogue: Sequence[CatalogueEntry], rng: np.random.Generator
+        self, instruction: str, catalogue: Sequence[CatalogueEntry], rng: np.random.Generator, check: SelectionCheck
     ) -> Selection:
         """The objects that the instruction needs, and some that fit the occasion.
 
+        Args:
+            check: what its complaints are about is mended, within the rounds that the reasoner has.
+
         Raises:
             NoAssetFits: the catalogue has nothing that the instruction names.
+            ModelRefused: the last round's selection is still complained about; lists the complaints.
         """
         ...
 
     def plan_layout(
-        self,
-        scene: Scene,
-        catalogue: Sequence[CatalogueEntry],
-        rng: np.random.Generator,
-        check: PlanCheck | None = None,
+        self, scene: Scene, catalogue: Sequence[CatalogueEntry], rng: np.random.Generator, check: PlanCheck
     ) -> LayoutPlan:
         """How the objects of the scene should stand for the instruction.
 
         Args:
-            check: what its complaints are about is mended, within the rounds that the reasoner has; without it the
-                plan is checked for contradictions, not for sizes.
+            check: what its complaints are about is mended, within the rounds that the reasoner has.
 
         Raises:
             ModelRefused: the last round's plan is still complained about; lists the complaints.

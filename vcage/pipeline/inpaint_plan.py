@@ -7,11 +7,11 @@ from pathlib import Path
 from typing import Any
 
 from vcage.files import RunFolder
-from vcage.igsc.relations import Kept, relations_kept
+from vcage.igsc.relations import relations_kept
 from vcage.igsc.rooms import room_of
 from vcage.models.offline.arrange import arrange
 from vcage.models.offline.footprints import footprints
-from vcage.models.offline.groups import placed_boxes
+from vcage.models.offline.groups import overlapping_objects, placed_boxes
 from vcage.models.protocols import EditRequest
 from vcage.pictures import read_labels, read_picture, write_picture
 from vcage.pipeline.settings import Settings
@@ -20,7 +20,7 @@ from vcage.pipeline.workbench import Workbench
 from vcage.progress import Progress, silent
 from vcage.schema.base import Provenance
 from vcage.schema.plan import Plan
-from vcage.schema.plan_check import plan_complaints, require_possible
+from vcage.schema.plan_check import plan_complaints
 from vcage.schema.scene import Scene
 
 
@@ -56,7 +56,6 @@ def execute(run: RunFolder, settings: Settings, bench: Workbench, progress: Prog
         rooms = {o.id: room_of(bench.asset(o)) for o in scene.objects}
         check = partial(plan_complaints, scene=scene, rooms=rooms)
         plan = bench.models.reasoner.plan_layout(scene, bench.catalogue, stage.rng(), check)
-        require_possible("the reasoner", plan, check)
         request = EditRequest(
             picture=read_picture(run.root / scene.pictures["source"]),
             background=read_picture(run.root / scene.pictures["background"]),
@@ -65,7 +64,6 @@ def execute(run: RunFolder, settings: Settings, bench: Workbench, progress: Prog
             plan=plan,
             rooms=rooms,
         )
-        kept = _solvable(request)
         write_picture(folder / "target.png", bench.models.editor.rearrange(request))
         return Plan(
             provenance=provenance,
@@ -73,18 +71,24 @@ def execute(run: RunFolder, settings: Settings, bench: Workbench, progress: Prog
             text=plan.text,
             relations=plan.relations,
             target=stage.inside("target.png"),
-            checks={"relations_solvable": round(kept.share, 4), "relations_unsolved": kept.sentences},
+            checks=_solvable(request),
             notes=_notes(request),
         )
 
     return stage.do(Plan, make, force=settings.force)
 
 
-def _solvable(request: EditRequest) -> Kept:
+def _solvable(request: EditRequest) -> dict[str, Any]:
     """How much of the plan the solver on the table plane can keep at once, whoever draws the picture."""
     items = footprints(request.scene, request.segmentation)
+    relations = request.plan.relations
     placements = arrange(request.scene, request.plan, items, rooms=request.rooms)
-    return relations_kept(request.plan.relations, placed_boxes(items, placements), request.scene.table)
+    kept = relations_kept(relations, placed_boxes(items, placements), request.scene.table)
+    return {
+        "relations_solvable": round(kept.share, 4),
+        "relations_unsolved": kept.sentences,
+        "overlapping": overlapping_objects(items, placements, relations),
+    }
 
 
 def _notes(request: EditRequest) -> list[str]:

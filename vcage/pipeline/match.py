@@ -7,19 +7,24 @@ from pathlib import Path
 from typing import Any
 
 from vcage.files import RunFolder
-from vcage.igsc.match import ScenePictures, match_picture
+from vcage.geometry import Pose
+from vcage.igsc.match import match_picture
 from vcage.igsc.overlay import draw_overlay
-from vcage.pictures import read_labels, read_picture, write_picture
+from vcage.igsc.relations import Kept, relations_kept
+from vcage.pictures import read_picture, write_picture
+from vcage.pipeline.reading import read_pictures, read_plan
 from vcage.pipeline.settings import Settings
 from vcage.pipeline.stage import Job, StageResult, stage_seed
 from vcage.pipeline.workbench import Workbench
 from vcage.progress import Progress, silent
-from vcage.schema.base import Provenance
-from vcage.schema.matches import Matches
-from vcage.schema.plan import Plan
+from vcage.schema.base import Box, Provenance, box_record
+from vcage.schema.matches import Match, Matches
 from vcage.schema.scene import Scene
 
 logger = logging.getLogger(__name__)
+
+PLAN_SHOWN = 0.7
+"""A picture that shows less of the plan than this share does not look like a drawing of it."""
 
 
 def job(run: RunFolder, settings: Settings, bench: Workbench) -> Job:
@@ -47,6 +52,7 @@ def summary(record: Matches) -> dict[str, Any]:
         "of": len(record.matches),
         "kept": kept,
         "notes": record.notes,
+        **record.checks,
     }
 
 
@@ -55,23 +61,21 @@ def execute(run: RunFolder, settings: Settings, bench: Workbench, progress: Prog
     stage = job(run, settings, bench)
 
     def make(folder: Path, provenance: Provenance) -> Matches:
-        scene, plan = Scene.read(run.scene), Plan.read(run.plan)
-        pictures = ScenePictures(
-            source=read_picture(run.root / scene.pictures["source"]),
-            segmentation=read_labels(run.root / scene.pictures["segmentation"]),
-            background=read_picture(run.root / scene.pictures["background"]),
-        )
+        scene = Scene.read(run.scene)
+        plan = read_plan(run, scene, bench)
         found = match_picture(
             scene,
             plan,
-            pictures,
+            read_pictures(run, scene),
             read_picture(run.root / plan.target),
             bench.models.detector,
             bench.models.embedder,
             threshold=settings.threshold,
             symmetry={o.id: bench.symmetry(o) for o in scene.objects},
         )
-        for note in found.notes:
+        shown = relations_kept(plan.relations, _boxes(scene, found.matches, bench), scene.table)
+        notes = found.notes + _doubts(found.matches, shown)
+        for note in notes:
             logger.warning("%s", note)
         write_picture(folder / "overlay.png", draw_overlay(found.picture, scene, found.matches, found.unclaimed))
         return Matches(
@@ -80,7 +84,27 @@ def execute(run: RunFolder, settings: Settings, bench: Workbench, progress: Prog
             matches=found.matches,
             unclaimed=found.unclaimed,
             overlay=stage.inside("overlay.png"),
-            notes=found.notes,
+            notes=notes,
+            checks={"relations_shown": round(shown.share, 4), "relations_not_shown": shown.sentences},
         )
 
     return stage.do(Matches, make, force=settings.force)
+
+
+def _boxes(scene: Scene, matches: list[Match], bench: Workbench) -> dict[str, Box]:
+    """World boxes of the objects where they were matched, by id."""
+    boxes = {}
+    for m in matches:
+        record = scene.object(m.object)
+        pose = Pose.from_yaw([*m.position, record.pose.position[2]], m.yaw)
+        boxes[m.object] = box_record(bench.asset(record).bounds, pose)
+    return boxes
+
+
+def _doubts(matches: list[Match], shown: Kept) -> list[str]:
+    """What makes the picture as a whole doubtful."""
+    if all(m.method == "kept" for m in matches):
+        return ["the target picture shows none of the scene's objects; all keep their place from the plan"]
+    if shown.share < PLAN_SHOWN:
+        return [f"the target picture shows only {shown.share:.0%} of the plan: {', '.join(shown.sentences)}"]
+    return []

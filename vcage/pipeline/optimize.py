@@ -17,10 +17,11 @@ from vcage.igsc.layout.containers import LayoutItem
 from vcage.igsc.layout.optimize import LayoutResult, displacement_summary, optimize_layout
 from vcage.igsc.layout.picture import Footprint, draw_layout
 from vcage.igsc.placement.reach import reach_for
-from vcage.igsc.placement.rooms import opening_for
 from vcage.igsc.placement.standing import standing
 from vcage.igsc.relations import relations_kept_in
+from vcage.igsc.rooms import opening_for
 from vcage.pictures import write_picture
+from vcage.pipeline.reading import read_matches, read_plan
 from vcage.pipeline.settings import Settings
 from vcage.pipeline.settling import moved_objects, settle_checks
 from vcage.pipeline.stage import Job, StageResult, stage_seed
@@ -62,7 +63,8 @@ def execute(run: RunFolder, settings: Settings, bench: Workbench, progress: Prog
     stage = job(run, settings, bench)
 
     def make(folder: Path, provenance: Provenance) -> Scene:
-        scene, plan, matches = Scene.read(run.scene), Plan.read(run.plan), Matches.read(run.matches)
+        scene = Scene.read(run.scene)
+        plan, matches = read_plan(run, scene, bench), read_matches(run, scene)
         objects = bench.objects(scene)
         yaws = {m.object: _heading(scene.object(m.object), m.yaw, bench) for m in matches.matches}
         result = optimize_layout(
@@ -81,6 +83,8 @@ def execute(run: RunFolder, settings: Settings, bench: Workbench, progress: Prog
         write_picture(folder / "layout.png", _drawing(scene, bench, targets, poses))
         settled = _rebuild(_with_poses(scene, bench, poses, result), bench, folder)
         kept = relations_kept_in(settled, plan.relations)
+        if kept.broken:
+            logger.warning("the layout keeps %.0f %% of the plan: not %s", 100 * kept.share, ", ".join(kept.sentences))
         checks = {
             **settled.checks,
             "relations_kept": round(kept.share, 4),
@@ -88,9 +92,10 @@ def execute(run: RunFolder, settings: Settings, bench: Workbench, progress: Prog
             "displacement": displacement_summary(result.displaced),
             "cost_before": result.cost_before.total,
             "cost_after": result.cost_after.total,
-            "restarts": result.starts,
+            "starts": result.starts,
             "repaired": result.repaired,
             "released": result.released,
+            "out_of_reach": result.out_of_reach,
             "hand_room": round(result.hand_room, 4),
         }
         return settled.model_copy(
@@ -121,8 +126,6 @@ def _items(
     items = []
     for o in objects:
         room = standing(o.asset)
-        # Only a drawer that stands open could hold something, and at the start none does.
-        points = [point for point in o.asset.annotation.functional_points[:1] if point.link is None]
         contents = [other.asset for other in objects if inside.get(other.id) == o.id]
         items.append(
             LayoutItem(
@@ -130,7 +133,7 @@ def _items(
                 size=(float(room.size[0]), float(room.size[1]), float(o.asset.size[2])),
                 yaw=yaws[o.id],
                 target=places[o.id],
-                opening=opening_for(o.asset, contents) if points else None,
+                opening=opening_for(o.asset, contents),
                 inside=inside.get(o.id),
                 allowed=reach_for(o.asset, o.record.role, reach),
                 grasped=o.record.role == "content",

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import logging
 import unicodedata
+from collections.abc import Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -10,12 +13,16 @@ import cv2
 import numpy as np
 
 from vcage.assets.asset import Asset
-from vcage.errors import InfeasibleScene, ModelRefused, UsageError
+from vcage.assets.openings import Opening
+from vcage.errors import InfeasibleScene, UsageError
 from vcage.files import RunFolder
 from vcage.geometry import Pose
-from vcage.igsc.place import PlaceItem, place
-from vcage.igsc.select import NamedObject, name_objects, validate_selection
-from vcage.igsc.standing import standing
+from vcage.igsc.placement.place import PlaceItem, place
+from vcage.igsc.placement.reach import reach_for
+from vcage.igsc.placement.standing import standing
+from vcage.igsc.placement.view import view_rectangles
+from vcage.igsc.rooms import opening_for, room_of
+from vcage.igsc.select import NamedObject, name_objects, validate_selection, with_room
 from vcage.pictures import write_labels, write_picture
 from vcage.pipeline.settings import Settings
 from vcage.pipeline.settling import moved_objects, settle_checks
@@ -28,8 +35,16 @@ from vcage.sim.cameras import observe, shoot
 from vcage.sim.robots import load_template
 from vcage.sim.world import World
 
+logger = logging.getLogger(__name__)
+
 LONGEST_INSTRUCTION = 1000
 """Characters."""
+
+MARGIN = 0.015
+"""Smallest gap between two objects, metres: wide enough for the picture to show the table between them."""
+
+BORDER = 2.0
+"""Pixels that stay free between an object and the edge of the top view."""
 
 TRIES = 5
 """Placements that are drawn before a scene whose objects do not stay put is given up."""
@@ -73,6 +88,7 @@ def execute(run: RunFolder, settings: Settings, bench: Workbench, progress: Prog
 
     Raises:
         NoAssetFits: the catalogue has nothing that the instruction names.
+        ModelRefused: the reasoner was told what is wrong with its selection and found no better one in its rounds.
         InfeasibleScene: the objects have no place, or do not stay where they are put.
     """
     stage = job(run, settings, bench)
@@ -81,14 +97,17 @@ def execute(run: RunFolder, settings: Settings, bench: Workbench, progress: Prog
         rng = stage.rng()
         template = load_template(settings.template)
         instruction = stage.options["instruction"]
-        selection = bench.models.reasoner.select_assets(instruction, bench.catalogue, rng)
-        complaints = validate_selection(selection, bench.catalogue)
-        if complaints:
-            raise ModelRefused(f"the reasoner chose what does not exist: {'; '.join(complaints)}", hint="run it again")
+        check = partial(validate_selection, entries=bench.catalogue)
+        selection = bench.models.reasoner.select_assets(instruction, bench.catalogue, rng, check)
         objects = name_objects(selection, bench.catalogue)
+        objects, crowded = with_room(objects, {o.id: room_of(_asset(o, bench)) for o in objects})
+        notes = [*selection.notes, *crowded]
+        for note in notes:
+            logger.warning("%s", note)
         scene = _empty_scene(template, instruction, provenance, stage)
         placed = _place_until_stable(scene, objects, template, bench, rng)
-        return _photograph(placed, bench, folder)
+        noted = placed.model_copy(update={"checks": {**placed.checks, "notes": notes}})
+        return _photograph(noted, bench, folder)
 
     return stage.do(Scene, make, force=settings.force)
 
@@ -116,8 +135,8 @@ def _place_until_stable(
     height = template.table.height
     worst: list[str] = []
     for attempt in range(1, TRIES + 1):
-        spots = place(items, workspace, rng, margin=0.015)
-        poses = {o.id: standing(_asset(o, bench)).pose(spots[o.id], height) for o in objects}
+        spots = place(items, workspace, rng, margin=MARGIN)
+        poses = {o.id: standing(_asset(o, bench)).pose(spots[o.id], height + spots[o.id].z) for o in objects}
         scene = Scene(**fields, objects=[_record(o, poses[o.id], bench) for o in objects])
         world = World.of_scene(scene, bench.physical_models(scene))
         report = world.settle()
@@ -136,14 +155,48 @@ def _place_until_stable(
 def _place_items(objects: list[NamedObject], template: SceneTemplate, bench: Workbench) -> list[PlaceItem]:
     """What the placement needs of each object; what a task carries or fills must be where an arm reaches."""
     reach = bench.reach(template.robot, template.workspace, template.table)
-    items = []
+    openings = _openings(objects, bench)
+    return [_place_item(o, objects, openings, template, reach, bench) for o in objects]
+
+
+def _openings(objects: list[NamedObject], bench: Workbench) -> dict[str, Opening]:
+    """The room of each object that others start in, in its own frame, by its id."""
+    contents: dict[str, list[Asset]] = {}
     for o in objects:
-        asset = _asset(o, bench)
-        room = standing(asset)
-        # What is operated at its handles is reached at its front, not at its centre.
-        allowed = None if o.role == "context" or asset.articulated else reach
-        items.append(PlaceItem(o.id, tuple(float(x) for x in room.size), tuple(room.yaws), allowed=allowed))
-    return items
+        if o.starts_in is not None:
+            contents.setdefault(o.starts_in, []).append(_asset(o, bench))
+    holders = [o for o in objects if o.id in contents]
+    return {o.id: opening for o in holders if (opening := opening_for(_asset(o, bench), contents[o.id])) is not None}
+
+
+def _lift(o: NamedObject, objects: list[NamedObject], openings: Mapping[str, Opening]) -> float:
+    """How far above the table an object stands: the floors of all that it lies in, metres."""
+    holder = next((other for other in objects if other.id == o.starts_in), None)
+    return openings[holder.id].floor + _lift(holder, objects, openings) if holder else 0.0
+
+
+def _place_item(
+    o: NamedObject,
+    objects: list[NamedObject],
+    openings: Mapping[str, Opening],
+    template: SceneTemplate,
+    reach: np.ndarray,
+    bench: Workbench,
+) -> PlaceItem:
+    asset = _asset(o, bench)
+    room = standing(asset)
+    bounds = np.array([template.workspace.lower, template.workspace.upper])
+    support = template.table.height + _lift(o, objects, openings)
+    seen = view_rectangles(template.top_camera.camera(), support, float(asset.size[2]), bounds, BORDER)
+    return PlaceItem(
+        id=o.id,
+        size=tuple(float(x) for x in room.size),
+        yaws=tuple(room.yaws),
+        allowed=reach_for(asset, o.role, reach),
+        within=seen,
+        inside=o.starts_in,
+        opening=room.local(openings[o.id]) if o.id in openings else None,
+    )
 
 
 def _asset(o: NamedObject, bench: Workbench) -> Asset:
@@ -159,6 +212,7 @@ def _record(o: NamedObject, pose: Pose, bench: Workbench) -> ObjectRecord:
         role=o.role,
         pose=PoseRecord.of(pose),
         aabb=box_record(_asset(o, bench).bounds, pose),
+        container=o.starts_in,
     )
 
 

@@ -18,7 +18,22 @@ Finite = Annotated[float, Field(allow_inf_nan=False)]
 Vec2 = tuple[Finite, Finite]
 Vec3 = tuple[Finite, Finite, Finite]
 Quat = tuple[Finite, Finite, Finite, Finite]
-Box = tuple[Vec3, Vec3]
+
+
+def _with_room(box: tuple[Vec3, Vec3]) -> tuple[Vec3, Vec3]:
+    if not all(lower < upper for lower, upper in zip(*box, strict=True)):
+        raise ValueError(f"expected a lower and an upper corner with room between them, got {box}")
+    return box
+
+
+Box = Annotated[tuple[Vec3, Vec3], AfterValidator(_with_room)]
+
+
+def _of_unit_length(quaternion: Quat) -> Quat:
+    length = sum(x * x for x in quaternion) ** 0.5
+    if abs(length - 1) > 1e-3:
+        raise ValueError(f"expected a unit quaternion, got length {length:.4g}")
+    return quaternion
 
 
 def _unit(vector: Vec3) -> Vec3:
@@ -46,7 +61,7 @@ class PoseRecord(Record):
     """A pose in the world frame: metres, and a unit quaternion wxyz."""
 
     position: Vec3
-    quaternion: Quat
+    quaternion: Annotated[Quat, AfterValidator(_of_unit_length)]
 
     @classmethod
     def of(cls, pose: Pose) -> PoseRecord:

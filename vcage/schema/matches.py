@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 from pydantic import Field
 
@@ -42,3 +42,4 @@ class Matches(StageDocument):
     )
     overlay: str = Field(description="path of the overlay picture in the run folder")
     notes: list[str] = Field(default=[], description="what was strange about the picture, in sentences")
+    checks: dict[str, Any] = Field(default={}, description="relations_shown: share of the plan that the picture shows…")

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable
 from typing import Any, ClassVar, Literal
 
 from pydantic import Field, model_validator
 
 from vcage.schema.base import Identifier, Record, StageDocument
+from vcage.schema.circles import circles
 from vcage.schema.scene import Role
 
 RelationWord = Literal["inside", "on", "left_of", "right_of", "in_front_of", "behind", "beside", "near", "center"]
@@ -32,14 +34,39 @@ class Selection(Record):
     """The paper's A*: the objects chosen for an instruction."""
 
     objects: list[SelectedAsset] = Field(min_length=1)
+    notes: list[str] = Field(default=[], description="what a person should know about the choice")
 
     @model_validator(mode="after")
     def _starts_in_what_was_chosen(self) -> Selection:
-        assets = {o.asset for o in self.objects}
-        for o in self.objects:
-            if o.starts_in is not None and (o.starts_in not in assets or o.starts_in == o.asset):
-                raise ValueError(f"{o.asset} starts in {o.starts_in!r}, which is not another chosen asset")
+        complaints = starting_complaints((o.asset, o.starts_in) for o in self.objects)
+        if complaints:
+            raise ValueError("; ".join(complaints))
         return self
+
+
+SelectionCheck = Callable[[Selection], list[str]]
+"""What is wrong with a selection, one sentence each; empty when nothing is."""
+
+
+def starting_complaints(chosen: Iterable[tuple[str, str | None]]) -> list[str]:
+    """What is wrong with where chosen assets start, one sentence each; empty when nothing is.
+
+    Args:
+        chosen: (asset, asset of what it starts in) of each object, in order. Of an asset that is chosen more than once
+            the first object is the one that others start in.
+    """
+    chosen = list(chosen)
+    assets = {asset for asset, _ in chosen}
+    found = [
+        f"{asset} starts in {place!r}, which is not another chosen object"
+        for asset, place in chosen
+        if place and (place not in assets or place == asset)
+    ]
+    first: dict[str, str | None] = {}
+    for asset, place in chosen:
+        first.setdefault(asset, place)
+    rings = circles((asset, place) for asset, place in first.items() if place and place != asset)
+    return found + [f"{' starts in '.join([*ring, ring[0]])}: that is a circle" for ring in rings]
 
 
 class Relation(Record):

@@ -1,16 +1,17 @@
 """Whether a layout plan can be true at all: names, circles, supports, centres, and what the sizes allow.
 
-Every complaint is a sentence that a reasoner can act on. Only what is certain is complained about: sizes are
-compared as if every object could be turned as it likes, so a plan without complaints may still be hard to lay out.
+Every complaint is a sentence that a reasoner can act on. Of sizes only what is certain is complained about: they are
+compared as if every object could be turned as it likes, contents by the boxes around them that layouts keep apart.
+So a plan without complaints may still be hard to lay out.
 """
 
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from vcage.errors import ModelRefused
 from vcage.schema.circles import circles, longest_path
 from vcage.schema.plan import TABLE, LayoutPlan, Relation, RelationWord
 from vcage.schema.relations import DIRECTIONS
@@ -18,6 +19,9 @@ from vcage.schema.scene import Scene, Workspace
 
 FILL_LIMIT = 0.9
 """Largest share of an opening's floor that contents may take."""
+
+ROUNDING = 1e-9
+"""Metres by which lengths may differ and count as the same."""
 
 MOST_COMPLAINTS = 20
 """A reasoner is told so many at once."""
@@ -33,7 +37,7 @@ _AXES: tuple[tuple[str, RelationWord, RelationWord], ...] = (
 
 
 @dataclass(frozen=True)
-class Room:
+class Capacity:
     """What a plan's check and an arrangement need of an object's geometry.
 
     Args:
@@ -42,6 +46,7 @@ class Room:
         opening: (x, y) edge lengths of the rectangle that contents may take, metres; its own when it holds nothing.
         centre: (x, y) of that rectangle in the object frame.
         ceiling: height over the floor that contents may have, metres; None without a roof.
+        bare: whether things stand on its top with nothing around them: one that is wider may stick out.
     """
 
     size: tuple[float, float, float]
@@ -49,9 +54,10 @@ class Room:
     opening: tuple[float, float] = (0.0, 0.0)
     centre: tuple[float, float] = (0.0, 0.0)
     ceiling: float | None = None
+    bare: bool = False
 
 
-def plan_complaints(plan: LayoutPlan, scene: Scene, rooms: Mapping[str, Room] | None = None) -> list[str]:
+def plan_complaints(plan: LayoutPlan, scene: Scene, rooms: Mapping[str, Capacity] | None = None) -> list[str]:
     """What makes a plan unusable for a scene; empty when it may be possible.
 
     Args:
@@ -77,23 +83,8 @@ def plan_complaints(plan: LayoutPlan, scene: Scene, rooms: Mapping[str, Room] | 
     return [*found[:MOST_COMPLAINTS], f"and {more} more complaints like these"] if more > 0 else found
 
 
-def require_possible(who: str, plan: LayoutPlan, check: PlanCheck) -> None:
-    """Refuse a plan that the check complains about.
-
-    Raises:
-        ModelRefused: lists the complaints.
-    """
-    complaints = check(plan)
-    if complaints:
-        raise ModelRefused(
-            f"the layout plan of {who} is not possible: {'; '.join(complaints)}",
-            hint="run the stage again with another --seed or model",
-            details={"problems": complaints},
-        )
-
-
 def contradictions(
-    relations: Sequence[Relation], rooms: Mapping[str, Room] | None = None, workspace: Workspace | None = None
+    relations: Sequence[Relation], rooms: Mapping[str, Capacity] | None = None, workspace: Workspace | None = None
 ) -> list[str]:
     """What cannot be true at once in a plan, one sentence each; empty for a plan that may be possible.
 
@@ -202,7 +193,7 @@ def _siblings(a: str, b: str, supports: Mapping[str, str]) -> tuple[str, str]:
 
 
 def _too_long(
-    words: str, edges: Iterable[tuple[tuple[str, str], str]], rooms: Mapping[str, Room], workspace: Workspace
+    words: str, edges: Iterable[tuple[tuple[str, str], str]], rooms: Mapping[str, Capacity], workspace: Workspace
 ) -> list[str]:
     """A row needs half the reference's shorter side for each relation, and half of each end."""
     axis = 0 if words == "left of" else 1
@@ -218,7 +209,7 @@ def _too_long(
     return [f"{row}: this row needs at least {length:.2f} m, {room:.2f} m may be covered"]
 
 
-def _too_large(held: Sequence[Relation], rooms: Mapping[str, Room]) -> list[str]:
+def _too_large(held: Sequence[Relation], rooms: Mapping[str, Capacity]) -> list[str]:
     found: list[str] = []
     contents: dict[str, list[str]] = {}
     for r in held:
@@ -235,11 +226,10 @@ def _too_large(held: Sequence[Relation], rooms: Mapping[str, Room]) -> list[str]
     return found
 
 
-def _does_not_take(r: Relation, item: Room, holder: Room) -> str | None:
+def _does_not_take(r: Relation, item: Capacity, holder: Capacity) -> str | None:
     if holder.holds is None or (r.relation == "inside" and holder.holds != "in"):
         return f"{r.subject} cannot be {r.relation} {r.reference}, which has no {_place(r)}"
-    small = zip(sorted(item.size[:2]), sorted(holder.opening), strict=True)
-    if not all(a <= b for a, b in small):
+    if not holder.bare and _narrowest(item.size[:2], holder.opening[1]) > holder.opening[0] + ROUNDING:
         size, room = _cm(item.size[:2]), _cm(holder.opening)
         return f"{r.subject} ({size}) is too large for {r.reference}, which has room for {room}"
     if holder.ceiling is not None and item.size[2] > holder.ceiling:
@@ -251,7 +241,7 @@ def _place(r: Relation) -> str:
     return "opening" if r.relation == "inside" else "surface to put things on"
 
 
-def _crowded(name: str, inside: Sequence[str], rooms: Mapping[str, Room]) -> list[str]:
+def _crowded(name: str, inside: Sequence[str], rooms: Mapping[str, Capacity]) -> list[str]:
     """Contents that do not fit together: by area, else the first two that do not fit beside each other."""
     width, depth = rooms[name].opening
     area = sum(rooms[item].size[0] * rooms[item].size[1] for item in inside)
@@ -265,11 +255,23 @@ def _crowded(name: str, inside: Sequence[str], rooms: Mapping[str, Room]) -> lis
 
 
 def _side_by_side(a: Sequence[float], b: Sequence[float], room: tuple[float, float]) -> bool:
-    """Whether two rectangles, each turned by a quarter or not, fit into a third."""
-    for (aw, ad), (bw, bd), (w, d) in itertools.product((a, a[::-1]), (b, b[::-1]), (room, room[::-1])):
-        if aw + bw <= w and max(ad, bd) <= d:
-            return True
-    return False
+    """Whether the boxes around two rectangles, each turned as it likes, fit beside each other into a third."""
+    return any(_narrowest(a, depth) + _narrowest(b, depth) <= width + ROUNDING for width, depth in (room, room[::-1]))
+
+
+def _narrowest(size: Sequence[float], depth: float) -> float:
+    """Least width of a box of at most that depth around a rectangle that is turned as it likes; infinite without one.
+
+    Width and depth are concave in the angle, so the least is at a quarter turn, or where the depth is just enough.
+    """
+    x, y = size
+    angles = [0.0, math.pi / 2]
+    diagonal = math.hypot(x, y)
+    if depth < diagonal:
+        steep, own = math.asin(depth / diagonal), math.atan2(y, x)
+        angles += [angle for angle in (steep - own, math.pi - steep - own) if 0 < angle < math.pi / 2]
+    boxes = [(x * math.cos(t) + y * math.sin(t), x * math.sin(t) + y * math.cos(t)) for t in angles]
+    return min((wide for wide, deep in boxes if deep <= depth + ROUNDING), default=math.inf)
 
 
 def _cm(size: Sequence[float]) -> str:

@@ -67,6 +67,11 @@ def hold(relation: RelationWord, subjects: ArrayLike, references: ArrayLike) -> 
     raise ValueError(f"not a relation word: {relation!r}")
 
 
+def middles(boxes: np.ndarray) -> np.ndarray:
+    """(…, 2) centres in the plane of boxes (…, 2, 2 or 3)."""
+    return (boxes[..., 0, :2] + boxes[..., 1, :2]) / 2
+
+
 def plane_gap(a: np.ndarray, b: np.ndarray) -> float:
     """Distance in the plane between two boxes, metres; negative where they overlap (by the smaller penetration)."""
     return float(plane_gaps(np.asarray(a, dtype=np.float64), np.asarray(b, dtype=np.float64)))
@@ -75,7 +80,9 @@ def plane_gap(a: np.ndarray, b: np.ndarray) -> float:
 def plane_gaps(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """(…) :func:`plane_gap` of boxes (…, 2, 2 or 3)."""
     gaps = np.maximum(a[..., 0, :2] - b[..., 1, :2], b[..., 0, :2] - a[..., 1, :2])
-    return np.where(gaps.max(axis=-1) < 0, gaps.max(axis=-1), np.linalg.norm(np.maximum(gaps, 0), axis=-1))
+    x, y = gaps[..., 0], gaps[..., 1]
+    largest = np.maximum(x, y)
+    return np.where(largest < 0, largest, np.hypot(np.maximum(x, 0), np.maximum(y, 0)))
 
 
 def _inside(a: np.ndarray, b: np.ndarray) -> np.ndarray:
@@ -85,19 +92,19 @@ def _inside(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 
 
 def _on(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    centre = a[..., :2].mean(axis=-2)
+    centre = middles(a)
     over = np.all((b[..., 0, :2] <= centre) & (centre <= b[..., 1, :2]), axis=-1)
     return over & (b[..., 0, 2] - REST_TOLERANCE <= a[..., 0, 2]) & (a[..., 0, 2] <= b[..., 1, 2] + REST_TOLERANCE)
 
 
 def _towards(direction: np.ndarray, a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    offset = a[..., :2].mean(axis=-2) - b[..., :2].mean(axis=-2)
+    offset = middles(a) - middles(b)
     half = (b[..., 1, :2] - b[..., 0, :2]) / 2
     along = offset @ direction
-    return (along > half @ np.abs(direction)) & (along >= np.cos(CONE) * np.linalg.norm(offset, axis=-1))
+    return (along > half @ np.abs(direction)) & (along >= np.cos(CONE) * np.hypot(offset[..., 0], offset[..., 1]))
 
 
 def _central(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    offset = np.abs(a[..., :2].mean(axis=-2) - b[..., :2].mean(axis=-2))
+    offset = np.abs(middles(a) - middles(b))
     allowed = np.maximum(CENTRE_MINIMUM, CENTRE_SHARE * (b[..., 1, :2] - b[..., 0, :2]))
     return np.all(offset <= allowed, axis=-1)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any, ClassVar, Literal
 
+import numpy as np
 from pydantic import Field, model_validator
 
 from vcage.errors import UnknownName
@@ -18,6 +19,7 @@ from vcage.schema.base import (
     StageDocument,
     Vec2,
 )
+from vcage.schema.circles import circles
 
 Role = Literal["content", "receptacle", "context"]
 """What the instruction does with an object: moves it, puts things into it, or nothing."""
@@ -30,6 +32,18 @@ class Table(Record):
     size: Vec2 = (1.2, 0.7)
     height: Finite = Field(default=0.74, description="z of the top, metres")
     texture: str = Field(default="oak", description="name of a painted texture")
+
+    @model_validator(mode="after")
+    def _has_an_area(self) -> Table:
+        if min(self.size) <= 0:
+            raise ValueError(f"expected a table with an area, got {self.size[0]:g} x {self.size[1]:g} m")
+        return self
+
+    @property
+    def rectangle(self) -> np.ndarray:
+        """(2, 2) lower and upper corner of the top, metres."""
+        centre, half = np.array(self.centre), np.array(self.size) / 2
+        return np.stack([centre - half, centre + half])
 
 
 class Workspace(Record):
@@ -100,6 +114,19 @@ class Scene(StageDocument):
         for o in self.objects:
             if o.container is not None and (o.container not in ids or o.container == o.id):
                 raise ValueError(f"{o.id} lies in {o.container!r}, which is not another object of the scene")
+        if ring := circles([(o.id, o.container) for o in self.objects if o.container is not None]):
+            raise ValueError(f"containers in a circle: {' in '.join(ring[0])}")
+        return self
+
+    @model_validator(mode="after")
+    def _objects_are_no_larger_than_the_table(self) -> Scene:
+        for o in self.objects:
+            size = [upper - lower for lower, upper in zip(*o.aabb, strict=True)]
+            if size[0] > self.table.size[0] or size[1] > self.table.size[1]:
+                raise ValueError(
+                    f"{o.id} is {size[0]:.3g} x {size[1]:.3g} m, the table {self.table.size[0]:.3g} x "
+                    f"{self.table.size[1]:.3g} m"
+                )
         return self
 
     def object(self, object_id: str) -> ObjectRecord:

@@ -67,7 +67,11 @@ def test_volume_counts_in_deep_containers():
         ([tray(), roll(size=(0.1, 0.0, 0.1))], "size"),
         ([tray(), roll(centre=(np.nan, 0.0))], "roll"),
         ([tray(), roll(allowed=[[[0, 0], [np.inf, 1]]])], "roll"),
+        ([tray(), roll(allowed=[1, 2, 3])], "no rectangles .* where roll may stand"),
+        ([tray(), roll(allowed=[[[1, 1], [0, 0]]])], "inverted: where roll may stand"),
         ([tray(opening=Opening((0, 0), (0.0, 0.1), 0.01, np.inf))], "opening"),
+        ([tray(opening=Opening((0, 0), (0.1, 0.1), 0.01, np.nan))], "opening"),
+        ([tray(opening=None), roll()], "roll lies in tray, which has no room"),
         ([], "nothing"),
     ],
     ids=[
@@ -79,7 +83,11 @@ def test_volume_counts_in_deep_containers():
         "flat",
         "no middle",
         "endless reach",
+        "no rectangles",
+        "inverted reach",
         "no room",
+        "nan rim",
+        "no opening",
         "none",
     ],
 )

@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import approx_fprime
 
+from vcage.errors import UsageError
 from vcage.igsc.layout.cost import LayoutProblem, Weights, evaluate, penetrations
 
 BOUNDS = np.array([[-0.5, -0.3], [0.5, 0.3]])
@@ -41,6 +42,13 @@ def test_the_total_is_the_weighted_sum_of_the_terms():
     parts = 2 * cost.collision + 3 * cost.displacement + 5 * cost.boundary + 7 * cost.reach + 11 * cost.relation
     assert cost.total == pytest.approx(parts)
     assert min(cost.collision, cost.displacement, cost.boundary, cost.reach) > 0
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf, -1.0])
+@pytest.mark.parametrize("term", ["collision", "displacement", "boundary", "reach", "relation"])
+def test_a_weight_that_makes_no_sense_is_refused(term, value):
+    with pytest.raises(UsageError, match=term):
+        Weights(**{term: value})
 
 
 def pair(gap: float) -> tuple[LayoutProblem, np.ndarray]:

@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+import logging
+from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
@@ -12,6 +14,7 @@ from vcage.errors import InfeasibleScene, UnknownName, UsageError
 from vcage.geometry import Pose, boxes_overlap, world_aabb
 from vcage.igsc.layout.check import require_exact
 from vcage.igsc.layout.containers import LayoutItem
+from vcage.igsc.layout.cost import Weights
 from vcage.igsc.layout.groups import Groups
 from vcage.igsc.layout.optimize import LayoutResult, displacement_summary, optimize_layout
 from vcage.igsc.relations import relations_kept
@@ -265,7 +268,9 @@ def test_what_belongs_inside_comes_inside_from_anywhere():
     items = tray_with_rolls(1)
     items[1] = LayoutItem("roll0", (0.08, 0.05, 0.05), 0.4, (-0.3, -0.2), inside="tray")
     assert solve(items).containers["roll0"] is None
-    assert solve(items, relations=[relation("roll0", "inside", "tray")]).containers["roll0"] == "tray"
+    demanded = [relation("roll0", "inside", "tray")]
+    assert solve(items, relations=demanded).containers["roll0"] == "tray"
+    assert solve(items, relations=demanded, weights=Weights(relation=0)).containers["roll0"] == "tray"
 
 
 def test_a_relation_of_an_unknown_object_is_refused():
@@ -319,13 +324,27 @@ def test_contents_bring_their_container_within_reach():
     assert -0.12 < result.positions["roll0"][0] <= -0.1 + 1e-6
 
 
+def out_of_reach_together() -> list[LayoutItem]:
+    """A roll in the middle of a tray, allowed on the right of the table; its tray on the left."""
+    tray, roll = tray_with_rolls(1, yaw=0.0)
+    tray = replace(tray, allowed=[[[-0.2, -0.1], [-0.1, 0.1]]])
+    return [tray, replace(roll, allowed=[[[0.3, -0.1], [0.4, 0.1]]])]
+
+
+def test_contents_that_their_container_keeps_out_of_reach_are_told(caplog):
+    with caplog.at_level(logging.WARNING):
+        result = solve(out_of_reach_together())
+    assert result.out_of_reach == ["roll0"]
+    assert "roll0 cannot be reached where tray may stand" in caplog.text
+    assert solve(tray_with_rolls(1)).out_of_reach == []
+
+
 # --- the exact check -----------------------------------------------------------------------------------
 
 
 def test_a_content_that_leaves_its_opening_is_found():
     items = tray_with_rolls(1)
     groups, result = Groups(items), solve(items)
-    groups.settle(items[0], groups.container_problem(items[0]).target)
     require_exact(groups, result.positions, WORKSPACE, 0.01)
     moved = result.positions | {"roll0": (0.1, 0.15, HEIGHT)}
     with pytest.raises(InfeasibleScene, match="roll0 sticks out of tray"):
@@ -337,6 +356,34 @@ def test_what_touches_or_sticks_out_is_found(second, words):
     items = [LayoutItem(name, (0.1, 0.1, 0.1), 0.0, (0.0, 0.0)) for name in "ab"]
     with pytest.raises(InfeasibleScene, match=words):
         require_exact(Groups(items), {"a": (0.0, 0.0, HEIGHT), "b": (*second, HEIGHT)}, WORKSPACE, 0.01)
+
+
+@pytest.mark.parametrize("position", [(np.nan, 0.0, HEIGHT), (0.0, np.inf, HEIGHT), (0.0, 0.0, np.nan)])
+def test_a_position_that_is_not_finite_is_found(position):
+    items = [LayoutItem("a", (0.1, 0.1, 0.1), 0.0, (0.0, 0.0))]
+    with pytest.raises(InfeasibleScene, match="a has no finite position"):
+        require_exact(Groups(items), {"a": position}, WORKSPACE, 0.01)
+
+
+def test_what_is_not_where_it_is_allowed_is_found():
+    items = [LayoutItem("oven", (0.2, 0.2, 0.3), 0.0, (0.0, 0.0), centre=(0.0, -0.1), allowed=[[[0, 0], [0.1, 0.1]]])]
+    require_exact(Groups(items), {"oven": (0.05, 0.15, HEIGHT)}, WORKSPACE, 0.01)
+    with pytest.raises(InfeasibleScene, match="oven is not where it is allowed") as caught:
+        require_exact(Groups(items), {"oven": (0.05, 0.05, HEIGHT)}, WORKSPACE, 0.01)
+    assert caught.value.details["objects"] == ["oven"]
+
+
+def test_the_check_believes_the_positions_and_not_the_groups():
+    opening = Opening(centre=(0, 0), size=(0.12, 0.12), floor=0.01, rim=0.07)
+    tray = tray_with_rolls(0)[0]
+    bowl = LayoutItem("bowl", (0.14, 0.14, 0.07), 0.4, (0.1, 0.05), opening, inside="tray")
+    items = [tray, bowl, LayoutItem("egg", (0.04, 0.04, 0.05), 0.0, (0.12, 0.05), inside="bowl")]
+    positions = solve(items).positions
+    groups = Groups(items)  # that has laid nothing out
+    require_exact(groups, positions, WORKSPACE, 0.01)
+    x, y, z = positions["egg"]
+    with pytest.raises(InfeasibleScene, match="egg sticks out of bowl"):
+        require_exact(groups, positions | {"egg": (x + 0.1, y, z)}, WORKSPACE, 0.01)
 
 
 @pytest.mark.parametrize(

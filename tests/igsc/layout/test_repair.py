@@ -1,10 +1,13 @@
 from __future__ import annotations
 
+from itertools import combinations
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from vcage.geometry import boxes_overlap
 from vcage.igsc.layout.cost import LayoutProblem
 from vcage.igsc.layout.repair import is_feasible, repair
 
@@ -63,4 +66,13 @@ def test_what_repair_returns_is_exact(seed, count):
     half = rng.uniform(0.02, 0.1, (count, 2))
     task = LayoutProblem(half, rng.uniform(*BOUNDS, (count, 2)), BOUNDS, 0.01, (None,) * count)
     repaired = repair(task, task.target, tries=5)
-    assert repaired is None or is_feasible(task, repaired[0])
+    if repaired is None:
+        return
+    boxes = np.stack([repaired[0] - half, repaired[0] + half], axis=1)
+    assert np.all(boxes[:, 0] >= BOUNDS[0] - 1e-7) and np.all(boxes[:, 1] <= BOUNDS[1] + 1e-7)
+    assert not any(boxes_overlap(a, b, 0.01 - 1e-7) for a, b in combinations(boxes, 2))
+    assert set(np.flatnonzero(np.any(repaired[0] != task.target, axis=1))) == set(repaired[1])
+
+
+def test_repair_finds_places_for_a_few_on_an_empty_table():
+    assert repair(squares([(0, 0)] * 8), np.zeros((8, 2))) is not None

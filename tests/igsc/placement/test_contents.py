@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 
 from vcage.assets.openings import Opening
 from vcage.errors import InfeasibleScene, UsageError
-from vcage.geometry import boxes_overlap, footprint_half_size
-from vcage.igsc.placement.contents import CONTENT_MARGIN, turn
+from vcage.geometry import boxes_overlap, footprint_half_size, rotation_2d
+from vcage.igsc.placement.contents import CONTENT_MARGIN
 from vcage.igsc.placement.place import PlaceItem, Placement, place
 
 WORKSPACE = np.array([[-0.5, -0.3], [0.5, 0.3]])
@@ -22,7 +22,7 @@ TRAY = PlaceItem("tray", (0.34, 0.24), YAWS, opening=Opening((0.01, -0.005), (0.
 
 def local_box(item: PlaceItem, at: Placement, container: Placement) -> np.ndarray:
     """(2, 2) an item's rectangle in the frame of a container."""
-    centre = np.array([at.x - container.x, at.y - container.y]) @ turn(container.yaw)
+    centre = np.array([at.x - container.x, at.y - container.y]) @ rotation_2d(container.yaw)
     half = footprint_half_size(item.size, at.yaw - container.yaw)
     return np.stack([centre - half, centre + half])
 
@@ -101,7 +101,7 @@ def test_too_many_contents_are_refused_with_those_to_be_dropped():
 @pytest.mark.parametrize(
     ("items", "message"),
     [
-        ([PlaceItem("a", (0.1, 0.1), inside="ghost")], "a lies in 'ghost', which is none"),
+        ([PlaceItem("a", (0.1, 0.1), inside="ghost")], "unknown container 'ghost'"),
         ([TRAY, PlaceItem("a", (0.1, 0.1)), PlaceItem("b", (0.1, 0.1), inside="a")], "b lies in a, which has no room"),
         ([PlaceItem("a", (0.1, 0.1), inside="a", opening=TRAY.opening)], "circle: a in a"),
         (

@@ -65,28 +65,26 @@ def test_what_is_larger_than_the_workspace_has_no_region():
 
 
 def test_only_allowed_rectangles_are_free():
-    region = free_region(BOUNDS, [0.01, 0.01], allowed=[[[0, 0], [0.1, 0.1]], [[0.05, 0], [0.2, 0.1]]])
+    region = free_region(BOUNDS, [0.01, 0.01], unions=[[[[0, 0], [0.1, 0.1]], [[0.05, 0], [0.2, 0.1]]]])
     assert region.area == pytest.approx(0.02)
 
 
 def test_no_allowed_rectangle_leaves_nothing():
-    assert free_region(BOUNDS, [0.01, 0.01], allowed=[]).is_empty
+    assert free_region(BOUNDS, [0.01, 0.01], unions=[[]]).is_empty
 
 
 def test_samples_are_spread_by_area():
     allowed = [[[-0.4, -0.2], [-0.1, 0.2]], [[0.2, -0.2], [0.3, 0.2]]]  # 3 : 1
-    region = free_region(BOUNDS, [0.01, 0.01], allowed=allowed)
+    region = free_region(BOUNDS, [0.01, 0.01], unions=[allowed])
     rng = np.random.default_rng(0)
     left = np.mean([region.sample(rng)[0] < 0 for _ in range(1000)])
     assert 0.70 < left < 0.80
 
 
 def test_the_centre_lies_in_every_union_that_is_given():
-    region = free_region(
-        BOUNDS, [0, 0], allowed=[[[0, 0], [0.2, 0.2]]], also=[[[[0.1, -1], [1, 1]]], [[[-1, -1], [1, 0.05]]]]
-    )
-    assert region.area == pytest.approx(0.1 * 0.05)
-    assert free_region(BOUNDS, [0, 0], also=[[[[0, 0], [1, 1]]], []]).is_empty
+    unions = [[[[0, 0], [0.2, 0.2]]], [[[0.1, -1], [1, 1]]], [[[-1, -1], [1, 0.05]]]]
+    assert free_region(BOUNDS, [0, 0], unions=unions).area == pytest.approx(0.1 * 0.05)
+    assert free_region(BOUNDS, [0, 0], unions=[[[[0, 0], [1, 1]]], []]).is_empty
 
 
 def test_many_samples_are_like_one_by_one():

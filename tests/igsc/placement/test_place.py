@@ -117,21 +117,21 @@ def test_clearance_keeps_others_away():
 
 
 @pytest.mark.parametrize(
-    "items",
+    ("items", "message"),
     [
-        [PlaceItem("a", (0.1, 0.1)), PlaceItem("a", (0.1, 0.1))],
-        [PlaceItem("a", (0.0, 0.1))],
-        [PlaceItem("a", (np.nan, 0.1))],
-        [PlaceItem("a", (0.1, 0.1), yaws=())],
-        [PlaceItem("a", (0.1, 0.1), yaws=(np.inf,))],
-        [PlaceItem("a", (-0.1, 0.1))],
-        [PlaceItem("a", (0.1, 0.1, 0.1))],
-        [PlaceItem("a", ("wide", 0.1))],
-        [PlaceItem("a", (0.1, 0.1), clearance=np.nan)],
-        [PlaceItem("a", (0.1, 0.1), clearance=-0.1)],
-        [PlaceItem("a", (0.1, 0.1), allowed=[[[0, 0], [np.nan, 1]]])],
-        [PlaceItem("a", (0.1, 0.1), within=[[[1, 1], [0, 0]]])],
-        [PlaceItem("a", (0.1, 0.1), allowed=[1, 2, 3])],
+        ([PlaceItem("cup", (0.1, 0.1)), PlaceItem("cup", (0.1, 0.1))], "two objects are called 'cup'"),
+        ([PlaceItem("cup", (0.0, 0.1))], "cup has the footprint"),
+        ([PlaceItem("cup", (np.nan, 0.1))], "cup has the footprint"),
+        ([PlaceItem("cup", (0.1, 0.1), yaws=())], "cup has the headings"),
+        ([PlaceItem("cup", (0.1, 0.1), yaws=(np.inf,))], "cup has the headings"),
+        ([PlaceItem("cup", (-0.1, 0.1))], "cup has the footprint"),
+        ([PlaceItem("cup", (0.1, 0.1, 0.1))], "cup has the footprint"),
+        ([PlaceItem("cup", ("wide", 0.1))], "cup has the footprint"),
+        ([PlaceItem("cup", (0.1, 0.1), clearance=np.nan)], "cup has the clearance"),
+        ([PlaceItem("cup", (0.1, 0.1), clearance=-0.1)], "cup has the clearance"),
+        ([PlaceItem("cup", (0.1, 0.1), allowed=[[[0, 0], [np.nan, 1]]])], "not finite: where cup may stand"),
+        ([PlaceItem("cup", (0.1, 0.1), within=[[[1, 1], [0, 0]]])], "inverted: where cup is seen"),
+        ([PlaceItem("cup", (0.1, 0.1), allowed=[1, 2, 3])], "no rectangles .* where cup may stand"),
     ],
     ids=[
         "id twice",
@@ -149,8 +149,8 @@ def test_clearance_keeps_others_away():
         "no rectangles",
     ],
 )
-def test_items_that_make_no_sense_are_refused(items):
-    with pytest.raises(UsageError, match="a"):
+def test_items_that_make_no_sense_are_refused(items, message):
+    with pytest.raises(UsageError, match=message):
         place(items, WORKSPACE, np.random.default_rng(0))
 
 

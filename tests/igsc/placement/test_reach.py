@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,7 +11,7 @@ import pytest
 from vcage.errors import UsageError
 from vcage.geometry import Pose
 from vcage.igsc.placement import reach
-from vcage.igsc.placement.reach import CELL, reach_rectangles, robot_reach
+from vcage.igsc.placement.reach import CELL, reach_for, robot_reach
 from vcage.sim.robots import load_robot
 
 WORKSPACE = np.array([[-0.3, -0.2], [0.3, 0.2]])
@@ -32,34 +33,6 @@ def inside(points: np.ndarray, rectangles: np.ndarray) -> np.ndarray:
     return np.any(np.all((rectangles[:, 0] <= points[:, None]) & (points[:, None] <= rectangles[:, 1]), 2), axis=1)
 
 
-def test_no_point_of_a_rectangle_is_out_of_reach_and_few_within_reach_are_missing():
-    disc = Disc()
-    points = np.random.default_rng(0).uniform(*WORKSPACE, (2000, 2))
-    covered = inside(points, reach_rectangles({"arm": disc}, WORKSPACE, HEIGHTS))
-    distance = np.linalg.norm(points, axis=1)
-    assert not np.any(covered & (distance > disc.radius))
-    assert covered[distance < disc.radius - 1.5 * CELL].all()
-
-
-def test_the_arms_share_the_table():
-    arms = {"left": Disc((-0.2, 0)), "right": Disc((0.2, 0))}
-    together = reach_rectangles(arms, WORKSPACE, HEIGHTS)
-    assert inside(np.array([[-0.2, 0.0], [0.2, 0.0]]), together).all()
-    assert len(reach_rectangles({}, WORKSPACE, HEIGHTS)) == 0
-
-
-def test_rectangles_are_cut_to_a_workspace_that_is_not_on_the_grid():
-    workspace = np.array([[-0.07, -0.03], [0.06, 0.08]])
-    rectangles = reach_rectangles({"arm": Disc(radius=1.0)}, workspace, HEIGHTS)
-    np.testing.assert_allclose(rectangles, [workspace])
-
-
-@pytest.mark.parametrize("workspace", [WORKSPACE[::-1], WORKSPACE * np.nan], ids=["inverted", "nan"])
-def test_a_workspace_that_makes_no_sense_is_refused(workspace):
-    with pytest.raises(UsageError, match="workspace"):
-        reach_rectangles({"arm": Disc()}, workspace, HEIGHTS)
-
-
 @pytest.fixture
 def robot():
     return load_robot("dual_panda")
@@ -73,12 +46,64 @@ def disc(monkeypatch: pytest.MonkeyPatch) -> Disc:
     return found
 
 
+def test_no_point_of_a_rectangle_is_out_of_reach_and_few_within_reach_are_missing(robot, disc, tmp_path):
+    points = np.random.default_rng(0).uniform(*WORKSPACE, (2000, 2))
+    covered = inside(points, robot_reach(robot, WORKSPACE, HEIGHTS, tmp_path))
+    distance = np.linalg.norm(points, axis=1)
+    assert not np.any(covered & (distance > disc.radius))
+    assert covered[distance < disc.radius - 1.5 * CELL].all()
+
+
+def test_the_arms_share_the_table(robot, monkeypatch, tmp_path):
+    left = robot.arms["left"]
+    monkeypatch.setattr(reach, "kinematics_of", lambda arm: Disc((-0.2, 0) if arm == left else (0.2, 0)))
+    together = robot_reach(robot, WORKSPACE, HEIGHTS, tmp_path)
+    assert inside(np.array([[-0.2, 0.0], [0.2, 0.0]]), together).all()
+
+
+def test_without_an_arm_nothing_is_reached(robot, tmp_path):
+    assert robot_reach(robot.model_copy(update={"arms": {}}), WORKSPACE, HEIGHTS, tmp_path).shape == (0, 2, 2)
+
+
+def test_rectangles_are_cut_to_a_workspace_that_is_not_on_the_grid(robot, disc, tmp_path):
+    disc.radius, workspace = 1.0, np.array([[-0.07, -0.03], [0.06, 0.08]])
+    np.testing.assert_allclose(robot_reach(robot, workspace, HEIGHTS, tmp_path), [workspace])
+
+
+@pytest.mark.parametrize("workspace", [WORKSPACE[::-1], WORKSPACE * np.nan], ids=["inverted", "nan"])
+def test_a_workspace_that_makes_no_sense_is_refused(robot, disc, tmp_path, workspace):
+    with pytest.raises(UsageError, match="workspace"):
+        robot_reach(robot, workspace, HEIGHTS, tmp_path)
+
+
+def held_at(distance: float, articulated: bool = False) -> SimpleNamespace:
+    """A pan that is held at a distance from its middle."""
+    points = [SimpleNamespace(position=(distance, 0.0, 0.0))]
+    annotation = SimpleNamespace(contact_points=points, functional_points=[])
+    return SimpleNamespace(name="pan", articulated=articulated, annotation=annotation)
+
+
+def test_an_object_stands_where_all_that_its_role_needs_is_reached(caplog):
+    with caplog.at_level(logging.WARNING):
+        inset = reach_for(held_at(0.05), "content", WORKSPACE[None])
+        np.testing.assert_allclose(inset, [[[-0.25, -0.15], [0.25, 0.15]]])
+        np.testing.assert_array_equal(reach_for(held_at(0.05), "receptacle", WORKSPACE[None]), WORKSPACE[None])
+        assert reach_for(held_at(0.05), "context", WORKSPACE[None]) is None
+        assert reach_for(held_at(0.05, articulated=True), "content", WORKSPACE[None]) is None
+    assert not caplog.text
+
+
+def test_what_is_reached_all_around_nowhere_stands_where_its_middle_is_reached_and_that_is_told(caplog):
+    with caplog.at_level(logging.WARNING):
+        np.testing.assert_array_equal(reach_for(held_at(0.25), "content", WORKSPACE[None]), WORKSPACE[None])
+    assert "pan" in caplog.text and "250 mm" in caplog.text
+
+
 def test_a_robot_is_asked_once(robot, disc, tmp_path):
     first = robot_reach(robot, WORKSPACE, HEIGHTS, tmp_path)
     asked = disc.asked
     again = robot_reach(robot, WORKSPACE, HEIGHTS, tmp_path)
     np.testing.assert_array_equal(first, again)
-    np.testing.assert_array_equal(first, reach_rectangles({"arm": Disc()}, WORKSPACE, HEIGHTS))
     assert disc.asked == asked > 0
 
 
@@ -87,8 +112,8 @@ def test_a_smaller_workspace_needs_no_more_questions_and_a_larger_one_only_the_n
     asked = disc.asked
     robot_reach(robot, WORKSPACE / 2, HEIGHTS, tmp_path)
     assert disc.asked == asked
-    wider = robot_reach(robot, WORKSPACE * 2, HEIGHTS, tmp_path)
-    np.testing.assert_array_equal(wider, reach_rectangles({"arm": Disc()}, WORKSPACE * 2, HEIGHTS))
+    wider = robot_reach(robot, WORKSPACE * 2, HEIGHTS, tmp_path / "first")
+    np.testing.assert_array_equal(wider, robot_reach(robot, WORKSPACE * 2, HEIGHTS, tmp_path))
 
 
 def test_other_heights_and_other_arms_have_maps_of_their_own(robot, disc, tmp_path):

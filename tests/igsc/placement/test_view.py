@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from vcage.errors import UsageError
-from vcage.geometry import Camera, box_corners, look_at
-from vcage.igsc.placement.place import PlaceItem, footprint, place
+from vcage.geometry import Camera, box_corners, footprint_half_size, look_at
+from vcage.igsc.placement.place import PlaceItem, Placement, place
 from vcage.igsc.placement.view import view_rectangles
 
 TABLE = 0.74
@@ -62,6 +62,12 @@ def test_the_view_of_a_tilted_camera_is_filled_up_to_a_strip():
     covered = np.any(np.all((rectangles[:, 0] <= points[:, None]) & (points[:, None] <= rectangles[:, 1]), 2), axis=1)
     assert not np.any(covered & ~seen)
     assert np.mean(seen & ~covered) < 0.02 < np.mean(seen)
+
+
+def footprint(item: PlaceItem, at: Placement) -> np.ndarray:
+    """(2, 2) the axis-aligned rectangle that a placed item covers."""
+    half = footprint_half_size(item.size, at.yaw)
+    return np.array([at.x, at.y]) + np.array([-half, half])
 
 
 def test_what_is_as_high_as_the_camera_is_seen_nowhere():

@@ -7,19 +7,17 @@ demands it, and the opening has room for it beside what is in there already. Ove
 from __future__ import annotations
 
 import math
-from collections import Counter
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from vcage.assets.openings import Opening
-from vcage.errors import UnknownName, UsageError
+from vcage.errors import UsageError
 from vcage.geometry import boxes_overlap, footprint_half_size
-
-FILL_LIMIT = 0.9
-"""Largest share of an opening's floor and volume that contents may take."""
+from vcage.igsc.placement.place_item import as_rectangles, check_containers
+from vcage.schema.plan_check import FILL_LIMIT
 
 BARE = 0.002
 """A surface so little below its object's top is bare: what stands on it may stick out on all sides, metres."""
@@ -77,7 +75,7 @@ class LayoutItem:
 
 def _rectangle(size: Sequence[float], middle: Sequence[float], yaw: float) -> np.ndarray:
     """(2, 2) the axis-aligned rectangle around one of that size and middle, turned about the origin."""
-    c, s = math.cos(yaw), math.sin(yaw)  # numbers: arrays of two take ten times as long
+    c, s = math.cos(yaw), math.sin(yaw)  # numbers, as arrays of two are slow and this is asked often
     (w, d), (x, y) = size, middle
     half_x, half_y = (abs(c) * w + abs(s) * d) / 2, (abs(s) * w + abs(c) * d) / 2
     x, y = c * x - s * y, s * x + c * y
@@ -88,22 +86,14 @@ def validate_items(items: Sequence[LayoutItem]) -> None:
     """Refuse items that make no sense.
 
     Raises:
-        UsageError: an id twice, a number that is not finite, a size that is not positive, a container inside itself.
-        UnknownName: ``inside`` names nothing that has an opening.
+        UsageError: none at all, a number that is not finite, a size that is not positive, no rectangles.
+        UsageError, UnknownName: see :func:`vcage.igsc.placement.place_item.check_containers`.
     """
     if not items:
         raise UsageError("there is nothing to lay out", hint="run the stages before with --force")
-    twice = [name for name, count in Counter(item.id for item in items).items() if count > 1]
-    if twice:
-        raise UsageError(f"two objects are called {twice[0]!r}", hint="give every object an id of its own")
-    containers = {item.id: item for item in items if item.opening is not None}
     for item in items:
         _validate_item(item)
-        if item.inside is not None and item.inside not in containers:
-            raise UnknownName("container", item.inside, containers)
-    inside = {item.id: item.inside for item in items}
-    for item in items:
-        _require_no_circle(item.id, inside)
+    check_containers(items)
 
 
 def _validate_item(item: LayoutItem) -> None:
@@ -115,25 +105,8 @@ def _validate_item(item: LayoutItem) -> None:
         )
     if min(item.size) <= 0:
         raise UsageError(f"{item.id} has the size {item.size}", hint="sizes are positive metres; check its mesh")
-    if item.allowed is not None and not np.all(np.isfinite(item.allowed)):
-        raise UsageError(f"{item.id} is allowed in no finite rectangles", hint="check the reach map")
-    opening = item.opening
-    if opening is not None:
-        numbers = [*opening.centre, *opening.size, opening.floor]
-        if not np.all(np.isfinite(numbers)) or min(opening.size) <= 0 or np.isnan(opening.rim):
-            raise UsageError(f"{item.id} has the opening {opening}", hint="check the container's mesh")
-
-
-def _require_no_circle(start: str, inside: Mapping[str, str | None]) -> None:
-    seen, at = [start], inside[start]
-    while at is not None:
-        if at in seen:
-            raise UsageError(
-                f"containers in a circle: {' in '.join([*seen, at])}",
-                hint="a container cannot lie inside itself; mend the plan",
-            )
-        seen.append(at)
-        at = inside[at]
+    if item.allowed is not None:
+        as_rectangles(item.allowed, f"where {item.id} may stand")
 
 
 def assign_containers(items: Sequence[LayoutItem], demanded: Collection[str] = ()) -> dict[str, str | None]:

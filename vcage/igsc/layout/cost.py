@@ -14,11 +14,13 @@ The last two are not in the paper. What is the same at every x is computed once 
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
+from vcage.errors import UsageError
 from vcage.igsc.layout.relation_cost import RelationTerms
 
 
@@ -30,11 +32,17 @@ class Weights:
         collision: a pair that two objects would rather be d metres into stays d / 1000 in, so that a displacement of
             10 cm leaves 0.1 mm, less than what the margin is tightened by while solving. More only makes it stiff.
         displacement: the unit.
-        boundary: as the collision: sticking out and overlapping are equally impossible.
+        boundary: as the collision: sticking out and overlapping are equally impossible. It decides nothing here, as
+            L-BFGS-B keeps all centres within their bounds and the term at 0; only a layout from elsewhere, such as
+            the targets, has any of it.
         reach: as the collision: what the arm cannot reach is no task.
         relation: for each relation of the plan; 500 leaves a displacement of 20 cm less than half a millimetre, below
             what relations are tightened by while solving. Its pull is bounded by the knee to that of a collision of
-            2.5 mm: more than any displacement has, less than two objects that touch. 0 turns the relations off.
+            2.5 mm: more than any displacement has, less than two objects that touch. 0 turns the relations off, but
+            for what the plan wants inside or on something.
+
+    Raises:
+        UsageError: one is negative or not finite.
     """
 
     collision: float = 1000.0
@@ -42,6 +50,11 @@ class Weights:
     boundary: float = 1000.0
     reach: float = 1000.0
     relation: float = 500.0
+
+    def __post_init__(self) -> None:
+        for name, value in vars(self).items():
+            if not (math.isfinite(value) and value >= 0):
+                raise UsageError(f"the weight of {name} is {value}", hint="weights are finite numbers, 0 or more")
 
 
 @dataclass(frozen=True)
@@ -52,8 +65,8 @@ class LayoutProblem:
         half: (n, 2) half sizes of the axis-aligned footprints, metres.
         target: (n, 2) where the centres should be.
         bounds: (2, 2) lower and upper corner that every footprint must stay within.
-        margin: δ, smallest gap between two footprints. 1 cm on a table: a finger fits between any two, and what
-            settles by some millimetres still does not touch.
+        margin: δ, smallest gap between two footprints, metres: what settles by some millimetres must still not touch,
+            and what is to be grasped needs room for a finger beside it.
         allowed: for each footprint (m, 2, 2) rectangles for its centre, or None.
         extra: (n, n) symmetric, what a pair's gap is wider than the margin, metres; none when left out.
         relations: what the plan says of them, or None.
@@ -119,7 +132,7 @@ def evaluate(problem: LayoutProblem, weights: Weights, centres: np.ndarray) -> t
         (weights.displacement, _displacement(problem, centres)),
         (weights.boundary, _boundary(problem, centres)),
         (weights.reach, _reach(problem, centres)),
-        (weights.relation, _relation(problem, weights, centres)),
+        (weights.relation, _relation(problem, centres)),
     )
     total = sum(weight * value for weight, (value, _) in terms)
     gradient = sum(weight * slope for weight, (_, slope) in terms if slope is not None)
@@ -183,7 +196,7 @@ def _reach(problem: LayoutProblem, centres: np.ndarray) -> _Term:
     return float((offset**2).sum()), 2 * offset
 
 
-def _relation(problem: LayoutProblem, weights: Weights, centres: np.ndarray) -> _Term:
-    if problem.relations is None or weights.relation == 0:
+def _relation(problem: LayoutProblem, centres: np.ndarray) -> _Term:
+    if problem.relations is None:
         return 0.0, None
     return problem.relations.cost(centres)

@@ -2,21 +2,28 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Sequence
 
 import numpy as np
 
+from vcage.geometry import rotation_2d
 from vcage.igsc.layout.containers import OVERHANG, LayoutItem, assign_containers, fits, is_bare
 from vcage.igsc.layout.cost import LayoutProblem
 from vcage.igsc.layout.relation_cost import Spot, relation_terms
-from vcage.igsc.placement.contents import CONTENT_MARGIN, turn
+from vcage.igsc.placement.contents import CONTENT_MARGIN
+from vcage.igsc.placement.place_item import as_rectangles
 from vcage.schema.plan import TABLE, Relation
 
+log = logging.getLogger(__name__)
+
 PALM_ABOVE = 0.05
-"""Things lower than this pass under the palm of a hand that grasps what lies beside them, metres."""
+"""Things lower than this pass under the palm of a hand that grasps what lies beside them, metres: the
+Panda's palm is 37 mm above its finger tips, so it passes where these close 13 mm or more above the table."""
 
 PALM_ROOM = 0.095
-"""Gap that a hand needs between what it grasps and what is higher: half a palm, metres."""
+"""Gap that a hand needs between what it grasps and what is higher, metres: the Panda's palm reaches 102 mm from the
+middle of its grasp to either side, and what is grasped covers 7 mm or more of that."""
 
 
 class Groups:
@@ -25,6 +32,8 @@ class Groups:
     Attributes:
         container: id of the container that an object lies in or on, None on the table, by id.
         local: (2,) origin of every content in its container's frame, metres, by id; filled from the innermost on.
+        out_of_reach: ids of what is carried that is nowhere it is allowed where its group may stand; filled by
+            :meth:`table_problem`.
     """
 
     def __init__(self, items: Sequence[LayoutItem], relations: Sequence[Relation] = ()):
@@ -34,6 +43,7 @@ class Groups:
         demanded = [item.id for item in items if (item.id, item.inside) in lying]
         self.container = assign_containers(items, demanded)
         self.local: dict[str, np.ndarray] = {}
+        self.out_of_reach: list[str] = []
         self._carried: dict[str, list[LayoutItem]] = {item.id: [] for item in items}
         for item in items:
             if self.container[item.id] is not None:
@@ -43,6 +53,11 @@ class Groups:
     def roots(self) -> list[LayoutItem]:
         """What stands on the table."""
         return [item for item in self.items.values() if self.container[item.id] is None]
+
+    def root(self, item: LayoutItem) -> LayoutItem:
+        """What carries it on the table; itself where nothing does."""
+        outer = self.container[item.id]
+        return item if outer is None else self.root(self.items[outer])
 
     def contents(self, container: LayoutItem) -> list[LayoutItem]:
         """What lies in or on it, not what lies in those."""
@@ -66,20 +81,21 @@ class Groups:
         """(2, 2) rectangle of an object and all that it carries, around its origin, in a frame turned by a yaw."""
         corners = [item.rectangle(frame_yaw)]
         for content in self.contents(item):
-            corners.append(self.extent(content, frame_yaw) + turn(item.yaw - frame_yaw) @ self.local[content.id])
+            corners.append(self.extent(content, frame_yaw) + rotation_2d(item.yaw - frame_yaw) @ self.local[content.id])
         return np.stack([np.min(corners, axis=(0, 1)), np.max(corners, axis=(0, 1))])
 
     def carried(self, item: LayoutItem) -> list[tuple[LayoutItem, np.ndarray]]:
         """The object itself and all that it carries, each with the (2,) way to its origin in the world's axes."""
         found = [(item, np.zeros(2))]
         for content in self.contents(item):
-            way = turn(item.yaw) @ self.local[content.id]
+            way = rotation_2d(item.yaw) @ self.local[content.id]
             found += [(inner, way + further) for inner, further in self.carried(content)]
         return found
 
     def table_problem(self, workspace: np.ndarray, margin: float, table: np.ndarray) -> LayoutProblem:
         """The problem of what stands on the table; ``table`` (2, 2) is its rectangle."""
         roots = self.roots
+        self.out_of_reach = []
         extents = np.array([self.extent(item) for item in roots])
         middles = extents.mean(axis=1)
         half = np.diff(table, axis=0)[0] / 2
@@ -101,17 +117,17 @@ class Groups:
         middles, half = extents.mean(axis=1), (extents[:, 1] - extents[:, 0]) / 2
         offsets = np.array([item.target for item in contents]) - container.target
         body = container.body_rectangle()
-        spots = self._spots(contents, middles @ turn(container.yaw).T)
+        spots = self._spots(contents, middles @ rotation_2d(container.yaw).T)
         # Beside or left of what it lies in makes no sense; only its centre does.
         centred = [r for r in self.relations if r.relation == "center" or r.reference != container.id]
         spots[container.id] = Spot(None, body.mean(axis=0), (body[1] - body[0]) / 2)
         return LayoutProblem(
             half=half,
-            target=offsets @ turn(container.yaw) + middles,
+            target=offsets @ rotation_2d(container.yaw) + middles,
             bounds=self.inner_bounds(container, half),
             margin=CONTENT_MARGIN,
             allowed=(None,) * len(contents),
-            relations=relation_terms(centred, spots, len(contents), turn(container.yaw)),
+            relations=relation_terms(centred, spots, len(contents), rotation_2d(container.yaw)),
         )
 
     def settle(self, container: LayoutItem, centres: np.ndarray) -> None:
@@ -140,17 +156,22 @@ class Groups:
         return spots
 
     def _allowed(self, root: LayoutItem, middle: np.ndarray) -> np.ndarray | None:
-        """(m, 2, 2) rectangles for the middle of a group, from which all that it carries is where it is allowed."""
+        """(m, 2, 2) rectangles for the middle of a group, from which all that it carries is where it is allowed.
+
+        What cannot be where it is allowed together with what carries it gives way, and is told in ``out_of_reach``.
+        """
         meet = None
         for item, way in self.carried(root):
             if item.allowed is None:
                 continue
             shift = middle - way - item.rectangle().mean(axis=0)
-            shifted = np.reshape(np.asarray(item.allowed, dtype=np.float64), (-1, 2, 2)) + shift
-            if meet is None:
-                meet = shifted
-            elif len(both := _intersections(meet, shifted)):
-                meet = both  # where there is none, what is carried gives way
+            shifted = as_rectangles(item.allowed, f"where {item.id} may stand") + shift
+            both = shifted if meet is None else _intersections(meet, shifted)
+            if meet is not None and not len(both):
+                log.warning("%s cannot be reached where %s may stand", item.id, root.id)
+                self.out_of_reach.append(item.id)
+            else:
+                meet = both
         return meet
 
     def positions(
@@ -165,7 +186,7 @@ class Groups:
     def _stand(self, item: LayoutItem, at: np.ndarray, found: dict[str, tuple[float, float, float]]) -> None:
         found[item.id] = tuple(float(v) for v in at)
         for content in self.contents(item):
-            self._stand(content, at + [*(turn(item.yaw) @ self.local[content.id]), item.opening.floor], found)
+            self._stand(content, at + [*(rotation_2d(item.yaw) @ self.local[content.id]), item.opening.floor], found)
 
 
 def _hand_room(items: Sequence[LayoutItem], margin: float) -> np.ndarray | None:

@@ -19,6 +19,7 @@ from vcage.igsc.layout.containers import LayoutItem, validate_items
 from vcage.igsc.layout.cost import Cost, LayoutProblem, Weights, evaluate
 from vcage.igsc.layout.groups import Groups
 from vcage.igsc.layout.solver import Solution, solve
+from vcage.igsc.placement.place_item import as_workspace, check_margin
 from vcage.schema.plan import TABLE, Relation
 from vcage.schema.scene import Table
 
@@ -34,10 +35,10 @@ class LayoutResult:
         containers: id of the container that an object lies in or on, None on the table.
         displaced: distance from the target in the plane, metres, by id.
         cost_before, cost_after: the terms of the equation and J for what stands on the table.
-        starts: L-BFGS-B starts of the table's problem; 0 when the targets were feasible already.
-        feasible: how many of them became feasible.
+        starts: L-BFGS-B descents of the table's problem; 0 when the targets were feasible already.
         repaired: ids that the exact repair had to move.
         released: ids that a container had no room for after all; they stand on the table.
+        out_of_reach: ids of contents that are not where they are allowed, as their container cannot stand so.
         hand_room: share of the room for hands, wider than the margin, that the table had space for; 1 is all.
     """
 
@@ -47,9 +48,9 @@ class LayoutResult:
     cost_before: Cost
     cost_after: Cost
     starts: int
-    feasible: int
     repaired: list[str]
     released: list[str]
+    out_of_reach: list[str]
     hand_room: float = 1.0
 
 
@@ -75,7 +76,7 @@ def optimize_layout(
         workspace: (2, 2) lower and upper corner that every box stays within, metres.
         rng: the only source of randomness.
         table_height: z of the table top.
-        weights: the λ of the equation; ``relation=0`` leaves the plan out.
+        weights: the λ of the equation; ``relation=0`` leaves the plan out, but for what lies in or on something.
         margin: δ, smallest gap between objects that are not container and content.
         restarts: most random starts besides the targets themselves; more search longer where it is hard.
         relations: of the plan, by object id.
@@ -86,14 +87,17 @@ def optimize_layout(
         InfeasibleScene: no collision-free layout was found; names the objects and the area that is missing.
     """
     validate_items(items)
-    workspace = _checked(workspace, margin, restarts)
+    check_margin(margin)
+    workspace = as_workspace(workspace)
+    if restarts < 0:
+        raise UsageError(f"{restarts} restarts", hint="0 or more")
     _require_known(relations, items)
     weights = weights or Weights()
-    groups = Groups(items, relations if weights.relation else ())
+    groups = Groups(items, relations)
     repaired: set[str] = set()
     released = _fill_containers(groups, weights, rng, restarts, repaired)
     roots = groups.roots
-    problem = groups.table_problem(workspace, margin, _rectangle(table, workspace))
+    problem = groups.table_problem(workspace, margin, workspace if table is None else table.rectangle)
     solution = _solve(problem, roots, weights, rng, restarts, repaired)
     if solution.extra < 1:
         log.warning("the table has space for %.0f %% of the room for hands", 100 * solution.extra)
@@ -107,9 +111,9 @@ def optimize_layout(
         cost_before=evaluate(problem, weights, problem.target)[0],
         cost_after=evaluate(problem, weights, solution.centres)[0],
         starts=solution.starts,
-        feasible=solution.feasible,
         repaired=sorted(repaired),
         released=released,
+        out_of_reach=groups.out_of_reach,
         hand_room=solution.extra,
     )
 
@@ -148,30 +152,11 @@ def _solve(
     return solution
 
 
-def _checked(workspace: ArrayLike, margin: float, restarts: int) -> np.ndarray:
-    workspace = np.asarray(workspace, dtype=np.float64)
-    if workspace.shape != (2, 2) or not np.all(np.isfinite(workspace)) or np.any(workspace[0] >= workspace[1]):
-        raise UsageError(f"the workspace is {workspace.tolist()}", hint="give its lower and its upper corner")
-    if not (np.isfinite(margin) and margin >= 0):
-        raise UsageError(f"the margin is {margin}", hint="give the smallest gap in metres, 0 or more")
-    if restarts < 0:
-        raise UsageError(f"{restarts} restarts", hint="0 or more")
-    return workspace
-
-
 def _require_known(relations: Sequence[Relation], items: Sequence[LayoutItem]) -> None:
     known = {TABLE, *(item.id for item in items)}
     for name in (name for r in relations for name in (r.subject, r.reference)):
         if name not in known:
             raise UnknownName("object", name, known)
-
-
-def _rectangle(table: Table | None, workspace: np.ndarray) -> np.ndarray:
-    """(2, 2) the table's top."""
-    if table is None:
-        return workspace
-    centre, half = np.array(table.centre), np.array(table.size) / 2
-    return np.stack([centre - half, centre + half])
 
 
 def displacement_summary(displaced: Mapping[str, float]) -> dict[str, float]:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vcage.geometry import footprint_half_size
+from vcage.geometry import footprint_half_size, rotation_2d
 from vcage.igsc.drawing import INK, PAPER, WARNING, Canvas, Colour, palette
 from vcage.schema.scene import Table, Workspace
 
@@ -43,8 +43,7 @@ class Footprint:
     def corners(self) -> np.ndarray:
         """(4, 2) corners of the turned rectangle, world metres."""
         half = np.array(self.size) / 2 * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
-        c, s = np.cos(self.yaw), np.sin(self.yaw)
-        return np.array(self.centre) + half @ np.array([[c, s], [-s, c]])
+        return np.array(self.centre) + half @ rotation_2d(self.yaw).T
 
     def aabb(self) -> np.ndarray:
         """(2, 2) axis-aligned rectangle."""
@@ -92,17 +91,28 @@ def draw_layout(
 
 
 def collisions(footprints: Sequence[Footprint]) -> list[np.ndarray]:
-    """(2, 2) rectangles in which boxes overlap that are not container and content."""
+    """(2, 2) rectangles in which boxes overlap that are not container and content; in a container, along its axes."""
     found = []
+    yaws = {f.id: f.yaw for f in footprints}
     for k, a in enumerate(footprints):
         for b in footprints[k + 1 :]:
             if b.id == a.container or a.id == b.container:
+                continue
+            # What lies in one container is laid out along its walls, not along the world's axes.
+            if a.container is not None and a.container == b.container and _apart(a, b, yaws[a.container]):
                 continue
             box_a, box_b = a.aabb(), b.aabb()
             lower, upper = np.maximum(box_a[0], box_b[0]), np.minimum(box_a[1], box_b[1])
             if np.all(upper - lower > 1e-6):
                 found.append(np.stack([lower, upper]))
     return found
+
+
+def _apart(a: Footprint, b: Footprint, yaw: float) -> bool:
+    """Whether the boxes along the axes of a frame turned by ``yaw`` do not overlap."""
+    halves = sum(footprint_half_size(f.size, f.yaw - yaw) for f in (a, b))
+    between = np.abs(rotation_2d(-yaw) @ np.subtract(a.centre, b.centre))
+    return bool(np.any(between >= halves - 1e-6))
 
 
 def _count(clashes: Sequence[np.ndarray]) -> str:
@@ -123,8 +133,7 @@ class _Plan:
     """Maps the table onto one panel; ``left`` is the panel's first column."""
 
     def __init__(self, table: Table):
-        self._lower = np.array(table.centre) - np.array(table.size) / 2
-        self._upper = self._lower + np.array(table.size)
+        self._lower, self._upper = table.rectangle
         self._scale = PANEL / table.size[0]
         self.height = round(table.size[1] * self._scale)
         self.left = 0

@@ -50,7 +50,8 @@ def _repair_in(order: Sequence[int], problem: LayoutProblem, centres: np.ndarray
         if not home[k] or np.any((apart[:, 0] < x[k, kept] - TOLERANCE) & (apart[:, 1] < y[k, kept] - TOLERANCE)):
             half = problem.half[kept]
             taken = np.stack([fixed[kept] - half, fixed[kept] + half], axis=1)
-            region = free_region(problem.bounds, problem.half[k], taken, problem.gaps(k, kept), problem.allowed[k])
+            unions = () if problem.allowed[k] is None else (problem.allowed[k],)
+            region = free_region(problem.bounds, problem.half[k], taken, problem.gaps(k, kept), unions)
             if region.is_empty:
                 return fixed, k
             fixed[k] = region.nearest(fixed[k])

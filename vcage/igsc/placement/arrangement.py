@@ -52,7 +52,7 @@ class Arrangement:
         taken = self._taken.copy()
         taken[self._first + k] = False
         plane = self.plane
-        return free_region(plane.bounds, stance.half, self._boxes[taken], plane.gaps[k, taken], also=stance.unions)
+        return free_region(plane.bounds, stance.half, self._boxes[taken], plane.gaps[k, taken], stance.unions)
 
     def conflicts(self, k: int, stance: Stance, centres: np.ndarray) -> np.ndarray:
         """(c, n) bool: which of the other items stand too close for item ``k`` at the ``centres`` (c, 2)."""

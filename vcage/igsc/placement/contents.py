@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from vcage.geometry import footprint_half_size, wrap_angle
+from vcage.geometry import footprint_half_size, rotation_2d, wrap_angle
 from vcage.igsc.placement.place_item import PlaceItem, Placement, as_rectangles, centres_within
 from vcage.igsc.placement.plane import Plane, make_plane
 
@@ -80,7 +80,7 @@ class Carried:
         found = {item.id: at}
         for content in contents_of(self._items, item.id):
             local = self._local[content.id]
-            x, y = np.array([at.x, at.y]) + turn(at.yaw) @ local.centre
+            x, y = np.array([at.x, at.y]) + rotation_2d(at.yaw) @ local.centre
             yaw = float(wrap_angle(at.yaw + local.yaw))
             found |= self.stand(content, Placement(float(x), float(y), yaw, at.z + item.opening.floor))
         return found
@@ -90,11 +90,6 @@ class Carried:
         found = []
         for content in contents_of(self._items, item.id):
             local = self._local[content.id]
-            here = Local(at.centre + turn(at.yaw) @ local.centre, at.yaw + local.yaw)
+            here = Local(at.centre + rotation_2d(at.yaw) @ local.centre, at.yaw + local.yaw)
             found += [(content, here), *self._below(content, here)]
         return found
-
-
-def turn(yaw: float) -> np.ndarray:
-    """(2, 2) rotation by ``yaw``."""
-    return np.array([[np.cos(yaw), -np.sin(yaw)], [np.sin(yaw), np.cos(yaw)]])

@@ -98,8 +98,7 @@ def free_region(
     half_size: ArrayLike,
     obstacles: ArrayLike = (),
     gap: ArrayLike = 0.0,
-    allowed: ArrayLike | None = None,
-    also: Sequence[ArrayLike] = (),
+    unions: Sequence[ArrayLike] = (),
 ) -> FreeRegion:
     """Where the centre of a footprint may be.
 
@@ -108,8 +107,7 @@ def free_region(
         half_size: (2,) half size of the footprint's axis-aligned rectangle.
         obstacles: (n, 2, 2) rectangles to keep clear of.
         gap: scalar or (n,) distance to keep along at least one axis.
-        allowed: (m, 2, 2) rectangles that the centre must lie in one of (within reach), or None for anywhere.
-        also: more such unions of rectangles; the centre must lie in one rectangle of each.
+        unions: (m, 2, 2) each; the centre must lie in one rectangle of each (where it is reached, where it is seen).
     """
     bounds, half_size = np.asarray(bounds, dtype=np.float64), np.asarray(half_size, dtype=np.float64)
     obstacles = np.asarray(obstacles, dtype=np.float64).reshape(-1, 2, 2)
@@ -119,8 +117,7 @@ def free_region(
     grow = half_size - TOLERANCE + np.asarray(gap, dtype=np.float64)[..., None]
     blocked = np.empty_like(obstacles)
     blocked[:, 0], blocked[:, 1] = obstacles[:, 0] - grow, obstacles[:, 1] + grow
-    unions = [np.asarray(union, dtype=np.float64).reshape(-1, 2, 2) for union in (*_given(allowed), *also)]
-    unions = [union + _WIDENED for union in unions]
+    unions = [np.asarray(union, dtype=np.float64).reshape(-1, 2, 2) + _WIDENED for union in unions]
     x, y = _edges(domain, np.concatenate([blocked, *unions]))
     free = np.ones((len(x) - 1, len(y) - 1), dtype=bool)
     for union in unions:
@@ -134,10 +131,6 @@ def free_region(
 
 
 _WIDENED = np.array([[-TOLERANCE], [TOLERANCE]])
-
-
-def _given(allowed: ArrayLike | None) -> tuple[ArrayLike, ...]:
-    return () if allowed is None else (allowed,)
 
 
 def _edges(domain: np.ndarray, rectangles: np.ndarray) -> Iterator[np.ndarray]:

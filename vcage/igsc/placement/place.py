@@ -15,11 +15,11 @@ from numpy.typing import ArrayLike
 from vcage.igsc.placement.arrangement import Spot
 from vcage.igsc.placement.contents import Carried, Local, content_plane, contents_of
 from vcage.igsc.placement.infeasible import no_place, require_room
-from vcage.igsc.placement.place_item import PlaceItem, Placement, as_rectangles, as_workspace, check_items, footprint
+from vcage.igsc.placement.place_item import PlaceItem, Placement, as_rectangles, as_workspace, check_items
 from vcage.igsc.placement.plane import Plane, make_plane
 from vcage.igsc.placement.search import solve
 
-__all__ = ["PlaceItem", "Placement", "footprint", "place", "require_possible"]
+__all__ = ["PlaceItem", "Placement", "place", "require_possible"]
 
 
 def place(

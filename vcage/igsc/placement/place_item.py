@@ -6,13 +6,13 @@ import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from vcage.assets.openings import Opening
-from vcage.errors import UsageError
-from vcage.geometry import footprint_half_size
+from vcage.errors import UnknownName, UsageError
 from vcage.igsc.placement.free_region import TOLERANCE
 
 
@@ -61,13 +61,6 @@ class Placement:
     z: float = 0.0
 
 
-def footprint(item: PlaceItem, at: Placement) -> np.ndarray:
-    """(2, 2) the axis-aligned rectangle that a placed item covers."""
-    half = footprint_half_size(item.size, at.yaw)
-    centre = np.array([at.x, at.y])
-    return np.stack([centre - half, centre + half])
-
-
 def centres_within(rectangles: np.ndarray, half: np.ndarray) -> np.ndarray:
     """(k, 2, 2) where the centre of a footprint of half size (2,) is when it lies in one of (m, 2, 2) rectangles."""
     found = np.stack([rectangles[:, 0] + half, rectangles[:, 1] - half], axis=1)
@@ -105,23 +98,55 @@ def as_workspace(workspace: ArrayLike) -> np.ndarray:
     return found[0]
 
 
+def check_margin(margin: float) -> None:
+    """Refuse a gap that makes no sense.
+
+    Raises:
+        UsageError: it is not a finite number, or negative.
+    """
+    if not (_finite([margin]) and margin >= 0):
+        raise UsageError(f"the margin is {margin}", hint="give the smallest gap in metres, 0 or more")
+
+
+class Contained(Protocol):
+    """What may lie in something, or hold something: an item of a placement or of a layout."""
+
+    @property
+    def id(self) -> str: ...
+    @property
+    def inside(self) -> str | None: ...
+    @property
+    def opening(self) -> Opening | None: ...
+
+
+def check_containers(items: Sequence[Contained]) -> None:
+    """Refuse names, openings and containers that make no sense.
+
+    Raises:
+        UsageError: an id twice; an opening that is not finite or has no inside (a rim may be infinitely high); a
+            container without an opening, or inside itself.
+        UnknownName: a container that is none of the items.
+    """
+    twice = [name for name, count in Counter(item.id for item in items).items() if count > 1]
+    if twice:
+        raise UsageError(f"two objects are called {twice[0]!r}", hint="give every object an id of its own")
+    by_id = {item.id: item for item in items}
+    for item in items:
+        _check_opening(item)
+        _check_chain(item, by_id)
+
+
 def check_items(items: Sequence[PlaceItem], margin: float) -> None:
     """Refuse items that make no sense.
 
     Raises:
-        UsageError: an id twice, no yaw, a number that is not finite, a size that is not positive, a negative gap, a
-            container that is unknown, has no opening, or lies inside itself.
+        UsageError: no yaw, a number that is not finite, a size that is not positive, a negative gap.
+        UsageError, UnknownName: see :func:`check_containers`.
     """
-    if not (_finite([margin]) and margin >= 0):
-        raise UsageError(f"the margin is {margin}", hint="give the smallest gap in metres, 0 or more")
-    twice = [name for name, count in Counter(item.id for item in items).items() if count > 1]
-    if twice:
-        raise UsageError(f"two objects are called {twice[0]!r}", hint="give every object an id of its own")
+    check_margin(margin)
     for item in items:
         _check_item(item)
-    by_id = {item.id: item for item in items}
-    for item in items:
-        _check_container(item, by_id)
+    check_containers(items)
 
 
 def _check_item(item: PlaceItem) -> None:
@@ -131,10 +156,6 @@ def _check_item(item: PlaceItem) -> None:
         raise UsageError(f"{item.id} has the headings {item.yaws}", hint="give at least one finite yaw")
     if not (_finite([item.clearance]) and item.clearance >= 0):
         raise UsageError(f"{item.id} has the clearance {item.clearance}", hint="clearances are metres, 0 or more")
-    if item.opening is not None:
-        numbers = [*item.opening.centre, *item.opening.size, item.opening.floor]
-        if not (_finite(numbers) and min(item.opening.size) > 0):
-            raise UsageError(f"{item.id} has the opening {item.opening}", hint="check the container's mesh")
 
 
 def _finite(values: Sequence[float]) -> bool:
@@ -144,13 +165,20 @@ def _finite(values: Sequence[float]) -> bool:
         return False
 
 
-def _check_container(item: PlaceItem, by_id: Mapping[str, PlaceItem]) -> None:
+def _check_opening(item: Contained) -> None:
+    opening = item.opening
+    if opening is None:
+        return
+    numbers = [*opening.centre, *opening.size, opening.floor]
+    if not (_finite(numbers) and min(opening.size) > 0) or math.isnan(opening.rim):
+        raise UsageError(f"{item.id} has the opening {opening}", hint="check the container's mesh")
+
+
+def _check_chain(item: Contained, by_id: Mapping[str, Contained]) -> None:
     chain = [item.id]
     while (name := by_id[chain[-1]].inside) is not None:
         if name not in by_id:
-            raise UsageError(
-                f"{chain[-1]} lies in {name!r}, which is none of the objects", hint="place its container as well"
-            )
+            raise UnknownName("container", name, [other.id for other in by_id.values() if other.opening is not None])
         if name in chain:
             raise UsageError(
                 f"containers in a circle: {' in '.join([*chain, name])}",

@@ -94,7 +94,7 @@ class Plane:
     def alone(self, k: int, stance: Stance) -> FreeRegion:
         """Where the centre of item ``k`` may be while no other item is placed."""
         gaps = self.gaps[k, : len(self.obstacles)]
-        return free_region(self.bounds, stance.half, self.obstacles, gaps, also=stance.unions)
+        return free_region(self.bounds, stance.half, self.obstacles, gaps, stance.unions)
 
     @property
     def needed(self) -> float:

@@ -50,33 +50,22 @@ class Reaching(Protocol):
     def reachable(self, pose: Pose) -> bool: ...
 
 
-def reach_rectangles(kinematics: Mapping[str, Reaching], workspace: ArrayLike, heights: Sequence[float]) -> np.ndarray:
+def robot_reach(robot: Robot, workspace: ArrayLike, heights: Sequence[float], folder: Path | None = None) -> np.ndarray:
     """Rectangles (m, 2, 2) of the plane in which some arm reaches straight down at all heights and headings.
 
     A cell of the grid counts when one arm reaches all of its corners, so no point of a rectangle is a guess
     between two that work. They are cut to the workspace.
 
+    The kinematics are not even built when the whole workspace is known from the cache. A damaged map is made again; one
+    that cannot be written is told and does without.
+
     Args:
-        kinematics: by arm.
         workspace: (2, 2) lower and upper corner, metres.
         heights: z of the gripper frame's origin that must be reached, metres.
+        folder: where maps are kept, the user's cache if None.
 
     Raises:
         UsageError: the workspace has no inside.
-    """
-    bounds = as_workspace(workspace)
-    asked = {name: _asking(lambda arm=arm: arm, heights) for name, arm in kinematics.items()}
-    return _rectangles(asked, bounds)
-
-
-def robot_reach(robot: Robot, workspace: ArrayLike, heights: Sequence[float], folder: Path | None = None) -> np.ndarray:
-    """:func:`reach_rectangles` of a robot, with what was asked before from the cache.
-
-    The kinematics are not even built when the whole workspace is known. A damaged map is made again; one that cannot
-    be written is told and does without.
-
-    Args:
-        folder: where maps are kept, the user's cache if None.
     """
     bounds = as_workspace(workspace)
     maps = {name: _ReachMap(arm, heights, folder) for name, arm in robot.arms.items()}
@@ -96,7 +85,7 @@ def reach_for(asset: Asset, role: Role, reach: np.ndarray) -> np.ndarray | None:
         reach: (m, 2, 2) rectangles where an arm reaches, metres.
 
     Returns:
-        (k, 2, 2) rectangles for its middle; where they would be none, ``reach`` itself.
+        (k, 2, 2) rectangles for its middle; where they would be none, ``reach`` itself, and a warning.
     """
     if role == "context" or asset.articulated:
         return None
@@ -104,25 +93,24 @@ def reach_for(asset: Asset, role: Role, reach: np.ndarray) -> np.ndarray | None:
     radius = max((float(np.hypot(*point.position[:2])) for point in points), default=0.0)
     inset = reach + np.array([[radius], [-radius]])
     inset = inset[np.all(inset[:, 0] < inset[:, 1], axis=1)]
-    return inset if len(inset) else reach
+    if len(inset):
+        return inset
+    log.warning("nowhere on the table can %s be reached all around, %.0f mm from its middle", asset.name, 1000 * radius)
+    return reach
 
 
 # --- what is asked of inverse kinematics ---------------------------------------------------------------
 
 
-def _asking(arm: Callable[[], Reaching], heights: Sequence[float]) -> Callable[[Node], bool]:
+def _reaches(arm: Reaching, node: Node, heights: Sequence[float]) -> bool:
     """Whether an arm reaches straight down at a node, at all heights and headings."""
-
-    def reaches(node: Node) -> bool:
-        x, y = CELL * node[0], CELL * node[1]
-        for height in heights:
-            for yaw in YAWS:
-                down = Pose.from_yaw([x, y, height], yaw) * Pose(q=[0, 1, 0, 0])
-                if not (arm().reachable(down) or arm().reachable(down * Pose(q=[0, 0, 0, 1]))):
-                    return False
-        return True
-
-    return reaches
+    x, y = CELL * node[0], CELL * node[1]
+    for height in heights:
+        for yaw in YAWS:
+            down = Pose.from_yaw([x, y, height], yaw) * Pose(q=[0, 1, 0, 0])
+            if not (arm.reachable(down) or arm.reachable(down * Pose(q=[0, 0, 0, 1]))):
+                return False
+    return True
 
 
 class _ReachMap:
@@ -133,14 +121,14 @@ class _ReachMap:
     """
 
     def __init__(self, arm: Arm, heights: Sequence[float], folder: Path | None):
-        self._ask = _asking(lambda: kinematics_of(arm), heights)
+        self._arm, self._heights = arm, heights
         self._path = (folder or cache_dir("reach")) / f"{_key(arm, heights)}.json"
         self._known = _read(self._path)
         self._changed = False
 
     def reaches(self, node: Node) -> bool:
         if node not in self._known:
-            self._known[node] = self._ask(node)
+            self._known[node] = _reaches(kinematics_of(self._arm), node, self._heights)
             self._changed = True
         return self._known[node]
 

@@ -36,15 +36,14 @@ class Thrift:
 
 
 THRIFT = (Thrift(np.inf, 0.9), Thrift(1.15, 0.82))
-"""Scatterings that are tried: at any heading, then at small ones only. Of 280 library scenes of 4-40 objects, fuller
-ones were solved by the first in 22 of 100 cases, and by the second in none of 88."""
+"""Scatterings that are tried: at any heading, then at small ones only. What is fuller is seldom scattered, and packing
+it at once is quicker."""
 
 RETURNS = 0.5
 """Times that a scattering goes back, for each item."""
 
 PASSES = 80
-"""Orders that are packed at most. Of 183 library scenes, at least half full, 150 orders solve 147: the first 127,
-ten 143, sixty all of them."""
+"""Orders that are packed at most; most of what can be packed needs one, hard cases some dozens."""
 
 SWEEPS = 2
 """Times that every item of a packed plane is drawn again."""

@@ -7,6 +7,7 @@ Objects are placed one after another on a grid. What turns out badly is placed e
 from __future__ import annotations
 
 import itertools
+import logging
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -15,15 +16,15 @@ import numpy as np
 
 from vcage.geometry import wrap_angle
 from vcage.models.offline.footprints import Footprint
-from vcage.models.offline.groups import Group, Placement, group_of, supports_of
-from vcage.models.offline.room_to_stand import Grid, Standing
+from vcage.models.offline.groups import Group, Placement, group_of, overlapping_objects, supports_of
+from vcage.models.offline.misfit import GAP, misfit
+from vcage.models.offline.room_to_stand import Grid, PlacedGroup, overlapping
 from vcage.schema.plan import TABLE, LayoutPlan, Plan, Relation
-from vcage.schema.plan_check import Room
-from vcage.schema.relations import DIRECTIONS, hold
+from vcage.schema.plan_check import Capacity
+from vcage.schema.relations import hold
 from vcage.schema.scene import Scene
 
-GAP = 0.03
-"""Free space between neighbours, metres."""
+logger = logging.getLogger(__name__)
 
 TIERS = ((GAP, True), (GAP, False), (GAP / 2, False), (0.005, False))
 """(gap, whether objects must also not hide each other in the picture): given up one after another."""
@@ -46,11 +47,12 @@ def arrange(
     plan: LayoutPlan | Plan,
     items: Sequence[Footprint],
     fixed: Mapping[str, Placement] | None = None,
-    rooms: Mapping[str, Room] | None = None,
+    rooms: Mapping[str, Capacity] | None = None,
 ) -> dict[str, Placement]:
     """A placement for every object: relations first, no overlap, in the workspace, then short distances.
 
-    Where relations and free space cannot both be had, relations give way, so no object is ever lost. What lies in or
+    Where relations and free space cannot both be had, relations give way, so no object is ever lost. Where there is no
+    free space left, objects overlap as little as they can, and a warning names them. What lies in or
     on another object at the start and by the plan moves with it; what is only planned there is centred in its opening.
     An object that the picture does not show stays where it is. Relations that name what there is not are passed over.
 
@@ -60,18 +62,21 @@ def arrange(
     """
     known = {item.record.id: item for item in items}
     relations = [r for r in plan.relations if r.subject in known and r.reference in (*known, TABLE)]
-    search = _Search(scene, relations, known, dict(fixed or {}), rooms or {})
-    return search.run()
+    found = _Search(scene, relations, known, dict(fixed or {}), rooms or {}).run()
+    overlapping = overlapping_objects(items, found, relations)
+    if overlapping:
+        logger.warning("there is no room to keep these apart: %s", ", ".join(overlapping))
+    return found
 
 
 @dataclass
 class _State:
     """Groups that have a place, by the root's id."""
 
-    placed: dict[str, Standing] = field(default_factory=dict)
+    placed: dict[str, PlacedGroup] = field(default_factory=dict)
 
     @cached_property
-    def others(self) -> list[Standing]:
+    def others(self) -> list[PlacedGroup]:
         return list(self.placed.values())
 
     @cached_property
@@ -82,7 +87,7 @@ class _State:
     def without(self, *roots: str) -> _State:
         return _State({root: there for root, there in self.placed.items() if root not in roots})
 
-    def plus(self, there: Standing) -> _State:
+    def plus(self, there: PlacedGroup) -> _State:
         return _State({**self.placed, there.group.root.record.id: there})
 
 
@@ -95,7 +100,7 @@ class _Search:
         relations: list[Relation],
         known: Mapping[str, Footprint],
         fixed: dict[str, Placement],
-        rooms: Mapping[str, Room],
+        rooms: Mapping[str, Capacity],
     ):
         self._scene = scene
         self._relations = relations
@@ -115,7 +120,7 @@ class _Search:
             turns = [there.turn] if there else list(dict.fromkeys((_turn(item), 0.0)))
             groups = [group_of(item, turn, carried, rooms, relations) for turn in turns]
             if there:
-                self._fixed = self._fixed.plus(self._grid.standing(groups[0], np.array(there.centre, dtype=np.float64)))
+                self._fixed = self._fixed.plus(self._grid.place(groups[0], np.array(there.centre, dtype=np.float64)))
             else:
                 self._choices[item.record.id] = groups
         self._root_of = {m.item.record.id: root for root, groups in self._choices.items() for m in groups[0].members}
@@ -176,14 +181,23 @@ class _Search:
                 best = (*found[:2], group, found[2])
             if best[0] == 0:
                 break
-        return best[0], state.plus(self._grid.standing(best[2], best[3]))
+        return best[0], state.plus(self._grid.place(best[2], best[3]))
 
     def _best_place(self, group: Group, state: _State) -> tuple[float, float, np.ndarray]:
         """(broken relations, or more for an overlap; tier's price; centre)."""
-        grid = self._grid.centres(group)
-        broken, soft = self._judge(group, grid, state)
+        centres = self._grid.centres(group)
+        points = centres.points()
+        clearance = self._grid.clearance(group, centres, state.others)
+        room = np.flatnonzero(clearance >= TIERS[-1][0] - 1e-9)
+        if len(room) == 0:
+            broken, soft = self._judge(group, points, state)
+            depth = self._grid.overlap(group, centres, state.others)
+            at = int(np.argmin(1e3 * depth + soft))
+            return _OVERLAP + float(broken[at]), len(TIERS), points[at]
+        clearance, points = clearance[room], points[room]
+        plain = self._grid.plain(group, centres, state.others)[room]
+        broken, soft = self._judge(group, points, state)
         best: tuple[float, float, np.ndarray] | None = None
-        clearance, plain = (look(group, grid, state.others) for look in (self._grid.clearance, self._grid.plain))
         for price, (gap, seen) in enumerate(TIERS):
             free = (clearance >= gap - 1e-9) & (plain | (not seen))
             if not free.any():
@@ -191,57 +205,30 @@ class _Search:
             score = np.where(free, 1e3 * broken + soft, np.inf)
             at = int(np.argmin(score))
             if best is None or broken[at] < best[0]:
-                best = (float(broken[at]), price, grid[at])
+                best = (float(broken[at]), price, points[at])
             if best[0] == 0:
-                return best
-        if best is not None:
-            return best
-        depth = self._grid.overlap(group, grid, state.others)
-        at = int(np.argmin(1e3 * depth + soft))
-        return _OVERLAP + float(broken[at]), len(TIERS), grid[at]
+                break
+        return best
 
-    def _judge(self, group: Group, grid: np.ndarray, state: _State) -> tuple[np.ndarray, np.ndarray]:
-        """(n,) relations to what is placed that break with the group at each centre, and how well it stands there."""
-        soft = 0.05 * np.linalg.norm(grid - group.root.centre, axis=1)
-        broken = np.zeros(len(grid))
-        table = self._grid.table
+    def _judge(self, group: Group, points: np.ndarray, state: _State) -> tuple[np.ndarray, np.ndarray]:
+        """(n,) relations to what is placed that break with the group at each point, and how well it stands there."""
+        soft = 0.05 * np.linalg.norm(points - group.root.centre, axis=1)
+        broken = np.zeros(len(points))
         members = {m.item.record.id: m for m in group.members}
+        boxes: dict[str, np.ndarray] = {}
         for r in self._about.get(group.root.record.id, ()):
             if (r.subject in members) == (r.reference in members):
                 continue
-            other = r.reference if r.subject in members else r.subject
-            there = table if other == TABLE else state.boxes.get(other)
+            own, other = (r.subject, r.reference) if r.subject in members else (r.reference, r.subject)
+            there = self._grid.table if other == TABLE else state.boxes.get(other)
             if there is None:
                 continue
-            here = members[r.subject if r.subject in members else r.reference].boxes(grid)
-            pair = (here, there) if r.subject in members else (there, here)
+            if own not in boxes:
+                boxes[own] = members[own].boxes(points)
+            pair = (boxes[own], there) if r.subject in members else (there, boxes[own])
             broken += ~hold(r.relation, *pair)
-            soft += self._cost(r, *pair)
+            soft += misfit(r, *pair, self._scene)
         return broken, soft
-
-    def _cost(self, r: Relation, subject: np.ndarray, reference: np.ndarray) -> np.ndarray:
-        """(n,) how far boxes (…, 2, 3) are from what a relation looks like at its best, metres, weighted."""
-        offset = subject[..., :2].mean(axis=-2) - reference[..., :2].mean(axis=-2)
-        if r.relation == "center":
-            back = self._back(subject) if r.reference == TABLE else 0
-            return 10 * np.linalg.norm(offset - back, axis=-1)
-        if r.relation in ("inside", "on"):
-            return np.zeros(len(offset))
-        reach = (subject[..., 1, :2] - subject[..., 0, :2] + reference[..., 1, :2] - reference[..., 0, :2]) / 2
-        gaps = np.maximum(np.abs(offset) - reach, 0)
-        near = np.abs(np.linalg.norm(gaps, axis=-1) - GAP)
-        if r.relation not in DIRECTIONS:
-            return 3 * near
-        direction = np.array(DIRECTIONS[r.relation])
-        along, across = offset @ direction, np.abs(offset @ direction[::-1])
-        return 30 * np.maximum(reach @ np.abs(direction) - along, 0) + near + across
-
-    def _back(self, subject: np.ndarray) -> np.ndarray:
-        """Offset of the middle place: a little away from the robot, to leave room for what stands in front."""
-        half = (subject[..., 1, 1] - subject[..., 0, 1]) / 2
-        room = self._scene.workspace.upper[1] - self._scene.table.centre[1] - half
-        back = np.clip(0.3 * room, 0.0, 0.05)
-        return np.stack([np.zeros_like(back), back], axis=-1)
 
     def _broken(self, state: _State) -> list[Relation]:
         boxes = {**state.boxes, TABLE: self._grid.table}
@@ -257,12 +244,8 @@ class _Search:
 
     def _overlapping(self, state: _State) -> list[str]:
         """Groups that can be moved and overlap another."""
-        found = []
-        for root, there in state.placed.items():
-            others = state.without(root).others
-            if root in self._choices and self._grid.overlap(there.group, there.centre[None], others)[0] > 1e-9:
-                found.append(root)
-        return found
+        found = (there.group.root.record.id for there in overlapping(state.others))
+        return [root for root in found if root in self._choices]
 
     def _mend(self, state: _State) -> _State:
         """Move single groups, then pairs of a broken relation, as long as the faults become fewer."""
@@ -286,18 +269,19 @@ class _Search:
                 rest = state.without(first, second)
                 for group in self._choices[first]:
                     for centre in self._spread(group, rest):
-                        yield self._place(second, rest.plus(self._grid.standing(group, centre)))[1]
+                        yield self._place(second, rest.plus(self._grid.place(group, centre)))[1]
 
     def _spread(self, group: Group, state: _State) -> np.ndarray:
         """(k, 2) free places of a group, those that break the fewest relations, spread over all of these."""
-        grid = self._grid.centres(group)
-        broken, soft = self._judge(group, grid, state)
-        free = self._grid.clearance(group, grid, state.others) >= TIERS[-1][0]
-        if not free.any():
-            return grid[:0]
-        good = np.flatnonzero(free & (broken == broken[free].min()))
+        centres = self._grid.centres(group)
+        free = self._grid.clearance(group, centres, state.others) >= TIERS[-1][0]
+        points = centres.points()[free]
+        if len(points) == 0:
+            return points
+        broken, soft = self._judge(group, points, state)
+        good = np.flatnonzero(broken == broken.min())
         good = good[np.argsort(soft[good], kind="stable")]
-        return grid[good[np.unique(np.linspace(0, len(good) - 1, PAIR_TRIES).astype(int))]]
+        return points[good[np.unique(np.linspace(0, len(good) - 1, PAIR_TRIES).astype(int))]]
 
 
 def _turn(item: Footprint) -> float:

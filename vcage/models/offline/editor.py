@@ -11,8 +11,7 @@ from vcage.errors import InfeasibleScene, InputFileError
 from vcage.models.offline import PROVIDER
 from vcage.models.offline.arrange import arrange
 from vcage.models.offline.footprints import Footprint, footprints
-from vcage.models.offline.groups import Placement
-from vcage.models.offline.light import find_light
+from vcage.models.offline.light import Light, find_light
 from vcage.models.offline.painting import Drawing, draw
 from vcage.models.protocols import EditRequest
 from vcage.schema.plan import Relation
@@ -43,11 +42,23 @@ class OfflineEditor:
         for item in items:
             if item.hidden:
                 logger.warning("%s: the picture shows nothing of it, so it stays where it is", item.record.id)
-        drawing = _draw(request, items, request.plan.relations)
+        light = find_light(
+            request.picture, request.background, items, request.scene.top_camera.camera(), request.scene.table.height
+        )
+        drawing = _draw(request, items, request.plan.relations, light)
         hidden = drawing.hidden(WELL_VISIBLE)
         if hidden:
             others = [r for r in request.plan.relations if r.subject not in hidden and r.reference not in hidden]
-            drawing = max((drawing, _draw(request, items, others)), key=lambda d: d.least_visible)
+            freer = _draw(request, items, others, light)
+            if freer.least_visible > drawing.least_visible:
+                drawing = freer
+                logger.warning(
+                    "so that %s can be seen, the target picture does not keep to: %s",
+                    ", ".join(hidden),
+                    "; ".join(
+                        f"{r.subject} {r.relation} {r.reference}" for r in request.plan.relations if r not in others
+                    ),
+                )
         lost = drawing.hidden(BARELY_VISIBLE)
         if lost:
             raise InfeasibleScene(
@@ -60,13 +71,14 @@ class OfflineEditor:
         return drawing.picture
 
 
-def _draw(request: EditRequest, items: Sequence[Footprint], relations: Sequence[Relation]) -> Drawing:
+def _draw(
+    request: EditRequest, items: Sequence[Footprint], relations: Sequence[Relation], light: Light | None
+) -> Drawing:
     plan = request.plan.model_copy(update={"relations": list(relations)})
-    placements: dict[str, Placement] = arrange(request.scene, plan, items, rooms=request.rooms)
+    placements = arrange(request.scene, plan, items, rooms=request.rooms)
     camera = request.scene.top_camera.camera()
-    height = request.scene.table.height
-    light = find_light(request.picture, request.background, items, camera, height)
     holders = {r.reference for r in relations if r.relation in ("inside", "on")}
+    height = request.scene.table.height
     return draw(request.picture, request.background, items, placements, camera, light, height, holders)
 
 

@@ -8,7 +8,7 @@ from functools import cached_property
 import cv2
 import numpy as np
 
-from vcage.geometry import Camera, footprint_half_size
+from vcage.geometry import Camera, footprint_half_size, rotation_2d
 from vcage.schema.scene import ObjectRecord, Scene
 
 FEWEST_PIXELS = 12
@@ -73,9 +73,8 @@ class Footprint:
             return half
         if self._sides is not None:
             return footprint_half_size(self._sides, self.record.pose.pose().yaw + turn)
-        c, s = np.cos(turn), np.sin(turn)
         hull = self.hull * (half / np.maximum(np.abs(self.hull).max(axis=0), 1e-6))
-        return np.abs(hull @ np.array([[c, s], [-s, c]])).max(axis=0)
+        return np.abs(hull @ rotation_2d(turn).T).max(axis=0)
 
 
 def footprints(scene: Scene, segmentation: np.ndarray) -> list[Footprint]:

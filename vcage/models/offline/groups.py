@@ -9,9 +9,14 @@ from functools import cached_property
 
 import numpy as np
 
+from vcage.geometry import rotation_2d
 from vcage.models.offline.footprints import Footprint
 from vcage.schema.plan import TABLE, Relation
-from vcage.schema.plan_check import Room
+from vcage.schema.plan_check import Capacity
+from vcage.schema.relations import plane_gap
+
+TOUCH = 1e-6
+"""Metres that boxes may share and count as touching."""
 
 MOST_ORDERS = 24
 """Orders of the contents of one container that are tried."""
@@ -36,11 +41,12 @@ class Member:
 
     def boxes(self, centres: np.ndarray) -> np.ndarray:
         """(…, 2, 3) its world box with the group at ``centres`` (…, 2)."""
-        middle = centres + self.offset
-        low, high = np.empty((*middle.shape[:-1], 3)), np.empty((*middle.shape[:-1], 3))
-        low[..., :2], high[..., :2] = middle - self.half, middle + self.half
-        low[..., 2], high[..., 2] = self.item.box[:, 2]
-        return np.stack([low, high], axis=-2)
+        boxes = np.empty((2, 3, *centres.shape[:-1]))  # in memory one coordinate after another: what follows is fast
+        for axis in (0, 1):
+            middle = centres[..., axis] + self.offset[axis]
+            boxes[0, axis], boxes[1, axis] = middle - self.half[axis], middle + self.half[axis]
+        boxes[0, 2], boxes[1, 2] = self.item.box[:, 2]
+        return np.moveaxis(boxes, (0, 1), (-2, -1))
 
 
 @dataclass(frozen=True)
@@ -76,6 +82,16 @@ def placed_boxes(items: Sequence[Footprint], placements: Mapping[str, Placement]
     return boxes
 
 
+def overlapping_objects(
+    items: Sequence[Footprint], placements: Mapping[str, Placement], relations: Sequence[Relation]
+) -> list[str]:
+    """Objects on the table whose boxes overlap another's in the plane, in the order of ``items``."""
+    lying = supports_of(relations, {item.record.id: item for item in items})
+    boxes = {name: box[:, :2] for name, box in placed_boxes(items, placements).items() if name not in lying}
+    pairs = [pair for pair in itertools.combinations(boxes, 2) if plane_gap(boxes[pair[0]], boxes[pair[1]]) < -TOUCH]
+    return [name for name in boxes if any(name in pair for pair in pairs)]
+
+
 def supports_of(relations: Sequence[Relation], known: Mapping[str, Footprint]) -> dict[str, str]:
     """What each object lies in or on by the plan, without circles: the first that the plan names counts."""
     found: dict[str, str] = {}
@@ -94,7 +110,7 @@ def group_of(
     root: Footprint,
     turn: float,
     carried: Mapping[str, Sequence[Footprint]],
-    rooms: Mapping[str, Room],
+    rooms: Mapping[str, Capacity],
     relations: Sequence[Relation],
 ) -> Group:
     """The group of an object that is turned by ``turn``; ``carried`` is what lies directly in or on each."""
@@ -106,31 +122,26 @@ def group_of(
 
 
 def _laid_out(
-    holder: Member, contents: Sequence[Footprint], room: Room | None, relations: Sequence[Relation]
+    holder: Member, contents: Sequence[Footprint], room: Capacity | None, relations: Sequence[Relation]
 ) -> list[Member]:
     """Contents in their container: those that lie in it already stay there, the others are centred in rows."""
     rigid = [c for c in contents if c.record.container == holder.item.record.id]
     fresh = [c for c in contents if c not in rigid]
     found = []
-    turned = _rotation(holder.turn)
+    turned = rotation_2d(holder.turn)
     for item in rigid:
         offset = holder.offset + turned @ (item.centre - holder.item.centre)
         found.append(Member(item, offset, item.half_size(holder.turn), holder.turn))
     if not fresh:
         return found
     heading = holder.item.record.pose.pose().yaw + holder.turn
-    middle = holder.offset + (_rotation(heading) @ np.array(room.centre) if room else 0)
+    middle = holder.offset + (rotation_2d(heading) @ np.array(room.centre) if room else 0)
     orders = itertools.islice(itertools.permutations(fresh), MOST_ORDERS)
     rows = [_rows(order, holder, room, middle) for order in orders]
     return found + max(rows, key=lambda row: _ordered(row, relations))
 
 
-def _rotation(angle: float) -> np.ndarray:
-    c, s = np.cos(angle), np.sin(angle)
-    return np.array([[c, -s], [s, c]])
-
-
-def _rows(order: Sequence[Footprint], holder: Member, room: Room | None, middle: np.ndarray) -> list[Member]:
+def _rows(order: Sequence[Footprint], holder: Member, room: Capacity | None, middle: np.ndarray) -> list[Member]:
     """Contents from left to right in rows no wider than the opening, front row first, centred around ``middle``."""
     width = 2 * holder.half[0]
     if room is not None and room.holds is not None:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import cv2
 import numpy as np
 
-from vcage.geometry import Camera, box_corners
+from vcage.geometry import Camera, box_corners, rotation_2d
 from vcage.models.offline.footprints import Footprint
 from vcage.models.offline.groups import Placement
 from vcage.models.offline.light import Light
@@ -122,9 +122,9 @@ def _sprite(
     rows, columns = np.mgrid[: shape[0], : shape[1]]
     pixels = np.stack([columns + corner[0], rows + corner[1]], axis=-1) + 0.5
     pasted, covered = np.zeros((*shape, 3), np.float32), np.zeros(shape, np.float32)
-    c, s = np.cos(placement.turn), np.sin(placement.turn)
+    turn = rotation_2d(placement.turn)
     for index, z in enumerate(prism.heights):
-        here = (camera.unproject(pixels, z)[..., :2] - placement.centre) @ np.array([[c, -s], [s, c]])
+        here = (camera.unproject(pixels, z)[..., :2] - placement.centre) @ turn
         alpha = np.clip(SHARPNESS * (prism.sample(index, here)[..., None] - 0.5) + 0.5, 0, 1)
         top = index == len(prism.heights) - 1
         unseen = _unseen(prism, index, camera)
@@ -203,8 +203,7 @@ def _side_shading(prism: Prism, index: int, turn: float, light: Light, unseen: n
     """
     normals = prism.normals(index)
     strength = np.linalg.norm(normals, axis=-1)
-    c, s = np.cos(turn), np.sin(turn)
-    after = light.on_side(normals @ np.array([[c, s], [-s, c]]))
+    after = light.on_side(normals @ rotation_2d(turn).T)
     before = light.on_side(np.where(unseen[..., None] > 0, -normals, normals))
     factor = np.where(strength > 0.5, np.clip(after / before, *SHADING), 1.0)
     return cv2.GaussianBlur(factor.astype(np.float32), (0, 0), 2)
@@ -223,10 +222,10 @@ def _cast(sprite: _Sprite, light: Light, camera: Camera, table: float, shape: tu
         return shade
     rows, columns = np.mgrid[lower[1] : upper[1], lower[0] : upper[0]]
     points = camera.unproject(np.stack([columns, rows], axis=-1) + 0.5, table)[..., :2]
-    c, s = np.cos(sprite.placement.turn), np.sin(sprite.placement.turn)
+    turn = rotation_2d(sprite.placement.turn)
     swept = np.zeros(rows.shape, np.float32)
     for index, z in enumerate(sprite.prism.heights):
         here = points - sprite.placement.centre - light.offset * (z - table)
-        swept = np.maximum(swept, sprite.prism.sample(index, here @ np.array([[c, -s], [s, c]])))
+        swept = np.maximum(swept, sprite.prism.sample(index, here @ turn))
     shade[lower[1] : upper[1], lower[0] : upper[0]] = swept
     return shade

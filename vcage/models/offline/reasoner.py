@@ -2,20 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from typing import TypeVar
 
 import numpy as np
 
+from vcage.errors import ModelRefused
 from vcage.models.offline import PROVIDER
 from vcage.models.offline.chain import compose_chain
 from vcage.models.offline.layout import plan_layout
 from vcage.models.offline.receptacles import judge_pair
 from vcage.models.offline.selection import Selector
 from vcage.schema.asset import CatalogueEntry
-from vcage.schema.plan import LayoutPlan, Selection
-from vcage.schema.plan_check import PlanCheck, plan_complaints, require_possible
+from vcage.schema.plan import LayoutPlan, Selection, SelectionCheck
+from vcage.schema.plan_check import PlanCheck
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import ChainOption, PairAnswer, PairQuestion
+
+TRIES = 5
+"""Selections or plans that are drawn before one is refused."""
+
+Drawn = TypeVar("Drawn", Selection, LayoutPlan)
 
 
 class OfflineReasoner:
@@ -24,26 +31,16 @@ class OfflineReasoner:
     provider = PROVIDER
 
     def select_assets(
-        self, instruction: str, catalogue: Sequence[CatalogueEntry], rng: np.random.Generator
+        self, instruction: str, catalogue: Sequence[CatalogueEntry], rng: np.random.Generator, check: SelectionCheck
     ) -> Selection:
         """See :class:`vcage.models.offline.selection.Selector`."""
-        return Selector(instruction, catalogue, rng).select()
+        return _drawn("selection", Selector(instruction, catalogue, rng).select, check)
 
     def plan_layout(
-        self,
-        scene: Scene,
-        catalogue: Sequence[CatalogueEntry],
-        rng: np.random.Generator,
-        check: PlanCheck | None = None,
+        self, scene: Scene, catalogue: Sequence[CatalogueEntry], rng: np.random.Generator, check: PlanCheck
     ) -> LayoutPlan:
-        """See :func:`vcage.models.offline.layout.plan_layout`; roles say all that it needs of the catalogue.
-
-        Raises:
-            ModelRefused: the check complains about the plan.
-        """
-        plan = plan_layout(scene, rng)
-        require_possible(self.provider, plan, check or (lambda found: plan_complaints(found, scene)))
-        return plan
+        """See :func:`vcage.models.offline.layout.plan_layout`; roles say all that it needs of the catalogue."""
+        return _drawn("layout plan", lambda: plan_layout(scene, rng), check)
 
     def judge_pairs(self, questions: Sequence[PairQuestion]) -> list[PairAnswer]:
         """See :func:`vcage.models.offline.receptacles.judge_pair`."""
@@ -52,3 +49,22 @@ class OfflineReasoner:
     def compose_chain(self, instruction: str, options: Sequence[ChainOption]) -> list[str]:
         """See :func:`vcage.models.offline.chain.compose_chain`."""
         return compose_chain(instruction, options)
+
+
+def _drawn(what: str, draw: Callable[[], Drawn], check: Callable[[Drawn], list[str]]) -> Drawn:
+    """The first of :data:`TRIES` draws that the check has no complaint about.
+
+    Raises:
+        ModelRefused: there is none; lists the complaints about the last.
+    """
+    complaints: list[str] = []
+    for _ in range(TRIES):
+        drawn = draw()
+        complaints = check(drawn)
+        if not complaints:
+            return drawn
+    raise ModelRefused(
+        f"no {what} of {PROVIDER} can be used: {'; '.join(complaints)}",
+        hint="try another --seed, other words, or --models with an online model",
+        details={"problems": complaints},
+    )

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
@@ -30,8 +29,6 @@ from vcage.models.search import Search, best_search
 from vcage.schema.asset import CatalogueEntry, Variant
 from vcage.schema.plan import SelectedAsset, Selection
 
-logger = logging.getLogger(__name__)
-
 MOST_OBJECTS = 40
 """Things that one phrase may ask for; no table holds more."""
 
@@ -41,7 +38,6 @@ CONTEXT_FOOTPRINT = 0.03
 
 SUGGESTIONS = 3
 """Names that a complaint suggests for a phrase that nothing answers."""
-
 
 UNNAMED_CONTENTS = 2
 """How many things are in a place that is emptied."""
@@ -70,6 +66,7 @@ class Selector:
         self.requests = parse_instruction(instruction)
         self._search = search
         self._places = Places(self.catalogue)
+        self._notes: list[str] = []
 
     def select(self) -> Selection:
         """Contents, then receptacles, then tools and objects for the occasion.
@@ -78,6 +75,7 @@ class Selector:
             NoAssetFits: a phrase of the instruction matches nothing; names it and the nearest names.
             InfeasibleScene: it asks for none of a thing, or for more than any table holds.
         """
+        self._notes = []
         self._require_matches()
         self._require_counts()
         places_named = [request.receptacle for request in self.requests if request.receptacle is not None]
@@ -95,7 +93,8 @@ class Selector:
         chosen += self._sources(chosen)
         chosen += self._tools(tools, chosen)
         sources = [place for request in self.requests for _, place in request.sources]
-        return Selection(objects=chosen + self._context([*contents, *places_named, *sources, *tools], chosen))
+        chosen += self._context([*contents, *places_named, *sources, *tools], chosen)
+        return Selection(objects=chosen, notes=list(dict.fromkeys(self._notes)))
 
     def _receptacle_of(self, request: Request) -> list[Candidate]:
         """The receptacle of a clause, as a list of one or none."""
@@ -121,9 +120,11 @@ class Selector:
         source = self._source_of(phrase, request)
         if source is not None and len(kinds) > 1:
             kinds = self._small_enough(kinds, source)
-        starts_in = source.name if source is not None and all(goes_in(kind, source) for kind in kinds) else None
-        if source is not None and starts_in is None:
-            logger.warning("%r is too large for the %s, so it starts beside it", phrase.text, source.words.name)
+        starts_in = None
+        if source is not None:
+            trouble = _no_start(kinds, source)
+            starts_in = None if trouble else source.name
+            self._notes += [f"{phrase.text!r} starts on the table: {trouble}"] if trouble else []
         if len(kinds) > 1:
             looks = self._one_of_each(self._suiting(kinds, request), phrase)
         else:
@@ -149,7 +150,7 @@ class Selector:
             return None
         found = self._places.of(replace(request, contents=(phrase,), again=(), receptacle=place), self.catalogue)
         if found is None or not found.entry.functional_points:
-            logger.warning("nothing holds things that is called %r, so %r starts on the table", place.text, phrase.text)
+            self._notes.append(f"{phrase.text!r} starts on the table: nothing called {place.text!r} holds things")
             return None
         return found.entry
 
@@ -290,3 +291,11 @@ class Selector:
             hint="; ".join(colours) or f"nearest in meaning: {nearest}; `vcage assets list` shows all",
             details={"unmatched": [p.text for p in phrases], "nearest": near, "words": tokens(self.instruction)},
         )
+
+
+def _no_start(kinds: Sequence[CatalogueEntry], source: CatalogueEntry) -> str | None:
+    """Why things of these kinds cannot lie in or on a place at the start; None when they can."""
+    if source.functional_points[0].link is not None:
+        return f"the {source.words.name} is closed then"
+    large = [kind.words.name for kind in kinds if not goes_in(kind, source)]
+    return f"the {source.words.name} is too small for the {' and the '.join(large)}" if large else None

@@ -3,7 +3,7 @@ from __future__ import annotations
 import pytest
 
 from vcage.assets.library import Library
-from vcage.igsc.placement.rooms import room_of
+from vcage.igsc.rooms import opening_for, room_of
 
 
 @pytest.fixture(scope="module")
@@ -20,3 +20,9 @@ def test_a_box_has_an_opening_smaller_than_itself(library):
 def test_a_plate_takes_things_on_it_and_an_apple_takes_nothing(library):
     assert room_of(library.asset("plate")).holds == "on"
     assert room_of(library.asset("apple")).holds is None
+
+
+def test_a_closed_drawer_takes_nothing(library):
+    cabinet = library.asset("cabinet_one_drawer")
+    assert cabinet.annotation.functional_points[0].link is not None
+    assert room_of(cabinet).holds is None and opening_for(cabinet) is None
