@@ -25,6 +25,7 @@ from vcage.igsc.heading import settle, softened
 from vcage.igsc.keeping import kept
 from vcage.igsc.recover import heading_of, smallest_turn
 from vcage.igsc.register import register
+from vcage.igsc.twins import settle_twins
 from vcage.models.offline.table_model import fit_table
 from vcage.models.protocols import Detection, Detector, Embedder
 from vcage.schema.matches import Match
@@ -131,7 +132,7 @@ def match_picture(
     region = table_region(scene.top_camera.camera(), scene.table) & registered.valid
     salience = fit_table(picture, pictures.background, region).salience
     names = [o.phrase for o in scene.objects]
-    detections = _surest(detector.detect(picture, names, pictures.background), notes)
+    detections = _surest(_sound(detector.detect(picture, names, pictures.background), picture.shape[:2], notes), notes)
     known = _look(scene, pictures, picture, salience, detections, embedder)
     chosen = assign(known.masks, known.odds)
     found: dict[str, Match] = {}
@@ -148,8 +149,9 @@ def match_picture(
     notes += _twice(known, chosen, found)
     rest = kept(scene, plan, pictures.segmentation, found, stayed)
     masks = [known.masks[i][c.index] for i, c in chosen.items() if known.records[i].id in found]
+    matches = [found.get(o.id) or rest[o.id] for o in scene.objects]
     return MatchResult(
-        [found.get(o.id) or rest[o.id] for o in scene.objects],
+        settle_twins(scene, plan.relations, matches) if plan else matches,
         _unclaimed(detections, masks, region),
         picture,
         notes,
@@ -171,6 +173,18 @@ def table_region(camera: Camera, table: Table) -> np.ndarray:
         return ~drawn.astype(bool)
     cv2.fillConvexPoly(drawn, np.round(np.clip(pixels, -1e4, 1e4)).astype(np.int32), 1)
     return cv2.erode(drawn, np.ones((2 * TABLE_EDGE + 1,) * 2, np.uint8), borderValue=1) > 0
+
+
+def _sound(detections: Sequence[Detection], shape: tuple[int, int], notes: list[str]) -> list[Detection]:
+    """Detections without those whose box, score or mask is none of this picture."""
+    sound = [
+        d for d in detections if np.all(np.isfinite([*d.box, d.score])) and (d.mask is None or d.mask.shape == shape)
+    ]
+    if len(sound) < len(detections):
+        notes.append(
+            f"{len(detections) - len(sound)} detections had no finite box and score, or a mask of another size"
+        )
+    return sound
 
 
 def _surest(detections: Sequence[Detection], notes: list[str]) -> list[Detection]:
