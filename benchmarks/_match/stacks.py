@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+import functools
 import time
 from collections.abc import Callable
 
 from benchmarks._match.cases import Case
 from benchmarks._match.paper import match_plainly
 from benchmarks._match.scoring import Score, score
-from vcage.errors import UsageError
+from vcage.assets.library import Library
+from vcage.errors import NoRenderer, UnknownName, UsageError
 from vcage.igsc.match import ScenePictures, match_picture
 from vcage.igsc.symmetry import rotational_symmetry
 from vcage.models.registry import build_detector, build_embedder, split_weights
 from vcage.schema.matches import Match
+from vcage.sim.drawer import ModelDrawer
+from vcage.sim.vulkan import ensure_driver
 
 OFFLINE = "background+classical"
 PAPER = "paper-greedy"
@@ -38,7 +42,9 @@ def build(stack: str) -> Matcher:
     def match(case: Case) -> list[Match]:
         pictures = ScenePictures(case.source, case.segmentation, case.background)
         orders = symmetries(case)
-        return match_picture(case.scene, case.plan, pictures, case.target, *found, symmetry=orders).matches
+        return match_picture(
+            case.scene, case.plan, pictures, case.target, *found, symmetry=orders, drawer=drawer(case)
+        ).matches
 
     return match
 
@@ -50,6 +56,29 @@ def judge(matcher: Matcher, case: Case) -> Score:
     matches = matcher(case)
     seconds, cpu_seconds = time.perf_counter() - start, time.process_time() - start_cpu
     return score(case.scene, case.truth, matches, seconds, cpu_seconds)
+
+
+@functools.cache
+def _library() -> Library | None:
+    """The library that objects are drawn from; None where nothing can draw."""
+    try:
+        ensure_driver()
+    except NoRenderer:
+        return None
+    return Library.load()
+
+
+def drawer(case: Case) -> ModelDrawer | None:
+    """Draws the objects of a case that the library has, as the stage does; None where nothing can draw."""
+    library, models = _library(), {}
+    if library is None:
+        return None
+    for record in case.scene.objects:
+        try:
+            models[record.id] = library.asset(record.asset, record.variant).model
+        except UnknownName:
+            continue  # a case made elsewhere: its heading is settled by its crop
+    return ModelDrawer(models)
 
 
 _ORDERS: dict[tuple[str, str], int] = {}

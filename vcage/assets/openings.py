@@ -24,12 +24,11 @@ TOUCH = 0.001
 """A contact point this close to the surface counts as in the material, metres."""
 
 WALL_SHARE = 0.5
-WALL_HEIGHT = 0.02
-"""Sloping walls count from this share of the depth on, at most from this height: what is dropped into a bowl does not
-need the bowl's flat bottom, but a handle over a tray does not make its walls lower."""
+"""Sloping walls count from this share of the depth on: what lies in a bowl does not need the bowl's flat bottom."""
 
 FOOT = 0.003
-"""Height above the floor, metres, from which walls count for what stands in a container with a flat bottom."""
+"""Height above the floor, metres, from which walls count for what stands in a container with a flat bottom; a handle
+over a tray does not make its walls lower then."""
 
 
 @dataclass(frozen=True)
@@ -87,7 +86,7 @@ def room_inside(pieces: Sequence[Convex], point: Sequence[float], *, standing: b
     """
     floor = _support_height(pieces, point)
     rim = max(float(piece.vertices[:, 2].max()) for piece in pieces)
-    from_height = FOOT if standing else min(WALL_SHARE * (rim - floor), WALL_HEIGHT)
+    from_height = FOOT if standing else WALL_SHARE * (rim - floor)
     blocked = _grid(pieces, floor + max(SKIN, from_height), np.inf)
     return _opening(~blocked, pieces, point, floor, rim)
 

@@ -4,7 +4,8 @@ As in the paper: detections of the target picture, features of regions, pairs, c
 rotation by normalised cross-correlation. What differs is the order. Detections of an edited picture merge what touches,
 miss what is pale and follow shadows, while every known object has a crop of its own; so each crop is laid over the
 target at every place and heading first, the detections only say where to look as well and what things are called, and
-features, correlation, colours and outline together decide. Which way an object faces is settled last, where it is.
+features, correlation, colours and outline together decide. Which way an object faces is settled last, where it is:
+by drawings of its model if it has one, by its crop if not.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ import cv2
 import numpy as np
 
 from vcage.geometry import Camera
-from vcage.igsc.alignment import TERMS, Fit, mask_at, middles
+from vcage.igsc.alignment import TERMS, Fit, fit, mask_at, middles
 from vcage.igsc.assignment import Chosen, assign
 from vcage.igsc.candidates import find_candidates
 from vcage.igsc.crops import Crop, View, crop_of
@@ -24,6 +25,7 @@ from vcage.igsc.evidence import SMALLEST_MASK, log_odds, name_evidence, recolour
 from vcage.igsc.heading import settle, softened
 from vcage.igsc.keeping import kept
 from vcage.igsc.recover import heading_of, smallest_turn
+from vcage.igsc.redraw import settle_drawn
 from vcage.igsc.register import register
 from vcage.igsc.twins import settle_twins
 from vcage.models.offline.table_model import fit_table
@@ -31,6 +33,7 @@ from vcage.models.protocols import Detection, Detector, Embedder
 from vcage.schema.matches import Match
 from vcage.schema.plan import LayoutPlan, Plan
 from vcage.schema.scene import ObjectRecord, Scene, Table
+from vcage.sim.drawer import Drawer
 
 DOUBT = 0.38
 """Confidence below which a match is not made."""
@@ -108,6 +111,7 @@ def match_picture(
     *,
     threshold: float = 0.6,
     symmetry: Mapping[str, int] | None = None,
+    drawer: Drawer | None = None,
 ) -> MatchResult:
     """Where every object of the scene is in the target picture.
 
@@ -121,9 +125,11 @@ def match_picture(
         threshold: the paper's τ: smallest cosine similarity of a match by features. Below it an object is matched only
             by its name or by its picture, and says so.
         symmetry: object id → n-fold rotational symmetry seen from above (0: round); 1 where it is not given.
+        drawer: draws objects of the scene; headings of those that it has no model of are settled by their crops.
 
     Raises:
         InputFileError: the target is no picture.
+        NoRenderer: there is a drawer, and nothing here can draw.
         ValueError: the scene's own pictures differ in size.
     """
     _require_one_size(pictures)
@@ -140,7 +146,7 @@ def match_picture(
     for i, record in enumerate(known.records):
         why[record.id] = "not found in the target picture"
         if i in chosen:
-            match = _match(known, i, chosen[i], threshold, (symmetry or {}).get(record.id, 1))
+            match = _match(known, i, chosen[i], threshold, (symmetry or {}).get(record.id, 1), drawer)
             if match.confidence >= DOUBT:
                 found[record.id] = match
             else:
@@ -221,11 +227,16 @@ def _look(
     return _Known(view, softened(source), records, crops, fits, drawn, similarity, names, odds)
 
 
-def _match(known: _Known, i: int, chosen: Chosen, threshold: float, order: int) -> Match:
+def _match(known: _Known, i: int, chosen: Chosen, threshold: float, order: int, drawer: Drawer | None) -> Match:
     record, k = known.records[i], chosen.index
-    pose, terms = settle(known.target, known.source, known.crops[i], known.fits[i].poses[k])
+    crop, pose = known.crops[i], known.fits[i].poses[k]
+    if drawer is not None and drawer.model(record.id) is not None:
+        pose = settle_drawn(known.target, record, crop.camera, pose, drawer, order)
+        terms, turned = fit(known.target, crop, pose[None]).terms[0], float(pose[2])
+    else:
+        pose, terms = settle(known.target, known.source, crop, pose)
+        turned = smallest_turn(pose[2], order)
     similarity = float(known.similarity[i][k])
-    turned = smallest_turn(pose[2], order)
     by_name = "name" if known.names[i][k] > 0 else "picture"
     return Match(
         object=record.id,

@@ -20,6 +20,7 @@ from vcage.progress import Progress, silent
 from vcage.schema.base import Box, Provenance, box_record
 from vcage.schema.matches import Match, Matches
 from vcage.schema.scene import Scene
+from vcage.sim.drawer import ModelDrawer
 
 logger = logging.getLogger(__name__)
 
@@ -72,6 +73,7 @@ def execute(run: RunFolder, settings: Settings, bench: Workbench, progress: Prog
             bench.models.embedder,
             threshold=settings.threshold,
             symmetry={o.id: bench.symmetry(o) for o in scene.objects},
+            drawer=ModelDrawer(bench.physical_models(scene)),
         )
         shown = relations_kept(plan.relations, _boxes(scene, found.matches, bench), scene.table)
         notes = found.notes + _doubts(found.matches, shown)

@@ -1,0 +1,52 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from vcage.geometry import Pose
+from vcage.schema.scene import Table
+from vcage.sim.bodies import Body
+from vcage.sim.cameras import observe
+from vcage.sim.drawer import NOWHERE, ModelDrawer, Window
+from vcage.sim.world import World
+
+PLACE = Pose.from_yaw([0.12, -0.08, 0.74], 0.7)
+
+
+@pytest.fixture(scope="module")
+def drawer(models):
+    return ModelDrawer(models)
+
+
+def window_of(camera, step: int) -> Window:
+    u, v = camera.project(PLACE.p)
+    return Window(round(u) - 48, round(v) - 48, 96 // step, step)
+
+
+def test_a_window_shows_what_the_whole_picture_shows_there(drawer, models, template):
+    camera = template.top_camera.camera()
+    alone = World(Table(height=NOWHERE), {"bar": Body(models["bar"], PLACE)}, render=True)
+    whole, window = observe(alone, camera), window_of(camera, 1)
+    part = slice(window.top, window.top + 96), slice(window.left, window.left + 96)
+    drawing = drawer.draw("bar", PLACE, camera, window)
+    assert (drawing.covered != (whole.segmentation[part] > 0)).mean() < 0.002
+    inside = drawing.covered & (whole.segmentation[part] > 0)
+    assert np.abs(drawing.picture[inside].astype(int) - whole.picture[part][inside]).mean() < 2
+
+
+def test_a_smaller_drawing_covers_the_same_place(drawer, template):
+    camera = template.top_camera.camera()
+    full, half = (drawer.draw("bar", PLACE, camera, window_of(camera, step)).covered for step in (1, 2))
+    assert np.abs(full.reshape(48, 2, 48, 2).mean(axis=(1, 3)) - half).mean() < 0.05
+
+
+def test_only_the_object_that_is_asked_for_is_drawn(drawer, template):
+    camera = template.top_camera.camera()
+    first = drawer.draw("cube", PLACE, camera, window_of(camera, 1))
+    drawer.draw("tray", PLACE, camera, window_of(camera, 1))
+    again = drawer.draw("cube", PLACE, camera, window_of(camera, 1))
+    assert np.array_equal(first.picture[first.covered], again.picture[again.covered])
+
+
+def test_an_object_without_a_model_has_none(drawer):
+    assert drawer.model("ghost") is None
