@@ -107,6 +107,19 @@ def test_a_thousand_detections_are_cut_to_the_surest_and_noted(table, target, mo
     assert any("1000 things" in note for note in result.notes)
 
 
+def test_detections_that_are_none_of_this_picture_are_left_out_and_noted(table, target, moved):
+    box = (300.0, 200.0, 340.0, 240.0)
+    odd = [
+        Detection((np.nan, 0.0, 20.0, 20.0), None, 0.9),
+        Detection((0.0, 0.0, np.inf, 20.0), None, 0.9),
+        Detection(box, None, np.nan),
+        Detection(box, np.ones((4, 4), bool), 0.9),
+    ]
+    result = table(target, detector=Fixed(odd))
+    assert_found(result, moved)
+    assert any(note.startswith("4 detections") for note in result.notes)
+
+
 def test_a_missing_object_is_kept_where_it_was_and_says_so(table, moved, paint, things):
     kept = table(paint([moved[0], moved[1], moved[3]])[0]).matches[2]
     assert (kept.method, kept.box, kept.confidence, kept.ncc) == ("kept", None, 0.0, None)

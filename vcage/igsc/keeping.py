@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
 import numpy as np
 
 from vcage.errors import VcageError
-from vcage.geometry import wrap_angle
+from vcage.geometry import rotation_2d, wrap_angle
 from vcage.models.offline.arrange import Placement, arrange
 from vcage.models.offline.footprints import footprints
 from vcage.schema.matches import Match
@@ -47,15 +47,10 @@ def _centre(record: ObjectRecord) -> np.ndarray:
     return np.array(record.aabb)[:, :2].mean(axis=0)
 
 
-def _turned(offset: Sequence[float] | np.ndarray, turn: float) -> np.ndarray:
-    c, s = np.cos(turn), np.sin(turn)
-    return np.array([[c, -s], [s, c]]) @ np.asarray(offset)
-
-
 def _placement(record: ObjectRecord, match: Match) -> Placement:
     """Where a match puts the centre of the object's box."""
     offset = _centre(record) - record.pose.position[:2]
-    return Placement(np.array(match.position) + _turned(offset, match.turned), match.turned)
+    return Placement(np.array(match.position) + rotation_2d(match.turned) @ offset, match.turned)
 
 
 def _standing(record: ObjectRecord) -> Placement:
@@ -66,7 +61,7 @@ def _kept(record: ObjectRecord, why: str, planned: Placement | None, trouble: st
     turn = planned.turn if planned else 0.0
     origin = np.array(record.pose.position[:2])
     if planned:
-        origin = planned.centre + _turned(origin - _centre(record), turn)
+        origin = planned.centre + rotation_2d(turn) @ (origin - _centre(record))
     return Match(
         object=record.id,
         method="kept",

@@ -145,12 +145,12 @@ def match_picture(
     why = {o.id: "hidden in the source picture" for o in scene.objects}
     for i, record in enumerate(known.records):
         why[record.id] = "not found in the target picture"
-        if i in chosen:
-            match = _match(known, i, chosen[i], threshold, (symmetry or {}).get(record.id, 1), drawer)
-            if match.confidence >= DOUBT:
-                found[record.id] = match
-            else:
-                why[record.id] = f"in doubt in the target picture (confidence {match.confidence:.2f})"
+        if i not in chosen:
+            continue
+        if chosen[i].confidence < DOUBT:
+            why[record.id] = f"in doubt in the target picture (confidence {chosen[i].confidence:.2f})"
+            continue
+        found[record.id] = _match(known, i, chosen[i], threshold, (symmetry or {}).get(record.id, 1), drawer)
     stayed = {i: reason for i, reason in why.items() if i not in found}
     notes += _twice(known, chosen, found)
     rest = kept(scene, plan, pictures.segmentation, found, stayed)

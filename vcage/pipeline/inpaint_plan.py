@@ -13,7 +13,8 @@ from vcage.models.offline.arrange import arrange
 from vcage.models.offline.footprints import footprints
 from vcage.models.offline.groups import overlapping_objects, placed_boxes
 from vcage.models.protocols import EditRequest
-from vcage.pictures import read_labels, read_picture, write_picture
+from vcage.pictures import write_picture
+from vcage.pipeline.reading import read_pictures
 from vcage.pipeline.settings import Settings
 from vcage.pipeline.stage import Job, StageResult, stage_seed
 from vcage.pipeline.workbench import Workbench
@@ -53,13 +54,14 @@ def execute(run: RunFolder, settings: Settings, bench: Workbench, progress: Prog
 
     def make(folder: Path, provenance: Provenance) -> Plan:
         scene = Scene.read(run.scene)
+        pictures = read_pictures(run, scene)
         rooms = {o.id: room_of(bench.asset(o)) for o in scene.objects}
         check = partial(plan_complaints, scene=scene, rooms=rooms)
         plan = bench.models.reasoner.plan_layout(scene, bench.catalogue, stage.rng(), check)
         request = EditRequest(
-            picture=read_picture(run.root / scene.pictures["source"]),
-            background=read_picture(run.root / scene.pictures["background"]),
-            segmentation=read_labels(run.root / scene.pictures["segmentation"]),
+            picture=pictures.source,
+            background=pictures.background,
+            segmentation=pictures.segmentation,
             scene=scene,
             plan=plan,
             rooms=rooms,

@@ -24,7 +24,8 @@ class Settings:
             (see :mod:`vcage.models.registry`).
         force: make a finished stage again.
         threshold: the paper's τ, smallest cosine similarity of a match.
-        margin: the paper's δ, smallest gap between two objects, metres.
+        margin: the paper's δ, smallest gap between two objects, metres: room for an open finger between any two, and a
+            little for what settles.
         restarts: random restarts of the layout optimisation.
         weights: the λ of the layout's cost.
         episodes: how many accepted episodes to collect.
