@@ -58,10 +58,12 @@ class View:
     def level(self, step: float) -> np.ndarray:
         """(h, w, 4) Lab and salience, ``step`` times smaller."""
         if step not in self._levels:
-            stack = np.dstack([self.lab, self.salience])
-            height, width = stack.shape[:2]
-            size = (max(1, round(width / step)), max(1, round(height / step)))
-            self._levels[step] = stack if step == 1 else cv2.resize(stack, size, interpolation=cv2.INTER_AREA)
+            if step == 1:
+                self._levels[step] = np.dstack([self.lab, self.salience])
+            else:
+                height, width = self.salience.shape
+                size = (max(1, round(width / step)), max(1, round(height / step)))
+                self._levels[step] = cv2.resize(self.level(1), size, interpolation=cv2.INTER_AREA)
         return self._levels[step]
 
     def sample(self, pixels: np.ndarray, step: float) -> np.ndarray:

@@ -25,8 +25,8 @@ SMALLEST_MASK = 12
 
 def region_of(mask: np.ndarray, label: str | None = None) -> Detection:
     """A mask (H, W), not empty, as a region for the embedder."""
-    v, u = np.nonzero(mask)
-    return Detection((float(u.min()), float(v.min()), float(u.max() + 1), float(v.max() + 1)), mask, 1.0, label)
+    u, v, width, height = cv2.boundingRect(mask.astype(np.uint8))
+    return Detection((float(u), float(v), float(u + width), float(v + height)), mask, 1.0, label)
 
 
 def similarities(

@@ -22,8 +22,8 @@ MARGIN = 5
 HEADINGS, LONG_HEADINGS = 24, 40
 """Headings around the circle; the ends of a long object move faster."""
 
-CHUNK = 4096
-"""Positions that are compared at once."""
+CHUNK = 1024
+"""Positions that are compared at once: their windows stay in the processor's cache."""
 
 COLOUR_SCALE = 20.0
 """Colour distance that weighs as much as an inside that is all table, Lab units."""
@@ -115,9 +115,10 @@ def _misfits(features: np.ndarray, places: np.ndarray, weights: np.ndarray, side
     half = side // 2
     padded = cv2.copyMakeBorder(features[..., :4], half, half, half, half, cv2.BORDER_REPLICATE)
     outside = cv2.copyMakeBorder(features[..., 4], half, half, half, half, cv2.BORDER_CONSTANT, value=0)
-    padded = np.dstack([padded, outside])
-    windows = np.lib.stride_tricks.sliding_window_view(padded, (side, side), axis=(0, 1))  # (h, w, 5, P, P)
-    # Windows put the channels first; so do the weights.
+    # Channels first, in the weights as well: so rows of a window lie together, and are copied faster.
+    padded = np.stack([*np.moveaxis(padded, -1, 0), outside])
+    windows = np.lib.stride_tricks.sliding_window_view(padded, (side, side), axis=(1, 2))  # (5, h, w, P, P)
+    windows = windows.transpose(1, 2, 0, 3, 4)
     weights = weights.reshape(side, side, 5, -1).transpose(2, 0, 1, 3).reshape(side * side * 5, -1)
     weights = np.ascontiguousarray(weights)
     found = [

@@ -23,20 +23,21 @@ from vcage.schema.asset import PhysicalModel
 from vcage.schema.scene import ObjectRecord
 from vcage.sim.drawer import Drawer, Drawing, Window
 
-HEADINGS = 16
+HEADINGS = 12
 """Headings around the circle that are drawn first, small."""
 
-SMALL = 32
-"""Largest side of these drawings, pixels."""
+SMALL, LARGE = 64, 96
+"""Largest side of these drawings, and of those that decide, pixels."""
 
-SMALL_PEAKS = 4
-"""Of these the best that are better than their neighbours are moved to where they fit and drawn once more."""
+STARTS, SMALL_ROUNDS, SMALL_SPREAD = 6, 3, 1.1
+"""Of these so many follow where the target asks them to move, for so many drawings, while they leave no more than this
+times what the best leaves: the true heading may begin behind others."""
 
-PEAKS = 2
-"""Of these the best are drawn at full resolution."""
+LARGE_STARTS, ROUNDS, SPREAD = 3, 2, 1.05
+"""The same for the best of them, drawn large."""
 
-ROUNDS = 2
-"""Drawings at full resolution that follow the motion of the best of them."""
+PROBE = 0.15
+"""Turn to either side that is tried at the end, radians: slopes of colours see no farther than a few pixels."""
 
 SOFT = 1.0
 """Standard deviation of the blur of drawings, pixels of the camera: image models draw softer than a renderer."""
@@ -63,17 +64,26 @@ MOTION_PRIOR = np.array([0.005, 0.005, 0.12])
 PRIOR = 360.0 / np.concatenate([LIGHT_PRIOR, MOTION_PRIOR]) ** 2
 """What each costs in the regression, in squared colour distances: a standard deviation as much as four far pixels."""
 
-PASSES = 3
+PASSES = 2
 """Rounds of the regression; each weighs the pixels anew."""
 
 INNER = 0.9
 """Coverage of a pixel that is far enough from the outline for its colours to have slopes."""
 
-CLEARLY = 0.9
-"""Share of what another heading leaves, below which the best is no mere symmetry of it."""
+BEYOND = 6
+"""Pixels of a drawing around the object that its blurred outline reaches at most."""
+
+TELLING = 5e-4
+"""How much less than another heading the best leaves, if it is no mere symmetry of it."""
+
+HELPED = 0.999
+"""Share of what a pose leaves, above which a motion did not help."""
 
 FARTHEST = 0.03
 """How far an object may be moved from where it was found, metres."""
+
+QUARTER = np.array([[0.0, -1.0], [1.0, 0.0]])
+"""Turns by a right angle."""
 
 
 @dataclass(frozen=True)
@@ -83,6 +93,21 @@ class _Compared:
     pose: np.ndarray
     left: float
     motion: np.ndarray
+
+
+@dataclass(frozen=True)
+class _Part:
+    """The part of the target around the object.
+
+    Args:
+        window: where it is.
+        target: (side, side, 4) Lab and salience of the target there.
+        motions: (side, side, 2, 3) how far its pixels move with x, y and the angle about where the object was found.
+    """
+
+    window: Window
+    target: np.ndarray
+    motions: np.ndarray
 
 
 class Comparison:
@@ -98,29 +123,30 @@ class Comparison:
 
     def __init__(self, view: View, record: ObjectRecord, camera: Camera, drawer: Drawer, place: np.ndarray):
         self._view, self._record, self._camera, self._drawer = view, record, camera, drawer
-        self._standing = record.pose.pose()
+        standing = record.pose.pose()
+        self._lying, self._height = Pose(q=standing.q), float(standing.p[2])
         model = drawer.model(record.id)
-        self._lower, self._size = reach(model, self._standing, camera, place)
+        self._lower, self._size = reach(model, standing, camera, place)
         middle = (record.aabb[0][2] + record.aabb[1][2]) / 2
         at = np.array([*place, middle])
         near = camera.project(at + np.array([[0, 0, 0], [1e-3, 0, 0], [0, 1e-3, 0]]))
         self._pivot, self._along = near[0], (near[1:] - near[0]).T / 1e-3
         self._place = place
-        self._windows: dict[int, tuple[Window, np.ndarray]] = {}
+        self._turning = self._along @ QUARTER @ np.linalg.inv(self._along)
+        self._parts: dict[int, _Part] = {}
 
-    @property
-    def small(self) -> int:
-        """The step at which a drawing is small."""
-        return max(1, int(np.ceil(self._size / SMALL)))
+    def step(self, side: int) -> int:
+        """Pixels of the camera to one of a drawing that is no larger than ``side``."""
+        return max(1, int(np.ceil(self._size / side)))
 
     def at(self, pose: np.ndarray, step: int) -> _Compared:
         """The object drawn at a pose (3,): x, y, turn since the source; every so many pixels of the camera."""
-        window, target = self._window(step)
-        turn = Pose.from_yaw([0, 0, 0], float(pose[2]))
-        position = [float(pose[0]), float(pose[1]), float(self._standing.p[2])]
-        standing = Pose(position, (turn * Pose(q=self._standing.q)).q)
-        drawing = self._drawer.draw(self._record.id, standing, self._camera, window)
-        left, motion = explain(drawing, target, self._motions(window, pose), step)
+        part = self._part(step)
+        standing = Pose.from_yaw([*pose[:2], self._height], float(pose[2])) * self._lying
+        drawing = self._drawer.draw(self._record.id, standing, self._camera, part.window)
+        motions = part.motions.copy()
+        motions[..., 2] += self._turning @ self._along @ (self._place - pose[:2]) / step
+        left, motion = explain(drawing, part.target, motions, step, self._camera.focal)
         return _Compared(pose, left, motion)
 
     def moved(self, compared: _Compared) -> np.ndarray:
@@ -130,26 +156,19 @@ class Comparison:
         pose[:2] = self._place + away * min(1.0, FARTHEST / max(np.linalg.norm(away), 1e-9))
         return pose
 
-    def _window(self, step: int) -> tuple[Window, np.ndarray]:
-        """The window around the object and (side, side, 4) Lab and salience of the target there."""
-        if step not in self._windows:
+    def _part(self, step: int) -> _Part:
+        if step not in self._parts:
             side = 16 * int(np.ceil(self._size / step / 16))
             left, top = (round(float(x)) for x in self._lower + (self._size - side * step) / 2)
             v, u = np.mgrid[:side, :side]
             pixels = np.stack([left + (u + 0.5) * step, top + (v + 0.5) * step], axis=-1)
-            self._windows[step] = Window(left, top, side, step), self._view.sample(pixels, float(step))
-        return self._windows[step]
-
-    def _motions(self, window: Window, pose: np.ndarray) -> np.ndarray:
-        """(side * side, 2, 3) how far a pixel of the drawing moves with x, y and the angle."""
-        v, u = np.mgrid[: window.side, : window.side].reshape(2, -1) + 0.5
-        pivot = self._pivot + self._along @ (pose[:2] - self._place)
-        offset = np.stack([window.left + u * window.step, window.top + v * window.step], axis=-1) - pivot
-        quarter = np.array([[0.0, -1.0], [1.0, 0.0]])
-        motions = np.empty((len(u), 2, 3), np.float32)
-        motions[..., :2] = self._along
-        motions[..., 2] = offset @ (self._along @ quarter @ np.linalg.inv(self._along)).T
-        return motions / window.step
+            motions = np.empty((side, side, 2, 3), np.float32)
+            motions[..., :2] = self._along
+            motions[..., 2] = (pixels - self._pivot) @ self._turning.T
+            self._parts[step] = _Part(
+                Window(left, top, side, step), self._view.sample(pixels, float(step)), motions / step
+            )
+        return self._parts[step]
 
 
 def reach(model: PhysicalModel | None, standing: Pose, camera: Camera, place: np.ndarray) -> tuple[np.ndarray, float]:
@@ -166,31 +185,40 @@ def reach(model: PhysicalModel | None, standing: Pose, camera: Camera, place: np
     return (low + high - side) / 2, side
 
 
-def explain(drawing: Drawing, target: np.ndarray, motions: np.ndarray, step: int) -> tuple[float, np.ndarray]:
+def explain(
+    drawing: Drawing, target: np.ndarray, motions: np.ndarray, step: int, focal: float
+) -> tuple[float, np.ndarray]:
     """What light, colour and a small motion leave of the difference between a drawing and the target.
 
     Args:
         drawing: of side n.
         target: (n, n, 4) Lab and salience.
-        motions: (n * n, 2, 3) how far pixels move with x, y and the angle.
+        motions: (n, n, 2, 3) how far pixels move with x, y and the angle.
         step: pixels of the camera to one of the drawing.
+        focal: of the camera, pixels.
 
     Returns:
         (robust mean over the window in [0, 1], (3,) motion in metres and radians).
     """
     if not drawing.covered.any():
         return 1.0, np.zeros(3)
-    inside = np.flatnonzero(drawing.covered)
-    cover = drawing.covered.astype(np.float32)
+    empty = _share((COVER * target[..., 3]) ** 2)
+    # Beyond the blur of its outline, the object changes nothing.
+    u, v, width, height = cv2.boundingRect(drawing.covered.astype(np.uint8))
+    near = slice(max(0, v - BEYOND), v + height + BEYOND), slice(max(0, u - BEYOND), u + width + BEYOND)
+    beyond = float(empty.sum() - empty[near].sum())
+    target, motions = target[near], motions[near].reshape(-1, 2, 3)
+    cover = drawing.covered[near].astype(np.float32)
     blurred = cv2.GaussianBlur(cover, (0, 0), SOFT / step)
-    lab = to_lab(drawing.picture) * WEIGHTS
+    lab = to_lab(np.ascontiguousarray(drawing.picture[near])) * WEIGHTS
     lab = cv2.GaussianBlur(lab * cover[..., None], (0, 0), SOFT / step) / np.maximum(blurred, 1e-3)[..., None]
+    inside = np.flatnonzero(cover)
     known = lab.reshape(-1, 3)[inside]
     difference = target.reshape(-1, 4)[inside, :3] * WEIGHTS - known
     # Slopes of the colours end at the outline, as nothing is known beyond it.
     inner = (blurred.ravel()[inside, None, None] > INNER).astype(np.float32)
     design = np.zeros((len(inside), 3, len(PRIOR)), np.float32)
-    design[:, 0, :5] = _light(known, drawing.normals.reshape(-1, 3)[inside])
+    design[:, 0, :5] = _light(known, _normals(drawing.depth[near], focal / step).reshape(-1, 3)[inside])
     design[:, 1, 5] = design[:, 2, 6] = 1
     design[..., 7:] = np.matmul(_slopes(lab).reshape(-1, 3, 2)[inside] * -inner, motions[inside])
     beside = COVER * (target[..., 3] - blurred).ravel()
@@ -200,13 +228,33 @@ def explain(drawing: Drawing, target: np.ndarray, motions: np.ndarray, step: int
     answer, left, beside[edge] = _regress(design, difference, outline, beside[edge])
     squares = beside**2
     squares[inside] += (left**2).sum(axis=1)
-    strain = float(answer**2 @ PRIOR) / len(squares) / SCALE**2
-    return float((squares / (squares + SCALE**2)).mean()) + strain, answer[7:]
+    strain = float(answer**2 @ PRIOR) / SCALE**2
+    return (float(_share(squares).sum()) + beyond + strain) / empty.size, answer[7:]
+
+
+def _share(squares: np.ndarray) -> np.ndarray:
+    """In [0, 1] what a squared colour distance counts."""
+    return squares / (squares + SCALE**2)
 
 
 def _slopes(picture: np.ndarray) -> np.ndarray:
     """(..., 2) of a picture along u and v."""
     return np.stack([cv2.Sobel(picture, cv2.CV_32F, *order, scale=0.125) for order in ((1, 0), (0, 1))], axis=-1)
+
+
+def _normals(depth: np.ndarray, focal: float) -> np.ndarray:
+    """(h, w, 3) unit, towards the camera and in its frame (OpenCV), of the surface that a depth picture shows."""
+    along_v, along_u = (_rise(depth, axis) * focal / depth for axis in (0, 1))
+    normals = np.stack([along_u, along_v, np.full_like(depth, -1.0)], axis=-1)
+    return normals / np.sqrt(along_u**2 + along_v**2 + 1)[..., None]
+
+
+def _rise(depth: np.ndarray, axis: int) -> np.ndarray:
+    """(h, w) what the next pixel adds. Of both neighbours the nearer is taken: the other may lie across an outline."""
+    steps = np.diff(depth, axis=axis)
+    edge = np.full_like(depth.take([0], axis), np.inf)
+    ahead, behind = np.concatenate([steps, edge], axis=axis), np.concatenate([edge, steps], axis=axis)
+    return np.where(np.abs(ahead) < np.abs(behind), ahead, behind)
 
 
 def _light(known: np.ndarray, normals: np.ndarray) -> np.ndarray:
@@ -246,23 +294,49 @@ def settle_drawn(
         record: the object.
         camera: took the source.
         drawer: has a model of it.
-        order: n-fold symmetry seen from above; of headings that look the same by it the smallest turn is taken,
-            unless the drawings say otherwise. What is round (0) is only moved.
+        order: n-fold symmetry seen from above (0 round); of headings that look the same by it the smallest turn is
+            taken, unless the drawings say otherwise: a reference picture from above hides what a slant shows.
     """
     comparison = Comparison(view, record, camera, drawer, pose[:2].copy())
-    step = comparison.small
-    turns = [0.0] if order == 0 else pose[2] + np.arange(HEADINGS) * 2 * np.pi / HEADINGS
-    around = [comparison.at(np.array([*pose[:2], turn]), step) for turn in turns]
-    left = np.array([one.left for one in around])
-    peaks = np.flatnonzero((left <= np.roll(left, 1)) & (left <= np.roll(left, -1)))
-    peaks = peaks[np.argsort(left[peaks], kind="stable")][:SMALL_PEAKS]
-    near = sorted((comparison.at(comparison.moved(around[k]), step) for k in peaks), key=lambda one: one.left)
-    best = min((comparison.at(comparison.moved(one), 1) for one in near[:PEAKS]), key=lambda one: one.left)
-    for _ in range(ROUNDS):
-        best = min(best, comparison.at(comparison.moved(best), 1), key=lambda one: one.left)
-    same = [*best.pose[:2], smallest_turn(best.pose[2], order)]
-    if order == 0:
-        return np.array([*same, pose[3]])
-    if order > 1 and best.left > CLEARLY * comparison.at(np.array(same), 1).left:
-        return np.array([*same, pose[3]])
-    return np.array([*best.pose[:2], wrap_angle(best.pose[2]), pose[3]])
+    small, large = comparison.step(SMALL), comparison.step(LARGE)
+    turns = pose[2] + np.arange(HEADINGS) * 2 * np.pi / HEADINGS
+    around = sorted((comparison.at(np.array([*pose[:2], turn]), small) for turn in turns), key=_left)
+    near = _follow(comparison, around[:STARTS], small, SMALL_ROUNDS, SMALL_SPREAD)
+    few = [one for one in near[:LARGE_STARTS] if one.left <= SPREAD * near[0].left]
+    few = [comparison.at(comparison.moved(one), large) for one in few]
+    best = _probed(comparison, _follow(comparison, few, large, ROUNDS, SPREAD)[0], large)
+    turn = best.pose[2]
+    if order != 1:
+        other = comparison.at(np.array([*best.pose[:2], smallest_turn(turn, order)]), large)
+        if best.left > min(other.left, comparison.at(comparison.moved(other), large).left) - TELLING:
+            turn = other.pose[2]
+    return np.array([*best.pose[:2], wrap_angle(turn), pose[3]])
+
+
+def _left(compared: _Compared) -> float:
+    return compared.left
+
+
+def _follow(
+    comparison: Comparison, starts: list[_Compared], step: int, rounds: int, spread: float
+) -> list[_Compared]:
+    """Starts after they moved where the target asks for as long as that helped; the best first, without those that
+    leave more than ``spread`` times what the best leaves."""
+    moving, still = starts, []
+    for _ in range(rounds):
+        moved = [comparison.at(comparison.moved(one), step) for one in moving]
+        still += [old for old, new in zip(moving, moved, strict=True) if new.left > HELPED * old.left]
+        moving = [new for old, new in zip(moving, moved, strict=True) if new.left <= HELPED * old.left]
+        limit = spread * min(one.left for one in [*moving, *still])
+        moving, still = ([one for one in some if one.left <= limit] for some in (moving, still))
+    return sorted([*moving, *still], key=_left)
+
+
+def _probed(comparison: Comparison, best: _Compared, step: int) -> _Compared:
+    """The best of a pose and those that a turn to either side leads to."""
+    for probe in (-PROBE, PROBE):
+        turned = comparison.at(best.pose + [0, 0, probe], step)
+        nearer = comparison.at(comparison.moved(turned), step)
+        if nearer.left < best.left:
+            best = _follow(comparison, [nearer], step, ROUNDS, SPREAD)[0]
+    return best

@@ -22,6 +22,7 @@ class Appearance:
             their shadows away from the table.
         light_colour: of the key light; values above 1 are brighter.
         ambient: light from everywhere.
+        shadows: whether things throw shadows.
     """
 
     table_texture: np.ndarray | None = field(default=None, repr=False)
@@ -31,6 +32,7 @@ class Appearance:
     light_direction: Colour = (0.25, -0.4, -1.0)
     light_colour: Colour = (1.6, 1.55, 1.5)
     ambient: Colour = (0.45, 0.45, 0.47)
+    shadows: bool = True
 
     @classmethod
     def random(cls, rng: np.random.Generator, textures: Sequence[np.ndarray] = ()) -> Appearance:

@@ -6,8 +6,9 @@ kept alive for the life of the process and every world draws with the same devic
 
 from __future__ import annotations
 
+import contextlib
 import functools
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -44,6 +45,19 @@ def new_render_system() -> object:
     import sapien
 
     return sapien.render.RenderSystem(device)
+
+
+@contextlib.contextmanager
+def shader_pack(name: str) -> Iterator[None]:
+    """Cameras that are made inside draw with these of SAPIEN's shaders."""
+    import sapien
+
+    before = sapien.render.get_camera_shader_dir()
+    sapien.render.set_camera_shader_dir(name)
+    try:
+        yield
+    finally:
+        sapien.render.set_camera_shader_dir(before)
 
 
 def plain_material(colour: Sequence[float], roughness: float = 0.8) -> object:

@@ -52,7 +52,7 @@ def add_surroundings(scene: sapien.Scene, table: Table, robot: Robot | None, app
     scene.add_directional_light(
         list(appearance.light_direction),
         list(appearance.light_colour),
-        shadow=True,
+        shadow=appearance.shadows,
         position=[0.0, 0.0, table.height],
         shadow_scale=1.5,
         shadow_near=-1.6,

@@ -16,7 +16,7 @@ from vcage.sim.arms import ArmControl, build_arm
 from vcage.sim.bodies import Body
 from vcage.sim.contacts import ContactNames
 from vcage.sim.objects import ArticulatedObject, RigidObject, add_object
-from vcage.sim.render import new_render_system
+from vcage.sim.render import new_render_system, shader_pack
 from vcage.sim.state import SettleReport, WorldState, pack_arrays, unpack_arrays
 from vcage.sim.surroundings import add_surroundings, add_table
 
@@ -159,11 +159,19 @@ class World:
             raise UnknownName("object", object_id, self._objects)
         return self._objects[object_id]
 
-    def camera_component(self, width: int, height: int, fovy: float, near: float, far: float) -> object:
-        """SAPIEN's camera of that size (pixels) and vertical opening (radians), made once; its pose is the caller's."""
-        key = (width, height, fovy, near, far)
+    def camera_component(
+        self, width: int, height: int, fovy: float, near: float, far: float, shaders: str = "default"
+    ) -> object:
+        """SAPIEN's camera of that size (pixels) and vertical opening (radians), made once; its pose is the caller's.
+
+        ``minimal`` of SAPIEN's ``shaders`` draw colour and depth and nothing else, in half the time.
+        """
+        key = (width, height, fovy, near, far, shaders)
         if key not in self._cameras:
-            self._cameras[key] = self.scene.add_camera(f"camera-{len(self._cameras)}", width, height, fovy, near, far)
+            with shader_pack(shaders):
+                self._cameras[key] = self.scene.add_camera(
+                    f"camera-{len(self._cameras)}", width, height, fovy, near, far
+                )
         return self._cameras[key]
 
     # --- time ---

@@ -46,15 +46,18 @@ def region_mask(region: Detection, shape: tuple[int, ...]) -> np.ndarray:
 
 
 def _features(lab: np.ndarray, region: Detection) -> np.ndarray:
-    mask = region_mask(region, lab.shape)
-    inner = cv2.erode(mask.astype(np.uint8), np.ones((3, 3), np.uint8)).astype(bool)
+    whole = region_mask(region, lab.shape).astype(np.uint8)
+    u, v, width, height = cv2.boundingRect(whole)
+    around = np.s_[max(v - 1, 0) : v + height + 1, max(u - 1, 0) : u + width + 1]
+    lab, mask = lab[around], whole[around].astype(bool)
+    inner = cv2.erode(whole[around], np.ones((3, 3), np.uint8)).astype(bool)
     colours = lab[inner if inner.sum() >= 20 else mask]
     length, width = _sides(mask)
     blocks = {
         "chroma": np.sqrt(_chroma_histogram(colours)),
         "lightness": np.sqrt(_soft_bins(colours[:, 0], _LIGHT_CENTRES).mean(axis=0)),
         "moments": _moments(mask),
-        "area": np.sqrt(_soft_bins(np.log(mask.mean()), _AREA_CENTRES)[0]),
+        "area": np.sqrt(_soft_bins(np.log(mask.sum() / whole.size), _AREA_CENTRES)[0]),
         "aspect": np.sqrt(_soft_bins(np.log(length / width), _ASPECT_CENTRES)[0]),
     }
     return np.concatenate([np.sqrt(WEIGHTS[name]) * _unit(block) for name, block in blocks.items()])
