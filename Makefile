@@ -53,7 +53,7 @@ demo: setup
 	$(BIN)/vcage run "$(DEMO)" --out runs/pack-stationery --episodes 3
 
 test: setup
-	$(BIN)/python -m pytest -q
+	$(BIN)/python -m pytest -q -n 2 --dist loadfile
 
 doctor: venv
 	@$(BIN)/vcage doctor

@@ -32,6 +32,8 @@ def test_a_window_shows_what_the_whole_picture_shows_there(drawer, models, templ
     assert (drawing.covered != (whole.segmentation[part] > 0)).mean() < 0.002
     inside = drawing.covered & (whole.segmentation[part] > 0)
     assert np.abs(drawing.picture[inside].astype(int) - whole.picture[part][inside]).mean() < 2
+    assert np.allclose(drawing.depth[inside], whole.depth[part][inside], atol=1e-3)
+    assert drawing.depth[~drawing.covered].min(initial=np.inf) > drawing.depth[drawing.covered].max()
 
 
 def test_a_smaller_drawing_covers_the_same_place(drawer, template):

@@ -47,7 +47,8 @@ def test_the_nine_scripts_give_the_same_files_as_the_chain_in_one_process(finish
         assert answer.code == 0, answer.stderr
         assert answer.record["summary"]["fresh"] is True
         assert Path(answer.record["output"]).is_file()
-    assert digests(tmp_path / "run") == digests(finished.run.root)
+    scripts, chain = digests(tmp_path / "run"), digests(finished.run.root)
+    assert [name for name in sorted({*scripts, *chain}) if scripts.get(name) != chain.get(name)] == []
 
 
 def test_a_script_that_fails_says_so_in_one_line_and_a_record(python, tmp_path):

@@ -173,14 +173,15 @@ def mask_at(crop: Crop, pose: np.ndarray) -> np.ndarray:
     corners = crop.centre + crop.extent * np.array([[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5]])
     flat = crop.camera.unproject(corners, origin[2] + crop.layers[-1]) - origin
     drawn, top = np.zeros((height, width), np.uint8), crop.top.astype(np.uint8)
+    u, v, w, h = cv2.boundingRect(top)
+    ends = np.array([[u, v, 1], [u + w, v, 1], [u, v + h, 1], [u + w, v + h, 1]])
     for layer in crop.layers:
         flat[:, 2] = layer
         moved = pixels_of(crop.camera, placed(crop, pose[None], flat))[0]
         matrix = cv2.getAffineTransform((corners - 0.5).astype(np.float32), (moved - 0.5).astype(np.float32))
-        # No part of an object is farther from its middle than its longest side.
-        middle, side = (moved[0] + moved[2]) / 2, np.linalg.norm(np.diff(moved, axis=0), axis=1).max() + 2
-        u0, v0 = np.clip(middle - side, 0, [width, height]).astype(int)
-        u1, v1 = np.clip(middle + side, 0, [width, height]).astype(int)
+        at = ends @ matrix.T
+        u0, v0 = np.clip(at.min(axis=0) - 1, 0, [width, height]).astype(int)
+        u1, v1 = np.clip(at.max(axis=0) + 2, 0, [width, height]).astype(int)
         if u0 < u1 and v0 < v1:
             matrix[:, 2] -= u0, v0
             size = (int(u1 - u0), int(v1 - v0))

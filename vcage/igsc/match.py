@@ -34,6 +34,7 @@ from vcage.schema.matches import Match
 from vcage.schema.plan import LayoutPlan, Plan
 from vcage.schema.scene import ObjectRecord, Scene, Table
 from vcage.sim.drawer import Drawer
+from vcage.threads import one_blas_thread
 
 DOUBT = 0.38
 """Confidence below which a match is not made."""
@@ -101,6 +102,7 @@ class _Known:
     odds: list[np.ndarray]
 
 
+@one_blas_thread()
 def match_picture(
     scene: Scene,
     plan: LayoutPlan | Plan | None,

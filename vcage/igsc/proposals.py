@@ -116,7 +116,7 @@ def _misfits(features: np.ndarray, places: np.ndarray, weights: np.ndarray, side
     padded = cv2.copyMakeBorder(features[..., :4], half, half, half, half, cv2.BORDER_REPLICATE)
     outside = cv2.copyMakeBorder(features[..., 4], half, half, half, half, cv2.BORDER_CONSTANT, value=0)
     # Channels first, in the weights as well: so rows of a window lie together, and are copied faster.
-    padded = np.stack([*np.moveaxis(padded, -1, 0), outside])
+    padded = np.stack([*cv2.split(padded), outside])
     windows = np.lib.stride_tricks.sliding_window_view(padded, (side, side), axis=(1, 2))  # (5, h, w, P, P)
     windows = windows.transpose(1, 2, 0, 3, 4)
     weights = weights.reshape(side, side, 5, -1).transpose(2, 0, 1, 3).reshape(side * side * 5, -1)

@@ -10,6 +10,7 @@ says how well the heading fits.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from operator import attrgetter
 
 import cv2
 import numpy as np
@@ -29,7 +30,7 @@ HEADINGS = 12
 SMALL, LARGE = 64, 96
 """Largest side of these drawings, and of those that decide, pixels."""
 
-STARTS, SMALL_ROUNDS, SMALL_SPREAD = 6, 3, 1.1
+STARTS, SMALL_ROUNDS, SMALL_SPREAD = 5, 2, 1.1
 """Of these so many follow where the target asks them to move, for so many drawings, while they leave no more than this
 times what the best leaves: the true heading may begin behind others."""
 
@@ -62,7 +63,7 @@ MOTION_PRIOR = np.array([0.005, 0.005, 0.12])
 """Standard deviations of a motion that is taken in one step: x, y (metres), angle (radians)."""
 
 PRIOR = 360.0 / np.concatenate([LIGHT_PRIOR, MOTION_PRIOR]) ** 2
-"""What each costs in the regression, in squared colour distances: a standard deviation as much as four far pixels."""
+"""What each costs in the regression, in squared colour distances: a standard deviation little more than a far pixel."""
 
 PASSES = 2
 """Rounds of the regression; each weighs the pixels anew."""
@@ -86,7 +87,7 @@ QUARTER = np.array([[0.0, -1.0], [1.0, 0.0]])
 """Turns by a right angle."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class _Compared:
     """A pose (x, y, turn), what its drawing leaves unexplained, and the motion that the difference asks for."""
 
@@ -124,7 +125,7 @@ class Comparison:
     def __init__(self, view: View, record: ObjectRecord, camera: Camera, drawer: Drawer, place: np.ndarray):
         self._view, self._record, self._camera, self._drawer = view, record, camera, drawer
         standing = record.pose.pose()
-        self._lying, self._height = Pose(q=standing.q), float(standing.p[2])
+        self._attitude, self._height = Pose(q=standing.q), float(standing.p[2])
         model = drawer.model(record.id)
         self._lower, self._size = reach(model, standing, camera, place)
         middle = (record.aabb[0][2] + record.aabb[1][2]) / 2
@@ -142,7 +143,7 @@ class Comparison:
     def at(self, pose: np.ndarray, step: int) -> _Compared:
         """The object drawn at a pose (3,): x, y, turn since the source; every so many pixels of the camera."""
         part = self._part(step)
-        standing = Pose.from_yaw([*pose[:2], self._height], float(pose[2])) * self._lying
+        standing = Pose.from_yaw([*pose[:2], self._height], float(pose[2])) * self._attitude
         drawing = self._drawer.draw(self._record.id, standing, self._camera, part.window)
         motions = part.motions.copy()
         motions[..., 2] += self._turning @ self._along @ (self._place - pose[:2]) / step
@@ -210,7 +211,7 @@ def explain(
     target, motions = target[near], motions[near].reshape(-1, 2, 3)
     cover = drawing.covered[near].astype(np.float32)
     blurred = cv2.GaussianBlur(cover, (0, 0), SOFT / step)
-    lab = to_lab(np.ascontiguousarray(drawing.picture[near])) * WEIGHTS
+    lab = to_lab(drawing.picture[near]) * WEIGHTS
     lab = cv2.GaussianBlur(lab * cover[..., None], (0, 0), SOFT / step) / np.maximum(blurred, 1e-3)[..., None]
     inside = np.flatnonzero(cover)
     known = lab.reshape(-1, 3)[inside]
@@ -243,7 +244,8 @@ def _slopes(picture: np.ndarray) -> np.ndarray:
 
 
 def _normals(depth: np.ndarray, focal: float) -> np.ndarray:
-    """(h, w, 3) unit, towards the camera and in its frame (OpenCV), of the surface that a depth picture shows."""
+    """(h, w, 3) unit, towards the camera and in its frame (OpenCV), of the surface that a depth picture shows; exact on
+    the camera's axis."""
     along_v, along_u = (_rise(depth, axis) * focal / depth for axis in (0, 1))
     normals = np.stack([along_u, along_v, np.full_like(depth, -1.0)], axis=-1)
     return normals / np.sqrt(along_u**2 + along_v**2 + 1)[..., None]
@@ -300,10 +302,11 @@ def settle_drawn(
     comparison = Comparison(view, record, camera, drawer, pose[:2].copy())
     small, large = comparison.step(SMALL), comparison.step(LARGE)
     turns = pose[2] + np.arange(HEADINGS) * 2 * np.pi / HEADINGS
-    around = sorted((comparison.at(np.array([*pose[:2], turn]), small) for turn in turns), key=_left)
+    around = sorted((comparison.at(np.array([*pose[:2], turn]), small) for turn in turns), key=attrgetter("left"))
     near = _follow(comparison, around[:STARTS], small, SMALL_ROUNDS, SMALL_SPREAD)
     few = [one for one in near[:LARGE_STARTS] if one.left <= SPREAD * near[0].left]
-    few = [comparison.at(comparison.moved(one), large) for one in few]
+    if large != small:
+        few = [comparison.at(one.pose, large) for one in few]
     best = _probed(comparison, _follow(comparison, few, large, ROUNDS, SPREAD)[0], large)
     turn = best.pose[2]
     if order != 1:
@@ -313,23 +316,25 @@ def settle_drawn(
     return np.array([*best.pose[:2], wrap_angle(turn), pose[3]])
 
 
-def _left(compared: _Compared) -> float:
-    return compared.left
-
-
-def _follow(
-    comparison: Comparison, starts: list[_Compared], step: int, rounds: int, spread: float
-) -> list[_Compared]:
+def _follow(comparison: Comparison, starts: list[_Compared], step: int, rounds: int, spread: float) -> list[_Compared]:
     """Starts after they moved where the target asks for as long as that helped; the best first, without those that
-    leave more than ``spread`` times what the best leaves."""
-    moving, still = starts, []
+    leave more than ``spread`` times what the best leaves, and without those that met a better one."""
+    found, still = starts, []
     for _ in range(rounds):
-        moved = [comparison.at(comparison.moved(one), step) for one in moving]
-        still += [old for old, new in zip(moving, moved, strict=True) if new.left > HELPED * old.left]
-        moving = [new for old, new in zip(moving, moved, strict=True) if new.left <= HELPED * old.left]
-        limit = spread * min(one.left for one in [*moving, *still])
-        moving, still = ([one for one in some if one.left <= limit] for some in (moving, still))
-    return sorted([*moving, *still], key=_left)
+        pairs = [(one, comparison.at(comparison.moved(one), step)) for one in found if one not in still]
+        still += [old for old, new in pairs if new.left > HELPED * old.left]
+        found = sorted([*still, *(new for old, new in pairs if old not in still)], key=attrgetter("left"))
+        found = _apart([one for one in found if one.left <= spread * found[0].left])
+    return found
+
+
+def _apart(found: list[_Compared]) -> list[_Compared]:
+    """Those whose headings no better one is near."""
+    kept: list[_Compared] = []
+    for one in found:
+        if all(abs(wrap_angle(one.pose[2] - other.pose[2])) > PROBE for other in kept):
+            kept.append(one)
+    return kept
 
 
 def _probed(comparison: Comparison, best: _Compared, step: int) -> _Compared:

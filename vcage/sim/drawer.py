@@ -48,7 +48,7 @@ class Drawing:
     Args:
         picture: (side, side, 3) uint8 sRGB.
         covered: (side, side) bool, where it is.
-        depth: (side, side) float32 metres along the camera's axis; any where it is not.
+        depth: (side, side) float32 metres along the camera's axis; far behind it where it is not.
     """
 
     picture: np.ndarray

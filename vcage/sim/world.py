@@ -61,7 +61,7 @@ class World:
         self.rendered = render
         self.steps = 0
         self.before_step: list[Callable[[World], None]] = []
-        self._cameras: dict[tuple[int, int, float, float, float], object] = {}
+        self._cameras: dict[tuple[int, int, float, float, float, str], object] = {}
         self.scene = sapien.Scene([sapien.physx.PhysxCpuSystem(), *systems])
         self.scene.set_timestep(1 / PHYSICS_HZ)
         add_table(self.scene, table)
@@ -164,7 +164,7 @@ class World:
     ) -> object:
         """SAPIEN's camera of that size (pixels) and vertical opening (radians), made once; its pose is the caller's.
 
-        ``minimal`` of SAPIEN's ``shaders`` draw colour and depth and nothing else, in half the time.
+        ``minimal`` of SAPIEN's ``shaders`` draw colour and depth, and no normals, in half the time.
         """
         key = (width, height, fovy, near, far, shaders)
         if key not in self._cameras:

@@ -11,15 +11,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cache
 
 import numpy as np
-from threadpoolctl import ThreadpoolController
 
 from vcage.igsc.layout.cost import LayoutProblem, Weights
 from vcage.igsc.layout.descent import STAGES, descend, tightened
 from vcage.igsc.layout.repair import is_feasible, repair
 from vcage.igsc.placement.place import PlaceItem, place, require_possible
+from vcage.threads import one_blas_thread
 
 SPREAD = 0.01
 """Standard deviation of the first random restart, metres; each one is twice as wide as the one before."""
@@ -73,7 +72,7 @@ def solve(
     if len(names) == 1 and problem.relations is None and (alone := repair(problem, problem.target)) is not None:
         return Solution(alone[0], 0, alone[1])
     starts = 0
-    with _threads().limit(limits=1, user_api="blas"):
+    with one_blas_thread():
         for share in (1.0,) if problem.extra is None else (1.0, *EASED):
             eased = problem if share == 1 else replace(problem, extra=share * problem.extra)
             search = _Search(eased, weights, rng, starts)
@@ -83,12 +82,6 @@ def solve(
         if not search.repair_harder():
             search.pack(names)
         return search.solution(share)
-
-
-@cache
-def _threads() -> ThreadpoolController:
-    """BLAS threads cost more than they give on matrices this small; looking for the libraries is slow, so once."""
-    return ThreadpoolController()
 
 
 @dataclass(frozen=True, order=True)
