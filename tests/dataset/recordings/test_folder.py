@@ -1,0 +1,37 @@
+from __future__ import annotations
+
+import cv2
+import numpy as np
+import pytest
+
+from tests.dataset.recordings.layouts import FRAMES, jpeg, room, rooms
+from vcage.dataset.recordings.folder import PictureFolder
+from vcage.errors import DamagedFile
+
+
+def test_pictures_come_in_the_order_of_their_numbers(tmp_path):
+    for index in range(12):
+        cv2.imwrite(str(tmp_path / f"frame_{index}.png"), np.full((32, 32, 3), index, np.uint8))
+    recording = PictureFolder(tmp_path)
+    assert [camera.frames for camera in recording.cameras] == [12]
+    assert recording.pictures("camera")[:, 0, 0, 0].tolist() == list(range(12))
+
+
+def test_each_folder_of_pictures_is_a_camera(tmp_path):
+    for camera in ("left", "high"):
+        (tmp_path / camera).mkdir()
+        for index, picture in enumerate(rooms()):
+            (tmp_path / camera / f"{index}.jpg").write_bytes(jpeg(picture))
+    recording = PictureFolder(tmp_path)
+    assert [(camera.name, camera.frames, camera.storage) for camera in recording.cameras] == [
+        ("high", FRAMES, "jpeg"),
+        ("left", FRAMES, "jpeg"),
+    ]
+    assert np.abs(recording.pictures("left").astype(int) - rooms()).mean() < 3
+
+
+def test_a_damaged_picture_is_named(tmp_path):
+    (tmp_path / "0.jpg").write_bytes(jpeg(room()))
+    (tmp_path / "1.jpg").write_bytes(b"\xff\xd8 no more")
+    with pytest.raises(DamagedFile, match=r"1\.jpg"):
+        PictureFolder(tmp_path).pictures("camera")

@@ -1,0 +1,67 @@
+"""A folder of pictures: one camera of the pictures in it, or one for each of its folders."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vcage.dataset.recordings.encoded import decode_picture, storage_of
+from vcage.dataset.recordings.recording import Camera, Motion, Recording, stacked
+
+SUFFIXES = (".png", ".jpg", ".jpeg")
+ONLY = "camera"
+"""Name of the camera whose pictures lie in the folder itself."""
+
+
+class PictureFolder(Recording):
+    """Pictures in the order of the numbers in their names: ``frame_2.png`` comes before ``frame_10.png``."""
+
+    LAYOUT = "pictures"
+
+    @cached_property
+    def cameras(self) -> list[Camera]:
+        return [self._camera(name, files) for name, files in self._files.items()]
+
+    @property
+    def motion(self) -> Motion | None:
+        return None
+
+    def pictures(self, camera: str, indices: Sequence[int] | None = None) -> NDArray[np.uint8]:
+        files = self._files[self.camera(camera).name]
+        wanted = range(len(files)) if indices is None else indices
+        return stacked(
+            [decode_picture(files[index].read_bytes(), str(files[index])) for index in wanted],
+            str(self.path / self.camera(camera).key),
+        )
+
+    @cached_property
+    def _files(self) -> dict[str, list[Path]]:
+        """Camera → its pictures, in order."""
+        own = pictures_in(self.path)
+        if own:
+            return {ONLY: own}
+        folders = sorted(path for path in self.path.iterdir() if path.is_dir())
+        return {folder.name: files for folder in folders if (files := pictures_in(folder))}
+
+    def _camera(self, name: str, files: list[Path]) -> Camera:
+        first = files[0].read_bytes()
+        height, width = decode_picture(first, str(files[0])).shape[:2]
+        size = sum(path.stat().st_size for path in files)
+        key = "." if name == ONLY and files[0].parent == self.path else name
+        return Camera(name, key, len(files), width, height, storage_of(first, str(files[0])), size)
+
+
+def pictures_in(folder: Path) -> list[Path]:
+    """The picture files of a folder, by the numbers in their names."""
+    files = [path for path in folder.iterdir() if path.suffix.lower() in SUFFIXES and path.is_file()]
+    return sorted(files, key=_natural)
+
+
+def _natural(path: Path) -> list[tuple[int, int, str]]:
+    parts = re.split(r"(\d+)", path.name)
+    return [(1, int(part), "") if part.isdigit() else (0, 0, part) for part in parts]

@@ -1,0 +1,35 @@
+"""Which recordings a path holds."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from vcage.dataset.recordings.folder import PictureFolder, pictures_in
+from vcage.dataset.recordings.hdf5_layouts import open_hdf5
+from vcage.dataset.recordings.recording import Recording
+from vcage.errors import InputFileError
+
+HDF5 = (".hdf5", ".h5")
+
+
+def open_recordings(path: Path) -> list[Recording]:
+    """The recordings in a file or a folder, sorted by name: an HDF5 file, all HDF5 files below a folder, or the
+    pictures of a folder or of its folders.
+
+    Raises:
+        InputFileError: there is nothing at the path, or nothing that is known.
+        DamagedFile: a file is damaged, or in no layout that is known; names it.
+    """
+    path = Path(path)
+    if path.is_file():
+        return [open_hdf5(path)]
+    if not path.is_dir():
+        raise InputFileError(f"{path} does not exist", hint="give an HDF5 file, or a folder of them or of pictures")
+    files = sorted(file for file in path.rglob("*") if file.suffix in HDF5 and file.is_file())
+    if files:
+        return [open_hdf5(file) for file in files]
+    if pictures_in(path) or any(pictures_in(folder) for folder in path.iterdir() if folder.is_dir()):
+        return [PictureFolder(path)]
+    raise InputFileError(
+        f"{path} holds no recording", hint=f"known are {', '.join(HDF5)} files, and folders of PNG or JPEG pictures"
+    )
