@@ -12,8 +12,9 @@ import numpy as np
 import pytest
 
 from tests.recordings import FPS, clip
-from vcage.compression.codec import EncoderSettings, decode, encode
-from vcage.errors import DamagedFile, UsageError
+from vcage.compression.codec import EncoderSettings, encode
+from vcage.errors import UsageError
+from vcage.videos import decode
 
 SETTINGS = EncoderSettings()
 
@@ -32,10 +33,6 @@ def test_as_many_frames_come_out_as_went_in_in_their_order(frames, video):
     decoded = decode(video)
     assert decoded.shape == frames.shape
     assert np.abs(decoded.astype(int) - frames).mean() < 1.5
-
-
-def test_chosen_frames_are_those_of_the_whole_video(video):
-    assert np.array_equal(decode(video, [0, 7, 24]), decode(video)[[0, 7, 24]])
 
 
 def test_a_seek_gives_the_same_frame_as_decoding_from_the_start(video, tmp_path):
@@ -110,15 +107,3 @@ def test_sizes_that_no_reader_takes_are_refused(shape):
 def test_a_crf_out_of_range_is_refused(frames):
     with pytest.raises(UsageError, match="52"):
         encode(frames, FPS, SETTINGS, 52)
-
-
-def test_a_video_that_is_cut_off_is_damaged(video, tmp_path):
-    path = tmp_path / "video.mp4"
-    path.write_bytes(video[:300])
-    with pytest.raises(DamagedFile, match=r"video\.mp4"):
-        decode(path)
-
-
-def test_a_frame_beyond_the_end_is_refused(video):
-    with pytest.raises(UsageError, match="25 frames"):
-        decode(video, [25])

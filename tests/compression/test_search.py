@@ -8,9 +8,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.recordings import FPS, clip
-from vcage.compression.codec import MAX_CRF, EncoderSettings, decode, encode
+from vcage.compression.codec import MAX_CRF, EncoderSettings, encode
 from vcage.compression.jod import JodMetric
 from vcage.compression.search import BUDGET, highest_passing, search_clip
+from vcage.videos import decode
 
 SETTINGS = EncoderSettings(preset="ultrafast")
 KEYFRAMES = [0, 5, 9]

@@ -12,46 +12,14 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
-from tests.recordings import CAMERAS, FPS, INSTRUCTION, STATE_NAMES, clip, episode
-from vcage.compression.codec import EncoderSettings, decode, encode
-from vcage.dataset.lerobot import LeRobotEpisode, gather, video_key
+from tests.dataset.conftest import LENGTHS
+from tests.recordings import CAMERAS, FPS, INSTRUCTION, STATE_NAMES, episode
+from vcage.dataset.lerobot import gather, video_key
 from vcage.dataset.lerobot_v3 import export_v3
-from vcage.dataset.lerobot_v21 import export_v21
-from vcage.dataset.statistics import picture_histogram
 from vcage.errors import DamagedFile, UsageError
+from vcage.videos import decode
 
-LENGTHS = (12, 9)
 KEYS = [video_key(camera) for camera in CAMERAS]
-
-
-@pytest.fixture(scope="module")
-def episodes(tmp_path_factory) -> list[LeRobotEpisode]:
-    folder = tmp_path_factory.mktemp("videos")
-    return [_episode(folder, index, length) for index, length in enumerate(LENGTHS)]
-
-
-def _episode(folder: Path, index: int, length: int) -> LeRobotEpisode:
-    videos = {}
-    for number, camera in enumerate(CAMERAS):
-        videos[camera] = folder / f"{index}.{camera}.mp4"
-        videos[camera].write_bytes(encode(clip(length, number), FPS, EncoderSettings(), 10))
-    histograms = {camera: picture_histogram(clip(length, number)) for number, camera in enumerate(CAMERAS)}
-    return LeRobotEpisode(episode(length), videos, histograms, length)
-
-
-@pytest.fixture(scope="module")
-def contents(episodes):
-    return gather(episodes, {"cam_high": {"video.crf": 10}})
-
-
-@pytest.fixture(scope="module")
-def v3(contents, tmp_path_factory) -> Path:
-    return export_v3(contents, tmp_path_factory.mktemp("v3") / "set")
-
-
-@pytest.fixture(scope="module")
-def v21(contents, tmp_path_factory) -> Path:
-    return export_v21(contents, tmp_path_factory.mktemp("v21") / "set")
 
 
 def lines(path: Path) -> list[dict]:

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 from tests.recordings import CAMERAS, FPS, collected, written
-from vcage.compression.codec import decode
 from vcage.dataset.reader import EpisodeReader
 from vcage.errors import DamagedFile, MissingStage
 from vcage.files import RunFolder
@@ -18,6 +17,7 @@ from vcage.pipeline.settings import Settings
 from vcage.pipeline.workbench import Workbench
 from vcage.schema.compression import Compression
 from vcage.schema.export import Export
+from vcage.videos import decode
 
 SETTINGS = Settings(seed=7, models="offline")
 FRAMES = 12

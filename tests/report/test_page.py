@@ -10,7 +10,6 @@ from pathlib import Path
 import pytest
 
 from tests.runs import INSTRUCTION, Finished, copied
-from vcage.compression.codec import decode
 from vcage.errors import DamagedFile, MissingStage
 from vcage.files import RunFolder, read_json, write_json
 from vcage.pictures import read_picture
@@ -18,6 +17,7 @@ from vcage.pipeline.chain import STAGES
 from vcage.report.page import write_report
 from vcage.schema.episodes import Episodes
 from vcage.schema.subtasks import Subtasks
+from vcage.videos import decode
 
 
 class Page(HTMLParser):

@@ -10,17 +10,15 @@ which change its decisions, are fixed, and its info message, which names the mac
 from __future__ import annotations
 
 import io
-from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from pathlib import Path
 
 import av
 import numpy as np
 from av.video.reformatter import ColorPrimaries, ColorRange, Colorspace, ColorTrc, Interpolation
 from numpy.typing import NDArray
 
-from vcage.errors import DamagedFile, MissingDependency, UsageError
+from vcage.errors import MissingDependency, UsageError
 
 CODEC = "hevc"
 ENCODER = "libx265"
@@ -88,33 +86,6 @@ def encode(frames: NDArray[np.uint8], fps: float, settings: EncoderSettings, crf
             container.mux(stream.encode(_video_frame(picture, pixel_format, index)))
         container.mux(stream.encode(None))
     return target.getvalue()
-
-
-def decode(video: bytes | Path, indices: Sequence[int] | None = None) -> NDArray[np.uint8]:
-    """Decode from the start, as any reader does, and return the pictures at ``indices`` (None: all).
-
-    Returns:
-        (N, H, W, 3) uint8 RGB in the order of time.
-
-    Raises:
-        DamagedFile: it is no video, or is cut off.
-        UsageError: an index lies outside the video.
-    """
-    name = str(video) if isinstance(video, Path) else "the video"
-    wanted = None if indices is None else set(indices)
-    pictures = []
-    count = 0
-    try:
-        with av.open(str(video) if isinstance(video, Path) else io.BytesIO(video)) as container:
-            container.streams.video[0].thread_type = "AUTO"
-            for count, frame in enumerate(container.decode(video=0), start=1):
-                if wanted is None or count - 1 in wanted:
-                    pictures.append(frame.to_ndarray(format="rgb24"))
-    except (av.error.FFmpegError, IndexError) as error:
-        raise DamagedFile(f"{name} cannot be decoded: {error}", hint="run compress again with --force") from error
-    if wanted and max(wanted) >= count:
-        raise UsageError(f"{name} has {count} frames, frame {max(wanted)} was asked for")
-    return np.stack(pictures)
 
 
 def _check(frames: NDArray[np.uint8], crf: int | None) -> None:

@@ -13,8 +13,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from vcage.compression.codec import MAX_CRF, EncoderSettings, decode, encode
+from vcage.compression.codec import MAX_CRF, EncoderSettings, encode
 from vcage.compression.jod import JodMetric
+from vcage.videos import decode
 
 FIRST_GUESS = 18
 LOSS_GROWTH = 0.16

@@ -1,1 +1,1 @@
-"""Recordings of others, read as they are: HDF5 in RoboTwin's, ACT's and our own layout, and folders of pictures."""
+"""Recordings of others, read as they are: HDF5 of RoboTwin, ACT and our own, LeRobot data sets, folders of pictures."""

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from vcage.dataset.recordings.folder import PictureFolder, pictures_in
 from vcage.dataset.recordings.hdf5_layouts import open_hdf5
+from vcage.dataset.recordings.lerobot_layouts import INFO, open_lerobot
 from vcage.dataset.recordings.recording import Recording
 from vcage.errors import InputFileError
 
@@ -13,8 +14,8 @@ HDF5 = (".hdf5", ".h5")
 
 
 def open_recordings(path: Path) -> list[Recording]:
-    """The recordings in a file or a folder, sorted by name: an HDF5 file, all HDF5 files below a folder, or the
-    pictures of a folder or of its folders.
+    """The recordings in a file or a folder, sorted by name: an HDF5 file, the episodes of a LeRobot data set, all HDF5
+    files below a folder, or the pictures of a folder or of its folders.
 
     Raises:
         InputFileError: there is nothing at the path, or nothing that is known.
@@ -24,12 +25,18 @@ def open_recordings(path: Path) -> list[Recording]:
     if path.is_file():
         return [open_hdf5(path)]
     if not path.is_dir():
-        raise InputFileError(f"{path} does not exist", hint="give an HDF5 file, or a folder of them or of pictures")
+        raise InputFileError(
+            f"{path} does not exist",
+            hint="give an HDF5 file, or a folder of them or of pictures, or a LeRobot data set",
+        )
+    if (path / INFO).is_file():
+        return list(open_lerobot(path))
     files = sorted(file for file in path.rglob("*") if file.suffix in HDF5 and file.is_file())
     if files:
         return [open_hdf5(file) for file in files]
     if pictures_in(path) or any(pictures_in(folder) for folder in path.iterdir() if folder.is_dir()):
         return [PictureFolder(path)]
     raise InputFileError(
-        f"{path} holds no recording", hint=f"known are {', '.join(HDF5)} files, and folders of PNG or JPEG pictures"
+        f"{path} holds no recording",
+        hint=f"known are {', '.join(HDF5)} files, LeRobot data sets, and folders of PNG or JPEG pictures",
     )
