@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
@@ -44,9 +46,11 @@ def find_candidates(target: View, source: View, crops: Sequence[Crop], also: np.
     for crop in crops:
         covered |= crop.mask
     target = recolour(target, source, covered)
-    rough = [_rough(target, source, crop, also) for crop in crops]
-    target = _recoloured_by_matches(target, crops, rough)
-    return target, [_fine(target, crop, found) for crop, found in zip(crops, rough, strict=True)]
+    # Objects are looked for beside each other: what takes the time lets go of the interpreter.
+    with ThreadPoolExecutor(max(1, min(os.cpu_count() or 1, len(crops)))) as pool:
+        rough = list(pool.map(lambda crop: _rough(target, source, crop, also), crops))
+        again = _recoloured_by_matches(target, crops, rough)
+        return again, list(pool.map(lambda crop, found: _fine(again, crop, found), crops, rough))
 
 
 def _rough(target: View, source: View, crop: Crop, also: np.ndarray) -> Fit:
