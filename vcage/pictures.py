@@ -31,12 +31,17 @@ def read_picture(path: Path) -> np.ndarray:
     picture = _decode(path, cv2.IMREAD_UNCHANGED)
     if picture.dtype == np.uint16:
         picture = (picture // 257).astype(np.uint8)
+    return cv2.cvtColor(three_channels(picture), cv2.COLOR_BGR2RGB)
+
+
+def three_channels(picture: np.ndarray) -> np.ndarray:
+    """(H, W, 3) of a uint8 picture that is grey (H, W), or has three channels or four; alpha is laid over white."""
     if picture.ndim == 2:
         return cv2.cvtColor(picture, cv2.COLOR_GRAY2RGB)
     if picture.shape[2] == 4:
         alpha = picture[..., 3:].astype(np.float32) / 255
-        picture = np.round(picture[..., :3] * alpha + 255 * (1 - alpha)).astype(np.uint8)
-    return cv2.cvtColor(picture, cv2.COLOR_BGR2RGB)
+        return np.round(picture[..., :3] * alpha + 255 * (1 - alpha)).astype(np.uint8)
+    return picture
 
 
 def read_labels(path: Path) -> np.ndarray:

@@ -14,8 +14,8 @@ from threadpoolctl import ThreadpoolController
 def one_blas_thread() -> Iterator[None]:
     """One thread for BLAS inside (a ``with`` or a decorated function).
 
-    More cost more than they give on small matrices, above all on a busy machine, and change the last digits of sums:
-    with one, every machine finds the same.
+    More cost more than they give on small matrices, above all on a busy machine, and change the last digits of sums
+    with their number.
     """
     with _controller().limit(limits=1, user_api="blas"):
         yield

@@ -34,7 +34,9 @@ def decode(video: bytes | Path, indices: Sequence[int] | None = None) -> NDArray
                 if wanted is None or count - 1 in wanted:
                     pictures.append(frame.to_ndarray(format="rgb24"))
     except (av.error.FFmpegError, IndexError) as error:
-        raise DamagedFile(f"{name} cannot be decoded: {error}", hint="run compress again with --force") from error
+        raise DamagedFile(
+            f"{name} cannot be decoded: {error}", hint="make it again (run compress with --force), or fetch it again"
+        ) from error
     if wanted and max(wanted) >= count:
         raise UsageError(f"{name} has {count} frames, frame {max(wanted)} was asked for")
     return np.stack(pictures)

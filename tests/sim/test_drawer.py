@@ -7,8 +7,11 @@ from vcage.geometry import Pose
 from vcage.schema.scene import Table
 from vcage.sim.bodies import Body
 from vcage.sim.cameras import observe
-from vcage.sim.drawer import NOWHERE, ModelDrawer, Window
+from vcage.sim.drawer import ModelDrawer, Window
 from vcage.sim.world import World
+
+NOWHERE = -2.0
+"""Height of a table that is out of sight, metres."""
 
 PLACE = Pose.from_yaw([0.12, -0.08, 0.74], 0.7)
 

@@ -21,9 +21,6 @@ from vcage.sim.world import World
 if TYPE_CHECKING:
     import sapien
 
-NOWHERE = -2.0
-"""Height of the table, metres: so far below that no shadow and no colour of it reach the object."""
-
 
 @dataclass(frozen=True)
 class Window:
@@ -105,7 +102,7 @@ class ModelDrawer:
     @functools.cached_property
     def _world(self) -> World:
         bodies = {name: Body(model) for name, model in self._models.items()}
-        world = World(Table(height=NOWHERE), bodies, appearance=Appearance(shadows=False), render=True)
+        world = World(Table(), bodies, appearance=Appearance(shadows=False), render=True)
         for entity in world.scene.entities:
             _set_visible(entity, False)
         return world

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from tests.dataset.recordings.layouts import FRAMES, HEIGHT, WIDTH, act, jpeg, robotwin, robotwin_vision, room, rooms
-from vcage.dataset.recordings.hdf5_layouts import act_grippers, open_hdf5
+from vcage.dataset.recordings.hdf5_layouts import open_hdf5
 from vcage.errors import DamagedFile, UnknownName
 
 
@@ -114,8 +114,3 @@ def test_a_layout_that_nobody_knows_is_refused_with_what_it_holds(tmp_path):
         file["data/demo_0/thing"] = np.zeros(3)
     with pytest.raises(DamagedFile, match="data/demo_0"):
         open_hdf5(tmp_path / "a.hdf5")
-
-
-@pytest.mark.parametrize(("numbers", "columns"), [(14, (6, 13)), (7, (6,)), (6, ()), (16, ())])
-def test_each_arm_of_six_joints_has_a_gripper(numbers, columns):
-    assert act_grippers(numbers) == columns

@@ -55,3 +55,10 @@ def test_a_version_that_is_not_known_is_named(v3, tmp_path):
     (copy / "meta/info.json").write_text(json.dumps({**info, "codebase_version": "v1.6"}))
     with pytest.raises(DamagedFile, match=r"version v1\.6"):
         open_recordings(copy)
+
+
+def test_a_missing_list_of_episodes_is_named(v21, tmp_path):
+    copy = shutil.copytree(v21, tmp_path / "copy")
+    (copy / "meta/episodes.jsonl").unlink()
+    with pytest.raises(DamagedFile, match=r"episodes\.jsonl"):
+        open_recordings(copy)

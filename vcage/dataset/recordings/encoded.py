@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vcage.errors import DamagedFile
+from vcage.pictures import three_channels
 
 MAGIC = {b"\xff\xd8": "jpeg", b"\x89P": "png"}
 """First bytes of a picture file → its storage."""
@@ -60,12 +61,7 @@ def to_rgb(picture: NDArray[np.uint8], what: str) -> NDArray[np.uint8]:
         raise DamagedFile(
             f"{what} is an array {picture.shape} {picture.dtype}", hint="pictures are uint8, grey, RGB or RGBA"
         )
-    if picture.ndim == 2:
-        return cv2.cvtColor(picture, cv2.COLOR_GRAY2RGB)
-    if picture.shape[2] == 4:
-        alpha = picture[..., 3:].astype(np.float32) / 255
-        return np.round(picture[..., :3] * alpha + 255 * (1 - alpha)).astype(np.uint8)
-    return picture
+    return three_channels(picture)
 
 
 def looks_swapped(pictures: Sequence[NDArray[np.uint8]]) -> bool | None:

@@ -9,6 +9,7 @@ commands. Its second: ``vision/<camera>/colors`` and the groups ``state`` and ``
 from __future__ import annotations
 
 import re
+from abc import abstractmethod
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from functools import cached_property
@@ -21,11 +22,8 @@ from numpy.typing import NDArray
 
 from vcage.dataset.hdf5 import SCHEMA
 from vcage.dataset.recordings.encoded import decode_picture, looks_swapped, storage_of, to_rgb
-from vcage.dataset.recordings.recording import Camera, Motion, Recording, stacked
+from vcage.dataset.recordings.recording import Camera, Motion, Recording, act_grippers, stacked
 from vcage.errors import DamagedFile
-
-ARM_JOINTS = 6
-"""Joints of an arm in ACT's 7- and 14-number commands; each arm's gripper follows them."""
 
 LOOKED_AT = 5
 """Pictures of the first camera that say whether colours are swapped."""
@@ -68,13 +66,7 @@ class Hdf5Recording(Recording):
     def motion(self) -> Motion | None:
         with damage(self.path), h5py.File(self.path) as file:
             found = self._motion(file)
-        if found is not None and not np.isfinite(found.action).all():
-            frame = int(np.argwhere(~np.isfinite(found.action))[0][0])
-            raise DamagedFile(
-                f"{self.path}: the action of frame {frame} holds NaN or infinity",
-                hint="leave the episode out, or mend the action",
-            )
-        return found
+        return found and found.require_finite(str(self.path))
 
     def pictures(self, camera: str, indices: Sequence[int] | None = None) -> NDArray[np.uint8]:
         key = self.camera(camera).key
@@ -85,8 +77,9 @@ class Hdf5Recording(Recording):
         swapped = self.camera(camera).storage != "raw" and self._swapped
         return stacked([picture[..., ::-1] if swapped else picture for picture in pictures], f"{self.path}:{key}")
 
+    @abstractmethod
     def _motion(self, file: h5py.File) -> Motion | None:
-        raise NotImplementedError
+        """What the robot was told, as the open file says."""
 
     def _camera(self, name: str, dataset: h5py.Dataset) -> Camera:
         what = f"{self.path}:{dataset.name}"
@@ -114,31 +107,30 @@ class Hdf5Recording(Recording):
         return swapped
 
 
-class VcageEpisode(Hdf5Recording):
+class ActEpisode(Hdf5Recording):
+    """A file in the layout of ACT."""
+
+    LAYOUT = "act"
+    PICTURES = r"observations/images/([^/]+)"
+    SWAPPED = None
+
+    def _motion(self, file: h5py.File) -> Motion | None:
+        if "action" not in file:
+            return None
+        action = file["action"][()].astype(np.float64)
+        return Motion(action, act_grippers(action.shape[1]))
+
+
+class VcageEpisode(ActEpisode):
     """An episode of ours."""
 
     LAYOUT = "vcage"
-    PICTURES = r"observations/images/([^/]+)"
+    SWAPPED = False
 
     @cached_property
     def fps(self) -> float | None:
         with damage(self.path), h5py.File(self.path) as file:
             return float(file.attrs["fps"])
-
-    def _motion(self, file: h5py.File) -> Motion | None:
-        action = file["action"][()]
-        return Motion(action, act_grippers(action.shape[1]))
-
-
-class ActEpisode(VcageEpisode):
-    """A file in the layout of ACT."""
-
-    LAYOUT = "act"
-    SWAPPED = None
-
-    @cached_property
-    def fps(self) -> float | None:
-        return None
 
 
 class RoboTwinEpisode(Hdf5Recording):
@@ -194,12 +186,6 @@ def open_hdf5(path: Path) -> Hdf5Recording:
         hint="known are RoboTwin's observation/<camera>/rgb and vision/<camera>/colors, and ACT's "
         "observations/images/<camera>",
     )
-
-
-def act_grippers(numbers: int) -> tuple[int, ...]:
-    """Columns of the grippers in commands of arms with six joints and a gripper each; none for other commands."""
-    per_arm = ARM_JOINTS + 1
-    return tuple(range(ARM_JOINTS, numbers, per_arm)) if numbers % per_arm == 0 else ()
 
 
 def _columns(group: h5py.Group, names: Sequence[str]) -> Motion | None:

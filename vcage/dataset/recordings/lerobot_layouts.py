@@ -18,8 +18,7 @@ import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
 from vcage.dataset.recordings.encoded import decode_picture, storage_of
-from vcage.dataset.recordings.hdf5_layouts import act_grippers
-from vcage.dataset.recordings.recording import Camera, Motion, Recording, stacked
+from vcage.dataset.recordings.recording import Camera, Motion, Recording, act_grippers, stacked
 from vcage.errors import DamagedFile
 from vcage.videos import decode
 
@@ -66,13 +65,10 @@ class LeRobotRecording(Recording):
         if "action" not in self._frames.column_names:
             return None
         action = np.array(self._frames["action"].to_pylist(), np.float64)
-        if not np.isfinite(action).all():
-            frame = int(np.argwhere(~np.isfinite(action))[0][0])
-            raise DamagedFile(f"{self._what}: the action of frame {frame} holds NaN or infinity", hint=MEND)
         names = self._info["features"]["action"].get("names") or []
         names = names if isinstance(names, list) else [name for group in names.values() for name in group]
         named = tuple(column for column, name in enumerate(names) if "gripper" in str(name))
-        return Motion(action, named or act_grippers(action.shape[1]))
+        return Motion(action, named or act_grippers(action.shape[1])).require_finite(self._what)
 
     def pictures(self, camera: str, indices: Sequence[int] | None = None) -> NDArray[np.uint8]:
         one = self.camera(camera)
@@ -182,8 +178,7 @@ def open_lerobot(root: Path) -> list[LeRobotRecording]:
     except (OSError, ValueError, KeyError) as error:
         raise DamagedFile(f"{root / INFO} cannot be read: {error}", hint=MEND) from error
     if version == "v2.1":
-        lines = (root / "meta/episodes.jsonl").read_text(encoding="utf-8").splitlines()
-        return [LeRobotV21(root, info, json.loads(line)) for line in lines if line.strip()]
+        return [LeRobotV21(root, info, row) for row in _lines(root / "meta/episodes.jsonl")]
     if version == "v3.0":
         tables = [_table(file) for file in sorted((root / "meta/episodes").rglob("*.parquet"))]
         return [LeRobotV30(root, info, row) for table in tables for row in table.to_pylist()]
@@ -197,6 +192,13 @@ def _table(file: Path) -> pa.Table:
     try:
         return pq.read_table(file)
     except (OSError, pa.ArrowException) as error:
+        raise DamagedFile(f"{file} cannot be read: {error}", hint=MEND) from error
+
+
+def _lines(file: Path) -> list[dict[str, Any]]:
+    try:
+        return [json.loads(line) for line in file.read_text(encoding="utf-8").splitlines() if line.strip()]
+    except (OSError, ValueError) as error:
         raise DamagedFile(f"{file} cannot be read: {error}", hint=MEND) from error
 
 

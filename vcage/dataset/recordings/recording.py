@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar
 
@@ -12,6 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vcage.errors import DamagedFile, UnknownName
+
+ARM_JOINTS = 6
+"""Joints of an arm in ACT's 7- and 14-number commands; each arm's gripper follows them."""
 
 
 @dataclass(frozen=True)
@@ -51,7 +54,27 @@ class Motion:
     """
 
     action: NDArray[np.float64]
-    grippers: tuple[int, ...] = field(default=())
+    grippers: tuple[int, ...] = ()
+
+    def require_finite(self, what: str) -> Motion:
+        """Itself.
+
+        Raises:
+            DamagedFile: a command is NaN or infinite; names ``what`` and the frame.
+        """
+        bad = np.argwhere(~np.isfinite(self.action))
+        if len(bad):
+            raise DamagedFile(
+                f"{what}: the action of frame {bad[0][0]} holds NaN or infinity",
+                hint="leave the episode out, or mend the action",
+            )
+        return self
+
+
+def act_grippers(numbers: int) -> tuple[int, ...]:
+    """Columns of the grippers in commands of arms with six joints and a gripper each; none for other commands."""
+    per_arm = ARM_JOINTS + 1
+    return tuple(range(ARM_JOINTS, numbers, per_arm)) if numbers % per_arm == 0 else ()
 
 
 class Recording(ABC):

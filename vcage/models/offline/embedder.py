@@ -52,13 +52,13 @@ def _features(lab: np.ndarray, region: Detection) -> np.ndarray:
     lab, mask = lab[around], whole[around].astype(bool)
     inner = cv2.erode(whole[around], np.ones((3, 3), np.uint8)).astype(bool)
     colours = lab[inner if inner.sum() >= 20 else mask]
-    length, width = _sides(mask)
+    long, short = _sides(mask)
     blocks = {
         "chroma": np.sqrt(_chroma_histogram(colours)),
         "lightness": np.sqrt(_soft_bins(colours[:, 0], _LIGHT_CENTRES).mean(axis=0)),
         "moments": _moments(mask),
         "area": np.sqrt(_soft_bins(np.log(mask.sum() / whole.size), _AREA_CENTRES)[0]),
-        "aspect": np.sqrt(_soft_bins(np.log(length / width), _ASPECT_CENTRES)[0]),
+        "aspect": np.sqrt(_soft_bins(np.log(long / short), _ASPECT_CENTRES)[0]),
     }
     return np.concatenate([np.sqrt(WEIGHTS[name]) * _unit(block) for name, block in blocks.items()])
 
