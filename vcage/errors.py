@@ -34,6 +34,10 @@ class VcageError(Exception):
         self.hint = hint
         self.details = details or {}
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Errors cross from worker processes whole, whatever their constructors take."""
+        return _restored, (type(self), self.message, self.hint, self.details)
+
     def as_record(self) -> dict[str, Any]:
         """The ``error`` object of a script's last line of stdout."""
         return {
@@ -48,6 +52,12 @@ class VcageError(Exception):
         """The one line for stderr: what happened, then the way out."""
         text = f"{self.message} ({self.hint})" if self.hint else self.message
         return " ".join(text.split())
+
+
+def _restored(kind: type[VcageError], message: str, hint: str, details: dict[str, Any]) -> VcageError:
+    error = kind.__new__(kind)
+    VcageError.__init__(error, message, hint=hint, details=details)
+    return error
 
 
 # --- 2: the request itself cannot be met ---------------------------------------------------------------

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import subprocess
 import sys
 
@@ -12,11 +13,14 @@ import numpy as np
 import pytest
 
 from tests.recordings import FPS, clip
-from vcage.compression.codec import EncoderSettings, encode
-from vcage.errors import UsageError
+from vcage.compression.codec import EncoderSettings, encode, only_converted
+from vcage.compression.encoders import CODECS
+from vcage.compression.versions import encoder_version
+from vcage.errors import MissingDependency, UsageError
 from vcage.videos import decode
 
 SETTINGS = EncoderSettings()
+FORMATS = CODECS["hevc"].pixel_formats
 
 
 @pytest.fixture(scope="module")
@@ -98,10 +102,72 @@ def test_one_frame_is_a_video_too():
     assert decode(encode(clip(1), FPS, SETTINGS, 10)).shape == (1, 48, 64, 3)
 
 
-@pytest.mark.parametrize("shape", [(2, 48, 63, 3), (2, 47, 64, 3), (2, 16, 16, 3)])
-def test_sizes_that_no_reader_takes_are_refused(shape):
-    with pytest.raises(UsageError, match=f"{shape[2]}x{shape[1]}"):
-        encode(np.zeros(shape, np.uint8), FPS, SETTINGS, 10)
+@pytest.mark.parametrize("size", [(47, 63), (17, 33), (16, 16)])
+@pytest.mark.parametrize("crf", [4, None])
+def test_odd_sizes_are_kept_in_full_colour(size, crf):
+    frames = clip(3)[:, : size[0], : size[1]]
+    assert decode(encode(frames, FPS, SETTINGS, crf)).shape == frames.shape
+
+
+def test_an_odd_size_with_halved_colour_is_refused_with_what_fits():
+    with pytest.raises(UsageError, match="63x48") as caught:
+        encode(np.zeros((2, 48, 63, 3), np.uint8), FPS, EncoderSettings(pixel_format="yuv420p"), 10)
+    assert "yuv444p10le" in caught.value.hint
+
+
+@pytest.mark.parametrize(("codec", "size"), [("hevc", (8, 64)), ("av1", (48, 63))])
+def test_sizes_that_an_encoder_does_not_take_are_refused(codec, size):
+    with pytest.raises(UsageError, match=f"{size[1]}x{size[0]}.*{codec}"):
+        encode(np.zeros((2, *size, 3), np.uint8), FPS, EncoderSettings(codec), 10)
+
+
+@pytest.mark.parametrize("codec", ["h264", "av1"])
+def test_other_codecs_give_the_frames_back_too(codec, frames):
+    decoded = decode(encode(frames, FPS, EncoderSettings(codec), 8))
+    assert decoded.shape == frames.shape
+    assert np.abs(decoded.astype(int) - frames).mean() < (2 if codec == "h264" else 8)  # half of the colour is left
+
+
+def test_h264_has_a_lossless_form_and_av1_says_that_it_has_none(frames):
+    assert np.array_equal(decode(encode(frames, FPS, EncoderSettings("h264"), None)), frames)
+    with pytest.raises(UsageError, match="av1 has no lossless form"):
+        encode(frames, FPS, EncoderSettings("av1"), None)
+
+
+def test_the_conversion_alone_is_what_the_codec_adds_its_loss_to(frames):
+    error = {name: np.abs(only_converted(frames[:2], name).astype(int) - frames[:2]).mean() for name in FORMATS}
+    assert error["gbrp"] == error["yuv444p10le"] == 0
+    assert 0 < error["yuv444p"] < error["yuv420p"]
+
+
+def test_the_conversion_alone_is_what_a_decoder_would_give(frames):
+    almost = decode(encode(frames[:2], FPS, EncoderSettings(pixel_format="yuv420p"), 0))
+    assert np.abs(almost.astype(int) - only_converted(frames[:2], "yuv420p")).max() <= 3
+
+
+@pytest.mark.parametrize(
+    ("wrong", "message"),
+    [
+        ({"codec": "vp9"}, "unknown codec 'vp9'"),
+        ({"pixel_format": "yuv410p"}, "unknown pixel format of hevc"),
+        ({"preset": "swift"}, "unknown preset of hevc"),
+        ({"gop": 0}, "gop is 0"),
+    ],
+)
+def test_settings_that_no_encoder_knows_are_refused(wrong, message):
+    with pytest.raises(UsageError, match=message):
+        EncoderSettings(**wrong)
+
+
+def test_a_codec_missing_from_the_build_is_said_before_anything_is_written(frames, monkeypatch):
+    monkeypatch.setattr(av, "codecs_available", {"libx264"})
+    with pytest.raises(MissingDependency, match="libx265"):
+        encode(frames, FPS, SETTINGS, 10)
+
+
+def test_the_version_of_an_encoder_is_that_which_it_writes_into_its_streams():
+    assert re.match(r"\d+\.\d+.*, libavcodec \d+", encoder_version("hevc"))
+    assert encoder_version("h264").startswith("core ")
 
 
 def test_a_crf_out_of_range_is_refused(frames):

@@ -8,7 +8,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
-from vcage.compression.keyframes import FEWEST_PEAKS, gripper_midpoints, keyframes, motion_peaks
+from vcage.compression.keyframes import (
+    FEWEST_PEAKS,
+    continuous,
+    gripper_midpoints,
+    keyframes,
+    motion_peaks,
+    picture_keyframes,
+)
 
 
 def ramp(length: int, start: int, end: int) -> np.ndarray:
@@ -33,7 +40,7 @@ def test_two_arms_have_their_own_events_and_share_simultaneous_ones():
 
 def test_the_highest_peak_of_motion_comes_first():
     position = np.cumsum(np.exp(-(((np.arange(100) - 20) / 3) ** 2)) + 2 * np.exp(-(((np.arange(100) - 70) / 3) ** 2)))
-    assert motion_peaks(position[:, None])[:2] == [70, 20]
+    assert motion_peaks(np.abs(np.diff(position)))[:2] == [70, 20]
 
 
 def test_an_episode_gives_ends_gripper_moves_and_peaks():
@@ -79,3 +86,47 @@ def test_keyframes_are_increasing_frames_of_the_episode(action):
     chosen = keyframes(action, [3])
     assert chosen == sorted(set(chosen))
     assert chosen[0] == 0 and chosen[-1] == len(action) - 1
+
+
+def turning(frames: int) -> np.ndarray:
+    """(T, 4) wxyz of a hand that turns half around z at an even speed."""
+    half = np.linspace(0, np.pi / 2, frames)
+    return np.stack([np.cos(half), 0 * half, 0 * half, np.sin(half)], axis=1)
+
+
+def test_a_quaternion_that_changes_its_sign_is_no_motion():
+    pose = np.hstack([np.zeros((60, 3)), turning(60), np.ones((60, 1))])
+    flipped = pose.copy()
+    flipped[30:, 3:7] *= -1
+    assert keyframes(flipped, [7]) == keyframes(pose, [7])
+
+
+def test_an_angle_that_passes_pi_is_no_motion():
+    roll = np.linspace(2, 5, 60)
+    wrapped = (roll + np.pi) % (2 * np.pi) - np.pi
+    assert np.ptp(np.diff(continuous(wrapped[:, None])[:, 0])) < 1e-9
+
+
+def test_poses_of_two_arms_are_understood_like_joints():
+    swing = np.cumsum(np.exp(-(((np.arange(100) - 40) / 3) ** 2)))[:, None]
+    left = np.hstack([swing, np.zeros((100, 2)), turning(100), np.ones((100, 1))])
+    right = np.hstack([np.zeros((100, 3)), turning(100), (np.arange(100) >= 70)[:, None]])
+    chosen = keyframes(np.hstack([left, right]), [7, 15])
+    assert {0, 40, 70, 99} <= set(chosen)
+
+
+def test_pictures_without_commands_are_scored_where_they_change_fastest():
+    pictures = np.zeros((50, 32, 32, 3), np.uint8)
+    pictures[20:] = 200
+    pictures[35:] = 90
+    assert {0, 20, 35, 49} == set(picture_keyframes(pictures))
+
+
+@pytest.mark.parametrize(("frames", "expected"), [(1, [0]), (2, [0, 1])])
+def test_the_shortest_films(frames, expected):
+    assert picture_keyframes(np.zeros((frames, 32, 32, 3), np.uint8)) == expected
+
+
+def test_no_pictures_are_refused():
+    with pytest.raises(ValueError, match="no pictures"):
+        picture_keyframes(np.zeros((0, 32, 32, 3), np.uint8))

@@ -1,6 +1,8 @@
-"""The search finds the CRF that trying them all would find, in few trials."""
+"""The search finds the CRF that trying them all would find, in few trials, and believes nothing unchecked."""
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -8,18 +10,26 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.recordings import FPS, clip
-from vcage.compression.codec import MAX_CRF, EncoderSettings, encode
+from vcage.compression.codec import EncoderSettings, encode
+from vcage.compression.encoders import CODECS
 from vcage.compression.jod import JodMetric
-from vcage.compression.search import BUDGET, highest_passing, search_clip
+from vcage.compression.search import BUDGET, Choices, Criterion, held_out_frames, highest_passing, search_clip
+from vcage.errors import UsageError
 from vcage.videos import decode
 
-SETTINGS = EncoderSettings(preset="ultrafast")
+MAX_CRF = CODECS["hevc"].max_crf
+CHOICES = Choices(preset="ultrafast", pixel_formats=("yuv444p10le",))
+SETTINGS = CHOICES.settings("yuv444p10le")
 KEYFRAMES = [0, 5, 9]
 
 
 @pytest.fixture(scope="module")
 def metric():
     return JodMetric()
+
+
+def search(frames, metric, *, choices=CHOICES, keyframes=KEYFRAMES, threshold=0.1, guard=False, reduce="max"):
+    return search_clip(frames, keyframes, FPS, choices, Criterion(threshold, reduce, guard), metric)
 
 
 @given(
@@ -35,7 +45,7 @@ def test_any_growing_loss_is_searched_exactly_within_the_budget(losses, threshol
         tried.append(crf)
         return losses[crf]
 
-    found = highest_passing(loss_at, threshold, upper=upper, first=first)
+    found = highest_passing(loss_at, threshold, upper, first)
     passing = [crf for crf in range(upper + 1) if losses[crf] < threshold]
     assert found == (max(passing) if passing else None)
     assert len(tried) <= BUDGET
@@ -49,7 +59,7 @@ def test_a_loss_that_grows_as_usual_takes_few_trials():
         tried.append(crf)
         return 0.1 * np.exp(0.16 * (crf - 15.5))
 
-    assert highest_passing(loss_at, 0.1) == 15
+    assert highest_passing(loss_at, 0.1, MAX_CRF, first=18) == 15
     assert len(tried) <= 4
 
 
@@ -62,7 +72,7 @@ def test_the_search_agrees_with_trying_every_crf(metric):
         for crf in range(MAX_CRF + 1)
     ]
     for threshold in (0.02, 0.1, 0.3):
-        result = search_clip(frames, KEYFRAMES, FPS, SETTINGS, metric, threshold=threshold)
+        result = search(frames, metric, threshold=threshold)
         first_failure = next(crf for crf, loss in enumerate(losses) if loss >= threshold)
         assert result.crf == first_failure - 1
         assert result.loss_max == pytest.approx(losses[first_failure - 1])
@@ -70,28 +80,105 @@ def test_the_search_agrees_with_trying_every_crf(metric):
 
 def test_the_video_of_a_result_is_the_one_that_was_judged(metric):
     frames = clip(10)
-    result = search_clip(frames, KEYFRAMES, FPS, SETTINGS, metric, threshold=0.1)
-    assert result.video == encode(frames, FPS, SETTINGS, result.crf)
+    result = search(frames, metric)
+    assert result.video == encode(frames, FPS, result.settings, result.crf)
     assert result.loss_max < 0.1
     assert next(t for t in result.trials if t.crf == result.crf).bytes == len(result.video)
 
 
 def test_where_nothing_passes_the_video_is_lossless(metric):
     frames = np.random.default_rng(0).integers(0, 256, (4, 48, 64, 3), np.uint8)
-    result = search_clip(frames, [0, 3], FPS, SETTINGS, metric, threshold=1e-5)
+    result = search(frames, metric, keyframes=[0, 3], threshold=1e-5)
     assert result.crf is None
     assert result.loss_max == 0.0
     assert np.array_equal(decode(result.video), frames)
-    assert min(trial.crf for trial in result.trials) == 0
+    assert min(trial.crf for trial in result.trials if trial.crf is not None) == 0
+
+
+def test_a_codec_without_a_lossless_form_says_what_its_colour_costs(metric):
+    frames = np.random.default_rng(0).integers(0, 256, (2, 48, 64, 3), np.uint8)
+    with pytest.raises(UsageError, match=r"av1 video stays under 0\.001 JOD.*half the size") as caught:
+        search(frames, metric, keyframes=[0, 1], threshold=0.001, choices=Choices(codec="av1"))
+    assert "--codec hevc" in caught.value.hint
 
 
 def test_a_bound_of_an_earlier_clip_is_tried_first_and_kept(metric):
-    result = search_clip(clip(10), KEYFRAMES, FPS, SETTINGS, metric, threshold=5.0, upper=7)
+    result = search(clip(10), metric, threshold=5.0, choices=CHOICES.fixed(SETTINGS, 7))
     assert result.crf == 7
     assert [trial.crf for trial in result.trials] == [7]
 
 
 def test_no_crf_for_an_earlier_clip_means_lossless_at_once(metric):
-    result = search_clip(clip(4), [0, 3], FPS, SETTINGS, metric, threshold=0.1, upper=-1)
-    assert result.crf is None and result.trials == []
+    result = search(clip(4), metric, keyframes=[0, 3], choices=CHOICES.fixed(SETTINGS, -1))
+    assert result.crf is None and [trial.crf for trial in result.trials] == [None]
     assert np.array_equal(decode(result.video), clip(4))
+
+
+def test_held_out_frames_are_every_tenth_that_was_not_scored():
+    assert held_out_frames(35, [0, 12, 20]) == [10, 30]
+
+
+def flickering(frames: int = 24) -> np.ndarray:
+    """Still and grey, but for one held-out frame of noise that no keyframe sees."""
+    pictures = np.full((frames, 48, 64, 3), 128, np.uint8)
+    pictures[10] = np.random.default_rng(0).integers(0, 256, (48, 64, 3), np.uint8)
+    return pictures
+
+
+def test_the_guard_adds_a_held_out_frame_that_fails_and_searches_again(metric):
+    frames = flickering()
+    careless = search(frames, metric, keyframes=[0, 23], guard=False)
+    guarded = search(frames, metric, keyframes=[0, 23], guard=True)
+    assert (careless.held_out.frame, careless.added) == (10, [])
+    assert careless.held_out.worst >= 0.1
+    assert guarded.added == [10]
+    assert guarded.crf < careless.crf
+    assert guarded.loss_max < 0.1 and guarded.held_out.worst < 0.1
+
+
+def test_the_mean_lets_a_single_bad_frame_pass(metric):
+    frames = flickering()
+    strict = search(frames, metric, keyframes=[0, 10, 23])
+    mild = search(frames, metric, keyframes=[0, 10, 23], reduce="mean")
+    assert mild.crf > strict.crf
+    assert mild.loss_mean < 0.1 <= mild.loss_max
+
+
+def test_a_longer_gop_is_taken_where_it_passes_with_fewer_bytes(metric):
+    still = np.repeat(clip(1), 24, axis=0)
+    short = search(still, metric, keyframes=[0, 23])
+    free = search(still, metric, keyframes=[0, 23], choices=replace(CHOICES, gops=(10, 120)))
+    assert free.settings.gop == 120
+    assert free.loss_max < 0.1
+    assert len(free.video) < len(short.video)
+
+
+def test_of_all_pixel_formats_one_is_found_that_passes_within_the_budget(metric):
+    result = search(clip(10), metric, choices=Choices(preset="ultrafast"))
+    assert result.loss_max < 0.1
+    assert len(result.trials) <= BUDGET
+    assert len(result.video) == min(t.bytes for t in result.trials if t.crf == result.crf and t.loss_max < 0.1)
+
+
+def test_a_pixel_format_whose_conversion_alone_loses_too_much_is_not_tried(metric):
+    choices = Choices(preset="ultrafast", pixel_formats=("yuv420p",))
+    stripes = np.zeros((3, 48, 64, 3), np.uint8)
+    stripes[:, :, ::2, 0] = stripes[:, :, 1::2, 2] = 255
+    both = replace(choices, pixel_formats=("yuv420p", "yuv444p10le"))
+    assert {t.pixel_format for t in search(stripes, metric, keyframes=[0, 2], choices=both).trials} == {"yuv444p10le"}
+
+
+def test_pictures_of_odd_size_go_into_full_colour(metric):
+    result = search(clip(3)[:, :47, :63], metric, keyframes=[0, 2], choices=Choices(preset="ultrafast"))
+    assert decode(result.video).shape == (3, 47, 63, 3)
+
+
+def test_a_size_that_no_format_takes_is_refused(metric):
+    with pytest.raises(UsageError, match="8x8"):
+        search(clip(3)[:, :8, :8], metric, keyframes=[0, 2], choices=Choices())
+
+
+def test_a_fixed_crf_is_encoded_once_whatever_it_loses(metric):
+    result = search(clip(10), metric, threshold=float("inf"), choices=replace(CHOICES, upper=40))
+    assert (result.crf, len(result.trials)) == (40, 1)
+    assert result.settings == EncoderSettings(preset="ultrafast")

@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from tests.recordings import CAMERAS, FPS, clip, episode
 from vcage.compression.codec import EncoderSettings, encode
-from vcage.dataset.lerobot import LeRobotEpisode, gather
-from vcage.dataset.lerobot_v3 import export_v3
-from vcage.dataset.lerobot_v21 import export_v21
+from vcage.dataset.lerobot import open_writer
+from vcage.dataset.lerobot_episode import LeRobotEpisode, episode_of
 from vcage.dataset.statistics import picture_histogram
 
 LENGTHS = (12, 9)
+ENCODINGS = {"cam_high": {"video.crf": 10}}
 
 
 @pytest.fixture(scope="session")
@@ -28,19 +30,22 @@ def _episode(folder: Path, index: int, length: int) -> LeRobotEpisode:
         videos[camera] = folder / f"{index}.{camera}.mp4"
         videos[camera].write_bytes(encode(clip(length, number), FPS, EncoderSettings(), 10))
     histograms = {camera: picture_histogram(clip(length, number)) for number, camera in enumerate(CAMERAS)}
-    return LeRobotEpisode(episode(length), videos, histograms, length)
+    return episode_of(episode(length), videos, histograms, length)
+
+
+def write(version: str, out: Path, episodes: Iterable[LeRobotEpisode], **options: Any) -> Path:
+    """A data set of these episodes, or one that they are added to."""
+    with open_writer(version, out, ENCODINGS, **options) as writer:
+        for one in episodes:
+            writer.add(one)
+    return out
 
 
 @pytest.fixture(scope="session")
-def contents(episodes):
-    return gather(episodes, {"cam_high": {"video.crf": 10}})
+def v3(episodes, tmp_path_factory) -> Path:
+    return write("lerobot-v3.0", tmp_path_factory.mktemp("v3") / "set", episodes)
 
 
 @pytest.fixture(scope="session")
-def v3(contents, tmp_path_factory) -> Path:
-    return export_v3(contents, tmp_path_factory.mktemp("v3") / "set")
-
-
-@pytest.fixture(scope="session")
-def v21(contents, tmp_path_factory) -> Path:
-    return export_v21(contents, tmp_path_factory.mktemp("v21") / "set")
+def v21(episodes, tmp_path_factory) -> Path:
+    return write("lerobot-v2.1", tmp_path_factory.mktemp("v21") / "set", episodes)

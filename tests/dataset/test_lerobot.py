@@ -12,11 +12,16 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
-from tests.dataset.conftest import LENGTHS
-from tests.recordings import CAMERAS, FPS, INSTRUCTION, STATE_NAMES, episode
-from vcage.dataset.lerobot import gather, video_key
-from vcage.dataset.lerobot_v3 import export_v3
-from vcage.errors import DamagedFile, UsageError
+from tests.dataset.conftest import LENGTHS, write
+from tests.recordings import CAMERAS, FPS, INSTRUCTION, STATE_NAMES, clip, episode
+from vcage.compression.codec import EncoderSettings, encode
+from vcage.dataset import lerobot_v3
+from vcage.dataset.lerobot import FORMATS, open_writer
+from vcage.dataset.lerobot_episode import LeRobotEpisode
+from vcage.dataset.lerobot_features import video_key
+from vcage.dataset.recordings.opening import open_recordings
+from vcage.dataset.statistics import picture_histogram
+from vcage.errors import DamagedFile, OutputFolderError, UnknownName, UsageError
 from vcage.videos import decode
 
 KEYS = [video_key(camera) for camera in CAMERAS]
@@ -122,27 +127,144 @@ def test_videos_are_copied_byte_for_byte(v3, episodes):
     assert copy.read_bytes() == episodes[1].videos[CAMERAS[0]].read_bytes()
 
 
-def test_the_same_contents_give_the_same_files(contents, v3, tmp_path):
-    again = export_v3(contents, tmp_path / "again")
+def test_the_same_episodes_give_the_same_files(episodes, v3, tmp_path):
+    again = write("lerobot-v3.0", tmp_path / "again", episodes)
     for path in filter(Path.is_file, v3.rglob("*")):
         assert (again / path.relative_to(v3)).read_bytes() == path.read_bytes()
 
 
-def test_nothing_to_export_is_refused():
+@pytest.mark.parametrize("version", FORMATS)
+def test_nothing_to_export_is_refused(version, tmp_path):
     with pytest.raises(UsageError, match="no accepted episode"):
-        gather([], {})
+        write(version, tmp_path / "set", [])
+    assert not (tmp_path / "set").exists()
 
 
-def test_episodes_of_two_robots_are_refused(episodes):
-    other = replace(episodes[1], data=episode(9, meta={**episode().meta, "robot": "aloha"}))
+@pytest.mark.parametrize("version", FORMATS)
+def test_episodes_of_two_robots_are_refused(version, episodes, tmp_path):
     with pytest.raises(UsageError, match="episode 1 has other robot"):
-        gather([episodes[0], other], {})
+        write(version, tmp_path / "set", [episodes[0], replace(episodes[1], robot="aloha")])
+    assert not (tmp_path / "set").exists()
 
 
-def test_a_video_of_another_length_is_refused(episodes):
+def test_a_video_of_another_length_is_refused(episodes, tmp_path):
     wrong = replace(episodes[0], videos=episodes[1].videos)
     with pytest.raises(DamagedFile, match="9 frames"):
-        gather([wrong], {})
+        write("lerobot-v3.0", tmp_path / "set", [wrong])
+
+
+@pytest.mark.parametrize(
+    ("frames", "settings", "difference"),
+    [
+        (clip(9)[:, :32], EncoderSettings(), r"size of observation.images.cam_high \(\[32, 64, 3\]\)"),
+        (clip(9), EncoderSettings(pixel_format="yuv420p"), r"video.pix_fmt of observation.images.cam_high \(yuv420p\)"),
+    ],
+)
+def test_videos_that_differ_from_those_before_are_refused(episodes, tmp_path, frames, settings, difference):
+    path = tmp_path / "other.mp4"
+    path.write_bytes(encode(frames, FPS, settings, 10))
+    other = replace(episodes[1], videos={**episodes[1].videos, "cam_high": path})
+    with pytest.raises(UsageError, match=f"episode 1 has other {difference}"):
+        write("lerobot-v3.0", tmp_path / "set", [episodes[0], other])
+
+
+def test_what_is_left_open_may_differ_between_episodes(episodes, tmp_path):
+    path = tmp_path / "other.mp4"
+    path.write_bytes(encode(clip(9), FPS, EncoderSettings(pixel_format="yuv420p"), 10))
+    other = replace(episodes[1], videos={**episodes[1].videos, "cam_high": path})
+    with open_writer("lerobot-v3.0", tmp_path / "set", {"cam_high": {"video.pix_fmt": None}}) as writer:
+        writer.add(episodes[0])
+        writer.add(other)
+    info = json.loads((tmp_path / "set/meta/info.json").read_text())
+    assert "video.pix_fmt" not in info["features"][KEYS[0]]["info"]
+    assert info["features"][KEYS[1]]["info"]["video.pix_fmt"] == "yuv444p10le"
+
+
+@pytest.mark.parametrize("version", FORMATS)
+def test_a_refused_episode_is_named_by_its_number_and_others_can_follow(version, episodes, tmp_path):
+    bad = np.full_like(episodes[1].action, np.nan)
+    with open_writer(version, tmp_path / "set") as writer:
+        writer.add(episodes[0])
+        for change, complaint in (({"action": bad}, "episode 1: action of frame 0"), ({"frames": 0}, "has no frame")):
+            with pytest.raises(UsageError, match=complaint):
+                writer.add(replace(episodes[1], **change))
+        writer.add(episodes[1])
+        assert (writer.episodes, writer.frames) == (2, sum(LENGTHS))
+    assert len(open_recordings(tmp_path / "set")) == 2
+
+
+@pytest.mark.parametrize("version", FORMATS)
+def test_recordings_of_others_are_exported_with_what_they_have(version, episodes, tmp_path):
+    camera, video = next(iter(episodes[1].videos.items()))
+    foreign = LeRobotEpisode(
+        fps=FPS,
+        robot="unknown",
+        task="push",
+        videos={camera: video},
+        histograms={camera: picture_histogram(clip(9))},
+        sampled=9,
+        action=np.arange(18).reshape(9, 2),
+        action_names=["x", "y"],
+    )
+    root = write(version, tmp_path / "set", [foreign, foreign])
+    features = json.loads((root / "meta/info.json").read_text())["features"]
+    assert features["action"] == {"dtype": "float32", "shape": [2], "names": ["x", "y"]}
+    assert "observation.state" not in features
+    table = pq.read_table(sorted((root / "data").rglob("*.parquet"))[0])
+    assert table["action"].to_pylist()[:2] == [[0, 1], [2, 3]]
+    names = (root / "meta/subtasks.jsonl" if version == "lerobot-v2.1" else root / "meta/subtasks.parquet").read_bytes()
+    assert b"push" in names
+
+
+@pytest.mark.parametrize("version", FORMATS)
+def test_pictures_alone_and_numbers_alone_make_data_sets(version, episodes, tmp_path):
+    pictures = replace(episodes[1], state=None, action=None, subtasks=(), frames=9)
+    assert open_recordings(write(version, tmp_path / "pictures", [pictures]))[0].motion is None
+    numbers = replace(episodes[1], videos={}, histograms={})
+    info = json.loads((write(version, tmp_path / "numbers", [numbers, numbers]) / "meta/info.json").read_text())
+    assert info["video_path"] is None
+    assert info["total_frames"] == 18
+    write(version, tmp_path / "numbers", [numbers], append=True)
+
+
+def test_descriptions_of_episodes_are_written_in_parts(episodes, tmp_path, monkeypatch):
+    monkeypatch.setattr(lerobot_v3, "ROWS", 2)
+    root = write("lerobot-v3.0", tmp_path / "set", [episodes[0]] * 5)
+    file = pq.ParquetFile(root / "meta/episodes/chunk-000/file-000.parquet")
+    assert file.num_row_groups == 3
+    assert file.read()["episode_index"].to_pylist() == [0, 1, 2, 3, 4]
+
+
+def test_v3_frames_of_an_episode_are_a_row_group_and_a_full_file_is_followed_by_another(
+    episodes, tmp_path, monkeypatch
+):
+    whole = write("lerobot-v3.0", tmp_path / "whole", episodes)
+    assert pq.ParquetFile(whole / "data/chunk-000/file-000.parquet").num_row_groups == 2
+    monkeypatch.setattr(lerobot_v3, "DATA_MB", 1e-6)
+    root = write("lerobot-v3.0", tmp_path / "set", episodes)
+    rows = pq.read_table(root / "meta/episodes/chunk-000/file-000.parquet").to_pylist()
+    assert [row["data/file_index"] for row in rows] == [0, 1]
+    for row, length in zip(rows, LENGTHS, strict=True):
+        assert pq.read_table(root / f"data/chunk-000/file-00{row['data/file_index']}.parquet").num_rows == length
+    assert (root / "meta/stats.json").read_bytes() == (whole / "meta/stats.json").read_bytes()
+
+
+def test_a_data_set_is_replaced_but_nothing_else_is(episodes, tmp_path):
+    root = write("lerobot-v3.0", tmp_path / "set", episodes)
+    write("lerobot-v2.1", root, episodes[:1])
+    assert json.loads((root / "meta/info.json").read_text())["total_episodes"] == 1
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "mine/notes.txt").write_text("keep")
+    (tmp_path / "file").write_text("keep")
+    for path in (tmp_path / "mine", tmp_path / "file"):
+        with pytest.raises(OutputFolderError, match="in the way"):
+            write("lerobot-v3.0", path, episodes)
+    assert (tmp_path / "mine/notes.txt").read_text() == "keep"
+
+
+def test_an_unknown_version_is_named(tmp_path):
+    with pytest.raises(UnknownName, match=r"lerobot-v2\.1, lerobot-v3\.0"):
+        write("lerobot-v1.6", tmp_path / "set", [])
 
 
 def _scalars() -> set[str]:

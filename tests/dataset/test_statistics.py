@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as hnp
 
 from tests.recordings import clip
-from vcage.dataset.statistics import picture_histogram, picture_statistics, vector_statistics
+from vcage.dataset.statistics import Moments, picture_histogram, picture_statistics, vector_statistics
 
 
 def test_vector_statistics_have_one_number_per_column():
@@ -30,3 +33,30 @@ def test_picture_statistics_from_added_histograms_are_those_of_all_pixels():
         "q50": np.quantile(pixels, 0.5, axis=0, method="inverted_cdf"),
     }.items():
         np.testing.assert_allclose(np.ravel(found[name]), expected, atol=1e-9)
+
+
+@given(
+    hnp.arrays(np.float64, st.tuples(st.integers(2, 40), st.just(2)), elements=st.floats(-1e6, 1e6)),
+    st.data(),
+)
+def test_moments_of_parts_are_those_of_the_whole(values, data):
+    cut = data.draw(st.integers(1, len(values) - 1))
+    moments = Moments()
+    for part in (values[:cut], values[cut:]):
+        moments.add(vector_statistics(part))
+    found = moments.statistics()
+    assert found["count"] == [len(values)]
+    np.testing.assert_array_equal(found["min"], values.min(axis=0))
+    np.testing.assert_array_equal(found["max"], values.max(axis=0))
+    np.testing.assert_allclose(found["mean"], values.mean(axis=0), rtol=1e-9, atol=1e-9)
+    np.testing.assert_allclose(found["std"], values.std(axis=0), rtol=1e-6, atol=1e-6)
+
+
+def test_moments_of_pictures_keep_their_shape():
+    first, second = clip(5, seed=1), clip(7, seed=2)
+    moments = Moments()
+    for pictures in (first, second):
+        moments.add(picture_statistics(picture_histogram(pictures), len(pictures)))
+    whole = picture_statistics(picture_histogram(first) + picture_histogram(second), 12)
+    for name in ("min", "max", "mean", "std", "count"):
+        np.testing.assert_allclose(moments.statistics()[name], whole[name], atol=1e-12)

@@ -41,14 +41,12 @@ class JodMetric:
     """
 
     def __init__(self, display: str = DISPLAY, device: str | None = None):
+        require_display(display)
         pycvvdp = _import_pycvvdp()
         import torch
 
         self._torch = torch
         self.device = torch.device(device or ("cuda" if torch.cuda.is_available() else "cpu"))
-        displays = _displays()
-        if display not in displays:
-            raise UnknownName("display", display, displays)
         self.display = display
         self._metric = pycvvdp.cvvdp(display_name=display, device=self.device, quiet=True)
 
@@ -86,11 +84,19 @@ def _import_pycvvdp() -> ModuleType:
     return pycvvdp
 
 
-def _displays() -> list[str]:
-    """Names of ColorVideoVDP's display models."""
+def require_display(name: str) -> None:
+    """Nothing, if ColorVideoVDP has a display model of that name.
+
+    Raises:
+        MissingDependency: pycvvdp or torch is not installed.
+        UnknownName: it has not; lists those it has.
+    """
+    _import_pycvvdp()
     from pycvvdp import utils
 
-    return sorted(utils.json2dict(utils.config_files.find("display_models.json", [])))
+    displays = sorted(utils.json2dict(utils.config_files.find("display_models.json", [])))
+    if name not in displays:
+        raise UnknownName("display", name, displays)
 
 
 @contextmanager

@@ -24,6 +24,12 @@ SPREAD = 4
 GROUP_GAP = 5
 """Changes of the grippers' commands at most this many frames apart belong to one opening or closing."""
 
+UNIT_TOLERANCE = 1e-3
+"""How far the length of a quaternion may be from one, as many are stored in single precision."""
+
+STRIDE = 8
+"""Of the pixels that tell how much pictures change."""
+
 COMMAND_TOLERANCE = 1e-6
 """A smaller change of a gripper's command is rounding."""
 
@@ -32,28 +38,71 @@ def keyframes(action: NDArray[np.float64], grippers: Sequence[int], count: int =
     """Frame indices, increasing, of the moments that tell most about an episode.
 
     Args:
-        action: (T, D) commanded joint positions.
-        grippers: columns of ``action`` that command a gripper.
+        action: (T, D) commands to one or two arms: joint positions in radians, or poses of the end-effectors.
+        grippers: columns of ``action`` that command a gripper; one that never moves marks no moment.
         count: how many frames to aim at; fewer when there is too little motion, more when the grippers move often.
 
     Raises:
         ValueError: ``action`` has no frames.
     """
-    frames = len(action)
-    if frames == 0:
+    if len(action) == 0:
         raise ValueError("action has no frames")
-    chosen = {0, frames - 1, *gripper_midpoints(action[:, list(grippers)])}
+    arms = continuous(np.delete(action, list(grippers), axis=1))
+    speed = np.linalg.norm(np.diff(arms, axis=0), axis=1)
+    return _chosen(speed, gripper_midpoints(action[:, list(grippers)]), count)
+
+
+def picture_keyframes(pictures: NDArray[np.uint8], count: int = COUNT) -> list[int]:
+    """The same of pictures, (T, H, W, 3) uint8, of which nobody knows the commands: where they change fastest.
+
+    Raises:
+        ValueError: there are no pictures.
+    """
+    if len(pictures) == 0:
+        raise ValueError("there are no pictures")
+    small = pictures[:, ::STRIDE, ::STRIDE].astype(np.int16)
+    return _chosen(np.abs(np.diff(small, axis=0)).mean(axis=(1, 2, 3)), [], count)
+
+
+def _chosen(speed: NDArray[np.float64], moments: Sequence[int], count: int) -> list[int]:
+    """First and last frame, the moments, and the fastest changes that lie apart from those.
+
+    Args:
+        speed: (T − 1,) how much changes from each frame to the next.
+    """
+    frames = len(speed) + 1
+    chosen = {0, frames - 1, *moments}
     wanted = max(count - len(chosen), FEWEST_PEAKS)
-    arms = np.delete(action, list(grippers), axis=1)
     apart = max(1, frames // (SPREAD * count))
     taken = 0
-    for peak in motion_peaks(arms):
+    for peak in motion_peaks(speed):
         if taken == wanted:
             break
         if min(abs(peak - other) for other in chosen) >= apart:
             chosen.add(peak)
             taken += 1
     return sorted(chosen)
+
+
+def continuous(action: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(T, D) commands without the jumps of their notation: q and −q are one rotation, and so are α and α + 2π."""
+    action = np.unwrap(action, axis=0)
+    for first in _quaternions(action):
+        block = action[:, first : first + 4]
+        flips = np.where((block[1:] * block[:-1]).sum(axis=1) < 0, -1.0, 1.0)
+        block[1:] *= np.cumprod(flips)[:, None]
+    return action
+
+
+def _quaternions(action: NDArray[np.float64]) -> list[int]:
+    """First columns of four neighbours that have unit length in every frame, and change."""
+    found: list[int] = []
+    for first in range(action.shape[1] - 3):
+        block = action[:, first : first + 4]
+        unit = np.abs(np.linalg.norm(block, axis=1) - 1).max() < UNIT_TOLERANCE
+        if unit and np.ptp(block, axis=0).any() and (not found or first >= found[-1] + 4):
+            found.append(first)
+    return found
 
 
 def gripper_midpoints(commands: NDArray[np.float64]) -> list[int]:
@@ -65,9 +114,8 @@ def gripper_midpoints(commands: NDArray[np.float64]) -> list[int]:
     return [int(np.median(group)) for group in groups]
 
 
-def motion_peaks(action: NDArray[np.float64]) -> list[int]:
-    """Local maxima of ‖a(t) − a(t−1)‖₂, fastest first; of a plateau its middle."""
-    speed = np.linalg.norm(np.diff(action, axis=0), axis=1)
+def motion_peaks(speed: NDArray[np.float64]) -> list[int]:
+    """Local maxima of (T − 1,) ‖a(t) − a(t−1)‖₂ as frames t, fastest first; of a plateau its middle."""
     # zeros around it make a peak of motion that begins at once or lasts to the end
     peaks, _ = find_peaks(np.concatenate([[0.0], speed, [0.0]]))
     return [int(peak) for peak in sorted(peaks, key=lambda peak: (-speed[peak - 1], peak))]

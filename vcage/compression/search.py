@@ -1,41 +1,123 @@
-"""The highest CRF whose loss stays under a threshold on every keyframe (paper, section III-D, "Perception-Driven CRF").
+"""The cheapest encoding of a clip whose loss stays under a threshold (paper, section III-D, "Perception-Driven CRF").
 
 Each trial encodes the whole clip with the settings of production, decodes it as a reader would, and scores the decoded
-keyframes against the originals.
+keyframes against the originals. The paper searches the CRF alone; here the pixel format and the GOP are part of it, and
+frames that are no keyframes are looked at before a result is believed.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vcage.compression.codec import MAX_CRF, EncoderSettings, encode
+from vcage.compression.codec import EncoderSettings, encode, formats_for, only_converted
 from vcage.compression.jod import JodMetric
+from vcage.errors import UsageError
 from vcage.videos import decode
 
-FIRST_GUESS = 18
-LOSS_GROWTH = 0.16
+LOSS_GROWTH = 0.17
 """Growth of ln(loss) per CRF step on rendered clips; it only makes guesses better, never a result."""
 
 FIRST_STEP = 3
 """Smallest step up while nothing has failed yet: a bound above is worth more than a small gain."""
 
 BUDGET = 7
-"""Trials at most for one clip."""
+"""Encodings at most for one clip, the guard's included as far as they can be foreseen."""
+
+GUARDED = 1
+"""Encodings of the budget that other pixel formats and GOPs leave to the guard."""
+
+HOPELESS = 0.6
+"""Share of the threshold that a conversion alone may cost in a pixel format that is tried besides the best."""
+
+HELD_OUT_EVERY = 10
+
+LOSSLESS = -1
+"""Stands for a CRF below all: none passes."""
+
+
+@dataclass(frozen=True)
+class Criterion:
+    """When a clip passes.
+
+    Args:
+        threshold: what the loss must stay below, JOD.
+        reduce: over the scored frames, 'max' or 'mean'.
+        guard: whether frames that are no keyframes must pass as well.
+    """
+
+    threshold: float = 0.1
+    reduce: Literal["max", "mean"] = "max"
+    guard: bool = True
+
+    def loss(self, losses: NDArray[np.float64]) -> float:
+        """The one number of the losses of several frames."""
+        return float(losses.max() if self.reduce == "max" else losses.mean())
+
+    def failing(self, frames: Sequence[int], losses: NDArray[np.float64]) -> list[int]:
+        """The frames to blame where their losses together do not pass."""
+        if self.loss(losses) < self.threshold:
+            return []
+        return [f for f, loss in zip(frames, losses, strict=True) if self.reduce == "mean" or loss >= self.threshold]
+
+
+@dataclass(frozen=True)
+class Choices:
+    """What a search may choose from; one pixel format and one GOP leave it the CRF alone.
+
+    Args:
+        codec: see :class:`EncoderSettings`.
+        preset: the encoder's; none takes the codec's usual one.
+        pixel_formats: none takes all that the codec has.
+        gops: the first is searched, the others are tried at the CRF that it allows.
+        crfs: the highest CRF to consider, and -1 for none; None takes the codec's.
+    """
+
+    codec: str = "hevc"
+    preset: str = ""
+    pixel_formats: tuple[str, ...] = ()
+    gops: tuple[int, ...] = (10,)
+    upper: int | None = None
+
+    def settings(self, pixel_format: str = "", gop: int = 0) -> EncoderSettings:
+        """The encoder's settings with one of the choices."""
+        return EncoderSettings(self.codec, pixel_format, self.preset, gop or self.gops[0])
+
+    @property
+    def highest(self) -> int:
+        """The highest CRF to consider."""
+        return self.settings().facts.max_crf if self.upper is None else self.upper
+
+    def fixed(self, settings: EncoderSettings, upper: int) -> Choices:
+        """The same with nothing left to choose but a CRF of at most ``upper``."""
+        return replace(self, pixel_formats=(settings.pixel_format,), gops=(settings.gop,), upper=upper)
 
 
 @dataclass(frozen=True)
 class Trial:
-    """One CRF tried on one clip."""
+    """One encoding of a clip; a CRF of None is one without loss."""
 
-    crf: int
+    pixel_format: str
+    gop: int
+    crf: int | None
     loss_max: float
     loss_mean: float
     bytes: int
+
+
+@dataclass(frozen=True)
+class HeldOut:
+    """What frames that no search has seen lose, JOD; ``frame`` is the worst of the ``count``."""
+
+    worst: float
+    mean: float
+    frame: int
+    count: int
 
 
 @dataclass(frozen=True)
@@ -43,63 +125,197 @@ class SearchResult:
     """What a search found.
 
     Args:
+        settings: the encoder's; those of the lossless form have its pixel format.
         crf: the highest CRF that passes; None when not even the best quality does.
         video: the MP4 file at that CRF; of a lossless encoding when there is none.
-        loss_max: largest loss of ``video`` over the keyframes, JOD.
+        loss_max, loss_mean: of ``video`` over the scored frames, JOD.
+        added: frames that the guard added to the keyframes.
+        held_out: of ``video``; None when every frame was scored.
         trials: all that was tried, in order.
     """
 
+    settings: EncoderSettings
     crf: int | None
     video: bytes
     loss_max: float
+    loss_mean: float
+    added: list[int]
+    held_out: HeldOut | None
     trials: list[Trial]
-
-    def without_video(self) -> SearchResult:
-        """The same result with the video let go."""
-        return replace(self, video=b"")
 
 
 def search_clip(
     frames: NDArray[np.uint8],
     keyframes: Sequence[int],
     fps: float,
-    settings: EncoderSettings,
+    choices: Choices,
+    criterion: Criterion,
     metric: JodMetric,
-    *,
-    threshold: float,
-    upper: int = MAX_CRF,
+    threads: int = 0,
 ) -> SearchResult:
-    """Find the highest CRF of one clip, not above ``upper``.
+    """Find the encoding of one clip with the fewest bytes that passes.
+
+    The best pixel format and the first GOP are searched for the highest CRF that passes; the others are tried at that
+    CRF while the budget lasts, and taken where they pass with fewer bytes. Where held-out frames fail, they join the
+    keyframes, and the search goes on below.
 
     Args:
         frames: (T, H, W, 3) uint8 RGB.
         keyframes: indices of the frames that are scored, increasing.
         fps: frames per second.
-        settings: the encoder's.
+        choices: what there is to choose from.
+        criterion: when a clip passes.
         metric: the judge.
-        threshold: the largest loss of a keyframe must be below it, JOD.
-        upper: the CRF that an earlier clip of the same camera allowed, tried first; -1 when it allowed none.
+        threads: of the encoder; 0 leaves it the choice.
+
+    Raises:
+        UsageError: the pictures' size fits no pixel format of the codec, or nothing passes and the codec has no
+            lossless form.
+        MissingDependency: the encoder is missing.
     """
-    reference = frames[list(keyframes)]
-    trials: list[Trial] = []
-    videos: dict[int, bytes] = {}
+    return _Search(frames, list(keyframes), fps, choices, criterion, metric, threads).run()
 
-    def loss_at(crf: int) -> float:
-        videos[crf] = encode(frames, fps, settings, crf)
-        losses = metric.loss(decode(videos[crf], keyframes), reference)
-        trials.append(Trial(crf, float(losses.max()), round(float(losses.mean()), 5), len(videos[crf])))
-        return trials[-1].loss_max
 
-    first = FIRST_GUESS if upper == MAX_CRF else upper
-    crf = highest_passing(loss_at, threshold, upper=upper, first=first)
-    if crf is None:
-        return SearchResult(None, encode(frames, fps, settings, None), 0.0, trials)
-    loss_max = next(trial.loss_max for trial in trials if trial.crf == crf)
-    return SearchResult(crf, videos[crf], loss_max, trials)
+@dataclass
+class _Search:
+    frames: NDArray[np.uint8]
+    scored: list[int]
+    fps: float
+    choices: Choices
+    criterion: Criterion
+    metric: JodMetric
+    threads: int
+    added: list[int] = field(default_factory=list)
+    trials: list[Trial] = field(default_factory=list)
+    videos: dict[tuple[EncoderSettings, int], bytes] = field(default_factory=dict)
+
+    def run(self) -> SearchResult:
+        best, *others = self._formats() or [""]
+        if not best:
+            return self._lossless()
+        settings = self.choices.settings(best)
+        crf = self._highest(settings, self.choices.highest)
+        if crf is None:
+            return self._lossless()
+        settings = self._cheapest(settings, crf, others)
+        while True:
+            held_out, failing = self._held_out(settings, crf)
+            if not failing or not self.criterion.guard:
+                return self._result(settings, crf, held_out)
+            self.added += failing
+            self.scored = sorted({*self.scored, *failing})
+            crf = self._highest(settings, crf - 1)
+            if crf is None:
+                return self._lossless()
+
+    def _formats(self) -> list[str]:
+        """Pixel formats worth a trial, that with the least loss of its own first."""
+        names = self._fitting()
+        if len(names) == 1:
+            return names
+        floors = {name: self.criterion.loss(self._conversion(name)) for name in names}
+        best, *others = sorted(names, key=lambda name: floors[name])
+        if floors[best] >= self.criterion.threshold:
+            return []
+        return [best, *(name for name in others if floors[name] < HOPELESS * self.criterion.threshold)]
+
+    def _fitting(self) -> list[str]:
+        """Pixel formats to choose from that can hold pictures of this size."""
+        height, width = self.frames.shape[1:3]
+        fitting = formats_for(self.choices.settings(), width, height)
+        return [name for name in self.choices.pixel_formats or fitting if name in fitting]
+
+    def _conversion(self, pixel_format: str) -> NDArray[np.float64]:
+        """What the scored frames lose in a pixel format without any codec."""
+        reference = self.frames[self.scored]
+        return self.metric.loss(only_converted(reference, pixel_format), reference)
+
+    def _highest(self, settings: EncoderSettings, upper: int) -> int | None:
+        """The highest CRF not above ``upper`` that passes on the scored frames."""
+        first = settings.facts.first_crf if upper == settings.facts.max_crf else upper
+        return highest_passing(lambda crf: self._loss(settings, crf), self.criterion.threshold, upper, first)
+
+    def _cheapest(self, settings: EncoderSettings, crf: int, formats: Sequence[str]) -> EncoderSettings:
+        """The choice of pixel format and GOP with the fewest bytes that passes at a CRF, as far as the budget goes."""
+        for pixel_format, gop in self._variants(settings, formats):
+            if len(self.videos) >= BUDGET - GUARDED:
+                break
+            other = self.choices.settings(pixel_format, gop)
+            passes = self._loss(other, crf) < self.criterion.threshold
+            if passes and len(self.videos[other, crf]) < len(self.videos[settings, crf]):
+                settings = other
+        return settings
+
+    def _variants(self, settings: EncoderSettings, formats: Sequence[str]) -> list[tuple[str, int]]:
+        return [
+            *((settings.pixel_format, gop) for gop in self.choices.gops[1:]),
+            *((name, settings.gop) for name in formats),
+        ]
+
+    def _loss(self, settings: EncoderSettings, crf: int) -> float:
+        """The loss of the scored frames; what was encoded before is scored again, as the guard may have added some."""
+        if (settings, crf) not in self.videos:
+            self.videos[settings, crf] = encode(self.frames, self.fps, settings, crf, self.threads)
+        losses = self._losses(self.videos[settings, crf], self.scored)
+        self._note(settings, crf, losses, len(self.videos[settings, crf]))
+        return self.criterion.loss(losses)
+
+    def _note(self, settings: EncoderSettings, crf: int | None, losses: NDArray[np.float64], size: int) -> None:
+        mean = round(float(losses.mean()), 5)
+        self.trials.append(Trial(settings.pixel_format, settings.gop, crf, float(losses.max()), mean, size))
+
+    def _losses(self, video: bytes, indices: Sequence[int]) -> NDArray[np.float64]:
+        return self.metric.loss(decode(video, indices), self.frames[list(indices)])
+
+    def _held_out(self, settings: EncoderSettings, crf: int) -> tuple[HeldOut | None, list[int]]:
+        """What frames lose that were not scored, and those to blame if they do not pass."""
+        unseen = held_out_frames(len(self.frames), self.scored)
+        if not unseen:
+            return None, []
+        losses = self._losses(self.videos[settings, crf], unseen)
+        worst = int(losses.argmax())
+        mean = round(float(losses.mean()), 5)
+        return HeldOut(float(losses[worst]), mean, unseen[worst], len(unseen)), self.criterion.failing(unseen, losses)
+
+    def _result(self, settings: EncoderSettings, crf: int, held_out: HeldOut | None) -> SearchResult:
+        trial = next(
+            t
+            for t in reversed(self.trials)
+            if (t.pixel_format, t.gop, t.crf) == (settings.pixel_format, settings.gop, crf)
+        )
+        video = self.videos[settings, crf]
+        return SearchResult(
+            settings, crf, video, trial.loss_max, trial.loss_mean, sorted(self.added), held_out, self.trials
+        )
+
+    def _lossless(self) -> SearchResult:
+        settings = self.choices.settings()
+        self._require_lossless(settings)
+        video = encode(self.frames, self.fps, settings, None, self.threads)
+        settings = replace(settings, pixel_format=settings.facts.lossless_format)
+        self._note(settings, None, np.zeros(1), len(video))
+        unseen = held_out_frames(len(self.frames), self.scored)
+        held_out = HeldOut(0.0, 0.0, unseen[0], len(unseen)) if unseen else None
+        return SearchResult(settings, None, video, 0.0, 0.0, sorted(self.added), held_out, self.trials)
+
+    def _require_lossless(self, settings: EncoderSettings) -> None:
+        if settings.facts.lossless_format:
+            return
+        best = min((self.criterion.loss(self._conversion(name)) for name in self._fitting()), default=0.0)
+        raise UsageError(
+            f"no {settings.codec} video stays under {self.criterion.threshold} JOD: storing colour at half the size "
+            f"costs {best:.3f} already, and {settings.codec} has no lossless form here",
+            hint="take --codec hevc, a larger --max-loss, or a fixed --crf",
+        )
+
+
+def held_out_frames(count: int, scored: Sequence[int]) -> list[int]:
+    """Every tenth of ``count`` frames, but for those in ``scored``."""
+    return sorted(set(range(0, count, HELD_OUT_EVERY)) - set(scored))
 
 
 def highest_passing(
-    loss_at: Callable[[int], float], threshold: float, *, upper: int = MAX_CRF, first: int = FIRST_GUESS
+    loss_at: Callable[[int], float], threshold: float, upper: int, first: int, budget: int = BUDGET
 ) -> int | None:
     """The highest CRF in 0 … ``upper`` with ``loss_at(crf) < threshold``, if the loss grows with the CRF.
 
@@ -107,23 +323,24 @@ def highest_passing(
     the answer, the CRFs that remain can still be told apart by the trials that remain.
 
     Args:
-        loss_at: the loss at a CRF; called at most :data:`BUDGET` times.
+        loss_at: the loss at a CRF; called at most ``budget`` times.
         threshold: what the loss must stay below.
-        upper: the highest CRF to consider, at most 51.
+        upper: the highest CRF to consider; -1 for none.
         first: the first CRF to try.
+        budget: calls at most; at least log2(``upper`` + 2).
 
     Returns:
         None when the loss at CRF 0 is too large already.
     """
-    passes, fails = -1, upper + 1
+    passes, fails = LOSSLESS, upper + 1
     guess = first
-    for left in reversed(range(BUDGET)):
+    for left in reversed(range(budget)):
         if fails - passes == 1:
             break
         room = 2**left
         guess = min(max(guess, fails - room, passes + 1), passes + room, fails - 1)
         loss = loss_at(guess)
-        step = math.log(threshold / max(loss, 1e-6)) / LOSS_GROWTH
+        step = min(math.log(threshold / max(loss, 1e-6)) / LOSS_GROWTH, upper + 1)
         if loss < threshold:
             passes = guess
             bounded = fails <= upper

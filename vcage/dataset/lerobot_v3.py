@@ -1,62 +1,154 @@
-"""Write a LeRobot v3.0 dataset (read by lerobot 0.4 and later).
+"""Write a LeRobot v3.0 data set (read by lerobot 0.4 and later).
 
-https://huggingface.co/docs/lerobot/lerobot-dataset-v3. All frames lie in one Parquet file; each episode keeps a video
-file of its own, which the format allows and which leaves the encoded streams as they were judged, byte for byte.
+https://huggingface.co/docs/lerobot/lerobot-dataset-v3. Frames of many episodes share a Parquet file; each episode keeps
+a video file of its own, which the format allows and which leaves the encoded streams as they were judged, byte for
+byte.
 """
 
 from __future__ import annotations
 
 import json
 import shutil
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import pyarrow as pa
+import pyarrow.compute as pc
 import pyarrow.parquet as pq
 
-from vcage.dataset.lerobot import CHUNK, Contents, video_key
-from vcage.files import atomic_folder, write_json
+from vcage.dataset.lerobot_append import INFO, link_files, read_info
+from vcage.dataset.lerobot_episode import LeRobotEpisode
+from vcage.dataset.lerobot_features import video_key
+from vcage.dataset.lerobot_totals import LEVEL_COUNTS, STATS, Totals
+from vcage.dataset.lerobot_writer import CHUNK, LeRobotWriter, in_order
+from vcage.dataset.parquet_files import COMPRESSION, MEND, ParquetSeries, numbered, read_table
+from vcage.dataset.statistics import Statistics
+from vcage.errors import DamagedFile
 
 FILE = "chunk-{chunk_index:03d}/file-{file_index:03d}"
 DATA_PATH = f"data/{FILE}.parquet"
 VIDEO_PATH = f"videos/{{video_key}}/{FILE}.mp4"
 EPISODES_PATH = f"meta/episodes/{FILE}.parquet"
 
+TASKS, SUBTASKS = Path("meta/tasks.parquet"), Path("meta/subtasks.parquet")
 
-def export_v3(contents: Contents, out: Path) -> Path:
-    """Write the dataset's folder, whole or not at all."""
-    with atomic_folder(out) as folder:
-        info = {
-            **contents.info("v3.0"),
-            "data_files_size_in_mb": 100,
-            "video_files_size_in_mb": 200,
-            "data_path": DATA_PATH,
-            "video_path": VIDEO_PATH,
+DATA_MB = 100
+SIZES = {"data_files_size_in_mb": DATA_MB, "video_files_size_in_mb": 200}
+"""Sizes from which LeRobot begins a new file. Ours hold one video each and stay below."""
+
+ROWS = 100
+"""Episodes whose descriptions are written at once."""
+
+
+class WriterV30(LeRobotWriter):
+    """Writes v3.0."""
+
+    LAYOUT: ClassVar[dict[str, Any]] = {
+        "codebase_version": "v3.0",
+        "chunks_size": CHUNK,
+        **SIZES,
+        "data_path": DATA_PATH,
+        "video_path": VIDEO_PATH,
+    }
+
+    def __init__(self, folder: Path, encodings: Mapping[str, Mapping[str, Any]]):
+        super().__init__(folder, encodings)
+        self._totals = Totals()
+        self._rows: list[dict[str, Any]] = []
+        self._row_schema: pa.Schema | None = None
+        self._first_video = 0
+        self._data_files = self._series(DATA_PATH, 0)
+        self._row_files = self._series(EPISODES_PATH, 0)
+
+    def resume(self, root: Path) -> None:
+        info = read_info(root, {name: value for name, value in self.LAYOUT.items() if name not in SIZES})
+        features = info["features"]
+        link_files(root, self._folder, but={INFO, STATS, LEVEL_COUNTS, TASKS, SUBTASKS})
+        subtasks = _read_names(root / SUBTASKS, "subtask") if "subtask_index" in features else []
+        self._continue(info, _read_names(root / TASKS, "task"), subtasks)
+        self._totals.resume(root, features)
+        self._continue_rows(root)
+
+    def _continue_rows(self, root: Path) -> None:
+        """Go on behind the last files that the episodes of a finished data set name."""
+        paths = sorted((root / "meta/episodes").rglob("*.parquet"))
+        if not paths:
+            raise DamagedFile(f"{root / 'meta/episodes'} holds no list of episodes", hint=MEND)
+        prefixes = ["data", "meta/episodes", *(f"videos/{key}" for key in self._video_keys)]
+        places = [f"{prefix}/{name}" for prefix in prefixes for name in ("chunk_index", "file_index")]
+        tables = [read_table(path, ["episode_index", "length", *places]) for path in paths]
+        rows = pa.concat_tables(tables, promote_options="permissive")
+        if rows["episode_index"].to_pylist() != list(range(self.episodes)):
+            raise DamagedFile(f"{root / 'meta/episodes'} does not list all episodes in order", hint=MEND)
+        if (pc.sum(rows["length"]).as_py() or 0) != self.frames:
+            raise DamagedFile(f"{root / 'meta/episodes'} lists other frames than {root / INFO}", hint=MEND)
+        after = {
+            prefix: pc.max(
+                pc.add(pc.multiply(rows[f"{prefix}/chunk_index"], CHUNK), rows[f"{prefix}/file_index"])
+            ).as_py()
+            + 1
+            for prefix in prefixes
         }
-        write_json(folder / "meta" / "info.json", info)
-        write_json(folder / "meta" / "stats.json", contents.total)
-        _write_names(folder / "meta" / "tasks.parquet", "task", contents.tasks)
-        _write_names(folder / "meta" / "subtasks.parquet", "subtask", contents.subtasks)
-        _write_table(pa.concat_tables(contents.tables), _at(folder, DATA_PATH, 0))
-        _write_table(pa.Table.from_pylist(_episode_rows(contents)), _at(folder, EPISODES_PATH, 0))
-        for index, episode in enumerate(contents.episodes):
-            for camera, video in sorted(episode.videos.items()):
-                target = _at(folder, VIDEO_PATH, index, video_key=video_key(camera))
-                target.parent.mkdir(parents=True, exist_ok=True)
-                shutil.copyfile(video, target)
-    return Path(out)
+        self._row_schema = pq.read_schema(paths[-1]).remove_metadata()
+        self._first_video = max((after[f"videos/{key}"] for key in self._video_keys), default=0) - self.episodes
+        self._data_files = self._series(DATA_PATH, after["data"])
+        self._row_files = self._series(EPISODES_PATH, after["meta/episodes"])
+
+    def _series(self, pattern: str, first: int) -> ParquetSeries:
+        return ParquetSeries(str(self._folder / pattern), CHUNK, DATA_MB * 2**20, first)
+
+    def close(self) -> None:
+        self._data_files.close()
+        self._row_files.close()
+
+    def _write(self, episode: LeRobotEpisode, table: pa.Table, statistics: dict[str, Statistics]) -> None:
+        row: dict[str, Any] = {
+            "episode_index": self.episodes,
+            "tasks": [episode.task],
+            "length": episode.length,
+            **_prefixed("data", self._data_files.place()),
+            "dataset_from_index": self.frames,
+            "dataset_to_index": self.frames + episode.length,
+        }
+        self._data_files.write(table)
+        place = numbered(self._first_video + self.episodes, CHUNK)
+        for camera, video in sorted(episode.videos.items()):
+            key = video_key(camera)
+            target = self._folder / VIDEO_PATH.format(video_key=key, **place)
+            target.parent.mkdir(parents=True, exist_ok=True)
+            shutil.copyfile(video, target)
+            times = {"from_timestamp": 0.0, "to_timestamp": episode.length / episode.fps}
+            row |= _prefixed(f"videos/{key}", {**place, **times})
+        for feature, entries in statistics.items():
+            row |= _prefixed(f"stats/{feature}", entries)
+        self._rows.append(row)
+        self._totals.add(statistics, episode.histograms)
+        if len(self._rows) >= ROWS:
+            self._write_rows()
+
+    def _write_rows(self) -> None:
+        if self._rows:
+            place = _prefixed("meta/episodes", self._row_files.place())
+            table = pa.Table.from_pylist([row | place for row in self._rows], schema=self._row_schema)
+            self._row_schema = table.schema
+            self._row_files.write(table)
+            self._rows = []
+
+    def _write_meta(self) -> None:
+        self._write_rows()
+        self.close()
+        self._totals.write(self._folder, sorted((self._folder / "data").rglob("*.parquet")), self._features)
+        _write_names(self._folder / TASKS, "task", self._tasks)
+        if "subtask_index" in self._features:
+            _write_names(self._folder / SUBTASKS, "subtask", self._subtasks)
 
 
-def _at(folder: Path, pattern: str, index: int, **names: str) -> Path:
-    return folder / pattern.format(chunk_index=index // CHUNK, file_index=index % CHUNK, **names)
+def _prefixed(prefix: str, entries: Mapping[str, Any]) -> dict[str, Any]:
+    return {f"{prefix}/{name}": value for name, value in entries.items()}
 
 
-def _write_table(table: pa.Table, path: Path) -> None:
-    path.parent.mkdir(parents=True, exist_ok=True)
-    pq.write_table(table, path, compression="snappy")
-
-
-def _write_names(path: Path, name: str, texts: list[str]) -> None:
+def _write_names(path: Path, name: str, numbers: dict[str, int]) -> None:
     """A table of texts and their numbers as pandas stores it with the texts as its index, which LeRobot expects."""
     number = f"{name}_index"
     described = [
@@ -64,34 +156,14 @@ def _write_names(path: Path, name: str, texts: list[str]) -> None:
         {"name": name, "field_name": name, "pandas_type": "unicode", "numpy_type": "object", "metadata": None},
     ]
     pandas = {"index_columns": [name], "column_indexes": [], "columns": described, "pandas_version": "2.2.0"}
-    table = pa.table({number: pa.array(range(len(texts)), pa.int64()), name: pa.array(texts, pa.string())})
-    _write_table(table.replace_schema_metadata({"pandas": json.dumps(pandas)}), path)
+    table = pa.table({number: pa.array(numbers.values(), pa.int64()), name: pa.array(numbers.keys(), pa.string())})
+    pq.write_table(table.replace_schema_metadata({"pandas": json.dumps(pandas)}), path, compression=COMPRESSION)
 
 
-def _episode_rows(contents: Contents) -> list[dict[str, Any]]:
-    rows = []
-    start = 0
-    for index, (episode, statistics) in enumerate(zip(contents.episodes, contents.statistics, strict=True)):
-        frames = episode.data.frames
-        row: dict[str, Any] = {
-            "episode_index": index,
-            "tasks": [episode.data.instruction],
-            "length": frames,
-            "data/chunk_index": 0,
-            "data/file_index": 0,
-            "dataset_from_index": start,
-            "dataset_to_index": start + frames,
-        }
-        for camera in sorted(episode.videos):
-            prefix = f"videos/{video_key(camera)}"
-            row[f"{prefix}/chunk_index"] = index // CHUNK
-            row[f"{prefix}/file_index"] = index % CHUNK
-            row[f"{prefix}/from_timestamp"] = 0.0
-            row[f"{prefix}/to_timestamp"] = frames / episode.data.fps
-        for feature, entries in statistics.items():
-            row |= {f"stats/{feature}/{name}": value for name, value in entries.items()}
-        row["meta/episodes/chunk_index"] = 0
-        row["meta/episodes/file_index"] = 0
-        rows.append(row)
-        start += frames
-    return rows
+def _read_names(path: Path, name: str) -> list[str]:
+    """The texts of such a table in the order of their numbers; pandas does not always name the column of texts."""
+    table = read_table(path)
+    columns = [column for column in table.column_names if column != f"{name}_index"]
+    if len(columns) != 1 or table.num_columns != 2:
+        raise DamagedFile(f"{path} has the columns {table.column_names}, not texts and their numbers", hint=MEND)
+    return in_order(zip(table[f"{name}_index"].to_pylist(), table[columns[0]].to_pylist(), strict=True), path)

@@ -28,6 +28,43 @@ def vector_statistics(values: NDArray[Any]) -> Statistics:
     }
 
 
+class Moments:
+    """``min, max, mean, std, count`` of everything whose statistics were added, without keeping it.
+
+    Merged as in Chan, Golub and LeVeque, "Updating formulae and a pairwise algorithm for computing sample variances"
+    (1979): https://doi.org/10.1007/978-3-642-51461-6_3, which is exact but for rounding.
+    """
+
+    def __init__(self) -> None:
+        self.count = 0
+        self._min: NDArray[np.float64] = np.array(np.inf)
+        self._max: NDArray[np.float64] = np.array(-np.inf)
+        self._mean: NDArray[np.float64] = np.array(0.0)
+        self._squares: NDArray[np.float64] = np.array(0.0)  # summed squares of the distance to the mean
+
+    def add(self, part: Statistics) -> None:
+        """Take in a part; all parts have entries of one shape."""
+        count = int(part["count"][0])
+        mean, std = np.asarray(part["mean"], np.float64), np.asarray(part["std"], np.float64)
+        total = self.count + count
+        distance = mean - self._mean
+        self._squares = self._squares + std**2 * count + distance**2 * (self.count * count / total)
+        self._mean = self._mean + distance * (count / total)
+        self._min = np.minimum(self._min, part["min"])
+        self._max = np.maximum(self._max, part["max"])
+        self.count = total
+
+    def statistics(self) -> Statistics:
+        """All that was added, without quantiles; at least one part was."""
+        return {
+            "min": self._min.tolist(),
+            "max": self._max.tolist(),
+            "mean": self._mean.tolist(),
+            "std": np.sqrt(self._squares / self.count).tolist(),
+            "count": [self.count],
+        }
+
+
 def picture_histogram(pictures: NDArray[np.uint8]) -> NDArray[np.int64]:
     """How often each level occurs in each channel of (N, H, W, 3) pictures: (3, 256), which can be added up."""
     return np.stack([np.bincount(pictures[..., c].ravel(), minlength=LEVELS) for c in range(3)]).astype(np.int64)

@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from vcage.dataset.lerobot import Contents, LeRobotEpisode, gather
-from vcage.dataset.lerobot_v3 import export_v3
-from vcage.dataset.lerobot_v21 import export_v21
-from vcage.dataset.reader import EpisodeReader
-from vcage.dataset.statistics import picture_histogram
+from vcage.dataset.lerobot import FORMATS, open_writer
+from vcage.dataset.lerobot_episode import LeRobotEpisode
+from vcage.dataset.lerobot_writer import LeRobotWriter
+from vcage.dataset.recordings.hdf5_layouts import open_hdf5
 from vcage.errors import MissingStage
 from vcage.files import RunFolder
+from vcage.packing.targets import Wanted, encodings, lerobot_episode
 from vcage.pipeline.compress import accepted_episodes
 from vcage.pipeline.settings import Settings
 from vcage.pipeline.stage import Job, StageResult, stage_seed
@@ -22,11 +22,6 @@ from vcage.progress import Progress, silent
 from vcage.schema.base import Provenance
 from vcage.schema.compression import Compression
 from vcage.schema.export import Export, ExportedDataset
-
-WRITERS = {"lerobot-v2.1": export_v21, "lerobot-v3.0": export_v3}
-
-SAMPLES = 50
-"""Pictures per episode and camera, evenly spaced, for the statistics of pixels."""
 
 
 def job(run: RunFolder, settings: Settings, _bench: Workbench) -> Job:
@@ -59,56 +54,45 @@ def execute(run: RunFolder, settings: Settings, bench: Workbench, progress: Prog
 
     def make(folder: Path, provenance: Provenance) -> Export:
         compression = Compression.read(run.compression)
-        episodes = _episodes(run, compression, progress)
-        contents = gather(episodes, _encodings(compression))
-        datasets = []
-        for name, write in WRITERS.items():
-            path = write(contents, folder / name)
-            datasets.append(_describe(name, path, stage.inside(name), contents))
+        facts = _encodings(compression)
+        with ExitStack() as stack:
+            writers = {name: stack.enter_context(open_writer(name, folder / name, facts)) for name in FORMATS}
+            for episode in _episodes(run, compression, progress):
+                for writer in writers.values():
+                    writer.add(episode)
+        datasets = [_describe(name, folder / name, stage.inside(name), writer) for name, writer in writers.items()]
         return Export(provenance=provenance, datasets=datasets)
 
     return stage.do(Export, make, force=settings.force)
 
 
-def _episodes(run: RunFolder, compression: Compression, progress: Progress) -> list[LeRobotEpisode]:
+def _episodes(run: RunFolder, compression: Compression, progress: Progress) -> Iterator[LeRobotEpisode]:
     videos = {(stream.episode, stream.camera): run.root / stream.file for stream in compression.streams}
     accepted = accepted_episodes(run)
-    episodes = []
     for number, record in enumerate(accepted):
         file = str(record.file)
         progress(Path(file).stem, number, len(accepted))
-        with EpisodeReader(run.root / file) as reader:
-            missing = [camera for camera in reader.cameras if (file, camera) not in videos]
-            if missing:
-                raise MissingStage(
-                    f"{file} has no compressed video of {', '.join(missing)}", hint="run compress with --force first"
-                )
-            sample = np.unique(np.linspace(0, reader.episode.frames - 1, SAMPLES).astype(int)).tolist()
-            episodes.append(
-                LeRobotEpisode(
-                    data=reader.episode,
-                    videos={camera: videos[file, camera] for camera in reader.cameras},
-                    histograms={camera: picture_histogram(reader.images(camera)[sample]) for camera in reader.cameras},
-                    sampled=len(sample),
-                )
+        recording = open_hdf5(run.root / file)
+        cameras = [camera.name for camera in recording.cameras]
+        missing = [camera for camera in cameras if (file, camera) not in videos]
+        if missing:
+            raise MissingStage(
+                f"{file} has no compressed video of {', '.join(missing)}", hint="run compress with --force first"
             )
-    return episodes
+        yield lerobot_episode(recording, {camera: videos[file, camera] for camera in cameras}, Wanted())
 
 
 def _encodings(compression: Compression) -> dict[str, dict[str, Any]]:
     """Camera → what ``info.json`` says of its encoding beyond the stream itself."""
-    shared = {"video.g": compression.encoding.gop, "video.preset": compression.encoding.preset}
-    return {
-        camera.camera: {**shared, **({"video.lossless": True} if camera.lossless else {"video.crf": camera.crf})}
-        for camera in compression.cameras
-    }
+    shared = {"video.preset": compression.encoding.preset}
+    return {camera: {**facts, **shared} for camera, facts in encodings(compression.streams).items()}
 
 
-def _describe(name: str, path: Path, relative: str, contents: Contents) -> ExportedDataset:
+def _describe(name: str, path: Path, relative: str, writer: LeRobotWriter) -> ExportedDataset:
     return ExportedDataset(
         format=name,
         path=relative,
-        episodes=len(contents.episodes),
-        frames=contents.frames,
+        episodes=writer.episodes,
+        frames=writer.frames,
         bytes=sum(file.stat().st_size for file in path.rglob("*") if file.is_file()),
     )

@@ -7,6 +7,7 @@ from typing import Literal
 
 from vcage.igsc.layout.cost import Weights
 from vcage.models.registry import DETECTORS, EMBEDDERS
+from vcage.packing.settings import CompressionSettings
 
 OnFailure = Literal["resample", "abort"]
 
@@ -32,7 +33,8 @@ class Settings:
         on_failure: try a failed sub-task again from the verified state before it, or abort the episode.
         retries: attempts per sub-task beyond the first, when resampling.
         fps: frames per second of the recording; divides the 250 Hz of the physics.
-        max_loss: largest JOD loss of the compressed keyframes.
+        compression: how the videos are encoded and judged.
+        workers: processes that compress; None takes as many as there are cores and memory for.
     """
 
     instruction: str | None = None
@@ -50,4 +52,5 @@ class Settings:
     on_failure: OnFailure = "resample"
     retries: int = 3
     fps: int = 10
-    max_loss: float = 0.1
+    compression: CompressionSettings = field(default_factory=CompressionSettings)
+    workers: int | None = None

@@ -2,10 +2,6 @@
 
 from __future__ import annotations
 
-import multiprocessing
-import os
-import signal
-import threading
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
@@ -15,6 +11,7 @@ from vcage.files import RunFolder
 from vcage.progress import Progress, silent
 from vcage.proof.prove import Prover, Trial
 from vcage.schema.proof import Check, ObjectProof, Proof, VariantProof
+from vcage.workers import in_processes
 
 PROOF = "proof.json"
 
@@ -97,12 +94,10 @@ def _kept(prover: Prover, names: Sequence[str], folder: Path) -> dict[str, Objec
 
 def _proven(prover: Prover, names: Sequence[str], workers: int) -> Iterator[tuple[str, ObjectProof]]:
     """Proofs as they are finished."""
-    if workers <= 1 or len(names) < 2:
+    if workers <= 1 or len(names) < 2:  # with what is loaded here
         yield from ((name, prove_or_refuse(prover, name)) for name in names)
         return
-    context = multiprocessing.get_context("spawn")
-    with context.Pool(min(workers, len(names)), _start_worker, (prover.trial,)) as pool:
-        yield from pool.imap_unordered(_prove_in_worker, names)  # leaving the pool ends its processes
+    yield from in_processes(_prove_in_worker, names, workers, _start_worker, (prover.trial,))
 
 
 def prove_or_refuse(prover: Prover, name: str) -> ObjectProof:
@@ -125,15 +120,7 @@ _prover: Prover | None = None
 
 def _start_worker(trial: Trial) -> None:
     global _prover
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the parent's business
-    threading.Thread(target=_end_with_parent, daemon=True).start()
     _prover = Prover(Library.load(), trial)
-
-
-def _end_with_parent() -> None:
-    """A parent that is killed cannot end its workers."""
-    multiprocessing.parent_process().join()
-    os._exit(1)
 
 
 def _prove_in_worker(name: str) -> tuple[str, ObjectProof]:

@@ -2,68 +2,104 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
+from typing import ClassVar, Literal
 
 from pydantic import Field
 
 from vcage.schema.base import Finite, Record, StageDocument
 
+Reduce = Literal["max", "mean"]
+Scope = Literal["camera", "episode", "fixed"]
+
 
 class Evaluation(Record):
-    """One point of the CRF search: one encoding of one episode's video."""
+    """One encoding that was tried on one video."""
 
-    episode: str = Field(default="", description="episode file that was encoded")
-    crf: int
-    loss_max: Finite = Field(description="largest JOD loss over the keyframes")
+    pixel_format: str
+    gop: int
+    crf: int | None = Field(description="none: without loss")
+    loss_max: Finite = Field(description="largest JOD loss over the scored frames")
     loss_mean: Finite
     bytes: int
 
 
-class Encoding(Record):
-    """How the streams were encoded and judged."""
+class HeldOutLoss(Record):
+    """Loss of frames that no search has seen: every tenth, but for those that were scored. JOD."""
 
-    codec: str
-    encoder: str
-    pixel_format: str
-    preset: str
-    gop: int
-    display: str = Field(description="ColorVideoVDP display model")
-    reduce: str = Field(description="'max' or 'mean' over the keyframes")
-    threshold: Finite = Field(description="largest JOD loss allowed")
+    worst: Finite
+    mean: Finite
+    frame: int = Field(description="the worst frame")
+    count: int
 
 
-class CameraCompression(Record):
-    """The search for one camera."""
+class VideoStream(Record):
+    """One encoded video, how it was found, and its baselines in bytes."""
 
-    camera: str
-    crf: int | None = Field(
-        description="highest CRF whose loss stays under the threshold; none when even the best fails"
-    )
-    lossless: bool
-    loss_max: Finite
-    evaluations: list[Evaluation]
-    keyframes: dict[str, list[int]] = Field(description="episode file → frame indices")
-
-
-class StreamSize(Record):
-    """One encoded video against its baselines, bytes."""
-
-    episode: str
+    episode: str = Field(description="the recording it was made of")
     camera: str
     file: str
     frames: int
     bytes: int
     raw_bytes: int = Field(description="uint8 RGB")
     jpeg_bytes: int = Field(description="JPEG quality 95, as RoboTwin's HDF5 stores it")
+    stored_bytes: int = Field(description="as the recording stored the pictures before")
+    codec: str
+    pixel_format: str
+    gop: int = Field(description="frames from one random-access point to the next")
+    crf: int | None = Field(description="highest CRF that passes; none when even the best fails: then it is lossless")
+    loss_max: Finite = Field(description="largest JOD loss over the scored frames")
+    loss_mean: Finite
+    held_out: HeldOutLoss | None = Field(description="none when every frame was scored")
+    keyframes: list[int] = Field(description="frames that were scored from the start")
+    guarded: list[int] = Field(description="held-out frames that failed and were scored from then on")
+    evaluations: list[Evaluation]
+
+    @property
+    def lossless(self) -> bool:
+        """Whether every pixel comes back as it was."""
+        return self.crf is None
+
+
+class Encoding(Record):
+    """How all streams were encoded and judged."""
+
+    codec: str
+    encoder: str
+    encoder_version: str
+    preset: str
+    matrix: str = Field(description="from RGB to YUV")
+    range: str
+    metric: str = Field(description="name and version of what judges")
+    display: str = Field(description="ColorVideoVDP display model")
+    reduce: Reduce = Field(description="over the scored frames")
+    threshold: Finite = Field(description="JOD loss that is not reached")
+    guard: bool = Field(description="whether held-out frames must pass as well")
+    scope: Scope = Field(description="what shares a CRF: a camera's episodes, or none; or it was given")
+
+
+class CameraCompression(Record):
+    """All streams of one camera."""
+
+    camera: str
+    pixel_format: str | None = Field(description="none where the episodes have several")
+    gop: int | None = Field(description="none where the episodes have several")
+    crf: int | None = Field(description="none where the episodes have several, or are lossless")
+    lossless: bool = Field(description="whether all are, as no CRF passes")
+    loss_max: Finite
+    held_out_max: Finite | None
 
 
 class Compression(StageDocument):
     """``compress/compression.json``."""
 
-    SCHEMA: ClassVar[str] = "vcage.compression/1"
+    SCHEMA: ClassVar[str] = "vcage.compression/2"
 
     encoding: Encoding
     cameras: list[CameraCompression]
-    streams: list[StreamSize]
+    streams: list[VideoStream]
+    notes: dict[str, list[str]] = Field(
+        default_factory=dict, description="recording → what a user must know about how it was read"
+    )
     reduction_raw: Finite = Field(description="1 − bytes / raw bytes")
     reduction_jpeg: Finite
+    reduction_stored: Finite = Field(description="1 − bytes / bytes before")

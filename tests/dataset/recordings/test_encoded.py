@@ -1,10 +1,11 @@
 from __future__ import annotations
 
+import cv2
 import numpy as np
 import pytest
 
 from tests.dataset.recordings.layouts import jpeg, room, rooms
-from vcage.dataset.recordings.encoded import decode_picture, looks_swapped, storage_of
+from vcage.dataset.recordings.encoded import channels_of, decode_picture, looks_swapped, storage_of
 from vcage.errors import DamagedFile
 
 
@@ -20,6 +21,34 @@ def test_a_warm_room_looks_swapped_only_when_it_is():
 
 def test_grey_pictures_do_not_say_whether_they_are_swapped():
     assert looks_swapped([np.full((8, 8, 3), 90, np.uint8)]) is None
+
+
+def png(pixels: np.ndarray) -> bytes:
+    return cv2.imencode(".png", pixels)[1].tobytes()
+
+
+def test_alpha_of_a_picture_file_is_laid_over_white():
+    pixels = np.zeros((4, 6, 4), np.uint8)
+    pixels[:, 3:, 3] = 255
+    picture = decode_picture(png(pixels), "it")
+    assert (picture[:, :3] == 255).all() and (picture[:, 3:] == 0).all()
+
+
+def test_sixteen_bits_become_eight():
+    assert (decode_picture(png(np.full((4, 6, 3), 65535, np.uint16)), "it") == 255).all()
+    assert (decode_picture(png(np.full((4, 6), 257 * 7, np.uint16)), "it") == 7).all()
+
+
+@pytest.mark.parametrize(("shape", "channels"), [((4, 6), 1), ((4, 6, 3), 3), ((4, 6, 4), 4)])
+def test_a_picture_file_says_how_many_channels_it_has(shape, channels):
+    assert channels_of(png(np.zeros(shape, np.uint8)), "it") == channels
+
+
+@pytest.mark.parametrize("read", [decode_picture, channels_of])
+@pytest.mark.parametrize("data", [b"", b"\x89PNG and no more"])
+def test_a_damaged_picture_file_is_named(read, data):
+    with pytest.raises(DamagedFile, match="camera 0"):
+        read(data, "camera 0")
 
 
 @pytest.mark.parametrize("data", [b"", b"GIF89a"])

@@ -30,6 +30,20 @@ def test_each_folder_of_pictures_is_a_camera(tmp_path):
     assert np.abs(recording.pictures("left").astype(int) - rooms()).mean() < 3
 
 
+def test_alpha_is_laid_over_white_and_said(tmp_path):
+    cv2.imwrite(str(tmp_path / "0.png"), np.zeros((32, 48, 4), np.uint8))
+    recording = PictureFolder(tmp_path)
+    assert (recording.pictures("camera") == 255).all()
+    assert recording.camera("camera").channels == 4 and "alpha" in recording.notes[0]
+
+
+def test_pictures_know_nothing_of_a_robot(tmp_path):
+    (tmp_path / "0.jpg").write_bytes(jpeg(room()))
+    recording = PictureFolder(tmp_path)
+    assert (recording.motion, recording.state, recording.task, recording.robot) == (None, None, None, None)
+    assert not recording.swapped("camera")
+
+
 def test_a_damaged_picture_is_named(tmp_path):
     (tmp_path / "0.jpg").write_bytes(jpeg(room()))
     (tmp_path / "1.jpg").write_bytes(b"\xff\xd8 no more")

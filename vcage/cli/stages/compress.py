@@ -1,34 +1,114 @@
-"""Compress the videos of the accepted episodes as far as nobody sees it.
+"""Compress the videos of a run's episodes, or anybody's recordings, as far as nobody sees it.
 
-Searches, per camera, the highest CRF of HEVC whose loss stays under a threshold in JOD (ColorVideoVDP).
-Reads episodes/. Writes compress/*.mp4 and compress/compression.json.
+Searches the highest CRF whose loss stays under a threshold in JOD (ColorVideoVDP), through the real loop of encoding
+and decoding, on keyframes; then looks at every 10th frame that the search has not seen.
+
+With --run: reads episodes/ of a run; writes compress/*.mp4 and compress/compression.json.
+With INPUT: an HDF5 file or a folder of them (this project's, RoboTwin's, ACT's), a LeRobot data set, or a folder of
+pictures, which are only read. Writes a new folder: HDF5 with its videos beside it and everything else as it was
+(`vcage decompress` puts the pictures back), a LeRobot data set, or videos; and compression.json. An interrupted
+call goes on when started again.
 
 examples:
   vcage compress --run runs/stationery
   vcage compress --run runs/stationery --max-loss 0.05 --force
+  vcage compress robotwin/ --inspect
+  vcage compress robotwin/ --fps 16.67 --out small --dry-run
+  vcage compress robotwin/ --fps 16.67 --out small
+  vcage compress act/ --fps 50 --to lerobot-v3.0 --task "open the jar" --out jar
 """
 
 from __future__ import annotations
 
 import argparse
+from pathlib import Path
 
+from vcage.cli.arguments import folder
+from vcage.cli.compression_options import add_compression_options, compression_settings
 from vcage.cli.output import Result
-from vcage.cli.stages.common import add_common, execute_stage, number
-from vcage.pipeline.settings import Settings
+from vcage.cli.progress import progress
+from vcage.cli.stages.common import add_common, execute_stage, number, positive
+from vcage.errors import UsageError
+from vcage.packing.targets import TARGETS
+
+OF_RECORDINGS = ("out", "to", "fps", "task", "robot", "cameras", "skip_damaged", "inspect")
+"""Options that mean nothing with ``--run``."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options of ``vcage compress``."""
-    parser.add_argument(
-        "--max-loss",
-        type=number(0, 10),
-        default=Settings.max_loss,
-        metavar="JOD",
-        help="largest loss of a keyframe (default: %(default)s)",
+    parser.add_argument("input", nargs="?", type=folder, metavar="INPUT", help="recordings: a file or a folder")
+    parser.add_argument("--run", type=folder, metavar="DIR", help="the run folder whose episodes are compressed")
+    group = parser.add_argument_group("recordings")
+    group.add_argument("--out", type=folder, metavar="DIR", help="the folder to write")
+    group.add_argument("--to", choices=TARGETS, help="what to write (default: what the recordings are)")
+    group.add_argument(
+        "--fps", type=number(0.1, 1000), metavar="N", help="frames per second, where recordings do not say"
     )
-    add_common(parser, models=False)
+    group.add_argument("--task", metavar="TEXT", help="for LeRobot: what the robot was told, where nothing says")
+    group.add_argument("--robot", metavar="NAME", help="for LeRobot: the robot's type, where nothing says")
+    group.add_argument("--cameras", nargs="+", default=[], metavar="NAME", help="only these (default: all)")
+    group.add_argument("--skip-damaged", action="store_true", help="leave out damaged recordings instead of refusing")
+    group.add_argument("--inspect", action="store_true", help="say what is there, and write nothing")
+    add_compression_options(parser)
+    parser.add_argument(
+        "--workers", type=positive, metavar="N", help="processes (default: as many as cores and memory allow)"
+    )
+    add_common(parser, run=False, models=False)
 
 
 def execute(args: argparse.Namespace) -> Result:
-    """Run the stage."""
-    return execute_stage("compress", args, args.run)
+    """Compress a run or recordings, or look at them."""
+    args.compression = compression_settings(args)
+    if (args.input is None) == (args.run is None):
+        raise UsageError("give either INPUT or --run DIR", hint="see: vcage compress --help")
+    if args.run is not None:
+        for name in OF_RECORDINGS:
+            if getattr(args, name):
+                raise UsageError(f"--{name.replace('_', '-')} is for INPUT, not for --run")
+        return execute_stage("compress", args, args.run)
+    if args.inspect:
+        return _inspect(args)
+    return _estimate(args) if args.dry_run else _pack(args)
+
+
+def _inspect(args: argparse.Namespace) -> Result:
+    from vcage.packing.inspecting import describe, inspect, totals
+
+    found = inspect(args.input)
+    return Result(text=describe(found), summary=totals(found))
+
+
+def _estimate(args: argparse.Namespace) -> Result:
+    from vcage.packing.estimating import estimate
+
+    with progress("estimate") as show:
+        return Result(summary=estimate(_order(args), workers=args.workers, progress=show))
+
+
+def _pack(args: argparse.Namespace) -> Result:
+    from vcage.packing.pack import pack
+    from vcage.pipeline.compress import summary
+
+    with progress("compress") as show:
+        done = pack(_order(args), workers=args.workers, force=args.force, progress=show)
+    return Result(
+        output=done.path,
+        schema=done.record.SCHEMA,
+        summary={"fresh": done.fresh, **summary(done.record), "reduction_stored": done.record.reduction_stored},
+    )
+
+
+def _order(args: argparse.Namespace):
+    from vcage.packing.pack import Order
+    from vcage.packing.targets import Wanted
+
+    out = args.out if args.out is not None else _beside(args.input)
+    wanted = Wanted(args.to, args.fps, args.task, args.robot)
+    return Order(args.input, out, args.compression, wanted, tuple(args.cameras), args.skip_damaged)
+
+
+def _beside(path: Path) -> Path:
+    """Where the output goes that has no name."""
+    path = path.resolve()
+    return path.with_name(f"{path.stem}-compressed")

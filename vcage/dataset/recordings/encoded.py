@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from vcage.errors import DamagedFile
 from vcage.pictures import three_channels
 
-MAGIC = {b"\xff\xd8": "jpeg", b"\x89P": "png"}
+PNG = b"\x89P"
+MAGIC = {b"\xff\xd8": "jpeg", PNG: "png"}
 """First bytes of a picture file → its storage."""
 
 COLOURED = 24
@@ -39,14 +40,40 @@ def storage_of(data: bytes, what: str) -> str:
 def decode_picture(data: bytes | NDArray[np.uint8], what: str) -> NDArray[np.uint8]:
     """(H, W, 3) uint8 RGB as any reader of picture files shows it; padding behind the file's end is ignored.
 
+    Alpha is laid over white; 16 bits become 8.
+
     Raises:
         DamagedFile: it is damaged; ``what`` names it.
     """
     raw = np.frombuffer(data, np.uint8) if isinstance(data, bytes) else np.ascontiguousarray(data, np.uint8)
-    picture = cv2.imdecode(raw, cv2.IMREAD_COLOR) if len(raw) else None
+    # JPEG knows no alpha, and says in its EXIF data how it is to be turned, which IMREAD_UNCHANGED ignores
+    picture = _decode(raw, cv2.IMREAD_UNCHANGED if raw[:2].tobytes() == PNG else cv2.IMREAD_COLOR, what)
+    if picture.dtype == np.uint16:
+        picture = (picture // 257).astype(np.uint8)
+    return cv2.cvtColor(three_channels(picture), cv2.COLOR_BGR2RGB)
+
+
+def channels_of(data: bytes, what: str) -> int:
+    """Channels that a picture file has: 1 grey, 3 RGB, 4 RGBA.
+
+    Raises:
+        DamagedFile: it is damaged; ``what`` names it.
+    """
+    picture = _decode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED, what)
+    return 1 if picture.ndim == 2 else picture.shape[2]
+
+
+def told_of_channels(channels: int, camera: str) -> list[str]:
+    """What a user must know of a camera whose pictures are not RGB in the file."""
+    known = {1: f"{camera} is grey; it is read as RGB", 4: f"{camera} has an alpha channel; it is laid over white"}
+    return [known[channels]] if channels in known else []
+
+
+def _decode(raw: NDArray[np.uint8], flags: int, what: str) -> NDArray[np.uint8]:
+    picture = cv2.imdecode(raw, flags) if len(raw) else None
     if picture is None:
         raise DamagedFile(f"{what} cannot be decoded", hint="the file is damaged there; leave the episode out")
-    return cv2.cvtColor(picture, cv2.COLOR_BGR2RGB)
+    return picture
 
 
 def to_rgb(picture: NDArray[np.uint8], what: str) -> NDArray[np.uint8]:

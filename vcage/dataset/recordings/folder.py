@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from vcage.dataset.recordings.encoded import decode_picture, storage_of
+from vcage.dataset.recordings.encoded import channels_of, decode_picture, storage_of, told_of_channels
 from vcage.dataset.recordings.recording import Camera, Motion, Recording, stacked
 
 SUFFIXES = (".png", ".jpg", ".jpeg")
@@ -27,10 +27,6 @@ class PictureFolder(Recording):
     def cameras(self) -> list[Camera]:
         return [self._camera(name, files) for name, files in self._files.items()]
 
-    @property
-    def motion(self) -> Motion | None:
-        return None
-
     def pictures(self, camera: str, indices: Sequence[int] | None = None) -> NDArray[np.uint8]:
         files = self._files[self.camera(camera).name]
         wanted = range(len(files)) if indices is None else indices
@@ -38,6 +34,9 @@ class PictureFolder(Recording):
             [decode_picture(files[index].read_bytes(), str(files[index])) for index in wanted],
             str(self.path / self.camera(camera).key),
         )
+
+    def _read_motion(self) -> Motion | None:
+        return None
 
     @cached_property
     def _files(self) -> dict[str, list[Path]]:
@@ -53,7 +52,9 @@ class PictureFolder(Recording):
         height, width = decode_picture(first, str(files[0])).shape[:2]
         size = sum(path.stat().st_size for path in files)
         key = "." if name == ONLY and files[0].parent == self.path else name
-        return Camera(name, key, len(files), width, height, storage_of(first, str(files[0])), size)
+        channels = channels_of(first, str(files[0]))
+        self.notes += told_of_channels(channels, name)
+        return Camera(name, key, len(files), width, height, storage_of(first, str(files[0])), size, channels)
 
 
 def pictures_in(folder: Path) -> list[Path]:

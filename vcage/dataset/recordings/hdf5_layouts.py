@@ -2,31 +2,50 @@
 
 RoboTwin's first layout: ``observation/<camera>/rgb`` holds JPEG as fixed-length bytes, made with OpenCV from RGB arrays
 and so with red and blue swapped (https://github.com/robotwin-Platform/RoboTwin/issues/438); ``joint_action`` the
-commands. Its second: ``vision/<camera>/colors`` and the groups ``state`` and ``action``. ACT's: ``/action``,
-``/observations/qpos`` and ``/observations/images/<camera>``, arrays or JPEG.
+commands, which it takes for the state too. Its second: ``vision/<camera>/colors`` and the groups ``state`` and
+``action``. ACT's: ``/action``, ``/observations/qpos`` and ``/observations/images/<camera>``, arrays or JPEG.
+
+Any of them may be packed: its pictures lie in videos beside the file (:mod:`vcage.dataset.packed`).
 """
 
 from __future__ import annotations
 
+import json
 import re
 from abc import abstractmethod
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from functools import cached_property
 from pathlib import Path
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import h5py
 import numpy as np
 from numpy.typing import NDArray
 
 from vcage.dataset.hdf5 import SCHEMA
-from vcage.dataset.recordings.encoded import decode_picture, looks_swapped, storage_of, to_rgb
-from vcage.dataset.recordings.recording import Camera, Motion, Recording, act_grippers, stacked
+from vcage.dataset.picture_datasets import VLEN, picture_channels, picture_kind, picture_storage, stored_picture
+from vcage.dataset.picture_links import Link, read_link
+from vcage.dataset.recordings.encoded import looks_swapped, told_of_channels
+from vcage.dataset.recordings.recording import Camera, Columns, Motion, Recording, act_grippers, stacked
 from vcage.errors import DamagedFile
+from vcage.videos import codec_name, decode, frame_count
 
 LOOKED_AT = 5
-"""Pictures of the first camera that say whether colours are swapped."""
+"""Pictures of a camera that say whether colours are swapped."""
+
+CHUNK_CACHE = 64 << 20
+"""Bytes of decompressed chunks that are kept: those of arrays often span many pictures."""
+
+ENCODED = ("jpeg", "png")
+
+ARM_PARTS = ("left_arm", "left_gripper", "right_arm", "right_gripper")
+"""RoboTwin's datasets of a robot's joints, in the order of its ``vector``, which holds them all."""
+
+COLOURS = "jpeg_colours"
+"""Attribute of files that say whether red and blue are ``swapped`` in their encoded pictures, or ``true``."""
+
+ATTRIBUTES = ("fps", "instruction", "robot", "state_names", COLOURS)
 
 
 @contextmanager
@@ -41,17 +60,18 @@ def damage(path: Path) -> Iterator[None]:
 
 
 class Hdf5Recording(Recording):
-    """What the layouts have in common; each says where its pictures and its commands are."""
+    """What the layouts have in common; each says where its pictures, its commands and its state are."""
 
     PICTURES: ClassVar[str]
     """Pattern of the keys of its pictures; its group is the camera's name."""
 
     SWAPPED: ClassVar[bool | None] = False
-    """Whether red and blue of encoded pictures are swapped; None asks the colours."""
+    """Whether red and blue of encoded pictures are swapped where neither the file nor the colours say; None does not
+    know either, and False does not ask them."""
 
     @cached_property
     def cameras(self) -> list[Camera]:
-        with damage(self.path), h5py.File(self.path) as file:
+        with self._file() as file:
             found: dict[str, h5py.Dataset] = {}
 
             def look(key: str, item: h5py.Dataset | h5py.Group) -> None:
@@ -62,49 +82,103 @@ class Hdf5Recording(Recording):
             file.visititems(look)
             return [self._camera(name, found[name]) for name in sorted(found)]
 
-    @cached_property
-    def motion(self) -> Motion | None:
-        with damage(self.path), h5py.File(self.path) as file:
-            found = self._motion(file)
-        return found and found.require_finite(str(self.path))
+    @property
+    def fps(self) -> float | None:
+        found = self._attributes.get("fps")
+        return float(found) if isinstance(found, np.number) and found > 0 else None
+
+    @property
+    def task(self) -> str | None:
+        return self._text("instruction")
+
+    @property
+    def robot(self) -> str | None:
+        return self._text("robot")
 
     def pictures(self, camera: str, indices: Sequence[int] | None = None) -> NDArray[np.uint8]:
         key = self.camera(camera).key
-        with damage(self.path), h5py.File(self.path) as file:
-            dataset = file[key]
-            wanted = range(len(dataset)) if indices is None else indices
-            pictures = [_picture(dataset, index, f"{self.path}:{key}[{index}]") for index in wanted]
-        swapped = self.camera(camera).storage != "raw" and self._swapped
-        return stacked([picture[..., ::-1] if swapped else picture for picture in pictures], f"{self.path}:{key}")
+        what = f"{self.path}:{key}"
+        with self._file() as file:
+            link = read_link(file[key])
+            if link is None:
+                wanted = range(len(file[key])) if indices is None else indices
+                found = stacked([stored_picture(file[key], index, what) for index in wanted], what)
+        if link is not None:
+            return decode(link.video(self.path), indices)
+        return found[..., ::-1] if self.swapped(camera) else found
 
-    @abstractmethod
-    def _motion(self, file: h5py.File) -> Motion | None:
-        """What the robot was told, as the open file says."""
+    def swapped(self, camera: str) -> bool:
+        return self.camera(camera).storage in ENCODED and self._swapped
 
     def _camera(self, name: str, dataset: h5py.Dataset) -> Camera:
+        key = dataset.name.lstrip("/")
+        link = read_link(dataset)
+        if link is not None:
+            return _packed_camera(name, key, link, self.path)
         what = f"{self.path}:{dataset.name}"
-        if len(dataset) == 0:
+        if not dataset.shape or len(dataset) == 0:
             raise DamagedFile(f"{what} holds no frame", hint="leave the episode out")
-        first = _picture(dataset, 0, f"{what}[0]")
-        storage = storage_of(_bytes(dataset, 0), f"{what}[0]") if _is_encoded(dataset) else "raw"
+        height, width = stored_picture(dataset, 0, what).shape[:2]
+        channels = picture_channels(dataset, what)
+        self.notes += told_of_channels(channels, name)
         size = dataset.id.get_storage_size()
-        if h5py.check_vlen_dtype(dataset.dtype) is not None:
+        if picture_kind(dataset) == VLEN:
             size = sum(len(dataset[index]) for index in range(len(dataset)))
-        return Camera(name, dataset.name.lstrip("/"), len(dataset), first.shape[1], first.shape[0], storage, size)
+        return Camera(name, key, len(dataset), width, height, picture_storage(dataset, what), size, channels)
+
+    @contextmanager
+    def _file(self) -> Iterator[h5py.File]:
+        with damage(self.path), h5py.File(self.path, rdcc_nbytes=CHUNK_CACHE) as file:
+            yield file
+
+    @cached_property
+    def _attributes(self) -> dict[str, Any]:
+        """Those attributes of the file that are understood, if they are one number or text."""
+        with self._file() as file:
+            values = {name: file.attrs[name] for name in ATTRIBUTES if name in file.attrs}
+        return {name: value for name, value in values.items() if np.ndim(value) == 0}
+
+    def _text(self, name: str) -> str | None:
+        found = self._attributes.get(name)
+        return found if isinstance(found, str) else None
 
     @cached_property
     def _swapped(self) -> bool:
         if self.SWAPPED is False:
             return False
-        camera = self.cameras[0]
-        with damage(self.path), h5py.File(self.path) as file:
-            dataset = file[camera.key]
-            some = np.unique(np.linspace(0, camera.frames - 1, LOOKED_AT).astype(int))
-            seen = looks_swapped([_picture(dataset, int(index), camera.key) for index in some])
-        swapped = bool(self.SWAPPED) if seen is None else seen
+        said = self._attributes.get(COLOURS)
+        swapped = self._look_swapped() if said is None else said == "swapped"
         if swapped:
             self.notes.append("red and blue were swapped in its JPEGs and are put back")
         return swapped
+
+    def _look_swapped(self) -> bool:
+        """What the colours of the first camera with encoded pictures say; where they do not, the layout."""
+        camera = next(camera for camera in self.cameras if camera.storage in ENCODED)
+        some = np.unique(np.linspace(0, camera.frames - 1, LOOKED_AT).astype(int))
+        with self._file() as file:
+            seen = looks_swapped([stored_picture(file[camera.key], int(index), camera.key) for index in some])
+        return bool(self.SWAPPED) if seen is None else seen
+
+    def _read_motion(self) -> Motion | None:
+        with self._file() as file:
+            found = self._commands(file)
+        if found is None:
+            return None
+        grippers = tuple(column for column, name in enumerate(found.names) if "gripper" in name)
+        return Motion(found.values, grippers or act_grippers(found.values.shape[1]), found.names)
+
+    def _read_state(self) -> Columns | None:
+        with self._file() as file:
+            return self._measured(file)
+
+    @abstractmethod
+    def _commands(self, file: h5py.File) -> Columns | None:
+        """What the robot was told, as the open file says."""
+
+    @abstractmethod
+    def _measured(self, file: h5py.File) -> Columns | None:
+        """What was measured of the robot, as the open file says."""
 
 
 class ActEpisode(Hdf5Recording):
@@ -114,11 +188,15 @@ class ActEpisode(Hdf5Recording):
     PICTURES = r"observations/images/([^/]+)"
     SWAPPED = None
 
-    def _motion(self, file: h5py.File) -> Motion | None:
-        if "action" not in file:
-            return None
-        action = file["action"][()].astype(np.float64)
-        return Motion(action, act_grippers(action.shape[1]))
+    def _commands(self, file: h5py.File) -> Columns | None:
+        return _table(file, "action", self._names)
+
+    def _measured(self, file: h5py.File) -> Columns | None:
+        return _table(file, "observations/qpos", self._names)
+
+    @property
+    def _names(self) -> tuple[str, ...]:
+        return ()
 
 
 class VcageEpisode(ActEpisode):
@@ -127,25 +205,28 @@ class VcageEpisode(ActEpisode):
     LAYOUT = "vcage"
     SWAPPED = False
 
-    @cached_property
-    def fps(self) -> float | None:
-        with damage(self.path), h5py.File(self.path) as file:
-            return float(file.attrs["fps"])
+    @property
+    def _names(self) -> tuple[str, ...]:
+        return tuple(json.loads(self._attributes["state_names"]))
 
 
 class RoboTwinEpisode(Hdf5Recording):
-    """RoboTwin's first layout."""
+    """RoboTwin's first layout; ``joint_state`` beside ``joint_action`` is ours (:mod:`vcage.dataset.robotwin`)."""
 
     LAYOUT = "robotwin"
     PICTURES = r"observation/([^/]+)/rgb"
     SWAPPED = True
 
-    def _motion(self, file: h5py.File) -> Motion | None:
-        group = file.get("joint_action")
-        if group is None:
-            return None
-        names = [name for name in ("left_arm", "left_gripper", "right_arm", "right_gripper") if name in group]
-        return _columns(group, names)
+    def _commands(self, file: h5py.File) -> Columns | None:
+        return _joints(file.get("joint_action"))
+
+    def _measured(self, file: h5py.File) -> Columns | None:
+        if "joint_state" in file:
+            return _joints(file["joint_state"])
+        found = _joints(file.get("joint_action"))
+        if found is not None:
+            self.notes.append("it holds no measured state; its commands are taken for it, as RoboTwin does")
+        return found
 
 
 class RoboTwinVisionEpisode(Hdf5Recording):
@@ -155,13 +236,11 @@ class RoboTwinVisionEpisode(Hdf5Recording):
     PICTURES = r"vision/([^/]+)/colors"
     SWAPPED = None
 
-    def _motion(self, file: h5py.File) -> Motion | None:
-        group = file.get("action", file.get("state"))
-        if group is None:
-            return None
-        names: list[str] = []
-        group.visititems(lambda key, item: names.append(key) if isinstance(item, h5py.Dataset) else None)
-        return _columns(group, sorted(names))
+    def _commands(self, file: h5py.File) -> Columns | None:
+        return _columns(file.get("action", file.get("state")))
+
+    def _measured(self, file: h5py.File) -> Columns | None:
+        return _columns(file.get("state"))
 
 
 LAYOUTS: tuple[type[Hdf5Recording], ...] = (RoboTwinEpisode, RoboTwinVisionEpisode, ActEpisode)
@@ -188,33 +267,56 @@ def open_hdf5(path: Path) -> Hdf5Recording:
     )
 
 
-def _columns(group: h5py.Group, names: Sequence[str]) -> Motion | None:
-    """The numbers of several datasets side by side; those named after a gripper are one."""
-    columns: list[NDArray[np.float64]] = []
-    grippers: list[int] = []
-    for name in names:
-        values = group[name][()]
+def _packed_camera(name: str, key: str, link: Link, path: Path) -> Camera:
+    """The camera of pictures that lie in a video.
+
+    Raises:
+        DamagedFile: the video is missing or damaged, or holds another number of frames.
+    """
+    video, stream = link.video(path), link.stream
+    frames = frame_count(video)
+    if frames != stream.frames:
+        raise DamagedFile(
+            f"{video} holds {frames} frames, {path} had {stream.frames} pictures", hint="compress the recording again"
+        )
+    return Camera(name, key, frames, stream.width, stream.height, codec_name(video), video.stat().st_size)
+
+
+def _table(file: h5py.File, key: str, names: tuple[str, ...]) -> Columns | None:
+    return Columns(file[key][()].astype(np.float64), names) if key in file else None
+
+
+def _joints(group: h5py.Group | None) -> Columns | None:
+    """RoboTwin's numbers of a robot's joints."""
+    return _columns(group, ARM_PARTS) or _columns(group, ("vector",))
+
+
+def _columns(group: h5py.Group | None, wanted: Sequence[str] | None = None) -> Columns | None:
+    """The numbers of several datasets of a group side by side, named after them; None where there is none.
+
+    Args:
+        group: the group, if it is there.
+        wanted: names of the datasets; None takes all below the group, by name.
+
+    Raises:
+        DamagedFile: they are not of one length.
+    """
+    if group is None:
+        return None
+    keys: list[str] = []
+    group.visititems(lambda key, item: keys.append(key) if isinstance(item, h5py.Dataset) else None)
+    parts: list[NDArray[np.float64]] = []
+    names: list[str] = []
+    for key in sorted(keys) if wanted is None else [key for key in wanted if key in keys]:
+        values = group[key][()]
         if values.dtype.kind not in "fiu" or values.ndim not in (1, 2):
             continue
-        values = values.reshape(len(values), -1).astype(np.float64)
-        first = sum(part.shape[1] for part in columns)
-        if "gripper" in name:
-            grippers += range(first, first + values.shape[1])
-        columns.append(values)
-    return Motion(np.concatenate(columns, axis=1), tuple(grippers)) if columns else None
-
-
-def _is_encoded(dataset: h5py.Dataset) -> bool:
-    return dataset.dtype.kind in "SO" or (dataset.dtype == np.uint8 and dataset.ndim == 2)
-
-
-def _bytes(dataset: h5py.Dataset, index: int) -> bytes:
-    value = dataset[index]
-    return value if isinstance(value, bytes) else np.asarray(value, np.uint8).tobytes()
-
-
-def _picture(dataset: h5py.Dataset, index: int, what: str) -> NDArray[np.uint8]:
-    """(H, W, 3) as stored: encoded pictures as a reader of picture files shows them."""
-    if _is_encoded(dataset):
-        return decode_picture(_bytes(dataset, index), what)
-    return to_rgb(dataset[index], what)
+        if parts and len(values) != len(parts[0]):
+            raise DamagedFile(
+                f"{group.file.filename}:{group.name}/{key} has {len(values)} rows, those before it {len(parts[0])}",
+                hint="frames are missing; leave the episode out",
+            )
+        parts.append(values.reshape(len(values), -1).astype(np.float64))
+        width = parts[-1].shape[1]
+        names += [key.replace("/", "_")] if width == 1 else [f"{key.replace('/', '_')}_{i}" for i in range(width)]
+    return Columns(np.concatenate(parts, axis=1), tuple(names)) if parts else None

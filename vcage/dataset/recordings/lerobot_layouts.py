@@ -17,9 +17,9 @@ import pyarrow.compute as pc
 import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
-from vcage.dataset.recordings.encoded import decode_picture, storage_of
-from vcage.dataset.recordings.recording import Camera, Motion, Recording, act_grippers, stacked
-from vcage.errors import DamagedFile
+from vcage.dataset.recordings.encoded import channels_of, decode_picture, storage_of, told_of_channels
+from vcage.dataset.recordings.recording import Camera, Columns, Motion, Recording, act_grippers, stacked
+from vcage.errors import DamagedFile, UsageError
 from vcage.videos import decode
 
 INFO = Path("meta/info.json")
@@ -51,59 +51,80 @@ class LeRobotRecording(Recording):
         self._info, self._row = info, row
         self.index = int(row["episode_index"])
 
+    def __str__(self) -> str:
+        return f"{self.path} episode {self.index}"
+
     @property
     def fps(self) -> float | None:
         return float(self._info["fps"])
+
+    @property
+    def task(self) -> str | None:
+        return "; ".join(self._row.get("tasks") or ()) or None
+
+    @property
+    def robot(self) -> str | None:
+        return self._info.get("robot_type")
 
     @cached_property
     def cameras(self) -> list[Camera]:
         keys = [key for key, feature in self._info["features"].items() if feature["dtype"] in ("video", "image")]
         return sorted((self._camera(key) for key in keys), key=lambda camera: camera.name)
 
-    @cached_property
-    def motion(self) -> Motion | None:
-        if "action" not in self._frames.column_names:
-            return None
-        action = np.array(self._frames["action"].to_pylist(), np.float64)
-        names = self._info["features"]["action"].get("names") or []
-        names = names if isinstance(names, list) else [name for group in names.values() for name in group]
-        named = tuple(column for column, name in enumerate(names) if "gripper" in str(name))
-        return Motion(action, named or act_grippers(action.shape[1])).require_finite(self._what)
-
     def pictures(self, camera: str, indices: Sequence[int] | None = None) -> NDArray[np.uint8]:
         one = self.camera(camera)
         wanted = list(range(one.frames) if indices is None else indices)
         if self._info["features"][one.key]["dtype"] == "video":
-            clip = self._clip(one.key)
-            return decode(clip.file, [clip.start + index for index in wanted])
-        stored = self._frames[one.key]
+            return self._decoded(self._clip(one.key), wanted)
+        stored = self._column(one.key)
+        what = f"{self} {one.key}"
         return stacked(
-            [
-                decode_picture(self._stored(stored[index].as_py()), f"{self._what} {one.key}[{index}]")
-                for index in wanted
-            ],
-            f"{self._what} {one.key}",
+            [decode_picture(self._stored(stored[index].as_py()), f"{what}[{index}]") for index in wanted], what
         )
 
-    @property
-    def _what(self) -> str:
-        return f"{self.path} episode {self.index}"
+    def _decoded(self, clip: _Clip, wanted: Sequence[int]) -> NDArray[np.uint8]:
+        try:
+            return decode(clip.file, [clip.start + index for index in wanted])
+        except UsageError as error:
+            raise DamagedFile(f"{self} is longer than its video: {error}", hint=MEND) from error
 
-    @cached_property
-    def _frames(self) -> pa.Table:
-        table = _table(self._data_file)
-        return table.filter(pc.equal(table["episode_index"], self.index))
+    def _read_motion(self) -> Motion | None:
+        found = self._numbers("action")
+        if found is None:
+            return None
+        grippers = tuple(column for column, name in enumerate(found.names) if "gripper" in name)
+        return Motion(found.values, grippers or act_grippers(found.values.shape[1]), found.names)
+
+    def _read_state(self) -> Columns | None:
+        return self._numbers("observation.state")
+
+    def _numbers(self, key: str) -> Columns | None:
+        feature = self._info["features"].get(key)
+        if feature is None:
+            return None
+        names = feature.get("names") or []
+        names = names if isinstance(names, list) else [name for group in names.values() for name in group]
+        values = np.array(self._column(key).to_pylist(), np.float64)
+        return Columns(values.reshape(len(values), -1), tuple(map(str, names)))
+
+    def _column(self, key: str) -> pa.ChunkedArray:
+        """A column of the episode's frames."""
+        return _table(self._data_file, [key], pc.field("episode_index") == self.index)[key]
 
     def _camera(self, key: str) -> Camera:
         feature, frames = self._info["features"][key], int(self._row["length"])
         height, width = feature["shape"][:2] if feature["names"][0] != "channels" else feature["shape"][1:]
-        if feature["dtype"] == "image":
-            data = [self._stored(value) for value in self._frames[key].to_pylist()]
-            storage, size = storage_of(data[0], f"{self._what} {key}[0]"), sum(map(len, data))
-        else:
+        name = key.removeprefix(PREFIX)
+        if feature["dtype"] == "video":
             facts = {**feature.get("video_info", {}), **feature.get("info", {})}
-            storage, size = str(facts.get("video.codec", "video")), self._video_bytes(key)
-        return Camera(key.removeprefix(PREFIX), key, frames, width, height, storage, size)
+            storage = str(facts.get("video.codec", "video"))
+            return Camera(name, key, frames, width, height, storage, self._video_bytes(key))
+        stored = self._column(key)
+        first = self._stored(stored[0].as_py())
+        storage, channels = storage_of(first, f"{self} {key}[0]"), channels_of(first, f"{self} {key}[0]")
+        self.notes += told_of_channels(channels, name)
+        size = sum(len(self._stored(value.as_py())) for value in stored)
+        return Camera(name, key, frames, width, height, storage, size, channels)
 
     def _stored(self, value: Mapping[str, Any]) -> bytes:
         data = value.get("bytes")
@@ -188,9 +209,9 @@ def open_lerobot(root: Path) -> list[LeRobotRecording]:
     )
 
 
-def _table(file: Path) -> pa.Table:
+def _table(file: Path, columns: list[str] | None = None, rows: pc.Expression | None = None) -> pa.Table:
     try:
-        return pq.read_table(file)
+        return pq.read_table(file, columns=columns, filters=rows)
     except (OSError, pa.ArrowException) as error:
         raise DamagedFile(f"{file} cannot be read: {error}", hint=MEND) from error
 

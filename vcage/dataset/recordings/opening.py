@@ -8,14 +8,18 @@ from vcage.dataset.recordings.folder import PictureFolder, pictures_in
 from vcage.dataset.recordings.hdf5_layouts import open_hdf5
 from vcage.dataset.recordings.lerobot_layouts import INFO, open_lerobot
 from vcage.dataset.recordings.recording import Recording
-from vcage.errors import InputFileError
+from vcage.errors import DamagedFile, InputFileError
 
 HDF5 = (".hdf5", ".h5")
 
 
-def open_recordings(path: Path) -> list[Recording]:
+def open_recordings(path: Path, damaged: dict[Path, DamagedFile] | None = None) -> list[Recording]:
     """The recordings in a file or a folder, sorted by name: an HDF5 file, the episodes of a LeRobot data set, all HDF5
     files below a folder, or the pictures of a folder or of its folders.
+
+    Args:
+        path: the file or the folder.
+        damaged: where given, damaged files of a folder are noted here instead of raised.
 
     Raises:
         InputFileError: there is nothing at the path, or nothing that is known.
@@ -33,10 +37,22 @@ def open_recordings(path: Path) -> list[Recording]:
         return list(open_lerobot(path))
     files = sorted(file for file in path.rglob("*") if file.suffix in HDF5 and file.is_file())
     if files:
-        return [open_hdf5(file) for file in files]
+        return _open_all(files, damaged)
     if pictures_in(path) or any(pictures_in(folder) for folder in path.iterdir() if folder.is_dir()):
         return [PictureFolder(path)]
     raise InputFileError(
         f"{path} holds no recording",
         hint=f"known are {', '.join(HDF5)} files, LeRobot data sets, and folders of PNG or JPEG pictures",
     )
+
+
+def _open_all(files: list[Path], damaged: dict[Path, DamagedFile] | None) -> list[Recording]:
+    opened: list[Recording] = []
+    for file in files:
+        try:
+            opened.append(open_hdf5(file))
+        except DamagedFile as error:
+            if damaged is None:
+                raise
+            damaged[file] = error
+    return opened

@@ -1,10 +1,11 @@
-"""What every recording offers, whatever its layout: cameras with pictures in RGB, and the commands to the robot."""
+"""What every recording offers, whatever its layout: cameras with pictures in RGB, commands to the robot, its state."""
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import ClassVar
 
@@ -26,8 +27,9 @@ class Camera:
         key: where in the file they are.
         frames: how many there are.
         width, height: of the first picture, pixels.
-        storage: ``raw``, ``jpeg`` or ``png``.
+        storage: ``raw``, ``jpeg`` or ``png``, or the codec of a video, such as ``hevc``.
         stored_bytes: what they take now.
+        channels: of the pictures in the file: 1 grey, 3 RGB, 4 RGBA; they are read as RGB.
     """
 
     name: str
@@ -37,11 +39,31 @@ class Camera:
     height: int
     storage: str
     stored_bytes: int
+    channels: int = 3
 
     @property
     def raw_bytes(self) -> int:
         """Size of the pictures as uint8 RGB."""
         return self.frames * self.width * self.height * 3
+
+
+@dataclass(frozen=True)
+class Columns:
+    """Numbers over time.
+
+    Args:
+        values: (T, D).
+        names: of the D numbers; none where nobody says.
+    """
+
+    values: NDArray[np.float64]
+    names: tuple[str, ...] = ()
+
+    def all_names(self) -> list[str]:
+        """Names of the D numbers: ``joint_0``… where nobody says."""
+        if len(self.names) == self.values.shape[1]:
+            return list(self.names)
+        return [f"joint_{column}" for column in range(self.values.shape[1])]
 
 
 @dataclass(frozen=True)
@@ -51,24 +73,12 @@ class Motion:
     Args:
         action: (T, D) commands: joint positions, or poses.
         grippers: columns of ``action`` that open and close a gripper.
+        names: of the D numbers; none where nobody says.
     """
 
     action: NDArray[np.float64]
     grippers: tuple[int, ...] = ()
-
-    def require_finite(self, what: str) -> Motion:
-        """Itself.
-
-        Raises:
-            DamagedFile: a command is NaN or infinite; names ``what`` and the frame.
-        """
-        bad = np.argwhere(~np.isfinite(self.action))
-        if len(bad):
-            raise DamagedFile(
-                f"{what}: the action of frame {bad[0][0]} holds NaN or infinity",
-                hint="leave the episode out, or mend the action",
-            )
-        return self
+    names: tuple[str, ...] = ()
 
 
 def act_grippers(numbers: int) -> tuple[int, ...]:
@@ -79,6 +89,8 @@ def act_grippers(numbers: int) -> tuple[int, ...]:
 
 class Recording(ABC):
     """One episode of somebody's data set; nothing is read before it is asked for.
+
+    A recording can be pickled and read in another process.
 
     Attributes:
         path: the file or the folder.
@@ -92,19 +104,59 @@ class Recording(ABC):
         self.path = Path(path)
         self.notes: list[str] = []
 
+    def __str__(self) -> str:
+        """How messages name it."""
+        return str(self.path)
+
     @property
     @abstractmethod
     def cameras(self) -> list[Camera]:
         """Sorted by name; at least one."""
 
-    @property
-    @abstractmethod
+    @cached_property
     def motion(self) -> Motion | None:
-        """What the robot was told; None where the recording holds pictures only."""
+        """What the robot was told; None where the recording holds pictures only.
+
+        Raises:
+            DamagedFile: a command is no finite number, or there are not as many as pictures; names the camera.
+        """
+        found = self._read_motion()
+        if found is not None:
+            self._check("action", found.action)
+        return found
+
+    @property
+    def state(self) -> NDArray[np.float64] | None:
+        """(T, D) what was measured of the robot; None where the recording does not say.
+
+        Raises:
+            DamagedFile: as :attr:`motion`.
+        """
+        return None if self._state is None else self._state.values
+
+    @property
+    def state_names(self) -> list[str]:
+        """Names of the D numbers of a state, ``joint_0``… where the recording does not say; none without a state."""
+        return [] if self._state is None else self._state.all_names()
+
+    @property
+    def action_names(self) -> list[str]:
+        """Names of the numbers of a command, as :attr:`state_names`."""
+        return [] if self.motion is None else Columns(self.motion.action, self.motion.names).all_names()
 
     @property
     def fps(self) -> float | None:
         """Frames per second; None where the recording does not say."""
+        return None
+
+    @property
+    def task(self) -> str | None:
+        """The instruction that the robot followed; None where the recording does not say."""
+        return None
+
+    @property
+    def robot(self) -> str | None:
+        """Name of the robot; None where the recording does not say."""
         return None
 
     @abstractmethod
@@ -116,6 +168,15 @@ class Recording(ABC):
             DamagedFile: a picture cannot be read, or is not as large as the first.
         """
 
+    def swapped(self, camera: str) -> bool:
+        """Whether red and blue have changed places in the camera's pictures as they are stored.
+
+        Raises:
+            UnknownName: there is no such camera.
+        """
+        self.camera(camera)
+        return False
+
     def camera(self, name: str) -> Camera:
         """The camera of that name.
 
@@ -126,6 +187,36 @@ class Recording(ABC):
             if one.name == name:
                 return one
         raise UnknownName("camera", name, [one.name for one in self.cameras])
+
+    @abstractmethod
+    def _read_motion(self) -> Motion | None:
+        """What the robot was told, unchecked."""
+
+    def _read_state(self) -> Columns | None:
+        """What was measured of the robot, unchecked."""
+        return None
+
+    @cached_property
+    def _state(self) -> Columns | None:
+        found = self._read_state()
+        if found is not None:
+            self._check("state", found.values)
+        return found
+
+    def _check(self, what: str, values: NDArray[np.float64]) -> None:
+        """Raise DamagedFile where numbers are not finite or not one row for each picture."""
+        bad = np.argwhere(~np.isfinite(values))
+        if len(bad):
+            raise DamagedFile(
+                f"{self}: the {what} of frame {bad[0][0]} holds NaN or infinity",
+                hint=f"leave the episode out, or mend the {what}",
+            )
+        for camera in self.cameras:
+            if camera.frames != len(values):
+                raise DamagedFile(
+                    f"{self}: {camera.name} has {camera.frames} pictures, the {what} {len(values)} rows",
+                    hint="frames are missing; leave the episode out",
+                )
 
 
 def stacked(pictures: Sequence[NDArray[np.uint8]], what: str) -> NDArray[np.uint8]:

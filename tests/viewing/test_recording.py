@@ -1,0 +1,57 @@
+from __future__ import annotations
+
+import cv2
+import numpy as np
+import pytest
+
+from tests.dataset.recordings.layouts import FRAMES, act, jpeg, robotwin, room, rooms
+from tests.viewing.conftest import ReadBack
+from vcage.dataset.recordings.opening import open_recordings
+from vcage.errors import UsageError
+from vcage.viewing.show import view
+
+
+def test_a_recording_of_others_has_pictures_in_true_colours(tmp_path):
+    view(robotwin(tmp_path / "a.hdf5"), save=tmp_path / "look.rrd")
+    pictures = ReadBack(tmp_path / "look.rrd").rows("/cameras/head_camera", "Blob")
+    shown = cv2.imdecode(np.array(pictures[2], np.uint8), cv2.IMREAD_COLOR)[..., ::-1]
+    assert len(pictures) == FRAMES and np.abs(shown.astype(int) - rooms()[2]).mean() < 4
+
+
+def test_its_state_and_commands_are_curves_under_their_names(tmp_path):
+    path = act(tmp_path / "a.hdf5")
+    (recording,) = open_recordings(path)
+    view(path, save=tmp_path / "look.rrd")
+    seen = ReadBack(tmp_path / "look.rrd")
+    assert seen.under("/joints") == set(recording.action_names)
+    name = recording.action_names[0]
+    assert list(seen.rows(f"/joints/{name}/commanded", "Scalar").values()) == recording.motion.action[:, 0].tolist()
+
+
+def test_without_a_frame_rate_there_are_frames_and_no_times(tmp_path):
+    view(robotwin(tmp_path / "a.hdf5"), save=tmp_path / "look.rrd")
+    seen = ReadBack(tmp_path / "look.rrd")
+    assert list(seen.rows("/cameras/head_camera", "MediaType")) == list(range(FRAMES))
+    assert seen.rows("/cameras/head_camera", "MediaType", "time") == {}
+    assert "at unknown times" in seen.fixed("/about", "Text")
+
+
+def test_a_frame_rate_that_is_given_gives_times(tmp_path):
+    view(robotwin(tmp_path / "a.hdf5"), save=tmp_path / "look.rrd", fps=3)
+    times = ReadBack(tmp_path / "look.rrd").rows("/cameras/head_camera", "MediaType", "time")
+    assert list(times)[1:4] == [333_333_333, 666_666_667, 1_000_000_000]
+
+
+def test_cameras_of_different_lengths_show_all_they_have(tmp_path):
+    for camera, count in (("front", 2), ("side", 5)):
+        (tmp_path / "set" / camera).mkdir(parents=True)
+        for index in range(count):
+            (tmp_path / "set" / camera / f"{index}.jpg").write_bytes(jpeg(room(index)))
+    assert view(tmp_path / "set", save=tmp_path / "look.rrd").contents.frames == 5
+    seen = ReadBack(tmp_path / "look.rrd")
+    assert [len(seen.rows(f"/cameras/{name}", "MediaType")) for name in ("front", "side")] == [2, 5]
+
+
+def test_it_has_no_compressed_videos(tmp_path):
+    with pytest.raises(UsageError, match="compressed"):
+        view(robotwin(tmp_path / "a.hdf5"), save=tmp_path / "look.rrd", footage="compressed")

@@ -1,0 +1,157 @@
+"""Copy an HDF5 file object by object, with something else in place of some of its datasets.
+
+Space of what is deleted in an HDF5 file is not given back, so a smaller file must be built anew. Everything else comes
+over as it is: data in the chunks and with the filters that it has, attributes in their types, links of every kind,
+objects with several names. HDF5 does not carry references from file to file; they are made again.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+import h5py
+import numpy as np
+from h5py import h5a, h5o, h5p, h5r, h5t
+
+Replacement = Callable[[h5py.Dataset, h5py.Group, str], None]
+"""Called with a dataset of the source, and the group and the name that take what stands for it."""
+
+SCALE_ATTRIBUTES = ("DIMENSION_LIST", "REFERENCE_LIST")
+"""How HDF5 ties dimension scales to datasets; they are attached again instead."""
+
+
+def copy_file(source: h5py.File, target: h5py.File, replacements: Mapping[str, Replacement]) -> None:
+    """Copy all of ``source`` into the empty ``target``.
+
+    Args:
+        source: open for reading.
+        target: open for writing.
+        replacements: full name of a dataset → what puts something in its place, under all names that the dataset has.
+            References to its elements become empty, and scales of its dimensions are not attached again.
+    """
+    copied = _Copier(source, target, replacements).run()
+    for name in copied:
+        _mend_references(source[name], target[name])
+        if isinstance(source[name], h5py.Dataset):
+            _attach_scales(source[name], target[name])
+
+
+def copy_attributes(source: h5py.HLObject, target: h5py.HLObject, *, leave: str = "") -> None:
+    """Copy attributes in their types, but for those whose names begin with ``leave``, if that is anything."""
+    for name in source.attrs:
+        if not (leave and name.startswith(leave)):
+            _copy_attribute(source, target, name)
+
+
+def _copy_attribute(source: h5py.HLObject, target: h5py.HLObject, name: str) -> None:
+    old = h5a.open(source.id, name.encode())
+    kind = old.get_type()
+    new = h5a.create(target.id, name.encode(), kind.copy(), old.get_space())
+    if old.shape is None or kind.detect_class(h5t.REFERENCE):
+        return
+    if old.dtype.hasobject:
+        values = np.empty(old.shape, old.dtype)
+        old.read(values)
+        new.write(values)
+    else:
+        bits = np.empty(old.shape, f"V{kind.get_size()}")
+        old.read(bits, mtype=kind)
+        new.write(bits, mtype=kind)
+
+
+class _Copier:
+    """Copies groups, datasets and links; remembers objects by their address, as they may have several names."""
+
+    def __init__(self, source: h5py.File, target: h5py.File, replacements: Mapping[str, Replacement]):
+        self._source, self._target = source, target
+        self._replacements = {_address(source[name]): replacement for name, replacement in replacements.items()}
+        self._names: dict[int, str] = {}
+        self._replaced: set[str] = set()
+
+    def run(self) -> list[str]:
+        """Names of all objects that were copied, one for each."""
+        self._names[_address(self._source)] = "/"
+        self._group(self._source, self._target)
+        return [name for name in self._names.values() if name not in self._replaced]
+
+    def _group(self, source: h5py.Group, target: h5py.Group) -> None:
+        copy_attributes(source, target)
+        for name in source:
+            link = source.get(name, getlink=True)
+            if isinstance(link, h5py.HardLink):
+                self._object(source, target, name)
+            elif isinstance(link, h5py.SoftLink):
+                target[name] = h5py.SoftLink(link.path)
+            else:
+                target[name] = h5py.ExternalLink(link.filename, link.path)
+
+    def _object(self, source: h5py.Group, target: h5py.Group, name: str) -> None:
+        one = source[name]
+        address = _address(one)
+        if address in self._names:
+            target[name] = self._target[self._names[address]]
+            return
+        full = f"{source.name.rstrip('/')}/{name}"
+        self._names[address] = full
+        if address in self._replacements:
+            self._replacements[address](one, target, name)
+            self._replaced.add(full)
+        elif isinstance(one, h5py.Group):
+            new = h5py.h5g.create(target.id, name.encode(), gcpl=one.id.get_create_plist())
+            self._group(one, h5py.Group(new))
+        else:
+            h5o.copy(source.id, name.encode(), target.id, name.encode(), h5p.create(h5p.OBJECT_COPY))
+
+
+def _address(one: h5py.HLObject) -> int:
+    return int(h5o.get_info(one.id).addr)
+
+
+# --- references ----------------------------------------------------------------------------------------
+
+
+def _mend_references(source: h5py.HLObject, target: h5py.HLObject) -> None:
+    """Point the references in a copied object's data and attributes at the copies of what they point at."""
+    for name in source.attrs:
+        old = h5a.open(source.id, name.encode())
+        if name in SCALE_ATTRIBUTES:
+            h5a.delete(target.id, name.encode())
+        elif old.shape is not None and old.get_type().detect_class(h5t.REFERENCE):
+            values = np.empty(old.shape, old.dtype)
+            old.read(values)
+            h5a.open(target.id, name.encode()).write(_translated(values, source.file, target.file))
+    if isinstance(source, h5py.Dataset) and source.shape and source.id.get_type().detect_class(h5t.REFERENCE):
+        target[...] = _translated(source[...], source.file, target.file)
+
+
+def _translated(values: np.ndarray, source: h5py.File, target: h5py.File) -> np.ndarray:
+    """An array of references, or of records or lists that hold some, as it must be in another file."""
+    result = values.copy()
+    if values.dtype.names:
+        for field in values.dtype.names:
+            result[field] = _translated(values[field], source, target)
+    elif values.dtype.hasobject:
+        for index in np.ndindex(values.shape):
+            value = values[index]
+            if isinstance(value, np.ndarray):
+                result[index] = _translated(value, source, target)
+            elif isinstance(value, h5py.Reference):
+                result[index] = _reference(value, source, target)
+    return result
+
+
+def _reference(value: h5py.Reference, source: h5py.File, target: h5py.File) -> h5py.Reference:
+    name = h5r.get_name(value, source.id) if value else None
+    if name is None:
+        return type(value)()
+    if not isinstance(value, h5py.RegionReference):
+        return target[name].ref
+    if target[name].shape != source[name].shape:
+        return h5py.RegionReference()
+    return h5r.create(target.id, name, h5r.DATASET_REGION, h5r.get_region(value, source.id))
+
+
+def _attach_scales(source: h5py.Dataset, target: h5py.Dataset) -> None:
+    for old, new in zip(source.dims, target.dims, strict=True) if source.shape else ():
+        for scale in old.values():
+            new.attach_scale(target.file[scale.name])

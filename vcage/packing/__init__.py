@@ -1,0 +1,1 @@
+"""Recordings made small: a search for each camera, in processes of their own, and what is written of it."""

@@ -1,0 +1,220 @@
+"""The search over a data set: which videos share a CRF, in what order they are searched, and by how many processes.
+
+Where a camera's episodes share one, a few of them choose pixel format and GOP; then all are searched below the CRF that
+those allow, and what was encoded above the lowest that any allows is encoded again, until all agree. The rounds do not
+depend on the number of processes, so neither does the result.
+"""
+
+from __future__ import annotations
+
+import os
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from vcage.compression.encoders import CODECS, require_encoder
+from vcage.compression.jod import require_display
+from vcage.compression.search import LOSSLESS, Choices
+from vcage.packing.clips import Clip, Task, known, perform, whole
+from vcage.packing.settings import CompressionSettings
+from vcage.progress import Progress, silent
+from vcage.schema.compression import VideoStream
+from vcage.workers import cores, in_processes
+
+SAMPLE = 3
+"""Episodes that choose pixel format and GOP for all."""
+
+COPIES = 3
+"""How often a clip is in memory at most: itself, decoded frames, and what the encoder holds."""
+
+OF_A_PROCESS = 1_500_000_000
+"""Bytes that a process takes besides its clip, most of it for the metric."""
+
+Key = tuple[str, str]
+"""Recording and camera."""
+
+
+@dataclass(frozen=True)
+class Bound:
+    """What a camera's episodes agree on so far.
+
+    Args:
+        pixel_format, gop: of all.
+        crf: the highest that is still possible; :data:`LOSSLESS` when none is.
+    """
+
+    pixel_format: str
+    gop: int
+    crf: int
+
+    def kept_by(self, stream: VideoStream | None) -> bool:
+        """Whether a stream is already encoded so."""
+        if stream is None:
+            return False
+        if self.crf == LOSSLESS:
+            return stream.lossless
+        return (stream.pixel_format, stream.gop, stream.crf) == (self.pixel_format, self.gop, self.crf)
+
+
+def campaign(
+    clips: Sequence[Clip],
+    settings: CompressionSettings,
+    folder: Path,
+    *,
+    workers: int | None = None,
+    progress: Progress = silent,
+) -> dict[Key, Path]:
+    """Search and encode all clips; what an interrupted call left in ``folder`` is taken up.
+
+    Args:
+        clips: every camera of every recording.
+        settings: how.
+        folder: for the videos and what is known of them; see :func:`stream_of`.
+        workers: processes at most; None takes as many as there are cores and memory for.
+        progress: told of each clip that is finished for the first time.
+
+    Returns:
+        (recording, camera) → its video in ``folder``, and the record beside it.
+
+    Raises:
+        UnknownName, MissingDependency: there is no such display model, or the metric or encoder is not installed.
+        VcageError: of any clip, see :func:`vcage.packing.clips.perform`; what was finished stays in ``folder``.
+    """
+    require_display(settings.display)
+    require_encoder(CODECS[settings.codec])
+    return _Campaign(list(clips), settings, folder, workers or workers_for(clips), progress).run()
+
+
+def workers_for(clips: Iterable[Clip]) -> int:
+    """Processes that this machine has cores and memory for, at least one."""
+    largest = max((c.recording.camera(c.camera).raw_bytes for c in clips), default=0)
+    free = os.sysconf("SC_AVPHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
+    return max(1, min(cores(), int(free // (COPIES * largest + OF_A_PROCESS))))
+
+
+@dataclass
+class _Campaign:
+    clips: list[Clip]
+    settings: CompressionSettings
+    folder: Path
+    workers: int
+    progress: Progress
+    streams: dict[Key, VideoStream] = field(default_factory=dict)
+    tasks: dict[Key, Task] = field(default_factory=dict)
+
+    def run(self) -> dict[Key, Path]:
+        choices = self.settings.choices()
+        if self.settings.scope != "camera" or self.settings.crf is not None:
+            self._round({_key(clip): choices for clip in self.clips})
+            return self._videos()
+        self._round({_key(clip): choices for clip in self._sample()})
+        bounds = {camera: self._agreed(camera) for camera in self._cameras()}
+        while waiting := self._unsettled(bounds):
+            self._round({_key(clip): self._below(bounds[clip.camera]) for clip in waiting})
+            bounds = {camera: self._lowered(camera, bound) for camera, bound in bounds.items()}
+        return self._videos()
+
+    def _cameras(self) -> list[str]:
+        return sorted({clip.camera for clip in self.clips})
+
+    def _sample(self) -> list[Clip]:
+        """A few clips of each camera, evenly spaced over the data set."""
+        sample = []
+        for camera in self._cameras():
+            own = [clip for clip in self.clips if clip.camera == camera]
+            places = np.unique(np.linspace(0, len(own) - 1, SAMPLE).round().astype(int))
+            sample += [own[place] for place in places]
+        return sample
+
+    def _agreed(self, camera: str) -> Bound:
+        """What most episodes of the sample chose, at the lowest CRF of any of them."""
+        found = self._of(camera)
+        if any(stream.lossless for stream in found):
+            return Bound(found[0].pixel_format, found[0].gop, LOSSLESS)
+        (pixel_format, gop), _ = Counter((s.pixel_format, s.gop) for s in found).most_common(1)[0]
+        return Bound(pixel_format, gop, min(s.crf for s in found if s.crf is not None))
+
+    def _lowered(self, camera: str, bound: Bound) -> Bound:
+        """The bound that all episodes allow; where none does in a chosen pixel format, the best one gets its turn."""
+        found = self._of(camera)
+        if bound.crf == LOSSLESS or any(stream.lossless for stream in found):
+            best = self._best_format()
+            if bound.crf != LOSSLESS and bound.pixel_format != best:
+                return Bound(best, bound.gop, self.settings.choices().highest)
+            return Bound(bound.pixel_format, bound.gop, LOSSLESS)
+        return Bound(bound.pixel_format, bound.gop, min(bound.crf, *(s.crf for s in found if s.crf is not None)))
+
+    def _best_format(self) -> str:
+        choices = self.settings.choices()
+        return (choices.pixel_formats or choices.settings().facts.pixel_formats)[0]
+
+    def _below(self, bound: Bound) -> Choices:
+        choices = self.settings.choices()
+        settings = choices.settings(gop=bound.gop)
+        if bound.crf != LOSSLESS:
+            settings = choices.settings(bound.pixel_format, bound.gop)
+        return choices.fixed(settings, bound.crf)
+
+    def _of(self, camera: str) -> list[VideoStream]:
+        return [stream for (_, name), stream in sorted(self.streams.items()) if name == camera]
+
+    def _unsettled(self, bounds: Mapping[str, Bound]) -> list[Clip]:
+        return [clip for clip in self.clips if not bounds[clip.camera].kept_by(self.streams.get(_key(clip)))]
+
+    def _round(self, wanted: Mapping[Key, Choices]) -> None:
+        """Search clips with the choices given, as many at a time as there are processes."""
+        tasks = [self._task(clip, wanted[_key(clip)]) for clip in self.clips if _key(clip) in wanted]
+        waiting = []
+        for task in tasks:
+            # a video that a later round replaced is not needed again, what was found in it is
+            stream = known(task)
+            if stream is None:
+                waiting.append(task)
+            else:
+                self._note(task, stream)
+        self._perform(waiting)
+
+    def _perform(self, tasks: Sequence[Task]) -> None:
+        of = {_key(task.clip): task for task in tasks}
+        for clip, stream in in_processes(perform, tasks, self.workers):
+            self.progress(f"{clip.name} {clip.camera}, {_quality(stream)}", len(self.streams), len(self.clips))
+            self._note(of[_key(clip)], stream)
+
+    def _videos(self) -> dict[Key, Path]:
+        """All videos, of which those that an interruption left unwritten are made now."""
+        self._perform([task for task in self.tasks.values() if not whole(task)])
+        return {key: task.video for key, task in self.tasks.items()}
+
+    def _task(self, clip: Clip, choices: Choices) -> Task:
+        return Task(
+            clip=clip,
+            choices=choices,
+            criterion=self.settings.criterion(),
+            display=self.settings.display,
+            keyframes=self.settings.keyframes,
+            folder=self.folder,
+            threads=max(1, cores() // self.workers),
+        )
+
+    def _note(self, task: Task, stream: VideoStream) -> None:
+        before = self.tasks.get(_key(task.clip))
+        if before is not None and before.video != task.video:
+            before.video.unlink(missing_ok=True)
+        self.streams[_key(task.clip)] = stream
+        self.tasks[_key(task.clip)] = task
+
+
+def _quality(stream: VideoStream) -> str:
+    return "lossless" if stream.crf is None else f"CRF {stream.crf}"
+
+
+def stream_of(video: Path) -> VideoStream:
+    """What is known of a video that :func:`campaign` left in its folder."""
+    return VideoStream.model_validate_json(video.with_suffix(".json").read_bytes())
+
+
+def _key(clip: Clip) -> Key:
+    return clip.name, clip.camera

@@ -1,0 +1,139 @@
+"""Compress somebody's recordings: found, looked at, searched, and written as a whole."""
+
+from __future__ import annotations
+
+import logging
+import os
+import shutil
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from vcage.errors import InputFileError, OutputFolderError, StaleStage
+from vcage.files import RunFolder, atomic_folder
+from vcage.packing.campaign import campaign, stream_of
+from vcage.packing.records import compression_record
+from vcage.packing.settings import CompressionSettings
+from vcage.packing.sources import Sources, find_sources
+from vcage.packing.targets import Wanted, suited, write_target
+from vcage.progress import Progress, silent
+from vcage.schema.base import Provenance
+from vcage.schema.compression import Compression
+
+log = logging.getLogger(__name__)
+
+RECORD = "compression.json"
+WORKING = ".compressing"
+"""Ends the name of the folder beside the output in which videos gather; the work is taken up there."""
+
+
+@dataclass(frozen=True)
+class Order:
+    """What is to be done.
+
+    Args:
+        root: the recordings: a file or a folder; only read.
+        out: the folder to write.
+        settings: how videos are encoded and judged.
+        wanted: what is to be written; none suits it to the recordings.
+        cameras: names of those to be kept; none for all.
+        skip_damaged: leave out damaged recordings instead of refusing all.
+    """
+
+    root: Path
+    out: Path
+    settings: CompressionSettings
+    wanted: Wanted
+    cameras: tuple[str, ...] = ()
+    skip_damaged: bool = False
+
+
+@dataclass(frozen=True)
+class Packed:
+    """What was written, where its record lies, and whether it was made just now."""
+
+    record: Compression
+    path: Path
+    fresh: bool
+
+
+def pack(order: Order, *, workers: int | None = None, force: bool = False, progress: Progress = silent) -> Packed:
+    """Compress recordings into a new folder, which appears whole or not at all.
+
+    Videos gather in a folder beside it. When the work is interrupted they stay there, and the same call goes on.
+
+    Args:
+        order: what is to be done.
+        workers: processes at most; None takes as many as there are cores and memory for.
+        force: replace an output of other settings or inputs.
+        progress: told of every step.
+
+    Raises:
+        InputFileError: there is nothing to compress, or it is damaged.
+        UsageError: the recordings cannot be written so, or an option is missing.
+        StaleStage: the output is there, made from other recordings or with other settings, and ``force`` is not set.
+        OutputFolderError: the output is in the way, lies in the input, or cannot be written.
+        DiskFull: see :mod:`vcage.files`; what is finished is kept beside the output.
+    """
+    out = order.out.expanduser().resolve()
+    _require_apart(order.root, out)
+    sources = find_sources(order.root, order.settings, skip_damaged=order.skip_damaged)
+    wanted = suited(order.wanted, sources.sources)
+    clips = sources.clips(order.cameras, wanted.fps)
+    provenance = Provenance(producer="compress", seed=0, options=_options(order), inputs=sources.hashes())
+    done = _finished(out, provenance, force=force)
+    if done is not None:
+        return done
+    working = out.with_name(out.name + WORKING)
+    RunFolder(working).make()
+    videos = campaign(clips, order.settings, working / "videos", workers=workers, progress=progress)
+    streams = {key: stream_of(video) for key, video in videos.items()}
+    record = compression_record(provenance, order.settings, list(streams.values()), _notes(sources))
+    whole = working / "whole"
+    shutil.rmtree(whole, ignore_errors=True)
+    write_target(sources.sources, streams, videos, wanted, whole, progress)
+    record.write(whole / RECORD)
+    with atomic_folder(out) as folder:
+        for child in whole.iterdir():
+            os.replace(child, folder / child.name)
+    shutil.rmtree(working)
+    return Packed(record, out / RECORD, fresh=True)
+
+
+def _require_apart(root: Path, out: Path) -> None:
+    root = root.expanduser().resolve()
+    if out == root or out in root.parents or root in out.parents:
+        raise OutputFolderError(
+            f"{out} and the recordings in {root} lie in one another",
+            hint="give an --out beside them: the recordings are never changed",
+        )
+
+
+def _options(order: Order) -> dict[str, Any]:
+    return {**order.settings.options(), **asdict(order.wanted), "cameras": list(order.cameras)}
+
+
+def _finished(out: Path, provenance: Provenance, *, force: bool) -> Packed | None:
+    """The output of an earlier call with the same provenance, or None when there is work to do."""
+    if not out.exists() or (out.is_dir() and not any(out.iterdir())):
+        return None
+    try:
+        record = Compression.read(out / RECORD)
+    except InputFileError as error:
+        if force and (out / RECORD).exists():
+            return None
+        raise OutputFolderError(f"{out} is in the way: {error.message}", hint="give another --out") from error
+    if record.provenance == provenance:
+        log.info("compress: finished before, nothing to do")
+        return Packed(record, out / RECORD, fresh=False)
+    if force:
+        return None
+    raise StaleStage(
+        f"{out} is finished, but was made from other recordings or with other options",
+        hint="add --force to replace it, or give another --out",
+    )
+
+
+def _notes(sources: Sources) -> dict[str, list[str]]:
+    notes: dict[str, list[str]] = {source.name: source.recording.notes for source in sources.sources}
+    return {**notes, **{name: [f"left out: {text}"] for name, text in sources.damaged.items()}}

@@ -1,0 +1,206 @@
+"""What is written of compressed recordings: HDF5 with its videos beside it, a LeRobot data set, or videos alone."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vcage.dataset.lerobot import FORMATS, open_writer
+from vcage.dataset.lerobot_episode import LeRobotEpisode, episode_of
+from vcage.dataset.packed import write_packed
+from vcage.dataset.picture_links import Stream
+from vcage.dataset.reader import EpisodeReader
+from vcage.dataset.recordings.hdf5_layouts import Hdf5Recording, VcageEpisode
+from vcage.dataset.recordings.lerobot_layouts import LeRobotRecording
+from vcage.dataset.recordings.recording import Recording
+from vcage.dataset.statistics import picture_histogram
+from vcage.errors import UsageError
+from vcage.packing.campaign import Key
+from vcage.packing.sources import Source
+from vcage.progress import Progress, silent
+from vcage.schema.compression import VideoStream
+
+HDF5, VIDEOS = "hdf5", "videos"
+
+TARGETS = (HDF5, *FORMATS, VIDEOS)
+
+SAMPLES = 50
+"""Pictures per episode and camera, evenly spaced, for the statistics of pixels."""
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """What is to be written.
+
+    Args:
+        target: one of :data:`TARGETS`; None for what suits the recordings, see :func:`suited`.
+        task, robot, fps: for a LeRobot data set, of recordings that do not say.
+    """
+
+    target: str | None = None
+    fps: float | None = None
+    task: str | None = None
+    robot: str | None = None
+
+
+def suited(wanted: Wanted, sources: Sequence[Source]) -> Wanted:
+    """What is wanted, with a target, once it is sure that every recording can be written so.
+
+    Raises:
+        UsageError: one cannot; names it, and the option that is missing.
+    """
+    wanted = replace(wanted, target=wanted.target or _own_target(sources[0].recording))
+    for source in sources:
+        recording = source.recording
+        if wanted.target == HDF5 and not isinstance(recording, Hdf5Recording):
+            raise UsageError(
+                f"{recording} is no HDF5 file, so none can be written with its videos beside it",
+                hint=f"give --to {_own_target(recording)}",
+            )
+        if wanted.target in FORMATS and not (recording.task or wanted.task):
+            raise UsageError(
+                f"{recording} does not say what the robot was told, which LeRobot wants to know",
+                hint='give --task "what it was told"',
+            )
+    return wanted
+
+
+def _own_target(recording: Recording) -> str:
+    """Its own kind of files, and videos alone for pictures."""
+    if isinstance(recording, Hdf5Recording):
+        return HDF5
+    return recording.LAYOUT if isinstance(recording, LeRobotRecording) else VIDEOS
+
+
+def write_target(
+    sources: Sequence[Source],
+    streams: Mapping[Key, VideoStream],
+    videos: Mapping[Key, Path],
+    wanted: Wanted,
+    out: Path,
+    progress: Progress = silent,
+) -> None:
+    """Write the recordings with their videos into the folder ``out``, which is new.
+
+    Raises:
+        UsageError: recordings do not fit into one LeRobot data set.
+        DamagedFile: a recording cannot be read.
+        DiskFull, OutputFolderError: the folder cannot be written.
+    """
+    writer: Callable[..., None] = {HDF5: _write_hdf5, VIDEOS: _write_videos}.get(str(wanted.target), _write_lerobot)
+    writer(sources, streams, videos, wanted, out, progress)
+
+
+def _write_videos(
+    sources: Sequence[Source],
+    streams: Mapping[Key, VideoStream],
+    videos: Mapping[Key, Path],
+    _wanted: Wanted,
+    out: Path,
+    _progress: Progress,
+) -> None:
+    for key, stream in streams.items():
+        target = out / stream.file
+        target.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copyfile(videos[key], target)
+
+
+def _write_hdf5(
+    sources: Sequence[Source],
+    streams: Mapping[Key, VideoStream],
+    videos: Mapping[Key, Path],
+    wanted: Wanted,
+    out: Path,
+    progress: Progress,
+) -> None:
+    _write_videos(sources, streams, videos, wanted, out, progress)
+    for number, source in enumerate(sources):
+        progress(f"writing {source.name}", number, len(sources))
+        own = [_link(source.recording, stream) for (name, _), stream in streams.items() if name == source.name]
+        write_packed(source.recording.path, out / f"{source.name}.hdf5", own)
+
+
+def _link(recording: Recording, stream: VideoStream) -> Stream:
+    camera = recording.camera(stream.camera)
+    return Stream(
+        camera=camera.name,
+        key=camera.key,
+        file=Path(stream.file).name,
+        frames=camera.frames,
+        width=camera.width,
+        height=camera.height,
+        storage=camera.storage,
+        swapped=recording.swapped(camera.name),
+    )
+
+
+# --- LeRobot -------------------------------------------------------------------------------------------
+
+
+def _write_lerobot(
+    sources: Sequence[Source],
+    streams: Mapping[Key, VideoStream],
+    videos: Mapping[Key, Path],
+    wanted: Wanted,
+    out: Path,
+    progress: Progress,
+) -> None:
+    with open_writer(str(wanted.target), out, encodings(list(streams.values()))) as writer:
+        for number, source in enumerate(sources):
+            progress(f"writing {source.name}", number, len(sources))
+            own = {camera: path for (name, camera), path in videos.items() if name == source.name}
+            writer.add(lerobot_episode(source.recording, own, wanted))
+
+
+def lerobot_episode(recording: Recording, videos: Mapping[str, Path], wanted: Wanted) -> LeRobotEpisode:
+    """A recording with its videos, as an episode of a LeRobot data set."""
+    frames = recording.camera(next(iter(videos))).frames
+    sample = np.unique(np.linspace(0, frames - 1, SAMPLES).astype(int)).tolist()
+    histograms = {camera: picture_histogram(recording.pictures(camera, sample)) for camera in videos}
+    if isinstance(recording, VcageEpisode):
+        with EpisodeReader(recording.path) as reader:
+            return episode_of(reader.episode, videos, histograms, len(sample))
+    return _foreign(recording, videos, histograms, len(sample), wanted, frames)
+
+
+def _foreign(
+    recording: Recording,
+    videos: Mapping[str, Path],
+    histograms: Mapping[str, NDArray[np.int64]],
+    sampled: int,
+    wanted: Wanted,
+    frames: int,
+) -> LeRobotEpisode:
+    motion = recording.motion
+    return LeRobotEpisode(
+        fps=recording.fps or wanted.fps or 0.0,
+        robot=recording.robot or wanted.robot or "unknown",
+        task=recording.task or wanted.task or "",
+        videos=videos,
+        histograms=histograms,
+        sampled=sampled,
+        state=recording.state,
+        state_names=recording.state_names,
+        action=None if motion is None else motion.action,
+        action_names=recording.action_names,
+        frames=frames,
+    )
+
+
+def encodings(streams: Sequence[VideoStream]) -> dict[str, dict[str, Any]]:
+    """Camera → what ``info.json`` says of its encoding beyond the stream itself, if all its streams have it alike."""
+    told: dict[str, dict[str, Any]] = {}
+    for camera in sorted({stream.camera for stream in streams}):
+        own = [stream for stream in streams if stream.camera == camera]
+        facts: dict[str, Any] = {"video.g": own[0].gop, "video.crf": own[0].crf}
+        if own[0].lossless:
+            facts = {"video.g": own[0].gop, "video.lossless": True}
+        alike = all((s.gop, s.crf) == (own[0].gop, own[0].crf) for s in own)
+        told[camera] = facts if alike else {}
+    return told
