@@ -11,11 +11,12 @@ import pytest
 from tests.recordings import CAMERAS, FPS, collected, written
 from vcage.compression.jod import JodMetric
 from vcage.dataset.reader import EpisodeReader
-from vcage.errors import DamagedFile, MissingStage
+from vcage.dataset.recordings.opening import open_recordings
+from vcage.errors import DamagedFile, MissingStage, UsageError
 from vcage.files import RunFolder
 from vcage.packing.settings import CompressionSettings
 from vcage.pipeline import compress, export
-from vcage.pipeline.settings import Settings
+from vcage.pipeline.settings import ExportSettings, Settings
 from vcage.pipeline.workbench import Workbench
 from vcage.schema.compression import Compression
 from vcage.schema.export import Export
@@ -141,3 +142,56 @@ def test_export_of_an_episode_that_was_collected_later_asks_for_compression(fres
     written(fresh.root / "episodes/episode_000002.hdf5", FRAMES)
     with pytest.raises(MissingStage, match="episode_000002"):
         export.execute(fresh, SETTINGS, Workbench("offline"))
+
+
+def exported(run: RunFolder, **changes) -> Export:
+    settings = Settings(seed=7, models="offline", workers=1, export=ExportSettings(**changes))
+    return export.execute(run, settings, Workbench("offline")).record
+
+
+def video_info(run: RunFolder, version: str = "lerobot-v3.0") -> dict:
+    info = json.loads((run.export.parent / version / "meta/info.json").read_text())
+    return info["features"]["observation.images.cam_high"]["info"]
+
+
+def test_the_videos_are_copied_as_they_were_compressed(run):
+    stream = next(s for s in Compression.read(run.compression).streams if s.camera == "cam_high")
+    copy = run.export.parent / "lerobot-v2.1/videos/chunk-000/observation.images.cam_high/episode_000000.mp4"
+    assert copy.read_bytes() == (run.root / stream.file).read_bytes()
+
+
+def test_another_codec_is_searched_at_the_same_loss_from_the_pictures_themselves(fresh):
+    compressed(fresh)
+    exported(fresh, formats=("lerobot-v3.0",), codec="h264")
+    assert video_info(fresh)["video.codec"] == "h264"
+    path = next((fresh.export.parent / "lerobot-v3.0/videos/observation.images.cam_high").rglob("*.mp4"))
+    with EpisodeReader(fresh.root / "episodes/episode_000000.hdf5") as reader:
+        reference = reader.images("cam_high")[:]
+    assert JodMetric().loss(decode(path), reference).max() < 0.1
+    assert not (fresh.root / export.WORKING).exists()
+
+
+def test_a_given_crf_is_encoded_without_a_search(fresh):
+    compressed(fresh)
+    exported(fresh, formats=("lerobot-v2.1",), codec="av1", crf=30)
+    info = video_info(fresh, "lerobot-v2.1")
+    assert (info["video.codec"], info["video.crf"]) == ("av1", 30)
+
+
+def test_a_codec_that_cannot_stay_under_the_loss_is_refused_with_the_ways_out(fresh):
+    compressed(fresh, max_loss=0.001)
+    with pytest.raises(UsageError, match="no av1 video stays under") as caught:
+        exported(fresh, codec="av1")
+    assert "--crf" in caught.value.hint
+    assert not fresh.export.parent.exists()
+
+
+def test_robotwin_files_hold_the_episodes_in_the_layout_of_its_readers(fresh):
+    compressed(fresh)
+    record = exported(fresh, formats=("robotwin",))
+    recordings = open_recordings(fresh.root / record.datasets[0].path)
+    assert [recording.LAYOUT for recording in recordings] == ["robotwin", "robotwin"]
+    with EpisodeReader(fresh.root / "episodes/episode_000000.hdf5") as reader:
+        assert np.allclose(recordings[0].motion.action, reader.episode.action)
+        error = recordings[0].pictures("head_camera").astype(int) - reader.images("cam_high")[:]
+    assert np.abs(error).mean() < 10  # JPEG of noise

@@ -73,5 +73,5 @@ def test_a_script_is_executable_and_only_names_its_command(script: Path) -> None
     assert len(text.splitlines()) < 15
 
 
-def test_the_nine_stages_and_four_actions_on_objects_have_a_script_each() -> None:
-    assert len(SCRIPTS) == 9 + 4
+def test_the_nine_stages_decompression_and_four_actions_on_objects_have_a_script_each() -> None:
+    assert len(SCRIPTS) == 9 + 1 + 4

@@ -52,7 +52,7 @@ def add_compression_options(parser: argparse.ArgumentParser) -> None:
         default=DEFAULTS.scope,
         help="one CRF for all episodes of a camera, as LeRobot can represent, or one for each (default: %(default)s)",
     )
-    group.add_argument("--crf", type=_crf, metavar="N", help="this CRF instead of a search; or 'lossless'")
+    group.add_argument("--crf", type=crf_option, metavar="N", help="this CRF instead of a search; or 'lossless'")
     group.add_argument(
         "--codec", choices=tuple(CODECS), default=DEFAULTS.codec, help="video codec (default: %(default)s)"
     )
@@ -94,7 +94,8 @@ def compression_settings(args: argparse.Namespace) -> CompressionSettings:
     )
 
 
-def _crf(text: str) -> int:
+def crf_option(text: str) -> int:
+    """A CRF, or "lossless", for ``type=`` of an option."""
     if text == "lossless":
         return WITHOUT_LOSS
     try:

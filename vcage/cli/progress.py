@@ -5,12 +5,16 @@ from __future__ import annotations
 import contextlib
 import logging
 import sys
+import time
 from collections.abc import Iterator
 from typing import TextIO
 
 from vcage.progress import Progress
 
 logger = logging.getLogger(__name__)
+
+WORTH_TELLING = 10.0
+"""Seconds that must have passed, and be left, before the time left is told."""
 
 
 class _Stderr(logging.StreamHandler):
@@ -47,13 +51,41 @@ def progress(title: str) -> Iterator[Progress]:
         with _bar(title) as show:
             yield show
     else:
-        yield lambda step, done, total: logger.info("%s: [%d/%d] %s", title, done + 1, total, step)
+        yield _lines(title)
+
+
+def _lines(title: str) -> Progress:
+    begun = time.monotonic()
+
+    def show(step: str, done: int, total: int) -> None:
+        left = time_left(time.monotonic() - begun, done, total)
+        logger.info("%s: [%d/%d] %s%s", title, done + 1, total, step, f" ({left} left)" if left else "")
+
+    return show
+
+
+def time_left(elapsed: float, done: int, total: int) -> str:
+    """How long the rest takes if it goes on as before, in words; empty while too little is known, or it is short.
+
+    Args:
+        elapsed: seconds since the start.
+        done: steps that are finished.
+        total: steps in all.
+    """
+    if done == 0 or elapsed < WORTH_TELLING:
+        return ""
+    seconds = elapsed / done * (total - done)
+    if seconds < WORTH_TELLING:
+        return ""
+    if seconds < 90:
+        return f"about {round(seconds, -1):.0f} s"
+    return f"about {seconds / 60:.0f} min" if seconds < 5400 else f"about {seconds / 3600:.1f} h"
 
 
 @contextlib.contextmanager
 def _bar(title: str) -> Iterator[Progress]:
     from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeElapsedColumn
+    from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeElapsedColumn, TimeRemainingColumn
     from rich.progress import Progress as Bar
 
     columns = (
@@ -61,6 +93,7 @@ def _bar(title: str) -> Iterator[Progress]:
         BarColumn(),
         MofNCompleteColumn(),
         TimeElapsedColumn(),
+        TimeRemainingColumn(),
         TextColumn("{task.fields[step]}"),
     )
     with Bar(*columns, console=Console(stderr=True), transient=True) as bar:

@@ -12,7 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vcage.dataset.lerobot import FORMATS, open_writer
+from vcage.dataset.lerobot_append import INFO
 from vcage.dataset.lerobot_episode import LeRobotEpisode, episode_of
+from vcage.dataset.lerobot_features import SUBTASK, other_columns
+from vcage.dataset.lerobot_repack import repack, require_whole
 from vcage.dataset.packed import write_packed
 from vcage.dataset.picture_links import Stream
 from vcage.dataset.reader import EpisodeReader
@@ -21,6 +24,7 @@ from vcage.dataset.recordings.lerobot_layouts import LeRobotRecording
 from vcage.dataset.recordings.recording import Recording
 from vcage.dataset.statistics import picture_histogram
 from vcage.errors import UsageError
+from vcage.files import read_json
 from vcage.packing.campaign import Key
 from vcage.packing.sources import Source
 from vcage.progress import Progress, silent
@@ -53,9 +57,14 @@ def suited(wanted: Wanted, sources: Sequence[Source]) -> Wanted:
     """What is wanted, with a target, once it is sure that every recording can be written so.
 
     Raises:
-        UsageError: one cannot; names it, and the option that is missing.
+        UsageError: one cannot; names it, and the option that is missing. Or episodes of a LeRobot data set are left out
+            that is to keep its version, and with it the numbers of its episodes.
     """
     wanted = replace(wanted, target=wanted.target or _own_target(sources[0].recording))
+    keeps = _keeps_format(sources, wanted)
+    if keeps:
+        require_whole(sources[0].recording.path, _episodes(sources))
+    left_out = [] if keeps else _left_out(sources[0].recording, wanted)
     for source in sources:
         recording = source.recording
         if wanted.target == HDF5 and not isinstance(recording, Hdf5Recording):
@@ -63,12 +72,33 @@ def suited(wanted: Wanted, sources: Sequence[Source]) -> Wanted:
                 f"{recording} is no HDF5 file, so none can be written with its videos beside it",
                 hint=f"give --to {_own_target(recording)}",
             )
-        if wanted.target in FORMATS and not (recording.task or wanted.task):
+        if wanted.target in FORMATS and not (keeps or recording.task or wanted.task):
             raise UsageError(
                 f"{recording} does not say what the robot was told, which LeRobot wants to know",
                 hint='give --task "what it was told"',
             )
+        recording.notes += left_out
     return wanted
+
+
+def _keeps_format(sources: Sequence[Source], wanted: Wanted) -> bool:
+    """Whether a LeRobot data set is written as one of the same version, so that only its pictures change."""
+    return all(isinstance(one.recording, LeRobotRecording) and wanted.target == one.recording.LAYOUT for one in sources)
+
+
+def _episodes(sources: Sequence[Source]) -> dict[int, str]:
+    """Number of an episode in its LeRobot data set → name of the recording."""
+    return {one.recording.index: one.name for one in sources if isinstance(one.recording, LeRobotRecording)}
+
+
+def _left_out(recording: Recording, wanted: Wanted) -> list[str]:
+    """Says which columns do not come along from a LeRobot data set into one of another version."""
+    if wanted.target not in FORMATS or not isinstance(recording, LeRobotRecording):
+        return []
+    features = read_json(recording.path / INFO)["features"]
+    names = [name for name in other_columns(features) if features[name]["dtype"] != "image"]
+    names += [SUBTASK] if SUBTASK in features else []
+    return [f"left out, as another version is written: {', '.join(names)}"] if names else []
 
 
 def _own_target(recording: Recording) -> str:
@@ -151,11 +181,31 @@ def _write_lerobot(
     out: Path,
     progress: Progress,
 ) -> None:
+    if _keeps_format(sources, wanted):
+        _repack_lerobot(sources, streams, videos, out, progress)
+        return
     with open_writer(str(wanted.target), out, encodings(list(streams.values()))) as writer:
         for number, source in enumerate(sources):
             progress(f"writing {source.name}", number, len(sources))
             own = {camera: path for (name, camera), path in videos.items() if name == source.name}
             writer.add(lerobot_episode(source.recording, own, wanted))
+
+
+def _repack_lerobot(
+    sources: Sequence[Source],
+    streams: Mapping[Key, VideoStream],
+    videos: Mapping[Key, Path],
+    out: Path,
+    progress: Progress,
+) -> None:
+    """All stays as it is but the videos of the cameras that were compressed."""
+    recording = sources[0].recording
+    told = {recording.camera(camera).key: facts for camera, facts in encodings(list(streams.values())).items()}
+    new: dict[str, dict[int, Path]] = {key: {} for key in told}
+    for episode, name in _episodes(sources).items():
+        for camera in {camera for _, camera in videos}:
+            new[recording.camera(camera).key][episode] = videos[name, camera]
+    repack(recording.path, out, new, told, progress)
 
 
 def lerobot_episode(recording: Recording, videos: Mapping[str, Path], wanted: Wanted) -> LeRobotEpisode:
@@ -202,5 +252,5 @@ def encodings(streams: Sequence[VideoStream]) -> dict[str, dict[str, Any]]:
         if own[0].lossless:
             facts = {"video.g": own[0].gop, "video.lossless": True}
         alike = all((s.gop, s.crf) == (own[0].gop, own[0].crf) for s in own)
-        told[camera] = facts if alike else {}
+        told[camera] = facts if alike else {"video.pix_fmt": None}  # which may differ too
     return told

@@ -1,27 +1,51 @@
-"""Stage 9: the accepted episodes as LeRobot datasets, v3.0 and v2.1, with the compressed videos as they are."""
+"""Stage 9: the accepted episodes as data sets that others read: LeRobot v3.0 and v2.1, and RoboTwin's HDF5.
+
+LeRobot gets the compressed videos as they are; another codec is encoded from the episodes' own pictures.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import shutil
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from vcage.dataset.lerobot import FORMATS, open_writer
 from vcage.dataset.lerobot_episode import LeRobotEpisode
-from vcage.dataset.lerobot_writer import LeRobotWriter
+from vcage.dataset.reader import EpisodeReader
 from vcage.dataset.recordings.hdf5_layouts import open_hdf5
+from vcage.dataset.robotwin import export_robotwin
 from vcage.errors import MissingStage
 from vcage.files import RunFolder
+from vcage.packing.campaign import campaign, stream_of
+from vcage.packing.settings import AUTO, CompressionSettings
 from vcage.packing.targets import Wanted, encodings, lerobot_episode
-from vcage.pipeline.compress import accepted_episodes
-from vcage.pipeline.settings import Settings
+from vcage.pipeline.compress import accepted_episodes, clips_of
+from vcage.pipeline.settings import ROBOTWIN, Settings
 from vcage.pipeline.stage import Job, StageResult, stage_seed
 from vcage.pipeline.workbench import Workbench
 from vcage.progress import Progress, silent
 from vcage.schema.base import Provenance
-from vcage.schema.compression import Compression
+from vcage.schema.compression import Compression, VideoStream
 from vcage.schema.export import Export, ExportedDataset
+
+WORKING = "export.working"
+"""Folder of the run in which videos of another codec gather; an interrupted stage goes on there."""
+
+
+@dataclass(frozen=True)
+class Footage:
+    """The videos of a run's episodes.
+
+    Args:
+        files: (episode file, camera) → video.
+        facts: camera → what ``info.json`` says of its encoding beyond the stream itself.
+    """
+
+    files: Mapping[tuple[str, str], Path]
+    facts: Mapping[str, Mapping[str, Any]]
 
 
 def job(run: RunFolder, settings: Settings, _bench: Workbench) -> Job:
@@ -35,6 +59,7 @@ def job(run: RunFolder, settings: Settings, _bench: Workbench) -> Job:
         output=run.export,
         inputs=[run.episodes, run.compression, *episodes, *videos],
         seed=stage_seed(run, settings.seed),
+        options=asdict(settings.export),
     )
 
 
@@ -44,55 +69,102 @@ def summary(record: Export) -> dict[str, Any]:
 
 
 def execute(run: RunFolder, settings: Settings, bench: Workbench, progress: Progress = silent) -> StageResult[Export]:
-    """Write ``export/lerobot-v2.1``, ``export/lerobot-v3.0`` and ``export/export.json``.
+    """Write a folder for each format into ``export/``, and ``export/export.json``.
 
     Raises:
         MissingStage, StaleStage: see :class:`vcage.pipeline.stage.Job`; also when a video was not compressed yet.
         DamagedFile, SchemaMismatch: an episode or a video cannot be read.
+        UsageError: the codec asked for cannot stay under the loss that the compression allowed.
     """
     stage = job(run, settings, bench)
 
     def make(folder: Path, provenance: Provenance) -> Export:
-        compression = Compression.read(run.compression)
-        facts = _encodings(compression)
+        footage = find_footage(run, settings, progress)
+        versions = [name for name in settings.export.formats if name in FORMATS]
         with ExitStack() as stack:
-            writers = {name: stack.enter_context(open_writer(name, folder / name, facts)) for name in FORMATS}
-            for episode in _episodes(run, compression, progress):
-                for writer in writers.values():
+            writers = [stack.enter_context(open_writer(name, folder / name, footage.facts)) for name in versions]
+            for episode in lerobot_episodes(run, footage, progress):
+                for writer in writers:
                     writer.add(episode)
-        datasets = [_describe(name, folder / name, stage.inside(name), writer) for name, writer in writers.items()]
+        if ROBOTWIN in settings.export.formats:
+            _write_robotwin(run, folder / ROBOTWIN, progress)
+        shutil.rmtree(run.root / WORKING, ignore_errors=True)
+        datasets = [_describe(run, name, folder / name, stage.inside(name)) for name in settings.export.formats]
         return Export(provenance=provenance, datasets=datasets)
 
     return stage.do(Export, make, force=settings.force)
 
 
-def _episodes(run: RunFolder, compression: Compression, progress: Progress) -> Iterator[LeRobotEpisode]:
-    videos = {(stream.episode, stream.camera): run.root / stream.file for stream in compression.streams}
+def find_footage(run: RunFolder, settings: Settings, progress: Progress = silent) -> Footage:
+    """The compressed videos; where another codec or CRF is asked for, others that are made now.
+
+    Raises:
+        MissingStage: nothing was compressed yet.
+        UsageError: the codec cannot stay under the loss that the compression allowed.
+    """
+    compression = Compression.read(run.compression)
+    wanted = _other_encoding(CompressionSettings(**compression.provenance.options), settings)
+    if wanted is None:
+        files = {(stream.episode, stream.camera): run.root / stream.file for stream in compression.streams}
+        return Footage(files, _facts(compression.streams, compression.encoding.preset))
+    clips, names = clips_of(run)
+    videos = campaign(clips, wanted, run.root / WORKING, workers=settings.workers, progress=progress)
+    streams = [stream_of(video) for video in videos.values()]
+    files = {(names[name], camera): video for (name, camera), video in videos.items()}
+    return Footage(files, _facts(streams, wanted.choices().settings().preset))
+
+
+def _other_encoding(compressed: CompressionSettings, settings: Settings) -> CompressionSettings | None:
+    """How to encode again, or None where the compressed videos are what is asked for."""
+    codec = settings.export.codec or compressed.codec
+    crf = settings.export.crf if settings.export.crf is not None else compressed.crf
+    if (codec, crf) == (compressed.codec, compressed.crf):
+        return None
+    if codec == compressed.codec:
+        return replace(compressed, crf=crf)
+    return replace(compressed, codec=codec, crf=settings.export.crf, preset="", pixel_format=AUTO)
+
+
+def _facts(streams: Sequence[VideoStream], preset: str) -> dict[str, dict[str, Any]]:
+    return {camera: {**facts, "video.preset": preset} for camera, facts in encodings(streams).items()}
+
+
+def lerobot_episodes(run: RunFolder, footage: Footage, progress: Progress = silent) -> Iterator[LeRobotEpisode]:
+    """The accepted episodes with their videos, one after the other.
+
+    Raises:
+        MissingStage: a camera of an episode has no video.
+        DamagedFile: an episode cannot be read.
+    """
     accepted = accepted_episodes(run)
     for number, record in enumerate(accepted):
         file = str(record.file)
         progress(Path(file).stem, number, len(accepted))
         recording = open_hdf5(run.root / file)
         cameras = [camera.name for camera in recording.cameras]
-        missing = [camera for camera in cameras if (file, camera) not in videos]
+        missing = [camera for camera in cameras if (file, camera) not in footage.files]
         if missing:
             raise MissingStage(
                 f"{file} has no compressed video of {', '.join(missing)}", hint="run compress with --force first"
             )
-        yield lerobot_episode(recording, {camera: videos[file, camera] for camera in cameras}, Wanted())
+        yield lerobot_episode(recording, {camera: footage.files[file, camera] for camera in cameras}, Wanted())
 
 
-def _encodings(compression: Compression) -> dict[str, dict[str, Any]]:
-    """Camera → what ``info.json`` says of its encoding beyond the stream itself."""
-    shared = {"video.preset": compression.encoding.preset}
-    return {camera: {**facts, **shared} for camera, facts in encodings(compression.streams).items()}
+def _write_robotwin(run: RunFolder, out: Path, progress: Progress) -> None:
+    accepted = accepted_episodes(run)
+    out.mkdir(parents=True)
+    for number, record in enumerate(accepted):
+        progress(f"episode{number}.hdf5", number, len(accepted))
+        with EpisodeReader(run.root / str(record.file)) as reader:
+            export_robotwin(reader, out / f"episode{number}.hdf5")
 
 
-def _describe(name: str, path: Path, relative: str, writer: LeRobotWriter) -> ExportedDataset:
+def _describe(run: RunFolder, name: str, path: Path, relative: str) -> ExportedDataset:
+    accepted = accepted_episodes(run)
     return ExportedDataset(
         format=name,
         path=relative,
-        episodes=writer.episodes,
-        frames=writer.frames,
+        episodes=len(accepted),
+        frames=sum(record.frames for record in accepted),
         bytes=sum(file.stat().st_size for file in path.rglob("*") if file.is_file()),
     )

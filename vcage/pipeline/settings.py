@@ -5,11 +5,32 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Literal
 
+from vcage.dataset.lerobot import FORMATS
 from vcage.igsc.layout.cost import Weights
 from vcage.models.registry import DETECTORS, EMBEDDERS
 from vcage.packing.settings import CompressionSettings
 
 OnFailure = Literal["resample", "abort"]
+
+ROBOTWIN = "robotwin"
+
+EXPORTS = (*FORMATS, ROBOTWIN)
+"""Formats that the last stage writes."""
+
+
+@dataclass(frozen=True)
+class ExportSettings:
+    """What the last stage writes.
+
+    Args:
+        formats: of :data:`EXPORTS`.
+        codec: of the videos of LeRobot's formats; None for what was compressed.
+        crf: instead of the one that was searched; with another codec, None searches one at the same loss.
+    """
+
+    formats: tuple[str, ...] = tuple(FORMATS)
+    codec: str | None = None
+    crf: int | None = None
 
 
 @dataclass(frozen=True)
@@ -34,6 +55,7 @@ class Settings:
         retries: attempts per sub-task beyond the first, when resampling.
         fps: frames per second of the recording; divides the 250 Hz of the physics.
         compression: how the videos are encoded and judged.
+        export: what the last stage writes.
         workers: processes that compress; None takes as many as there are cores and memory for.
     """
 
@@ -53,4 +75,5 @@ class Settings:
     retries: int = 3
     fps: int = 10
     compression: CompressionSettings = field(default_factory=CompressionSettings)
+    export: ExportSettings = field(default_factory=ExportSettings)
     workers: int | None = None

@@ -1,0 +1,12 @@
+#!/usr/bin/env python3
+"""Put the pictures of compressed recordings back."""
+
+import pathlib
+import runpy
+import sys
+
+runpy.run_path(str(pathlib.Path(__file__).resolve().parents[2] / "environment.py"))
+
+from vcage.cli.main import script_main
+
+sys.exit(script_main("decompress"))
