@@ -90,7 +90,7 @@ def encode(
         frames: (T, H, W, 3) uint8 RGB, of a size that :func:`formats_for` finds a format for.
         fps: frames per second.
         settings: the encoder's.
-        crf: constant rate factor, 0 … the codec's highest; None encodes RGB without any loss.
+        crf: constant rate factor, of those that the codec has; None encodes RGB without any loss.
         threads: of the encoder; 0 leaves it the choice.
 
     Raises:
@@ -155,8 +155,8 @@ def _check(frames: NDArray[np.uint8], settings: EncoderSettings, crf: int | None
             f"pictures of {width}x{height} do not fit the pixel format {settings.pixel_format}",
             hint=f"take one of {', '.join(fitting)}",
         )
-    if not 0 <= crf <= settings.facts.max_crf:
-        raise UsageError(f"crf is {crf}, expected 0 … {settings.facts.max_crf}")
+    if not settings.facts.min_crf <= crf <= settings.facts.max_crf:
+        raise UsageError(f"crf is {crf}, expected {settings.facts.min_crf} … {settings.facts.max_crf}")
 
 
 def _tag_colour(context: av.VideoCodecContext, *, rgb: bool) -> None:

@@ -29,6 +29,7 @@ class Codec:
         preset: that of them which is the default.
         pixel_formats: that a search may choose from, the best first.
         max_crf: the worst quality.
+        min_crf: the best; 0, unless that means something else to the encoder.
         first_crf: where a search begins.
         options: (preset, gop, crf, threads) → the encoder's options; a CRF of None asks for no loss.
         lossless_format: pixel format of RGB without loss; empty where there is none.
@@ -44,6 +45,7 @@ class Codec:
     max_crf: int
     first_crf: int
     options: Callable[[str, int, int | None, int], Options]
+    min_crf: int = 0
     lossless_format: str = ""
     lossless_encoder: str = ""
 
@@ -135,6 +137,7 @@ CODECS: dict[str, Codec] = {
             preset="8",
             pixel_formats=("yuv420p10le", "yuv420p"),  # SVT-AV1 has no other chroma
             max_crf=63,
+            min_crf=1,  # FFmpeg takes 0 for none, and then the encoder's own
             first_crf=16,
             options=_svt_av1,
         ),

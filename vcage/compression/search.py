@@ -37,6 +37,9 @@ HOPELESS = 0.6
 
 HELD_OUT_EVERY = 10
 
+WANDER = 3
+"""Step of the held-out frame's place from each ten frames to the next; it visits all ten places."""
+
 LOSSLESS = -1
 """Stands for a CRF below all: none passes."""
 
@@ -233,7 +236,8 @@ class _Search:
     def _highest(self, settings: EncoderSettings, upper: int) -> int | None:
         """The highest CRF not above ``upper`` that passes on the scored frames."""
         first = settings.facts.first_crf if upper == settings.facts.max_crf else upper
-        return highest_passing(lambda crf: self._loss(settings, crf), self.criterion.threshold, upper, first)
+        lower = settings.facts.min_crf
+        return highest_passing(lambda crf: self._loss(settings, crf), self.criterion.threshold, upper, first, lower)
 
     def _cheapest(self, settings: EncoderSettings, crf: int, formats: Sequence[str]) -> EncoderSettings:
         """The choice of pixel format and GOP with the fewest bytes that passes at a CRF, as far as the budget goes."""
@@ -310,14 +314,18 @@ class _Search:
 
 
 def held_out_frames(count: int, scored: Sequence[int]) -> list[int]:
-    """Every tenth of ``count`` frames, but for those in ``scored``."""
-    return sorted(set(range(0, count, HELD_OUT_EVERY)) - set(scored))
+    """One of every ten of ``count`` frames, but for those in ``scored``.
+
+    Not every tenth: where the GOP is ten frames long, all of them might be intra-coded, which are better than the rest.
+    """
+    places = (first + WANDER * number % HELD_OUT_EVERY for number, first in enumerate(range(0, count, HELD_OUT_EVERY)))
+    return sorted({place for place in places if place < count} - set(scored))
 
 
 def highest_passing(
-    loss_at: Callable[[int], float], threshold: float, upper: int, first: int, budget: int = BUDGET
+    loss_at: Callable[[int], float], threshold: float, upper: int, first: int, lower: int = 0, budget: int = BUDGET
 ) -> int | None:
-    """The highest CRF in 0 … ``upper`` with ``loss_at(crf) < threshold``, if the loss grows with the CRF.
+    """The highest CRF in ``lower`` … ``upper`` with ``loss_at(crf) < threshold``, if the loss grows with the CRF.
 
     A bisection that probes where the last loss says the threshold should be, as far as the budget allows: whatever
     the answer, the CRFs that remain can still be told apart by the trials that remain.
@@ -325,14 +333,15 @@ def highest_passing(
     Args:
         loss_at: the loss at a CRF; called at most ``budget`` times.
         threshold: what the loss must stay below.
-        upper: the highest CRF to consider; -1 for none.
+        upper: the highest CRF to consider; below ``lower`` for none.
         first: the first CRF to try.
-        budget: calls at most; at least log2(``upper`` + 2).
+        lower: the lowest CRF to consider.
+        budget: calls at most; at least log2(``upper`` − ``lower`` + 2).
 
     Returns:
-        None when the loss at CRF 0 is too large already.
+        None when the loss at ``lower`` is too large already.
     """
-    passes, fails = LOSSLESS, upper + 1
+    passes, fails = lower - 1, max(upper + 1, lower)
     guess = first
     for left in reversed(range(budget)):
         if fails - passes == 1:
@@ -348,4 +357,4 @@ def highest_passing(
         else:
             fails = guess
             guess += min(-1, math.floor(step))
-    return passes if passes >= 0 else None
+    return passes if passes >= lower else None

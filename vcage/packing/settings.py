@@ -57,9 +57,9 @@ class CompressionSettings:
     def __post_init__(self) -> None:
         if self.codec not in CODECS:
             raise UnknownName("codec", self.codec, CODECS)
-        highest = CODECS[self.codec].max_crf
-        if self.crf is not None and not WITHOUT_LOSS <= self.crf <= highest:
-            raise UsageError(f"crf is {self.crf}, expected 0 … {highest} for {self.codec}, or lossless")
+        lowest, highest = CODECS[self.codec].min_crf, CODECS[self.codec].max_crf
+        if self.crf not in (None, WITHOUT_LOSS) and not lowest <= self.crf <= highest:
+            raise UsageError(f"crf is {self.crf}, expected {lowest} … {highest} for {self.codec}, or lossless")
         if self.max_loss <= 0:
             raise UsageError(
                 f"the largest loss is {self.max_loss} JOD, which no video stays under",
