@@ -91,6 +91,19 @@ def codec_name(video: bytes | Path) -> str:
         return str(source.stream.codec_context.codec.canonical_name)
 
 
+def frame_rate(video: bytes | Path) -> float:
+    """Frames per second, on average where they are not evenly spaced.
+
+    Raises:
+        DamagedFile: it is no video, or does not say.
+    """
+    with _opened(video) as source:
+        rate = source.stream.average_rate
+        if not rate:
+            raise DamagedFile(f"{source.name} does not say how fast its frames follow each other", hint=MEND)
+        return float(rate)
+
+
 # --- where frames are ----------------------------------------------------------------------------------
 
 

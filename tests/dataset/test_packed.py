@@ -133,7 +133,7 @@ def test_a_source_that_cannot_be_read_is_named(tmp_path, content):
 
 def test_a_packed_file_is_read_like_its_source(source, packed):
     old, new = open_hdf5(source), open_hdf5(packed)
-    assert (new.LAYOUT, new.fps, new.task) == (old.LAYOUT, old.fps, old.task)
+    assert (new.LAYOUT, new.fps, new.task) == (old.LAYOUT, FPS, old.task)
     for before, after in zip(old.cameras, new.cameras, strict=True):
         assert (after.name, after.key, after.frames, after.raw_bytes) == (
             before.name,

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from itertools import islice
 from pathlib import Path
 from typing import Any, Literal
@@ -19,7 +20,7 @@ from numpy.typing import NDArray
 
 from vcage.dataset.hdf5_copy import Replacement, copy_attributes, copy_file
 from vcage.dataset.picture_datasets import ARRAY, FIXED, VLEN
-from vcage.dataset.picture_links import OURS, Link, Original, Stream, read_link, write_link
+from vcage.dataset.picture_links import OURS, Link, Original, Stream, find_links, read_link, write_link
 from vcage.dataset.spool import spooled
 from vcage.errors import DamagedFile, InputFileError, UsageError
 from vcage.files import atomic_path
@@ -36,9 +37,10 @@ def write_packed(source: Path, target: Path, streams: Sequence[Stream]) -> Path:
     The videos are to lie beside ``target``; they may be written later. The source is only read.
 
     Args:
-        source: any HDF5 file.
+        source: any HDF5 file. One that is packed itself gets other videos; what they are unpacked to stays the same.
         target: the file to write; it appears when it is whole.
-        streams: the videos; their keys are datasets of the source with as many pictures.
+        streams: the videos; their keys are datasets of the source with as many pictures. How these were stored is
+            taken from a packed source, not from the stream.
 
     Raises:
         UsageError: ``target`` is ``source``.
@@ -73,19 +75,19 @@ def unpack(packed: Path, target: Path, storage: Literal["same", "raw"] = "same",
         OutputFolderError, DiskFull: the file cannot be written.
     """
     with _rebuilt(packed, target) as (old, new):
-        links = _links(old)
+        links = find_links(old)
         if not links:
             raise UsageError(f"{packed} refers to no video", hint="give a file that was packed; this one is whole")
         videos = {key: _checked_video(packed, link) for key, link in links.items()}
         numbers = {key: number for number, key in enumerate(links)}
 
         def restore(key: str) -> Replacement:
-            def replace(dataset: h5py.Dataset, group: h5py.Group, name: str) -> None:
+            def put(dataset: h5py.Dataset, group: h5py.Group, name: str) -> None:
                 progress(links[key].stream.camera, numbers[key], len(links))
                 made = _restored(group, name, links[key], videos[key], storage)
                 copy_attributes(dataset, made, leave=OURS)
 
-            return replace
+            return put
 
         copy_file(old, new, {key: restore(key) for key in links})
     return Path(target)
@@ -123,31 +125,29 @@ def _damage(path: Path) -> Iterator[None]:
 
 def _pack(file: h5py.File, stream: Stream) -> Replacement:
     dataset = file.get(stream.key)
-    if not isinstance(dataset, h5py.Dataset) or not dataset.shape or len(dataset) != stream.frames:
+    link = read_link(dataset) if isinstance(dataset, h5py.Dataset) else None
+    if link is not None:
+        stream = replace(stream, storage=link.stream.storage, swapped=link.stream.swapped)
+    if not isinstance(dataset, h5py.Dataset) or _held(dataset, link) != stream.frames:
         raise DamagedFile(
             f"{file.filename}:{stream.key} does not hold {stream.frames} pictures", hint="compress the recording again"
         )
 
-    def replace(old: h5py.Dataset, group: h5py.Group, name: str) -> None:
-        copy_attributes(old, write_link(group, name, Link(stream, Original.of(old))))
+    def put(old: h5py.Dataset, group: h5py.Group, name: str) -> None:
+        original = Original.of(old) if link is None else link.original
+        copy_attributes(old, write_link(group, name, Link(stream, original)), leave=OURS)
 
-    return replace
+    return put
+
+
+def _held(dataset: h5py.Dataset, link: Link | None) -> int:
+    """How many pictures a dataset stands for."""
+    if link is not None:
+        return link.stream.frames
+    return len(dataset) if dataset.shape else 0
 
 
 # --- unpacking -----------------------------------------------------------------------------------------
-
-
-def _links(file: h5py.File) -> dict[str, Link]:
-    """Key → the link there."""
-    found: dict[str, Link] = {}
-
-    def look(key: str, item: h5py.Dataset | h5py.Group) -> None:
-        link = read_link(item) if isinstance(item, h5py.Dataset) else None
-        if link is not None:
-            found[key] = link
-
-    file.visititems(look)
-    return found
 
 
 def _checked_video(packed: Path, link: Link) -> Path:

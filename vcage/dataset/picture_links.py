@@ -160,6 +160,23 @@ def read_link(dataset: h5py.Dataset) -> Link | None:
         raise DamagedFile(f"{what} is not a whole link to a video: {error}", hint="compress it again") from error
 
 
+def find_links(file: h5py.File) -> dict[str, Link]:
+    """All links of a file: key → link.
+
+    Raises:
+        DamagedFile: see :func:`read_link`.
+    """
+    found: dict[str, Link] = {}
+
+    def look(key: str, item: h5py.Dataset | h5py.Group) -> None:
+        link = read_link(item) if isinstance(item, h5py.Dataset) else None
+        if link is not None:
+            found[key] = link
+
+    file.visititems(look)
+    return found
+
+
 def _plain(value: Any) -> Any:
     """A Python value of what HDF5 gives."""
     return value.item() if isinstance(value, np.generic) else value

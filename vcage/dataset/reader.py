@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 
 from vcage.dataset.episode import CameraTrack, EpisodeData, Segment
 from vcage.dataset.hdf5 import SCHEMA, SEGMENT_NUMBERS
-from vcage.errors import DamagedFile, MissingStage, SchemaMismatch, UnknownName
+from vcage.dataset.picture_links import read_link
+from vcage.errors import DamagedFile, InputFileError, MissingStage, SchemaMismatch, UnknownName
 from vcage.schema.episodes import Truth, Verdict
 
 
@@ -118,14 +119,23 @@ class EpisodeReader:
 
         Raises:
             UnknownName: the episode has no such camera.
+            InputFileError: its pictures lie in videos beside the file (:mod:`vcage.dataset.packed`).
         """
         if camera not in self.cameras:
             raise UnknownName("camera", camera, self.cameras)
         with _damage(self.path):
-            return Pictures(self.path, self._file["observations/images"][camera])
+            dataset = self._file["observations/images"][camera]
+            if read_link(dataset) is not None:
+                raise InputFileError(
+                    f"{self.path} is compressed: the pictures of {camera} lie in a video beside it",
+                    hint=f"put them back first: vcage decompress {self.path} --out DIR",
+                )
+            return Pictures(self.path, dataset)
 
     def _camera(self, name: str) -> CameraTrack:
-        _, height, width, _ = self._file["observations/images"][name].shape
+        dataset = self._file["observations/images"][name]
+        link = read_link(dataset)
+        height, width = dataset.shape[1:3] if link is None else (link.stream.height, link.stream.width)
         group = self._file["cameras"][name]
         return CameraTrack(width, height, group["intrinsics"][()], group["extrinsics"][()])
 

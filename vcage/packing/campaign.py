@@ -74,18 +74,27 @@ def campaign(
         settings: how.
         folder: for the videos and what is known of them; see :func:`stream_of`.
         workers: processes at most; None takes as many as there are cores and memory for.
-        progress: told of each clip that is finished for the first time.
+        progress: told of each clip that was encoded; its number falls where clips must be encoded again.
 
     Returns:
         (recording, camera) → its video in ``folder``, and the record beside it.
 
     Raises:
-        UnknownName, MissingDependency: there is no such display model, or the metric or encoder is not installed.
+        UnknownName, MissingDependency: see :func:`require_tools`.
         VcageError: of any clip, see :func:`vcage.packing.clips.perform`; what was finished stays in ``folder``.
     """
-    require_display(settings.display)
-    require_encoder(CODECS[settings.codec])
+    require_tools(settings)
     return _Campaign(list(clips), settings, folder, workers or workers_for(clips), progress).run()
+
+
+def require_tools(settings: CompressionSettings) -> None:
+    """Nothing, if this machine has what a campaign needs.
+
+    Raises:
+        UnknownName, MissingDependency: there is no such display model, or the metric or encoder is not installed.
+    """
+    require_encoder(CODECS[settings.codec])
+    require_display(settings.display)
 
 
 def workers_for(clips: Iterable[Clip]) -> int:
@@ -179,8 +188,10 @@ class _Campaign:
 
     def _perform(self, tasks: Sequence[Task]) -> None:
         of = {_key(task.clip): task for task in tasks}
+        again = len(self.streams.keys() & of.keys())
         for clip, stream in in_processes(perform, tasks, self.workers):
-            self.progress(f"{clip.name} {clip.camera}, {_quality(stream)}", len(self.streams), len(self.clips))
+            self.progress(f"{clip.name} {clip.camera}, {_quality(stream)}", len(self.streams) - again, len(self.clips))
+            again -= _key(clip) in self.streams
             self._note(of[_key(clip)], stream)
 
     def _videos(self) -> dict[Key, Path]:

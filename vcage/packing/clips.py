@@ -73,12 +73,12 @@ class Task:
     @property
     def record(self) -> Path:
         """What is known of the video once it is there; its name tells everything that the result depends on."""
-        source = self.clip.recording.path
-        stat = source.stat()
+        recording = self.clip.recording
         told = (
-            str(source.resolve()),
-            str(self.clip.recording),
-            (stat.st_size, stat.st_mtime_ns),
+            str(recording.path.resolve()),
+            str(recording),
+            [(stat.st_size, stat.st_mtime_ns) for stat in (file.stat() for file in recording.files)],
+            self.clip.fps,
             self.choices,
             self.criterion,
             self.display,
@@ -112,7 +112,7 @@ def perform(task: Task) -> tuple[Clip, VideoStream]:
     """Search one clip, and write its video and then its record; does nothing where both are there.
 
     Raises:
-        DamagedFile: its pictures cannot be read.
+        DamagedFile: its pictures cannot be read; ``details`` name the recording.
         UsageError, MissingDependency: see :func:`vcage.compression.search.search_clip`.
         DiskFull, OutputFolderError: it cannot be written.
     """
@@ -120,10 +120,12 @@ def perform(task: Task) -> tuple[Clip, VideoStream]:
     if done is not None and whole(task):
         return task.clip, done
     clip = task.clip
-    frames = clip.recording.pictures(clip.camera)
-    if len(frames) == 0:
-        raise DamagedFile(f"{clip.recording}: {clip.camera} holds no frame", hint="leave the episode out")
-    scored = _keyframes(clip.recording, frames, task.keyframes)
+    try:
+        frames = clip.recording.pictures(clip.camera)
+        scored = _keyframes(clip.recording, frames, task.keyframes)
+    except DamagedFile as error:
+        error.details["recording"] = clip.name
+        raise
     result = search_clip(frames, scored, clip.fps, task.choices, task.criterion, _metric(task.display), task.threads)
     write_bytes(task.video, result.video)
     stream = _stream(clip, frames, scored, result)

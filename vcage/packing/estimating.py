@@ -12,12 +12,12 @@ import numpy as np
 from vcage.compression.jod import JodMetric
 from vcage.compression.keyframes import picture_keyframes
 from vcage.compression.search import search_clip
-from vcage.packing.campaign import SAMPLE, workers_for
+from vcage.packing.campaign import SAMPLE, require_tools, workers_for
 from vcage.packing.clips import Clip, jpeg_bytes
-from vcage.packing.pack import Order
+from vcage.packing.pack import Order, require_apart
 from vcage.packing.settings import CompressionSettings
 from vcage.packing.sources import find_sources
-from vcage.packing.targets import suited
+from vcage.packing.targets import require_alike, suited
 from vcage.progress import Progress, silent
 
 WINDOW = 60
@@ -58,9 +58,12 @@ def estimate(order: Order, *, workers: int | None = None, progress: Progress = s
     Raises:
         VcageError: see :func:`vcage.packing.pack.pack`.
     """
+    require_apart(order)
+    require_tools(order.settings)
     sources = find_sources(order.root, order.settings, skip_damaged=order.skip_damaged)
-    suited(order.wanted, sources.sources)
-    clips = sources.clips(order.cameras, order.wanted.fps)
+    wanted = suited(order.wanted, sources.sources)
+    clips = sources.clips(order.cameras, wanted.fps)
+    require_alike(clips, wanted)
     sample = _sample(clips)
     metric = JodMetric(order.settings.display)
     probes = []

@@ -9,13 +9,13 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from vcage.errors import InputFileError, OutputFolderError, StaleStage
+from vcage.errors import DamagedFile, InputFileError, OutputFolderError, StaleStage
 from vcage.files import RunFolder, atomic_folder
-from vcage.packing.campaign import campaign, stream_of
+from vcage.packing.campaign import Key, campaign, require_tools, stream_of
 from vcage.packing.records import compression_record
 from vcage.packing.settings import CompressionSettings
 from vcage.packing.sources import Sources, find_sources
-from vcage.packing.targets import Wanted, suited, write_target
+from vcage.packing.targets import Wanted, require_alike, suited, write_target
 from vcage.progress import Progress, silent
 from vcage.schema.base import Provenance
 from vcage.schema.compression import Compression
@@ -76,17 +76,18 @@ def pack(order: Order, *, workers: int | None = None, force: bool = False, progr
         DiskFull: see :mod:`vcage.files`; what is finished is kept beside the output.
     """
     out = order.out.expanduser().resolve()
-    _require_apart(order.root, out)
+    require_apart(order)
+    require_tools(order.settings)
     sources = find_sources(order.root, order.settings, skip_damaged=order.skip_damaged)
     wanted = suited(order.wanted, sources.sources)
-    clips = sources.clips(order.cameras, wanted.fps)
+    require_alike(sources.clips(order.cameras, wanted.fps), wanted)
     provenance = Provenance(producer="compress", seed=0, options=_options(order), inputs=sources.hashes())
     done = _finished(out, provenance, force=force)
     if done is not None:
         return done
     working = out.with_name(out.name + WORKING)
     RunFolder(working).make()
-    videos = campaign(clips, order.settings, working / "videos", workers=workers, progress=progress)
+    sources, videos = _encode(order, sources, wanted, working / "videos", workers, progress)
     streams = {key: stream_of(video) for key, video in videos.items()}
     record = compression_record(provenance, order.settings, list(streams.values()), _notes(sources))
     whole = working / "whole"
@@ -100,13 +101,33 @@ def pack(order: Order, *, workers: int | None = None, force: bool = False, progr
     return Packed(record, out / RECORD, fresh=True)
 
 
-def _require_apart(root: Path, out: Path) -> None:
-    root = root.expanduser().resolve()
+def require_apart(order: Order) -> None:
+    """Nothing, if neither the recordings lie in the output nor the output among the recordings.
+
+    Raises:
+        OutputFolderError: one lies in the other.
+    """
+    root, out = order.root.expanduser().resolve(), order.out.expanduser().resolve()
     if out == root or out in root.parents or root in out.parents:
         raise OutputFolderError(
             f"{out} and the recordings in {root} lie in one another",
             hint="give an --out beside them: the recordings are never changed",
         )
+
+
+def _encode(
+    order: Order, sources: Sources, wanted: Wanted, folder: Path, workers: int | None, progress: Progress
+) -> tuple[Sources, dict[Key, Path]]:
+    """The videos, and the sources that they are of; what only decoding shows to be damaged is left out if allowed."""
+    while True:
+        clips = sources.clips(order.cameras, wanted.fps)
+        try:
+            return sources, campaign(clips, order.settings, folder, workers=workers, progress=progress)
+        except DamagedFile as error:
+            if not order.skip_damaged:
+                raise
+            sources = sources.without(error.details["recording"], error.message)
+            suited(wanted, sources.sources)
 
 
 def _options(order: Order) -> dict[str, Any]:
@@ -135,5 +156,7 @@ def _finished(out: Path, provenance: Provenance, *, force: bool) -> Packed | Non
 
 
 def _notes(sources: Sources) -> dict[str, list[str]]:
-    notes: dict[str, list[str]] = {source.name: source.recording.notes for source in sources.sources}
+    notes = {source.name: list(source.recording.notes) for source in sources.sources}
+    for name, cameras in sources.missing_cameras().items():
+        notes[name].append(f"it lacks {', '.join(cameras)}, which others have")
     return {**notes, **{name: [f"left out: {text}"] for name, text in sources.damaged.items()}}

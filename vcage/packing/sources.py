@@ -5,12 +5,13 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 from vcage.compression.codec import formats_for
 from vcage.dataset.recordings.lerobot_layouts import LeRobotRecording
 from vcage.dataset.recordings.opening import open_recordings
-from vcage.dataset.recordings.recording import Recording
+from vcage.dataset.recordings.recording import Camera, Recording
 from vcage.errors import DamagedFile, UnknownName, UsageError
 from vcage.files import sha256_file
 from vcage.packing.clips import Clip
@@ -47,11 +48,6 @@ class Sources:
     sources: Sequence[Source]
     damaged: dict[str, str]
 
-    @property
-    def layouts(self) -> list[str]:
-        """The layouts that were found."""
-        return sorted({source.recording.LAYOUT for source in self.sources})
-
     def clips(self, cameras: Sequence[str] = (), fps: float | None = None) -> list[Clip]:
         """Every camera of every recording, or those named.
 
@@ -78,8 +74,33 @@ class Sources:
         return clips
 
     def hashes(self) -> dict[str, str]:
-        """Name → SHA-256 of the file; of a folder, of the names and sizes of its files."""
-        return {source.name: _digest(source.recording.path) for source in self.sources}
+        """Name → SHA-256 of the recording's file; of several files, that of their names and digests."""
+        digest = cache(sha256_file)  # episodes of a data set share files
+        folder = self.root if self.root.is_dir() else self.root.parent
+        found = {}
+        for source in self.sources:
+            files = source.recording.files
+            told = "\n".join(f"{file.relative_to(folder).as_posix()} {digest(file)}" for file in files)
+            found[source.name] = digest(files[0]) if len(files) == 1 else hashlib.sha256(told.encode()).hexdigest()
+        return found
+
+    def missing_cameras(self) -> dict[str, list[str]]:
+        """Name → cameras that it lacks and another has, of those that lack any."""
+        cameras = {source.name: {camera.name for camera in source.recording.cameras} for source in self.sources}
+        every = set().union(*cameras.values())
+        return {name: sorted(every - own) for name, own in cameras.items() if own != every}
+
+    def without(self, name: str, complaint: str) -> Sources:
+        """The same without a source that turned out to be damaged.
+
+        Raises:
+            DamagedFile: it is the last.
+        """
+        left = [source for source in self.sources if source.name != name]
+        damaged = {**self.damaged, name: complaint}
+        if not left:
+            raise _refusal(damaged, left=0)
+        return Sources(self.root, left, damaged)
 
 
 def find_sources(root: Path, settings: CompressionSettings, *, skip_damaged: bool = False) -> Sources:
@@ -93,32 +114,51 @@ def find_sources(root: Path, settings: CompressionSettings, *, skip_damaged: boo
     Raises:
         InputFileError: there is nothing at the path, or nothing that is known.
         DamagedFile: a recording is damaged; names the first few, and how many there are.
-        UsageError: pictures are of a size that the codec does not take.
+        UsageError: pictures are of a size that the codec or the pixel format does not take, or two recordings would be
+            written under one name.
     """
     root = Path(root)
     damaged: dict[Path, DamagedFile] = {}
     opened = open_recordings(root, damaged)
-    complaints = {str(path): error.message for path, error in damaged.items()}
-    sources = []
+    complaints = {_name(path, root): error.message for path, error in damaged.items()}
+    sources: dict[str, Source] = {}
     for recording in opened:
+        name = _name_of(recording, root)
+        if name in sources:
+            raise UsageError(
+                f"{sources[name].recording} and {recording} would both be written as {name}", hint="rename one of them"
+            )
         try:
             _require_sound(recording, settings)
         except DamagedFile as error:
-            complaints[str(recording)] = error.message
+            complaints[name] = error.message
         else:
-            sources.append(Source(_name(recording, root), recording))
+            sources[name] = Source(name, recording)
     if complaints and not (skip_damaged and sources):
         raise _refusal(complaints, left=len(sources))
-    return Sources(root, sources, complaints)
+    return Sources(root, list(sources.values()), complaints)
 
 
 def _require_sound(recording: Recording, settings: CompressionSettings) -> None:
     """Raise DamagedFile where commands are not finite or do not fit the pictures, UsageError for sizes."""
     recording.motion  # noqa: B018  reading checks it
-    choices = settings.choices()
     for camera in recording.cameras:
-        formats_for(choices.settings(*choices.pixel_formats[:1]), camera.width, camera.height)
+        if camera.frames == 0:
+            raise DamagedFile(f"{recording}: {camera.name} holds no frame", hint="leave the episode out")
+        try:
+            _require_size(camera, settings)
+        except UsageError as error:
+            raise UsageError(f"{recording}, {camera.name}: {error.message}", hint=error.hint) from error
         recording.swapped(camera.name)  # notes it
+
+
+def _require_size(camera: Camera, settings: CompressionSettings) -> None:
+    fitting = formats_for(settings.choices().settings(), camera.width, camera.height)
+    if settings.pixel_formats and not set(settings.pixel_formats) & set(fitting):
+        raise UsageError(
+            f"pictures of {camera.width}x{camera.height} do not fit the pixel format {settings.pixel_format}",
+            hint=f"take one of {', '.join(fitting)}",
+        )
 
 
 def _refusal(complaints: dict[str, str], left: int) -> DamagedFile:
@@ -131,17 +171,12 @@ def _refusal(complaints: dict[str, str], left: int) -> DamagedFile:
     )
 
 
-def _name(recording: Recording, root: Path) -> str:
+def _name_of(recording: Recording, root: Path) -> str:
     if isinstance(recording, LeRobotRecording):
         return f"episode_{recording.index:06d}"
-    if root.is_file() or recording.path == root:
-        return recording.path.stem
-    return recording.path.relative_to(root).with_suffix("").as_posix()
+    return _name(recording.path, root)
 
 
-def _digest(path: Path) -> str:
-    if path.is_file():
-        return sha256_file(path)
-    files = sorted(file for file in path.rglob("*") if file.is_file())
-    told = "\n".join(f"{file.relative_to(path).as_posix()} {file.stat().st_size}" for file in files)
-    return hashlib.sha256(told.encode()).hexdigest()
+def _name(path: Path, root: Path) -> str:
+    """The path without suffix, relative to what was given."""
+    return path.stem if path == root else path.relative_to(root).with_suffix("").as_posix()

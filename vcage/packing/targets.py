@@ -5,8 +5,9 @@ from __future__ import annotations
 import shutil
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import groupby
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +16,7 @@ from vcage.dataset.lerobot import FORMATS, open_writer
 from vcage.dataset.lerobot_append import INFO
 from vcage.dataset.lerobot_episode import LeRobotEpisode, episode_of
 from vcage.dataset.lerobot_features import SUBTASK, other_columns
-from vcage.dataset.lerobot_repack import repack, require_whole
+from vcage.dataset.lerobot_repack import repack, require_colour, require_whole
 from vcage.dataset.packed import write_packed
 from vcage.dataset.picture_links import Stream
 from vcage.dataset.reader import EpisodeReader
@@ -24,11 +25,14 @@ from vcage.dataset.recordings.lerobot_layouts import LeRobotRecording
 from vcage.dataset.recordings.recording import Recording
 from vcage.dataset.statistics import picture_histogram
 from vcage.errors import UsageError
-from vcage.files import read_json
+from vcage.files import atomic_path, read_json
 from vcage.packing.campaign import Key
+from vcage.packing.clips import Clip
 from vcage.packing.sources import Source
 from vcage.progress import Progress, silent
 from vcage.schema.compression import VideoStream
+
+T = TypeVar("T")
 
 HDF5, VIDEOS = "hdf5", "videos"
 
@@ -77,8 +81,44 @@ def suited(wanted: Wanted, sources: Sequence[Source]) -> Wanted:
                 f"{recording} does not say what the robot was told, which LeRobot wants to know",
                 hint='give --task "what it was told"',
             )
-        recording.notes += left_out
+        recording.notes += [note for note in left_out if note not in recording.notes]
     return wanted
+
+
+def require_alike(clips: Sequence[Clip], wanted: Wanted) -> None:
+    """Nothing, if the recordings fit into what is wanted together: a LeRobot data set says once for all what they are.
+
+    Raises:
+        UsageError: one differs from the first in its cameras, their sizes, its frame rate or its numbers; names both.
+            Or a camera of a LeRobot data set shows depth or grey.
+        DamagedFile: the state of one holds NaN, or has not as many rows as there are pictures.
+    """
+    if wanted.target not in FORMATS:
+        return
+    if isinstance(clips[0].recording, LeRobotRecording):
+        require_colour(clips[0].recording.path, {clip.recording.camera(clip.camera).key for clip in clips})
+    episodes = [list(group) for _, group in groupby(clips, key=lambda clip: clip.name)]
+    first = _facts(episodes[0])
+    for episode in episodes[1:]:
+        for what, value in _facts(episode).items():
+            if value != first[what]:
+                raise UsageError(
+                    f"{episode[0].recording} has other {what} ({value}) than {episodes[0][0].recording} "
+                    f"({first[what]}), and a LeRobot data set holds one kind of episodes",
+                    hint="compress them apart, name the cameras that all have with --cameras, or give --to hdf5",
+                )
+
+
+def _facts(clips: Sequence[Clip]) -> dict[str, Any]:
+    """What all episodes of a LeRobot data set have in common, of the clips of one."""
+    recording = clips[0].recording
+    cameras = [recording.camera(clip.camera) for clip in clips]
+    return {
+        "cameras": ", ".join(f"{camera.name} {camera.width}x{camera.height}" for camera in cameras),
+        "frame rate": clips[0].fps,
+        "numbers in its state": len(recording.state_names),
+        "numbers in its commands": len(recording.action_names),
+    }
 
 
 def _keeps_format(sources: Sequence[Source], wanted: Wanted) -> bool:
@@ -136,9 +176,12 @@ def _write_videos(
     _progress: Progress,
 ) -> None:
     for key, stream in streams.items():
-        target = out / stream.file
-        target.parent.mkdir(parents=True, exist_ok=True)
-        shutil.copyfile(videos[key], target)
+        _copy(videos[key], out / stream.file)
+
+
+def _copy(file: Path, target: Path) -> None:
+    with atomic_path(target) as part:
+        shutil.copyfile(file, part)
 
 
 def _write_hdf5(
@@ -150,10 +193,30 @@ def _write_hdf5(
     progress: Progress,
 ) -> None:
     _write_videos(sources, streams, videos, wanted, out, progress)
+    streams_of = _by_recording(streams)
     for number, source in enumerate(sources):
         progress(f"writing {source.name}", number, len(sources))
-        own = [_link(source.recording, stream) for (name, _), stream in streams.items() if name == source.name]
-        write_packed(source.recording.path, out / f"{source.name}.hdf5", own)
+        own = [_link(source.recording, stream) for stream in streams_of[source.name].values()]
+        target = out / f"{source.name}.hdf5"
+        write_packed(source.recording.path, target, own)
+        for video in _kept_videos(source.recording, own):
+            _copy(video, target.with_name(video.name))
+
+
+def _by_recording(of: Mapping[Key, T]) -> dict[str, dict[str, T]]:
+    """Recording → camera → what there is of it."""
+    found: dict[str, dict[str, T]] = {}
+    for (name, camera), one in of.items():
+        found.setdefault(name, {})[camera] = one
+    return found
+
+
+def _kept_videos(recording: Recording, replaced: Sequence[Stream]) -> list[Path]:
+    """Videos of a recording that was compressed before, of cameras that are not compressed now."""
+    if not isinstance(recording, Hdf5Recording):
+        return []
+    keys = {stream.key for stream in replaced}
+    return [video for key, video in recording.videos.items() if key not in keys]
 
 
 def _link(recording: Recording, stream: VideoStream) -> Stream:
@@ -184,11 +247,11 @@ def _write_lerobot(
     if _keeps_format(sources, wanted):
         _repack_lerobot(sources, streams, videos, out, progress)
         return
+    videos_of = _by_recording(videos)
     with open_writer(str(wanted.target), out, encodings(list(streams.values()))) as writer:
         for number, source in enumerate(sources):
             progress(f"writing {source.name}", number, len(sources))
-            own = {camera: path for (name, camera), path in videos.items() if name == source.name}
-            writer.add(lerobot_episode(source.recording, own, wanted))
+            writer.add(lerobot_episode(source.recording, videos_of[source.name], wanted))
 
 
 def _repack_lerobot(

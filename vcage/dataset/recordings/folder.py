@@ -27,6 +27,10 @@ class PictureFolder(Recording):
     def cameras(self) -> list[Camera]:
         return [self._camera(name, files) for name, files in self._files.items()]
 
+    @property
+    def files(self) -> list[Path]:
+        return [file for files in self._files.values() for file in files]
+
     def pictures(self, camera: str, indices: Sequence[int] | None = None) -> NDArray[np.uint8]:
         files = self._files[self.camera(camera).name]
         wanted = range(len(files)) if indices is None else indices

@@ -25,11 +25,11 @@ from numpy.typing import NDArray
 
 from vcage.dataset.hdf5 import SCHEMA
 from vcage.dataset.picture_datasets import VLEN, picture_channels, picture_kind, picture_storage, stored_picture
-from vcage.dataset.picture_links import Link, read_link
+from vcage.dataset.picture_links import Link, find_links, read_link
 from vcage.dataset.recordings.encoded import looks_swapped, told_of_channels
 from vcage.dataset.recordings.recording import Camera, Columns, Motion, Recording, act_grippers, stacked
 from vcage.errors import DamagedFile
-from vcage.videos import codec_name, decode, frame_count
+from vcage.videos import codec_name, decode, frame_count, frame_rate
 
 LOOKED_AT = 5
 """Pictures of a camera that say whether colours are swapped."""
@@ -85,7 +85,14 @@ class Hdf5Recording(Recording):
     @property
     def fps(self) -> float | None:
         found = self._attributes.get("fps")
-        return float(found) if isinstance(found, np.number) and found > 0 else None
+        if isinstance(found, np.number) and found > 0:
+            return float(found)
+        videos = self.videos
+        return frame_rate(next(iter(videos.values()))) if videos else None
+
+    @property
+    def files(self) -> list[Path]:
+        return [self.path, *sorted(set(self.videos.values()))]
 
     @property
     def task(self) -> str | None:
@@ -94,6 +101,12 @@ class Hdf5Recording(Recording):
     @property
     def robot(self) -> str | None:
         return self._text("robot")
+
+    @cached_property
+    def videos(self) -> dict[str, Path]:
+        """Key → the video beside the file that holds its pictures; none where the file holds them itself."""
+        with self._file() as file:
+            return {key: link.video(self.path) for key, link in find_links(file).items()}
 
     def pictures(self, camera: str, indices: Sequence[int] | None = None) -> NDArray[np.uint8]:
         key = self.camera(camera).key
@@ -225,7 +238,8 @@ class RoboTwinEpisode(Hdf5Recording):
             return _joints(file["joint_state"])
         found = _joints(file.get("joint_action"))
         if found is not None:
-            self.notes.append("it holds no measured state; its commands are taken for it, as RoboTwin does")
+            note = "it holds no measured state; its commands are taken for it, as RoboTwin does"
+            self.notes += [note] if note not in self.notes else []
         return found
 
 

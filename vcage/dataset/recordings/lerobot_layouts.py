@@ -71,6 +71,13 @@ class LeRobotRecording(Recording):
         keys = [key for key, feature in self._info["features"].items() if feature["dtype"] in ("video", "image")]
         return sorted((self._camera(key) for key in keys), key=lambda camera: camera.name)
 
+    @property
+    def files(self) -> list[Path]:
+        """The data set's own description, and the episode's table and videos."""
+        described = sorted(path for path in (self.path / "meta").rglob("*") if path.is_file())
+        videos = {self._clip(key).file for key, one in self._info["features"].items() if one["dtype"] == "video"}
+        return [*described, self._data_file, *sorted(videos)]
+
     def pictures(self, camera: str, indices: Sequence[int] | None = None) -> NDArray[np.uint8]:
         one = self.camera(camera)
         wanted = list(range(one.frames) if indices is None else indices)
@@ -128,7 +135,13 @@ class LeRobotRecording(Recording):
 
     def _stored(self, value: Mapping[str, Any]) -> bytes:
         data = value.get("bytes")
-        return data if data is not None else (self.path / str(value["path"])).read_bytes()
+        if data is not None:
+            return data
+        file = self.path / str(value["path"])
+        try:
+            return file.read_bytes()
+        except OSError as error:
+            raise DamagedFile(f"{file} cannot be read: {error.strerror}", hint=MEND) from error
 
     @property
     @abstractmethod

@@ -5,7 +5,6 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from pathlib import Path
 from typing import ClassVar
 
@@ -113,9 +112,10 @@ class Recording(ABC):
     def cameras(self) -> list[Camera]:
         """Sorted by name; at least one."""
 
-    @cached_property
+    @property
     def motion(self) -> Motion | None:
-        """What the robot was told; None where the recording holds pictures only.
+        """What the robot was told; None where the recording holds pictures only. Not kept, as :attr:`state`: the
+        numbers of a data set's thousands of recordings fill the memory.
 
         Raises:
             DamagedFile: a command is no finite number, or there are not as many as pictures; names the camera.
@@ -132,17 +132,25 @@ class Recording(ABC):
         Raises:
             DamagedFile: as :attr:`motion`.
         """
-        return None if self._state is None else self._state.values
+        found = self._checked_state()
+        return None if found is None else found.values
 
     @property
     def state_names(self) -> list[str]:
         """Names of the D numbers of a state, ``joint_0``… where the recording does not say; none without a state."""
-        return [] if self._state is None else self._state.all_names()
+        found = self._checked_state()
+        return [] if found is None else found.all_names()
 
     @property
     def action_names(self) -> list[str]:
         """Names of the numbers of a command, as :attr:`state_names`."""
-        return [] if self.motion is None else Columns(self.motion.action, self.motion.names).all_names()
+        motion = self.motion
+        return [] if motion is None else Columns(motion.action, motion.names).all_names()
+
+    @property
+    def files(self) -> list[Path]:
+        """The files that it is read from, sorted or in a fixed order."""
+        return [self.path]
 
     @property
     def fps(self) -> float | None:
@@ -196,8 +204,7 @@ class Recording(ABC):
         """What was measured of the robot, unchecked."""
         return None
 
-    @cached_property
-    def _state(self) -> Columns | None:
+    def _checked_state(self) -> Columns | None:
         found = self._read_state()
         if found is not None:
             self._check("state", found.values)

@@ -1,0 +1,83 @@
+"""The list of episodes that a LeRobot data set keeps in ``meta``: their lengths, and in v3.0 where their videos are."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Collection, Mapping
+from pathlib import Path
+from typing import Any
+
+import pyarrow as pa
+
+from vcage.dataset.lerobot_v21 import EPISODES
+from vcage.dataset.parquet_files import MEND, numbered, read_table
+from vcage.errors import DamagedFile
+
+TABLES = Path("meta/episodes")
+"""Folder of the list in v3.0."""
+
+
+def episode_lengths(root: Path, info: Mapping[str, Any]) -> dict[int, int]:
+    """Number of an episode → its frames; of at least one episode.
+
+    Args:
+        root: folder of the data set, v2.1 or v3.0.
+        info: its ``meta/info.json``.
+
+    Raises:
+        DamagedFile: the list cannot be read, or is empty.
+    """
+    old = info["codebase_version"] == "v2.1"
+    lengths = _of_lines(root / EPISODES) if old else _of_tables(root)
+    if not lengths:
+        raise DamagedFile(f"{root / (EPISODES if old else TABLES)} lists no episode", hint=MEND)
+    return lengths
+
+
+def episode_tables(root: Path) -> list[Path]:
+    """The files of a v3.0 list, relative to the data set."""
+    return sorted(file.relative_to(root) for file in (root / TABLES).rglob("*.parquet"))
+
+
+def place_videos(rows: pa.Table, info: Mapping[str, Any], keys: Collection[str]) -> pa.Table:
+    """Rows of a v3.0 list in which each episode has a video of its own, numbered like the episode.
+
+    Args:
+        rows: with ``episode_index`` and ``length``; columns ``videos/<key>/…`` keep their types, or come.
+        info: ``meta/info.json``.
+        keys: features of the cameras whose videos are placed.
+    """
+    places = [numbered(episode, int(info["chunks_size"])) for episode in rows["episode_index"].to_pylist()]
+    lengths = rows["length"].to_pylist()
+    columns = {
+        "chunk_index": pa.array([place["chunk_index"] for place in places], pa.int64()),
+        "file_index": pa.array([place["file_index"] for place in places], pa.int64()),
+        "from_timestamp": pa.array([0.0] * len(lengths), pa.float64()),
+        "to_timestamp": pa.array([length / float(info["fps"]) for length in lengths], pa.float64()),
+    }
+    for key in keys:
+        for name, values in columns.items():
+            rows = _with_column(rows, f"videos/{key}/{name}", values)
+    return rows
+
+
+def _with_column(rows: pa.Table, name: str, values: pa.Array) -> pa.Table:
+    index = rows.schema.get_field_index(name)
+    if index < 0:
+        return rows.append_column(name, values)
+    field = rows.schema.field(index)
+    return rows.set_column(index, field, values.cast(field.type))
+
+
+def _of_tables(root: Path) -> dict[int, int]:
+    tables = [read_table(root / file, ["episode_index", "length"]) for file in episode_tables(root)]
+    return {row["episode_index"]: row["length"] for table in tables for row in table.to_pylist()}
+
+
+def _of_lines(file: Path) -> dict[int, int]:
+    try:
+        with open(file, encoding="utf-8") as lines:
+            rows = [json.loads(line) for line in lines if line.strip()]
+        return {int(row["episode_index"]): int(row["length"]) for row in rows}
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise DamagedFile(f"{file} does not list the episodes: {error!r}", hint=MEND) from error
