@@ -4,6 +4,9 @@
 #   make test     the same environment, then the tests
 #   make doctor   what was found, and the command that mends what is missing
 #
+#   make test-lerobot   the real lerobot, in an environment of its own, loads what export writes; DATASET=PATH proves a
+#                       run folder or a LeRobot folder of yours instead of a small run made for it
+#
 # Variables: PYTHON       the interpreter to start from (3.11 or 3.12), default python3
 #            TORCH_INDEX  address of a package index that has the build of torch you want
 
@@ -17,10 +20,22 @@ STAMP := .venv/.made-from-pyproject
 INDEX = $(if $(TORCH_INDEX),--index-url $(TORCH_INDEX))
 # The build without CUDA is gigabytes smaller; taken where there is no GPU and the index has it.
 TORCH_FOR_CPU = { ! nvidia-smi -L >/dev/null 2>&1 && $(PIP) install -q $(INDEX) torch==$(TORCH)+cpu 2>/dev/null; }
+
+LEROBOT := .venv-lerobot
+LEROBOT_PIP := $(LEROBOT)/bin/python -m pip --disable-pip-version-check
+LEROBOT_STAMP := $(LEROBOT)/.made-from-packages
+LEROBOT_PACKAGES := tests/lerobot/packages
+# One lerobot reads v3.0; with the folder of the older one in front, the same environment reads v2.1.
+LEROBOT_CHECK := LD_LIBRARY_PATH=$(CURDIR)/$(LEROBOT)/ffmpeg TQDM_DISABLE=1 \
+  $(LEROBOT)/bin/python -W ignore -m tests.lerobot.check
+LEROBOT_CHECK_V21 := PYTHONPATH=$(LEROBOT)/v2.1 $(LEROBOT_CHECK)
+LEROBOT_RUNS := $(addprefix $(LEROBOT)/runs/,lossy lossless)
+DATASET ?=
+
 DEMO := Pack the marker pens and the eraser into the box
 
 .DEFAULT_GOAL := help
-.PHONY: help venv vulkan assets setup demo test doctor clean
+.PHONY: help venv vulkan assets setup demo test test-lerobot doctor clean
 
 help:
 	@sed -n '/^PYTHON/q; s/^# \{0,1\}//p' Makefile
@@ -55,9 +70,32 @@ demo: setup
 test: setup
 	$(BIN)/python -m pytest -q -n 2 --dist loadfile
 
+# torchcodec looks for FFmpeg's libraries under their usual names; PyAV brings them under names of its own.
+$(LEROBOT_STAMP): $(wildcard $(LEROBOT_PACKAGES)*.txt) | $(STAMP)
+	@test -x $(LEROBOT)/bin/python && $(LEROBOT_PIP) --version >/dev/null 2>&1 \
+	  || $(BIN)/python -m venv --clear $(LEROBOT)
+	@$(LEROBOT_PIP) show -q torch 2>/dev/null || $(LEROBOT_PIP) install -q $(INDEX) torch==$(TORCH)+cpu 2>/dev/null \
+	  || $(LEROBOT_PIP) install -q $(INDEX) torch==$(TORCH)
+	$(LEROBOT_PIP) install -q -r $(LEROBOT_PACKAGES).txt
+	$(LEROBOT_PIP) install -q --no-deps -r $(LEROBOT_PACKAGES)-alone.txt
+	$(LEROBOT_PIP) install -q --no-deps --upgrade --target $(LEROBOT)/v2.1 -r $(LEROBOT_PACKAGES)-v2.1.txt
+	@rm -rf $(LEROBOT)/ffmpeg && mkdir $(LEROBOT)/ffmpeg
+	@for library in $(CURDIR)/$(LEROBOT)/lib/python3*/site-packages/av.libs/lib[as][vw]*.so.*; do \
+	  ln -sf "$$library" $(LEROBOT)/ffmpeg/$$(basename "$$library" | sed 's/-[0-9a-f]*\(\.so\.[0-9]*\).*/\1/'); done
+	@touch $@
+
+test-lerobot: venv $(LEROBOT_STAMP)
+ifeq ($(DATASET),)
+	@rm -rf $(LEROBOT)/runs
+	@for run in $(LEROBOT_RUNS); do $(BIN)/python -m tests.lerobot.make_run $$run $$(basename $$run) || exit; done
+	@$(LEROBOT_CHECK) $(firstword $(LEROBOT_RUNS)) --self-check
+endif
+	@for run in $(or $(DATASET),$(LEROBOT_RUNS)); do \
+	  $(LEROBOT_CHECK_V21) $$run && $(LEROBOT_CHECK) $$run || exit; done
+
 doctor: venv
 	@$(BIN)/vcage doctor
 
 clean:
-	rm -rf .venv build dist .pytest_cache .ruff_cache .hypothesis
+	rm -rf .venv $(LEROBOT) build dist .pytest_cache .ruff_cache .hypothesis
 	find vcage tests benchmarks skills -name __pycache__ -prune -exec rm -rf {} +

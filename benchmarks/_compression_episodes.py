@@ -1,0 +1,195 @@
+"""Rendered episodes for the compression benchmark: real tasks, planned, simulated and drawn by the project itself.
+
+Each task goes through the stages of the pipeline up to its sub-tasks and is then simulated; an episode counts when the
+simulator's own state says that every sub-task succeeded. Light, table, floor and wall differ from episode to episode,
+and objects stand a little differently. Episodes are kept in the user's cache, for drawing them takes minutes.
+"""
+
+from __future__ import annotations
+
+import logging
+import tempfile
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from vcage.assets.textures.tables import TABLES, table_texture
+from vcage.dataset.hdf5 import write_episode
+from vcage.episodes.assemble import episode_data
+from vcage.episodes.loop import EpisodeRun, Pictures, Setting, run_episode
+from vcage.episodes.task import Asked
+from vcage.episodes.variation import shifted_poses
+from vcage.errors import PartlyDone
+from vcage.files import RunFolder, cache_dir
+from vcage.pipeline.chain import run_stage
+from vcage.pipeline.settings import Settings
+from vcage.pipeline.workbench import Workbench
+from vcage.schema.base import PoseRecord
+from vcage.schema.episodes import Verdict
+from vcage.schema.robot import Robot
+from vcage.schema.scene import Scene
+from vcage.schema.subtasks import Subtask, Subtasks
+from vcage.sim.appearance import Appearance
+from vcage.sim.replay import camera_paths, render_log
+from vcage.sim.robots import load_robot
+from vcage.sim.world import World
+from vcage.subtasks.objects import SceneObject
+from vcage.subtasks.search import slots_for_chain
+from vcage.subtasks.synthesis import Script, load_script
+
+log = logging.getLogger(__name__)
+
+VERSION = 1
+"""Of the episodes in the cache; a higher one makes them anew."""
+
+SIZE = (640, 480)
+"""Width and height of the pictures, as most real robots record them; the robot's own cameras have half of it."""
+
+FPS = Settings().fps
+"""Frames per second, as a collection has it; more of them would change less from one to the next."""
+
+SUBTASKS = 2
+"""How many sub-tasks of its chain an episode carries out: reach, grasp, lift, carry, release, each about 7 seconds."""
+
+FRAMES = 120
+"""An episode is cut after so many frames."""
+
+STAGES = ("select_place", "inpaint_plan", "match", "optimize", "search_subtasks")
+
+TRIES = 4
+"""Simulations of an episode, each from its own seed, until one succeeds."""
+
+
+@dataclass(frozen=True)
+class Recipe:
+    """What an episode shows.
+
+    Args:
+        template: of the scene.
+        instruction: the task in plain language.
+        seed: of the layout, the shifts of the objects and the look.
+    """
+
+    template: str
+    instruction: str
+    seed: int
+
+    @property
+    def name(self) -> str:
+        return f"{self.template}-{self.seed}"
+
+
+TASKS = (
+    ("kitchen", "Take the salt shaker and the pepper mill and put them on the plate"),
+    ("office_desk", "Pack the marker pens and the eraser into the box"),
+    ("bathroom", "Put the soap and the sponge into the basket"),
+    ("cashier_desk", "Put the cookie box and the chocolate bar into the shopping basket"),
+    ("table", "Put the blocks on the plate"),
+    ("table", "Put the cup and the lemon on the tray"),
+)
+
+RECIPES = tuple(Recipe(*task, len(TASKS) * turn + i) for turn in range(2) for i, task in enumerate(TASKS))
+"""Twelve episodes: six tasks, each twice with other layouts and looks."""
+
+
+def episode_path(recipe: Recipe) -> Path:
+    """The HDF5 file of an episode, made when it is not in the cache.
+
+    Raises:
+        NoRenderer: nothing here can draw.
+        PartlyDone: no simulation of the task succeeded.
+    """
+    path = cache_dir("benchmarks", "compression", f"v{VERSION}") / f"{recipe.name}.hdf5"
+    if not path.exists():
+        start = time.perf_counter()
+        frames = _Making(recipe).write(path)
+        log.info("%s: %d frames planned, simulated and drawn in %.0f s", path.name, frames, time.perf_counter() - start)
+    return path
+
+
+class _Making:
+    """An episode on its way from the instruction to the file."""
+
+    def __init__(self, recipe: Recipe):
+        self._recipe = recipe
+        bench = Workbench("offline")
+        with tempfile.TemporaryDirectory() as folder:
+            run = RunFolder(folder)
+            settings = Settings(
+                instruction=recipe.instruction, template=recipe.template, seed=recipe.seed, models="offline"
+            )
+            for stage in STAGES:
+                run_stage(stage, run, settings, bench)
+            self._scene = Scene.read(run.layout)
+            self._chain = _chain(run)
+        self._models = bench.physical_models(self._scene)
+        self._robot = sharp(load_robot(self._scene.robot))
+        self._objects = bench.objects(self._scene)
+
+    def write(self, path: Path) -> int:
+        """Simulate until an episode succeeds, draw it, and return how many frames it has."""
+        for attempt in range(TRIES):
+            rng = np.random.default_rng([self._recipe.seed, attempt])
+            poses = shifted_poses(self._objects, rng)
+            objects = [o.moved(poses[o.id]) for o in self._objects]
+            done = self._simulated(objects, rng)
+            if done.accepted and all(segment.truth.success for segment in done.segments):
+                return self._draw(done, objects, rng, path)
+        raise PartlyDone(
+            f"{self._recipe.name}: none of {TRIES} simulations succeeded", hint="choose another seed for the recipe"
+        )
+
+    def _simulated(self, objects: Sequence[SceneObject], rng: np.random.Generator) -> EpisodeRun:
+        setting = Setting(
+            build=lambda: self._world(objects),
+            objects={o.id: o for o in objects},
+            slots=slots_for_chain([subtask for subtask, _ in self._chain], objects, rng),
+            photograph=lambda _state: {},
+            judge=_accept,
+            on_failure="resample",
+            retries=2,
+            fps=FPS,
+        )
+        return run_episode(setting, self._chain, self._recipe.seed)
+
+    def _draw(self, done: EpisodeRun, objects: Sequence[SceneObject], rng: np.random.Generator, path: Path) -> int:
+        look = Appearance.random(rng, [table_texture(name) for name in TABLES])
+        done.log.frames = done.log.frames[:FRAMES]
+        world = self._world(objects, look)
+        facts = {
+            "instruction": self._recipe.instruction,
+            "seed": self._recipe.seed,
+            "robot": self._robot.name,
+            "scene": self._scene.model_dump(mode="json", by_alias=True),
+        }
+        data = episode_data(done.log, [], camera_paths(world, done.log), facts)
+        write_episode(path, data, (frame.pictures for frame in render_log(world, done.log)))
+        return data.frames
+
+    def _world(self, objects: Sequence[SceneObject], look: Appearance | None = None) -> World:
+        """The table with the objects; drawn when it has a look."""
+        records = [o.record.model_copy(update={"pose": PoseRecord.of(o.pose)}) for o in objects]
+        scene = self._scene.model_copy(update={"objects": records})
+        return World.of_scene(scene, self._models, self._robot, look, render=look is not None)
+
+
+def _chain(run: RunFolder) -> list[tuple[Subtask, Script]]:
+    """The first :data:`SUBTASKS` sub-tasks of a run, with their scripts."""
+    subtasks = Subtasks.read(run.subtasks)
+    kept = {s.id: s for s in subtasks.kept}
+    return [(kept[i], load_script(run.root / kept[i].script)) for i in subtasks.chain[:SUBTASKS]]
+
+
+def sharp(robot: Robot) -> Robot:
+    """The same robot with cameras of :data:`SIZE`."""
+    width, height = SIZE
+    cameras = {k: c.model_copy(update={"width": width, "height": height}) for k, c in robot.cameras.items()}
+    return robot.model_copy(update={"cameras": cameras})
+
+
+def _accept(_asked: Asked, _before: Pictures, _after: Pictures) -> Verdict:
+    """Every sub-task goes on; whether it succeeded is asked of the simulator at the end."""
+    return Verdict(accepted=True, reason="the simulator decides", confidence=1.0, provider="benchmark")

@@ -1,0 +1,71 @@
+"""What a run recorded, and the streams whose loss was judged, read without any code of the library.
+
+The layout of an episode is described in ``vcage/dataset/hdf5.py``.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+
+from tests.lerobot.expected import ACTION, PICTURES, STATE, Episode, Pictures, Video
+
+
+def read_run(run: Path, scratch: Path) -> list[Episode]:
+    """The accepted episodes of a run, in order.
+
+    Args:
+        run: a run folder that was compressed and exported.
+        scratch: an existing folder; the decoded pictures are kept there, for they may not fit into memory.
+    """
+    compression = json.loads((run / "compress" / "compression.json").read_text())
+    streams = {(stream["episode"], stream["camera"]): stream for stream in compression["streams"]}
+    episodes: list[Episode] = []
+    start = 0
+    for file in _accepted(run):
+        # left open: the pictures are read later
+        data = h5py.File(run / file)
+        videos = {
+            PICTURES + camera: _video(run, streams[file, camera], originals, scratch)
+            for camera, originals in data["observations/images"].items()
+        }
+        episode = Episode(
+            start=start,
+            fps=float(data.attrs["fps"]),
+            task=json.loads(data["meta/instruction"][()]),
+            vectors={
+                STATE: data["observations/qpos"][()].astype(np.float32),
+                ACTION: data["action"][()].astype(np.float32),
+            },
+            timestamp=data["timestamp"][()],
+            subtasks=list(_subtasks(data)),
+            videos=videos,
+        )
+        episodes.append(episode)
+        start += len(episode)
+    return episodes
+
+
+def _video(run: Path, stream: dict[str, Any], originals: h5py.Dataset, scratch: Path) -> Video:
+    path = run / stream["file"]
+    loss = None if stream["crf"] is None else stream["loss_max"]
+    return Video(path, Pictures(path, len(originals), scratch), originals, loss)
+
+
+def _accepted(run: Path) -> list[str]:
+    record = json.loads((run / "episodes" / "episodes.json").read_text())
+    return [episode["file"] for episode in record["episodes"] if episode["accepted"] and episode["file"]]
+
+
+def _subtasks(data: h5py.File) -> Iterator[str]:
+    """Text per frame: the first sub-task that has not ended; after the last one's end, the last one."""
+    texts, ends = list(data["subtasks/text"].asstr()[()]), list(data["subtasks/end"][()])
+    if not texts:
+        texts, ends = [json.loads(data["meta/instruction"][()])], [0]
+    for frame in range(len(data["timestamp"])):
+        yield next((text for text, end in zip(texts, ends, strict=True) if frame < end), texts[-1])

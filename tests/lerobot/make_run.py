@@ -1,0 +1,66 @@
+"""Make the small run that `make test-lerobot` proves: episodes collected, compressed and exported.
+
+    python -m tests.lerobot.make_run FOLDER KIND
+
+No two episodes have the same length, motion, pictures or sub-tasks, and there are two instructions, so that whatever
+a reader confuses is seen.
+"""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import Any
+
+from tests.recordings import INSTRUCTION, collected, episode, segment, written
+from vcage.files import RunFolder
+from vcage.packing.settings import WITHOUT_LOSS, CompressionSettings
+from vcage.pipeline import compress, export
+from vcage.pipeline.settings import Settings
+from vcage.pipeline.workbench import Workbench
+from vcage.schema.episodes import Episodes
+
+LENGTHS = (24, 13, 18, 9)
+INSTRUCTIONS = (INSTRUCTION, "Put the plate on the red block – gently")
+
+KINDS = {
+    "lossy": CompressionSettings(),
+    "lossless": CompressionSettings(crf=WITHOUT_LOSS),
+}
+"""How the videos are compressed."""
+
+
+def make_run(root: Path, kind: str) -> RunFolder:
+    """A run folder as ``collect``, ``compress`` and ``export`` leave it."""
+    run = collected(root, count=len(LENGTHS))
+    record = Episodes.read(run.episodes)
+    for index, frames in enumerate(LENGTHS):
+        file = str(record.episodes[index].file)
+        written(run.root / file, frames, seed=10 * index, **_of_its_own(index, frames))
+        record.episodes[index] = record.episodes[index].model_copy(update={"frames": frames})
+    record.write(run.episodes)
+    settings = Settings(seed=7, models="offline", compression=KINDS[kind])
+    bench = Workbench("offline")
+    compress.execute(run, settings, bench)
+    export.execute(run, settings, bench)
+    return run
+
+
+def _of_its_own(index: int, frames: int) -> dict[str, Any]:
+    """What tells an episode from the others."""
+    usual = episode(frames)
+    half = frames // 2
+    return {
+        "action": usual.action * (1 - 0.1 * index),
+        "qpos": usual.qpos * (1 - 0.1 * index) - 0.003 * index,
+        "segments": [segment(0, half, f"lift-block-{index % 3}"), segment(half, frames, "place-block")],
+        "meta": {**usual.meta, "instruction": INSTRUCTIONS[index % len(INSTRUCTIONS)]},
+    }
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("kind", choices=KINDS, help="how the videos are compressed")
+    arguments = parser.parse_args()
+    print(make_run(arguments.folder, arguments.kind).root)
