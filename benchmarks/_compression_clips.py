@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks._compression_episodes import RECIPES, Recipe, episode_path
+from benchmarks._compression_episodes import RECIPES, SPARSE_FPS, Recipe, episode_path
 from benchmarks._compression_noise import RealCamera
 from vcage.compression.keyframes import keyframes
 from vcage.dataset.reader import EpisodeReader
 
-Kind = Literal["rendered", "noisy"]
+Kind = Literal["rendered", "sparse", "noisy"]
 
 HIGH, LEFT, RIGHT = "cam_high", "cam_left_wrist", "cam_right_wrist"
 """The camera that stands above the table, and those on the wrists, which move."""
@@ -27,6 +27,9 @@ HELD_OUT_EVERY = 10
 HELD_OUT_STEP = 7
 """Each stands so much later within its ten than the one before: frames 0, 10, 20… alone would be the random-access
 points of groups of 2, 5 or 10 frames, which are encoded best."""
+
+SPARSE = (0, 2, 4, 5)
+"""Numbers of the episodes of which there is a clip with few frames per second as well."""
 
 QUICK_FRAMES = 48
 
@@ -72,7 +75,9 @@ class Clip:
 
     @property
     def kind(self) -> Kind:
-        return "rendered" if self.sensor is None else "noisy"
+        if self.sensor is not None:
+            return "noisy"
+        return "sparse" if self.recipe.fps == SPARSE_FPS else "rendered"
 
     @property
     def name(self) -> str:
@@ -104,7 +109,8 @@ def held_out(count: int, seen: list[int]) -> list[int]:
 
 
 def clips(quick: bool) -> list[Clip]:
-    """The rendered clips, one of each episode (:data:`VIEWS`), and the noisy ones (:data:`NOISY`).
+    """The rendered clips, one of each episode (:data:`VIEWS`), some at few frames per second (:data:`SPARSE`), and the
+    noisy ones (:data:`NOISY`).
 
     Args:
         quick: the beginnings of two rendered clips, one of them of a moving camera.
@@ -113,4 +119,5 @@ def clips(quick: bool) -> list[Clip]:
     rendered = [Clip(recipe, camera, length=length) for recipe, camera in zip(RECIPES, VIEWS, strict=True)]
     if quick:
         return rendered[:2]
-    return rendered + [Clip(RECIPES[i], camera, RealCamera(light, seed=i)) for i, camera, light in NOISY]
+    sparse = [Clip(replace(RECIPES[i], fps=SPARSE_FPS), VIEWS[i]) for i in SPARSE]
+    return rendered + sparse + [Clip(RECIPES[i], camera, RealCamera(light, seed=i)) for i, camera, light in NOISY]

@@ -42,14 +42,17 @@ from vcage.subtasks.synthesis import Script, load_script
 
 log = logging.getLogger(__name__)
 
-VERSION = 1
+VERSION = 2
 """Of the episodes in the cache; a higher one makes them anew."""
 
 SIZE = (640, 480)
 """Width and height of the pictures, as most real robots record them; the robot's own cameras have half of it."""
 
-FPS = Settings().fps
-"""Frames per second, as a collection has it; more of them would change less from one to the next."""
+FPS = 25
+"""Frames per second: the fewest that are usual with real arms (LeRobot's data sets have 30, ALOHA's 50)."""
+
+SPARSE_FPS = Settings().fps
+"""Frames per second of a collection unless more are asked for; more changes from one to the next."""
 
 SUBTASKS = 2
 """How many sub-tasks of its chain an episode carries out: reach, grasp, lift, carry, release, each about 7 seconds."""
@@ -71,15 +74,17 @@ class Recipe:
         template: of the scene.
         instruction: the task in plain language.
         seed: of the layout, the shifts of the objects and the look.
+        fps: frames per second.
     """
 
     template: str
     instruction: str
     seed: int
+    fps: int = FPS
 
     @property
     def name(self) -> str:
-        return f"{self.template}-{self.seed}"
+        return f"{self.template}-{self.seed}-{self.fps}fps"
 
 
 TASKS = (
@@ -151,7 +156,7 @@ class _Making:
             judge=_accept,
             on_failure="resample",
             retries=2,
-            fps=FPS,
+            fps=self._recipe.fps,
         )
         return run_episode(setting, self._chain, self._recipe.seed)
 

@@ -27,9 +27,6 @@ LIMIT = 0.1
 SLACK = 1.1
 """Where a codec that has no form without loss cannot reach the limit, a clip may lose so much more than at its best."""
 
-BEST_CRF = 1
-"""FFmpeg's wrapper of SVT-AV1 takes a CRF of 0 for none and falls back to its own."""
-
 AHEAD = 3
 """So far above the CRF that is known of another GOP a search begins."""
 
@@ -190,9 +187,9 @@ class Searched:
         if self._has_lossless:
             return LIMIT
         reference = film.frames[film.keyframes]
-        best = 0.0
+        lowest, best = self.choices.settings().facts.min_crf, 0.0
         for pixel_format in self.choices.settings().facts.pixel_formats:
-            video = encode(film.frames, film.fps, self.choices.settings(pixel_format), BEST_CRF, THREADS)
+            video = encode(film.frames, film.fps, self.choices.settings(pixel_format), lowest, THREADS)
             best = max(best, float(metric.loss(decode(video, film.keyframes), reference).max()))
         return max(LIMIT, SLACK * best)
 

@@ -1,7 +1,8 @@
 """Bytes and losses of compressed episodes: ours beside PNG, JPEG in HDF5, LeRobot's AV1, and AV1 and H.264 searched.
 
-The clips are rendered episodes (``benchmarks/_compression_episodes.py``) and, apart, some of them as a real camera
-would have recorded them (``benchmarks/_compression_noise.py``). Formats named ``…-gN`` are searched for the fewest
+The clips are rendered episodes (``benchmarks/_compression_episodes.py``) at 25 frames per second and, apart, some of
+them "sparse", with the 10 that a collection has unless more are asked for, and some "noisy", as a real camera would
+have recorded them (``benchmarks/_compression_noise.py``). Formats named ``…-gN`` are searched for the fewest
 bytes with which all keyframes, and the frames that the search checks besides, lose less than 0.1 JOD; ``N`` is the GOP,
 250 the encoders' own default. ``vcage-g2-as-lerobot`` is searched, with LeRobot's GOP, for what LeRobot's default loses
 on the same clip. Where AV1, which has no 4:4:4 here, cannot reach 0.1 JOD, it is searched for a little more than what

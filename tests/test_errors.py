@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
-from vcage.errors import InfeasibleScene, UnknownName
+import pickle
+
+import pytest
+
+from vcage.errors import InfeasibleScene, UnknownName, VcageError
 
 
 def test_unknown_name_suggests_the_nearest():
@@ -25,3 +29,22 @@ def test_a_record_holds_what_a_program_needs():
         "retryable": False,
         "details": {"missing_m2": 0.02},
     }
+
+
+def kinds(of: type[VcageError] = VcageError) -> list[type[VcageError]]:
+    """An error and all that are made from it."""
+    return [of, *(kind for child in of.__subclasses__() for kind in kinds(child))]
+
+
+@pytest.mark.parametrize("kind", [kind for kind in kinds() if kind is not UnknownName])
+def test_an_error_comes_whole_from_another_process(kind):
+    error = pickle.loads(pickle.dumps(kind("a.hdf5 is damaged", hint="mend it", details={"frame": 3})))
+    assert type(error) is kind
+    assert (error.message, error.hint, error.details) == ("a.hdf5 is damaged", "mend it", {"frame": 3})
+    assert str(error) == "a.hdf5 is damaged"
+
+
+def test_an_error_with_arguments_of_its_own_comes_whole_from_another_process():
+    error = UnknownName("asset", "markr", ["marker", "mug"])
+    again = pickle.loads(pickle.dumps(error))
+    assert again.as_record() == error.as_record() and again.as_line() == error.as_line()

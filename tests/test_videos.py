@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from tests.recordings import FPS, clip
 from vcage.compression.codec import EncoderSettings, encode
 from vcage.errors import DamagedFile, UsageError
-from vcage.videos import codec_name, decode, frame_count, pictures
+from vcage.videos import codec_name, decode, frame_count, frame_rate, pictures
 
 FRAMES = 40
 
@@ -164,3 +164,16 @@ def test_a_file_without_pictures_is_damaged(tmp_path):
         container.mux(stream.encode(None))
     with pytest.raises(DamagedFile, match="no video stream"):
         decode(tmp_path / "sound.mp4")
+
+
+@pytest.mark.parametrize("fps", [10.0, 16.67, 30000 / 1001, 250 / 15, 0.5])
+@pytest.mark.parametrize("frames", [1, 3])
+def test_the_frame_rate_is_the_one_it_was_encoded_with(fps, frames):
+    video = encode(clip(frames), fps, EncoderSettings(preset="ultrafast"), 30)
+    assert frame_rate(video) == pytest.approx(fps, rel=1e-9)
+
+
+def test_a_file_that_is_no_video_has_no_frame_rate(tmp_path):
+    (tmp_path / "video.mp4").write_bytes(b"none")
+    with pytest.raises(DamagedFile, match=r"video\.mp4"):
+        frame_rate(tmp_path / "video.mp4")

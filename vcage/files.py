@@ -80,6 +80,9 @@ def sha256_file(path: Path) -> str:
 # --- atomic writes -------------------------------------------------------------------------------------
 
 
+NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+"""The disk, the quota or the largest size of a file is reached."""
+
 ANOTHER_FOLDER = "give another --out, or make the folder writable"
 
 
@@ -89,7 +92,7 @@ def _disk_errors(path: Path, hint: str = ANOTHER_FOLDER) -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        if error.errno in (errno.ENOSPC, errno.EDQUOT):
+        if error.errno in NO_ROOM:
             raise DiskFull(
                 f"no space left to write {path}", hint="free some space and run the same command again"
             ) from error

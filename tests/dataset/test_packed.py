@@ -128,6 +128,17 @@ def test_a_source_that_cannot_be_read_is_named(tmp_path, content):
         write_packed(source, tmp_path / "packed.hdf5", [])
 
 
+def test_what_is_packed_again_says_of_its_pictures_what_they_were_at_first(source, packed, tmp_path):
+    again = write_packed(packed, tmp_path / "again.hdf5", streams(packed))
+    assert again.read_bytes() == packed.read_bytes()
+
+
+def test_a_stream_of_other_frames_than_the_packed_pictures_is_refused(packed, tmp_path):
+    stream = streams(packed)[0]
+    with pytest.raises(DamagedFile, match="does not hold"):
+        write_packed(packed, tmp_path / "again.hdf5", [Stream(**{**vars(stream), "frames": stream.frames + 1})])
+
+
 # --- reading packed files ------------------------------------------------------------------------------
 
 

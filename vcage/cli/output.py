@@ -22,6 +22,7 @@ from types import FrameType
 from typing import Any
 
 from vcage.errors import DiskFull, OutputFolderError, VcageError
+from vcage.files import NO_ROOM
 
 logger = logging.getLogger(__name__)
 
@@ -82,7 +83,7 @@ def run_cli(function: Callable[[], Result | None]) -> int:
     except KeyboardInterrupt as error:
         return _report_interruption(error)
     except OSError as error:
-        if error.errno in (errno.ENOSPC, errno.EDQUOT):
+        if error.errno in NO_ROOM:
             return _report_error(DiskFull(f"no space left: {error}", hint="free some space and run the command again"))
         if error.errno == errno.ENAMETOOLONG:
             return _report_error(OutputFolderError(f"too long a name: {error.filename}", hint="give a shorter --out"))

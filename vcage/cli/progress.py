@@ -58,6 +58,9 @@ def _lines(title: str) -> Progress:
     begun = time.monotonic()
 
     def show(step: str, done: int, total: int) -> None:
+        nonlocal begun
+        if done == 0:  # of the job, or of its next part
+            begun = time.monotonic()
         left = time_left(time.monotonic() - begun, done, total)
         logger.info("%s: [%d/%d] %s%s", title, done + 1, total, step, f" ({left} left)" if left else "")
 

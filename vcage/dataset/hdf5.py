@@ -28,7 +28,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vcage.dataset.episode import EpisodeData
-from vcage.files import atomic_path
+from vcage.dataset.hdf5_output import new_hdf5
 
 SCHEMA = "vcage.episode/1"
 GZIP_LEVEL = 1
@@ -53,7 +53,7 @@ def write_episode(path: Path, episode: EpisodeData, frames: Iterable[Mapping[str
         ValueError: a picture does not fit its camera, or there are not T of them.
         OutputFolderError, DiskFull: the file cannot be written.
     """
-    with atomic_path(path) as part, h5py.File(part, "w", track_order=False) as file:
+    with new_hdf5(path) as file:
         _write_attributes(file, episode)
         _write_arrays(file, episode)
         _write_segments(file.create_group("subtasks"), episode)

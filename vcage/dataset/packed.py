@@ -19,11 +19,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vcage.dataset.hdf5_copy import Replacement, copy_attributes, copy_file
+from vcage.dataset.hdf5_output import new_hdf5
 from vcage.dataset.picture_datasets import ARRAY, FIXED, VLEN
 from vcage.dataset.picture_links import OURS, Link, Original, Stream, find_links, read_link, write_link
 from vcage.dataset.spool import spooled
 from vcage.errors import DamagedFile, InputFileError, UsageError
-from vcage.files import atomic_path
 from vcage.progress import Progress, silent
 from vcage.videos import frame_count, pictures
 
@@ -84,7 +84,7 @@ def unpack(packed: Path, target: Path, storage: Literal["same", "raw"] = "same",
         def restore(key: str) -> Replacement:
             def put(dataset: h5py.Dataset, group: h5py.Group, name: str) -> None:
                 progress(links[key].stream.camera, numbers[key], len(links))
-                made = _restored(group, name, links[key], videos[key], storage)
+                made = _restored(group, name, links[key], videos[key], storage, Path(target).parent)
                 copy_attributes(dataset, made, leave=OURS)
 
             return put
@@ -103,7 +103,7 @@ def _rebuilt(source: Path, target: Path) -> Iterator[tuple[h5py.File, h5py.File]
         raise UsageError(f"{target} is the file that is read", hint="give another file to write")
     with _damage(source), h5py.File(source) as old:
         order = old.id.get_create_plist().get_link_creation_order()
-        with atomic_path(target) as part, h5py.File(part, "w", track_order=bool(order)) as new:
+        with new_hdf5(target, track_order=bool(order)) as new:
             yield old, new
 
 
@@ -161,8 +161,8 @@ def _checked_video(packed: Path, link: Link) -> Path:
     return video
 
 
-def _restored(group: h5py.Group, name: str, link: Link, video: Path, storage: str) -> h5py.Dataset:
-    """The dataset of pictures that a link stood for."""
+def _restored(group: h5py.Group, name: str, link: Link, video: Path, storage: str, scratch: Path) -> h5py.Dataset:
+    """The dataset of pictures that a link stood for; ``scratch`` is a folder for what is written meanwhile."""
     if link.original.kind == ARRAY:
         return _restored_array(group, name, link, video)
     if storage == "raw":
@@ -172,7 +172,7 @@ def _restored(group: h5py.Group, name: str, link: Link, video: Path, storage: st
         for index, data in enumerate(_files(link, video)):
             dataset[index] = np.frombuffer(data, np.uint8)
         return dataset
-    return _restored_padded(group, name, link, video)
+    return _restored_padded(group, name, link, video, scratch)
 
 
 def _restored_array(group: h5py.Group, name: str, link: Link, video: Path) -> h5py.Dataset:
@@ -205,9 +205,9 @@ def _array_of_encoded(group: h5py.Group, name: str, link: Link, video: Path) -> 
     return dataset
 
 
-def _restored_padded(group: h5py.Group, name: str, link: Link, video: Path) -> h5py.Dataset:
+def _restored_padded(group: h5py.Group, name: str, link: Link, video: Path, scratch: Path) -> h5py.Dataset:
     """Encoded pictures of one length, that of the longest."""
-    with spooled(_files(link, video), Path(group.file.filename).parent) as files:
+    with spooled(_files(link, video), scratch) as files:
         fixed, longest = link.original.kind == FIXED, files.longest
         shape = (len(files),) if fixed else (len(files), longest)
         dataset = _alike(group, name, link.original, shape, f"S{longest}" if fixed else np.uint8)

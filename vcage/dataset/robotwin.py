@@ -25,11 +25,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vcage.dataset.episode import CameraTrack
+from vcage.dataset.hdf5_output import new_hdf5
 from vcage.dataset.reader import EpisodeReader, Pictures
 from vcage.dataset.recordings.hdf5_layouts import ARM_PARTS, COLOURS
 from vcage.dataset.spool import spooled
 from vcage.errors import UsageError
-from vcage.files import atomic_path
 
 CAMERA_NAMES = {"cam_high": "head_camera", "cam_left_wrist": "left_camera", "cam_right_wrist": "right_camera"}
 """Our name of a camera → RoboTwin's; others keep theirs."""
@@ -55,7 +55,7 @@ def export_robotwin(reader: EpisodeReader, out: Path, *, quality: int = 95) -> P
         raise UsageError(f"the JPEG quality is {quality}, expected 1 … 100")
     episode = reader.episode
     parts = _arm_parts(episode.state_names)
-    with atomic_path(out) as part, h5py.File(part, "w") as file:
+    with new_hdf5(out) as file:
         file.attrs.update({"fps": episode.fps, "instruction": episode.instruction, "robot": str(episode.meta["robot"])})
         file.attrs[COLOURS] = "swapped"
         _write_joints(file.create_group("joint_action"), episode.action, parts)

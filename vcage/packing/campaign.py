@@ -195,9 +195,9 @@ class _Campaign:
             self._note(of[_key(clip)], stream)
 
     def _videos(self) -> dict[Key, Path]:
-        """All videos, of which those that an interruption left unwritten are made now."""
+        """All videos in the order of the clips, of which those that an interruption left unwritten are made now."""
         self._perform([task for task in self.tasks.values() if not whole(task)])
-        return {key: task.video for key, task in self.tasks.items()}
+        return {_key(clip): self.tasks[_key(clip)].video for clip in self.clips}
 
     def _task(self, clip: Clip, choices: Choices) -> Task:
         return Task(

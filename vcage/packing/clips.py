@@ -6,6 +6,7 @@ import hashlib
 import threading
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 import cv2
@@ -70,9 +71,10 @@ class Task:
     folder: Path
     threads: int = 0
 
-    @property
+    @cached_property
     def record(self) -> Path:
-        """What is known of the video once it is there; its name tells everything that the result depends on."""
+        """What is known of the video once it is there; its name tells everything that the result depends on, as it was
+        when first asked for."""
         recording = self.clip.recording
         told = (
             str(recording.path.resolve()),

@@ -124,8 +124,9 @@ def _encode(
         try:
             return sources, campaign(clips, order.settings, folder, workers=workers, progress=progress)
         except DamagedFile as error:
-            if not order.skip_damaged:
-                raise
+            if not order.skip_damaged or "recording" not in error.details:
+                hint = f"{error.hint}; or go on without it: --skip-damaged"
+                raise DamagedFile(error.message, hint=hint, details=error.details) from error
             sources = sources.without(error.details["recording"], error.message)
             suited(wanted, sources.sources)
 
@@ -138,6 +139,8 @@ def _finished(out: Path, provenance: Provenance, *, force: bool) -> Packed | Non
     """The output of an earlier call with the same provenance, or None when there is work to do."""
     if not out.exists() or (out.is_dir() and not any(out.iterdir())):
         return None
+    if not out.is_dir():
+        raise OutputFolderError(f"{out} is a file", hint="give another --out")
     try:
         record = Compression.read(out / RECORD)
     except InputFileError as error:

@@ -99,7 +99,7 @@ class Sources:
         left = [source for source in self.sources if source.name != name]
         damaged = {**self.damaged, name: complaint}
         if not left:
-            raise _refusal(damaged, left=0)
+            raise DamagedFile("; ".join(damaged.values()), hint="none is sound", details={"damaged": damaged})
         return Sources(self.root, left, damaged)
 
 
@@ -120,7 +120,7 @@ def find_sources(root: Path, settings: CompressionSettings, *, skip_damaged: boo
     root = Path(root)
     damaged: dict[Path, DamagedFile] = {}
     opened = open_recordings(root, damaged)
-    complaints = {_name(path, root): error.message for path, error in damaged.items()}
+    complaints = {_name(path, root): error for path, error in damaged.items()}
     sources: dict[str, Source] = {}
     for recording in opened:
         name = _name_of(recording, root)
@@ -131,12 +131,12 @@ def find_sources(root: Path, settings: CompressionSettings, *, skip_damaged: boo
         try:
             _require_sound(recording, settings)
         except DamagedFile as error:
-            complaints[name] = error.message
+            complaints[name] = error
         else:
             sources[name] = Source(name, recording)
     if complaints and not (skip_damaged and sources):
         raise _refusal(complaints, left=len(sources))
-    return Sources(root, list(sources.values()), complaints)
+    return Sources(root, list(sources.values()), {name: error.message for name, error in complaints.items()})
 
 
 def _require_sound(recording: Recording, settings: CompressionSettings) -> None:
@@ -161,14 +161,15 @@ def _require_size(camera: Camera, settings: CompressionSettings) -> None:
         )
 
 
-def _refusal(complaints: dict[str, str], left: int) -> DamagedFile:
-    shown = list(complaints.values())[:LISTED]
-    more = f" and {len(complaints) - len(shown)} more" if len(complaints) > len(shown) else ""
-    return DamagedFile(
-        f"{'; '.join(shown)}{more}",
-        hint=f"mend or remove them, or leave them out with --skip-damaged ({left} are sound)" if left else "",
-        details={"damaged": complaints},
-    )
+def _refusal(complaints: dict[str, DamagedFile], left: int) -> DamagedFile:
+    """One error of all complaints, when ``left`` recordings are sound."""
+    messages = {name: error.message for name, error in complaints.items()}
+    shown = "; ".join(list(messages.values())[:LISTED])
+    more = f" and {len(messages) - LISTED} more" if len(messages) > LISTED else ""
+    hint = next(iter(complaints.values())).hint
+    if left:
+        hint = f"mend or remove what is damaged, or go on without it: --skip-damaged (sound: {left})"
+    return DamagedFile(f"{shown}{more}", hint=hint, details={"damaged": messages})
 
 
 def _name_of(recording: Recording, root: Path) -> str:

@@ -190,6 +190,25 @@ def test_a_command_that_is_no_number_is_named(tmp_path):
         _ = open_hdf5(tmp_path / "a.hdf5").motion
 
 
+@pytest.mark.parametrize("commands", [["left"] * FRAMES, 3.0, np.zeros((FRAMES, 2, 2))])
+def test_commands_that_are_no_rows_of_numbers_are_refused(tmp_path, commands):
+    with h5py.File(act(tmp_path / "a.hdf5"), "r+") as file:
+        del file["action"]
+        file["action"] = commands
+    with pytest.raises(DamagedFile, match="no row of numbers"):
+        _ = open_hdf5(tmp_path / "a.hdf5").motion
+
+
+def test_commands_of_one_number_and_commands_in_a_group_are_read(tmp_path):
+    with h5py.File(act(tmp_path / "a.hdf5"), "r+") as file:
+        del file["action"], file["observations/qpos"]
+        file["action"] = np.arange(FRAMES)
+        file["observations/qpos/left_arm"] = np.zeros((FRAMES, 6))
+    recording = open_hdf5(tmp_path / "a.hdf5")
+    assert recording.motion.action.shape == (FRAMES, 1)
+    assert recording.state_names == [f"left_arm_{joint}" for joint in range(6)]
+
+
 @pytest.mark.parametrize("nothing", [np.zeros((0, HEIGHT, WIDTH, 3), np.uint8), "a text"])
 def test_an_episode_without_frames_is_refused(tmp_path, nothing):
     with h5py.File(tmp_path / "a.hdf5", "w") as file:

@@ -170,7 +170,8 @@ class Hdf5Recording(Recording):
         camera = next(camera for camera in self.cameras if camera.storage in ENCODED)
         some = np.unique(np.linspace(0, camera.frames - 1, LOOKED_AT).astype(int))
         with self._file() as file:
-            seen = looks_swapped([stored_picture(file[camera.key], int(index), camera.key) for index in some])
+            what = f"{self.path}:{camera.key}"
+            seen = looks_swapped([stored_picture(file[camera.key], int(index), what) for index in some])
         return bool(self.SWAPPED) if seen is None else seen
 
     def _read_motion(self) -> Motion | None:
@@ -297,7 +298,21 @@ def _packed_camera(name: str, key: str, link: Link, path: Path) -> Camera:
 
 
 def _table(file: h5py.File, key: str, names: tuple[str, ...]) -> Columns | None:
-    return Columns(file[key][()].astype(np.float64), names) if key in file else None
+    """The numbers of a dataset, or of all in a group."""
+    found = file.get(key)
+    if not isinstance(found, h5py.Dataset):
+        return _columns(found)
+    if not _are_numbers(found):
+        raise DamagedFile(
+            f"{file.filename}:{key} is {found.shape} {found.dtype}, no row of numbers for each picture",
+            hint="leave the episode out, or mend it",
+        )
+    return Columns(found[()].reshape(len(found), -1).astype(np.float64), names)
+
+
+def _are_numbers(dataset: h5py.Dataset) -> bool:
+    """Whether it holds a number or a row of numbers for each point in time."""
+    return dataset.dtype.kind in "fiu" and dataset.ndim in (1, 2)
 
 
 def _joints(group: h5py.Group | None) -> Columns | None:
@@ -322,9 +337,9 @@ def _columns(group: h5py.Group | None, wanted: Sequence[str] | None = None) -> C
     parts: list[NDArray[np.float64]] = []
     names: list[str] = []
     for key in sorted(keys) if wanted is None else [key for key in wanted if key in keys]:
-        values = group[key][()]
-        if values.dtype.kind not in "fiu" or values.ndim not in (1, 2):
+        if not _are_numbers(group[key]):
             continue
+        values = group[key][()]
         if parts and len(values) != len(parts[0]):
             raise DamagedFile(
                 f"{group.file.filename}:{group.name}/{key} has {len(values)} rows, those before it {len(parts[0])}",

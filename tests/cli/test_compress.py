@@ -1,0 +1,193 @@
+"""``vcage compress INPUT`` as a user calls it: one line of JSON, an exit code, the input untouched."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from tests.packing.orders import act_folder, add_camera
+from tests.runs import Answer, command, digests
+from vcage.packing import clips as clip_module
+from vcage.packing.pack import WORKING
+
+QUICK = ("--fps", 10, "--crf", 20, "--preset", "ultrafast", "--keyframes", 3)
+
+
+@pytest.fixture
+def source(tmp_path) -> Path:
+    return act_folder(tmp_path / "in")
+
+
+def compress(capsys, source: Path, *options: str | Path | int) -> Answer:
+    return command(capsys, "compress", source, *QUICK, "--workers", 1, *options)
+
+
+def test_recordings_are_compressed_and_left_as_they_were(capsys, tmp_path, source):
+    before = digests(source)
+    answer = compress(capsys, source, "--out", tmp_path / "out")
+    assert (answer.code, answer.record["ok"]) == (0, True)
+    assert answer.record["output"] == str(tmp_path / "out/compression.json")
+    assert answer.record["summary"]["crf"] == {"cam_high": 20}
+    assert 0.9 < answer.record["summary"]["reduction_raw"] < 1
+    assert sorted(digests(tmp_path / "out")) == [
+        "a.cam_high.mp4",
+        "a.hdf5",
+        "b.cam_high.mp4",
+        "b.hdf5",
+        "compression.json",
+    ]
+    assert digests(source) == before
+
+
+def test_without_a_name_the_output_lies_beside_the_input(capsys, tmp_path, source):
+    assert compress(capsys, source).record["output"] == str(tmp_path / "in-compressed/compression.json")
+
+
+def test_the_same_call_again_does_nothing(capsys, tmp_path, source):
+    assert compress(capsys, source, "--out", tmp_path / "out").record["summary"]["fresh"]
+    before = digests(tmp_path)
+    answer = compress(capsys, source, "--out", tmp_path / "out")
+    assert (answer.code, answer.record["summary"]["fresh"]) == (0, False)
+    assert digests(tmp_path) == before
+
+
+def test_other_options_are_refused_until_forced(capsys, tmp_path, source):
+    compress(capsys, source, "--out", tmp_path / "out")
+    answer = compress(capsys, source, "--out", tmp_path / "out", "--gop", 2)
+    assert (answer.code, answer.error["code"]) == (3, "stale_stage") and "--force" in answer.error["hint"]
+    assert compress(capsys, source, "--out", tmp_path / "out", "--gop", 2, "--force").record["summary"]["fresh"]
+
+
+def test_a_look_writes_nothing_and_tells_of_damage(capsys, tmp_path, source):
+    (source / "b.hdf5").write_bytes(b"no HDF5")
+    before = digests(tmp_path)
+    answer = command(capsys, "compress", source, "--inspect")
+    assert answer.code == 0
+    assert answer.record["summary"]["recordings"] == 1
+    assert list(answer.record["summary"]["damaged"]) == [str(source / "b.hdf5")]
+    assert digests(tmp_path) == before
+
+
+def test_a_dry_run_estimates_and_writes_nothing(capsys, tmp_path, source):
+    before = sorted(tmp_path.rglob("*"))
+    answer = compress(capsys, source, "--out", tmp_path / "out", "--dry-run")
+    assert (answer.code, answer.record["summary"]["would"], answer.record["summary"]["videos"]) == (0, "write", 2)
+    assert sorted(tmp_path.rglob("*")) == before
+
+
+# --- refused -------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("options", "code", "said"),
+    [
+        (["--display", "cinema"], "unknown_name", "standard_fhd"),
+        (["--preset", "hasty"], "unknown_name", "ultrafast"),
+        (["--pixel-format", "yuv999"], "unknown_name", "yuv420p"),
+        (["--crf", "52"], "usage", "51"),
+        (["--crf", "best"], "usage", "lossless"),
+        (["--max-loss", "0", "--crf", "1"], "usage", "above 0"),
+        (["--max-loss", "nan"], "usage", "not between"),
+        (["--gop", "0"], "usage", "positive"),
+        (["--workers", "0"], "usage", "positive"),
+        (["--codec", "vp9"], "usage", "hevc"),
+        (["--cameras", "cam_none"], "unknown_name", "cam_high"),
+        (["--to", "lerobot-v3.0"], "usage", "--task"),
+        (["--run", "runs/one"], "usage", "INPUT or --run"),
+    ],
+)
+def test_a_wrong_option_is_refused_with_what_would_be_right_before_any_work(
+    capsys, tmp_path, source, options, code, said
+):
+    answer = compress(capsys, source, "--out", tmp_path / "out", *options)
+    assert (answer.code, answer.error["code"]) == (2, code)
+    assert said in answer.error["message"] + answer.error["hint"]
+    assert len(answer.complaints) == 1
+    assert [path.name for path in tmp_path.iterdir()] == ["in"]
+
+
+def test_neither_recordings_nor_a_run_is_refused(capsys):
+    assert command(capsys, "compress").code == 2
+
+
+@pytest.mark.parametrize(
+    "options",
+    [["--out", "x"], ["--to", "videos"], ["--fps", "3"], ["--cameras", "c"], ["--skip-damaged"], ["--inspect"]],
+)
+def test_what_is_for_recordings_is_refused_for_a_run(capsys, tmp_path, options):
+    answer = command(capsys, "compress", "--run", tmp_path, *options)
+    assert (answer.code, answer.error["code"]) == (2, "usage") and options[0] in answer.error["message"]
+
+
+def test_a_frame_rate_that_nobody_says_is_asked_for(capsys, source):
+    answer = command(capsys, "compress", source)
+    assert (answer.code, answer.error["hint"]) == (2, "give --fps N")
+
+
+def test_a_damaged_recording_is_refused_and_left_out_on_demand(capsys, tmp_path, source):
+    (source / "b.hdf5").write_bytes(b"no HDF5")
+    answer = compress(capsys, source, "--out", tmp_path / "out")
+    assert (answer.code, answer.error["code"]) == (3, "damaged_file") and "--skip-damaged" in answer.error["hint"]
+    assert compress(capsys, source, "--out", tmp_path / "out", "--skip-damaged").code == 0
+
+
+# --- broken off ----------------------------------------------------------------------------------------
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGKILL, -signal.SIGKILL), (signal.SIGINT, 130)])
+def test_what_was_finished_when_it_was_ended_is_not_done_again(capsys, tmp_path, source, monkeypatch, number, code):
+    for name in ("a", "b"):
+        add_camera(source / f"{name}.hdf5", "cam_low")
+    assert _ended_early(source, tmp_path / "out", number) == code
+    assert not (tmp_path / "out").exists()
+    work = tmp_path / f"out{WORKING}/videos"
+    left = 4 - len(list(work.glob("*.json")))
+    assert left < 4
+
+    searched = []
+    search = clip_module.search_clip
+    monkeypatch.setattr(clip_module, "search_clip", lambda *of: (searched.append(of), search(*of))[1])
+    assert compress(capsys, source, "--out", tmp_path / "out").code == 0
+    assert len(searched) == left
+    compress(capsys, source, "--out", tmp_path / "whole")
+    assert digests(tmp_path / "out") == digests(tmp_path / "whole")
+    assert not work.exists()
+
+
+def _ended_early(source: Path, out: Path, number: signal.Signals) -> int:
+    """The exit code of a call that got a signal when it had finished a clip; it leaves no process."""
+    options = map(str, (source, *QUICK, "--out", out, "--workers", 2))
+    call = [sys.executable, "-c", INTERRUPTIBLE, "compress", *options]
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)}
+    with subprocess.Popen(
+        call, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, env=environment
+    ) as process:
+        assert process.stderr is not None
+        for line in process.stderr:
+            if line.startswith("compress: ["):
+                break
+        children = Path(f"/proc/{process.pid}/task/{process.pid}/children").read_text().split()
+        process.send_signal(number)
+        process.stderr.read()
+        code = process.wait(30)
+    end = time.monotonic() + 20
+    while any(Path(f"/proc/{child}").exists() for child in children) and time.monotonic() < end:
+        time.sleep(0.05)
+    assert not any(Path(f"/proc/{child}").exists() for child in children)
+    return code
+
+
+INTERRUPTIBLE = """
+import signal, sys
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background job inherits that it is ignored
+from vcage.cli.main import main
+if __name__ == "__main__":
+    sys.exit(main())
+"""
