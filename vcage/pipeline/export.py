@@ -59,7 +59,7 @@ def job(run: RunFolder, settings: Settings, _bench: Workbench) -> Job:
         output=run.export,
         inputs=[run.episodes, run.compression, *episodes, *videos],
         seed=stage_seed(run, settings.seed),
-        options=asdict(settings.export),
+        options={**asdict(settings.export), "formats": list(settings.export.formats)},  # as JSON has it
     )
 
 
