@@ -108,10 +108,10 @@ def test_a_pair_of_pictures_is_judged(finished, capsys):
 
 
 def test_after_other_episodes_a_run_makes_again_what_follows_from_them(run, capsys, monkeypatch):
-    def stop(*_: object) -> None:
+    def stop(*_: object, **__: object) -> None:
         raise PartlyDone("far enough")
 
-    monkeypatch.setattr(compress, "_compress", stop)
+    monkeypatch.setattr(compress, "campaign", stop)
     write_json(run.episodes, {**read_json(run.episodes), "attempts": 9})
     assert command(capsys, "verify", "--run", run, "--models", "offline").error["code"] == "stale_stage"
     answer = command(capsys, *RUN, "--out", run)
