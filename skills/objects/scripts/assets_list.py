@@ -9,4 +9,5 @@ runpy.run_path(str(pathlib.Path(__file__).resolve().parents[2] / "environment.py
 
 from vcage.cli.main import script_main
 
-sys.exit(script_main("assets list"))
+if __name__ == "__main__":  # processes that it starts read it again
+    sys.exit(script_main("assets list"))
