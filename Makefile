@@ -68,7 +68,7 @@ demo: setup
 	$(BIN)/vcage run "$(DEMO)" --out runs/pack-stationery --episodes 3
 
 test: setup
-	$(BIN)/python -m pytest -q -n 2 --dist loadfile
+	$(BIN)/python -m pytest -q -n 2 --dist loadfile --no-loadscope-reorder
 
 # torchcodec looks for FFmpeg's libraries under their usual names; PyAV brings them under names of its own.
 $(LEROBOT_STAMP): $(wildcard $(LEROBOT_PACKAGES)*.txt) | $(STAMP)

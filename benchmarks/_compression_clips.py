@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from benchmarks._compression_episodes import RECIPES, SPARSE_FPS, Recipe, episode_path
 from benchmarks._compression_noise import RealCamera
 from vcage.compression.keyframes import keyframes
+from vcage.compression.search import held_out_frames
 from vcage.dataset.reader import EpisodeReader
 
 Kind = Literal["rendered", "sparse", "noisy"]
@@ -21,12 +22,8 @@ HIGH, LEFT, RIGHT = "cam_high", "cam_left_wrist", "cam_right_wrist"
 VIEWS = (HIGH, RIGHT, RIGHT, HIGH, LEFT, LEFT, RIGHT, HIGH, HIGH, RIGHT, LEFT, HIGH)
 """Camera of each episode's rendered clip: that above the table, or on a wrist of the arm that does more."""
 
-HELD_OUT_EVERY = 10
-"""One of so many frames is scored, unless the search has seen it."""
-
-HELD_OUT_STEP = 7
-"""Each stands so much later within its ten than the one before: frames 0, 10, 20… alone would be the random-access
-points of groups of 2, 5 or 10 frames, which are encoded best."""
+UNSEEN = 7
+"""Step of the held-out frames; another than the search has, so that few are frames which its guard has seen."""
 
 SPARSE = (0, 2, 4, 5)
 """Numbers of the episodes of which there is a clip with few frames per second as well."""
@@ -97,15 +94,7 @@ class Clip:
         if self.sensor is not None:
             frames = self.sensor.film(frames)
         seen = keyframes(episode.action[: self.length], episode.grippers)
-        return Film(frames, episode.fps, seen, held_out(len(frames), seen))
-
-
-def held_out(count: int, seen: list[int]) -> list[int]:
-    """One of every ten frames of ``count``, at all places within the ten in turn, without those ``seen``."""
-    places = (
-        start + start // HELD_OUT_EVERY * HELD_OUT_STEP % HELD_OUT_EVERY for start in range(0, count, HELD_OUT_EVERY)
-    )
-    return [i for i in places if i < count and i not in seen]
+        return Film(frames, episode.fps, seen, held_out_frames(len(frames), seen, UNSEEN))
 
 
 def clips(quick: bool) -> list[Clip]:

@@ -14,10 +14,11 @@ import cv2
 
 from benchmarks._compression_clips import Film
 from benchmarks._compression_stored import Stored, Video, store_pictures
+from vcage.compression.choices import Choices, Criterion
 from vcage.compression.codec import EncoderSettings, encode
 from vcage.compression.encoders import CODECS
 from vcage.compression.jod import JodMetric
-from vcage.compression.search import Choices, Criterion, SearchResult, search_clip
+from vcage.compression.search import SearchResult, search_clip
 from vcage.packing.settings import CompressionSettings
 from vcage.videos import decode
 

@@ -14,6 +14,12 @@ from vcage.files import RunFolder
 from vcage.pipeline.workbench import Workbench
 
 
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Files with slow tests come first, so that no process is left with one of them when the others have ended."""
+    slow = {item.path for item in items if item.get_closest_marker("slow")}
+    items.sort(key=lambda item: item.path not in slow)
+
+
 @pytest.fixture(scope="session")
 def finished(tmp_path_factory: pytest.TempPathFactory) -> Finished:
     """One episode of "Put the blocks on the plate", through all nine stages and the report."""

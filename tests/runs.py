@@ -15,6 +15,7 @@ import pytest
 
 from vcage.cli.main import main
 from vcage.files import RunFolder, sha256_file
+from vcage.packing.settings import CompressionSettings
 from vcage.pipeline.chain import STAGES, run_stage
 from vcage.pipeline.settings import Settings
 from vcage.pipeline.stage import PRODUCERS
@@ -24,7 +25,16 @@ from vcage.report.page import write_report
 REPOSITORY = Path(__file__).resolve().parents[1]
 INSTRUCTION = "Put the blocks on the plate"
 FPS = 5
-SETTINGS = Settings(instruction=INSTRUCTION, models="offline", episodes=1, fps=FPS)
+QUICK_VIDEOS = ["--preset", "ultrafast", "--pixel-format", "yuv444p10le"]
+SETTINGS = Settings(
+    instruction=INSTRUCTION,
+    models="offline",
+    episodes=1,
+    fps=FPS,
+    compression=CompressionSettings(preset="ultrafast", pixel_format="yuv444p10le"),
+)
+"""A chain as quick as it gets with every stage at work; as options: ``--fps``, and :data:`QUICK_VIDEOS`."""
+
 FOLDERS = {stage: folder for folder, stage in PRODUCERS.items()}
 BY_PRODUCTS = {"timings.json", "report.html"}
 """Files of a run that hold wall times."""

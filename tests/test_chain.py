@@ -11,10 +11,11 @@ from pathlib import Path
 
 import pytest
 
-from tests.runs import FPS, INSTRUCTION, Finished, clean_environment, copied, digests, process
+from tests.runs import FPS, INSTRUCTION, QUICK_VIDEOS, Finished, clean_environment, copied, digests, process
 
 VCAGE = [sys.executable, "-m", "vcage.cli.main"]
-RUN = [*VCAGE, "run", INSTRUCTION, "--models", "offline", "--episodes", "1", "--fps", str(FPS), "--out", "run"]
+RUN = [*VCAGE, "run", INSTRUCTION, "--models", "offline", "--episodes", "1", "--fps", str(FPS), *QUICK_VIDEOS]
+RUN += ["--out", "run"]
 
 
 def killed(program: list[str], cwd: Path, when: Callable[[], bool]) -> None:

@@ -10,10 +10,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from benchmarks import _compression_clips
-from benchmarks._compression_clips import HIGH, RIGHT, Clip, clips, held_out
+from benchmarks._compression_clips import HIGH, RIGHT, UNSEEN, Clip, clips
 from benchmarks._compression_episodes import RECIPES, SIZE, sharp
 from benchmarks._compression_noise import RealCamera
 from tests import recordings
+from vcage.compression.search import held_out_frames
 from vcage.dataset.hdf5 import write_episode
 from vcage.sim.robots import load_robot
 
@@ -28,14 +29,14 @@ def recorded(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> np.ndarray:
 
 @given(st.integers(1, 400), st.sets(st.integers(0, 399)))
 def test_at_most_one_of_every_ten_frames_is_held_out_and_none_that_was_seen(count: int, seen: set[int]) -> None:
-    frames = held_out(count, sorted(seen))
+    frames = held_out_frames(count, sorted(seen), UNSEEN)
     assert len({i // 10 for i in frames}) == len(frames)
     assert all(0 <= i < count and i not in seen for i in frames)
 
 
 @pytest.mark.parametrize("gop", [2, 5, 10])
 def test_held_out_frames_stand_at_all_places_of_a_group(gop: int) -> None:
-    assert {i % gop for i in held_out(120, [])} == set(range(gop))
+    assert {i % gop for i in held_out_frames(120, [], UNSEEN)} == set(range(gop))
 
 
 def test_there_is_a_rendered_clip_of_each_of_twelve_episodes() -> None:

@@ -7,14 +7,15 @@ from pathlib import Path
 import av
 import pytest
 
-from benchmarks._compression_clips import Film, held_out
+from benchmarks._compression_clips import Film
 from benchmarks._compression_formats import LEROBOT, LIMIT, PNG, Found, Made, Searched, formats
 from tests.recordings import FPS, clip
+from vcage.compression.choices import Choices
 from vcage.compression.jod import JodMetric
-from vcage.compression.search import Choices
+from vcage.compression.search import held_out_frames
 
 KEYFRAMES = [0, 5, 11]
-FILM = Film(clip(12), FPS, KEYFRAMES, held_out(12, KEYFRAMES))
+FILM = Film(clip(12), FPS, KEYFRAMES, held_out_frames(12, KEYFRAMES))
 HEVC = Choices("hevc", pixel_formats=("yuv444p10le",), gops=(4,))
 
 

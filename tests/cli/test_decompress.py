@@ -10,12 +10,12 @@ import pytest
 
 from tests.packing.orders import act_folder, packed, robotwin_folder
 from tests.runs import command, digests
-from vcage.packing.settings import WITHOUT_LOSS
+from vcage.compression.choices import LOSSLESS
 
 
 @pytest.fixture
 def small(tmp_path) -> Path:
-    packed(act_folder(tmp_path / "in"), tmp_path / "small", crf=WITHOUT_LOSS)
+    packed(act_folder(tmp_path / "in"), tmp_path / "small", crf=LOSSLESS)
     return tmp_path / "small"
 
 

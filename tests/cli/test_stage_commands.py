@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.runs import FPS, INSTRUCTION, Finished, command, copied, digests
+from tests.runs import FPS, INSTRUCTION, QUICK_VIDEOS, Finished, command, copied, digests
 from vcage.cli.stages.common import SCRIPTS
 from vcage.errors import EndpointFailed, PartlyDone
 from vcage.files import RunFolder, read_json, sha256_file, write_json
@@ -19,7 +19,7 @@ from vcage.pipeline import collect, compress, optimize
 from vcage.pipeline.chain import STAGES
 from vcage.schema.episodes import Episodes
 
-RUN = ["run", INSTRUCTION, "--models", "offline", "--episodes", "1", "--fps", str(FPS)]
+RUN = ["run", INSTRUCTION, "--models", "offline", "--episodes", "1", "--fps", str(FPS), *QUICK_VIDEOS]
 LATER = [SCRIPTS[stage] for stage in STAGES[1:]]
 DOCUMENTS = {
     "select-place": "place/scene.json",
@@ -47,7 +47,7 @@ READS = {
 
 def arguments(stage: str, run: RunFolder) -> list[str]:
     """The command line of a stage as the finished run was made."""
-    extra = {"collect": ["--episodes", "1", "--fps", str(FPS)]}.get(stage, [])
+    extra = {"collect": ["--episodes", "1", "--fps", str(FPS)], "compress": QUICK_VIDEOS}.get(stage, [])
     if stage == "select-place":
         return [stage, INSTRUCTION, "--out", str(run)]
     return [stage, "--run", str(run), *extra]

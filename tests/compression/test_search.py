@@ -6,14 +6,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from tests.recordings import FPS, clip
+from vcage.compression.bisection import BUDGET
+from vcage.compression.choices import Choices, Criterion
 from vcage.compression.codec import EncoderSettings, encode
 from vcage.compression.encoders import CODECS
 from vcage.compression.jod import JodMetric
-from vcage.compression.search import BUDGET, Choices, Criterion, held_out_frames, highest_passing, search_clip
+from vcage.compression.search import held_out_frames, search_clip
 from vcage.errors import UsageError
 from vcage.videos import decode
 
@@ -30,37 +30,6 @@ def metric():
 
 def search(frames, metric, *, choices=CHOICES, keyframes=KEYFRAMES, threshold=0.1, guard=False, reduce="max"):
     return search_clip(frames, keyframes, FPS, choices, Criterion(threshold, reduce, guard), metric)
-
-
-@given(
-    losses=st.lists(st.floats(1e-7, 2), min_size=MAX_CRF + 1, max_size=MAX_CRF + 1).map(sorted),
-    threshold=st.floats(0.01, 1),
-    upper=st.integers(-1, MAX_CRF),
-    first=st.integers(0, MAX_CRF),
-)
-def test_any_growing_loss_is_searched_exactly_within_the_budget(losses, threshold, upper, first):
-    tried = []
-
-    def loss_at(crf: int) -> float:
-        tried.append(crf)
-        return losses[crf]
-
-    found = highest_passing(loss_at, threshold, upper, first)
-    passing = [crf for crf in range(upper + 1) if losses[crf] < threshold]
-    assert found == (max(passing) if passing else None)
-    assert len(tried) <= BUDGET
-    assert len(set(tried)) == len(tried)
-
-
-def test_a_loss_that_grows_as_usual_takes_few_trials():
-    tried = []
-
-    def loss_at(crf: int) -> float:
-        tried.append(crf)
-        return 0.1 * np.exp(0.16 * (crf - 15.5))
-
-    assert highest_passing(loss_at, 0.1, MAX_CRF, first=18) == 15
-    assert len(tried) <= 4
 
 
 @pytest.mark.slow

@@ -60,18 +60,19 @@ def test_a_place_that_cannot_be_written_is_named(tmp_path):
 
 
 LIMITED = """
-import resource, signal, sys
+import errno, resource, signal, sys
 from pathlib import Path
 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)  # a write beyond the limit is then refused
 from tests.dataset.test_hdf5_output import fill
 from vcage.dataset.hdf5_output import new_hdf5
+from vcage.errors import DiskFull
 for space in range(500, 200_000, 7_000):
     resource.setrlimit(resource.RLIMIT_FSIZE, (space, resource.RLIM_INFINITY))
     try:
         with new_hdf5(Path(sys.argv[1])) as file:
             fill(file)
-    except OSError as error:
-        assert error.errno == 27, error
+    except DiskFull as error:
+        assert error.__cause__.errno == errno.EFBIG, error
         assert not list(Path(sys.argv[1]).parent.iterdir())
         continue
     sys.exit("not refused")

@@ -13,8 +13,9 @@ from pathlib import Path
 from typing import Any
 
 from tests.recordings import INSTRUCTION, collected, episode, segment, written
+from vcage.compression.choices import LOSSLESS
 from vcage.files import RunFolder
-from vcage.packing.settings import WITHOUT_LOSS, CompressionSettings
+from vcage.packing.settings import CompressionSettings
 from vcage.pipeline import compress, export
 from vcage.pipeline.settings import Settings
 from vcage.pipeline.workbench import Workbench
@@ -25,7 +26,7 @@ INSTRUCTIONS = (INSTRUCTION, "Put the plate on the red block – gently")
 
 KINDS = {
     "lossy": CompressionSettings(),
-    "lossless": CompressionSettings(crf=WITHOUT_LOSS),
+    "lossless": CompressionSettings(crf=LOSSLESS),
 }
 """How the videos are compressed."""
 

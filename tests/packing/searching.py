@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from vcage.compression.search import LOSSLESS, Choices, SearchResult, Trial
+from vcage.compression.choices import LOSSLESS, Choices
+from vcage.compression.search import SearchResult, Trial
 from vcage.packing import clips
 
 NONE_PASSES = 255

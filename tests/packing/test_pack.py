@@ -14,6 +14,7 @@ from tests.dataset.recordings.layouts import FRAMES, HEIGHT, WIDTH, act, jpeg, r
 from tests.packing.orders import FPS, act_folder, add_camera, filled, order, packed, robotwin_folder
 from tests.recordings import written
 from tests.runs import digests
+from vcage.compression.choices import LOSSLESS
 from vcage.dataset.recordings.opening import open_recordings
 from vcage.errors import (
     DamagedFile,
@@ -27,7 +28,6 @@ from vcage.errors import (
 )
 from vcage.packing import clips as clip_module
 from vcage.packing.pack import RECORD, pack
-from vcage.packing.settings import WITHOUT_LOSS
 from vcage.schema.compression import Compression
 from vcage.videos import decode
 
@@ -62,7 +62,7 @@ def beside(out: Path) -> set[str]:
 
 def test_every_layout_comes_out_as_it_was_with_its_pictures_in_videos(recording, tmp_path):
     before = digests(tmp_path)
-    done = packed(recording, tmp_path / "out", crf=WITHOUT_LOSS)
+    done = packed(recording, tmp_path / "out", crf=LOSSLESS)
     (old,), (new,) = open_recordings(recording), open_recordings(tmp_path / "out")
     assert (new.LAYOUT, [camera.name for camera in new.cameras]) == (
         old.LAYOUT,
@@ -122,7 +122,7 @@ def test_a_gripper_that_never_moves_is_no_obstacle(tmp_path, source):
 
 
 def test_odd_sizes_keep_every_pixel(tmp_path):
-    packed(filled(tmp_path / "in.hdf5", rooms()[:, :31, :47]), tmp_path / "out", crf=WITHOUT_LOSS)
+    packed(filled(tmp_path / "in.hdf5", rooms()[:, :31, :47]), tmp_path / "out", crf=LOSSLESS)
     assert np.array_equal(open_recordings(tmp_path / "out")[0].pictures("top"), rooms()[:, :31, :47])
 
 
@@ -141,8 +141,8 @@ def test_a_camera_that_some_lack_is_told(tmp_path, source):
 
 
 def test_what_was_compressed_before_can_be_compressed_again(tmp_path):
-    packed(robotwin_folder(tmp_path / "in", 1), tmp_path / "once", crf=WITHOUT_LOSS)
-    packed(tmp_path / "once", tmp_path / "twice", crf=WITHOUT_LOSS)
+    packed(robotwin_folder(tmp_path / "in", 1), tmp_path / "once", crf=LOSSLESS)
+    packed(tmp_path / "once", tmp_path / "twice", crf=LOSSLESS)
     once, twice = (open_recordings(tmp_path / name)[0] for name in ("once", "twice"))
     assert np.array_equal(once.pictures("head_camera"), twice.pictures("head_camera"))
     with h5py.File(tmp_path / "once/episode0.hdf5") as old, h5py.File(tmp_path / "twice/episode0.hdf5") as new:

@@ -2,9 +2,10 @@ from __future__ import annotations
 
 import pytest
 
+from vcage.compression.choices import LOSSLESS
 from vcage.compression.encoders import CODECS
 from vcage.packing.records import compression_record
-from vcage.packing.settings import WITHOUT_LOSS, CompressionSettings
+from vcage.packing.settings import CompressionSettings
 from vcage.schema.base import Provenance
 from vcage.schema.compression import Compression, HeldOutLoss, VideoStream
 
@@ -69,7 +70,7 @@ def test_cameras_whose_streams_keep_every_pixel_are_without_loss():
         ({}, ("camera", True)),
         ({"scope": "episode", "guard": False}, ("episode", False)),
         ({"crf": 18}, ("fixed", False)),
-        ({"crf": WITHOUT_LOSS}, ("fixed", False)),
+        ({"crf": LOSSLESS}, ("fixed", False)),
     ],
 )
 def test_the_encoding_says_what_shares_a_crf_and_whether_held_out_frames_counted(settings, expected):

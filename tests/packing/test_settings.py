@@ -2,8 +2,9 @@ from __future__ import annotations
 
 import pytest
 
+from vcage.compression.choices import LOSSLESS
 from vcage.errors import UnknownName, UsageError
-from vcage.packing.settings import GOPS, WITHOUT_LOSS, CompressionSettings
+from vcage.packing.settings import GOPS, CompressionSettings
 
 
 @pytest.mark.parametrize(
@@ -38,7 +39,7 @@ def test_a_pixel_format_that_is_given_is_the_only_choice():
     assert CompressionSettings(pixel_format="yuv420p").choices().pixel_formats == ("yuv420p",)
 
 
-@pytest.mark.parametrize("crf", [0, 18, WITHOUT_LOSS])
+@pytest.mark.parametrize("crf", [0, 18, LOSSLESS])
 def test_a_crf_that_is_given_leaves_nothing_to_search_and_always_passes(crf):
     settings = CompressionSettings(crf=crf, gop="auto")
     choices = settings.choices()

@@ -10,12 +10,13 @@ from tests.dataset.recordings.layouts import FRAMES
 from tests.packing.orders import FPS, act_folder, add_camera, packed, settings
 from tests.packing.test_records import stream
 from tests.recordings import INSTRUCTION, written
+from vcage.compression.choices import LOSSLESS
 from vcage.dataset.lerobot import FORMATS
 from vcage.dataset.recordings.opening import open_recordings
 from vcage.errors import DamagedFile, UsageError
-from vcage.packing.settings import WITHOUT_LOSS
+from vcage.packing.lerobot_episodes import encodings
 from vcage.packing.sources import find_sources
-from vcage.packing.targets import HDF5, VIDEOS, Wanted, encodings, require_alike, suited
+from vcage.packing.targets import HDF5, VIDEOS, Wanted, require_alike, suited
 from vcage.videos import decode, frame_count
 
 
@@ -77,7 +78,7 @@ def test_a_state_that_is_no_number_is_found_before_any_work_where_it_is_written(
 
 @pytest.mark.parametrize("target", FORMATS)
 def test_hdf5_files_become_episodes_of_a_data_set(tmp_path, source, target):
-    packed(source, tmp_path / "out", target=target, task="open the jar", crf=WITHOUT_LOSS)
+    packed(source, tmp_path / "out", target=target, task="open the jar", crf=LOSSLESS)
     new = open_recordings(tmp_path / "out")
     for recording, old in zip(new, open_recordings(source), strict=True):
         assert (recording.LAYOUT, recording.task, recording.fps) == (target, "open the jar", FPS)
@@ -88,8 +89,8 @@ def test_hdf5_files_become_episodes_of_a_data_set(tmp_path, source, target):
 def test_an_episode_of_ours_that_was_compressed_becomes_one_of_a_data_set(tmp_path):
     (tmp_path / "in").mkdir()
     written(tmp_path / "in/a.hdf5", 6)
-    packed(tmp_path / "in", tmp_path / "small", crf=WITHOUT_LOSS)
-    packed(tmp_path / "small", tmp_path / "out", target="lerobot-v3.0", crf=WITHOUT_LOSS)
+    packed(tmp_path / "in", tmp_path / "small", crf=LOSSLESS)
+    packed(tmp_path / "small", tmp_path / "out", target="lerobot-v3.0", crf=LOSSLESS)
     (old,), (new,) = open_recordings(tmp_path / "in"), open_recordings(tmp_path / "out")
     assert new.task == INSTRUCTION
     assert np.array_equal(new.pictures("cam_high"), old.pictures("cam_high"))

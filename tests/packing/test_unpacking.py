@@ -9,9 +9,9 @@ import pytest
 from tests.dataset.recordings.layouts import FRAMES
 from tests.packing.orders import act_folder, packed, robotwin_folder
 from tests.runs import digests
+from vcage.compression.choices import LOSSLESS
 from vcage.dataset.recordings.opening import open_recordings
 from vcage.errors import DamagedFile, InputFileError, OutputFolderError, UsageError
-from vcage.packing.settings import WITHOUT_LOSS
 from vcage.packing.unpacking import unpack_all
 
 
@@ -19,7 +19,7 @@ from vcage.packing.unpacking import unpack_all
 def small_once(tmp_path_factory):
     """Two recordings, compressed without loss."""
     folder = tmp_path_factory.mktemp("once")
-    packed(act_folder(folder / "in"), folder / "small", crf=WITHOUT_LOSS)
+    packed(act_folder(folder / "in"), folder / "small", crf=LOSSLESS)
     return folder
 
 
@@ -48,7 +48,7 @@ def test_the_pictures_come_back_as_many_in_order_in_their_places(small, tmp_path
 
 
 def test_swapped_colours_come_back_swapped(tmp_path):
-    packed(robotwin_folder(tmp_path / "in", 1), tmp_path / "small", crf=WITHOUT_LOSS)
+    packed(robotwin_folder(tmp_path / "in", 1), tmp_path / "small", crf=LOSSLESS)
     unpack_all(tmp_path / "small", tmp_path / "back")
     old, new = (open_recordings(tmp_path / name)[0] for name in ("in", "back"))
     assert new.swapped("head_camera")

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.runs import FPS, INSTRUCTION, REPOSITORY, Answer, Finished, clean_environment, digests, process
+from tests.runs import FPS, INSTRUCTION, QUICK_VIDEOS, REPOSITORY, Answer, Finished, clean_environment, digests, process
 
 SCRIPTS = {
     "select_place": "igsc",
@@ -39,7 +39,7 @@ def run_script(python: str, name: str, arguments: list[str], cwd: Path) -> Answe
 
 @pytest.mark.slow
 def test_the_nine_scripts_give_the_same_files_as_the_chain_in_one_process(finished: Finished, python, tmp_path):
-    own = {"collect": ["--episodes", "1", "--fps", str(FPS)]}
+    own = {"collect": ["--episodes", "1", "--fps", str(FPS)], "compress": QUICK_VIDEOS}
     for name in SCRIPTS:
         arguments = [INSTRUCTION, "--out", "run"] if name == "select_place" else ["--run", "run", *own.get(name, [])]
         models = [] if name in ("optimize", "compress", "export") else ["--models", "offline"]

@@ -5,8 +5,9 @@ from __future__ import annotations
 import argparse
 
 from vcage.cli.stages.common import number, positive
+from vcage.compression.choices import LOSSLESS
 from vcage.compression.encoders import CODECS
-from vcage.packing.settings import AUTO, WITHOUT_LOSS, CompressionSettings
+from vcage.packing.settings import AUTO, CompressionSettings
 
 DEFAULTS = CompressionSettings()
 
@@ -37,7 +38,7 @@ def add_compression_options(parser: argparse.ArgumentParser) -> None:
         "--guard",
         action=argparse.BooleanOptionalAction,
         default=DEFAULTS.guard,
-        help="score every 10th frame besides the keyframes, and search again where they fail (default: on)",
+        help="score one in ten of the other frames too, and search again where they fail (default: on)",
     )
     group.add_argument(
         "--keyframes",
@@ -97,7 +98,7 @@ def compression_settings(args: argparse.Namespace) -> CompressionSettings:
 def crf_option(text: str) -> int:
     """A CRF, or "lossless", for ``type=`` of an option."""
     if text == "lossless":
-        return WITHOUT_LOSS
+        return LOSSLESS
     try:
         return int(text)
     except ValueError as error:

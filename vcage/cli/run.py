@@ -6,6 +6,7 @@ process, on the same files as the single commands. A run that was interrupted go
 examples:
   vcage run "Pack the marker pens and the eraser into the box" --out runs/pack-stationery --episodes 3
   vcage run "Put the blocks on the plate" --out runs/blocks --seed 4 --models offline
+  vcage run "Put the blocks on the plate" --out runs/blocks-10 --episodes 10 --fps 25 --max-loss 0.05
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ import argparse
 import logging
 from dataclasses import replace
 
+from vcage.cli.compression_options import add_compression_options, compression_settings
 from vcage.cli.output import Result, stop_if_interrupted
 from vcage.cli.progress import progress
 from vcage.cli.stages import collect, match, select_place
@@ -34,14 +36,16 @@ OF_THE_EPISODES = STAGES[STAGES.index("collect") + 1 :]
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the options of ``vcage run``: those of the first stage, of the matching and of the collection."""
+    """Declare the options of ``vcage run``: those of the stages that have some of their own."""
     select_place.add_own_arguments(parser)
     match.add_own_arguments(parser)
     collect.add_arguments(parser, run=False)
+    add_compression_options(parser)
 
 
 def execute(args: argparse.Namespace) -> Result:
     """Run the chain."""
+    args.compression = compression_settings(args)
     run, settings = RunFolder(args.out), settings_of(args)
     bench = Workbench(settings.models, settings.detector, settings.embedder)
     if args.dry_run:

@@ -7,27 +7,18 @@ frames that are no keyframes are looked at before a result is believed.
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from vcage.compression.bisection import BUDGET, highest_passing
+from vcage.compression.choices import Choices, Criterion
 from vcage.compression.codec import EncoderSettings, encode, formats_for, only_converted
 from vcage.compression.jod import JodMetric
 from vcage.errors import UsageError
 from vcage.videos import decode
-
-LOSS_GROWTH = 0.17
-"""Growth of ln(loss) per CRF step on rendered clips; it only makes guesses better, never a result."""
-
-FIRST_STEP = 3
-"""Smallest step up while nothing has failed yet: a bound above is worth more than a small gain."""
-
-BUDGET = 7
-"""Encodings at most for one clip, the guard's included as far as they can be foreseen."""
 
 GUARDED = 1
 """Encodings of the budget that other pixel formats and GOPs leave to the guard."""
@@ -39,66 +30,6 @@ HELD_OUT_EVERY = 10
 
 WANDER = 3
 """Step of the held-out frame's place from each ten frames to the next; it visits all ten places."""
-
-LOSSLESS = -1
-"""Stands for a CRF below all: none passes."""
-
-
-@dataclass(frozen=True)
-class Criterion:
-    """When a clip passes.
-
-    Args:
-        threshold: what the loss must stay below, JOD.
-        reduce: over the scored frames, 'max' or 'mean'.
-        guard: whether frames that are no keyframes must pass as well.
-    """
-
-    threshold: float = 0.1
-    reduce: Literal["max", "mean"] = "max"
-    guard: bool = True
-
-    def loss(self, losses: NDArray[np.float64]) -> float:
-        """The one number of the losses of several frames."""
-        return float(losses.max() if self.reduce == "max" else losses.mean())
-
-    def failing(self, frames: Sequence[int], losses: NDArray[np.float64]) -> list[int]:
-        """The frames to blame where their losses together do not pass."""
-        if self.loss(losses) < self.threshold:
-            return []
-        return [f for f, loss in zip(frames, losses, strict=True) if self.reduce == "mean" or loss >= self.threshold]
-
-
-@dataclass(frozen=True)
-class Choices:
-    """What a search may choose from; one pixel format and one GOP leave it the CRF alone.
-
-    Args:
-        codec: see :class:`EncoderSettings`.
-        preset: the encoder's; none takes the codec's usual one.
-        pixel_formats: none takes all that the codec has.
-        gops: the first is searched, the others are tried at the CRF that it allows.
-        crfs: the highest CRF to consider, and -1 for none; None takes the codec's.
-    """
-
-    codec: str = "hevc"
-    preset: str = ""
-    pixel_formats: tuple[str, ...] = ()
-    gops: tuple[int, ...] = (10,)
-    upper: int | None = None
-
-    def settings(self, pixel_format: str = "", gop: int = 0) -> EncoderSettings:
-        """The encoder's settings with one of the choices."""
-        return EncoderSettings(self.codec, pixel_format, self.preset, gop or self.gops[0])
-
-    @property
-    def highest(self) -> int:
-        """The highest CRF to consider."""
-        return self.settings().facts.max_crf if self.upper is None else self.upper
-
-    def fixed(self, settings: EncoderSettings, upper: int) -> Choices:
-        """The same with nothing left to choose but a CRF of at most ``upper``."""
-        return replace(self, pixel_formats=(settings.pixel_format,), gops=(settings.gop,), upper=upper)
 
 
 @dataclass(frozen=True)
@@ -313,48 +244,10 @@ class _Search:
         )
 
 
-def held_out_frames(count: int, scored: Sequence[int]) -> list[int]:
+def held_out_frames(count: int, scored: Sequence[int], wander: int = WANDER) -> list[int]:
     """One of every ten of ``count`` frames, but for those in ``scored``.
 
     Not every tenth: where the GOP is ten frames long, all of them might be intra-coded, which are better than the rest.
     """
-    places = (first + WANDER * number % HELD_OUT_EVERY for number, first in enumerate(range(0, count, HELD_OUT_EVERY)))
+    places = (first + wander * number % HELD_OUT_EVERY for number, first in enumerate(range(0, count, HELD_OUT_EVERY)))
     return sorted({place for place in places if place < count} - set(scored))
-
-
-def highest_passing(
-    loss_at: Callable[[int], float], threshold: float, upper: int, first: int, lower: int = 0, budget: int = BUDGET
-) -> int | None:
-    """The highest CRF in ``lower`` … ``upper`` with ``loss_at(crf) < threshold``, if the loss grows with the CRF.
-
-    A bisection that probes where the last loss says the threshold should be, as far as the budget allows: whatever
-    the answer, the CRFs that remain can still be told apart by the trials that remain.
-
-    Args:
-        loss_at: the loss at a CRF; called at most ``budget`` times.
-        threshold: what the loss must stay below.
-        upper: the highest CRF to consider; below ``lower`` for none.
-        first: the first CRF to try.
-        lower: the lowest CRF to consider.
-        budget: calls at most; at least log2(``upper`` − ``lower`` + 2).
-
-    Returns:
-        None when the loss at ``lower`` is too large already.
-    """
-    passes, fails = lower - 1, max(upper + 1, lower)
-    guess = first
-    for left in reversed(range(budget)):
-        if fails - passes == 1:
-            break
-        room = 2**left
-        guess = min(max(guess, fails - room, passes + 1), passes + room, fails - 1)
-        loss = loss_at(guess)
-        step = min(math.log(threshold / max(loss, 1e-6)) / LOSS_GROWTH, upper + 1)
-        if loss < threshold:
-            passes = guess
-            bounded = fails <= upper
-            guess += max(1, math.floor(step)) if bounded else max(FIRST_STEP, math.floor(step) + 1)
-        else:
-            fails = guess
-            guess += min(-1, math.floor(step))
-    return passes if passes >= lower else None

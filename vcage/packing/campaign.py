@@ -15,9 +15,9 @@ from pathlib import Path
 
 import numpy as np
 
+from vcage.compression.choices import LOSSLESS, Choices
 from vcage.compression.encoders import CODECS, require_encoder
 from vcage.compression.jod import require_display
-from vcage.compression.search import LOSSLESS, Choices
 from vcage.packing.clips import Clip, Task, known, perform, whole
 from vcage.packing.settings import CompressionSettings
 from vcage.progress import Progress, silent
@@ -104,6 +104,21 @@ def workers_for(clips: Iterable[Clip]) -> int:
     return max(1, min(cores(), int(free // (COPIES * largest + OF_A_PROCESS))))
 
 
+def cameras_of(clips: Iterable[Clip]) -> list[str]:
+    """Names of the cameras, sorted."""
+    return sorted({clip.camera for clip in clips})
+
+
+def sample_of(clips: Sequence[Clip]) -> list[Clip]:
+    """A few clips of each camera, evenly spaced over the data set."""
+    sample = []
+    for camera in cameras_of(clips):
+        own = [clip for clip in clips if clip.camera == camera]
+        places = np.unique(np.linspace(0, len(own) - 1, SAMPLE).round().astype(int))
+        sample += [own[place] for place in places]
+    return sample
+
+
 @dataclass
 class _Campaign:
     clips: list[Clip]
@@ -119,24 +134,12 @@ class _Campaign:
         if self.settings.scope != "camera" or self.settings.crf is not None:
             self._round({_key(clip): choices for clip in self.clips})
             return self._videos()
-        self._round({_key(clip): choices for clip in self._sample()})
-        bounds = {camera: self._agreed(camera) for camera in self._cameras()}
+        self._round({_key(clip): choices for clip in sample_of(self.clips)})
+        bounds = {camera: self._agreed(camera) for camera in cameras_of(self.clips)}
         while waiting := self._unsettled(bounds):
             self._round({_key(clip): self._below(bounds[clip.camera]) for clip in waiting})
             bounds = {camera: self._lowered(camera, bound) for camera, bound in bounds.items()}
         return self._videos()
-
-    def _cameras(self) -> list[str]:
-        return sorted({clip.camera for clip in self.clips})
-
-    def _sample(self) -> list[Clip]:
-        """A few clips of each camera, evenly spaced over the data set."""
-        sample = []
-        for camera in self._cameras():
-            own = [clip for clip in self.clips if clip.camera == camera]
-            places = np.unique(np.linspace(0, len(own) - 1, SAMPLE).round().astype(int))
-            sample += [own[place] for place in places]
-        return sample
 
     def _agreed(self, camera: str) -> Bound:
         """What most episodes of the sample chose, at the lowest CRF of any of them."""

@@ -13,9 +13,11 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from vcage import __version__
+from vcage.compression.choices import Choices, Criterion
 from vcage.compression.jod import JodMetric
 from vcage.compression.keyframes import keyframes, picture_keyframes
-from vcage.compression.search import Choices, Criterion, SearchResult, search_clip
+from vcage.compression.search import SearchResult, search_clip
 from vcage.compression.versions import encoder_version
 from vcage.dataset.recordings.recording import Recording
 from vcage.errors import DamagedFile
@@ -86,6 +88,7 @@ class Task:
             self.display,
             self.keyframes,
             encoder_version(self.choices.codec),
+            __version__,
         )
         digest = hashlib.sha256(repr(told).encode()).hexdigest()[:12]
         return self.folder / f"{self.clip.video.removesuffix('.mp4')}.{digest}.json"

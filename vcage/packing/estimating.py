@@ -7,12 +7,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
 from vcage.compression.jod import JodMetric
 from vcage.compression.keyframes import picture_keyframes
 from vcage.compression.search import search_clip
-from vcage.packing.campaign import SAMPLE, require_tools, workers_for
+from vcage.packing.campaign import cameras_of, require_tools, sample_of, workers_for
 from vcage.packing.clips import Clip, jpeg_bytes
 from vcage.packing.pack import Order, require_apart
 from vcage.packing.settings import CompressionSettings
@@ -64,7 +62,7 @@ def estimate(order: Order, *, workers: int | None = None, progress: Progress = s
     wanted = suited(order.wanted, sources.sources)
     clips = sources.clips(order.cameras, wanted.fps)
     require_alike(clips, wanted)
-    sample = _sample(clips)
+    sample = sample_of(clips)
     metric = JodMetric(order.settings.display)
     probes = []
     for number, clip in enumerate(sample):
@@ -72,7 +70,7 @@ def estimate(order: Order, *, workers: int | None = None, progress: Progress = s
         probes.append(_probe(clip, order.settings, metric))
     cameras = {
         name: _camera([c for c in clips if c.camera == name], [p for p in probes if p.clip.camera == name])
-        for name in sorted({clip.camera for clip in clips})
+        for name in cameras_of(clips)
     }
     total = {key: sum(camera[key] for camera in cameras.values()) for key in ("bytes", "raw_bytes", "jpeg_bytes")}
     seconds = sum(camera["seconds"] for camera in cameras.values())
@@ -88,14 +86,6 @@ def estimate(order: Order, *, workers: int | None = None, progress: Progress = s
         "seconds": round(seconds / (workers or workers_for(clips))),
         "cameras": cameras,
     }
-
-
-def _sample(clips: Sequence[Clip]) -> list[Clip]:
-    sample = []
-    for camera in sorted({clip.camera for clip in clips}):
-        own = [clip for clip in clips if clip.camera == camera]
-        sample += [own[place] for place in np.unique(np.linspace(0, len(own) - 1, SAMPLE).round().astype(int))]
-    return sample
 
 
 def _probe(clip: Clip, settings: CompressionSettings, metric: JodMetric) -> Probe:

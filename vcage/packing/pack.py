@@ -15,7 +15,8 @@ from vcage.packing.campaign import Key, campaign, require_tools, stream_of
 from vcage.packing.records import compression_record
 from vcage.packing.settings import CompressionSettings
 from vcage.packing.sources import Sources, find_sources
-from vcage.packing.targets import Wanted, require_alike, suited, write_target
+from vcage.packing.targets import Wanted, require_alike, suited
+from vcage.packing.writing import Compressed, write_target
 from vcage.progress import Progress, silent
 from vcage.schema.base import Provenance
 from vcage.schema.compression import Compression
@@ -92,7 +93,7 @@ def pack(order: Order, *, workers: int | None = None, force: bool = False, progr
     record = compression_record(provenance, order.settings, list(streams.values()), _notes(sources))
     whole = working / "whole"
     shutil.rmtree(whole, ignore_errors=True)
-    write_target(sources.sources, streams, videos, wanted, whole, progress)
+    write_target(Compressed(sources.sources, streams, videos), wanted, whole, progress)
     record.write(whole / RECORD)
     with atomic_folder(out) as folder:
         for child in whole.iterdir():

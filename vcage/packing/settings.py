@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from vcage.compression.choices import LOSSLESS, Choices, Criterion
 from vcage.compression.encoders import CODECS
 from vcage.compression.jod import DISPLAY
 from vcage.compression.keyframes import COUNT
-from vcage.compression.search import Choices, Criterion
 from vcage.errors import UnknownName, UsageError
 from vcage.schema.compression import Reduce, Scope
 
@@ -16,9 +16,6 @@ AUTO = "auto"
 
 GOPS = (10, 30, 120)
 """What is tried where the GOP may be chosen, the one that is searched first."""
-
-WITHOUT_LOSS = -1
-"""As a fixed CRF: none, every pixel is kept."""
 
 
 @dataclass(frozen=True)
@@ -31,7 +28,7 @@ class CompressionSettings:
         display: ColorVideoVDP's display model.
         guard: score held-out frames too, and search again where they fail.
         scope: what shares a CRF: all episodes of a camera, as LeRobot can represent, or none, each episode its own.
-        crf: given instead of searched; :data:`WITHOUT_LOSS` for none.
+        crf: given instead of searched; :data:`LOSSLESS` for none.
         codec: 'hevc', 'av1' or 'h264'.
         preset: the encoder's; none takes the codec's usual one.
         pixel_format: FFmpeg's name; 'auto' tries those of the codec.
@@ -58,7 +55,7 @@ class CompressionSettings:
         if self.codec not in CODECS:
             raise UnknownName("codec", self.codec, CODECS)
         lowest, highest = CODECS[self.codec].min_crf, CODECS[self.codec].max_crf
-        if self.crf not in (None, WITHOUT_LOSS) and not lowest <= self.crf <= highest:
+        if self.crf not in (None, LOSSLESS) and not lowest <= self.crf <= highest:
             raise UsageError(f"crf is {self.crf}, expected {lowest} … {highest} for {self.codec}, or lossless")
         if self.max_loss <= 0:
             raise UsageError(

@@ -20,8 +20,9 @@ from vcage.dataset.robotwin import export_robotwin
 from vcage.errors import MissingStage
 from vcage.files import RunFolder
 from vcage.packing.campaign import campaign, stream_of
+from vcage.packing.lerobot_episodes import encodings, lerobot_episode
 from vcage.packing.settings import AUTO, CompressionSettings
-from vcage.packing.targets import Wanted, encodings, lerobot_episode
+from vcage.packing.targets import Wanted
 from vcage.pipeline.compress import accepted_episodes, clips_of
 from vcage.pipeline.settings import ROBOTWIN, Settings
 from vcage.pipeline.stage import Job, StageResult, stage_seed

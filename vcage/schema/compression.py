@@ -24,7 +24,7 @@ class Evaluation(Record):
 
 
 class HeldOutLoss(Record):
-    """Loss of frames that no search has seen: every tenth, but for those that were scored. JOD."""
+    """Loss of frames that no search has seen: one in ten, but for those that were scored. JOD."""
 
     worst: Finite
     mean: Finite

@@ -1,7 +1,7 @@
 """Compress the videos of a run's episodes, or anybody's recordings, as far as nobody sees it.
 
 Searches the highest CRF whose loss stays under a threshold in JOD (ColorVideoVDP), through the real loop of encoding
-and decoding, on keyframes; then looks at every 10th frame that the search has not seen.
+and decoding, on keyframes; then looks at one in ten of the other frames.
 
 With --run: reads episodes/ of a run; writes compress/*.mp4 and compress/compression.json.
 With INPUT: an HDF5 file or a folder of them (this project's, RoboTwin's, ACT's), a LeRobot data set, or a folder of
@@ -29,7 +29,11 @@ from vcage.cli.output import Result
 from vcage.cli.progress import progress
 from vcage.cli.stages.common import add_common, execute_stage, number, positive
 from vcage.errors import UsageError
-from vcage.packing.targets import TARGETS
+from vcage.packing.estimating import estimate
+from vcage.packing.inspecting import describe, inspect, totals
+from vcage.packing.pack import Order, pack
+from vcage.packing.targets import TARGETS, Wanted
+from vcage.pipeline.compress import summary
 
 OF_RECORDINGS = ("out", "to", "fps", "task", "robot", "cameras", "skip_damaged", "inspect")
 """Options that mean nothing with ``--run``."""
@@ -47,7 +51,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     group.add_argument("--task", metavar="TEXT", help="for LeRobot: what the robot was told, where nothing says")
     group.add_argument("--robot", metavar="NAME", help="for LeRobot: the robot's type, where nothing says")
-    group.add_argument("--cameras", nargs="+", default=[], metavar="NAME", help="only these (default: all)")
+    group.add_argument(
+        "--cameras",
+        nargs="+",
+        default=[],
+        metavar="NAME",
+        help="only these; in a LeRobot data set that stays one, others keep their videos (default: all)",
+    )
     group.add_argument("--skip-damaged", action="store_true", help="leave out damaged recordings instead of refusing")
     group.add_argument("--inspect", action="store_true", help="say what is there, and write nothing")
     add_compression_options(parser)
@@ -73,23 +83,16 @@ def execute(args: argparse.Namespace) -> Result:
 
 
 def _inspect(args: argparse.Namespace) -> Result:
-    from vcage.packing.inspecting import describe, inspect, totals
-
     found = inspect(args.input)
     return Result(text=describe(found), summary=totals(found))
 
 
 def _estimate(args: argparse.Namespace) -> Result:
-    from vcage.packing.estimating import estimate
-
     with progress("estimate") as show:
         return Result(summary=estimate(_order(args), workers=args.workers, progress=show))
 
 
 def _pack(args: argparse.Namespace) -> Result:
-    from vcage.packing.pack import pack
-    from vcage.pipeline.compress import summary
-
     with progress("compress") as show:
         done = pack(_order(args), workers=args.workers, force=args.force, progress=show)
     return Result(
@@ -99,10 +102,7 @@ def _pack(args: argparse.Namespace) -> Result:
     )
 
 
-def _order(args: argparse.Namespace):
-    from vcage.packing.pack import Order
-    from vcage.packing.targets import Wanted
-
+def _order(args: argparse.Namespace) -> Order:
     out = args.out if args.out is not None else _beside(args.input)
     wanted = Wanted(args.to, args.fps, args.task, args.robot)
     return Order(args.input, out, args.compression, wanted, tuple(args.cameras), args.skip_damaged)

@@ -1,0 +1,131 @@
+"""Compressed recordings as files: HDF5 with its videos beside it, a LeRobot data set, or videos alone."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TypeVar
+
+from vcage.dataset.lerobot import open_writer
+from vcage.dataset.lerobot_repack import repack
+from vcage.dataset.packed import write_packed
+from vcage.dataset.picture_links import Stream
+from vcage.dataset.recordings.hdf5_layouts import Hdf5Recording
+from vcage.dataset.recordings.recording import Recording
+from vcage.files import atomic_path
+from vcage.packing.campaign import Key
+from vcage.packing.lerobot_episodes import encodings, lerobot_episode
+from vcage.packing.sources import Source
+from vcage.packing.targets import HDF5, VIDEOS, Wanted, episode_names, keeps_format
+from vcage.progress import Progress, silent
+from vcage.schema.compression import VideoStream
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True)
+class Compressed:
+    """Recordings, and what a campaign made of them.
+
+    Args:
+        sources: the recordings.
+        streams: (recording, camera) → what is known of its video.
+        videos: (recording, camera) → the video.
+    """
+
+    sources: Sequence[Source]
+    streams: Mapping[Key, VideoStream]
+    videos: Mapping[Key, Path]
+
+
+def write_target(compressed: Compressed, wanted: Wanted, out: Path, progress: Progress = silent) -> None:
+    """Write recordings with their videos into the folder ``out``, which is new.
+
+    Raises:
+        UsageError: recordings do not fit into one LeRobot data set.
+        DamagedFile: a recording cannot be read.
+        DiskFull, OutputFolderError: the folder cannot be written.
+    """
+    writer: Callable[..., None] = {HDF5: _write_hdf5, VIDEOS: _write_videos}.get(str(wanted.target), _write_lerobot)
+    writer(compressed, wanted, out, progress)
+
+
+def _write_videos(compressed: Compressed, _wanted: Wanted, out: Path, _progress: Progress) -> None:
+    for key, stream in compressed.streams.items():
+        _copy(compressed.videos[key], out / stream.file)
+
+
+def _copy(file: Path, target: Path) -> None:
+    with atomic_path(target) as part:
+        shutil.copyfile(file, part)
+
+
+def _write_hdf5(compressed: Compressed, wanted: Wanted, out: Path, progress: Progress) -> None:
+    _write_videos(compressed, wanted, out, progress)
+    streams_of = _by_recording(compressed.streams)
+    for number, source in enumerate(compressed.sources):
+        progress(f"writing {source.name}", number, len(compressed.sources))
+        own = [_link(source.recording, stream) for stream in streams_of[source.name].values()]
+        target = out / f"{source.name}.hdf5"
+        write_packed(source.recording.path, target, own)
+        for video in _kept_videos(source.recording, own):
+            _copy(video, target.with_name(video.name))
+
+
+def _by_recording(of: Mapping[Key, T]) -> dict[str, dict[str, T]]:
+    """Recording → camera → what there is of it."""
+    found: dict[str, dict[str, T]] = {}
+    for (name, camera), one in of.items():
+        found.setdefault(name, {})[camera] = one
+    return found
+
+
+def _kept_videos(recording: Recording, replaced: Sequence[Stream]) -> list[Path]:
+    """Videos of a recording that was compressed before, of cameras that are not compressed now."""
+    if not isinstance(recording, Hdf5Recording):
+        return []
+    keys = {stream.key for stream in replaced}
+    return [video for key, video in recording.videos.items() if key not in keys]
+
+
+def _link(recording: Recording, stream: VideoStream) -> Stream:
+    camera = recording.camera(stream.camera)
+    return Stream(
+        camera=camera.name,
+        key=camera.key,
+        file=Path(stream.file).name,
+        frames=camera.frames,
+        width=camera.width,
+        height=camera.height,
+        storage=camera.storage,
+        swapped=recording.swapped(camera.name),
+    )
+
+
+# --- LeRobot -------------------------------------------------------------------------------------------
+
+
+def _write_lerobot(compressed: Compressed, wanted: Wanted, out: Path, progress: Progress) -> None:
+    if keeps_format(compressed.sources, wanted):
+        _repack_lerobot(compressed, out, progress)
+        return
+    videos_of = _by_recording(compressed.videos)
+    with open_writer(str(wanted.target), out, encodings(list(compressed.streams.values()))) as writer:
+        for number, source in enumerate(compressed.sources):
+            progress(f"writing {source.name}", number, len(compressed.sources))
+            writer.add(lerobot_episode(source.recording, videos_of[source.name], wanted))
+
+
+def _repack_lerobot(compressed: Compressed, out: Path, progress: Progress) -> None:
+    """All stays as it is but the videos of the cameras that were compressed."""
+    recording = compressed.sources[0].recording
+    told = {
+        recording.camera(camera).key: facts for camera, facts in encodings(list(compressed.streams.values())).items()
+    }
+    new: dict[str, dict[int, Path]] = {key: {} for key in told}
+    for episode, name in episode_names(compressed.sources).items():
+        for camera in {camera for _, camera in compressed.videos}:
+            new[recording.camera(camera).key][episode] = compressed.videos[name, camera]
+    repack(recording.path, out, new, told, progress)
