@@ -10,9 +10,9 @@ import pytest
 
 from tests.recordings import CAMERAS, FPS, clip, episode
 from vcage.compression.codec import EncoderSettings, encode
-from vcage.dataset.lerobot import open_writer
-from vcage.dataset.lerobot_episode import LeRobotEpisode, episode_of
-from vcage.dataset.statistics import picture_histogram
+from vcage.dataset.lerobot.episode import LeRobotEpisode, episode_of
+from vcage.dataset.lerobot.formats import open_writer
+from vcage.dataset.lerobot.statistics import picture_histogram
 
 LENGTHS = (12, 9)
 ENCODINGS = {"cam_high": {"video.crf": 10}}

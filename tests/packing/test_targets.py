@@ -11,7 +11,7 @@ from tests.packing.orders import FPS, act_folder, add_camera, packed, settings
 from tests.packing.test_records import stream
 from tests.recordings import INSTRUCTION, written
 from vcage.compression.choices import LOSSLESS
-from vcage.dataset.lerobot import FORMATS
+from vcage.dataset.lerobot.formats import FORMATS
 from vcage.dataset.recordings.opening import open_recordings
 from vcage.errors import DamagedFile, UsageError
 from vcage.packing.lerobot_episodes import encodings

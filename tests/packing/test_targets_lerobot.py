@@ -12,10 +12,10 @@ import pytest
 
 from tests.recordings import CAMERAS, FPS, clip, episode
 from vcage.compression.codec import EncoderSettings, encode
-from vcage.dataset.lerobot import open_writer
-from vcage.dataset.lerobot_episode import episode_of
+from vcage.dataset.lerobot.episode import episode_of
+from vcage.dataset.lerobot.formats import open_writer
+from vcage.dataset.lerobot.statistics import picture_histogram
 from vcage.dataset.recordings.opening import open_recordings
-from vcage.dataset.statistics import picture_histogram
 from vcage.errors import UsageError
 from vcage.files import sha256_file
 from vcage.packing.pack import Order, pack

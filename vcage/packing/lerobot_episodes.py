@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vcage.dataset.lerobot_episode import LeRobotEpisode, episode_of
+from vcage.dataset.lerobot.episode import LeRobotEpisode, episode_of
+from vcage.dataset.lerobot.statistics import picture_histogram
 from vcage.dataset.reader import EpisodeReader
 from vcage.dataset.recordings.hdf5_layouts import VcageEpisode
 from vcage.dataset.recordings.recording import Recording
-from vcage.dataset.statistics import picture_histogram
 from vcage.packing.targets import Wanted
 from vcage.schema.compression import VideoStream
 

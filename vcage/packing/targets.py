@@ -7,10 +7,10 @@ from dataclasses import dataclass, replace
 from itertools import groupby
 from typing import Any
 
-from vcage.dataset.lerobot import FORMATS
-from vcage.dataset.lerobot_append import INFO
-from vcage.dataset.lerobot_features import SUBTASK, other_columns
-from vcage.dataset.lerobot_repack import require_colour, require_whole
+from vcage.dataset.lerobot.append import INFO
+from vcage.dataset.lerobot.features import SUBTASK, other_columns
+from vcage.dataset.lerobot.formats import FORMATS
+from vcage.dataset.lerobot.repack import require_colour, require_whole
 from vcage.dataset.recordings.hdf5_layouts import Hdf5Recording
 from vcage.dataset.recordings.lerobot_layouts import LeRobotRecording
 from vcage.dataset.recordings.recording import Recording

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeVar
 
-from vcage.dataset.lerobot import open_writer
-from vcage.dataset.lerobot_repack import repack
+from vcage.dataset.lerobot.formats import open_writer
+from vcage.dataset.lerobot.repack import repack
 from vcage.dataset.packed import write_packed
 from vcage.dataset.picture_links import Stream
 from vcage.dataset.recordings.hdf5_layouts import Hdf5Recording

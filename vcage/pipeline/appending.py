@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 from pathlib import Path
 
-from vcage.dataset.lerobot import FORMATS, open_writer
+from vcage.dataset.lerobot.formats import FORMATS, open_writer
 from vcage.errors import UsageError
 from vcage.files import RunFolder, read_json, sha256_file, write_json
 from vcage.pipeline.export import find_footage, lerobot_episodes

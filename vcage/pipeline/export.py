@@ -12,8 +12,8 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from vcage.dataset.lerobot import FORMATS, open_writer
-from vcage.dataset.lerobot_episode import LeRobotEpisode
+from vcage.dataset.lerobot.episode import LeRobotEpisode
+from vcage.dataset.lerobot.formats import FORMATS, open_writer
 from vcage.dataset.reader import EpisodeReader
 from vcage.dataset.recordings.hdf5_layouts import open_hdf5
 from vcage.dataset.robotwin import export_robotwin

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Literal
 
-from vcage.dataset.lerobot import FORMATS
+from vcage.dataset.lerobot.formats import FORMATS
 from vcage.igsc.layout.cost import Weights
 from vcage.models.registry import DETECTORS, EMBEDDERS
 from vcage.packing.settings import CompressionSettings

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 from tests.recordings import clip
-from vcage.dataset.statistics import Moments, picture_histogram, picture_statistics, vector_statistics
+from vcage.dataset.lerobot.statistics import Moments, picture_histogram, picture_statistics, vector_statistics
 
 
 def test_vector_statistics_have_one_number_per_column():

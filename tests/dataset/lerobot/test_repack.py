@@ -15,7 +15,7 @@ import pytest
 from tests.dataset.conftest import LENGTHS
 from tests.recordings import CAMERAS, FPS, clip
 from vcage.compression.codec import EncoderSettings, encode
-from vcage.dataset.lerobot_repack import repack, require_colour, require_whole
+from vcage.dataset.lerobot.repack import repack, require_colour, require_whole
 from vcage.dataset.recordings.opening import open_recordings
 from vcage.errors import DamagedFile, DiskFull, UsageError
 from vcage.files import sha256_file

@@ -14,12 +14,12 @@ from typing import Any, ClassVar
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from vcage.dataset.lerobot_append import INFO, link_files, read_info
-from vcage.dataset.lerobot_episode import LeRobotEpisode
-from vcage.dataset.lerobot_features import video_key
-from vcage.dataset.lerobot_writer import CHUNK, LeRobotWriter, in_order
+from vcage.dataset.lerobot.append import INFO, link_files, read_info
+from vcage.dataset.lerobot.episode import LeRobotEpisode
+from vcage.dataset.lerobot.features import video_key
+from vcage.dataset.lerobot.statistics import QUANTILES, Statistics
+from vcage.dataset.lerobot.writer import CHUNK, LeRobotWriter, in_order
 from vcage.dataset.parquet_files import COMPRESSION, MEND
-from vcage.dataset.statistics import QUANTILES, Statistics
 from vcage.errors import DamagedFile
 
 DATA_PATH = "data/chunk-{episode_chunk:03d}/episode_{episode_index:06d}.parquet"

@@ -9,7 +9,7 @@ from typing import Any
 
 import pyarrow as pa
 
-from vcage.dataset.lerobot_v21 import EPISODES
+from vcage.dataset.lerobot.v21 import EPISODES
 from vcage.dataset.parquet_files import MEND, numbered, read_table
 from vcage.errors import DamagedFile
 

@@ -11,7 +11,7 @@ import pytest
 
 from tests.recordings import clip
 from vcage.compression.codec import EncoderSettings, encode
-from vcage.dataset.lerobot_video import video_info
+from vcage.dataset.lerobot.video import video_info
 from vcage.errors import DamagedFile
 
 

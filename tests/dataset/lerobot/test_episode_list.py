@@ -9,7 +9,7 @@ import pyarrow as pa
 import pytest
 
 from tests.dataset.conftest import LENGTHS
-from vcage.dataset.lerobot_episode_list import episode_lengths, episode_tables, place_videos
+from vcage.dataset.lerobot.episode_list import episode_lengths, episode_tables, place_videos
 from vcage.errors import DamagedFile
 
 INFO = {"chunks_size": 3, "fps": 10}

@@ -6,7 +6,7 @@ import copy
 
 import pytest
 
-from vcage.dataset.lerobot_features import require_alike
+from vcage.dataset.lerobot.features import require_alike
 from vcage.errors import UsageError
 
 KEY = "observation.images.cam_high"

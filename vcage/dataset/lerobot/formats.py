@@ -7,10 +7,10 @@ from contextlib import closing, contextmanager
 from pathlib import Path
 from typing import Any
 
-from vcage.dataset.lerobot_append import INFO
-from vcage.dataset.lerobot_v3 import WriterV30
-from vcage.dataset.lerobot_v21 import WriterV21
-from vcage.dataset.lerobot_writer import LeRobotWriter
+from vcage.dataset.lerobot.append import INFO
+from vcage.dataset.lerobot.v3 import WriterV30
+from vcage.dataset.lerobot.v21 import WriterV21
+from vcage.dataset.lerobot.writer import LeRobotWriter
 from vcage.errors import OutputFolderError, UnknownName, UsageError
 from vcage.files import atomic_folder, recover
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from tests.recordings import CAMERAS, INSTRUCTION, STATE_NAMES, episode
-from vcage.dataset.lerobot_episode import LeRobotEpisode, SubtaskSpan, episode_of
+from vcage.dataset.lerobot.episode import LeRobotEpisode, SubtaskSpan, episode_of
 
 HISTOGRAM = np.ones((3, 256), np.int64)
 

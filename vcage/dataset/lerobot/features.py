@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from vcage.dataset.lerobot_episode import ACTION, STATE, LeRobotEpisode
-from vcage.dataset.lerobot_video import video_info, whole
+from vcage.dataset.lerobot.episode import ACTION, STATE, LeRobotEpisode
+from vcage.dataset.lerobot.video import video_info, whole
 from vcage.errors import UsageError
 
 SUBTASK = "subtask_index"

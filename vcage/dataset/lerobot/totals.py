@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vcage.dataset.lerobot_features import video_key
+from vcage.dataset.lerobot.features import video_key
+from vcage.dataset.lerobot.statistics import LEVELS, QUANTILES, Moments, Statistics, picture_statistics
 from vcage.dataset.parquet_files import MEND, read_batches
 from vcage.dataset.quantiles import exact_quantiles
-from vcage.dataset.statistics import LEVELS, QUANTILES, Moments, Statistics, picture_statistics
 from vcage.errors import DamagedFile
 from vcage.files import read_json, write_json
 

@@ -17,13 +17,13 @@ import pyarrow as pa
 import pyarrow.compute as pc
 import pyarrow.parquet as pq
 
-from vcage.dataset.lerobot_append import INFO, link_files, read_info
-from vcage.dataset.lerobot_episode import LeRobotEpisode
-from vcage.dataset.lerobot_features import video_key
-from vcage.dataset.lerobot_totals import LEVEL_COUNTS, STATS, Totals
-from vcage.dataset.lerobot_writer import CHUNK, LeRobotWriter, in_order
+from vcage.dataset.lerobot.append import INFO, link_files, read_info
+from vcage.dataset.lerobot.episode import LeRobotEpisode
+from vcage.dataset.lerobot.features import video_key
+from vcage.dataset.lerobot.statistics import Statistics
+from vcage.dataset.lerobot.totals import LEVEL_COUNTS, STATS, Totals
+from vcage.dataset.lerobot.writer import CHUNK, LeRobotWriter, in_order
 from vcage.dataset.parquet_files import COMPRESSION, MEND, ParquetSeries, numbered, read_table
-from vcage.dataset.statistics import Statistics
 from vcage.errors import DamagedFile
 
 FILE = "chunk-{chunk_index:03d}/file-{file_index:03d}"

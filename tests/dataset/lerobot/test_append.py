@@ -15,12 +15,11 @@ import pytest
 
 from tests.dataset.conftest import ENCODINGS, LENGTHS, write
 from tests.recordings import CAMERAS
-from vcage.dataset import lerobot_v3
-from vcage.dataset.lerobot import FORMATS, open_writer
-from vcage.dataset.lerobot_episode import SubtaskSpan
-from vcage.dataset.lerobot_features import video_key
+from vcage.dataset.lerobot.episode import SubtaskSpan
+from vcage.dataset.lerobot.features import video_key
+from vcage.dataset.lerobot.formats import FORMATS, open_writer
+from vcage.dataset.lerobot.statistics import QUANTILES
 from vcage.dataset.recordings.opening import open_recordings
-from vcage.dataset.statistics import QUANTILES
 from vcage.errors import DamagedFile, UsageError
 
 KEY = video_key(CAMERAS[0])
@@ -151,7 +150,7 @@ def test_adding_twice_goes_on_where_the_first_ended(version, begun, four, tmp_pa
 
 
 def test_many_data_files_are_numbered_on(v3, four, tmp_path, monkeypatch):
-    monkeypatch.setattr(lerobot_v3, "DATA_MB", 1e-6)
+    monkeypatch.setattr("vcage.dataset.lerobot.v3.DATA_MB", 1e-6)
     begun = write("lerobot-v3.0", tmp_path / "set", four[:3])
     write("lerobot-v3.0", begun, four[3:], append=True)
     assert [path.name for path in sorted((begun / "data").rglob("*.parquet"))] == [

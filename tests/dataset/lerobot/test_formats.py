@@ -15,12 +15,11 @@ import pytest
 from tests.dataset.conftest import LENGTHS, write
 from tests.recordings import CAMERAS, FPS, INSTRUCTION, STATE_NAMES, clip, episode
 from vcage.compression.codec import EncoderSettings, encode
-from vcage.dataset import lerobot_v3
-from vcage.dataset.lerobot import FORMATS, open_writer
-from vcage.dataset.lerobot_episode import LeRobotEpisode
-from vcage.dataset.lerobot_features import video_key
+from vcage.dataset.lerobot.episode import LeRobotEpisode
+from vcage.dataset.lerobot.features import video_key
+from vcage.dataset.lerobot.formats import FORMATS, open_writer
+from vcage.dataset.lerobot.statistics import picture_histogram
 from vcage.dataset.recordings.opening import open_recordings
-from vcage.dataset.statistics import picture_histogram
 from vcage.errors import DamagedFile, OutputFolderError, UnknownName, UsageError
 from vcage.videos import decode
 
@@ -228,7 +227,7 @@ def test_pictures_alone_and_numbers_alone_make_data_sets(version, episodes, tmp_
 
 
 def test_descriptions_of_episodes_are_written_in_parts(episodes, tmp_path, monkeypatch):
-    monkeypatch.setattr(lerobot_v3, "ROWS", 2)
+    monkeypatch.setattr("vcage.dataset.lerobot.v3.ROWS", 2)
     root = write("lerobot-v3.0", tmp_path / "set", [episodes[0]] * 5)
     file = pq.ParquetFile(root / "meta/episodes/chunk-000/file-000.parquet")
     assert file.num_row_groups == 3
@@ -240,7 +239,7 @@ def test_v3_frames_of_an_episode_are_a_row_group_and_a_full_file_is_followed_by_
 ):
     whole = write("lerobot-v3.0", tmp_path / "whole", episodes)
     assert pq.ParquetFile(whole / "data/chunk-000/file-000.parquet").num_row_groups == 2
-    monkeypatch.setattr(lerobot_v3, "DATA_MB", 1e-6)
+    monkeypatch.setattr("vcage.dataset.lerobot.v3.DATA_MB", 1e-6)
     root = write("lerobot-v3.0", tmp_path / "set", episodes)
     rows = pq.read_table(root / "meta/episodes/chunk-000/file-000.parquet").to_pylist()
     assert [row["data/file_index"] for row in rows] == [0, 1]

@@ -1,4 +1,4 @@
-"""Statistics of a LeRobot dataset: of vectors over frames, and of pictures over pixels."""
+"""Statistics of a LeRobot data set: of vectors over frames, and of pictures over pixels."""
 
 from __future__ import annotations
 

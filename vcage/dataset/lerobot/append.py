@@ -9,7 +9,7 @@ from collections.abc import Collection
 from pathlib import Path
 from typing import Any
 
-from vcage.dataset.lerobot_features import other_columns
+from vcage.dataset.lerobot.features import other_columns
 from vcage.dataset.parquet_files import MEND
 from vcage.errors import DamagedFile, UsageError
 from vcage.files import read_json

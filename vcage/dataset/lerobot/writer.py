@@ -15,10 +15,10 @@ import numpy as np
 import pyarrow as pa
 from numpy.typing import NDArray
 
-from vcage.dataset.lerobot_append import INFO
-from vcage.dataset.lerobot_episode import LeRobotEpisode, SubtaskSpan
-from vcage.dataset.lerobot_features import describe, require_alike, video_key
-from vcage.dataset.statistics import Statistics, picture_statistics, vector_statistics
+from vcage.dataset.lerobot.append import INFO
+from vcage.dataset.lerobot.episode import LeRobotEpisode, SubtaskSpan
+from vcage.dataset.lerobot.features import describe, require_alike, video_key
+from vcage.dataset.lerobot.statistics import Statistics, picture_statistics, vector_statistics
 from vcage.errors import DamagedFile, UsageError
 from vcage.files import write_json
 
@@ -27,7 +27,7 @@ CHUNK = 1000
 
 
 class LeRobotWriter(ABC):
-    """A data set that is being written; :func:`vcage.dataset.lerobot.open_writer` makes one.
+    """A data set that is being written; :func:`vcage.dataset.lerobot.formats.open_writer` makes one.
 
     In memory are one episode, the texts of tasks and sub-tasks, and running statistics.
 

@@ -17,10 +17,10 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from vcage.dataset import lerobot_v3, lerobot_v21
-from vcage.dataset.lerobot_append import INFO
-from vcage.dataset.lerobot_episode_list import episode_lengths, episode_tables, place_videos
-from vcage.dataset.lerobot_video import video_info
+from vcage.dataset.lerobot import v3, v21
+from vcage.dataset.lerobot.append import INFO
+from vcage.dataset.lerobot.episode_list import episode_lengths, episode_tables, place_videos
+from vcage.dataset.lerobot.video import video_info
 from vcage.dataset.parquet_files import MEND, numbered
 from vcage.dataset.parquet_rewrite import rewrite, texts_of
 from vcage.errors import DamagedFile, UsageError
@@ -30,7 +30,7 @@ from vcage.progress import Progress, silent
 OF_TOOLS = (".git", ".cache")
 """Folders in which tools note what they fetched; a copy with other videos is not that."""
 
-VIDEO_PATHS = {"v2.1": lerobot_v21.VIDEO_PATH, "v3.0": lerobot_v3.VIDEO_PATH}
+VIDEO_PATHS = {"v2.1": v21.VIDEO_PATH, "v3.0": v3.VIDEO_PATH}
 """Where videos go in a data set that had none."""
 
 LISTED = 5
