@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import functools
+from pathlib import Path
+
 import numpy as np
 import pytest
 import trimesh
@@ -12,9 +15,14 @@ GRIPPER_OPENING = 0.07
 
 
 def _visual(asset: Asset) -> trimesh.Trimesh:
-    """The picture meshes of the body and of all moving parts, at rest."""
-    paths = [asset.model.visual, *(link.visual for link in asset.model.links)]
-    return trimesh.util.concatenate([trimesh.load(path, force="mesh", process=False) for path in paths])
+    """The picture meshes of the body and of all moving parts, at rest, without their colours."""
+    return _shape((asset.model.visual, *(link.visual for link in asset.model.links)))
+
+
+@functools.cache
+def _shape(paths: tuple[Path, ...]) -> trimesh.Trimesh:
+    parts = [part for path in paths for part in trimesh.load_scene(path, process=False).dump()]
+    return trimesh.util.concatenate([trimesh.Trimesh(part.vertices, part.faces, process=False) for part in parts])
 
 
 def _share(asset: Asset) -> float:
