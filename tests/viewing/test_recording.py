@@ -5,7 +5,10 @@ import numpy as np
 import pytest
 
 from tests.dataset.recordings.layouts import FRAMES, act, jpeg, robotwin, room, rooms
+from tests.recordings import STATE_NAMES, episode
 from tests.viewing.conftest import ReadBack
+from vcage.dataset.lerobot.episode import LeRobotEpisode
+from vcage.dataset.lerobot.formats import open_writer
 from vcage.dataset.recordings.opening import open_recordings
 from vcage.errors import UsageError
 from vcage.viewing.show import view
@@ -40,6 +43,22 @@ def test_a_frame_rate_that_is_given_gives_times(tmp_path):
     view(robotwin(tmp_path / "a.hdf5"), save=tmp_path / "look.rrd", fps=3)
     times = ReadBack(tmp_path / "look.rrd").rows("/cameras/head_camera", "MediaType", "time")
     assert list(times)[1:4] == [333_333_333, 666_666_667, 1_000_000_000]
+
+
+@pytest.fixture
+def numbers_alone(tmp_path):
+    """A LeRobot data set without cameras, of one episode."""
+    named = {"state_names": STATE_NAMES, "action_names": STATE_NAMES}
+    numbers = {"state": episode(FRAMES).qpos, "action": episode(FRAMES).action}
+    with open_writer("lerobot-v3.0", tmp_path / "set") as writer:
+        writer.add(LeRobotEpisode(10.0, "robot", "push", videos={}, histograms={}, sampled=0, **numbers, **named))
+    return tmp_path / "set"
+
+
+def test_a_recording_of_numbers_alone_has_its_curves(numbers_alone, tmp_path):
+    contents = view(numbers_alone, save=tmp_path / "look.rrd").contents
+    assert (contents.frames, contents.cameras) == (FRAMES, {})
+    assert ReadBack(tmp_path / "look.rrd").under("/joints") == set(STATE_NAMES)
 
 
 def test_cameras_of_different_lengths_show_all_they_have(tmp_path):

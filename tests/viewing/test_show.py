@@ -42,17 +42,61 @@ def test_a_folder_that_cannot_be_written_is_named(episode_file):
         view(episode_file, save=Path("/proc/no/look.rrd"))
 
 
-def test_a_file_that_was_there_stays_when_the_episode_is_damaged(episode_file, tmp_path):
-    (tmp_path / "look.rrd").write_bytes(b"before")
-    damaged = tmp_path / "damaged.hdf5"
+@pytest.fixture
+def damaged_file(episode_file, tmp_path_factory) -> Path:
+    """An episode whose pictures are damaged in the middle."""
+    damaged = tmp_path_factory.mktemp("damaged") / "damaged.hdf5"
     data = bytearray(episode_file.read_bytes())
     middle = len(data) // 2
     data[middle : middle + 20000] = bytes(20000)
     damaged.write_bytes(data)
+    return damaged
+
+
+def test_a_file_that_was_there_stays_when_the_episode_is_damaged(damaged_file, tmp_path):
+    (tmp_path / "look.rrd").write_bytes(b"before")
     with pytest.raises(DamagedFile, match=r"damaged\.hdf5"):
-        view(damaged, save=tmp_path / "look.rrd")
+        view(damaged_file, save=tmp_path / "look.rrd")
     assert (tmp_path / "look.rrd").read_bytes() == b"before"
-    assert {path.name for path in tmp_path.iterdir()} == {"look.rrd", "damaged.hdf5"}
+    assert [path.name for path in tmp_path.iterdir()] == ["look.rrd"]
+
+
+LIMITED = """
+import resource, signal, sys
+from pathlib import Path
+signal.signal(signal.SIGXFSZ, signal.SIG_IGN)  # a write beyond the limit is then refused
+from vcage.viewing.show import view
+resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, resource.RLIM_INFINITY))
+view(Path(sys.argv[1]), save=Path(sys.argv[2]))
+"""
+
+
+def test_a_full_disk_is_an_error_and_leaves_no_half_file(episode_file, tmp_path):
+    program = [sys.executable, "-c", LIMITED, episode_file, tmp_path / "look.rrd"]
+    done = subprocess.run(program, capture_output=True, text=True, check=False, env={"PYTHONPATH": ":".join(sys.path)})
+    assert done.returncode == 1 and "DiskFull" in done.stderr
+    assert not list(tmp_path.iterdir())
+
+
+MANY = """
+import faulthandler, sys
+from pathlib import Path
+from vcage.errors import DamagedFile
+from vcage.viewing.show import view
+faulthandler.dump_traceback_later(60, exit=True)
+for _ in range(4):
+    try:
+        view(Path(sys.argv[1]), save=Path(sys.argv[2]))
+        sys.exit("not refused")
+    except DamagedFile:
+        pass
+"""
+
+
+def test_episode_after_episode_that_fails_leaves_nothing_that_waits(damaged_file, tmp_path):
+    program = [sys.executable, "-c", MANY, damaged_file, tmp_path / "look.rrd"]
+    done = subprocess.run(program, capture_output=True, text=True, check=False, env={"PYTHONPATH": ":".join(sys.path)})
+    assert (done.returncode, done.stderr) == (0, "")
 
 
 def test_without_a_screen_the_way_out_is_a_file(episode_file, monkeypatch):

@@ -59,8 +59,9 @@ def log_motion(journal: Journal, clock: Clock, recording: Recording) -> list[Plo
     """What a recording of others knows of its robot: state and commands by their names, whatever their units."""
     motion, state = recording.motion, recording.state
     values = {} if state is None else dict(zip(recording.state_names, state.T, strict=True))
-    commands = {} if motion is None else dict(zip(recording.action_names, motion.action.T, strict=True))
-    driven = [] if motion is None else [recording.action_names[column] for column in motion.grippers]
+    told = recording.action_names
+    commands = {} if motion is None else dict(zip(told, motion.action.T, strict=True))
+    driven = [] if motion is None else [told[column] for column in motion.grippers]
     names = list(dict.fromkeys([*values, *commands]))
     paths = {
         name: _log_joint(journal, clock, name, _colour(column), values.get(name), commands.get(name))

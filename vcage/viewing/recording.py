@@ -28,8 +28,7 @@ def log_recording(
         DamagedFile: a picture or a number cannot be read.
     """
     cameras = recording.cameras
-    frames = max(camera.frames for camera in cameras)
-    clock = Clock.steady(frames, recording.fps or fps)
+    clock = Clock.steady(recording.frames, recording.fps or fps)
     plots = log_motion(journal, clock, recording)
     shown: dict[str, str] = {}
     for number, camera in enumerate(cameras if pictures else []):
@@ -37,4 +36,4 @@ def log_recording(
         where = shown[camera.name] = entity(CAMERAS, camera.name)
         log_pictures(journal, where, clock.at(range(camera.frames)), partial(recording.pictures, camera.name))
     journal.always(ABOUT, about_recording(recording, clock))
-    return Contents(frames, shown, plots)
+    return Contents(recording.frames, shown, plots)

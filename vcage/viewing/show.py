@@ -5,13 +5,14 @@ from __future__ import annotations
 import os
 import socket
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
 from vcage.dataset.recordings.recording import Recording
 from vcage.errors import ConfigurationError, UsageError
-from vcage.files import RunFolder, atomic_path
+from vcage.files import RunFolder, write_bytes
 from vcage.progress import Progress, silent
 from vcage.viewing.desk import Contents, blueprint
 from vcage.viewing.episode import Footage, log_episode
@@ -96,22 +97,32 @@ def view(
     return Shown(number, len(found), _to_viewer(write) if save is None else _to_file(write, save))
 
 
+@contextmanager
+def _stream() -> Iterator[rr.RecordingStream]:
+    """A stream that is closed also when writing fails: one left open stops the next one's making for ever (0.23)."""
+    stream = rr.RecordingStream(APPLICATION)
+    try:
+        yield stream
+    finally:
+        stream.disconnect()  # sends what is still in memory
+
+
 def _to_file(write: Callable[[rr.RecordingStream], Contents], save: Path) -> Contents:
     RunFolder(save.parent).make()
-    with atomic_path(save) as part:
-        stream = rr.RecordingStream(APPLICATION)
-        stream.save(part)
-        contents = write(stream)
-        stream.disconnect()  # writes what is still in memory
+    with _stream() as stream:
+        sink = stream.binary_stream()  # Rerun's own writer of files only logs that a disk is full
+        try:
+            contents = write(stream)
+        finally:
+            data = sink.read() or b""  # what is dropped unread is warned of
+    write_bytes(save, data)
     return contents
 
 
 def _to_viewer(write: Callable[[rr.RecordingStream], Contents]) -> Contents:
-    stream = rr.RecordingStream(APPLICATION)
-    _spawn(stream)
-    contents = write(stream)
-    stream.flush()
-    stream.disconnect()
+    with _stream() as stream:
+        _spawn(stream)
+        contents = write(stream)
     _require_still_open()
     return contents
 
