@@ -143,7 +143,7 @@ class LeRobot:
 
 @dataclass(frozen=True)
 class Searched:
-    """The project's own search, for a codec and GOP.
+    """The project's own search, for a codec and GOP; where a codec has no form without loss, without its guard.
 
     Args:
         name: of the format.
@@ -187,12 +187,16 @@ class Searched:
             return before[self.like].loss
         if self._has_lossless:
             return LIMIT
-        reference = film.frames[film.keyframes]
-        lowest, best = self.choices.settings().facts.min_crf, 0.0
-        for pixel_format in self.choices.settings().facts.pixel_formats:
-            video = encode(film.frames, film.fps, self.choices.settings(pixel_format), lowest, THREADS)
-            best = max(best, float(metric.loss(decode(video, film.keyframes), reference).max()))
+        facts, reference = self.choices.settings().facts, film.frames[film.keyframes]
+        best = min(
+            float(metric.loss(decode(self._at_best(film, name), film.keyframes), reference).max())
+            for name in facts.pixel_formats
+        )
         return max(LIMIT, SLACK * best)
+
+    def _at_best(self, film: Film, pixel_format: str) -> bytes:
+        settings = self.choices.settings(pixel_format)
+        return encode(film.frames, film.fps, settings, settings.facts.min_crf, THREADS)
 
     def _choices(self, before: Before) -> Choices:
         if self.after is None:

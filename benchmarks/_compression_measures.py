@@ -8,16 +8,18 @@ import tempfile
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import cache
+from importlib import metadata
 from pathlib import Path
 
 import av
+import cv2
 
 import benchmarks
 from benchmarks._compression_clips import Clip, Film
 from benchmarks._compression_episodes import VERSION
 from benchmarks._compression_formats import Format, Found, Made
 from benchmarks._compression_stored import random_decode_ms
-from vcage import compression, packing
+from vcage import compression, packing, videos
 from vcage.compression.jod import JodMetric
 from vcage.files import cache_dir, read_json, write_json
 
@@ -101,9 +103,10 @@ def _losses(film: Film, made: Made, indices: Sequence[int], metric: JodMetric) -
 @cache
 def code_hash() -> str:
     """Of the code that decides what is measured: another one measures anew."""
-    digest = hashlib.sha256(f"{av.__version__} {VERSION}".encode())
+    digest = hashlib.sha256(f"{av.__version__} {cv2.__version__} {metadata.version('cvvdp')} {VERSION}".encode())
     folders = (*compression.__path__, *packing.__path__)
     files = [path for folder in folders for path in sorted(Path(folder).rglob("*.py"))]
+    files += [Path(videos.__file__)]
     files += [path for folder in benchmarks.__path__ for path in sorted(Path(folder).glob("_compression_*.py"))]
     for path in files:
         digest.update(path.read_bytes())

@@ -69,7 +69,10 @@ def store_pictures(frames: NDArray[np.uint8], path: Path, extension: str, option
 
 
 def random_decode_ms(stored: Stored, count: int, seed: int = 0) -> float:
-    """Mean CPU time to read one of ``count`` frames from the closed file, milliseconds."""
+    """Mean CPU time to read one of ``count`` frames from the closed file, milliseconds.
+
+    A video's table of frames is known from an earlier read, as it is to who reads frame after frame.
+    """
     indices = np.random.default_rng(seed).integers(count, size=DRAWS)
     stored.read([0])
     start = time.process_time()

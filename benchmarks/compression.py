@@ -16,29 +16,39 @@ from __future__ import annotations
 
 import argparse
 import logging
-import multiprocessing
 import os
 import sys
 import time
-from collections.abc import Collection, Iterator, Sequence
-from concurrent.futures import Future, ProcessPoolExecutor, as_completed
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
 from itertools import chain
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from benchmarks._compression_clips import Clip, clips
 from benchmarks._compression_curve import Point, curve, draw
 from benchmarks._compression_episodes import episode_path
-from benchmarks._compression_formats import formats
+from benchmarks._compression_formats import Format, formats
 from benchmarks._compression_measures import Measured, measure_clip
 from benchmarks._compression_rows import rows
+from vcage.workers import in_processes
 
 logger = logging.getLogger(__name__)
+
+T = TypeVar("T")
 
 WORKERS = 2
 """Clips at a time, each in a process of its own and with encoders of one thread."""
 
 PLOT = Path("build/compression.png")
+
+
+@dataclass(frozen=True)
+class Job:
+    """A clip to be measured in formats, or, where they are None, to get its curve."""
+
+    clip: Clip
+    formats: Sequence[Format] | None = None
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -57,18 +67,11 @@ def run(quick: bool, plot: Path | None = None) -> dict[str, Any]:
     chosen = clips(quick)
     drawn = [] if quick and plot is None else [chosen[0], chosen[-1]]
     _render(chosen)
-    measured: dict[str, list[Measured]] = {}
-    points: dict[str, list[Point]] = {}
-    with ProcessPoolExecutor(WORKERS, multiprocessing.get_context("spawn"), _begin) as pool:
-        jobs: dict[Future, tuple[dict, str]] = {
-            pool.submit(measure_clip, clip, formats(quick)): (measured, clip.name) for clip in chosen
-        } | {pool.submit(curve, clip): (points, clip.name) for clip in drawn}
-        for future in _watched(jobs):
-            results, name = jobs[future]
-            results[name] = future.result()
-    figures: dict[str, Any] = {"rows": rows(chain.from_iterable(measured[clip.name] for clip in chosen))}
+    jobs = [Job(clip, formats(quick)) for clip in chosen] + [Job(clip) for clip in drawn]
+    results = dict(_watched(in_processes(_do, jobs, WORKERS, _begin), len(jobs)))
+    figures: dict[str, Any] = {"rows": rows(chain.from_iterable(results[clip.name, "formats"] for clip in chosen))}
     if drawn:
-        line = list(chain.from_iterable(points[clip.name] for clip in drawn))
+        line = list(chain.from_iterable(results[clip.name, "curve"] for clip in drawn))
         logger.info("curves: %s", draw(line, plot or PLOT))
         figures["curves"] = [vars(point) for point in line]
     return figures
@@ -87,11 +90,17 @@ def _begin() -> None:
     os.environ["SVT_LOG"] = "1"
 
 
-def _watched(jobs: Collection[Future]) -> Iterator[Future]:
-    """The jobs as they finish; the log says how much time the others will take."""
+def _do(job: Job) -> tuple[tuple[str, str], list[Measured] | list[Point]]:
+    if job.formats is None:
+        return (job.clip.name, "curve"), curve(job.clip)
+    return (job.clip.name, "formats"), measure_clip(job.clip, job.formats)
+
+
+def _watched(results: Iterable[T], count: int) -> Iterator[T]:
+    """The results as they come; the log says how much time the others will take."""
     started = time.perf_counter()
-    for done, future in enumerate(as_completed(jobs), start=1):
+    for done, result in enumerate(results, start=1):
         seconds = time.perf_counter() - started
-        left = seconds * (len(jobs) / done - 1)
-        logger.info("%d of %d done: %.0f s so far, about %.0f s left", done, len(jobs), seconds, left)
-        yield future
+        left = seconds * (count / done - 1)
+        logger.info("%d of %d done: %.0f s so far, about %.0f s left", done, count, seconds, left)
+        yield result
