@@ -23,7 +23,7 @@ VIEWS = (HIGH, RIGHT, RIGHT, HIGH, LEFT, LEFT, RIGHT, HIGH, HIGH, RIGHT, LEFT, H
 """Camera of each episode's rendered clip: that above the table, or on a wrist of the arm that does more."""
 
 UNSEEN = 7
-"""Step of the held-out frames; another than the search has, so that few are frames which its guard has seen."""
+"""Step of the held-out frames; another than the search has, and none of those that its guard has seen."""
 
 SPARSE = (0, 2, 4, 5)
 """Numbers of the episodes of which there is a clip with few frames per second as well."""
@@ -94,7 +94,8 @@ class Clip:
         if self.sensor is not None:
             frames = self.sensor.film(frames)
         seen = keyframes(episode.action[: self.length], episode.grippers)
-        return Film(frames, episode.fps, seen, held_out_frames(len(frames), seen, UNSEEN))
+        guarded = held_out_frames(len(frames), seen)
+        return Film(frames, episode.fps, seen, held_out_frames(len(frames), [*seen, *guarded], UNSEEN))
 
 
 def clips(quick: bool) -> list[Clip]:

@@ -15,7 +15,7 @@ import cv2
 from benchmarks._compression_clips import Film
 from benchmarks._compression_stored import Stored, Video, store_pictures
 from vcage.compression.choices import Choices, Criterion
-from vcage.compression.codec import EncoderSettings, encode
+from vcage.compression.codec import encode
 from vcage.compression.encoders import CODECS
 from vcage.compression.jod import JodMetric
 from vcage.compression.search import SearchResult, search_clip
@@ -173,7 +173,7 @@ class Searched:
             len({(trial.pixel_format, trial.gop, trial.crf) for trial in result.trials}),
             result.settings.gop,
             result.crf,
-            result.settings.pixel_format,
+            result.pixel_format,
             limit,
         )
 
@@ -211,9 +211,8 @@ class Searched:
 def _encode_ms(film: Film, result: SearchResult) -> float:
     """CPU time to encode a frame once more as the search found best; a part of the clip is enough to tell."""
     part = film.frames[len(film.frames) // 3 :][:TIMED]
-    exact = EncoderSettings(result.settings.codec, preset=result.settings.preset, gop=result.settings.gop)
     start = time.process_time()
-    encode(part, film.fps, result.settings if result.crf is not None else exact, result.crf, THREADS)
+    encode(part, film.fps, result.settings, result.crf, THREADS)
     return 1000 * (time.process_time() - start) / len(part)
 
 

@@ -35,8 +35,8 @@ def killed(program: list[str], cwd: Path, when: Callable[[], bool]) -> None:
 
 @pytest.mark.slow
 def test_a_run_that_is_killed_again_and_again_ends_with_the_same_files(finished: Finished, tmp_path):
-    run = tmp_path / "run"
-    for half_written in ("place.partial-*/*.png", "episodes.collecting/critic/*", "compress.working/*.mp4"):
+    run = copied(finished.run, tmp_path / "run", before="collect").root
+    for half_written in ("episodes.collecting/critic/*", "compress.working/*.mp4"):
         killed(RUN, tmp_path, lambda pattern=half_written: any(run.glob(pattern)))
     answer = process(RUN, tmp_path)
     assert answer.code == 0, answer.stderr

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from tests.recordings import FPS, clip
 from vcage.compression.codec import EncoderSettings, encode
 from vcage.errors import DamagedFile, UsageError
-from vcage.videos import codec_name, decode, frame_count, frame_rate, pictures
+from vcage.videos import codec_name, decode, frame_count, frame_rate, frame_times, pictures
 
 FRAMES = 40
 
@@ -81,6 +81,14 @@ def test_pictures_come_one_by_one_as_in_the_whole_video(videos, name):
     assert all(np.array_equal(*pair) for pair in zip(pictures(path), whole, strict=True))
     assert np.array_equal(decode(path), whole)
     assert frame_count(path) == FRAMES
+
+
+@pytest.mark.parametrize("name", [*OTHERS, *OURS])
+def test_frames_are_shown_in_order_when_a_decoder_shows_them(videos, name):
+    path, _ = videos[name]
+    with av.open(str(path)) as container:
+        shown = [frame.time for frame in container.decode(video=0)]
+    assert frame_times(path) == pytest.approx(shown)
 
 
 def test_a_video_in_memory_is_read_like_a_file(videos, video):

@@ -11,6 +11,7 @@ from bisect import bisect_right
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from fractions import Fraction
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -81,6 +82,16 @@ def frame_count(video: bytes | Path) -> int:
     return len(_table(video).times)
 
 
+def frame_times(video: bytes | Path) -> list[float]:
+    """When each frame is shown, seconds, in order; read without decoding them.
+
+    Raises:
+        DamagedFile: it is no video, is cut off, or holds fewer frames than it claims.
+    """
+    table = _table(video)
+    return [float(time * table.unit) for time in table.times]
+
+
 def codec_name(video: bytes | Path) -> str:
     """FFmpeg's name of the format of its pictures: ``hevc``, ``av1``, ``h264``…
 
@@ -131,10 +142,15 @@ class _Run:
 
 @dataclass(frozen=True)
 class _Table:
-    """Times of all frames in order, and the random-access points in order, in units of the stream."""
+    """Times of all frames in order, and the random-access points in order, in units of the stream.
+
+    Args:
+        unit: of the times, seconds.
+    """
 
     times: list[int]
     entries: list[_Entry]
+    unit: Fraction
 
     def runs(self, wanted: Sequence[int]) -> list[_Run]:
         """What must be decoded for the frames ``wanted``, which increase."""
@@ -226,7 +242,7 @@ class _Source:
                 times.append(packet.pts)
         if not entries or len(set(times)) < len(times):
             raise DamagedFile(f"{self.name} has no frame to start at, or two at the same time", hint=MEND)
-        return _Table(sorted(times), sorted(entries, key=lambda entry: entry.time))
+        return _Table(sorted(times), sorted(entries, key=lambda entry: entry.time), self.stream.time_base)
 
     def run(self, run: _Run) -> Iterator[NDArray[np.uint8]]:
         """The pictures of a run, in order of time."""

@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 
 from tests.packing.orders import act_folder, add_camera
+from tests.recordings import collected
 from tests.runs import Answer, command, digests
 from vcage.packing import clips as clip_module
 from vcage.packing.pack import WORKING
@@ -81,6 +82,16 @@ def test_a_dry_run_estimates_and_writes_nothing(capsys, tmp_path, source):
     assert sorted(tmp_path.rglob("*")) == before
 
 
+def test_a_dry_run_of_a_run_estimates_what_the_stage_would_write(capsys, tmp_path):
+    run = collected(tmp_path / "run")
+    before = sorted(tmp_path.rglob("*"))
+    answer = command(capsys, "compress", "--run", run.root, *QUICK[2:], "--workers", 1, "--seed", 7, "--dry-run")
+    summary = answer.record["summary"]
+    assert (summary["would"], summary["producer"], summary["videos"]) == ("write", "compress", 6)
+    assert 0 < summary["bytes"] < summary["raw_bytes"]
+    assert sorted(tmp_path.rglob("*")) == before
+
+
 # --- refused -------------------------------------------------------------------------------------------
 
 
@@ -92,6 +103,8 @@ def test_a_dry_run_estimates_and_writes_nothing(capsys, tmp_path, source):
         (["--pixel-format", "yuv999"], "unknown_name", "yuv420p"),
         (["--crf", "52"], "usage", "51"),
         (["--crf", "best"], "usage", "lossless"),
+        (["--crf=-1"], "usage", "lossless"),
+        (["--codec", "av1", "--crf", "lossless", "--preset", "8"], "usage", "--codec hevc or h264"),
         (["--max-loss", "0", "--crf", "1"], "usage", "above 0"),
         (["--max-loss", "nan"], "usage", "not between"),
         (["--gop", "0"], "usage", "positive"),

@@ -24,6 +24,22 @@ def test_the_time_left_is_told_once_it_is_known_and_long(elapsed, done, total, e
     assert time_left(elapsed, done, total) == expected
 
 
+def test_what_an_earlier_call_did_does_not_count_for_the_time_left(caplog, monkeypatch):
+    moments = iter([0, 0, 100, 200, 200, 260])
+    monkeypatch.setattr("time.monotonic", lambda: float(next(moments)))
+    with caplog.at_level(logging.INFO), progress("compress") as show:
+        show("a", 90, 100)
+        show("b", 91, 100)
+        show("again", 50, 100)
+        show("c", 51, 100)
+    assert [message.partition("(")[2] for message in caplog.messages] == [
+        "",
+        "about 15 min left)",
+        "",
+        "about 49 min left)",
+    ]
+
+
 def test_each_step_is_a_line_where_stderr_is_no_terminal(caplog):
     with caplog.at_level(logging.INFO), progress("collect") as show:
         show("episode 0", 0, 2)

@@ -57,8 +57,9 @@ def test_the_number_of_threads_of_torch_is_left_as_it_was(metric):
 
 def test_a_missing_cvvdp_says_what_to_install(monkeypatch):
     monkeypatch.setitem(sys.modules, "pycvvdp", None)
-    with pytest.raises(MissingDependency, match="ColorVideoVDP"):
+    with pytest.raises(MissingDependency, match="ColorVideoVDP") as missing:
         JodMetric()
+    assert "vcage setup cvvdp" in missing.value.hint
 
 
 def test_the_stand_in_blur_keeps_a_constant_and_spreads_a_point():

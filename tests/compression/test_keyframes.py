@@ -107,6 +107,14 @@ def test_an_angle_that_passes_pi_is_no_motion():
     assert np.ptp(np.diff(continuous(wrapped[:, None])[:, 0])) < 1e-9
 
 
+@pytest.mark.parametrize("offset", [0.0, 300.0])
+def test_a_fast_motion_in_degrees_or_percent_stays_the_fastest(offset):
+    degrees = np.full(60, offset)
+    degrees[20:] += 360
+    degrees[40:] += 30
+    assert {20, 40} <= set(keyframes(degrees[:, None], []))
+
+
 def test_poses_of_two_arms_are_understood_like_joints():
     swing = np.cumsum(np.exp(-(((np.arange(100) - 40) / 3) ** 2)))[:, None]
     left = np.hstack([swing, np.zeros((100, 2)), turning(100), np.ones((100, 1))])

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from tests.recordings import FPS, clip
+from vcage.compression import search as search_module
 from vcage.compression.bisection import BUDGET
-from vcage.compression.choices import Choices, Criterion
+from vcage.compression.choices import LOSSLESS, Choices, Criterion
 from vcage.compression.codec import EncoderSettings, encode
 from vcage.compression.encoders import CODECS
 from vcage.compression.jod import JodMetric
@@ -64,6 +65,12 @@ def test_where_nothing_passes_the_video_is_lossless(metric):
     assert min(trial.crf for trial in result.trials if trial.crf is not None) == 0
 
 
+def test_h264_without_loss_is_rgb(metric):
+    result = search(clip(4), metric, keyframes=[0, 3], choices=Choices("h264", "ultrafast", upper=LOSSLESS))
+    assert (result.crf, result.pixel_format, result.trials[-1].pixel_format) == (None, "rgb24", "rgb24")
+    assert np.array_equal(decode(result.video), clip(4))
+
+
 def test_a_codec_without_a_lossless_form_says_what_its_colour_costs(metric):
     frames = np.random.default_rng(0).integers(0, 256, (2, 48, 64, 3), np.uint8)
     with pytest.raises(UsageError, match=r"av1 video stays under 0\.001 JOD.*half the size") as caught:
@@ -84,7 +91,12 @@ def test_no_crf_for_an_earlier_clip_means_lossless_at_once(metric):
 
 
 def test_one_of_every_ten_frames_is_held_out_unless_it_was_scored():
-    assert held_out_frames(40, [13]) == [0, 26, 39]
+    assert held_out_frames(40, [16]) == [3, 29, 32]
+
+
+def test_even_a_short_clip_has_held_out_frames_that_are_no_keyframes():
+    assert held_out_frames(13, [0, 12]) == [3, 10]
+    assert held_out_frames(1, [0]) == []
 
 
 def test_held_out_frames_do_not_keep_step_with_any_gop():
@@ -95,7 +107,7 @@ def test_held_out_frames_do_not_keep_step_with_any_gop():
 def flickering(frames: int = 34) -> np.ndarray:
     """Still and grey, but for one held-out frame of noise that no keyframe sees."""
     pictures = np.full((frames, 48, 64, 3), 128, np.uint8)
-    pictures[13] = np.random.default_rng(0).integers(0, 256, (48, 64, 3), np.uint8)
+    pictures[16] = np.random.default_rng(0).integers(0, 256, (48, 64, 3), np.uint8)
     return pictures
 
 
@@ -103,18 +115,18 @@ def test_the_guard_adds_a_held_out_frame_that_fails_and_searches_again(metric):
     frames = flickering()
     careless = search(frames, metric, keyframes=[0, 33], guard=False)
     guarded = search(frames, metric, keyframes=[0, 33], guard=True)
-    assert (careless.held_out.frame, careless.added) == (13, [])
+    assert (careless.held_out.frame, careless.added) == (16, [])
     assert careless.held_out.worst >= 0.1
-    assert 13 in guarded.added
+    assert 16 in guarded.added
     assert guarded.crf < careless.crf
     assert guarded.loss_max < 0.1
-    assert metric.loss(decode(guarded.video, [13]), frames[[13]]).max() < 0.1
+    assert metric.loss(decode(guarded.video, [16]), frames[[16]]).max() < 0.1
 
 
 def test_the_mean_lets_a_single_bad_frame_pass(metric):
     frames = flickering()
-    strict = search(frames, metric, keyframes=[0, 13, 33])
-    mild = search(frames, metric, keyframes=[0, 13, 33], reduce="mean")
+    strict = search(frames, metric, keyframes=[0, 16, 33])
+    mild = search(frames, metric, keyframes=[0, 16, 33], reduce="mean")
     assert mild.crf > strict.crf
     assert mild.loss_mean < 0.1 <= mild.loss_max
 
@@ -151,6 +163,69 @@ def test_pictures_of_odd_size_go_into_full_colour(metric):
 def test_a_size_that_no_format_takes_is_refused(metric):
     with pytest.raises(UsageError, match="8x8"):
         search(clip(3)[:, :8, :8], metric, keyframes=[0, 2], choices=Choices())
+
+
+def test_a_size_that_does_not_fit_the_only_format_is_refused(metric):
+    with pytest.raises(UsageError, match="63x47 do not fit the pixel format yuv420p"):
+        search(clip(3)[:, :47, :63], metric, keyframes=[0, 2], choices=Choices(pixel_formats=("yuv420p",)))
+
+
+# --- with losses that are made up ----------------------------------------------------------------------
+
+BEST, CHEAP = "yuv444p10le", "yuv420p10le"
+LONG = np.zeros((60, 48, 64, 3), np.uint8)
+
+
+class Judge:
+    """Stands for encoder, decoder and metric: what a frame loses is a function of pixel format, CRF and the frame."""
+
+    def __init__(self, patch: pytest.MonkeyPatch, loss_of):
+        self.loss_of = loss_of
+        patch.setattr(search_module, "encode", self._encode)
+        patch.setattr(search_module, "decode", lambda video, indices: (video, indices))
+        patch.setattr(search_module, "only_converted", lambda pictures, _name: (None, range(len(pictures))))
+
+    def _encode(self, _frames, _fps, settings: EncoderSettings, crf: int, _threads) -> bytes:
+        size = (1000 if settings.pixel_format == BEST else 500) - crf
+        return f"{settings.pixel_format} {crf}".encode().ljust(size)
+
+    def loss(self, test, _reference) -> np.ndarray:
+        video, indices = test
+        if video is None:
+            return np.zeros(len(indices))
+        name, crf = video.split()
+        return np.array([self.loss_of(name.decode(), int(crf), index) for index in indices])
+
+
+def growing(crf: int) -> float:
+    """A loss that is 0.1 between 15 and 16."""
+    return 0.1 * np.exp(0.17 * (crf - 15.5))
+
+
+def encodings(result) -> int:
+    return len({(trial.pixel_format, trial.gop, trial.crf) for trial in result.trials})
+
+
+def test_where_held_out_frames_fail_in_a_cheaper_format_the_best_one_gets_its_turn(monkeypatch):
+    def loss_of(name: str, crf: int, frame: int) -> float:
+        return 1.0 if name == CHEAP and frame not in (0, 59) else growing(crf)
+
+    judge = Judge(monkeypatch, loss_of)
+    result = search(LONG, judge, keyframes=[0, 59], guard=True, choices=Choices(pixel_formats=(BEST, CHEAP)))
+    assert (result.pixel_format, result.crf) == (BEST, 15)
+    assert result.added and result.held_out is None
+
+
+@pytest.mark.parametrize("factor", [1.1, 1.5, 3.0])
+def test_the_guard_stays_within_the_budget_where_losses_grow_as_usual(monkeypatch, factor):
+    def loss_of(_name: str, crf: int, frame: int) -> float:
+        return growing(crf) * (1 if frame in (0, 59) else factor)
+
+    judge = Judge(monkeypatch, loss_of)
+    result = search(LONG, judge, keyframes=[0, 59], guard=True, choices=Choices(gops=(10, 30)))
+    assert result.added and result.loss_max < 0.1
+    assert growing(result.crf + 2) * factor >= 0.1
+    assert encodings(result) <= BUDGET
 
 
 def test_a_fixed_crf_is_encoded_once_whatever_it_loses(metric):

@@ -29,6 +29,12 @@ def test_a_link_comes_back_as_it_was_written(file, link):
     assert (link.original.kind, link.original.shape, link.original.channels) == ("fixed", [FRAMES], 3)
 
 
+def test_a_link_of_an_earlier_version_that_says_more_is_read(file, link):
+    dataset = write_link(file, "link", link)
+    dataset.attrs["vcage_original_dtype"] = '"uint8"'
+    assert read_link(dataset) == link
+
+
 def test_another_dataset_is_no_link(file):
     assert read_link(file[KEY]) is None
 

@@ -6,7 +6,7 @@ import pytest
 from tests.dataset.packing import pack
 from tests.recordings import CAMERAS, written
 from vcage.dataset.reader import EpisodeReader
-from vcage.errors import InputFileError
+from vcage.errors import DamagedFile, InputFileError
 
 
 @pytest.fixture(scope="module")
@@ -30,3 +30,11 @@ def test_everything_else_of_it_is_read_as_ever(packed):
         for name, camera in old.episode.cameras.items():
             track = new.episode.cameras[name]
             assert (track.width, track.height) == (camera.width, camera.height)
+
+
+def test_an_episode_whose_attributes_are_damaged_is_named(tmp_path):
+    path = written(tmp_path / "a.hdf5", 2)
+    content = path.read_bytes()
+    path.write_bytes(content.replace(b"GCOL", b"\0\0\0\0"))  # begins what holds the texts of attributes
+    with pytest.raises(DamagedFile, match=r"a\.hdf5 is damaged"):
+        EpisodeReader(path)

@@ -16,9 +16,9 @@ from vcage.errors import OutputFolderError, UsageError
 FRAMES = 9
 
 
-def exported(path, out, **options):
+def exported(path, out):
     with EpisodeReader(path) as reader:
-        return export_robotwin(reader, out, **options)
+        return export_robotwin(reader, out)
 
 
 @pytest.fixture
@@ -95,27 +95,12 @@ def test_a_camera_of_another_name_keeps_it(tmp_path):
     assert [camera.name for camera in recording.cameras] == ["cam_low"]
 
 
-def test_better_jpegs_take_more_and_lose_less(tmp_path):
-    path = written(tmp_path / "a.hdf5", FRAMES)
-    loss = {}
-    for quality in (50, 100):
-        (recording,) = open_recordings(exported(path, tmp_path / f"{quality}.hdf5", quality=quality))
-        loss[quality] = np.abs(recording.pictures("head_camera").astype(int) - clip(FRAMES)).mean()
-    assert loss[100] < loss[50]
-
-
 def test_an_arm_that_robotwin_does_not_know_is_refused_by_name(tmp_path):
     names = [name.replace("right", "third") for name in STATE_NAMES]
     path = written(tmp_path / "a.hdf5", FRAMES, state_names=names)
     with pytest.raises(UsageError, match="third_joint_1"):
         exported(path, tmp_path / "b.hdf5")
     assert not (tmp_path / "b.hdf5").exists()
-
-
-@pytest.mark.parametrize("quality", [0, 101])
-def test_a_quality_that_jpeg_does_not_have_is_refused(tmp_path, quality):
-    with pytest.raises(UsageError, match=str(quality)):
-        exported(written(tmp_path / "a.hdf5", 2), tmp_path / "b.hdf5", quality=quality)
 
 
 def test_a_folder_that_cannot_be_made_is_named(tmp_path):

@@ -58,8 +58,14 @@ def _metadata_v21(root: Path, info: dict[str, Any]) -> Metadata:
         place = {"episode_chunk": index // info["chunks_size"], "episode_index": index}
         videos = {key: (info["video_path"].format(video_key=key, **place), 0) for key in info["features"]}
         rows.append({"episode_index": index, "table": info["data_path"].format(**place), "videos": videos})
-    lines = map(json.loads, (root / "meta/tasks.jsonl").read_text().splitlines())
-    return rows, {line["task_index"]: line["task"] for line in lines}, {}
+    return rows, _lines(root, "task"), _lines(root, "subtask")
+
+
+def _lines(root: Path, name: str) -> dict[int, str]:
+    """Number → text of ``meta/tasks.jsonl`` or ``meta/subtasks.jsonl``, if it is there."""
+    path = root / f"meta/{name}s.jsonl"
+    rows = map(json.loads, path.read_text().splitlines()) if path.exists() else ()
+    return {row[f"{name}_index"]: row[name] for row in rows}
 
 
 def _metadata_v3(root: Path, info: dict[str, Any]) -> Metadata:

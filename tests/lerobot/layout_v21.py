@@ -53,7 +53,8 @@ NUMBERS = {
     "index": pa.int64(),
     "task_index": pa.int64(),
 }
-OURS = {"meta/subtasks.jsonl"}
+SUBTASKS = "meta/subtasks.jsonl"
+OURS = {SUBTASKS}
 """What we add; readers of the format look past it. So do frames have a ``subtask_index``."""
 
 
@@ -72,6 +73,8 @@ def check_layout(report: Report, root: Path, episodes: list[Episode]) -> None:
     report.check("v2.1 files: episodes.jsonl", f"{len(rows)} rows", [] if rows == wanted else [f"{rows}"])
     report.check("v2.1 files: episodes_stats.jsonl", f"{len(episodes)} rows", list(_statistics(root, info, episodes)))
     report.check("v2.1 files: Parquet columns", f"{len(episodes)} files", list(_tables(root, info, tasks, episodes)))
+    subtasks = {row["subtask_index"]: row["subtask"] for row in _rows(root / SUBTASKS)} if _has_subtasks(info) else {}
+    report.check("v2.1 files: sub-tasks", f"{len(subtasks)} texts", list(_subtasks(root, info, subtasks, episodes)))
     report.check(
         "v2.1 files: videos are the streams that were encoded, byte for byte",
         "all",
@@ -188,6 +191,26 @@ def _tables(root: Path, info: dict[str, Any], tasks: dict[int, str], episodes: l
             yield f"{path}: timestamp is {table['timestamp'].to_pylist()}"
         if {tasks[number] for number in table["task_index"].to_pylist()} != {episode.task}:
             yield f"{path}: task_index leads to other tasks"
+
+
+def _has_subtasks(info: dict[str, Any]) -> bool:
+    return "subtask_index" in info["features"]
+
+
+def _subtasks(root: Path, info: dict[str, Any], subtasks: dict[int, str], episodes: list[Episode]) -> Iterator[str]:
+    """What is wrong with the sub-tasks of frames, where any are recorded."""
+    if sorted(subtasks) != list(range(len(subtasks))):
+        yield f"they are numbered {sorted(subtasks)}"
+    for (path, _), episode in zip(_paths(info, episodes), episodes, strict=True):
+        if not episode.subtasks:
+            continue
+        if not _has_subtasks(info):
+            yield f"{path} has no subtask_index"
+            continue
+        numbers = pq.read_table(root / path, columns=["subtask_index"])["subtask_index"].to_pylist()
+        found = [subtasks.get(number) for number in numbers]
+        if found != episode.subtasks:
+            yield f"{path}: subtask_index leads to {found}"
 
 
 def _videos(root: Path, info: dict[str, Any], episodes: list[Episode]) -> Iterator[str]:

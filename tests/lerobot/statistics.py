@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any, Literal
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -12,33 +14,53 @@ from tests.lerobot.report import Report
 SAMPLES = 50
 """Pictures of an episode that its statistics are made of at most, evenly spaced."""
 
+SHARES = (1, 10, 50, 90, 99)
+"""Of the numbers, percent, that lie below LeRobot's quantiles."""
+
 CLOSE = 1e-5
 CLOSE_PICTURES = 0.01
 """Of the range from 0 to 1; lerobot merges statistics of episodes in its own way."""
 
 
-def check_statistics(report: Report, dataset: DataSet, episodes: list[Episode]) -> None:
-    """Smallest, largest, mean and standard deviation of states, actions and pixels over the whole data set."""
+def check_statistics(report: Report, dataset: DataSet, episodes: list[Episode], quantiles: bool) -> None:
+    """Statistics of states, actions and pixels over the whole data set.
+
+    Args:
+        report: is told.
+        dataset: the data set.
+        episodes: what was recorded.
+        quantiles: whether it has exact ones. Those that lerobot averages are near them at best, and v2.1 has none.
+    """
     found = dataset.open().meta.stats
     for name in episodes[0].vectors:
         values = np.concatenate([episode.vectors[name] for episode in episodes]).astype(float)
+        wanted = _statistics(values, quantiles, "linear")
         wrong = [
-            f"{key} is {found[name][key]}"
-            for key in ("min", "max", "mean", "std")
-            if not np.allclose(found[name][key], getattr(values, key)(axis=0), atol=CLOSE)
+            f"{key} is {found[name].get(key)}"
+            for key, value in wanted.items()
+            if key not in found[name] or not np.allclose(found[name][key], value, atol=CLOSE)
         ]
-        report.check(f"{dataset.name}: statistics of {name}", "min, max, mean, std", wrong)
+        report.check(f"{dataset.name}: statistics of {name}", ", ".join(wanted), wrong)
     for name, video in episodes[0].videos.items():
         if video.originals is None:
             continue
-        pixels = _sampled_pixels(episodes, name)
+        wanted = _statistics(_sampled_pixels(episodes, name), quantiles, "inverted_cdf")
         wrong = [
-            f"{key} is {found[name][key]}"
-            for key in ("min", "max", "mean", "std")
-            if np.shape(found[name][key]) != (3, 1, 1)
-            or not np.allclose(np.ravel(found[name][key]), getattr(pixels, key)(axis=0), atol=CLOSE_PICTURES)
+            f"{key} is {found[name].get(key)}"
+            for key, value in wanted.items()
+            if np.shape(found[name].get(key)) != (3, 1, 1)
+            or not np.allclose(np.ravel(found[name][key]), value, atol=CLOSE_PICTURES)
         ]
-        report.check(f"{dataset.name}: statistics of {name}", "min, max, mean, std", wrong)
+        report.check(f"{dataset.name}: statistics of {name}", ", ".join(wanted), wrong)
+
+
+def _statistics(
+    values: NDArray[np.floating[Any]], quantiles: bool, method: Literal["linear", "inverted_cdf"]
+) -> dict[str, NDArray[np.floating[Any]]]:
+    """LeRobot's name → (D,), of (N, D) values; ``method`` is that of :func:`numpy.quantile`."""
+    found = {key: getattr(values, key)(axis=0) for key in ("min", "max", "mean", "std")}
+    shares = SHARES if quantiles else ()
+    return found | {f"q{share:02}": np.quantile(values, share / 100, axis=0, method=method) for share in shares}
 
 
 def _sampled_pixels(episodes: list[Episode], name: str) -> NDArray[np.float32]:

@@ -10,8 +10,9 @@ import pytest
 from numpy.typing import NDArray
 
 from vcage.compression.choices import LOSSLESS, Choices
-from vcage.compression.search import SearchResult, Trial
+from vcage.compression.search import SearchResult
 from vcage.packing import clips
+from vcage.schema.compression import Evaluation
 
 NONE_PASSES = 255
 
@@ -19,13 +20,13 @@ ALL = "yuv444p10le"
 """The pixel format that is taken where the search may choose."""
 
 
-def episode(path: Path, **cameras: int | tuple[int, int]) -> Path:
-    """A file in ACT's layout. Each camera's number is the highest CRF that passes, in the chosen pixel format; a second
-    one is that of all others."""
+def episode(path: Path, size: int = 16, **cameras: int | tuple[int, int]) -> Path:
+    """A file in ACT's layout with square pictures of a size. Each camera's number is the highest CRF that passes in the
+    chosen pixel format; a second one is that of all others."""
     with h5py.File(path, "w") as file:
         for name, allowed in cameras.items():
             best, other = allowed if isinstance(allowed, tuple) else (allowed, allowed)
-            pictures = np.zeros((2, 16, 16, 3), np.uint8)
+            pictures = np.zeros((2, size, size, 3), np.uint8)
             pictures[..., 0], pictures[..., 1] = best, other
             file[f"observations/images/{name}"] = pictures
     return path
@@ -46,5 +47,12 @@ class Searches:
         crf = None if allowed == NONE_PASSES or choices.highest == LOSSLESS else min(allowed, choices.highest)
         self.calls.append((best, choices))
         video = f"{settings.pixel_format} {crf}".encode()
-        trial = Trial(settings.pixel_format, settings.gop, crf, 0.05, 0.05, len(video))
+        trial = Evaluation(
+            pixel_format=settings.pixel_format,
+            gop=settings.gop,
+            crf=crf,
+            loss_max=0.05,
+            loss_mean=0.05,
+            bytes=len(video),
+        )
         return SearchResult(settings, crf, video, 0.05, 0.05, [], None, [trial])

@@ -13,7 +13,7 @@ from vcage.compression.encoders import CODECS
 from vcage.errors import DamagedFile, MissingDependency, UnknownName
 from vcage.packing import clips as clip_module
 from vcage.packing.campaign import campaign, stream_of, workers_for
-from vcage.packing.clips import Clip
+from vcage.packing.clips import Clip, perform
 from vcage.packing.settings import CompressionSettings
 from vcage.packing.sources import find_sources
 from vcage.schema.compression import VideoStream
@@ -78,6 +78,23 @@ def test_where_none_passes_in_the_chosen_pixel_format_the_best_one_gets_its_turn
     assert {(stream.pixel_format, stream.crf) for stream in found} == {(ALL, 17)}
 
 
+def test_a_pixel_format_that_some_sizes_do_not_fit_is_not_agreed_on(tmp_path, monkeypatch):
+    monkeypatch.setattr(Searches, "_search", _choosing("yuv420p"))
+    Searches(monkeypatch)
+    episodes(tmp_path / "in", high=[(20, 22)] * 5)
+    episode(tmp_path / "in/1.hdf5", size=17, high=21)  # not of the sample
+    found = streams(clips_of(tmp_path / "in"), tmp_path / "work")
+    assert {(stream.pixel_format, stream.crf) for stream in found} == {(ALL, 20)}
+
+
+def test_a_codec_without_a_lossless_form_gets_the_pixel_format_that_loses_least(tmp_path, monkeypatch):
+    monkeypatch.setattr(Searches, "_search", _choosing("yuv420p"))
+    Searches(monkeypatch)
+    clips = episodes(tmp_path / "in", high=[22, 22, 22, 21])
+    found = streams(clips, tmp_path / "work", CompressionSettings(codec="av1"))
+    assert {(stream.pixel_format, stream.crf) for stream in found} == {("yuv420p10le", 21)}
+
+
 def _choosing(pixel_format: str):
     """A search that prefers a pixel format where it may choose."""
     search = Searches._search
@@ -118,11 +135,22 @@ def test_progress_never_claims_more_clips_than_there_are(tmp_path, searches):
 
 
 def test_there_is_at_least_one_worker_and_never_more_than_cores(tmp_path, searches, monkeypatch):
-    clips = episodes(tmp_path / "in", high=[24])
+    clips = episodes(tmp_path / "in", high=[24] * 4)
     monkeypatch.setattr("vcage.packing.campaign.cores", lambda: 3)
-    assert 1 <= workers_for(clips) <= 3
-    monkeypatch.setattr("os.sysconf", lambda _name: 1)
+    monkeypatch.setattr("vcage.packing.campaign.free_memory", lambda: 10**12)
+    assert workers_for(clips) == 3
+    monkeypatch.setattr("vcage.packing.campaign.free_memory", lambda: 1)
     assert workers_for(clips) == 1
+
+
+def test_a_single_clip_gets_all_cores_for_its_encoder(tmp_path, searches, monkeypatch):
+    clips = episodes(tmp_path / "in", high=[24])
+    monkeypatch.setattr("vcage.packing.campaign.cores", lambda: 16)
+    assert workers_for(clips) == workers_for(clips, 8) == 1
+    threads = []
+    monkeypatch.setattr("vcage.packing.campaign.perform", lambda task: (threads.append(task.threads), perform(task))[1])
+    campaign(clips, SEARCHED, tmp_path / "work", workers=8)
+    assert threads == [16]
 
 
 # --- taken up again ------------------------------------------------------------------------------------

@@ -11,6 +11,7 @@ from tests.dataset.recordings.layouts import FRAMES, act, rooms
 from tests.packing.orders import settings
 from tests.packing.searching import Searches, episode
 from tests.recordings import written
+from vcage.compression.choices import LOSSLESS
 from vcage.dataset.recordings.opening import open_recordings
 from vcage.errors import DamagedFile
 from vcage.packing.clips import Clip, Task, jpeg_bytes, known, perform, whole
@@ -57,6 +58,13 @@ def test_what_changes_the_result_changes_the_name(tmp_path, change):
     assert task(path, tmp_path).record != task(path, tmp_path, **change).record
 
 
+def test_another_version_of_the_metric_has_another_name(tmp_path, monkeypatch):
+    path = episode(tmp_path / "a.hdf5", top=20)
+    before = task(path, tmp_path).record
+    monkeypatch.setattr("importlib.metadata.version", lambda name: f"{name} of tomorrow")
+    assert task(path, tmp_path).record != before
+
+
 def test_a_recording_that_was_written_again_has_another_name(tmp_path):
     path = episode(tmp_path / "a.hdf5", top=20)
     before = task(path, tmp_path).record
@@ -69,6 +77,11 @@ def test_a_stream_tells_the_baselines_of_its_pictures(tmp_path):
     assert isinstance(stream, VideoStream)
     assert (stream.frames, stream.raw_bytes, stream.stored_bytes) == (FRAMES, rooms().nbytes, rooms().nbytes)
     assert stream.jpeg_bytes == jpeg_bytes(rooms())
+
+
+def test_a_stream_without_loss_tells_the_pixel_format_of_its_video(tmp_path):
+    _, stream = perform(task(act(tmp_path / "a.hdf5"), tmp_path / "work", codec="h264", crf=LOSSLESS))
+    assert (stream.lossless, stream.pixel_format) == (True, "rgb24")
 
 
 def test_keyframes_are_those_of_the_commands_where_there_are_any(tmp_path):

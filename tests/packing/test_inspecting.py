@@ -1,8 +1,9 @@
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
-from tests.packing.orders import act_folder, packed, robotwin_folder
+from tests.packing.orders import act_folder, filled, packed, robotwin_folder
 from tests.recordings import written
 from tests.runs import digests
 from vcage.errors import InputFileError
@@ -28,6 +29,11 @@ def test_a_recording_is_told_with_its_layout_its_rate_and_its_cameras(tmp_path):
     text = describe(inspect(written(tmp_path / "a.hdf5", 6)))
     assert "vcage, 10 fps, 6 numbers in a command" in text
     assert "cam_high: 6 frames of 64x48, raw" in text
+
+
+def test_a_recording_without_a_picture_is_told_as_damaged(tmp_path):
+    path = filled(tmp_path / "a.hdf5", np.zeros((0, 32, 48, 3), np.uint8))
+    assert "holds no frame" in describe(inspect(path))
 
 
 def test_swapped_colours_are_told(tmp_path):

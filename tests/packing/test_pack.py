@@ -27,7 +27,7 @@ from vcage.errors import (
     UsageError,
 )
 from vcage.packing import clips as clip_module
-from vcage.packing.pack import RECORD, pack
+from vcage.packing.pack import RECORD, WORKING, pack
 from vcage.schema.compression import Compression
 from vcage.videos import decode
 
@@ -168,6 +168,18 @@ def test_the_same_call_again_does_nothing(tmp_path, source):
     before = digests(tmp_path)
     assert not packed(source, tmp_path / "out").fresh
     assert digests(tmp_path) == before
+
+
+def test_what_a_call_that_was_killed_at_its_very_end_left_is_removed(tmp_path, source):
+    packed(source, tmp_path / "out")
+    (tmp_path / f"out{WORKING}/whole").mkdir(parents=True)
+    packed(source, tmp_path / "out")
+    assert beside(tmp_path / "out") == {"out"}
+
+
+def test_to_name_what_would_be_written_anyway_is_no_other_call(tmp_path, source):
+    packed(source, tmp_path / "out")
+    assert not packed(source, tmp_path / "out", target="hdf5").fresh
 
 
 @pytest.mark.parametrize("what", ["options", "recordings"])

@@ -52,6 +52,16 @@ def test_a_camera_has_a_crf_where_all_its_episodes_have_it():
     assert (several.crf, several.gop, several.pixel_format) == (None, None, "yuv444p10le")
 
 
+def test_a_camera_tells_the_colours_of_its_videos():
+    def colours(*formats: str) -> tuple[str | None, str | None]:
+        (camera,) = record(*(stream(pixel_format=name) for name in formats)).cameras
+        return camera.matrix, camera.range
+
+    assert colours("yuv420p", "yuv444p10le") == ("BT.601", "limited")
+    assert colours("gbrp") == colours("rgb24") == ("RGB", "full")
+    assert colours("gbrp", "yuv420p") == (None, None)
+
+
 def test_a_camera_is_as_lossy_as_its_worst_episode():
     held_out = HeldOutLoss(worst=0.09, mean=0.05, frame=3, count=2)
     (camera,) = record(stream(loss_max=0.03), stream(loss_max=0.08, held_out=held_out)).cameras

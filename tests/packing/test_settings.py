@@ -23,7 +23,16 @@ def test_a_name_that_the_codec_does_not_know_is_refused_beside_those_it_knows(ch
 
 
 @pytest.mark.parametrize(
-    "changes", [{"crf": 52}, {"crf": -2}, {"codec": "av1", "crf": 64}, {"max_loss": 0.0}, {"max_loss": -1}, {"gop": 0}]
+    "changes",
+    [
+        {"crf": 52},
+        {"crf": -2},
+        {"codec": "av1", "crf": 64},
+        {"codec": "av1", "crf": LOSSLESS},
+        {"max_loss": 0.0},
+        {"max_loss": -1},
+        {"gop": 0},
+    ],
 )
 def test_a_number_out_of_range_is_refused(changes):
     with pytest.raises(UsageError):

@@ -6,6 +6,7 @@ import pytest
 
 from tests.dataset.recordings.layouts import FRAMES, HEIGHT, WIDTH, act, rooms
 from tests.packing.orders import FPS, act_folder, add_camera, filled, packed, settings
+from vcage.dataset.recordings.opening import open_recordings
 from vcage.errors import DamagedFile, InputFileError, UnknownName, UsageError
 from vcage.files import sha256_file
 from vcage.packing.sources import find_sources
@@ -49,6 +50,13 @@ def test_a_recording_that_does_not_say_its_frame_rate_asks_for_it(tmp_path):
     with pytest.raises(UsageError, match="frames per second") as refused:
         find_sources(act_folder(tmp_path / "in"), settings()).clips()
     assert "--fps" in refused.value.hint
+
+
+def test_a_recording_of_numbers_alone_is_refused(tmp_path, monkeypatch):
+    folder = act_folder(tmp_path / "in", "a")
+    monkeypatch.setattr(type(open_recordings(folder)[0]), "cameras", [])
+    with pytest.raises(UsageError, match=r"a\.hdf5 holds no pictures"):
+        find_sources(folder, settings())
 
 
 # --- what is damaged -----------------------------------------------------------------------------------

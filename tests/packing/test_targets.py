@@ -119,6 +119,7 @@ def test_a_data_set_says_how_its_videos_were_encoded(tmp_path, source):
         ([stream(), stream(episode="b")], {"video.g": 10, "video.crf": 20}),
         ([stream(crf=None), stream(crf=None)], {"video.g": 10, "video.lossless": True}),
         ([stream(), stream(crf=19)], {"video.pix_fmt": None}),
+        ([stream(), stream(pixel_format="yuv420p")], {"video.pix_fmt": None}),
     ],
 )
 def test_what_is_told_of_an_encoding_is_what_all_streams_have_alike(streams, told):

@@ -30,6 +30,11 @@ def small(small_once, tmp_path):
     return tmp_path / "small"
 
 
+def test_a_folder_that_is_named_like_a_file_is_none(small, tmp_path):
+    (small / "notes.hdf5").mkdir()
+    assert len(unpack_all(small, tmp_path / "back")) == 2
+
+
 def test_the_pictures_come_back_as_many_in_order_in_their_places(small, tmp_path):
     before = digests(small)
     files = unpack_all(small, tmp_path / "back")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from dataclasses import fields
 
 from vcage.cli.stages.common import number, positive
 from vcage.compression.choices import LOSSLESS
@@ -15,6 +16,11 @@ DEFAULTS = CompressionSettings()
 def add_compression_options(parser: argparse.ArgumentParser) -> None:
     """Declare them; :func:`compression_settings` reads them."""
     group = parser.add_argument_group("encoding and judging")
+    _add_judging(group)
+    _add_encoding(group)
+
+
+def _add_judging(group: argparse._ArgumentGroup) -> None:
     group.add_argument(
         "--max-loss",
         type=number(0, 10),
@@ -47,6 +53,9 @@ def add_compression_options(parser: argparse.ArgumentParser) -> None:
         metavar="N",
         help="frames that the search scores in each video (default: %(default)s)",
     )
+
+
+def _add_encoding(group: argparse._ArgumentGroup) -> None:
     group.add_argument(
         "--scope",
         choices=("camera", "episode"),
@@ -80,29 +89,16 @@ def compression_settings(args: argparse.Namespace) -> CompressionSettings:
     Raises:
         UsageError: they do not fit together.
     """
-    return CompressionSettings(
-        max_loss=args.max_loss,
-        reduce=args.reduce,
-        display=args.display,
-        guard=args.guard,
-        scope=args.scope,
-        crf=args.crf,
-        codec=args.codec,
-        preset=args.preset,
-        pixel_format=args.pixel_format,
-        gop=args.gop,
-        keyframes=args.keyframes,
-    )
+    return CompressionSettings(**{field.name: getattr(args, field.name) for field in fields(CompressionSettings)})
 
 
 def crf_option(text: str) -> int:
     """A CRF, or "lossless", for ``type=`` of an option."""
     if text == "lossless":
         return LOSSLESS
-    try:
+    if text.isdecimal():
         return int(text)
-    except ValueError as error:
-        raise argparse.ArgumentTypeError(f"{text!r} is neither a whole number nor 'lossless'") from error
+    raise argparse.ArgumentTypeError(f"{text!r} is neither a CRF, a whole number from 0 on, nor 'lossless'")
 
 
 def _gop(text: str) -> int | str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import logging
+import math
 import sys
 import time
 from collections.abc import Iterator
@@ -55,13 +56,14 @@ def progress(title: str) -> Iterator[Progress]:
 
 
 def _lines(title: str) -> Progress:
-    begun = time.monotonic()
+    begun, first, last = 0.0, 0, math.inf
 
     def show(step: str, done: int, total: int) -> None:
-        nonlocal begun
-        if done == 0:  # of the job, or of its next part
-            begun = time.monotonic()
-        left = time_left(time.monotonic() - begun, done, total)
+        nonlocal begun, first, last
+        if done <= last:  # of the job, or of its next part; some may have been done by an earlier call
+            begun, first = time.monotonic(), done
+        last = done
+        left = time_left(time.monotonic() - begun, done - first, total - first)
         logger.info("%s: [%d/%d] %s%s", title, done + 1, total, step, f" ({left} left)" if left else "")
 
     return show

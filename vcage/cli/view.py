@@ -31,7 +31,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--pictures",
         choices=("stored", "compressed", "none"),
         default="stored",
-        help="those of the episode as JPEG; the HEVC videos of compress, which with --save a viewer from 0.25 on shows "
+        help="those of the episode as JPEG; the videos of compress, which with --save a viewer from 0.25 on shows "
         "where there is ffmpeg; or none (default: %(default)s)",
     )
     parser.add_argument(

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import io
 import os
+from collections.abc import Collection
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -49,7 +50,8 @@ class EncoderSettings:
     Args:
         codec: a name of :data:`vcage.compression.encoders.CODECS`.
         pixel_format: FFmpeg's name; none takes the codec's best. 10-bit 4:4:4 gives the conversion itself no loss
-            (measured: 0.000 JOD, against 0.09–0.13 for ``yuv420p``, which alone exceeds the usual threshold).
+            (measured: 0.000 JOD, against 0.09–0.13 for ``yuv420p``, which takes up most of the usual threshold of 0.1
+            or exceeds it).
         preset: the encoder's own; none takes the codec's usual one.
         gop: frames from one random-access point to the next.
 
@@ -102,7 +104,6 @@ def encode(
     _check(frames, settings, crf)
     require_encoder(codec)
     pixel_format = codec.lossless_format if crf is None else settings.pixel_format
-    rgb = pixel_format.startswith(("gbr", "rgb"))
     os.environ.setdefault("SVT_LOG", "1")  # SVT-AV1 else describes itself on stderr for every file
     target = io.BytesIO()
     with av.open(target, "w", format=CONTAINER, container_options={"fflags": "+bitexact"}) as container:
@@ -111,7 +112,7 @@ def encode(
         stream.height, stream.width = frames.shape[1:3]
         stream.pix_fmt = pixel_format
         stream.codec_tag = codec.tag
-        _tag_colour(stream.codec_context, rgb=rgb)
+        _tag_colour(stream.codec_context, rgb=is_rgb(pixel_format))
         stream.options = codec.options(settings.preset, settings.gop, crf, threads)
         for index, picture in enumerate(frames):
             container.mux(stream.encode(converted(picture, pixel_format, index)))
@@ -119,8 +120,16 @@ def encode(
     return target.getvalue()
 
 
-def formats_for(settings: EncoderSettings, width: int, height: int) -> list[str]:
+def formats_for(settings: EncoderSettings, width: int, height: int, names: Collection[str] = ()) -> list[str]:
     """The pixel formats of a codec that can hold pictures of a size: odd ones need chroma of the full size.
+
+    Args:
+        settings: the encoder's; only its codec counts.
+        width, height: of the pictures, pixels.
+        names: the formats to choose from; none for all of the codec.
+
+    Returns:
+        At least one, the best first.
 
     Raises:
         UsageError: no format can.
@@ -132,7 +141,13 @@ def formats_for(settings: EncoderSettings, width: int, height: int) -> list[str]
             hint=f"sides are at least {SMALLEST} pixels"
             + ("" if settings.codec != "av1" else ", and even for av1: take --codec hevc, which allows odd ones"),
         )
-    return fitting
+    chosen = [name for name in fitting if not names or name in names]
+    if not chosen:
+        raise UsageError(
+            f"pictures of {width}x{height} do not fit the pixel format {', '.join(names)}",
+            hint=f"take one of {', '.join(fitting)}",
+        )
+    return chosen
 
 
 def _fits(pixel_format: str, width: int, height: int) -> bool:
@@ -145,18 +160,18 @@ def _check(frames: NDArray[np.uint8], settings: EncoderSettings, crf: int | None
     if frames.ndim != 4 or frames.shape[3] != 3 or frames.dtype != np.uint8 or len(frames) == 0:
         raise ValueError(f"frames are {frames.shape} {frames.dtype}, expected (T, H, W, 3) uint8 with T > 0")
     height, width = frames.shape[1:3]
-    fitting = formats_for(settings, width, height)
+    formats_for(settings, width, height, () if crf is None else (settings.pixel_format,))
     if crf is None:
         if not settings.facts.lossless_format:
             raise UsageError(f"{settings.codec} has no lossless form here", hint="hevc and h264 have one")
         return
-    if settings.pixel_format not in fitting:
-        raise UsageError(
-            f"pictures of {width}x{height} do not fit the pixel format {settings.pixel_format}",
-            hint=f"take one of {', '.join(fitting)}",
-        )
     if not settings.facts.min_crf <= crf <= settings.facts.max_crf:
         raise UsageError(f"crf is {crf}, expected {settings.facts.min_crf} … {settings.facts.max_crf}")
+
+
+def is_rgb(pixel_format: str) -> bool:
+    """Whether a video in a pixel format holds RGB as it is; all others hold YUV, see this module."""
+    return pixel_format.startswith(("gbr", "rgb"))
 
 
 def _tag_colour(context: av.VideoCodecContext, *, rgb: bool) -> None:

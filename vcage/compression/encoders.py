@@ -92,7 +92,7 @@ def _svt_av1(preset: str, gop: int, crf: int | None, threads: int) -> Options:
         "preset": preset,
         "g": str(gop),
         "crf": str(crf),
-        # a closed GOP begins with a key frame, from which a reader can start
+        # by FFmpeg's settings a GOP begins with a key frame, from which a reader can start; no others in between
         "svtav1-params": f"enable-overlays=0:scd=0{level}",
     }
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
+from importlib import metadata
 from types import ModuleType
 from typing import Any
 
@@ -70,6 +71,11 @@ class JodMetric:
         return PERFECT - np.atleast_1d(jod.cpu().numpy()).astype(np.float64)
 
 
+def metric_version() -> str:
+    """Name and version of what judges: other versions give other losses, so results name it."""
+    return f"ColorVideoVDP {metadata.version('cvvdp')}"
+
+
 def _import_pycvvdp() -> ModuleType:
     with _LOCK:
         try:
@@ -79,7 +85,7 @@ def _import_pycvvdp() -> ModuleType:
                 import pycvvdp
         except ImportError as error:
             raise MissingDependency(
-                f"ColorVideoVDP cannot be imported: {error}", hint="run make setup, or pip install --no-deps cvvdp"
+                f"ColorVideoVDP cannot be imported: {error}", hint="run: vcage setup cvvdp"
             ) from error
     return pycvvdp
 

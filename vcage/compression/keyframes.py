@@ -27,6 +27,9 @@ GROUP_GAP = 5
 UNIT_TOLERANCE = 1e-3
 """How far the length of a quaternion may be from one, as many are stored in single precision."""
 
+LARGEST_ANGLE = 2 * np.pi + 0.1
+"""A column of commands that goes beyond is no angle in radians; degrees and percent do not come back after 2π."""
+
 STRIDE = 8
 """Of the pixels that tell how much pictures change."""
 
@@ -38,7 +41,7 @@ def keyframes(action: NDArray[np.float64], grippers: Sequence[int], count: int =
     """Frame indices, increasing, of the moments that tell most about an episode.
 
     Args:
-        action: (T, D) commands to one or two arms: joint positions in radians, or poses of the end-effectors.
+        action: (T, D) commands to one or two arms: joint positions in any unit, or poses of the end-effectors.
         grippers: columns of ``action`` that command a gripper; one that never moves marks no moment.
         count: how many frames to aim at; fewer when there is too little motion, more when the grippers move often.
 
@@ -85,8 +88,11 @@ def _chosen(speed: NDArray[np.float64], moments: Sequence[int], count: int) -> l
 
 
 def continuous(action: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(T, D) commands without the jumps of their notation: q and −q are one rotation, and so are α and α + 2π."""
-    action = np.unwrap(action, axis=0)
+    """(T, D) commands without the jumps of their notation: q and −q are one rotation, and so are α and α + 2π in
+    columns that may be angles in radians."""
+    action = action.copy()
+    angles = np.abs(action).max(axis=0) <= LARGEST_ANGLE
+    action[:, angles] = np.unwrap(action[:, angles], axis=0)
     for first in _quaternions(action):
         block = action[:, first : first + 4]
         flips = np.where((block[1:] * block[:-1]).sum(axis=1) < 0, -1.0, 1.0)

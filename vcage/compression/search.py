@@ -7,20 +7,22 @@ frames that are no keyframes are looked at before a result is believed.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vcage.compression.bisection import BUDGET, highest_passing
+from vcage.compression.bisection import BUDGET, highest_passing, steps_to
 from vcage.compression.choices import Choices, Criterion
 from vcage.compression.codec import EncoderSettings, encode, formats_for, only_converted
 from vcage.compression.jod import JodMetric
 from vcage.errors import UsageError
+from vcage.schema.compression import Evaluation, HeldOutLoss
 from vcage.videos import decode
 
-GUARDED = 1
+GUARDED = 2
 """Encodings of the budget that other pixel formats and GOPs leave to the guard."""
 
 HOPELESS = 0.6
@@ -33,39 +35,17 @@ WANDER = 3
 
 
 @dataclass(frozen=True)
-class Trial:
-    """One encoding of a clip; a CRF of None is one without loss."""
-
-    pixel_format: str
-    gop: int
-    crf: int | None
-    loss_max: float
-    loss_mean: float
-    bytes: int
-
-
-@dataclass(frozen=True)
-class HeldOut:
-    """What frames that no search has seen lose, JOD; ``frame`` is the worst of the ``count``."""
-
-    worst: float
-    mean: float
-    frame: int
-    count: int
-
-
-@dataclass(frozen=True)
 class SearchResult:
     """What a search found.
 
     Args:
-        settings: the encoder's; those of the lossless form have its pixel format.
-        crf: the highest CRF that passes; None when not even the best quality does.
+        settings: the encoder's.
+        crf: the highest CRF that passes, as far as the budget tells; None when not even the best quality does.
         video: the MP4 file at that CRF; of a lossless encoding when there is none.
         loss_max, loss_mean: of ``video`` over the scored frames, JOD.
         added: frames that the guard added to the keyframes.
-        held_out: of ``video``; None when every frame was scored.
-        trials: all that was tried, in order.
+        held_out: of ``video``; None when no held-out frame is left.
+        trials: all that was tried, in order; an encoding appears again where it was scored again on more frames.
     """
 
     settings: EncoderSettings
@@ -74,8 +54,13 @@ class SearchResult:
     loss_max: float
     loss_mean: float
     added: list[int]
-    held_out: HeldOut | None
-    trials: list[Trial]
+    held_out: HeldOutLoss | None
+    trials: list[Evaluation]
+
+    @property
+    def pixel_format(self) -> str:
+        """Of ``video``; the lossless form has its own."""
+        return self.settings.facts.lossless_format if self.crf is None else self.settings.pixel_format
 
 
 def search_clip(
@@ -91,7 +76,8 @@ def search_clip(
 
     The best pixel format and the first GOP are searched for the highest CRF that passes; the others are tried at that
     CRF while the budget lasts, and taken where they pass with fewer bytes. Where held-out frames fail, they join the
-    keyframes, and the search goes on below.
+    keyframes, and the search goes on below with what is left of the budget; when that is spent, it takes the first CRF
+    that passes.
 
     Args:
         frames: (T, H, W, 3) uint8 RGB.
@@ -103,8 +89,8 @@ def search_clip(
         threads: of the encoder; 0 leaves it the choice.
 
     Raises:
-        UsageError: the pictures' size fits no pixel format of the codec, or nothing passes and the codec has no
-            lossless form.
+        UsageError: the pictures' size fits none of the pixel formats, or nothing passes and the codec has no lossless
+            form.
         MissingDependency: the encoder is missing.
     """
     return _Search(frames, list(keyframes), fps, choices, criterion, metric, threads).run()
@@ -120,27 +106,31 @@ class _Search:
     metric: JodMetric
     threads: int
     added: list[int] = field(default_factory=list)
-    trials: list[Trial] = field(default_factory=list)
+    trials: list[Evaluation] = field(default_factory=list)
     videos: dict[tuple[EncoderSettings, int], bytes] = field(default_factory=dict)
 
     def run(self) -> SearchResult:
         best, *others = self._formats() or [""]
         if not best:
             return self._lossless()
-        settings = self.choices.settings(best)
-        crf = self._highest(settings, self.choices.highest)
-        if crf is None:
+        first = self.choices.settings(best)
+        facts, highest = first.facts, self.choices.highest
+        allowed = self._highest(first, highest, facts.first_crf if highest == facts.max_crf else highest)
+        if allowed is None:
             return self._lossless()
-        settings = self._cheapest(settings, crf, others)
+        settings, crf = self._cheapest(first, allowed, others), allowed
         while True:
             held_out, failing = self._held_out(settings, crf)
-            if not failing or not self.criterion.guard:
+            if held_out is None or not failing or not self.criterion.guard:
                 return self._result(settings, crf, held_out)
             self.added += failing
             self.scored = sorted({*self.scored, *failing})
-            crf = self._highest(settings, crf - 1)
-            if crf is None:
+            lower = self._highest(settings, crf - 1, crf + self._steps(held_out))
+            if lower is None and settings != first:
+                settings, lower = first, self._highest(first, allowed, allowed)
+            if lower is None:
                 return self._lossless()
+            crf = lower
 
     def _formats(self) -> list[str]:
         """Pixel formats worth a trial, that with the least loss of its own first."""
@@ -154,21 +144,30 @@ class _Search:
         return [best, *(name for name in others if floors[name] < HOPELESS * self.criterion.threshold)]
 
     def _fitting(self) -> list[str]:
-        """Pixel formats to choose from that can hold pictures of this size."""
+        """Pixel formats to choose from that can hold pictures of this size, at least one."""
         height, width = self.frames.shape[1:3]
-        fitting = formats_for(self.choices.settings(), width, height)
-        return [name for name in self.choices.pixel_formats or fitting if name in fitting]
+        return formats_for(self.choices.settings(), width, height, self.choices.pixel_formats)
 
     def _conversion(self, pixel_format: str) -> NDArray[np.float64]:
         """What the scored frames lose in a pixel format without any codec."""
         reference = self.frames[self.scored]
         return self.metric.loss(only_converted(reference, pixel_format), reference)
 
-    def _highest(self, settings: EncoderSettings, upper: int) -> int | None:
-        """The highest CRF not above ``upper`` that passes on the scored frames."""
-        first = settings.facts.first_crf if upper == settings.facts.max_crf else upper
-        lower = settings.facts.min_crf
-        return highest_passing(lambda crf: self._loss(settings, crf), self.criterion.threshold, upper, first, lower)
+    def _highest(self, settings: EncoderSettings, upper: int, first: int) -> int | None:
+        """The highest CRF not above ``upper`` that passes on the scored frames, sought from ``first``."""
+        return highest_passing(
+            lambda crf: self._loss(settings, crf),
+            self.criterion.threshold,
+            upper,
+            first,
+            settings.facts.min_crf,
+            max(BUDGET - len(self.videos), 0),
+        )
+
+    def _steps(self, held_out: HeldOutLoss) -> int:
+        """How much lower the CRF must be for held-out frames that failed, if they lose as usual."""
+        loss = held_out.worst if self.criterion.reduce == "max" else held_out.mean
+        return math.floor(steps_to(self.criterion.threshold, loss))
 
     def _cheapest(self, settings: EncoderSettings, crf: int, formats: Sequence[str]) -> EncoderSettings:
         """The choice of pixel format and GOP with the fewest bytes that passes at a CRF, as far as the budget goes."""
@@ -197,12 +196,22 @@ class _Search:
 
     def _note(self, settings: EncoderSettings, crf: int | None, losses: NDArray[np.float64], size: int) -> None:
         mean = round(float(losses.mean()), 5)
-        self.trials.append(Trial(settings.pixel_format, settings.gop, crf, float(losses.max()), mean, size))
+        name = settings.facts.lossless_format if crf is None else settings.pixel_format
+        self.trials.append(
+            Evaluation(
+                pixel_format=name,
+                gop=settings.gop,
+                crf=crf,
+                loss_max=float(losses.max()),
+                loss_mean=mean,
+                bytes=size,
+            )
+        )
 
     def _losses(self, video: bytes, indices: Sequence[int]) -> NDArray[np.float64]:
         return self.metric.loss(decode(video, indices), self.frames[list(indices)])
 
-    def _held_out(self, settings: EncoderSettings, crf: int) -> tuple[HeldOut | None, list[int]]:
+    def _held_out(self, settings: EncoderSettings, crf: int) -> tuple[HeldOutLoss | None, list[int]]:
         """What frames lose that were not scored, and those to blame if they do not pass."""
         unseen = held_out_frames(len(self.frames), self.scored)
         if not unseen:
@@ -210,9 +219,10 @@ class _Search:
         losses = self._losses(self.videos[settings, crf], unseen)
         worst = int(losses.argmax())
         mean = round(float(losses.mean()), 5)
-        return HeldOut(float(losses[worst]), mean, unseen[worst], len(unseen)), self.criterion.failing(unseen, losses)
+        held_out = HeldOutLoss(worst=float(losses[worst]), mean=mean, frame=unseen[worst], count=len(unseen))
+        return held_out, self.criterion.failing(unseen, losses)
 
-    def _result(self, settings: EncoderSettings, crf: int, held_out: HeldOut | None) -> SearchResult:
+    def _result(self, settings: EncoderSettings, crf: int, held_out: HeldOutLoss | None) -> SearchResult:
         trial = next(
             t
             for t in reversed(self.trials)
@@ -227,16 +237,15 @@ class _Search:
         settings = self.choices.settings()
         self._require_lossless(settings)
         video = encode(self.frames, self.fps, settings, None, self.threads)
-        settings = replace(settings, pixel_format=settings.facts.lossless_format)
         self._note(settings, None, np.zeros(1), len(video))
         unseen = held_out_frames(len(self.frames), self.scored)
-        held_out = HeldOut(0.0, 0.0, unseen[0], len(unseen)) if unseen else None
+        held_out = HeldOutLoss(worst=0.0, mean=0.0, frame=unseen[0], count=len(unseen)) if unseen else None
         return SearchResult(settings, None, video, 0.0, 0.0, sorted(self.added), held_out, self.trials)
 
     def _require_lossless(self, settings: EncoderSettings) -> None:
         if settings.facts.lossless_format:
             return
-        best = min((self.criterion.loss(self._conversion(name)) for name in self._fitting()), default=0.0)
+        best = min(self.criterion.loss(self._conversion(name)) for name in self._fitting())
         raise UsageError(
             f"no {settings.codec} video stays under {self.criterion.threshold} JOD: storing colour at half the size "
             f"costs {best:.3f} already, and {settings.codec} has no lossless form here",
@@ -245,9 +254,12 @@ class _Search:
 
 
 def held_out_frames(count: int, scored: Sequence[int], wander: int = WANDER) -> list[int]:
-    """One of every ten of ``count`` frames, but for those in ``scored``.
+    """One of every ten of ``count`` frames, and of the rest at the end, but for those in ``scored``.
 
     Not every tenth: where the GOP is ten frames long, all of them might be intra-coded, which are better than the rest.
+    Nor the very first, which is a keyframe in every clip.
     """
-    places = (first + wander * number % HELD_OUT_EVERY for number, first in enumerate(range(0, count, HELD_OUT_EVERY)))
-    return sorted({place for place in places if place < count} - set(scored))
+    starts = range(0, count, HELD_OUT_EVERY)
+    lengths = (min(HELD_OUT_EVERY, count - start) for start in starts)
+    places = {start + wander * (n + 1) % length for n, (start, length) in enumerate(zip(starts, lengths, strict=True))}
+    return sorted(places - set(scored))

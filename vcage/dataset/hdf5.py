@@ -32,6 +32,8 @@ from vcage.dataset.hdf5_output import new_hdf5
 
 SCHEMA = "vcage.episode/1"
 GZIP_LEVEL = 1
+"""Of arrays of pictures."""
+
 WORKERS = 2
 IN_FLIGHT = 16
 """Pictures waiting for compression at most: bounds the memory of a stream of frames."""

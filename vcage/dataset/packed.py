@@ -18,17 +18,16 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
+from vcage.dataset.hdf5 import GZIP_LEVEL
 from vcage.dataset.hdf5_copy import Replacement, copy_attributes, copy_file
 from vcage.dataset.hdf5_output import new_hdf5
 from vcage.dataset.picture_datasets import ARRAY, FIXED, VLEN
 from vcage.dataset.picture_links import OURS, Link, Original, Stream, find_links, read_link, write_link
+from vcage.dataset.recordings.hdf5_layouts import damage
 from vcage.dataset.spool import spooled
 from vcage.errors import DamagedFile, InputFileError, UsageError
 from vcage.progress import Progress, silent
-from vcage.videos import frame_count, pictures
-
-GZIP_LEVEL = 1
-"""Of arrays that take the place of encoded pictures."""
+from vcage.videos import pictures
 
 
 def write_packed(source: Path, target: Path, streams: Sequence[Stream]) -> Path:
@@ -78,7 +77,7 @@ def unpack(packed: Path, target: Path, storage: Literal["same", "raw"] = "same",
         links = find_links(old)
         if not links:
             raise UsageError(f"{packed} refers to no video", hint="give a file that was packed; this one is whole")
-        videos = {key: _checked_video(packed, link) for key, link in links.items()}
+        videos = {key: link.whole_video(Path(packed)) for key, link in links.items()}
         numbers = {key: number for number, key in enumerate(links)}
 
         def restore(key: str) -> Replacement:
@@ -101,23 +100,10 @@ def _rebuilt(source: Path, target: Path) -> Iterator[tuple[h5py.File, h5py.File]
         raise InputFileError(f"{source} does not exist", hint="check the path")
     if target.exists() and target.samefile(source):
         raise UsageError(f"{target} is the file that is read", hint="give another file to write")
-    with _damage(source), h5py.File(source) as old:
+    with damage(source, writing=True), h5py.File(source) as old:
         order = old.id.get_create_plist().get_link_creation_order()
         with new_hdf5(target, track_order=bool(order)) as new:
             yield old, new
-
-
-@contextmanager
-def _damage(path: Path) -> Iterator[None]:
-    """Turn what h5py raises for a broken file into :class:`DamagedFile`; what the system refuses has a number."""
-    try:
-        yield
-    except (OSError, KeyError, RuntimeError) as error:
-        if isinstance(error, OSError) and error.errno:
-            raise
-        raise DamagedFile(
-            f"{path} is damaged: {error}", hint="it may be cut off: copy or record it again, or leave it out"
-        ) from error
 
 
 # --- packing -------------------------------------------------------------------------------------------
@@ -148,17 +134,6 @@ def _held(dataset: h5py.Dataset, link: Link | None) -> int:
 
 
 # --- unpacking -----------------------------------------------------------------------------------------
-
-
-def _checked_video(packed: Path, link: Link) -> Path:
-    video = link.video(Path(packed))
-    frames = frame_count(video)
-    if frames != link.stream.frames:
-        raise DamagedFile(
-            f"{video} holds {frames} frames, {packed} had {link.stream.frames} pictures",
-            hint="compress the recording again",
-        )
-    return video
 
 
 def _restored(group: h5py.Group, name: str, link: Link, video: Path, storage: str, scratch: Path) -> h5py.Dataset:

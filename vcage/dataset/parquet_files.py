@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pyarrow as pa
+import pyarrow.compute as pc
 import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
@@ -65,14 +66,26 @@ def numbered(number: int, per_chunk: int) -> dict[str, int]:
     return {"chunk_index": number // per_chunk, "file_index": number % per_chunk}
 
 
-def read_table(path: Path, columns: Sequence[str] | None = None) -> pa.Table:
-    """A table, or some of its columns.
+def column_names(path: Path) -> list[str]:
+    """The columns of a table, without reading it.
+
+    Raises:
+        DamagedFile: it cannot be read.
+    """
+    try:
+        return pq.read_schema(path).names
+    except (OSError, pa.ArrowException) as error:
+        raise DamagedFile(f"{path} cannot be read: {error}", hint=MEND) from error
+
+
+def read_table(path: Path, columns: Sequence[str] | None = None, rows: pc.Expression | None = None) -> pa.Table:
+    """A table, or some of its columns and rows.
 
     Raises:
         DamagedFile: it cannot be read, or lacks a column.
     """
     try:
-        table = pq.read_table(path, columns=columns)
+        table = pq.read_table(path, columns=columns, filters=rows)
     except (OSError, pa.ArrowException) as error:
         raise DamagedFile(f"{path} cannot be read: {error}", hint=MEND) from error
     missing = set(columns or ()) - set(table.column_names)

@@ -16,6 +16,7 @@ import numpy as np
 
 from vcage.dataset.picture_datasets import picture_channels, picture_kind
 from vcage.errors import DamagedFile
+from vcage.videos import frame_count
 
 LINK_SCHEMA = "vcage.pictures_in_video/1"
 
@@ -63,7 +64,6 @@ class Original:
     Args:
         kind: see :func:`vcage.dataset.picture_datasets.picture_kind`.
         shape, maxshape: as h5py gives them.
-        dtype: NumPy's name of the type.
         channels: of a picture.
         chunks, compression, compression_opts, shuffle, fletcher32: as h5py gives them.
     """
@@ -71,7 +71,6 @@ class Original:
     kind: str
     shape: list[int]
     maxshape: list[int | None]
-    dtype: str
     channels: int
     chunks: list[int] | None
     compression: str | None
@@ -90,7 +89,6 @@ class Original:
             kind=picture_kind(dataset),
             shape=list(dataset.shape),
             maxshape=list(dataset.maxshape),
-            dtype=str(dataset.dtype),
             channels=picture_channels(dataset, dataset.name),
             chunks=list(dataset.chunks) if dataset.chunks else None,
             compression=dataset.compression,
@@ -125,6 +123,21 @@ class Link:
         video = path.parent / self.stream.file
         if not video.is_file():
             raise DamagedFile(f"{path} refers to {video}, which is not there", hint=MISSING)
+        return video
+
+    def whole_video(self, path: Path) -> Path:
+        """As :meth:`video`, once it is sure that the video holds as many frames as there were pictures.
+
+        Raises:
+            DamagedFile: it is not there or damaged, or holds another number of frames.
+        """
+        video = self.video(path)
+        frames = frame_count(video)
+        if frames != self.stream.frames:
+            raise DamagedFile(
+                f"{video} holds {frames} frames, {path} had {self.stream.frames} pictures",
+                hint="compress the recording again",
+            )
         return video
 
 

@@ -72,9 +72,16 @@ class EpisodeReader:
             raise MissingStage(f"{self.path} does not exist", hint="run collect first, or check the path")
         with _damage(self.path):
             self._file = h5py.File(self.path, "r")
-        found = self._file.attrs.get("schema")
-        if found != SCHEMA:
+        try:
+            self._require_schema()
+        except BaseException:
             self._file.close()
+            raise
+
+    def _require_schema(self) -> None:
+        with _damage(self.path):
+            found = self._file.attrs.get("schema")
+        if found != SCHEMA:
             raise SchemaMismatch(
                 f"{self.path} has the schema {found!r}, expected {SCHEMA!r}",
                 hint="collect the episode again with this version of vcage",

@@ -34,25 +34,24 @@ from vcage.errors import UsageError
 CAMERA_NAMES = {"cam_high": "head_camera", "cam_left_wrist": "left_camera", "cam_right_wrist": "right_camera"}
 """Our name of a camera → RoboTwin's; others keep theirs."""
 
+JPEG_QUALITY = 95
+
 OPENGL_AXES = np.diag([1.0, -1.0, -1.0, 1.0])
 """OpenCV's camera axes (y down, z forward) in OpenGL's (y up, z backward)."""
 
 
-def export_robotwin(reader: EpisodeReader, out: Path, *, quality: int = 95) -> Path:
+def export_robotwin(reader: EpisodeReader, out: Path) -> Path:
     """Write an episode as a RoboTwin file, whole or not at all.
 
     Args:
         reader: the episode, open.
         out: the ``.hdf5`` file.
-        quality: of the JPEGs, 1 … 100.
 
     Raises:
-        UsageError: the quality is out of range, or a number of the state belongs to no arm of RoboTwin's.
+        UsageError: a number of the state belongs to no arm of RoboTwin's.
         DamagedFile: the episode cannot be read.
         OutputFolderError, DiskFull: the file cannot be written.
     """
-    if not 1 <= quality <= 100:
-        raise UsageError(f"the JPEG quality is {quality}, expected 1 … 100")
     episode = reader.episode
     parts = _arm_parts(episode.state_names)
     with new_hdf5(out) as file:
@@ -63,7 +62,7 @@ def export_robotwin(reader: EpisodeReader, out: Path, *, quality: int = 95) -> P
         for name, track in episode.cameras.items():
             group = file.create_group(f"observation/{CAMERA_NAMES.get(name, name)}")
             _write_calibration(group, track)
-            _write_pictures(group, reader.images(name), quality, Path(out).parent)
+            _write_pictures(group, reader.images(name), Path(out).parent)
     return Path(out)
 
 
@@ -97,14 +96,14 @@ def _write_calibration(group: h5py.Group, track: CameraTrack) -> None:
     group["cam2world_gl"] = np.linalg.inv(track.extrinsics) @ OPENGL_AXES
 
 
-def _write_pictures(group: h5py.Group, pictures: Pictures, quality: int, folder: Path) -> None:
-    with spooled(_swapped_jpegs(pictures, quality), folder) as files:
+def _write_pictures(group: h5py.Group, pictures: Pictures, folder: Path) -> None:
+    with spooled(_swapped_jpegs(pictures), folder) as files:
         dataset = group.create_dataset("rgb", (len(files),), f"S{files.longest}")
         for index, data in enumerate(files):
             dataset[index] = data
 
 
-def _swapped_jpegs(pictures: Pictures, quality: int) -> Iterator[bytes]:
+def _swapped_jpegs(pictures: Pictures) -> Iterator[bytes]:
     for index in range(len(pictures)):
         # OpenCV takes BGR; given RGB it swaps red and blue, as RoboTwin does
-        yield cv2.imencode(".jpg", pictures[index], [cv2.IMWRITE_JPEG_QUALITY, quality])[1].tobytes()
+        yield cv2.imencode(".jpg", pictures[index], [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY])[1].tobytes()

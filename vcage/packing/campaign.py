@@ -7,7 +7,6 @@ depend on the number of processes, so neither does the result.
 
 from __future__ import annotations
 
-import os
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -16,9 +15,11 @@ from pathlib import Path
 import numpy as np
 
 from vcage.compression.choices import LOSSLESS, Choices
+from vcage.compression.codec import formats_for
 from vcage.compression.encoders import CODECS, require_encoder
 from vcage.compression.jod import require_display
 from vcage.packing.clips import Clip, Task, known, perform, whole
+from vcage.packing.memory import free_memory
 from vcage.packing.settings import CompressionSettings
 from vcage.progress import Progress, silent
 from vcage.schema.compression import VideoStream
@@ -65,6 +66,7 @@ def campaign(
     folder: Path,
     *,
     workers: int | None = None,
+    threads: int | None = None,
     progress: Progress = silent,
 ) -> dict[Key, Path]:
     """Search and encode all clips; what an interrupted call left in ``folder`` is taken up.
@@ -73,7 +75,8 @@ def campaign(
         clips: every camera of every recording.
         settings: how.
         folder: for the videos and what is known of them; see :func:`stream_of`.
-        workers: processes at most; None takes as many as there are cores and memory for.
+        workers: processes at most, no more than there are clips; None takes as many as there are cores and memory for.
+        threads: of the encoder in each process; None shares the cores out.
         progress: told of each clip that was encoded; its number falls where clips must be encoded again.
 
     Returns:
@@ -84,7 +87,8 @@ def campaign(
         VcageError: of any clip, see :func:`vcage.packing.clips.perform`; what was finished stays in ``folder``.
     """
     require_tools(settings)
-    return _Campaign(list(clips), settings, folder, workers or workers_for(clips), progress).run()
+    workers = workers_for(clips, workers)
+    return _Campaign(list(clips), settings, folder, workers, threads or encoder_threads(workers), progress).run()
 
 
 def require_tools(settings: CompressionSettings) -> None:
@@ -97,11 +101,22 @@ def require_tools(settings: CompressionSettings) -> None:
     require_display(settings.display)
 
 
-def workers_for(clips: Iterable[Clip]) -> int:
-    """Processes that this machine has cores and memory for, at least one."""
-    largest = max((c.recording.camera(c.camera).raw_bytes for c in clips), default=0)
-    free = os.sysconf("SC_AVPHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
-    return max(1, min(cores(), int(free // (COPIES * largest + OF_A_PROCESS))))
+def workers_for(clips: Sequence[Clip], most: int | None = None) -> int:
+    """Processes that are of use: no more than there are clips, at least one.
+
+    Args:
+        clips: the work.
+        most: that there may be; None for as many as this machine has cores and memory for.
+    """
+    if most is None:
+        largest = max((c.recording.camera(c.camera).raw_bytes for c in clips), default=0)
+        most = min(cores(), free_memory() // (COPIES * largest + OF_A_PROCESS))
+    return max(1, min(most, len(clips)))
+
+
+def encoder_threads(workers: int) -> int:
+    """Threads of the encoder in each of so many processes."""
+    return max(1, cores() // workers)
 
 
 def cameras_of(clips: Iterable[Clip]) -> list[str]:
@@ -125,6 +140,7 @@ class _Campaign:
     settings: CompressionSettings
     folder: Path
     workers: int
+    threads: int
     progress: Progress
     streams: dict[Key, VideoStream] = field(default_factory=dict)
     tasks: dict[Key, Task] = field(default_factory=dict)
@@ -142,26 +158,36 @@ class _Campaign:
         return self._videos()
 
     def _agreed(self, camera: str) -> Bound:
-        """What most episodes of the sample chose, at the lowest CRF of any of them."""
+        """What most episodes of the sample chose of what all can have, at the lowest CRF of any of them."""
         found = self._of(camera)
         if any(stream.lossless for stream in found):
             return Bound(found[0].pixel_format, found[0].gop, LOSSLESS)
-        (pixel_format, gop), _ = Counter((s.pixel_format, s.gop) for s in found).most_common(1)[0]
+        formats = self._formats(camera)
+        chosen = Counter((s.pixel_format, s.gop) for s in found if s.pixel_format in formats).most_common(1)
+        pixel_format, gop = chosen[0][0] if chosen else (formats[0], found[0].gop)
         return Bound(pixel_format, gop, min(s.crf for s in found if s.crf is not None))
 
     def _lowered(self, camera: str, bound: Bound) -> Bound:
         """The bound that all episodes allow; where none does in a chosen pixel format, the best one gets its turn."""
         found = self._of(camera)
         if bound.crf == LOSSLESS or any(stream.lossless for stream in found):
-            best = self._best_format()
+            best = self._formats(camera)[0]
             if bound.crf != LOSSLESS and bound.pixel_format != best:
                 return Bound(best, bound.gop, self.settings.choices().highest)
             return Bound(bound.pixel_format, bound.gop, LOSSLESS)
         return Bound(bound.pixel_format, bound.gop, min(bound.crf, *(s.crf for s in found if s.crf is not None)))
 
-    def _best_format(self) -> str:
+    def _formats(self, camera: str) -> list[str]:
+        """The pixel formats that all episodes of a camera can have, the best first."""
         choices = self.settings.choices()
-        return (choices.pixel_formats or choices.settings().facts.pixel_formats)[0]
+        cameras = [clip.recording.camera(camera) for clip in self.clips if clip.camera == camera]
+        fitting = [
+            formats_for(choices.settings(), *size, choices.pixel_formats)
+            for size in {(c.width, c.height) for c in cameras}
+        ]
+        common = [name for name in fitting[0] if all(name in names for names in fitting)]
+        # where nothing could be kept without loss, only the best is sure to leave no episode behind
+        return common if choices.settings().facts.lossless_format else common[:1]
 
     def _below(self, bound: Bound) -> Choices:
         choices = self.settings.choices()
@@ -210,7 +236,7 @@ class _Campaign:
             display=self.settings.display,
             keyframes=self.settings.keyframes,
             folder=self.folder,
-            threads=max(1, cores() // self.workers),
+            threads=self.threads,
         )
 
     def _note(self, task: Task, stream: VideoStream) -> None:

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import hashlib
-import threading
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from pathlib import Path
 
 import cv2
@@ -15,18 +14,16 @@ from numpy.typing import NDArray
 
 from vcage import __version__
 from vcage.compression.choices import Choices, Criterion
-from vcage.compression.jod import JodMetric
+from vcage.compression.jod import JodMetric, metric_version
 from vcage.compression.keyframes import keyframes, picture_keyframes
 from vcage.compression.search import SearchResult, search_clip
 from vcage.compression.versions import encoder_version
 from vcage.dataset.recordings.recording import Recording
 from vcage.errors import DamagedFile
 from vcage.files import write_bytes, write_text
-from vcage.schema.compression import Evaluation, HeldOutLoss, VideoStream
+from vcage.schema.compression import VideoStream
 
 JPEG_QUALITY = 95
-
-_OF_THREAD = threading.local()
 
 
 @dataclass(frozen=True)
@@ -88,6 +85,7 @@ class Task:
             self.display,
             self.keyframes,
             encoder_version(self.choices.codec),
+            metric_version(),
             __version__,
         )
         digest = hashlib.sha256(repr(told).encode()).hexdigest()[:12]
@@ -138,11 +136,10 @@ def perform(task: Task) -> tuple[Clip, VideoStream]:
     return clip, stream
 
 
+@lru_cache(maxsize=1)
 def _metric(display: str) -> JodMetric:
-    """The metric, made once for each thread."""
-    if getattr(_OF_THREAD, "display", None) != display:
-        _OF_THREAD.metric, _OF_THREAD.display = JodMetric(display), display
-    return _OF_THREAD.metric
+    """The metric, made once for each process, in whose main thread alone it is used."""
+    return JodMetric(display)
 
 
 def _keyframes(recording: Recording, frames: NDArray[np.uint8], count: int) -> list[int]:
@@ -153,7 +150,6 @@ def _keyframes(recording: Recording, frames: NDArray[np.uint8], count: int) -> l
 
 
 def _stream(clip: Clip, frames: NDArray[np.uint8], scored: Sequence[int], result: SearchResult) -> VideoStream:
-    held_out = result.held_out
     return VideoStream(
         episode=clip.name,
         camera=clip.camera,
@@ -164,15 +160,15 @@ def _stream(clip: Clip, frames: NDArray[np.uint8], scored: Sequence[int], result
         jpeg_bytes=jpeg_bytes(frames),
         stored_bytes=clip.recording.camera(clip.camera).stored_bytes,
         codec=result.settings.codec,
-        pixel_format=result.settings.pixel_format,
+        pixel_format=result.pixel_format,
         gop=result.settings.gop,
         crf=result.crf,
         loss_max=result.loss_max,
         loss_mean=result.loss_mean,
-        held_out=held_out and HeldOutLoss(**vars(held_out)),
+        held_out=result.held_out,
         keyframes=list(scored),
         guarded=result.added,
-        evaluations=[Evaluation(**vars(trial)) for trial in result.trials],
+        evaluations=result.trials,
     )
 
 

@@ -2,44 +2,36 @@
 
 from __future__ import annotations
 
+import tempfile
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
-from vcage.compression.jod import JodMetric
-from vcage.compression.keyframes import picture_keyframes
-from vcage.compression.search import search_clip
-from vcage.packing.campaign import cameras_of, require_tools, sample_of, workers_for
-from vcage.packing.clips import Clip, jpeg_bytes
-from vcage.packing.pack import Order, require_apart
+import numpy as np
+from numpy.typing import NDArray
+
+from vcage.dataset.recordings.recording import Camera, Columns, Motion, Recording
+from vcage.packing.campaign import (
+    cameras_of,
+    campaign,
+    encoder_threads,
+    require_tools,
+    sample_of,
+    stream_of,
+    workers_for,
+)
+from vcage.packing.clips import Clip
+from vcage.packing.pack import Order, without_damaged
 from vcage.packing.settings import CompressionSettings
-from vcage.packing.sources import find_sources
+from vcage.packing.sources import find_sources, require_apart
 from vcage.packing.targets import require_alike, suited
 from vcage.progress import Progress, silent
+from vcage.schema.compression import VideoStream
 
 WINDOW = 60
 """Frames that are searched of a clip, from its middle."""
-
-
-@dataclass(frozen=True)
-class Probe:
-    """A part of one clip, searched.
-
-    Args:
-        clip: which.
-        frames: how many of its frames.
-        jpeg_bytes: of these.
-        bytes, crf: what the search found.
-        seconds: that it took.
-    """
-
-    clip: Clip
-    frames: int
-    jpeg_bytes: int
-    bytes: int
-    crf: int | None
-    seconds: float
 
 
 def estimate(order: Order, *, workers: int | None = None, progress: Progress = silent) -> dict[str, Any]:
@@ -51,62 +43,107 @@ def estimate(order: Order, *, workers: int | None = None, progress: Progress = s
         progress: told of each clip of the sample.
 
     Returns:
-        JSON-serialisable: per camera CRF, bytes and seconds of all its frames; and their sums.
+        JSON-serialisable: what :func:`estimate_clips` tells, and the recordings that are left.
 
     Raises:
         VcageError: see :func:`vcage.packing.pack.pack`.
     """
-    require_apart(order)
+    require_apart(order.root, order.out)
     require_tools(order.settings)
     sources = find_sources(order.root, order.settings, skip_damaged=order.skip_damaged)
     wanted = suited(order.wanted, sources.sources)
-    clips = sources.clips(order.cameras, wanted.fps)
-    require_alike(clips, wanted)
-    sample = sample_of(clips)
-    metric = JodMetric(order.settings.display)
-    probes = []
-    for number, clip in enumerate(sample):
-        progress(f"{clip.name} {clip.camera}", number, len(sample))
-        probes.append(_probe(clip, order.settings, metric))
+    require_alike(sources.clips(order.cameras, wanted.fps), wanted)
+    sources, told = without_damaged(
+        order, sources, wanted, lambda clips: estimate_clips(clips, order.settings, workers=workers, progress=progress)
+    )
+    return {"would": "write", "out": str(order.out), "recordings": len(sources.sources), **told}
+
+
+def estimate_clips(
+    clips: Sequence[Clip], settings: CompressionSettings, *, workers: int | None = None, progress: Progress = silent
+) -> dict[str, Any]:
+    """What a campaign would make of clips, from one over the middles of a few of them.
+
+    Args:
+        clips: all of them.
+        settings: how.
+        workers: processes at most, for the time; the estimate itself is made in this process.
+        progress: told of each clip of the sample.
+
+    Returns:
+        JSON-serialisable: per camera the CRFs of the sample, and bytes of all frames; the sums of these, and seconds.
+
+    Raises:
+        VcageError: see :func:`vcage.packing.campaign.campaign`.
+    """
+    workers = workers_for(clips, workers)
+    sample = [replace(clip, recording=_Middle(clip.recording, clip.camera)) for clip in sample_of(clips)]
+    begun = time.perf_counter()
+    with tempfile.TemporaryDirectory() as folder:
+        videos = campaign(
+            sample, settings, Path(folder), workers=1, threads=encoder_threads(workers), progress=progress
+        )
+        streams = [stream_of(video) for video in videos.values()]
+    seconds = time.perf_counter() - begun
     cameras = {
-        name: _camera([c for c in clips if c.camera == name], [p for p in probes if p.clip.camera == name])
+        name: _camera([c for c in clips if c.camera == name], [s for s in streams if s.camera == name])
         for name in cameras_of(clips)
     }
     total = {key: sum(camera[key] for camera in cameras.values()) for key in ("bytes", "raw_bytes", "jpeg_bytes")}
-    seconds = sum(camera["seconds"] for camera in cameras.values())
+    share = total["raw_bytes"] / sum(stream.raw_bytes for stream in streams)
     return {
-        "would": "write",
-        "out": str(order.out),
-        "recordings": len(sources.sources),
         "videos": len(clips),
-        "sampled_frames": sum(probe.frames for probe in probes),
+        "sampled_frames": sum(stream.frames for stream in streams),
         **total,
         "reduction_raw": round(1 - total["bytes"] / total["raw_bytes"], 4),
         "reduction_jpeg": round(1 - total["bytes"] / total["jpeg_bytes"], 4),
-        "seconds": round(seconds / (workers or workers_for(clips))),
+        "seconds": round(share * seconds / workers),
         "cameras": cameras,
     }
 
 
-def _probe(clip: Clip, settings: CompressionSettings, metric: JodMetric) -> Probe:
-    count = clip.recording.camera(clip.camera).frames
-    first = max(0, (count - WINDOW) // 2)
-    frames = clip.recording.pictures(clip.camera, range(first, min(count, first + WINDOW)))
-    begun = time.perf_counter()
-    scored = picture_keyframes(frames, settings.keyframes)
-    result = search_clip(frames, scored, clip.fps, settings.choices(), settings.criterion(), metric)
-    return Probe(clip, len(frames), jpeg_bytes(frames), len(result.video), result.crf, time.perf_counter() - begun)
-
-
-def _camera(clips: Sequence[Clip], probes: Sequence[Probe]) -> dict[str, Any]:
+def _camera(clips: Sequence[Clip], streams: Sequence[VideoStream]) -> dict[str, Any]:
     """What all clips of a camera come to, if they are like the sample."""
     frames = sum(clip.recording.camera(clip.camera).frames for clip in clips)
-    share = frames / sum(probe.frames for probe in probes)
+    share = frames / sum(stream.frames for stream in streams)
     return {
-        "crf": [probe.crf for probe in probes],
+        "crf": [stream.crf for stream in streams],
         "frames": frames,
-        "bytes": round(share * sum(probe.bytes for probe in probes)),
+        "bytes": round(share * sum(stream.bytes for stream in streams)),
         "raw_bytes": sum(clip.recording.camera(clip.camera).raw_bytes for clip in clips),
-        "jpeg_bytes": round(share * sum(probe.jpeg_bytes for probe in probes)),
-        "seconds": round(share * sum(probe.seconds for probe in probes), 1),
+        "jpeg_bytes": round(share * sum(stream.jpeg_bytes for stream in streams)),
     }
+
+
+class _Middle(Recording):
+    """One camera of a recording, as if no more had been recorded than the frames in its middle."""
+
+    def __init__(self, recording: Recording, camera: str):
+        super().__init__(recording.path)
+        self._recording = recording
+        self._camera = recording.camera(camera)
+        first = max(0, (self._camera.frames - WINDOW) // 2)
+        self._frames = range(first, min(self._camera.frames, first + WINDOW))
+
+    def __str__(self) -> str:
+        return str(self._recording)
+
+    @property
+    def files(self) -> list[Path]:
+        return self._recording.files
+
+    @property
+    def cameras(self) -> list[Camera]:
+        return [replace(self._camera, frames=len(self._frames))]
+
+    @property
+    def motion(self) -> Motion | None:
+        motion = self._recording.motion
+        return motion and replace(motion, action=motion.action[self._frames])
+
+    def pictures(self, camera: str, indices: Sequence[int] | None = None) -> NDArray[np.uint8]:
+        chosen = self._frames if indices is None else [self._frames[index] for index in indices]
+        return self._recording.pictures(camera, chosen)
+
+    def _read_commands(self) -> Columns | None:
+        raise NotImplementedError  # motion is the recording's own

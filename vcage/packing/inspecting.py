@@ -10,6 +10,7 @@ from typing import Any
 from vcage.dataset.recordings.opening import open_recordings
 from vcage.dataset.recordings.recording import Camera, Recording
 from vcage.errors import DamagedFile
+from vcage.packing.sources import require_sound
 
 MIB = 2**20
 
@@ -47,9 +48,7 @@ def inspect(root: Path) -> list[Found]:
 
 def _look(recording: Recording) -> Found:
     try:
-        recording.motion  # noqa: B018  reading checks it
-        for camera in recording.cameras:
-            recording.swapped(camera.name)
+        require_sound(recording)
     except DamagedFile as error:
         return Found(str(recording), None, error.message)
     return Found(str(recording), recording)

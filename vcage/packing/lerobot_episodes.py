@@ -64,6 +64,6 @@ def encodings(streams: Sequence[VideoStream]) -> dict[str, dict[str, Any]]:
         facts: dict[str, Any] = {"video.g": own[0].gop, "video.crf": own[0].crf}
         if own[0].lossless:
             facts = {"video.g": own[0].gop, "video.lossless": True}
-        alike = all((s.gop, s.crf) == (own[0].gop, own[0].crf) for s in own)
-        told[camera] = facts if alike else {"video.pix_fmt": None}  # which may differ too
+        alike = all((s.pixel_format, s.gop, s.crf) == (own[0].pixel_format, own[0].gop, own[0].crf) for s in own)
+        told[camera] = facts if alike else {"video.pix_fmt": None}
     return told

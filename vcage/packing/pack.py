@@ -5,16 +5,18 @@ from __future__ import annotations
 import logging
 import os
 import shutil
+from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from vcage.errors import DamagedFile, InputFileError, OutputFolderError, StaleStage
 from vcage.files import RunFolder, atomic_folder
-from vcage.packing.campaign import Key, campaign, require_tools, stream_of
+from vcage.packing.campaign import campaign, require_tools, stream_of
+from vcage.packing.clips import Clip
 from vcage.packing.records import compression_record
 from vcage.packing.settings import CompressionSettings
-from vcage.packing.sources import Sources, find_sources
+from vcage.packing.sources import Sources, find_sources, require_apart
 from vcage.packing.targets import Wanted, require_alike, suited
 from vcage.packing.writing import Compressed, write_target
 from vcage.progress import Progress, silent
@@ -22,6 +24,8 @@ from vcage.schema.base import Provenance
 from vcage.schema.compression import Compression
 
 log = logging.getLogger(__name__)
+
+T = TypeVar("T")
 
 RECORD = "compression.json"
 WORKING = ".compressing"
@@ -77,18 +81,24 @@ def pack(order: Order, *, workers: int | None = None, force: bool = False, progr
         DiskFull: see :mod:`vcage.files`; what is finished is kept beside the output.
     """
     out = order.out.expanduser().resolve()
-    require_apart(order)
+    require_apart(order.root, order.out)
     require_tools(order.settings)
     sources = find_sources(order.root, order.settings, skip_damaged=order.skip_damaged)
     wanted = suited(order.wanted, sources.sources)
     require_alike(sources.clips(order.cameras, wanted.fps), wanted)
-    provenance = Provenance(producer="compress", seed=0, options=_options(order), inputs=sources.hashes())
+    provenance = Provenance(producer="compress", seed=0, options=_options(order, wanted), inputs=sources.hashes())
+    working = out.with_name(out.name + WORKING)
     done = _finished(out, provenance, force=force)
     if done is not None:
+        shutil.rmtree(working, ignore_errors=True)  # of a call that was ended after the output appeared
         return done
-    working = out.with_name(out.name + WORKING)
     RunFolder(working).make()
-    sources, videos = _encode(order, sources, wanted, working / "videos", workers, progress)
+    sources, videos = without_damaged(
+        order,
+        sources,
+        wanted,
+        lambda clips: campaign(clips, order.settings, working / "videos", workers=workers, progress=progress),
+    )
     streams = {key: stream_of(video) for key, video in videos.items()}
     record = compression_record(provenance, order.settings, list(streams.values()), _notes(sources))
     whole = working / "whole"
@@ -102,28 +112,20 @@ def pack(order: Order, *, workers: int | None = None, force: bool = False, progr
     return Packed(record, out / RECORD, fresh=True)
 
 
-def require_apart(order: Order) -> None:
-    """Nothing, if neither the recordings lie in the output nor the output among the recordings.
+def without_damaged(
+    order: Order, sources: Sources, wanted: Wanted, work: Callable[[list[Clip]], T]
+) -> tuple[Sources, T]:
+    """What some work makes of the clips of sources, and the sources that these are of.
+
+    Sources that only decoding shows to be damaged are left out if the order allows it, and the work is done again.
 
     Raises:
-        OutputFolderError: one lies in the other.
+        DamagedFile: the order does not allow it, or none is left.
+        UsageError: what is left cannot be written as is wanted.
     """
-    root, out = order.root.expanduser().resolve(), order.out.expanduser().resolve()
-    if out == root or out in root.parents or root in out.parents:
-        raise OutputFolderError(
-            f"{out} and the recordings in {root} lie in one another",
-            hint="give an --out beside them: the recordings are never changed",
-        )
-
-
-def _encode(
-    order: Order, sources: Sources, wanted: Wanted, folder: Path, workers: int | None, progress: Progress
-) -> tuple[Sources, dict[Key, Path]]:
-    """The videos, and the sources that they are of; what only decoding shows to be damaged is left out if allowed."""
     while True:
-        clips = sources.clips(order.cameras, wanted.fps)
         try:
-            return sources, campaign(clips, order.settings, folder, workers=workers, progress=progress)
+            return sources, work(sources.clips(order.cameras, wanted.fps))
         except DamagedFile as error:
             if not order.skip_damaged or "recording" not in error.details:
                 hint = f"{error.hint}; or go on without it: --skip-damaged"
@@ -132,8 +134,8 @@ def _encode(
             suited(wanted, sources.sources)
 
 
-def _options(order: Order) -> dict[str, Any]:
-    return {**order.settings.options(), **asdict(order.wanted), "cameras": list(order.cameras)}
+def _options(order: Order, wanted: Wanted) -> dict[str, Any]:
+    return {**order.settings.options(), **asdict(wanted), "cameras": list(order.cameras)}
 
 
 def _finished(out: Path, provenance: Provenance, *, force: bool) -> Packed | None:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from importlib import metadata
 from typing import TypeVar
 
+from vcage.compression.codec import is_rgb
 from vcage.compression.encoders import CODECS
+from vcage.compression.jod import metric_version
 from vcage.compression.versions import encoder_version
 from vcage.packing.settings import CompressionSettings
 from vcage.schema.base import Provenance
@@ -43,15 +44,12 @@ def compression_record(
 
 
 def _encoding(settings: CompressionSettings) -> Encoding:
-    choices = settings.choices()
     return Encoding(
         codec=settings.codec,
         encoder=CODECS[settings.codec].encoder,
         encoder_version=encoder_version(settings.codec),
-        preset=choices.settings(*choices.pixel_formats[:1]).preset,
-        matrix="BT.601",
-        range="limited",
-        metric=f"ColorVideoVDP {metadata.version('cvvdp')}",
+        preset=settings.choices().settings().preset,
+        metric=metric_version(),
         display=settings.display,
         reduce=settings.reduce,
         threshold=settings.max_loss,
@@ -65,6 +63,8 @@ def _camera(name: str, streams: Sequence[VideoStream]) -> CameraCompression:
     return CameraCompression(
         camera=name,
         pixel_format=_common([stream.pixel_format for stream in streams]),
+        matrix=_common(["RGB" if is_rgb(stream.pixel_format) else "BT.601" for stream in streams]),
+        range=_common(["full" if is_rgb(stream.pixel_format) else "limited" for stream in streams]),
         gop=_common([stream.gop for stream in streams]),
         crf=_common([stream.crf for stream in streams]),
         lossless=all(stream.lossless for stream in streams),

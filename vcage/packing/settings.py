@@ -10,7 +10,7 @@ from vcage.compression.encoders import CODECS
 from vcage.compression.jod import DISPLAY
 from vcage.compression.keyframes import COUNT
 from vcage.errors import UnknownName, UsageError
-from vcage.schema.compression import Reduce, Scope
+from vcage.schema.compression import Reduce, SharedBy
 
 AUTO = "auto"
 
@@ -43,7 +43,7 @@ class CompressionSettings:
     reduce: Reduce = "max"
     display: str = DISPLAY
     guard: bool = True
-    scope: Scope = "camera"
+    scope: SharedBy = "camera"
     crf: int | None = None
     codec: str = "hevc"
     preset: str = ""
@@ -57,6 +57,11 @@ class CompressionSettings:
         lowest, highest = CODECS[self.codec].min_crf, CODECS[self.codec].max_crf
         if self.crf not in (None, LOSSLESS) and not lowest <= self.crf <= highest:
             raise UsageError(f"crf is {self.crf}, expected {lowest} … {highest} for {self.codec}, or lossless")
+        if self.crf == LOSSLESS and not CODECS[self.codec].lossless_format:
+            raise UsageError(
+                f"{self.codec} has no lossless form here",
+                hint=f"take --codec {' or '.join(name for name, facts in CODECS.items() if facts.lossless_format)}",
+            )
         if self.max_loss <= 0:
             raise UsageError(
                 f"the largest loss is {self.max_loss} JOD, which no video stays under",

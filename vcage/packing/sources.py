@@ -11,8 +11,8 @@ from pathlib import Path
 from vcage.compression.codec import formats_for
 from vcage.dataset.recordings.lerobot_layouts import LeRobotRecording
 from vcage.dataset.recordings.opening import open_recordings
-from vcage.dataset.recordings.recording import Camera, Recording
-from vcage.errors import DamagedFile, UnknownName, UsageError
+from vcage.dataset.recordings.recording import Recording
+from vcage.errors import DamagedFile, OutputFolderError, UnknownName, UsageError
 from vcage.files import sha256_file
 from vcage.packing.clips import Clip
 from vcage.packing.settings import CompressionSettings
@@ -114,8 +114,8 @@ def find_sources(root: Path, settings: CompressionSettings, *, skip_damaged: boo
     Raises:
         InputFileError: there is nothing at the path, or nothing that is known.
         DamagedFile: a recording is damaged; names the first few, and how many there are.
-        UsageError: pictures are of a size that the codec or the pixel format does not take, or two recordings would be
-            written under one name.
+        UsageError: a recording has no pictures, or of a size that the codec or the pixel format does not take, or two
+            recordings would be written under one name.
     """
     root = Path(root)
     damaged: dict[Path, DamagedFile] = {}
@@ -129,7 +129,8 @@ def find_sources(root: Path, settings: CompressionSettings, *, skip_damaged: boo
                 f"{sources[name].recording} and {recording} would both be written as {name}", hint="rename one of them"
             )
         try:
-            _require_sound(recording, settings)
+            require_sound(recording)
+            _require_encodable(recording, settings)
         except DamagedFile as error:
             complaints[name] = error
         else:
@@ -139,26 +140,41 @@ def find_sources(root: Path, settings: CompressionSettings, *, skip_damaged: boo
     return Sources(root, list(sources.values()), {name: error.message for name, error in complaints.items()})
 
 
-def _require_sound(recording: Recording, settings: CompressionSettings) -> None:
-    """Raise DamagedFile where commands are not finite or do not fit the pictures, UsageError for sizes."""
+def require_apart(root: Path, out: Path) -> None:
+    """Nothing, if neither the recordings at ``root`` lie in the output nor the output among the recordings.
+
+    Raises:
+        OutputFolderError: one lies in the other.
+    """
+    root, out = root.expanduser().resolve(), out.expanduser().resolve()
+    if out == root or out in root.parents or root in out.parents:
+        raise OutputFolderError(
+            f"{out} and the recordings in {root} lie in one another",
+            hint="give an --out beside them: the recordings are never changed",
+        )
+
+
+def require_sound(recording: Recording) -> None:
+    """Nothing, if a recording has pictures and its commands are finite numbers, one row for each picture.
+
+    Raises:
+        DamagedFile: it has not.
+    """
     recording.motion  # noqa: B018  reading checks it
     for camera in recording.cameras:
         if camera.frames == 0:
             raise DamagedFile(f"{recording}: {camera.name} holds no frame", hint="leave the episode out")
-        try:
-            _require_size(camera, settings)
-        except UsageError as error:
-            raise UsageError(f"{recording}, {camera.name}: {error.message}", hint=error.hint) from error
         recording.swapped(camera.name)  # notes it
 
 
-def _require_size(camera: Camera, settings: CompressionSettings) -> None:
-    fitting = formats_for(settings.choices().settings(), camera.width, camera.height)
-    if settings.pixel_formats and not set(settings.pixel_formats) & set(fitting):
-        raise UsageError(
-            f"pictures of {camera.width}x{camera.height} do not fit the pixel format {settings.pixel_format}",
-            hint=f"take one of {', '.join(fitting)}",
-        )
+def _require_encodable(recording: Recording, settings: CompressionSettings) -> None:
+    if not recording.cameras:
+        raise UsageError(f"{recording} holds no pictures", hint="leave it out: there is nothing to compress")
+    for camera in recording.cameras:
+        try:
+            formats_for(settings.choices().settings(), camera.width, camera.height, settings.pixel_formats)
+        except UsageError as error:
+            raise UsageError(f"{recording}, {camera.name}: {error.message}", hint=error.hint) from error
 
 
 def _refusal(complaints: dict[str, DamagedFile], left: int) -> DamagedFile:

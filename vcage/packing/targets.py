@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 from itertools import groupby
 from typing import Any
 
-from vcage.dataset.lerobot.append import INFO
 from vcage.dataset.lerobot.features import SUBTASK, other_columns
 from vcage.dataset.lerobot.formats import FORMATS
+from vcage.dataset.lerobot.info import INFO
 from vcage.dataset.lerobot.repack import require_colour, require_whole
 from vcage.dataset.recordings.hdf5_layouts import Hdf5Recording
 from vcage.dataset.recordings.lerobot_layouts import LeRobotRecording
@@ -30,7 +30,8 @@ class Wanted:
 
     Args:
         target: one of :data:`TARGETS`; None for what suits the recordings, see :func:`suited`.
-        task, robot, fps: for a LeRobot data set, of recordings that do not say.
+        fps: of recordings that do not say.
+        task, robot: for a LeRobot data set, of recordings that do not say.
     """
 
     target: str | None = None
@@ -41,6 +42,8 @@ class Wanted:
 
 def suited(wanted: Wanted, sources: Sequence[Source]) -> Wanted:
     """What is wanted, with a target, once it is sure that every recording can be written so.
+
+    The recordings get a note where a part of them is left out of what is written.
 
     Raises:
         UsageError: one cannot; names it, and the option that is missing. Or episodes of a LeRobot data set are left out

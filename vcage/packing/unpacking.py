@@ -7,9 +7,10 @@ from pathlib import Path
 from typing import Literal
 
 from vcage.dataset.packed import unpack
-from vcage.dataset.recordings.opening import HDF5
+from vcage.dataset.recordings.opening import hdf5_files
 from vcage.errors import InputFileError, OutputFolderError
 from vcage.files import atomic_folder
+from vcage.packing.sources import require_apart
 from vcage.progress import Progress, silent
 
 
@@ -39,12 +40,11 @@ def unpack_all(
         UsageError, DamagedFile, DiskFull: see :func:`vcage.dataset.packed.unpack`.
     """
     root, out = Path(root).expanduser().resolve(), Path(out).expanduser().resolve()
-    if out == root or out in root.parents or root in out.parents:
-        raise OutputFolderError(f"{out} and {root} lie in one another", hint="give an --out beside it")
+    require_apart(root, out)
     if not root.exists():
         raise InputFileError(f"{root} does not exist", hint="give an HDF5 file that vcage compress wrote, or a folder")
     folder = root.parent if root.is_file() else root
-    files = [root] if root.is_file() else sorted(path for path in root.rglob("*") if path.suffix in HDF5)
+    files = [root] if root.is_file() else hdf5_files(root)
     if not files:
         raise InputFileError(f"{root} holds no HDF5 file", hint="give a folder that vcage compress wrote")
     names = [file.relative_to(folder) for file in files]

@@ -19,7 +19,7 @@ from vcage.packing.campaign import Key
 from vcage.packing.lerobot_episodes import encodings, lerobot_episode
 from vcage.packing.sources import Source
 from vcage.packing.targets import HDF5, VIDEOS, Wanted, episode_names, keeps_format
-from vcage.progress import Progress, silent
+from vcage.progress import Progress
 from vcage.schema.compression import VideoStream
 
 T = TypeVar("T")
@@ -40,7 +40,7 @@ class Compressed:
     videos: Mapping[Key, Path]
 
 
-def write_target(compressed: Compressed, wanted: Wanted, out: Path, progress: Progress = silent) -> None:
+def write_target(compressed: Compressed, wanted: Wanted, out: Path, progress: Progress) -> None:
     """Write recordings with their videos into the folder ``out``, which is new.
 
     Raises:

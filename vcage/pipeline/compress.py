@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import shutil
 from pathlib import Path
 from typing import Any
@@ -70,17 +69,17 @@ def execute(
 
     def make(folder: Path, provenance: Provenance) -> Compression:
         clips, files = clips_of(run)
-        working = run.root / WORKING
-        videos = campaign(clips, settings.compression, working, workers=settings.workers, progress=progress)
+        videos = campaign(clips, settings.compression, run.root / WORKING, workers=settings.workers, progress=progress)
         streams = []
         for (name, _), video in videos.items():
             stream = stream_of(video)
-            os.replace(video, folder / stream.file)
+            shutil.copyfile(video, folder / stream.file)
             streams.append(stream.model_copy(update={"episode": files[name], "file": stage.inside(stream.file)}))
-        shutil.rmtree(working)
         return compression_record(provenance, settings.compression, streams)
 
-    return stage.do(Compression, make, force=settings.force)
+    result = stage.do(Compression, make, force=settings.force)
+    shutil.rmtree(run.root / WORKING, ignore_errors=True)  # not before the stage is whole: a search takes long
+    return result
 
 
 def clips_of(run: RunFolder) -> tuple[list[Clip], dict[str, str]]:

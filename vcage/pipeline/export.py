@@ -12,12 +12,14 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from vcage.compression.choices import LOSSLESS
+from vcage.compression.encoders import CODECS
 from vcage.dataset.lerobot.episode import LeRobotEpisode
 from vcage.dataset.lerobot.formats import FORMATS, open_writer
 from vcage.dataset.reader import EpisodeReader
 from vcage.dataset.recordings.hdf5_layouts import open_hdf5
 from vcage.dataset.robotwin import export_robotwin
-from vcage.errors import MissingStage
+from vcage.errors import MissingStage, UsageError
 from vcage.files import RunFolder
 from vcage.packing.campaign import campaign, stream_of
 from vcage.packing.lerobot_episodes import encodings, lerobot_episode
@@ -75,25 +77,22 @@ def execute(run: RunFolder, settings: Settings, bench: Workbench, progress: Prog
     Raises:
         MissingStage, StaleStage: see :class:`vcage.pipeline.stage.Job`; also when a video was not compressed yet.
         DamagedFile, SchemaMismatch: an episode or a video cannot be read.
-        UsageError: the codec asked for cannot stay under the loss that the compression allowed.
+        UsageError: the codec asked for cannot stay under the loss that the compression allowed, or needs a CRF.
     """
     stage = job(run, settings, bench)
 
     def make(folder: Path, provenance: Provenance) -> Export:
-        footage = find_footage(run, settings, progress)
         versions = [name for name in settings.export.formats if name in FORMATS]
-        with ExitStack() as stack:
-            writers = [stack.enter_context(open_writer(name, folder / name, footage.facts)) for name in versions]
-            for episode in lerobot_episodes(run, footage, progress):
-                for writer in writers:
-                    writer.add(episode)
+        if versions:
+            _write_lerobot(run, versions, folder, find_footage(run, settings, progress), progress)
         if ROBOTWIN in settings.export.formats:
             _write_robotwin(run, folder / ROBOTWIN, progress)
-        shutil.rmtree(run.root / WORKING, ignore_errors=True)
         datasets = [_describe(run, name, folder / name, stage.inside(name)) for name in settings.export.formats]
         return Export(provenance=provenance, datasets=datasets)
 
-    return stage.do(Export, make, force=settings.force)
+    result = stage.do(Export, make, force=settings.force)
+    shutil.rmtree(run.root / WORKING, ignore_errors=True)  # not before the stage is whole: a search takes long
+    return result
 
 
 def find_footage(run: RunFolder, settings: Settings, progress: Progress = silent) -> Footage:
@@ -101,7 +100,8 @@ def find_footage(run: RunFolder, settings: Settings, progress: Progress = silent
 
     Raises:
         MissingStage: nothing was compressed yet.
-        UsageError: the codec cannot stay under the loss that the compression allowed.
+        UsageError: the codec cannot stay under the loss that the compression allowed; or the compression had a CRF
+            given, which tells nothing to another codec.
     """
     compression = Compression.read(run.compression)
     wanted = _other_encoding(CompressionSettings(**compression.provenance.options), settings)
@@ -117,30 +117,52 @@ def find_footage(run: RunFolder, settings: Settings, progress: Progress = silent
 
 def _other_encoding(compressed: CompressionSettings, settings: Settings) -> CompressionSettings | None:
     """How to encode again, or None where the compressed videos are what is asked for."""
-    codec = settings.export.codec or compressed.codec
-    crf = settings.export.crf if settings.export.crf is not None else compressed.crf
-    if (codec, crf) == (compressed.codec, compressed.crf):
-        return None
+    codec, crf = settings.export.codec or compressed.codec, settings.export.crf
     if codec == compressed.codec:
-        return replace(compressed, crf=crf)
-    return replace(compressed, codec=codec, crf=settings.export.crf, preset="", pixel_format=AUTO)
+        return None if crf in (None, compressed.crf) else replace(compressed, crf=crf)
+    if crf is None:
+        crf = _same_quality(compressed, codec)
+    return replace(compressed, codec=codec, crf=crf, preset="", pixel_format=AUTO)
+
+
+def _same_quality(compressed: CompressionSettings, codec: str) -> int | None:
+    """The CRF at which another codec does what was asked of the compression; None for one to be searched."""
+    if compressed.crf is None:
+        return None
+    if compressed.crf != LOSSLESS:
+        raise UsageError(
+            f"no loss was searched for: the videos have the given CRF {compressed.crf}, which {codec} counts otherwise",
+            hint="give a CRF for it too: --crf N",
+        )
+    if not CODECS[codec].lossless_format:
+        raise UsageError(
+            f"the videos were compressed without loss, which {codec} cannot do",
+            hint="give the CRF of a loss that may be: --crf N, or take another --codec",
+        )
+    return LOSSLESS
 
 
 def _facts(streams: Sequence[VideoStream], preset: str) -> dict[str, dict[str, Any]]:
     return {camera: {**facts, "video.preset": preset} for camera, facts in encodings(streams).items()}
 
 
-def lerobot_episodes(run: RunFolder, footage: Footage, progress: Progress = silent) -> Iterator[LeRobotEpisode]:
-    """The accepted episodes with their videos, one after the other.
+def lerobot_episodes(
+    run: RunFolder, files: Sequence[str], footage: Footage, progress: Progress = silent
+) -> Iterator[LeRobotEpisode]:
+    """Episodes with their videos, one after the other.
+
+    Args:
+        run: their run.
+        files: theirs, relative to the run folder.
+        footage: videos of all of their cameras.
+        progress: told of every episode.
 
     Raises:
         MissingStage: a camera of an episode has no video.
         DamagedFile: an episode cannot be read.
     """
-    accepted = accepted_episodes(run)
-    for number, record in enumerate(accepted):
-        file = str(record.file)
-        progress(Path(file).stem, number, len(accepted))
+    for number, file in enumerate(files):
+        progress(Path(file).stem, number, len(files))
         recording = open_hdf5(run.root / file)
         cameras = [camera.name for camera in recording.cameras]
         missing = [camera for camera in cameras if (file, camera) not in footage.files]
@@ -149,6 +171,15 @@ def lerobot_episodes(run: RunFolder, footage: Footage, progress: Progress = sile
                 f"{file} has no compressed video of {', '.join(missing)}", hint="run compress with --force first"
             )
         yield lerobot_episode(recording, {camera: footage.files[file, camera] for camera in cameras}, Wanted())
+
+
+def _write_lerobot(run: RunFolder, versions: Sequence[str], folder: Path, footage: Footage, progress: Progress) -> None:
+    files = [str(record.file) for record in accepted_episodes(run)]
+    with ExitStack() as stack:
+        writers = [stack.enter_context(open_writer(name, folder / name, footage.facts)) for name in versions]
+        for episode in lerobot_episodes(run, files, footage, progress):
+            for writer in writers:
+                writer.add(episode)
 
 
 def _write_robotwin(run: RunFolder, out: Path, progress: Progress) -> None:

@@ -25,7 +25,8 @@ class ExportSettings:
     Args:
         formats: of :data:`EXPORTS`.
         codec: of the videos of LeRobot's formats; None for what was compressed.
-        crf: instead of the one that was searched; with another codec, None searches one at the same loss.
+        crf: instead of the one that was searched. None with another codec searches one at the same loss, or is lossless
+            where the compression was; where its CRF was given, this one must be.
     """
 
     formats: tuple[str, ...] = tuple(FORMATS)

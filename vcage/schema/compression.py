@@ -9,6 +9,7 @@ from pydantic import Field
 from vcage.schema.base import Finite, Record, StageDocument
 
 Reduce = Literal["max", "mean"]
+SharedBy = Literal["camera", "episode"]
 Scope = Literal["camera", "episode", "fixed"]
 
 
@@ -46,10 +47,10 @@ class VideoStream(Record):
     codec: str
     pixel_format: str
     gop: int = Field(description="frames from one random-access point to the next")
-    crf: int | None = Field(description="highest CRF that passes; none when even the best fails: then it is lossless")
+    crf: int | None = Field(description="the highest that passes, or the one given; none: without loss")
     loss_max: Finite = Field(description="largest JOD loss over the scored frames")
     loss_mean: Finite
-    held_out: HeldOutLoss | None = Field(description="none when every frame was scored")
+    held_out: HeldOutLoss | None = Field(description="none when no held-out frame was left")
     keyframes: list[int] = Field(description="frames that were scored from the start")
     guarded: list[int] = Field(description="held-out frames that failed and were scored from then on")
     evaluations: list[Evaluation]
@@ -67,8 +68,6 @@ class Encoding(Record):
     encoder: str
     encoder_version: str
     preset: str
-    matrix: str = Field(description="from RGB to YUV")
-    range: str
     metric: str = Field(description="name and version of what judges")
     display: str = Field(description="ColorVideoVDP display model")
     reduce: Reduce = Field(description="over the scored frames")
@@ -82,9 +81,11 @@ class CameraCompression(Record):
 
     camera: str
     pixel_format: str | None = Field(description="none where the episodes have several")
+    matrix: str | None = Field(description="from RGB to YUV, or RGB; none where the episodes have several")
+    range: str | None = Field(description="of the numbers in the video: limited or full; none likewise")
     gop: int | None = Field(description="none where the episodes have several")
     crf: int | None = Field(description="none where the episodes have several, or are lossless")
-    lossless: bool = Field(description="whether all are, as no CRF passes")
+    lossless: bool = Field(description="whether every pixel of all comes back")
     loss_max: Finite
     held_out_max: Finite | None
 
@@ -92,7 +93,7 @@ class CameraCompression(Record):
 class Compression(StageDocument):
     """``compress/compression.json``."""
 
-    SCHEMA: ClassVar[str] = "vcage.compression/2"
+    SCHEMA: ClassVar[str] = "vcage.compression/3"
 
     encoding: Encoding
     cameras: list[CameraCompression]

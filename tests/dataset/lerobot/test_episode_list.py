@@ -6,10 +6,11 @@ import json
 import shutil
 
 import pyarrow as pa
+import pyarrow.parquet as pq
 import pytest
 
 from tests.dataset.conftest import LENGTHS
-from vcage.dataset.lerobot.episode_list import episode_lengths, episode_tables, place_videos
+from vcage.dataset.lerobot.episode_list import episode_lengths, episode_rows, episode_tables, place_videos
 from vcage.errors import DamagedFile
 
 INFO = {"chunks_size": 3, "fps": 10}
@@ -35,6 +36,21 @@ def test_lines_that_list_nothing_are_named(v21, tmp_path, content):
     (source / "meta/episodes.jsonl").write_text(content, encoding="latin-1")
     with pytest.raises(DamagedFile, match=r"episodes\.jsonl"):
         episode_lengths(source, info_of(source))
+
+
+@pytest.mark.parametrize("change", [lambda rows: rows.slice(0, 0), lambda rows: rows.drop_columns(["length"])])
+def test_tables_that_list_nothing_are_named(v3, tmp_path, change):
+    source = shutil.copytree(v3, tmp_path / "source")
+    file = source / episode_tables(v3)[0]
+    pq.write_table(change(pq.read_table(file)), file)
+    with pytest.raises(DamagedFile, match=r"meta/episodes (lists no|has an) episode"):
+        episode_lengths(source, info_of(source))
+
+
+def test_rows_hold_what_is_said_of_an_episode_but_no_statistics(v3):
+    first = episode_rows(v3, info_of(v3))[0]
+    assert {"episode_index", "length", "tasks", "data/file_index"} <= set(first)
+    assert not [name for name in first if name.startswith("stats/")]
 
 
 def test_a_missing_list_is_named(v21, v3, tmp_path):

@@ -140,6 +140,24 @@ def test_nothing_to_export_is_refused(version, tmp_path):
 
 
 @pytest.mark.parametrize("version", FORMATS)
+def test_nothing_to_add_is_refused(version, episodes, tmp_path):
+    root = write(version, tmp_path / "set", episodes[:1])
+    with pytest.raises(UsageError, match="no accepted episode"):
+        write(version, root, [], append=True)
+    assert len(open_recordings(root)) == 1
+
+
+@pytest.mark.parametrize("version", FORMATS)
+def test_a_vector_of_one_number_is_a_column_of_numbers(version, episodes, tmp_path):
+    one = replace(episodes[1], action=np.arange(9.0)[:, None], action_names=["width"])
+    root = write(version, tmp_path / "set", [one])
+    (table,) = (root / "data").rglob("*.parquet")
+    assert pq.read_schema(table).field("action").type == pa.float32()
+    assert open_recordings(root)[0].motion.action.tolist() == [[number] for number in range(9)]
+    write(version, root, [one], append=True)
+
+
+@pytest.mark.parametrize("version", FORMATS)
 def test_episodes_of_two_robots_are_refused(version, episodes, tmp_path):
     with pytest.raises(UsageError, match="episode 1 has other robot"):
         write(version, tmp_path / "set", [episodes[0], replace(episodes[1], robot="aloha")])

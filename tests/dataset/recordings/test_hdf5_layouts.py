@@ -217,6 +217,18 @@ def test_an_episode_without_frames_is_refused(tmp_path, nothing):
         _ = open_hdf5(tmp_path / "a.hdf5").cameras
 
 
+@pytest.mark.parametrize(
+    ("key", "write"), [("action", act), ("observations/qpos", act), ("action/left_arm", robotwin_vision)]
+)
+def test_numbers_without_a_row_hold_no_frame(tmp_path, key, write):
+    with h5py.File(write(tmp_path / "a.hdf5"), "r+") as file:
+        del file[key]
+        file[key] = np.zeros((0, 14))
+    recording = open_hdf5(tmp_path / "a.hdf5")
+    with pytest.raises(DamagedFile, match=rf"{key} holds no frame"):
+        _ = recording.motion, recording.state
+
+
 def test_a_file_that_is_cut_off_is_named(tmp_path):
     path = act(tmp_path / "a.hdf5")
     path.write_bytes(path.read_bytes()[:1000])

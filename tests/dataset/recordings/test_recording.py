@@ -42,3 +42,10 @@ def test_notes_are_told_once_however_often_the_numbers_are_read(tmp_path):
     for _ in range(3):
         assert recording.state is not None and recording.motion is not None
     assert len(recording.notes) == len(set(recording.notes))
+
+
+def test_names_are_read_once_however_often_they_are_asked_for(tmp_path):
+    (recording,) = open_recordings(act(tmp_path / "a.hdf5"))
+    names = recording.state_names, recording.action_names
+    (tmp_path / "a.hdf5").unlink()
+    assert (recording.state_names, recording.action_names) == names

@@ -21,6 +21,7 @@ examples:
 from __future__ import annotations
 
 import argparse
+from dataclasses import replace
 from pathlib import Path
 
 from vcage.cli.arguments import folder
@@ -29,11 +30,12 @@ from vcage.cli.output import Result
 from vcage.cli.progress import progress
 from vcage.cli.stages.common import add_common, execute_stage, number, positive
 from vcage.errors import UsageError
-from vcage.packing.estimating import estimate
+from vcage.files import RunFolder
+from vcage.packing.estimating import estimate, estimate_clips
 from vcage.packing.inspecting import describe, inspect, totals
 from vcage.packing.pack import Order, pack
 from vcage.packing.targets import TARGETS, Wanted
-from vcage.pipeline.compress import summary
+from vcage.pipeline.compress import clips_of, summary
 
 OF_RECORDINGS = ("out", "to", "fps", "task", "robot", "cameras", "skip_damaged", "inspect")
 """Options that mean nothing with ``--run``."""
@@ -76,7 +78,8 @@ def execute(args: argparse.Namespace) -> Result:
         for name in OF_RECORDINGS:
             if getattr(args, name):
                 raise UsageError(f"--{name.replace('_', '-')} is for INPUT, not for --run")
-        return execute_stage("compress", args, args.run)
+        done = execute_stage("compress", args, args.run)
+        return _with_estimate(done, args) if args.dry_run else done
     if args.inspect:
         return _inspect(args)
     return _estimate(args) if args.dry_run else _pack(args)
@@ -90,6 +93,13 @@ def _inspect(args: argparse.Namespace) -> Result:
 def _estimate(args: argparse.Namespace) -> Result:
     with progress("estimate") as show:
         return Result(summary=estimate(_order(args), workers=args.workers, progress=show))
+
+
+def _with_estimate(preview: Result, args: argparse.Namespace) -> Result:
+    clips, _ = clips_of(RunFolder(args.run))
+    with progress("estimate") as show:
+        told = estimate_clips(clips, args.compression, workers=args.workers, progress=show)
+    return replace(preview, summary={**preview.summary, **told})
 
 
 def _pack(args: argparse.Namespace) -> Result:

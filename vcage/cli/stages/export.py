@@ -2,7 +2,7 @@
 
 LeRobot's get the compressed videos as they are; --codec or --crf encodes others from the episodes' own pictures.
 Reads episodes/ and compress/. Writes export/<format>/ and export/export.json. With --append-to the episodes are also
-added to data sets that grow from run to run; a run is added once.
+added to data sets that grow from run to run; an episode is added once.
 
 examples:
   vcage export --run runs/stationery
@@ -14,13 +14,15 @@ examples:
 from __future__ import annotations
 
 import argparse
+from pathlib import Path
 
 from vcage.cli.arguments import folder
 from vcage.cli.compression_options import crf_option
 from vcage.cli.output import Result
 from vcage.cli.progress import progress
-from vcage.cli.stages.common import add_common, execute_stage, positive, settings_of
+from vcage.cli.stages.common import add_common, execute_stage, positive
 from vcage.compression.encoders import CODECS
+from vcage.dataset.lerobot.formats import FORMATS
 from vcage.errors import UsageError
 from vcage.files import RunFolder
 from vcage.pipeline.settings import EXPORTS, ExportSettings
@@ -39,10 +41,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--codec", choices=tuple(CODECS), help="of LeRobot's videos (default: as compressed)")
     parser.add_argument(
-        "--crf", type=crf_option, metavar="N", help="this CRF instead of the one searched; or 'lossless'"
+        "--crf",
+        type=crf_option,
+        metavar="N",
+        help="of LeRobot's videos, instead of the one searched; or 'lossless'",
     )
     parser.add_argument(
-        "--append-to", type=folder, metavar="DIR", help="also add the episodes to DIR/lerobot-v2.1 and DIR/lerobot-v3.0"
+        "--append-to",
+        type=folder,
+        metavar="DIR",
+        help="also add the episodes to DIR/<format>, for each of LeRobot's among --formats",
     )
     parser.add_argument(
         "--workers", type=positive, metavar="N", help="processes that encode (default: as cores and memory allow)"
@@ -53,17 +61,29 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def execute(args: argparse.Namespace) -> Result:
     """Run the stage, and add its episodes to other data sets if asked to."""
     args.export = ExportSettings(tuple(dict.fromkeys(args.formats)), args.codec, args.crf)
-    if args.append_to is not None and args.append_to.resolve().is_relative_to(args.run.resolve()):
-        raise UsageError(
-            f"{args.append_to} lies in the run folder, which one run makes and replaces",
-            hint="give a folder outside of it",
-        )
+    run, growing = RunFolder(args.run), args.append_to and args.append_to.expanduser()
+    _require_sense(args.export, run, growing)
     result = execute_stage("export", args, args.run)
-    if args.append_to is None or args.dry_run:
+    if growing is None or args.dry_run:
         return result
     from vcage.pipeline.appending import append_to
 
     with progress("append") as show:
-        sets = append_to(args.append_to, RunFolder(args.run), settings_of(args), show)
+        sets = append_to(growing, run, show)
     appended = {name: str(path) for name, path in sets.items()}
     return Result(result.output, {**result.summary, "appended": appended}, result.schema, result.next)
+
+
+def _require_sense(export: ExportSettings, run: RunFolder, growing: Path | None) -> None:
+    """Raise UsageError where options are of no use together, before any work is done."""
+    of_lerobot = {"--append-to": growing, "--codec": export.codec, "--crf": export.crf}
+    given = [option for option, value in of_lerobot.items() if value is not None]
+    if given and not set(export.formats) & set(FORMATS):
+        raise UsageError(
+            f"{' and '.join(given)} concern LeRobot's data sets alone",
+            hint=f"add one of them: --formats {' '.join(FORMATS)}",
+        )
+    if growing is not None and growing.resolve().is_relative_to(run.root):
+        raise UsageError(
+            f"{growing} lies in the run folder, which one run makes and replaces", hint="give a folder outside of it"
+        )

@@ -10,11 +10,9 @@ from pathlib import Path
 from typing import Any
 
 from vcage.dataset.lerobot.features import other_columns
+from vcage.dataset.lerobot.info import INFO, data_set_info
 from vcage.dataset.parquet_files import MEND
 from vcage.errors import DamagedFile, UsageError
-from vcage.files import read_json
-
-INFO = Path("meta/info.json")
 
 NEW_SET = "write a new data set, or convert this one with lerobot's own tools first"
 
@@ -30,11 +28,10 @@ def read_info(root: Path, expected: dict[str, Any]) -> dict[str, Any]:
         DamagedFile: it lacks what any data set has.
         UsageError: it is laid out in another way than new episodes would be; names the difference.
     """
-    info = read_json(root / INFO)
-    try:
-        _require_described(info)
-    except (KeyError, TypeError, ValueError, AttributeError) as error:
-        raise DamagedFile(f"{root / INFO} does not describe a data set: {error!r}", hint=MEND) from error
+    info = data_set_info(root)
+    for name in ("total_episodes", "total_frames"):
+        if not (isinstance(info.get(name), int) and info[name] >= 0):
+            raise DamagedFile(f"{root / INFO} does not count its {name.removeprefix('total_')}", hint=MEND)
     if info["total_episodes"] == 0:
         raise UsageError(f"{root} holds no episode yet", hint="write a new data set in its place")
     if strange := other_columns(info["features"]):
@@ -50,17 +47,6 @@ def read_info(root: Path, expected: dict[str, Any]) -> dict[str, Any]:
                 details={"what": name, "found": info.get(name), "expected": value},
             )
     return info
-
-
-def _require_described(info: Any) -> None:
-    """Raise whatever comes of it unless all that is read from ``info.json`` later is there and of its type."""
-    if not isinstance(info["codebase_version"], str) or float(info["fps"]) <= 0:
-        raise ValueError("codebase_version, fps")
-    if not all(isinstance(info[name], int) and info[name] >= 0 for name in ("total_episodes", "total_frames")):
-        raise ValueError("total_episodes, total_frames")
-    for name, feature in info["features"].items():
-        if not (isinstance(feature["dtype"], str) and isinstance(feature["shape"], list)):
-            raise ValueError(name)
 
 
 def link_files(source: Path, target: Path, but: Collection[Path]) -> None:

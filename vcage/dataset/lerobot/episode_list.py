@@ -2,36 +2,47 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import Any
 
 import pyarrow as pa
 
+from vcage.dataset.lerobot.json_lines import read_lines
 from vcage.dataset.lerobot.v21 import EPISODES
-from vcage.dataset.parquet_files import MEND, numbered, read_table
+from vcage.dataset.parquet_files import MEND, column_names, numbered, read_table
 from vcage.errors import DamagedFile
 
 TABLES = Path("meta/episodes")
 """Folder of the list in v3.0."""
 
 
-def episode_lengths(root: Path, info: Mapping[str, Any]) -> dict[int, int]:
-    """Number of an episode → its frames; of at least one episode.
+def episode_rows(root: Path, info: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """What a data set says of each of its episodes, of at least one, but for their statistics; each has an
+    ``episode_index`` and a ``length``, integers.
 
     Args:
         root: folder of the data set, v2.1 or v3.0.
         info: its ``meta/info.json``.
 
     Raises:
-        DamagedFile: the list cannot be read, or is empty.
+        DamagedFile: the list cannot be read, is empty, or does not say so much.
     """
     old = info["codebase_version"] == "v2.1"
-    lengths = _of_lines(root / EPISODES) if old else _of_tables(root)
-    if not lengths:
-        raise DamagedFile(f"{root / (EPISODES if old else TABLES)} lists no episode", hint=MEND)
-    return lengths
+    where = root / (EPISODES if old else TABLES)
+    rows = list(read_lines(where)) if old else [row for file in episode_tables(root) for row in _rows(root / file)]
+    if not rows:
+        raise DamagedFile(f"{where} lists no episode", hint=MEND)
+    for row in rows:
+        for name in ("episode_index", "length"):
+            if not isinstance(row.get(name), int):
+                raise DamagedFile(f"{where} has an episode whose {name} is {row.get(name)!r}", hint=MEND)
+    return rows
+
+
+def episode_lengths(root: Path, info: Mapping[str, Any]) -> dict[int, int]:
+    """Number of an episode → its frames; see :func:`episode_rows`."""
+    return {row["episode_index"]: row["length"] for row in episode_rows(root, info)}
 
 
 def episode_tables(root: Path) -> list[Path]:
@@ -69,15 +80,6 @@ def _with_column(rows: pa.Table, name: str, values: pa.Array) -> pa.Table:
     return rows.set_column(index, field, values.cast(field.type))
 
 
-def _of_tables(root: Path) -> dict[int, int]:
-    tables = [read_table(root / file, ["episode_index", "length"]) for file in episode_tables(root)]
-    return {row["episode_index"]: row["length"] for table in tables for row in table.to_pylist()}
-
-
-def _of_lines(file: Path) -> dict[int, int]:
-    try:
-        with open(file, encoding="utf-8") as lines:
-            rows = [json.loads(line) for line in lines if line.strip()]
-        return {int(row["episode_index"]): int(row["length"]) for row in rows}
-    except (OSError, ValueError, KeyError, TypeError) as error:
-        raise DamagedFile(f"{file} does not list the episodes: {error!r}", hint=MEND) from error
+def _rows(file: Path) -> list[dict[str, Any]]:
+    """The rows of a table; statistics of all episodes would fill the memory."""
+    return read_table(file, [name for name in column_names(file) if not name.startswith("stats/")]).to_pylist()

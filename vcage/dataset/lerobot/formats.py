@@ -7,7 +7,7 @@ from contextlib import closing, contextmanager
 from pathlib import Path
 from typing import Any
 
-from vcage.dataset.lerobot.append import INFO
+from vcage.dataset.lerobot.info import INFO
 from vcage.dataset.lerobot.v3 import WriterV30
 from vcage.dataset.lerobot.v21 import WriterV21
 from vcage.dataset.lerobot.writer import LeRobotWriter

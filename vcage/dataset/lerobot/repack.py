@@ -18,13 +18,13 @@ from pathlib import Path
 from typing import Any
 
 from vcage.dataset.lerobot import v3, v21
-from vcage.dataset.lerobot.append import INFO
 from vcage.dataset.lerobot.episode_list import episode_lengths, episode_tables, place_videos
+from vcage.dataset.lerobot.info import INFO, data_set_info
 from vcage.dataset.lerobot.video import video_info
 from vcage.dataset.parquet_files import MEND, numbered
 from vcage.dataset.parquet_rewrite import rewrite, texts_of
 from vcage.errors import DamagedFile, UsageError
-from vcage.files import atomic_folder, read_json, write_json
+from vcage.files import atomic_folder, write_json
 from vcage.progress import Progress, silent
 
 OF_TOOLS = (".git", ".cache")
@@ -46,7 +46,7 @@ def require_whole(root: Path, episodes: Collection[int]) -> None:
     Raises:
         DamagedFile: its list of episodes cannot be read.
     """
-    info = _read_info(root)
+    info = data_set_info(root)
     _require_all(root, info, episode_lengths(root, info), episodes)
 
 
@@ -57,7 +57,7 @@ def require_colour(root: Path, keys: Collection[str]) -> None:
         root: the data set.
         keys: of the cameras' features.
     """
-    features = _read_info(root)["features"]
+    features = data_set_info(root)["features"]
     for key in keys:
         _require_colour(key, features[key])
 
@@ -85,7 +85,7 @@ def repack(
         DamagedFile: a file of the data set is damaged, or a video does not show its episode's frames.
         DiskFull, OutputFolderError: the folder cannot be written.
     """
-    work = _Repacking(Path(root), _read_info(root), videos)
+    work = _Repacking(Path(root), data_set_info(root), videos)
     info = work.new_info(encodings)
     with atomic_folder(Path(out)) as folder:
         work.copy_untouched(folder)
@@ -176,15 +176,6 @@ class _Repacking:
         """Files that lie where a pattern of ``info.json`` puts some chunk and episode."""
         wild = re.sub(r"\{[^}]*\}", "*", pattern.replace("{video_key}", glob.escape(key)))
         return (path.relative_to(self.root) for path in self.root.glob(str(_inside(wild))))
-
-
-def _read_info(root: Path) -> dict[str, Any]:
-    """``meta/info.json``, with all that is read from it here."""
-    info = read_json(root / INFO)
-    missing = {"codebase_version", "chunks_size", "fps", "data_path", "features"} - set(info)
-    if missing:
-        raise DamagedFile(f"{root / INFO} does not say {', '.join(sorted(missing))}", hint=MEND)
-    return info
 
 
 def _require_all(root: Path, info: Mapping[str, Any], there: Collection[int], given: Collection[int]) -> None:

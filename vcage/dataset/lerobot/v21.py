@@ -7,16 +7,18 @@ from __future__ import annotations
 
 import json
 import shutil
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any, ClassVar
 
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from vcage.dataset.lerobot.append import INFO, link_files, read_info
+from vcage.dataset.lerobot.append import link_files, read_info
 from vcage.dataset.lerobot.episode import LeRobotEpisode
 from vcage.dataset.lerobot.features import video_key
+from vcage.dataset.lerobot.info import INFO
+from vcage.dataset.lerobot.json_lines import read_lines
 from vcage.dataset.lerobot.statistics import QUANTILES, Statistics
 from vcage.dataset.lerobot.writer import CHUNK, LeRobotWriter, in_order
 from vcage.dataset.parquet_files import COMPRESSION, MEND
@@ -43,7 +45,7 @@ class WriterV21(LeRobotWriter):
         info = read_info(root, self.LAYOUT)
         link_files(root, self._folder, but={INFO, TASKS, SUBTASKS, EPISODES, EPISODE_STATS})
         for lines in (EPISODES, EPISODE_STATS):
-            if [row.get("episode_index") for row in _read_lines(root / lines)] != list(range(info["total_episodes"])):
+            if [row.get("episode_index") for row in read_lines(root / lines)] != list(range(info["total_episodes"])):
                 raise DamagedFile(f"{root / lines} does not list all episodes in order", hint=MEND)
             shutil.copyfile(root / lines, self._folder / lines)
         subtasks = _read_texts(root / SUBTASKS, "subtask") if "subtask_index" in info["features"] else []
@@ -88,18 +90,6 @@ def _numbered(name: str, numbers: dict[str, int]) -> list[dict[str, Any]]:
 
 def _read_texts(path: Path, name: str) -> list[str]:
     try:
-        return in_order(((int(row[f"{name}_index"]), str(row[name])) for row in _read_lines(path)), path)
+        return in_order(((int(row[f"{name}_index"]), str(row[name])) for row in read_lines(path)), path)
     except KeyError as error:
         raise DamagedFile(f"{path} has a row without {error}", hint=MEND) from error
-
-
-def _read_lines(path: Path) -> Iterator[dict[str, Any]]:
-    try:
-        with open(path, encoding="utf-8") as handle:
-            for number, line in enumerate(handle, start=1):
-                row = json.loads(line)
-                if not isinstance(row, dict):
-                    raise DamagedFile(f"{path} line {number} is no JSON object", hint=MEND)
-                yield row
-    except (OSError, ValueError) as error:
-        raise DamagedFile(f"{path} cannot be read: {error}", hint=MEND) from error

@@ -17,9 +17,10 @@ import pyarrow as pa
 import pyarrow.compute as pc
 import pyarrow.parquet as pq
 
-from vcage.dataset.lerobot.append import INFO, link_files, read_info
+from vcage.dataset.lerobot.append import link_files, read_info
 from vcage.dataset.lerobot.episode import LeRobotEpisode
 from vcage.dataset.lerobot.features import video_key
+from vcage.dataset.lerobot.info import INFO
 from vcage.dataset.lerobot.statistics import Statistics
 from vcage.dataset.lerobot.totals import LEVEL_COUNTS, STATS, Totals
 from vcage.dataset.lerobot.writer import CHUNK, LeRobotWriter, in_order

@@ -10,6 +10,7 @@ import av.container
 import numpy as np
 
 from vcage.errors import DamagedFile
+from vcage.videos import frame_times
 
 TIME_TOLERANCE = 1e-4
 """Seconds by which LeRobot lets a picture's time differ from its frame's, as its ``tolerance_s`` has it."""
@@ -30,42 +31,25 @@ def video_info(path: Path, frames: int, fps: float) -> dict[str, Any]:
     Raises:
         DamagedFile: it is no MP4 video, is cut off, or shows other frames; says which.
     """
-    try:
-        with av.open(str(path)) as container:
-            times = _times(container, path)
-            info = _stream_info(container, path)
-    except (av.error.FFmpegError, OSError) as error:
-        raise DamagedFile(f"{path} is not a video: {error}", hint=ENCODE_AGAIN) from error
+    times = np.array(frame_times(path))
+    with av.open(str(path)) as container:
+        info = _stream_info(container, path)
     if len(times) != frames:
         raise DamagedFile(f"{path} has {len(times)} frames, its episode {frames}", hint=ENCODE_AGAIN)
-    late = np.abs(np.sort(times) - np.arange(frames) / fps)
+    late = np.abs(times - np.arange(frames) / fps)
     if late.max() > TIME_TOLERANCE:
         worst = int(np.argmax(late > TIME_TOLERANCE))
         raise DamagedFile(
-            f"{path} shows frame {worst} at {np.sort(times)[worst]:.4f} s, its episode has {fps} frames per second, "
+            f"{path} shows frame {worst} at {times[worst]:.4f} s, its episode has {fps} frames per second, "
             f"which is {worst / fps:.4f} s",
             hint=ENCODE_AGAIN,
         )
-    return {**info, "video.fps": whole(fps), "video.is_depth_map": False}
+    return {**info, "video.fps": as_int(fps), "video.is_depth_map": False}
 
 
-def whole(number: float) -> int | float:
+def as_int(number: float) -> int | float:
     """An int where the number is one, as LeRobot writes frame rates."""
     return int(number) if float(number).is_integer() else number
-
-
-def _times(container: av.container.InputContainer, path: Path) -> list[float]:
-    """Seconds at which the pictures are shown, in the order of the file."""
-    if not container.streams.video:
-        raise DamagedFile(f"{path} is not a video: it has no stream of pictures", hint=ENCODE_AGAIN)
-    times: list[float] = []
-    for packet in container.demux(container.streams.video[0]):
-        if packet.size == 0 or packet.is_discard:  # what ends the stream, and what an edit list leaves out
-            continue
-        if packet.is_corrupt or packet.pts is None:
-            raise DamagedFile(f"{path} is cut off or damaged at frame {len(times)}", hint=ENCODE_AGAIN)
-        times.append(float(packet.pts * packet.time_base))
-    return times
 
 
 def _stream_info(container: av.container.InputContainer, path: Path) -> dict[str, Any]:

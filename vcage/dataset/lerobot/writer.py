@@ -15,9 +15,9 @@ import numpy as np
 import pyarrow as pa
 from numpy.typing import NDArray
 
-from vcage.dataset.lerobot.append import INFO
 from vcage.dataset.lerobot.episode import LeRobotEpisode, SubtaskSpan
-from vcage.dataset.lerobot.features import describe, require_alike, video_key
+from vcage.dataset.lerobot.features import admit, describe, video_key
+from vcage.dataset.lerobot.info import INFO
 from vcage.dataset.lerobot.statistics import Statistics, picture_statistics, vector_statistics
 from vcage.errors import DamagedFile, UsageError
 from vcage.files import write_json
@@ -46,6 +46,7 @@ class LeRobotWriter(ABC):
     def __init__(self, folder: Path, encodings: Mapping[str, Mapping[str, Any]]):
         self.episodes = 0
         self.frames = 0
+        self._there = 0  # episodes from before
         self._folder = folder
         self._encodings = encodings
         self._info: dict[str, Any] = {}
@@ -64,7 +65,7 @@ class LeRobotWriter(ABC):
             raise UsageError(f"episode {self.episodes}: {complaint}", hint="mend the episode, or leave it out")
         described = describe(episode, self._encodings)
         if self._info:
-            require_alike(self.episodes, described, self._info)
+            admit(self.episodes, described, self._info)
         else:
             self._info = described
         columns = self._columns(episode)
@@ -76,9 +77,9 @@ class LeRobotWriter(ABC):
         """Write what describes the whole data set; nothing can be added afterwards.
 
         Raises:
-            UsageError: there is no episode.
+            UsageError: no episode was added.
         """
-        if not self._info:
+        if self.episodes == self._there:
             raise UsageError(
                 "there is no accepted episode to export", hint="collect more: run collect with --episodes N"
             )
@@ -124,7 +125,8 @@ class LeRobotWriter(ABC):
     def _continue(self, info: dict[str, Any], tasks: Iterable[str], subtasks: Iterable[str]) -> None:
         """Take over what a finished data set says of itself."""
         self._info = info
-        self.episodes, self.frames = int(info["total_episodes"]), int(info["total_frames"])
+        self.episodes = self._there = int(info["total_episodes"])
+        self.frames = int(info["total_frames"])
         self._tasks = {text: number for number, text in enumerate(tasks)}
         self._subtasks = {text: number for number, text in enumerate(subtasks)}
 
@@ -167,8 +169,8 @@ def _span_of_frames(spans: list[SubtaskSpan], frames: NDArray[np.int64]) -> NDAr
 
 def _table(columns: Mapping[str, NDArray[Any]]) -> pa.Table:
     def column(values: NDArray[Any]) -> pa.Array:
-        if values.ndim == 1:
-            return pa.array(values)
+        if values.ndim == 1 or values.shape[1] == 1:  # LeRobot reads a vector of one number as the number
+            return pa.array(values.ravel())
         return pa.FixedSizeListArray.from_arrays(pa.array(values.ravel()), values.shape[1])
 
     return pa.table({name: column(values) for name, values in columns.items()})

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vcage.dataset.recordings.encoded import channels_of, decode_picture, storage_of, told_of_channels
-from vcage.dataset.recordings.recording import Camera, Motion, Recording, stacked
+from vcage.dataset.recordings.recording import Camera, Columns, Recording, stacked
 
 SUFFIXES = (".png", ".jpg", ".jpeg")
 ONLY = "camera"
@@ -39,7 +39,7 @@ class PictureFolder(Recording):
             str(self.path / self.camera(camera).key),
         )
 
-    def _read_motion(self) -> Motion | None:
+    def _read_commands(self) -> Columns | None:
         return None
 
     @cached_property

@@ -27,9 +27,9 @@ from vcage.dataset.hdf5 import SCHEMA
 from vcage.dataset.picture_datasets import VLEN, picture_channels, picture_kind, picture_storage, stored_picture
 from vcage.dataset.picture_links import Link, find_links, read_link
 from vcage.dataset.recordings.encoded import looks_swapped, told_of_channels
-from vcage.dataset.recordings.recording import Camera, Columns, Motion, Recording, act_grippers, stacked
+from vcage.dataset.recordings.recording import Camera, Columns, Recording, stacked
 from vcage.errors import DamagedFile
-from vcage.videos import codec_name, decode, frame_count, frame_rate
+from vcage.videos import codec_name, decode, frame_rate
 
 LOOKED_AT = 5
 """Pictures of a camera that say whether colours are swapped."""
@@ -49,11 +49,18 @@ ATTRIBUTES = ("fps", "instruction", "robot", "state_names", COLOURS)
 
 
 @contextmanager
-def damage(path: Path) -> Iterator[None]:
-    """Turn what a broken file makes h5py raise into :class:`DamagedFile`."""
+def damage(path: Path, *, writing: bool = False) -> Iterator[None]:
+    """Turn what a broken file makes h5py raise into :class:`DamagedFile`.
+
+    Args:
+        path: the file that is read.
+        writing: whether another is written meanwhile; what the system refuses, which has a number, may be its fault.
+    """
     try:
         yield
     except (OSError, KeyError, RuntimeError) as error:
+        if writing and isinstance(error, OSError) and error.errno:
+            raise
         raise DamagedFile(
             f"{path} is damaged: {error}", hint="it may be cut off: copy or record it again, or leave it out"
         ) from error
@@ -174,13 +181,9 @@ class Hdf5Recording(Recording):
             seen = looks_swapped([stored_picture(file[camera.key], int(index), what) for index in some])
         return bool(self.SWAPPED) if seen is None else seen
 
-    def _read_motion(self) -> Motion | None:
+    def _read_commands(self) -> Columns | None:
         with self._file() as file:
-            found = self._commands(file)
-        if found is None:
-            return None
-        grippers = tuple(column for column, name in enumerate(found.names) if "gripper" in name)
-        return Motion(found.values, grippers or act_grippers(found.values.shape[1]), found.names)
+            return self._commands(file)
 
     def _read_state(self) -> Columns | None:
         with self._file() as file:
@@ -283,18 +286,9 @@ def open_hdf5(path: Path) -> Hdf5Recording:
 
 
 def _packed_camera(name: str, key: str, link: Link, path: Path) -> Camera:
-    """The camera of pictures that lie in a video.
-
-    Raises:
-        DamagedFile: the video is missing or damaged, or holds another number of frames.
-    """
-    video, stream = link.video(path), link.stream
-    frames = frame_count(video)
-    if frames != stream.frames:
-        raise DamagedFile(
-            f"{video} holds {frames} frames, {path} had {stream.frames} pictures", hint="compress the recording again"
-        )
-    return Camera(name, key, frames, stream.width, stream.height, codec_name(video), video.stat().st_size)
+    """The camera of pictures that lie in a video."""
+    video, stream = link.whole_video(path), link.stream
+    return Camera(name, key, stream.frames, stream.width, stream.height, codec_name(video), video.stat().st_size)
 
 
 def _table(file: h5py.File, key: str, names: tuple[str, ...]) -> Columns | None:
@@ -307,12 +301,23 @@ def _table(file: h5py.File, key: str, names: tuple[str, ...]) -> Columns | None:
             f"{file.filename}:{key} is {found.shape} {found.dtype}, no row of numbers for each picture",
             hint="leave the episode out, or mend it",
         )
-    return Columns(found[()].reshape(len(found), -1).astype(np.float64), names)
+    return Columns(_rows(found), names)
 
 
 def _are_numbers(dataset: h5py.Dataset) -> bool:
     """Whether it holds a number or a row of numbers for each point in time."""
     return dataset.dtype.kind in "fiu" and dataset.ndim in (1, 2)
+
+
+def _rows(dataset: h5py.Dataset) -> NDArray[np.float64]:
+    """(T, D) numbers, D = 1 where there is one for each point in time.
+
+    Raises:
+        DamagedFile: T is 0.
+    """
+    if len(dataset) == 0:
+        raise DamagedFile(f"{dataset.file.filename}:{dataset.name} holds no frame", hint="leave the episode out")
+    return dataset[()].reshape(len(dataset), -1).astype(np.float64)
 
 
 def _joints(group: h5py.Group | None) -> Columns | None:
@@ -339,13 +344,13 @@ def _columns(group: h5py.Group | None, wanted: Sequence[str] | None = None) -> C
     for key in sorted(keys) if wanted is None else [key for key in wanted if key in keys]:
         if not _are_numbers(group[key]):
             continue
-        values = group[key][()]
+        values = _rows(group[key])
         if parts and len(values) != len(parts[0]):
             raise DamagedFile(
                 f"{group.file.filename}:{group.name}/{key} has {len(values)} rows, those before it {len(parts[0])}",
                 hint="frames are missing; leave the episode out",
             )
-        parts.append(values.reshape(len(values), -1).astype(np.float64))
-        width = parts[-1].shape[1]
+        parts.append(values)
+        width = values.shape[1]
         names += [key.replace("/", "_")] if width == 1 else [f"{key.replace('/', '_')}_{i}" for i in range(width)]
     return Columns(np.concatenate(parts, axis=1), tuple(names)) if parts else None

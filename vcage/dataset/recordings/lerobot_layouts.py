@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from abc import abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -14,19 +13,21 @@ import av
 import numpy as np
 import pyarrow as pa
 import pyarrow.compute as pc
-import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
+from vcage.dataset.lerobot.episode import ACTION, STATE
+from vcage.dataset.lerobot.episode_list import episode_rows
+from vcage.dataset.lerobot.features import CAMERA
+from vcage.dataset.lerobot.info import data_set_info
+from vcage.dataset.lerobot.names import number_names
+from vcage.dataset.parquet_files import MEND, read_table
 from vcage.dataset.recordings.encoded import channels_of, decode_picture, storage_of, told_of_channels
-from vcage.dataset.recordings.recording import Camera, Columns, Motion, Recording, act_grippers, stacked
+from vcage.dataset.recordings.recording import Camera, Columns, Recording, stacked
 from vcage.errors import DamagedFile, UsageError
 from vcage.videos import decode
 
-INFO = Path("meta/info.json")
-PREFIX = "observation.images."
-"""What LeRobot puts before the name of a camera."""
-
-MEND = "the data set is damaged or not complete: fetch or export it again"
+CHANNELS = (1, 3, 4)
+"""Of a picture; what tells them from its height and width."""
 
 
 @dataclass(frozen=True)
@@ -66,6 +67,10 @@ class LeRobotRecording(Recording):
     def robot(self) -> str | None:
         return self._info.get("robot_type")
 
+    @property
+    def frames(self) -> int:
+        return int(self._row["length"])
+
     @cached_property
     def cameras(self) -> list[Camera]:
         keys = [key for key, feature in self._info["features"].items() if feature["dtype"] in ("video", "image")]
@@ -95,35 +100,34 @@ class LeRobotRecording(Recording):
         except UsageError as error:
             raise DamagedFile(f"{self} is longer than its video: {error}", hint=MEND) from error
 
-    def _read_motion(self) -> Motion | None:
-        found = self._numbers("action")
-        if found is None:
-            return None
-        grippers = tuple(column for column, name in enumerate(found.names) if "gripper" in name)
-        return Motion(found.values, grippers or act_grippers(found.values.shape[1]), found.names)
+    def _read_commands(self) -> Columns | None:
+        return self._numbers(ACTION)
 
     def _read_state(self) -> Columns | None:
-        return self._numbers("observation.state")
+        return self._numbers(STATE)
 
     def _numbers(self, key: str) -> Columns | None:
         feature = self._info["features"].get(key)
         if feature is None:
             return None
-        names = feature.get("names") or []
-        names = names if isinstance(names, list) else [name for group in names.values() for name in group]
         values = np.array(self._column(key).to_pylist(), np.float64)
-        return Columns(values.reshape(len(values), -1), tuple(map(str, names)))
+        return Columns(values.reshape(len(values), -1), tuple(number_names(feature.get("names"))))
 
     def _column(self, key: str) -> pa.ChunkedArray:
-        """A column of the episode's frames."""
-        return _table(self._data_file, [key], pc.field("episode_index") == self.index)[key]
+        """A column of the episode's frames, of at least one."""
+        found = read_table(self._data_file, [key], pc.field("episode_index") == self.index)[key]
+        if len(found) == 0:
+            raise DamagedFile(f"{self} holds no frame", hint="leave the episode out")
+        if len(found) != self.frames:
+            raise DamagedFile(f"{self} has {len(found)} frames in {self._data_file}, not {self.frames}", hint=MEND)
+        return found
 
     def _camera(self, key: str) -> Camera:
-        feature, frames = self._info["features"][key], int(self._row["length"])
-        height, width = feature["shape"][:2] if feature["names"][0] != "channels" else feature["shape"][1:]
-        name = key.removeprefix(PREFIX)
+        feature, frames = self._info["features"][key], self.frames
+        height, width = _picture_size(feature["shape"])
+        name = key.removeprefix(CAMERA)
         if feature["dtype"] == "video":
-            facts = {**feature.get("video_info", {}), **feature.get("info", {})}
+            facts = {**(feature.get("video_info") or {}), **(feature.get("info") or {})}
             storage = str(facts.get("video.codec", "video"))
             return Camera(name, key, frames, width, height, storage, self._video_bytes(key))
         stored = self._column(key)
@@ -187,53 +191,41 @@ class LeRobotV30(LeRobotRecording):
         return self._file("data_path", "data")
 
     def _clip(self, key: str) -> _Clip:
-        start = round(float(self._row[f"videos/{key}/from_timestamp"]) * float(self._info["fps"]))
+        start = round(float(self._said(f"videos/{key}/from_timestamp")) * float(self._info["fps"]))
         return _Clip(self._file("video_path", f"videos/{key}", video_key=key), start)
 
     def _video_bytes(self, key: str) -> int:
         file = self._clip(key).file
-        clip = [float(self._row[f"videos/{key}/{end}_timestamp"]) for end in ("from", "to")]
+        clip = [float(self._said(f"videos/{key}/{end}_timestamp")) for end in ("from", "to")]
         return round(_size(file) * min(1.0, (clip[1] - clip[0]) / max(_seconds(file), 1e-9)))
 
     def _file(self, pattern: str, prefix: str, **names: str) -> Path:
-        numbers = {name: int(self._row[f"{prefix}/{name}"]) for name in ("chunk_index", "file_index")}
+        numbers = {name: int(self._said(f"{prefix}/{name}")) for name in ("chunk_index", "file_index")}
         return self.path / str(self._info[pattern]).format(**numbers, **names)
+
+    def _said(self, name: str) -> Any:
+        """What the list of episodes says of the episode."""
+        if self._row.get(name) is None:
+            raise DamagedFile(f"the list of episodes of {self.path} does not say {name} of {self.index}", hint=MEND)
+        return self._row[name]
 
 
 def open_lerobot(root: Path) -> list[LeRobotRecording]:
-    """The episodes of a LeRobot data set, in order.
+    """The episodes of a LeRobot data set, in order; at least one.
 
     Raises:
-        DamagedFile: a file of it is missing or damaged, or it is of a version that is not known.
+        DamagedFile: what describes it is missing or damaged, or it is of a version that is not known.
     """
-    try:
-        info = json.loads((root / INFO).read_text(encoding="utf-8"))
-        version = str(info["codebase_version"])
-    except (OSError, ValueError, KeyError) as error:
-        raise DamagedFile(f"{root / INFO} cannot be read: {error}", hint=MEND) from error
-    if version == "v2.1":
-        return [LeRobotV21(root, info, row) for row in _lines(root / "meta/episodes.jsonl")]
-    if version == "v3.0":
-        tables = [_table(file) for file in sorted((root / "meta/episodes").rglob("*.parquet"))]
-        return [LeRobotV30(root, info, row) for table in tables for row in table.to_pylist()]
-    raise DamagedFile(
-        f"{root} is a LeRobot data set of version {version}; v2.1 and v3.0 are known",
-        hint="convert it with lerobot's own converter first",
-    )
+    info = data_set_info(root)
+    kind = LeRobotV21 if info["codebase_version"] == "v2.1" else LeRobotV30
+    return [kind(root, info, row) for row in episode_rows(root, info)]
 
 
-def _table(file: Path, columns: list[str] | None = None, rows: pc.Expression | None = None) -> pa.Table:
-    try:
-        return pq.read_table(file, columns=columns, filters=rows)
-    except (OSError, pa.ArrowException) as error:
-        raise DamagedFile(f"{file} cannot be read: {error}", hint=MEND) from error
-
-
-def _lines(file: Path) -> list[dict[str, Any]]:
-    try:
-        return [json.loads(line) for line in file.read_text(encoding="utf-8").splitlines() if line.strip()]
-    except (OSError, ValueError) as error:
-        raise DamagedFile(f"{file} cannot be read: {error}", hint=MEND) from error
+def _picture_size(shape: Sequence[int]) -> tuple[int, int]:
+    """Height and width of pictures whose channels come last, as LeRobot has them, or first."""
+    first = len(shape) == 3 and shape[0] in CHANNELS and shape[2] not in CHANNELS
+    height, width = shape[1:] if first else shape[:2]
+    return height, width
 
 
 def _size(file: Path) -> int:

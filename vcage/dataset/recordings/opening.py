@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from vcage.dataset.lerobot.info import INFO
 from vcage.dataset.recordings.folder import PictureFolder, pictures_in
 from vcage.dataset.recordings.hdf5_layouts import open_hdf5
-from vcage.dataset.recordings.lerobot_layouts import INFO, open_lerobot
+from vcage.dataset.recordings.lerobot_layouts import open_lerobot
 from vcage.dataset.recordings.recording import Recording
 from vcage.errors import DamagedFile, InputFileError
 
@@ -35,7 +36,7 @@ def open_recordings(path: Path, damaged: dict[Path, DamagedFile] | None = None) 
         )
     if (path / INFO).is_file():
         return list(open_lerobot(path))
-    files = sorted(file for file in path.rglob("*") if file.suffix in HDF5 and file.is_file())
+    files = hdf5_files(path)
     if files:
         return _open_all(files, damaged)
     if pictures_in(path) or any(pictures_in(folder) for folder in path.iterdir() if folder.is_dir()):
@@ -44,6 +45,11 @@ def open_recordings(path: Path, damaged: dict[Path, DamagedFile] | None = None) 
         f"{path} holds no recording",
         hint=f"known are {', '.join(HDF5)} files, LeRobot data sets, and folders of PNG or JPEG pictures",
     )
+
+
+def hdf5_files(folder: Path) -> list[Path]:
+    """All HDF5 files below a folder, sorted."""
+    return sorted(file for file in folder.rglob("*") if file.suffix in HDF5 and file.is_file())
 
 
 def _open_all(files: list[Path], damaged: dict[Path, DamagedFile] | None) -> list[Recording]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import ClassVar
 
@@ -110,7 +111,12 @@ class Recording(ABC):
     @property
     @abstractmethod
     def cameras(self) -> list[Camera]:
-        """Sorted by name; at least one."""
+        """Sorted by name; none where the recording holds numbers only."""
+
+    @property
+    def frames(self) -> int:
+        """How many frames it has; of the camera that has most where they differ."""
+        return max(camera.frames for camera in self.cameras)
 
     @property
     def motion(self) -> Motion | None:
@@ -120,10 +126,12 @@ class Recording(ABC):
         Raises:
             DamagedFile: a command is no finite number, or there are not as many as pictures; names the camera.
         """
-        found = self._read_motion()
-        if found is not None:
-            self._check("action", found.action)
-        return found
+        found = self._read_commands()
+        if found is None:
+            return None
+        self._check("action", found.values)
+        grippers = tuple(column for column, name in enumerate(found.names) if "gripper" in name)
+        return Motion(found.values, grippers or act_grippers(found.values.shape[1]), found.names)
 
     @property
     def state(self) -> NDArray[np.float64] | None:
@@ -135,13 +143,14 @@ class Recording(ABC):
         found = self._checked_state()
         return None if found is None else found.values
 
-    @property
+    @cached_property
     def state_names(self) -> list[str]:
-        """Names of the D numbers of a state, ``joint_0``… where the recording does not say; none without a state."""
+        """Names of the D numbers of a state, ``joint_0``… where the recording does not say; none without a state. They
+        are kept, unlike the numbers."""
         found = self._checked_state()
         return [] if found is None else found.all_names()
 
-    @property
+    @cached_property
     def action_names(self) -> list[str]:
         """Names of the numbers of a command, as :attr:`state_names`."""
         motion = self.motion
@@ -197,7 +206,7 @@ class Recording(ABC):
         raise UnknownName("camera", name, [one.name for one in self.cameras])
 
     @abstractmethod
-    def _read_motion(self) -> Motion | None:
+    def _read_commands(self) -> Columns | None:
         """What the robot was told, unchecked."""
 
     def _read_state(self) -> Columns | None:

@@ -262,13 +262,15 @@ def _capped(lab: np.ndarray, template: Template, corners: np.ndarray) -> np.ndar
     thin = slice(None, None, max(1, len(rows) // MAX_PIXELS))
     rows, columns = rows[thin], columns[thin]
     weights, colours = template.weight[rows, columns], template.lab[rows, columns]
+    height, width = lab.shape[:2]
+    pixels, total = lab.reshape(-1, 3), CAP * weights.sum()
     costs = np.empty(len(corners))
     for k, (u, v) in enumerate(corners):
         r, c = rows + v, columns + u
-        seen = (r >= 0) & (r < lab.shape[0]) & (c >= 0) & (c < lab.shape[1])
-        away = np.full(len(r), CAP, dtype=np.float32)
-        away[seen] = np.minimum(distance(lab[r[seen], c[seen]], colours[seen]), CAP)
-        costs[k] = float((away * weights).sum() / (CAP * weights.sum()))
+        there = np.clip(r, 0, height - 1) * width + np.clip(c, 0, width - 1)
+        away = np.minimum(distance(pixels.take(there, axis=0), colours), CAP)
+        away[(r < 0) | (r >= height) | (c < 0) | (c >= width)] = CAP
+        costs[k] = float((away * weights).sum() / total)
     return costs
 
 

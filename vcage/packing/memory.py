@@ -1,0 +1,51 @@
+"""How much memory this process may still take."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+MEMINFO = Path("/proc/meminfo")
+OWN_GROUPS = Path("/proc/self/cgroup")
+GROUPS = Path("/sys/fs/cgroup")
+
+RECLAIMABLE = re.compile(r"^(?:total_)?inactive_file (\d+)$", re.MULTILINE)
+"""In a group's ``memory.stat``: bytes of its page cache that the kernel gives up when asked; of groups within it too,
+where that is counted apart."""
+
+
+def free_memory() -> int:
+    """Bytes that the system can give without swapping, or fewer where the process's control groups allow no more."""
+    found = re.search(r"^MemAvailable:\s+(\d+) kB$", MEMINFO.read_text(), re.MULTILINE)
+    free = [int(found[1]) * 1024] if found else []
+    for folder in _groups():
+        free += _left(folder, "memory.max", "memory.current")
+        free += _left(folder, "memory.limit_in_bytes", "memory.usage_in_bytes")
+    return max(0, min(free, default=0))
+
+
+def _groups() -> list[Path]:
+    """Folders of the control groups that may limit this process's memory, those around them too.
+
+    A container may see its own group as the root of all, whatever its name.
+    """
+    folders = []
+    for line in OWN_GROUPS.read_text().splitlines() if OWN_GROUPS.exists() else []:
+        _, controllers, name = line.split(":", 2)
+        if controllers and "memory" not in controllers.split(","):
+            continue
+        root = GROUPS / "memory" if controllers else GROUPS
+        own = root / name.lstrip("/")
+        folders += [folder for folder in (own, *own.parents) if folder.is_relative_to(root)]
+    return folders
+
+
+def _left(folder: Path, limit: str, usage: str) -> list[int]:
+    """What a group's limit leaves, if it has one."""
+    try:
+        most = (folder / limit).read_text().strip()
+        used = int((folder / usage).read_text())
+        reclaimable = RECLAIMABLE.findall((folder / "memory.stat").read_text())
+    except OSError:
+        return []
+    return [] if most == "max" else [int(most) - used + max(map(int, reclaimable), default=0)]
