@@ -15,9 +15,14 @@ from vcage.pipeline.workbench import Workbench
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Files with slow tests come first, so that no process is left with one of them when the others have ended."""
-    slow = {item.path for item in items if item.get_closest_marker("slow")}
-    items.sort(key=lambda item: item.path not in slow)
+    """Files with slow tests come first, so that no process is left with one of them when the others have ended.
+
+    One that needs the finished run is the very first, and others that do come when it has been made.
+    """
+    slow = {item.path: False for item in items if item.get_closest_marker("slow")}
+    slow |= {item.path: True for item in items if item.path in slow and "finished" in item.fixturenames}
+    maker = next((path for path, needs in slow.items() if needs), None)
+    items.sort(key=lambda item: (item.path != maker, item.path not in slow, slow.get(item.path, False)))
 
 
 @pytest.fixture(scope="session")

@@ -28,11 +28,10 @@ def compressed(run: RunFolder, frames: int = FRAMES) -> RunFolder:
         where = {"episode": FILE, "camera": camera, "file": run.relative(video), "frames": frames}
         streams.append(VideoStream(**where, **sizes, **found, **searched))
     how = {"codec": "hevc", "encoder": "libx265", "encoder_version": "4", "preset": "medium"}
-    colour = {"matrix": "bt709", "range": "full"}
     judged = {"metric": "cvvdp", "display": "standard_fhd", "reduce": "max", "threshold": 0.1, "guard": True}
     Compression(
         provenance=Provenance(producer="compress", seed=0),
-        encoding=Encoding(**how, **colour, **judged, scope="camera"),
+        encoding=Encoding(**how, **judged, scope="camera"),
         cameras=[],
         streams=streams,
         reduction_raw=0.9,
