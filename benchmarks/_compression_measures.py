@@ -19,9 +19,10 @@ from benchmarks._compression_clips import Clip, Film
 from benchmarks._compression_episodes import VERSION
 from benchmarks._compression_formats import Format, Found, Made
 from benchmarks._compression_stored import random_decode_ms
-from vcage import compression, packing, videos
+from vcage import compression, videos
 from vcage.compression.jod import JodMetric
 from vcage.files import cache_dir, read_json, write_json
+from vcage.packing.settings import CompressionSettings
 
 log = logging.getLogger(__name__)
 
@@ -102,11 +103,11 @@ def _losses(film: Film, made: Made, indices: Sequence[int], metric: JodMetric) -
 
 @cache
 def code_hash() -> str:
-    """Of the code that decides what is measured: another one measures anew."""
-    digest = hashlib.sha256(f"{av.__version__} {cv2.__version__} {metadata.version('cvvdp')} {VERSION}".encode())
-    folders = (*compression.__path__, *packing.__path__)
-    files = [path for folder in folders for path in sorted(Path(folder).rglob("*.py"))]
-    files += [Path(videos.__file__)]
+    """Of all that decides what is measured: with other code, versions or default choices a clip is measured anew."""
+    versions = f"{av.__version__} {cv2.__version__} {metadata.version('cvvdp')} {VERSION}"
+    digest = hashlib.sha256(f"{versions} {CompressionSettings().choices()}".encode())
+    files = [Path(videos.__file__)]
+    files += [path for folder in compression.__path__ for path in sorted(Path(folder).glob("*.py"))]
     files += [path for folder in benchmarks.__path__ for path in sorted(Path(folder).glob("_compression_*.py"))]
     for path in files:
         digest.update(path.read_bytes())
