@@ -3,7 +3,7 @@ from __future__ import annotations
 import h5py
 import pytest
 
-from tests.dataset.recordings.layouts import act, robotwin
+from tests.dataset.recordings.layouts import DEMOS, act, robomimic, robotwin
 from tests.recordings import CAMERAS, FPS, HEIGHT, WIDTH, clip, collected, written
 from vcage.compression.codec import EncoderSettings, encode
 from vcage.dataset.packed import write_packed
@@ -29,6 +29,11 @@ def test_a_folder_of_files_offers_them_by_name(tmp_path):
     written(tmp_path / "c.hdf5", 2)
     found = find_episodes(tmp_path)
     assert [found[0].LAYOUT, found[1].LAYOUT, found[2]] == ["robotwin", "act", tmp_path / "c.hdf5"]
+
+
+def test_a_file_of_demonstrations_offers_them_by_their_place(tmp_path):
+    found = find_episodes(robomimic(tmp_path / "lift.hdf5"))
+    assert [found[place].demo for place in range(3)] == [*DEMOS]
 
 
 def test_an_episode_whose_pictures_lie_in_videos_is_a_recording(tmp_path):

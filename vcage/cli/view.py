@@ -1,6 +1,7 @@
 """Look at an episode in the viewer Rerun: pictures, 3D scene, joints, and what was verified, on one timeline.
 
-EPISODE is an HDF5 file of a run, a run folder, or a recording of others: RoboTwin, ACT, LeRobot, a folder of pictures.
+EPISODE is an HDF5 file of a run, a run folder, or a recording of others: RoboTwin, ACT, robomimic, LeRobot, a folder of
+pictures.
 Needs an extra: pip install 'vcage[view]'.
 
 examples:

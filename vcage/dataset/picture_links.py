@@ -173,20 +173,20 @@ def read_link(dataset: h5py.Dataset) -> Link | None:
         raise DamagedFile(f"{what} is not a whole link to a video: {error}", hint="compress it again") from error
 
 
-def find_links(file: h5py.File) -> dict[str, Link]:
-    """All links of a file: key → link.
+def find_links(part: h5py.Group) -> dict[str, Link]:
+    """All links of a file, or of a group of it: key in the file → link.
 
     Raises:
         DamagedFile: see :func:`read_link`.
     """
     found: dict[str, Link] = {}
 
-    def look(key: str, item: h5py.Dataset | h5py.Group) -> None:
+    def look(_key: str, item: h5py.Dataset | h5py.Group) -> None:
         link = read_link(item) if isinstance(item, h5py.Dataset) else None
         if link is not None:
-            found[key] = link
+            found[item.name.lstrip("/")] = link
 
-    file.visititems(look)
+    part.visititems(look)
     return found
 
 

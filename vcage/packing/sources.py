@@ -12,6 +12,7 @@ from vcage.compression.codec import formats_for
 from vcage.dataset.recordings.lerobot_layouts import LeRobotRecording
 from vcage.dataset.recordings.opening import open_recordings
 from vcage.dataset.recordings.recording import Recording
+from vcage.dataset.recordings.robomimic import RobomimicDemo
 from vcage.errors import DamagedFile, OutputFolderError, UnknownName, UsageError
 from vcage.files import sha256_file
 from vcage.packing.clips import Clip
@@ -26,11 +27,13 @@ class Source:
     """One recording to be compressed.
 
     Args:
-        name: unique among them; a path without suffix, relative to what was given.
+        name: unique among them; the file's, and the demonstration where the file holds several, or the episode.
+        file: the recording's path without suffix, relative to what was given; shared by the demonstrations of a file.
         recording: the recording.
     """
 
     name: str
+    file: str
     recording: Recording
 
 
@@ -122,19 +125,22 @@ def find_sources(root: Path, settings: CompressionSettings, *, skip_damaged: boo
     opened = open_recordings(root, damaged)
     complaints = {_name(path, root): error for path, error in damaged.items()}
     sources: dict[str, Source] = {}
+    taken: dict[str, Recording] = {}
     for recording in opened:
-        name = _name_of(recording, root)
-        if name in sources:
-            raise UsageError(
-                f"{sources[name].recording} and {recording} would both be written as {name}", hint="rename one of them"
-            )
+        file, name = _name(recording.path, root), _name_of(recording, root)
+        for written in (file, name):
+            first = taken.setdefault(written, recording)
+            if first.path != recording.path:
+                raise UsageError(
+                    f"{first} and {recording} would both be written as {written}", hint="rename one of them"
+                )
         try:
             require_sound(recording)
             _require_encodable(recording, settings)
         except DamagedFile as error:
             complaints[name] = error
         else:
-            sources[name] = Source(name, recording)
+            sources[name] = Source(name, file, recording)
     if complaints and not (skip_damaged and sources):
         raise _refusal(complaints, left=len(sources))
     return Sources(root, list(sources.values()), {name: error.message for name, error in complaints.items()})
@@ -191,6 +197,8 @@ def _refusal(complaints: dict[str, DamagedFile], left: int) -> DamagedFile:
 def _name_of(recording: Recording, root: Path) -> str:
     if isinstance(recording, LeRobotRecording):
         return f"episode_{recording.index:06d}"
+    if isinstance(recording, RobomimicDemo):
+        return f"{_name(recording.path, root)}.{recording.demo}"
     return _name(recording.path, root)
 
 

@@ -8,11 +8,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeVar
 
+import h5py
+
 from vcage.dataset.lerobot.formats import open_writer
 from vcage.dataset.lerobot.repack import repack
 from vcage.dataset.packed import write_packed
-from vcage.dataset.picture_links import Stream
-from vcage.dataset.recordings.hdf5_layouts import Hdf5Recording
+from vcage.dataset.picture_links import Stream, find_links
+from vcage.dataset.recordings.hdf5_layouts import damage
 from vcage.dataset.recordings.recording import Recording
 from vcage.files import atomic_path
 from vcage.packing.campaign import Key
@@ -65,12 +67,16 @@ def _copy(file: Path, target: Path) -> None:
 def _write_hdf5(compressed: Compressed, wanted: Wanted, out: Path, progress: Progress) -> None:
     _write_videos(compressed, wanted, out, progress)
     streams_of = _by_recording(compressed.streams)
-    for number, source in enumerate(compressed.sources):
-        progress(f"writing {source.name}", number, len(compressed.sources))
-        own = [_link(source.recording, stream) for stream in streams_of[source.name].values()]
-        target = out / f"{source.name}.hdf5"
-        write_packed(source.recording.path, target, own)
-        for video in _kept_videos(source.recording, own):
+    links: dict[str, list[Stream]] = {}
+    for source in compressed.sources:
+        own = streams_of[source.name].values()
+        links.setdefault(source.file, []).extend(_link(source.recording, stream) for stream in own)
+    paths = {source.file: source.recording.path for source in compressed.sources}
+    for number, (file, path) in enumerate(paths.items()):
+        progress(f"writing {file}", number, len(paths))
+        target = out / f"{file}.hdf5"
+        write_packed(path, target, links[file])
+        for video in _kept_videos(path, links[file]):
             _copy(video, target.with_name(video.name))
 
 
@@ -82,12 +88,13 @@ def _by_recording(of: Mapping[Key, T]) -> dict[str, dict[str, T]]:
     return found
 
 
-def _kept_videos(recording: Recording, replaced: Sequence[Stream]) -> list[Path]:
-    """Videos of a recording that was compressed before, of cameras that are not compressed now."""
-    if not isinstance(recording, Hdf5Recording):
-        return []
+def _kept_videos(path: Path, replaced: Sequence[Stream]) -> list[Path]:
+    """Videos of a file that was compressed before, of pictures that are not compressed now. Those of a demonstration
+    that is left out may be missing, and stay so."""
     keys = {stream.key for stream in replaced}
-    return [video for key, video in recording.videos.items() if key not in keys]
+    with damage(path), h5py.File(path) as file:
+        kept = [link.stream.file for key, link in find_links(file).items() if key not in keys]
+    return [video for name in kept if (video := path.with_name(name)).is_file()]
 
 
 def _link(recording: Recording, stream: VideoStream) -> Stream:

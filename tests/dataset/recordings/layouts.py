@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+from collections.abc import Sequence
 from pathlib import Path
 
 import cv2
@@ -65,4 +67,32 @@ def act(path: Path, *, encoded: bool = False) -> Path:
             for row, data in zip(pictures, files, strict=True):
                 row[: len(data)] = np.frombuffer(data, np.uint8)
         file["observations/images/cam_high"] = pictures
+    return path
+
+
+DEMOS = ("demo_0", "demo_2", "demo_10")
+RATE = 20.0
+
+
+def robomimic(path: Path, demos: Sequence[str] = DEMOS, *, rate: float | None = RATE) -> Path:
+    """robomimic's layout, two cameras; the commands of a demonstration are its number."""
+    with h5py.File(path, "w") as file:
+        data = file.create_group("data")
+        data.attrs["total"] = FRAMES * len(demos)
+        data.attrs["env_args"] = json.dumps(
+            {"env_name": "Lift", "env_kwargs": {} if rate is None else {"control_freq": rate}}
+        )
+        for name in demos:
+            number = int(name.removeprefix("demo_"))
+            demo = data.create_group(name)
+            demo.attrs["num_samples"], demo.attrs["model_file"] = FRAMES, "<mujoco/>"
+            demo["actions"], demo["states"] = np.full((FRAMES, 7), float(number)), np.ones((FRAMES, 32))
+            pictures = np.roll(rooms(), number, axis=2)
+            chunks = (1, HEIGHT, WIDTH, 3)
+            demo.create_dataset("obs/agentview_image", data=pictures, chunks=chunks, compression="gzip")
+            demo["obs/robot0_eye_in_hand_image"] = pictures[:, ::-1]
+            demo["obs/robot0_joint_pos"] = np.full((FRAMES, 7), 0.5)
+            demo["obs/robot0_gripper_qpos"] = np.full((FRAMES, 2), 0.04)
+            demo["obs/robot0_eef_pos"] = np.zeros((FRAMES, 3))
+        file["mask/train"] = np.array(demos[1:], "S")
     return path

@@ -4,10 +4,14 @@ Searches the highest CRF whose loss stays under a threshold in JOD (ColorVideoVD
 and decoding, on keyframes; then looks at one in ten of the other frames.
 
 With --run: reads episodes/ of a run; writes compress/*.mp4 and compress/compression.json.
-With INPUT: an HDF5 file or a folder of them (this project's, RoboTwin's, ACT's), a LeRobot data set, or a folder of
-pictures, which are only read. Writes a new folder: HDF5 with its videos beside it and everything else as it was
-(`vcage decompress` puts the pictures back), a LeRobot data set, or videos; and compression.json. An interrupted
+With INPUT: an HDF5 file or a folder of them (this project's, RoboTwin's, ACT's, robomimic's), a LeRobot data set, or
+a folder of pictures, which are only read. Writes a new folder: HDF5 with its videos beside it and everything else as
+it was (`vcage decompress` puts the pictures back), a LeRobot data set, or videos; and compression.json. An interrupted
 call goes on when started again.
+
+A file of robomimic's stays one file, and each of its demonstrations is a recording: FILE.demo_0, FILE.demo_1, … and so
+an episode of a LeRobot data set. One that is left out with --skip-damaged stays in the file as it was. Its frame rate
+is the control_freq of env_args, where that is said; the last of every 7 numbers of a command is taken for a gripper's.
 
 examples:
   vcage compress --run runs/stationery
@@ -16,6 +20,7 @@ examples:
   vcage compress robotwin/ --fps 16.67 --out small --dry-run
   vcage compress robotwin/ --fps 16.67 --out small
   vcage compress act/ --fps 50 --to lerobot-v3.0 --task "open the jar" --out jar
+  vcage compress robomimic/lift.hdf5 --out lift
 """
 
 from __future__ import annotations

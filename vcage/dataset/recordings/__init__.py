@@ -1,1 +1,1 @@
-"""Recordings of others, read as they are: HDF5 of RoboTwin, ACT and our own, LeRobot data sets, folders of pictures."""
+"""Recordings of others, read as they are: HDF5 of RoboTwin, ACT, robomimic and our own, LeRobot, and pictures."""

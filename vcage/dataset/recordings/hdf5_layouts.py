@@ -1,4 +1,4 @@
-"""HDF5 files: RoboTwin's two layouts, that of ACT, and our own episodes.
+"""HDF5 files that hold one recording: RoboTwin's two layouts, that of ACT, and our own episodes.
 
 RoboTwin's first layout: ``observation/<camera>/rgb`` holds JPEG as fixed-length bytes, made with OpenCV from RGB arrays
 and so with red and blue swapped (https://github.com/robotwin-Platform/RoboTwin/issues/438); ``joint_action`` the
@@ -79,14 +79,7 @@ class Hdf5Recording(Recording):
     @cached_property
     def cameras(self) -> list[Camera]:
         with self._file() as file:
-            found: dict[str, h5py.Dataset] = {}
-
-            def look(key: str, item: h5py.Dataset | h5py.Group) -> None:
-                match = re.fullmatch(self.PICTURES, key)
-                if match and isinstance(item, h5py.Dataset):
-                    found[match[1]] = item
-
-            file.visititems(look)
+            found = self._picture_datasets(self._part(file))
             return [self._camera(name, found[name]) for name in sorted(found)]
 
     @property
@@ -113,7 +106,7 @@ class Hdf5Recording(Recording):
     def videos(self) -> dict[str, Path]:
         """Key → the video beside the file that holds its pictures; none where the file holds them itself."""
         with self._file() as file:
-            return {key: link.video(self.path) for key, link in find_links(file).items()}
+            return {key: link.video(self.path) for key, link in find_links(self._part(file)).items()}
 
     def pictures(self, camera: str, indices: Sequence[int] | None = None) -> NDArray[np.uint8]:
         key = self.camera(camera).key
@@ -129,6 +122,22 @@ class Hdf5Recording(Recording):
 
     def swapped(self, camera: str) -> bool:
         return self.camera(camera).storage in ENCODED and self._swapped
+
+    def _part(self, file: h5py.File) -> h5py.Group:
+        """Where the recording is in the open file."""
+        return file
+
+    def _picture_datasets(self, part: h5py.Group) -> dict[str, h5py.Dataset]:
+        """Camera → its pictures, or the link to them."""
+        found: dict[str, h5py.Dataset] = {}
+
+        def look(key: str, item: h5py.Dataset | h5py.Group) -> None:
+            match = re.fullmatch(self.PICTURES, key)
+            if match and isinstance(item, h5py.Dataset):
+                found[match[1]] = item
+
+        part.visititems(look)
+        return found
 
     def _camera(self, name: str, dataset: h5py.Dataset) -> Camera:
         key = dataset.name.lstrip("/")
@@ -183,19 +192,19 @@ class Hdf5Recording(Recording):
 
     def _read_commands(self) -> Columns | None:
         with self._file() as file:
-            return self._commands(file)
+            return self._commands(self._part(file))
 
     def _read_state(self) -> Columns | None:
         with self._file() as file:
-            return self._measured(file)
+            return self._measured(self._part(file))
 
     @abstractmethod
-    def _commands(self, file: h5py.File) -> Columns | None:
-        """What the robot was told, as the open file says."""
+    def _commands(self, part: h5py.Group) -> Columns | None:
+        """What the robot was told, as the recording's part of the open file says."""
 
     @abstractmethod
-    def _measured(self, file: h5py.File) -> Columns | None:
-        """What was measured of the robot, as the open file says."""
+    def _measured(self, part: h5py.Group) -> Columns | None:
+        """What was measured of the robot, as the recording's part of the open file says."""
 
 
 class ActEpisode(Hdf5Recording):
@@ -205,11 +214,11 @@ class ActEpisode(Hdf5Recording):
     PICTURES = r"observations/images/([^/]+)"
     SWAPPED = None
 
-    def _commands(self, file: h5py.File) -> Columns | None:
-        return _table(file, "action", self._names)
+    def _commands(self, part: h5py.Group) -> Columns | None:
+        return table(part, "action", self._names)
 
-    def _measured(self, file: h5py.File) -> Columns | None:
-        return _table(file, "observations/qpos", self._names)
+    def _measured(self, part: h5py.Group) -> Columns | None:
+        return table(part, "observations/qpos", self._names)
 
     @property
     def _names(self) -> tuple[str, ...]:
@@ -234,13 +243,13 @@ class RoboTwinEpisode(Hdf5Recording):
     PICTURES = r"observation/([^/]+)/rgb"
     SWAPPED = True
 
-    def _commands(self, file: h5py.File) -> Columns | None:
-        return _joints(file.get("joint_action"))
+    def _commands(self, part: h5py.Group) -> Columns | None:
+        return _joints(part.get("joint_action"))
 
-    def _measured(self, file: h5py.File) -> Columns | None:
-        if "joint_state" in file:
-            return _joints(file["joint_state"])
-        found = _joints(file.get("joint_action"))
+    def _measured(self, part: h5py.Group) -> Columns | None:
+        if "joint_state" in part:
+            return _joints(part["joint_state"])
+        found = _joints(part.get("joint_action"))
         if found is not None:
             note = "it holds no measured state; its commands are taken for it, as RoboTwin does"
             self.notes += [note] if note not in self.notes else []
@@ -254,18 +263,18 @@ class RoboTwinVisionEpisode(Hdf5Recording):
     PICTURES = r"vision/([^/]+)/colors"
     SWAPPED = None
 
-    def _commands(self, file: h5py.File) -> Columns | None:
-        return _columns(file.get("action", file.get("state")))
+    def _commands(self, part: h5py.Group) -> Columns | None:
+        return columns(part.get("action", part.get("state")))
 
-    def _measured(self, file: h5py.File) -> Columns | None:
-        return _columns(file.get("state"))
+    def _measured(self, part: h5py.Group) -> Columns | None:
+        return columns(part.get("state"))
 
 
 LAYOUTS: tuple[type[Hdf5Recording], ...] = (RoboTwinEpisode, RoboTwinVisionEpisode, ActEpisode)
 
 
 def open_hdf5(path: Path) -> Hdf5Recording:
-    """The recording in an HDF5 file, by what the file holds.
+    """The recording in an HDF5 file that holds one, by what the file holds.
 
     Raises:
         DamagedFile: it is no HDF5, is cut off, or holds no pictures in a layout that is known.
@@ -280,8 +289,8 @@ def open_hdf5(path: Path) -> Hdf5Recording:
             return layout(path)
     raise DamagedFile(
         f"{path} holds no pictures where a known layout has them (it has: {', '.join(keys[:8]) or 'nothing'})",
-        hint="known are RoboTwin's observation/<camera>/rgb and vision/<camera>/colors, and ACT's "
-        "observations/images/<camera>",
+        hint="known are RoboTwin's observation/<camera>/rgb and vision/<camera>/colors, ACT's "
+        "observations/images/<camera>, and robomimic's data/demo_<number>/obs/<camera>_image",
     )
 
 
@@ -291,14 +300,23 @@ def _packed_camera(name: str, key: str, link: Link, path: Path) -> Camera:
     return Camera(name, key, stream.frames, stream.width, stream.height, codec_name(video), video.stat().st_size)
 
 
-def _table(file: h5py.File, key: str, names: tuple[str, ...]) -> Columns | None:
-    """The numbers of a dataset, or of all in a group."""
-    found = file.get(key)
+def table(part: h5py.Group, key: str, names: tuple[str, ...] = ()) -> Columns | None:
+    """The numbers of a dataset, or of all in a group; None where there is none.
+
+    Args:
+        part: of a file.
+        key: of the dataset or the group in it.
+        names: of the columns of the dataset.
+
+    Raises:
+        DamagedFile: it holds no row of numbers for each point in time.
+    """
+    found = part.get(key)
     if not isinstance(found, h5py.Dataset):
-        return _columns(found)
+        return columns(found)
     if not _are_numbers(found):
         raise DamagedFile(
-            f"{file.filename}:{key} is {found.shape} {found.dtype}, no row of numbers for each picture",
+            f"{found.file.filename}:{found.name} is {found.shape} {found.dtype}, no row of numbers for each picture",
             hint="leave the episode out, or mend it",
         )
     return Columns(_rows(found), names)
@@ -322,10 +340,10 @@ def _rows(dataset: h5py.Dataset) -> NDArray[np.float64]:
 
 def _joints(group: h5py.Group | None) -> Columns | None:
     """RoboTwin's numbers of a robot's joints."""
-    return _columns(group, ARM_PARTS) or _columns(group, ("vector",))
+    return columns(group, ARM_PARTS) or columns(group, ("vector",))
 
 
-def _columns(group: h5py.Group | None, wanted: Sequence[str] | None = None) -> Columns | None:
+def columns(group: h5py.Group | None, wanted: Sequence[str] | None = None) -> Columns | None:
     """The numbers of several datasets of a group side by side, named after them; None where there is none.
 
     Args:

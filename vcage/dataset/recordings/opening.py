@@ -9,14 +9,15 @@ from vcage.dataset.recordings.folder import PictureFolder, pictures_in
 from vcage.dataset.recordings.hdf5_layouts import open_hdf5
 from vcage.dataset.recordings.lerobot_layouts import open_lerobot
 from vcage.dataset.recordings.recording import Recording
+from vcage.dataset.recordings.robomimic import open_robomimic
 from vcage.errors import DamagedFile, InputFileError
 
 HDF5 = (".hdf5", ".h5")
 
 
 def open_recordings(path: Path, damaged: dict[Path, DamagedFile] | None = None) -> list[Recording]:
-    """The recordings in a file or a folder, sorted by name: an HDF5 file, the episodes of a LeRobot data set, all HDF5
-    files below a folder, or the pictures of a folder or of its folders.
+    """The recordings in a file or a folder, sorted by name: an HDF5 file or the demonstrations in it, the episodes of a
+    LeRobot data set, all HDF5 files below a folder, or the pictures of a folder or of its folders.
 
     Args:
         path: the file or the folder.
@@ -28,7 +29,7 @@ def open_recordings(path: Path, damaged: dict[Path, DamagedFile] | None = None) 
     """
     path = Path(path)
     if path.is_file():
-        return [open_hdf5(path)]
+        return _open_file(path)
     if not path.is_dir():
         raise InputFileError(
             f"{path} does not exist",
@@ -56,9 +57,14 @@ def _open_all(files: list[Path], damaged: dict[Path, DamagedFile] | None) -> lis
     opened: list[Recording] = []
     for file in files:
         try:
-            opened.append(open_hdf5(file))
+            opened += _open_file(file)
         except DamagedFile as error:
             if damaged is None:
                 raise
             damaged[file] = error
     return opened
+
+
+def _open_file(path: Path) -> list[Recording]:
+    """The recordings in an HDF5 file; at least one."""
+    return [*open_robomimic(path)] or [open_hdf5(path)]
