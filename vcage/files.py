@@ -16,6 +16,8 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from filelock import FileLock, Timeout
+
 from vcage.errors import DamagedFile, DiskFull, MissingStage, OutputFolderError
 
 PARTIAL = ".partial-"
@@ -124,6 +126,26 @@ def atomic_path(path: Path) -> Iterator[Path]:
             os.replace(part, path)
         finally:
             part.unlink(missing_ok=True)
+
+
+@contextlib.contextmanager
+def held(folder: Path) -> Iterator[None]:
+    """Keep a folder to work in for this process alone; the system lets go of it however the process ends.
+
+    Raises:
+        OutputFolderError: another process holds it.
+    """
+    lock = FileLock(folder / "in-use")
+    try:
+        lock.acquire(timeout=0)
+    except Timeout as error:
+        raise OutputFolderError(
+            f"{folder} is in use: another call writes the same output", hint="wait for its end, or give another --out"
+        ) from error
+    try:
+        yield
+    finally:
+        lock.release()
 
 
 def write_bytes(path: Path, data: bytes) -> Path:

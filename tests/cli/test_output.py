@@ -103,6 +103,7 @@ def test_a_reader_that_goes_away_is_no_error() -> None:
 
 INTERRUPTED = """
 import os, signal, sys
+number = signal.Signals[sys.argv[1]]
 from vcage.cli.output import end_process, run_cli
 signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background job inherits that it is ignored
 class Fragile:
@@ -111,18 +112,18 @@ class Fragile:
 def work():
     fragile = Fragile()
     try:
-        os.kill(os.getpid(), signal.SIGINT)
+        os.kill(os.getpid(), number)
     except KeyboardInterrupt as error:
-        if len(sys.argv) > 1:
+        if len(sys.argv) > 2:
             raise ImportError("made of it by a library") from error
         raise
 sys.exit(end_process(run_cli(work)))
 """
 
 
-@pytest.mark.parametrize("otherwise", [[], ["import-error"]])
-def test_ctrl_c_ends_the_process_before_what_it_stopped_is_torn_down(otherwise: list[str]) -> None:
-    done = subprocess.run([sys.executable, "-c", INTERRUPTED, *otherwise], capture_output=True, text=True)
+@pytest.mark.parametrize("how", [["SIGINT"], ["SIGINT", "import-error"], ["SIGTERM"]])
+def test_an_interruption_ends_the_process_before_what_it_stopped_is_torn_down(how: list[str]) -> None:
+    done = subprocess.run([sys.executable, "-c", INTERRUPTED, *how], capture_output=True, text=True)
     assert done.returncode == 130
     assert last_line(done.stdout)["error"]["code"] == "interrupted"
 

@@ -26,6 +26,7 @@ from vcage.errors import (
     UnknownName,
     UsageError,
 )
+from vcage.files import held
 from vcage.packing import clips as clip_module
 from vcage.packing.pack import RECORD, WORKING, pack
 from vcage.schema.compression import Compression
@@ -127,7 +128,7 @@ def test_odd_sizes_keep_every_pixel(tmp_path):
 
 
 @pytest.mark.parametrize(("channels", "said"), [(1, "grey"), (4, "alpha")])
-def test_grey_and_rgba_pictures_are_taken_and_told(tmp_path, channels, said):
+def test_grey_and_rgba_pictures_are_taken_and_told(tmp_path, caplog, channels, said):
     path = filled(tmp_path / "in.hdf5", np.full((FRAMES, HEIGHT, WIDTH, channels), 200, np.uint8))
     assert said in packed(path, tmp_path / "out").record.notes["in"][0]
 
@@ -180,6 +181,15 @@ def test_what_a_call_that_was_killed_at_its_very_end_left_is_removed(tmp_path, s
 def test_to_name_what_would_be_written_anyway_is_no_other_call(tmp_path, source):
     packed(source, tmp_path / "out")
     assert not packed(source, tmp_path / "out", target="hdf5").fresh
+
+
+def test_two_calls_do_not_write_one_output_at_once(tmp_path, source):
+    working = tmp_path / f"out{WORKING}"
+    working.mkdir()
+    with held(working), pytest.raises(OutputFolderError, match="in use"):
+        packed(source, tmp_path / "out")
+    assert packed(source, tmp_path / "out").fresh
+    assert beside(tmp_path / "out") == {"out"}
 
 
 @pytest.mark.parametrize("what", ["options", "recordings"])
@@ -280,8 +290,10 @@ def test_a_picture_that_does_not_fit_stops_all_or_leaves_its_recording_out(tmp_p
 def test_where_decoding_shows_all_to_be_damaged_nothing_is_written(tmp_path):
     (tmp_path / "in").mkdir()
     with_changing_sizes(tmp_path / "in/bad.hdf5")
-    with pytest.raises(DamagedFile, match="48x16"):
-        packed(tmp_path / "in", tmp_path / "out", skip_damaged=True)
+    for skip in (True, False):
+        with pytest.raises(DamagedFile, match="48x16") as refused:
+            packed(tmp_path / "in", tmp_path / "out", skip_damaged=skip)
+        assert "--skip-damaged" not in refused.value.hint
     assert not (tmp_path / "out").exists()
 
 

@@ -111,6 +111,7 @@ def test_a_data_set_says_how_its_videos_were_encoded(tmp_path, source):
     info = json.loads((tmp_path / "out/meta/info.json").read_text())
     facts = info["features"]["observation.images.cam_high"]["info"]
     assert (facts["video.crf"], facts["video.g"], facts["video.codec"]) == (20, 10, "hevc")
+    assert facts["video.preset"] == "ultrafast"
 
 
 @pytest.mark.parametrize(
@@ -123,4 +124,4 @@ def test_a_data_set_says_how_its_videos_were_encoded(tmp_path, source):
     ],
 )
 def test_what_is_told_of_an_encoding_is_what_all_streams_have_alike(streams, told):
-    assert encodings(streams) == {"top": told}
+    assert encodings(streams, "slow") == {"top": {**told, "video.preset": "slow"}}

@@ -104,27 +104,29 @@ def _report_error(error: VcageError) -> int:
 
 
 _interrupted = threading.Event()
-"""Set by Ctrl-C. Libraries in C that are being imported swallow the exception, or make another one of it."""
+"""Set by Ctrl-C and SIGTERM. Libraries in C that are being imported swallow the exception, or make another of it."""
 
 
 @contextlib.contextmanager
 def _noting_interrupts() -> Iterator[None]:
-    """Note Ctrl-C besides raising :class:`KeyboardInterrupt`."""
-    before = signal.getsignal(signal.SIGINT)
+    """Note Ctrl-C, and what ``kill`` and schedulers send, besides raising :class:`KeyboardInterrupt`."""
     _interrupted.clear()
-    if before is not signal.default_int_handler or threading.current_thread() is not threading.main_thread():
-        yield
-        return
 
     def note(number: int, frame: FrameType | None) -> None:
         _interrupted.set()
         signal.default_int_handler(number, frame)
 
-    signal.signal(signal.SIGINT, note)
+    usual = {signal.SIGINT: signal.default_int_handler, signal.SIGTERM: signal.SIG_DFL}
+    if threading.current_thread() is not threading.main_thread():
+        usual = {}
+    before = {number: handler for number, handler in usual.items() if signal.getsignal(number) is handler}
+    for number in before:
+        signal.signal(number, note)
     try:
         yield
     finally:
-        signal.signal(signal.SIGINT, before)
+        for number, handler in before.items():
+            signal.signal(number, handler)
 
 
 def stop_if_interrupted() -> None:

@@ -56,8 +56,13 @@ def _foreign(
     )
 
 
-def encodings(streams: Sequence[VideoStream]) -> dict[str, dict[str, Any]]:
-    """Camera → what ``info.json`` says of its encoding beyond the stream itself, if all its streams have it alike."""
+def encodings(streams: Sequence[VideoStream], preset: str) -> dict[str, dict[str, Any]]:
+    """Camera → what ``info.json`` says of its encoding beyond the stream itself, if all its streams have it alike.
+
+    Args:
+        streams: of all cameras.
+        preset: of the encoder, for all.
+    """
     told: dict[str, dict[str, Any]] = {}
     for camera in sorted({stream.camera for stream in streams}):
         own = [stream for stream in streams if stream.camera == camera]
@@ -65,5 +70,5 @@ def encodings(streams: Sequence[VideoStream]) -> dict[str, dict[str, Any]]:
         if own[0].lossless:
             facts = {"video.g": own[0].gop, "video.lossless": True}
         alike = all((s.pixel_format, s.gop, s.crf) == (own[0].pixel_format, own[0].gop, own[0].crf) for s in own)
-        told[camera] = facts if alike else {"video.pix_fmt": None}
+        told[camera] = {**(facts if alike else {"video.pix_fmt": None}), "video.preset": preset}
     return told

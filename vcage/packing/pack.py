@@ -5,13 +5,15 @@ from __future__ import annotations
 import logging
 import os
 import shutil
-from collections.abc import Callable
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
+from itertools import chain
 from pathlib import Path
 from typing import Any, TypeVar
 
 from vcage.errors import DamagedFile, InputFileError, OutputFolderError, StaleStage
-from vcage.files import RunFolder, atomic_folder
+from vcage.files import RunFolder, atomic_folder, held
 from vcage.packing.campaign import campaign, require_tools, stream_of
 from vcage.packing.clips import Clip
 from vcage.packing.records import compression_record
@@ -77,7 +79,7 @@ def pack(order: Order, *, workers: int | None = None, force: bool = False, progr
         InputFileError: there is nothing to compress, or it is damaged.
         UsageError: the recordings cannot be written so, or an option is missing.
         StaleStage: the output is there, made from other recordings or with other settings, and ``force`` is not set.
-        OutputFolderError: the output is in the way, lies in the input, or cannot be written.
+        OutputFolderError: the output is in the way, lies in the input, is being written, or cannot be.
         DiskFull: see :mod:`vcage.files`; what is finished is kept beside the output.
     """
     out = order.out.expanduser().resolve()
@@ -93,22 +95,25 @@ def pack(order: Order, *, workers: int | None = None, force: bool = False, progr
         shutil.rmtree(working, ignore_errors=True)  # of a call that was ended after the output appeared
         return done
     RunFolder(working).make()
-    sources, videos = without_damaged(
-        order,
-        sources,
-        wanted,
-        lambda clips: campaign(clips, order.settings, working / "videos", workers=workers, progress=progress),
-    )
-    streams = {key: stream_of(video) for key, video in videos.items()}
-    record = compression_record(provenance, order.settings, list(streams.values()), _notes(sources))
-    whole = working / "whole"
-    shutil.rmtree(whole, ignore_errors=True)
-    write_target(Compressed(sources.sources, streams, videos), wanted, whole, progress)
-    record.write(whole / RECORD)
-    with atomic_folder(out) as folder:
-        for child in whole.iterdir():
-            os.replace(child, folder / child.name)
-    shutil.rmtree(working)
+    with held(working):
+        sources, videos = without_damaged(
+            order,
+            sources,
+            wanted,
+            lambda clips: campaign(clips, order.settings, working / "videos", workers=workers, progress=progress),
+        )
+        streams = {key: stream_of(video) for key, video in videos.items()}
+        notes = _notes(sources)
+        record = compression_record(provenance, order.settings, list(streams.values()), notes)
+        whole = working / "whole"
+        shutil.rmtree(whole, ignore_errors=True)
+        write_target(Compressed(sources.sources, streams, videos, record.encoding.preset), wanted, whole, progress)
+        record.write(whole / RECORD)
+        with atomic_folder(out) as folder:
+            for child in whole.iterdir():
+                os.replace(child, folder / child.name)
+        shutil.rmtree(working)
+    _tell(notes)
     return Packed(record, out / RECORD, fresh=True)
 
 
@@ -128,8 +133,8 @@ def without_damaged(
             return sources, work(sources.clips(order.cameras, wanted.fps))
         except DamagedFile as error:
             if not order.skip_damaged or "recording" not in error.details:
-                hint = f"{error.hint}; or go on without it: --skip-damaged"
-                raise DamagedFile(error.message, hint=hint, details=error.details) from error
+                more = "; or go on without it: --skip-damaged" if len(sources.sources) > 1 else ""
+                raise DamagedFile(error.message, hint=error.hint + more, details=error.details) from error
             sources = sources.without(error.details["recording"], error.message)
             suited(wanted, sources.sources)
 
@@ -166,3 +171,9 @@ def _notes(sources: Sources) -> dict[str, list[str]]:
     for name, cameras in sources.missing_cameras().items():
         notes[name].append(f"it lacks {', '.join(cameras)}, which others have")
     return {**notes, **{name: [f"left out: {text}"] for name, text in sources.damaged.items()}}
+
+
+def _tell(notes: Mapping[str, Sequence[str]]) -> None:
+    """Say each note once, and of how many recordings it holds."""
+    for text, count in Counter(chain.from_iterable(notes.values())).items():
+        log.warning("%s%s", text, f" ({count} of {len(notes)} recordings)" if len(notes) > 1 else "")

@@ -35,11 +35,13 @@ class Compressed:
         sources: the recordings.
         streams: (recording, camera) → what is known of its video.
         videos: (recording, camera) → the video.
+        preset: of the encoder of all.
     """
 
     sources: Sequence[Source]
     streams: Mapping[Key, VideoStream]
     videos: Mapping[Key, Path]
+    preset: str
 
 
 def write_target(compressed: Compressed, wanted: Wanted, out: Path, progress: Progress) -> None:
@@ -119,7 +121,9 @@ def _write_lerobot(compressed: Compressed, wanted: Wanted, out: Path, progress: 
         _repack_lerobot(compressed, out, progress)
         return
     videos_of = _by_recording(compressed.videos)
-    with open_writer(str(wanted.target), out, encodings(list(compressed.streams.values()))) as writer:
+    with open_writer(
+        str(wanted.target), out, encodings(list(compressed.streams.values()), compressed.preset)
+    ) as writer:
         for number, source in enumerate(compressed.sources):
             progress(f"writing {source.name}", number, len(compressed.sources))
             writer.add(lerobot_episode(source.recording, videos_of[source.name], wanted))
@@ -129,7 +133,8 @@ def _repack_lerobot(compressed: Compressed, out: Path, progress: Progress) -> No
     """All stays as it is but the videos of the cameras that were compressed."""
     recording = compressed.sources[0].recording
     told = {
-        recording.camera(camera).key: facts for camera, facts in encodings(list(compressed.streams.values())).items()
+        recording.camera(camera).key: facts
+        for camera, facts in encodings(list(compressed.streams.values()), compressed.preset).items()
     }
     new: dict[str, dict[int, Path]] = {key: {} for key in told}
     for episode, name in episode_names(compressed.sources).items():

@@ -31,7 +31,7 @@ from vcage.pipeline.stage import Job, StageResult, stage_seed
 from vcage.pipeline.workbench import Workbench
 from vcage.progress import Progress, silent
 from vcage.schema.base import Provenance
-from vcage.schema.compression import Compression, VideoStream
+from vcage.schema.compression import Compression
 from vcage.schema.export import Export, ExportedDataset
 
 WORKING = "export.working"
@@ -107,12 +107,12 @@ def find_footage(run: RunFolder, settings: Settings, progress: Progress = silent
     wanted = _other_encoding(CompressionSettings(**compression.provenance.options), settings)
     if wanted is None:
         files = {(stream.episode, stream.camera): run.root / stream.file for stream in compression.streams}
-        return Footage(files, _facts(compression.streams, compression.encoding.preset))
+        return Footage(files, encodings(compression.streams, compression.encoding.preset))
     clips, names = clips_of(run)
     videos = campaign(clips, wanted, run.root / WORKING, workers=settings.workers, progress=progress)
     streams = [stream_of(video) for video in videos.values()]
     files = {(names[name], camera): video for (name, camera), video in videos.items()}
-    return Footage(files, _facts(streams, wanted.choices().settings().preset))
+    return Footage(files, encodings(streams, wanted.choices().settings().preset))
 
 
 def _other_encoding(compressed: CompressionSettings, settings: Settings) -> CompressionSettings | None:
@@ -140,10 +140,6 @@ def _same_quality(compressed: CompressionSettings, codec: str) -> int | None:
             hint="give the CRF of a loss that may be: --crf N, or take another --codec",
         )
     return LOSSLESS
-
-
-def _facts(streams: Sequence[VideoStream], preset: str) -> dict[str, dict[str, Any]]:
-    return {camera: {**facts, "video.preset": preset} for camera, facts in encodings(streams).items()}
 
 
 def lerobot_episodes(

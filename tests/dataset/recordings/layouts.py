@@ -45,11 +45,11 @@ def robotwin(path: Path, *, swapped: bool = True, pictures: np.ndarray | None = 
     return path
 
 
-def robotwin_vision(path: Path, *, swapped: bool = False) -> Path:
+def robotwin_vision(path: Path, *, swapped: bool = False, pictures: np.ndarray | None = None) -> Path:
     """RoboTwin's second layout, one camera."""
     with h5py.File(path, "w") as file:
         dataset = file.create_dataset("vision/cam_head/colors", (FRAMES,), h5py.vlen_dtype(np.uint8))
-        for index, picture in enumerate(rooms()):
+        for index, picture in enumerate(rooms() if pictures is None else pictures):
             dataset[index] = np.frombuffer(jpeg(picture, swapped=swapped), np.uint8)
         file["action/left_arm"], file["action/left_gripper"] = np.zeros((FRAMES, 6)), np.zeros(FRAMES)
         file["state/left_arm"] = np.ones((FRAMES, 6))

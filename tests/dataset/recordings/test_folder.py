@@ -49,3 +49,10 @@ def test_a_damaged_picture_is_named(tmp_path):
     (tmp_path / "1.jpg").write_bytes(b"\xff\xd8 no more")
     with pytest.raises(DamagedFile, match=r"1\.jpg"):
         PictureFolder(tmp_path).pictures("camera")
+
+
+def test_a_picture_of_another_size_is_found_without_decoding_all(tmp_path, monkeypatch):
+    for index in range(3):
+        (tmp_path / f"{index}.jpg").write_bytes(jpeg(room()[: 16 if index == 1 else None]))
+    with pytest.raises(DamagedFile, match=r"1\.jpg is 48x16, the first of its folder 48x32"):
+        _ = PictureFolder(tmp_path).cameras

@@ -9,11 +9,14 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
+from PIL import Image
 
 from vcage.dataset.recordings.encoded import channels_of, decode_picture, storage_of, told_of_channels
 from vcage.dataset.recordings.recording import Camera, Columns, Recording, stacked
+from vcage.errors import DamagedFile
 
 SUFFIXES = (".png", ".jpg", ".jpeg")
+LEAVE_OUT = "remove it, or leave the recording out"
 ONLY = "camera"
 """Name of the camera whose pictures lie in the folder itself."""
 
@@ -56,9 +59,24 @@ class PictureFolder(Recording):
         height, width = decode_picture(first, str(files[0])).shape[:2]
         size = sum(path.stat().st_size for path in files)
         key = "." if name == ONLY and files[0].parent == self.path else name
+        for file in files:
+            _require_size(file, (width, height))
         channels = channels_of(first, str(files[0]))
         self.notes += told_of_channels(channels, name)
         return Camera(name, key, len(files), width, height, storage_of(first, str(files[0])), size, channels)
+
+
+def _require_size(file: Path, size: tuple[int, int]) -> None:
+    """Raise DamagedFile unless the head of a picture file says this width and height; it is not decoded."""
+    try:
+        with Image.open(file) as picture:
+            found = picture.size
+    except OSError as error:
+        raise DamagedFile(f"{file} is damaged: {error}", hint=LEAVE_OUT) from error
+    if found != size:
+        raise DamagedFile(
+            f"{file} is {found[0]}x{found[1]}, the first of its folder {size[0]}x{size[1]}", hint=LEAVE_OUT
+        )
 
 
 def pictures_in(folder: Path) -> list[Path]:

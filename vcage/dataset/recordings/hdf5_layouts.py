@@ -14,7 +14,7 @@ import json
 import re
 from abc import abstractmethod
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from functools import cached_property
 from pathlib import Path
 from typing import Any, ClassVar
@@ -33,6 +33,9 @@ from vcage.videos import codec_name, decode, frame_rate
 
 LOOKED_AT = 5
 """Pictures of a camera that say whether colours are swapped."""
+
+VOTERS = 20
+"""Recordings that are asked when many must agree on it."""
 
 CHUNK_CACHE = 64 << 20
 """Bytes of decompressed chunks that are kept: those of arrays often span many pictures."""
@@ -75,6 +78,9 @@ class Hdf5Recording(Recording):
     SWAPPED: ClassVar[bool | None] = False
     """Whether red and blue of encoded pictures are swapped where neither the file nor the colours say; None does not
     know either, and False does not ask them."""
+
+    agreed: bool | None = None
+    """Whether colours are swapped in the recordings that lie beside it, see :func:`agree_on_colours`."""
 
     @cached_property
     def cameras(self) -> list[Camera]:
@@ -171,24 +177,32 @@ class Hdf5Recording(Recording):
         found = self._attributes.get(name)
         return found if isinstance(found, str) else None
 
+    @property
+    def says_colours(self) -> bool:
+        """Whether it is known without a look at them if the colours of encoded pictures are swapped."""
+        encoded = any(camera.storage in ENCODED for camera in self.cameras)
+        return self.SWAPPED is False or not encoded or COLOURS in self._attributes
+
     @cached_property
     def _swapped(self) -> bool:
         if self.SWAPPED is False:
             return False
         said = self._attributes.get(COLOURS)
-        swapped = self._look_swapped() if said is None else said == "swapped"
+        swapped = said == "swapped"
+        if said is None:
+            seen = self.looks_swapped() if self.agreed is None else self.agreed
+            swapped = bool(self.SWAPPED) if seen is None else seen
         if swapped:
             self.notes.append("red and blue were swapped in its JPEGs and are put back")
         return swapped
 
-    def _look_swapped(self) -> bool:
-        """What the colours of the first camera with encoded pictures say; where they do not, the layout."""
+    def looks_swapped(self) -> bool | None:
+        """What the colours of the first camera with encoded pictures say; None where they do not."""
         camera = next(camera for camera in self.cameras if camera.storage in ENCODED)
         some = np.unique(np.linspace(0, camera.frames - 1, LOOKED_AT).astype(int))
         with self._file() as file:
             what = f"{self.path}:{camera.key}"
-            seen = looks_swapped([stored_picture(file[camera.key], int(index), what) for index in some])
-        return bool(self.SWAPPED) if seen is None else seen
+            return looks_swapped([stored_picture(file[camera.key], int(index), what) for index in some])
 
     def _read_commands(self) -> Columns | None:
         with self._file() as file:
@@ -292,6 +306,27 @@ def open_hdf5(path: Path) -> Hdf5Recording:
         hint="known are RoboTwin's observation/<camera>/rgb and vision/<camera>/colors, ACT's "
         "observations/images/<camera>, and robomimic's data/demo_<number>/obs/<camera>_image",
     )
+
+
+def agree_on_colours(recordings: Sequence[Recording]) -> None:
+    """Take recordings of one layout that lie together for made alike: what most of them look like holds for all.
+
+    Only some are looked at. Those that say themselves whether their colours are swapped are believed.
+    """
+    for layout in {type(recording) for recording in recordings}:
+        unsaid = [one for one in recordings if type(one) is layout and isinstance(one, Hdf5Recording)]
+        some = np.unique(np.linspace(0, len(unsaid) - 1, min(len(unsaid), VOTERS)).astype(int))
+        votes = [vote for index in some if (vote := _colour_vote(unsaid[index])) is not None]
+        if votes:
+            for recording in unsaid:
+                recording.agreed = 2 * sum(votes) > len(votes)
+
+
+def _colour_vote(recording: Hdf5Recording) -> bool | None:
+    with suppress(DamagedFile):  # which is complained of where the recording is read
+        if not recording.says_colours:
+            return recording.looks_swapped()
+    return None
 
 
 def _packed_camera(name: str, key: str, link: Link, path: Path) -> Camera:

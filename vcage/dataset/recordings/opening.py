@@ -6,7 +6,7 @@ from pathlib import Path
 
 from vcage.dataset.lerobot.info import INFO
 from vcage.dataset.recordings.folder import PictureFolder, pictures_in
-from vcage.dataset.recordings.hdf5_layouts import open_hdf5
+from vcage.dataset.recordings.hdf5_layouts import agree_on_colours, open_hdf5
 from vcage.dataset.recordings.lerobot_layouts import open_lerobot
 from vcage.dataset.recordings.recording import Recording
 from vcage.dataset.recordings.robomimic import open_robomimic
@@ -62,6 +62,7 @@ def _open_all(files: list[Path], damaged: dict[Path, DamagedFile] | None) -> lis
             if damaged is None:
                 raise
             damaged[file] = error
+    agree_on_colours(opened)
     return opened
 
 
