@@ -159,7 +159,7 @@ class Searched:
     after: str | None = None
 
     def make(self, film: Film, metric: JodMetric, folder: Path, before: Before) -> Made:
-        choices, limit = self._choices(before), self._limit(film, metric, before)
+        choices, limit = self._task(film, metric, before)
         criterion = Criterion(limit, guard=self._has_lossless)
         start = time.process_time()
         result = search_clip(film.frames, film.keyframes, film.fps, choices, criterion, metric, THREADS)
@@ -181,31 +181,27 @@ class Searched:
     def _has_lossless(self) -> bool:
         return bool(self.choices.settings().facts.lossless_format)
 
-    def _limit(self, film: Film, metric: JodMetric, before: Before) -> float:
-        """The loss to stay below; for a codec that may not reach it, what it can reach on the keyframes."""
+    def _task(self, film: Film, metric: JodMetric, before: Before) -> tuple[Choices, float]:
+        """What there is to choose from, and the loss to stay below."""
         if self.like is not None:
-            return before[self.like].loss
-        if self._has_lossless:
-            return LIMIT
-        facts, reference = self.choices.settings().facts, film.frames[film.keyframes]
-        best = min(
-            float(metric.loss(decode(self._at_best(film, name), film.keyframes), reference).max())
-            for name in facts.pixel_formats
-        )
-        return max(LIMIT, SLACK * best)
-
-    def _at_best(self, film: Film, pixel_format: str) -> bytes:
-        settings = self.choices.settings(pixel_format)
-        return encode(film.frames, film.fps, settings, settings.facts.min_crf, THREADS)
-
-    def _choices(self, before: Before) -> Choices:
-        if self.after is None:
-            return self.choices
-        known = before[self.after]
-        if known.crf is None or known.pixel_format is None:
-            return self.choices
+            return self.choices, before[self.like].loss
+        if not self._has_lossless:
+            return self._at_its_best(film, metric)
+        known = before[self.after] if self.after is not None else None
+        if known is None or known.crf is None or known.pixel_format is None:
+            return self.choices, LIMIT
         upper = min(known.crf + AHEAD, self.choices.highest)
-        return replace(self.choices, pixel_formats=(known.pixel_format,), upper=upper)
+        return replace(self.choices, pixel_formats=(known.pixel_format,), upper=upper), LIMIT
+
+    def _at_its_best(self, film: Film, metric: JodMetric) -> tuple[Choices, float]:
+        """For a codec that may not reach the limit: the pixel format in which it loses least, and a little more."""
+        reference, losses = film.frames[film.keyframes], {}
+        for name in self.choices.settings().facts.pixel_formats:
+            settings = self.choices.settings(name)
+            video = encode(film.frames, film.fps, settings, settings.facts.min_crf, THREADS)
+            losses[name] = float(metric.loss(decode(video, film.keyframes), reference).max())
+        best = min(losses, key=losses.__getitem__)
+        return replace(self.choices, pixel_formats=(best,)), max(LIMIT, SLACK * losses[best])
 
 
 def _encode_ms(film: Film, result: SearchResult) -> float:

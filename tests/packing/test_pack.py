@@ -131,6 +131,7 @@ def test_odd_sizes_keep_every_pixel(tmp_path):
 def test_grey_and_rgba_pictures_are_taken_and_told(tmp_path, caplog, channels, said):
     path = filled(tmp_path / "in.hdf5", np.full((FRAMES, HEIGHT, WIDTH, channels), 200, np.uint8))
     assert said in packed(path, tmp_path / "out").record.notes["in"][0]
+    assert said in caplog.text
 
 
 def test_a_camera_that_some_lack_is_told(tmp_path, source):
