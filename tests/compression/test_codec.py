@@ -6,6 +6,7 @@ import os
 import re
 import subprocess
 import sys
+from pathlib import Path
 
 import av
 import cv2
@@ -179,3 +180,8 @@ def test_the_version_of_an_encoder_is_that_which_it_writes_into_its_streams():
 def test_a_crf_out_of_range_is_refused(frames):
     with pytest.raises(UsageError, match="52"):
         encode(frames, FPS, SETTINGS, 52)
+
+
+def test_no_encoder_keeps_this_process_at_real_time_priority():
+    encode(clip(2), FPS, EncoderSettings("av1", preset="12"), 40)
+    assert {os.sched_getscheduler(int(thread.name)) for thread in Path("/proc/self/task").glob("*")} == {os.SCHED_OTHER}

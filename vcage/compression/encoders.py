@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
+from pathlib import Path
 
 import av
 
@@ -155,3 +158,15 @@ def require_encoder(codec: Codec) -> None:
             f"PyAV has no {codec.encoder}, which encodes {codec.name}",
             hint="pip install --force-reinstall --only-binary av av, or take another --codec",
         )
+
+
+def take_usual_priority() -> None:
+    """Give all threads of this process the system's usual scheduling.
+
+    SVT-AV1, where it may (as root), gives itself and the thread that opens it real-time priority, which starves every
+    other program and stays when the video is finished.
+    """
+    for thread in Path("/proc/self/task").glob("*"):
+        with suppress(ProcessLookupError):  # it has ended meanwhile
+            if os.sched_getscheduler(int(thread.name)) != os.SCHED_OTHER:
+                os.sched_setscheduler(int(thread.name), os.SCHED_OTHER, os.sched_param(0))
