@@ -16,7 +16,7 @@ from benchmarks._compression_clips import Film
 from benchmarks._compression_stored import Stored, Video, store_pictures
 from vcage.compression.choices import Choices, Criterion
 from vcage.compression.codec import encode
-from vcage.compression.encoders import CODECS, take_usual_priority
+from vcage.compression.encoders import CODECS, kept_priority
 from vcage.compression.jod import JodMetric
 from vcage.compression.search import SearchResult, search_clip
 from vcage.packing.settings import CompressionSettings
@@ -133,8 +133,8 @@ class LeRobot:
             stream = container.add_stream("libsvtav1", rate, options={k: str(v) for k, v in options.items()})
             stream.pix_fmt = self.pixel_format
             stream.height, stream.width = film.frames.shape[1:3]
-            stream.codec_context.open()
-            take_usual_priority()
+            with kept_priority():
+                stream.codec_context.open()
             for picture in film.frames:
                 container.mux(stream.encode(av.VideoFrame.from_ndarray(picture, format="rgb24")))
             container.mux(stream.encode(None))

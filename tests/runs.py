@@ -25,15 +25,18 @@ from vcage.report.page import write_report
 REPOSITORY = Path(__file__).resolve().parents[1]
 INSTRUCTION = "Put the blocks on the plate"
 FPS = 5
-QUICK_VIDEOS = ["--preset", "ultrafast", "--pixel-format", "yuv444p10le"]
+VIDEOS = CompressionSettings(preset="ultrafast", pixel_format="yuv444p10le")
+QUICK_VIDEOS = ["--preset", VIDEOS.preset, "--pixel-format", VIDEOS.pixel_format]
+"""The same as options."""
+
 SETTINGS = Settings(
     instruction=INSTRUCTION,
     models="offline",
     episodes=1,
     fps=FPS,
-    compression=CompressionSettings(preset="ultrafast", pixel_format="yuv444p10le"),
+    compression=VIDEOS,
 )
-"""A chain as quick as it gets with every stage at work; as options: ``--fps``, and :data:`QUICK_VIDEOS`."""
+"""A chain as quick as it gets with every stage at work."""
 
 FOLDERS = {stage: folder for folder, stage in PRODUCERS.items()}
 BY_PRODUCTS = {"timings.json", "report.html"}

@@ -193,6 +193,17 @@ def test_two_calls_do_not_write_one_output_at_once(tmp_path, source):
     assert beside(tmp_path / "out") == {"out"}
 
 
+def test_a_finished_call_does_not_clear_away_what_another_one_works_on(tmp_path, source):
+    packed(source, tmp_path / "out")
+    working = tmp_path / f"out{WORKING}"
+    working.mkdir()
+    with held(working):
+        assert not packed(source, tmp_path / "out").fresh
+        assert working.exists()
+    assert not packed(source, tmp_path / "out").fresh
+    assert not working.exists()
+
+
 @pytest.mark.parametrize("what", ["options", "recordings"])
 def test_an_output_of_another_call_is_stale_until_forced(tmp_path, source, what):
     packed(source, tmp_path / "out")

@@ -78,25 +78,14 @@ def test_a_full_disk_is_an_error_and_leaves_no_half_file(episode_file, tmp_path)
     assert not list(tmp_path.iterdir())
 
 
-MANY = """
-import faulthandler, sys
-from pathlib import Path
-from vcage.errors import DamagedFile
-from vcage.viewing.show import view
-faulthandler.dump_traceback_later(60, exit=True)
-for _ in range(4):
-    try:
-        view(Path(sys.argv[1]), save=Path(sys.argv[2]))
-        sys.exit("not refused")
-    except DamagedFile:
-        pass
-"""
-
-
-def test_episode_after_episode_that_fails_leaves_nothing_that_waits(damaged_file, tmp_path):
-    program = [sys.executable, "-c", MANY, damaged_file, tmp_path / "look.rrd"]
-    done = subprocess.run(program, capture_output=True, text=True, check=False, env={"PYTHONPATH": ":".join(sys.path)})
-    assert (done.returncode, done.stderr) == (0, "")
+@pytest.mark.parametrize("where", ["file", "viewer"])
+def test_a_stream_is_closed_also_when_the_episode_is_damaged(damaged_file, tmp_path, viewer, monkeypatch, where):
+    closed = []
+    close = show.rr.RecordingStream.disconnect
+    monkeypatch.setattr(show.rr.RecordingStream, "disconnect", lambda stream: (closed.append(stream), close(stream)))
+    with pytest.raises(DamagedFile):
+        view(damaged_file, save=tmp_path / "look.rrd" if where == "file" else None)
+    assert len(closed) == 1
 
 
 def test_without_a_screen_the_way_out_is_a_file(episode_file, monkeypatch):

@@ -20,7 +20,7 @@ import numpy as np
 from av.video.reformatter import ColorPrimaries, ColorRange, Colorspace, ColorTrc, Interpolation
 from numpy.typing import NDArray
 
-from vcage.compression.encoders import CODECS, Codec, require_encoder, take_usual_priority
+from vcage.compression.encoders import CODECS, Codec, kept_priority, require_encoder
 from vcage.errors import UnknownName, UsageError
 
 CONTAINER = "mp4"
@@ -114,8 +114,8 @@ def encode(
         stream.codec_tag = codec.tag
         _tag_colour(stream.codec_context, rgb=is_rgb(pixel_format))
         stream.options = codec.options(settings.preset, settings.gop, crf, threads)
-        stream.codec_context.open()
-        take_usual_priority()
+        with kept_priority():
+            stream.codec_context.open()
         for index, picture in enumerate(frames):
             container.mux(stream.encode(converted(picture, pixel_format, index)))
         container.mux(stream.encode(None))

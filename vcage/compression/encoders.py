@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping
-from contextlib import suppress
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -160,13 +160,16 @@ def require_encoder(codec: Codec) -> None:
         )
 
 
-def take_usual_priority() -> None:
-    """Give all threads of this process the system's usual scheduling.
+@contextmanager
+def kept_priority() -> Iterator[None]:
+    """Open an encoder inside: all threads of the process then have the scheduling that this one had before.
 
     SVT-AV1, where it may (as root), gives itself and the thread that opens it real-time priority, which starves every
     other program and stays when the video is finished.
     """
+    policy, priority = os.sched_getscheduler(0), os.sched_getparam(0)
+    yield
     for thread in Path("/proc/self/task").glob("*"):
         with suppress(ProcessLookupError):  # it has ended meanwhile
-            if os.sched_getscheduler(int(thread.name)) != os.SCHED_OTHER:
-                os.sched_setscheduler(int(thread.name), os.SCHED_OTHER, os.sched_param(0))
+            if os.sched_getscheduler(int(thread.name)) != policy:
+                os.sched_setscheduler(int(thread.name), policy, priority)

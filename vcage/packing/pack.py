@@ -7,6 +7,7 @@ import os
 import shutil
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import asdict, dataclass
 from itertools import chain
 from pathlib import Path
@@ -92,7 +93,7 @@ def pack(order: Order, *, workers: int | None = None, force: bool = False, progr
     working = out.with_name(out.name + WORKING)
     done = _finished(out, provenance, force=force)
     if done is not None:
-        shutil.rmtree(working, ignore_errors=True)  # of a call that was ended after the output appeared
+        _clear(working)
         return done
     RunFolder(working).make()
     with held(working):
@@ -115,6 +116,13 @@ def pack(order: Order, *, workers: int | None = None, force: bool = False, progr
         shutil.rmtree(working)
     _tell(notes)
     return Packed(record, out / RECORD, fresh=True)
+
+
+def _clear(working: Path) -> None:
+    """Remove what a call left that was ended after the output appeared, unless another one works there."""
+    if working.exists():
+        with suppress(OutputFolderError), held(working):
+            shutil.rmtree(working)
 
 
 def without_damaged(
