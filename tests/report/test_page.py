@@ -7,6 +7,7 @@ import re
 from html.parser import HTMLParser
 from pathlib import Path
 
+import h5py
 import pytest
 
 from tests.runs import INSTRUCTION, Finished, copied
@@ -94,6 +95,17 @@ def test_every_accepted_episode_has_a_video_that_plays(finished, page, tmp_path)
     frames = decode(path)
     assert len(frames) == accepted[0].frames
     assert frames[0].shape[1] == 3 * 320
+
+
+def test_a_rejected_episode_is_told_without_a_video(finished, tmp_path):
+    run = copied(finished.run, tmp_path / "run")
+    with h5py.File(run.root / Episodes.read(run.episodes).episodes[0].file, "a") as file:
+        for camera in list(file["observations/images"]):  # as collecting leaves a rejected one
+            del file["observations/images"][camera]
+    page = Page(write_report(run).read_text(encoding="utf-8"))
+    accepted = [e for e in Episodes.read(finished.run.episodes).episodes if e.accepted]
+    assert len(page.of("video")) == len(accepted) - 1
+    assert page.open == []
 
 
 def test_pictures_of_all_stages_and_verdicts_are_inside(finished, page, tmp_path):

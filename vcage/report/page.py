@@ -132,10 +132,10 @@ def _verdict_card(run: RunFolder, verdict: Verdict, subtask: str) -> dict[str, A
     return {"verdict": verdict, "subtask": subtask, "pictures": [url for url in urls if url]}
 
 
-def _preview(path: Path, fps: float) -> str:
-    """All cameras of an episode side by side."""
+def _preview(path: Path, fps: float) -> str | None:
+    """All cameras of an episode side by side; None of a rejected one, which is kept without pictures."""
     with EpisodeReader(path) as reader:
-        return video_url(_side_by_side(reader), fps)
+        return video_url(_side_by_side(reader), fps) if reader.cameras else None
 
 
 def _side_by_side(reader: EpisodeReader) -> Iterator[np.ndarray]:
