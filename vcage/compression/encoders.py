@@ -66,6 +66,14 @@ def _x265(preset: str, gop: int, crf: int | None, threads: int) -> Options:
         "bframes": 0,
         "qcomp": 1,
         "rect": 1,
+        # Measured on four of them at the same loss: with these and the preset medium in place of faster an eighth to a
+        # quarter fewer bytes, in half as much time again. An I-frame is seen no longer than the others, finer
+        # transforms keep edges, and the grain that psy-rdoq keeps is not in the original.
+        "ipratio": "1.0",
+        "tu-inter-depth": 3,
+        "tu-intra-depth": 3,
+        "psy-rd": "0.5",
+        "psy-rdoq": "0.0",
         "frame-threads": 1,
         "lookahead-slices": 0,
         "wpp": 1,
@@ -108,7 +116,7 @@ CODECS: dict[str, Codec] = {
             encoder="libx265",
             tag="hvc1",  # the tag that Apple's players ask for; all others read it too
             presets=X26_PRESETS,
-            preset="faster",
+            preset="medium",
             # 8 bits take more bytes than 10 at the same loss, and RGB twice those of 4:4:4
             pixel_formats=("yuv444p10le", "yuv422p10le", "yuv420p10le", "yuv444p", "yuv420p", "gbrp"),
             max_crf=51,
