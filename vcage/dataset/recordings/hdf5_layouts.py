@@ -14,7 +14,7 @@ import json
 import re
 from abc import abstractmethod
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from functools import cached_property
 from pathlib import Path
 from typing import Any, ClassVar
@@ -27,15 +27,13 @@ from vcage.dataset.hdf5 import SCHEMA
 from vcage.dataset.picture_datasets import VLEN, picture_channels, picture_kind, picture_storage, stored_picture
 from vcage.dataset.picture_links import Link, find_links, read_link
 from vcage.dataset.recordings.encoded import looks_swapped, told_of_channels
+from vcage.dataset.recordings.hdf5_columns import columns, table
 from vcage.dataset.recordings.recording import Camera, Columns, Recording, stacked
 from vcage.errors import DamagedFile
 from vcage.videos import codec_name, decode, frame_rate
 
 LOOKED_AT = 5
 """Pictures of a camera that say whether colours are swapped."""
-
-VOTERS = 20
-"""Recordings that are asked when many must agree on it."""
 
 CHUNK_CACHE = 64 << 20
 """Bytes of decompressed chunks that are kept: those of arrays often span many pictures."""
@@ -308,102 +306,12 @@ def open_hdf5(path: Path) -> Hdf5Recording:
     )
 
 
-def agree_on_colours(recordings: Sequence[Recording]) -> None:
-    """Take recordings of one layout that lie together for made alike: what most of them look like holds for all.
-
-    Only some are looked at. Those that say themselves whether their colours are swapped are believed.
-    """
-    for layout in {type(recording) for recording in recordings}:
-        unsaid = [one for one in recordings if type(one) is layout and isinstance(one, Hdf5Recording)]
-        some = np.unique(np.linspace(0, len(unsaid) - 1, min(len(unsaid), VOTERS)).astype(int))
-        votes = [vote for index in some if (vote := _colour_vote(unsaid[index])) is not None]
-        if votes:
-            for recording in unsaid:
-                recording.agreed = 2 * sum(votes) > len(votes)
-
-
-def _colour_vote(recording: Hdf5Recording) -> bool | None:
-    with suppress(DamagedFile):  # which is complained of where the recording is read
-        if not recording.says_colours:
-            return recording.looks_swapped()
-    return None
-
-
 def _packed_camera(name: str, key: str, link: Link, path: Path) -> Camera:
     """The camera of pictures that lie in a video."""
     video, stream = link.whole_video(path), link.stream
     return Camera(name, key, stream.frames, stream.width, stream.height, codec_name(video), video.stat().st_size)
 
 
-def table(part: h5py.Group, key: str, names: tuple[str, ...] = ()) -> Columns | None:
-    """The numbers of a dataset, or of all in a group; None where there is none.
-
-    Args:
-        part: of a file.
-        key: of the dataset or the group in it.
-        names: of the columns of the dataset.
-
-    Raises:
-        DamagedFile: it holds no row of numbers for each point in time.
-    """
-    found = part.get(key)
-    if not isinstance(found, h5py.Dataset):
-        return columns(found)
-    if not _are_numbers(found):
-        raise DamagedFile(
-            f"{found.file.filename}:{found.name} is {found.shape} {found.dtype}, no row of numbers for each picture",
-            hint="leave the episode out, or mend it",
-        )
-    return Columns(_rows(found), names)
-
-
-def _are_numbers(dataset: h5py.Dataset) -> bool:
-    """Whether it holds a number or a row of numbers for each point in time."""
-    return dataset.dtype.kind in "fiu" and dataset.ndim in (1, 2)
-
-
-def _rows(dataset: h5py.Dataset) -> NDArray[np.float64]:
-    """(T, D) numbers, D = 1 where there is one for each point in time.
-
-    Raises:
-        DamagedFile: T is 0.
-    """
-    if len(dataset) == 0:
-        raise DamagedFile(f"{dataset.file.filename}:{dataset.name} holds no frame", hint="leave the episode out")
-    return dataset[()].reshape(len(dataset), -1).astype(np.float64)
-
-
 def _joints(group: h5py.Group | None) -> Columns | None:
     """RoboTwin's numbers of a robot's joints."""
     return columns(group, ARM_PARTS) or columns(group, ("vector",))
-
-
-def columns(group: h5py.Group | None, wanted: Sequence[str] | None = None) -> Columns | None:
-    """The numbers of several datasets of a group side by side, named after them; None where there is none.
-
-    Args:
-        group: the group, if it is there.
-        wanted: names of the datasets; None takes all below the group, by name.
-
-    Raises:
-        DamagedFile: they are not of one length.
-    """
-    if group is None:
-        return None
-    keys: list[str] = []
-    group.visititems(lambda key, item: keys.append(key) if isinstance(item, h5py.Dataset) else None)
-    parts: list[NDArray[np.float64]] = []
-    names: list[str] = []
-    for key in sorted(keys) if wanted is None else [key for key in wanted if key in keys]:
-        if not _are_numbers(group[key]):
-            continue
-        values = _rows(group[key])
-        if parts and len(values) != len(parts[0]):
-            raise DamagedFile(
-                f"{group.file.filename}:{group.name}/{key} has {len(values)} rows, those before it {len(parts[0])}",
-                hint="frames are missing; leave the episode out",
-            )
-        parts.append(values)
-        width = values.shape[1]
-        names += [key.replace("/", "_")] if width == 1 else [f"{key.replace('/', '_')}_{i}" for i in range(width)]
-    return Columns(np.concatenate(parts, axis=1), tuple(names)) if parts else None

@@ -5,8 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 
 from vcage.dataset.lerobot.info import INFO
+from vcage.dataset.recordings.colours import agree_on_colours
 from vcage.dataset.recordings.folder import PictureFolder, pictures_in
-from vcage.dataset.recordings.hdf5_layouts import agree_on_colours, open_hdf5
+from vcage.dataset.recordings.hdf5_layouts import open_hdf5
 from vcage.dataset.recordings.lerobot_layouts import open_lerobot
 from vcage.dataset.recordings.recording import Recording
 from vcage.dataset.recordings.robomimic import open_robomimic

@@ -18,7 +18,8 @@ import h5py
 import numpy as np
 
 from vcage.dataset.picture_links import read_link
-from vcage.dataset.recordings.hdf5_layouts import Hdf5Recording, columns, damage, table
+from vcage.dataset.recordings.hdf5_columns import columns, table
+from vcage.dataset.recordings.hdf5_layouts import Hdf5Recording, damage
 from vcage.dataset.recordings.recording import Columns, act_grippers
 from vcage.errors import DamagedFile
 
