@@ -50,7 +50,7 @@ class EncoderSettings:
     Args:
         codec: a name of :data:`vcage.compression.encoders.CODECS`.
         pixel_format: FFmpeg's name; none takes the codec's best. 10-bit 4:4:4 gives the conversion itself no loss
-            (measured: 0.000 JOD, against 0.09–0.13 for ``yuv420p``, which takes up most of the usual threshold of 0.1
+            (measured: 0.000 JOD, against 0.06–0.13 for ``yuv420p``, which takes up most of the usual threshold of 0.1
             or exceeds it).
         preset: the encoder's own; none takes the codec's usual one.
         gop: frames from one random-access point to the next.
