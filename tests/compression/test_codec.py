@@ -15,7 +15,7 @@ import pytest
 
 from tests.recordings import FPS, clip
 from vcage.compression.codec import EncoderSettings, encode, only_converted
-from vcage.compression.encoders import CODECS
+from vcage.compression.encoders import CODECS, kept_priority
 from vcage.compression.versions import encoder_version
 from vcage.errors import MissingDependency, UsageError
 from vcage.videos import decode
@@ -183,5 +183,19 @@ def test_a_crf_out_of_range_is_refused(frames):
 
 
 def test_no_encoder_keeps_this_process_at_real_time_priority():
+    before = scheduling()
     encode(clip(2), FPS, EncoderSettings("av1", preset="12"), 40)
-    assert {os.sched_getscheduler(int(thread.name)) for thread in Path("/proc/self/task").glob("*")} == {os.SCHED_OTHER}
+    assert scheduling() == before
+
+
+def test_an_encoder_that_fails_to_open_leaves_the_scheduling_as_it_was():
+    before = scheduling()
+    with pytest.raises(av.FFmpegError), kept_priority():
+        os.sched_setscheduler(0, os.SCHED_BATCH, os.sched_param(0))
+        raise av.ExternalError(0, "it does not open")
+    assert scheduling() == before
+
+
+def scheduling() -> set[int]:
+    """Policies of the threads of this process."""
+    return {os.sched_getscheduler(int(thread.name)) for thread in Path("/proc/self/task").glob("*")}
