@@ -18,7 +18,7 @@ from collections.abc import Sequence
 
 import benchmarks
 from benchmarks import _table
-from vcage.errors import VcageError
+from vcage.base.errors import VcageError
 
 logger = logging.getLogger(__name__)
 

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from benchmarks._compression_episodes import RECIPES, SPARSE_FPS, Recipe, episode_path
 from benchmarks._compression_noise import RealCamera
-from vcage.compression.keyframes import keyframes
-from vcage.compression.search import held_out_frames
-from vcage.dataset.reader import EpisodeReader
+from vcage.datasets.reader import EpisodeReader
+from vcage.video.keyframes import keyframes
+from vcage.video.search import held_out_frames
 
 Kind = Literal["rendered", "sparse", "noisy"]
 

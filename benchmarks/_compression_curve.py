@@ -14,11 +14,11 @@ from matplotlib.ticker import FormatStrFormatter, LogLocator, NullFormatter
 from benchmarks._compression_clips import Clip
 from benchmarks._compression_formats import GOP, LEROBOT, LIMIT, THREADS
 from benchmarks._compression_measures import code_hash
-from vcage.compression.codec import EncoderSettings, encode
-from vcage.compression.encoders import CODECS
-from vcage.compression.jod import JodMetric
-from vcage.files import atomic_path, cache_dir, read_json, write_json
-from vcage.videos import decode
+from vcage.base.files import atomic_path, cache_dir, read_json, write_json
+from vcage.base.videos import decode
+from vcage.video.codec import EncoderSettings, encode
+from vcage.video.encoders import CODECS
+from vcage.video.jod import JodMetric
 
 CRFS = {"hevc": (14, 18, 22, 26, 32), "h264": (14, 18, 22, 26, 32), "av1": (8, 16, 24, 32, 42)}
 """AV1 counts to 63."""

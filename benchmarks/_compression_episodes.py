@@ -16,17 +16,10 @@ from pathlib import Path
 
 import numpy as np
 
-from vcage.assets.textures.tables import TABLES, table_texture
-from vcage.dataset.hdf5 import write_episode
-from vcage.episodes.assemble import episode_data
-from vcage.episodes.loop import EpisodeRun, Pictures, Setting, run_episode
-from vcage.episodes.task import Asked
-from vcage.episodes.variation import shifted_poses
-from vcage.errors import PartlyDone
-from vcage.files import RunFolder, cache_dir
-from vcage.pipeline.chain import run_stage
-from vcage.pipeline.settings import Settings
-from vcage.pipeline.workbench import Workbench
+from vcage.base.errors import PartlyDone
+from vcage.base.files import RunFolder, cache_dir
+from vcage.datasets.hdf5 import write_episode
+from vcage.objects.textures.tables import TABLES, table_texture
 from vcage.schema.base import PoseRecord
 from vcage.schema.episodes import Verdict
 from vcage.schema.robot import Robot
@@ -36,9 +29,16 @@ from vcage.sim.appearance import Appearance
 from vcage.sim.replay import camera_paths, render_log
 from vcage.sim.robots import load_robot
 from vcage.sim.world import World
-from vcage.subtasks.objects import SceneObject
-from vcage.subtasks.search import slots_for_chain
-from vcage.subtasks.synthesis import Script, load_script
+from vcage.stages.chain import run_stage
+from vcage.stages.context import Workbench
+from vcage.stages.settings import Settings
+from vcage.tasks.assemble import episode_data
+from vcage.tasks.loop import EpisodeRun, Pictures, Setting, run_episode
+from vcage.tasks.scene_objects import SceneObject
+from vcage.tasks.search import slots_for_chain
+from vcage.tasks.synthesis import Script, load_script
+from vcage.tasks.task import Asked
+from vcage.tasks.variation import shifted_poses
 
 log = logging.getLogger(__name__)
 

@@ -14,13 +14,13 @@ import cv2
 
 from benchmarks._compression_clips import Film
 from benchmarks._compression_stored import Stored, Video, store_pictures
-from vcage.compression.choices import Choices, Criterion
-from vcage.compression.codec import encode
-from vcage.compression.encoders import CODECS, kept_priority
-from vcage.compression.jod import JodMetric
-from vcage.compression.search import SearchResult, search_clip
-from vcage.packing.settings import CompressionSettings
-from vcage.videos import decode
+from vcage.base.videos import decode
+from vcage.datasets.packing.settings import CompressionSettings
+from vcage.video.choices import Choices, Criterion
+from vcage.video.codec import encode
+from vcage.video.encoders import CODECS, kept_priority
+from vcage.video.jod import JodMetric
+from vcage.video.search import SearchResult, search_clip
 
 LIMIT = 0.1
 """Loss that every searched format must stay below, JOD."""

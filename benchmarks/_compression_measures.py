@@ -19,10 +19,11 @@ from benchmarks._compression_clips import Clip, Film
 from benchmarks._compression_episodes import VERSION
 from benchmarks._compression_formats import Format, Found, Made
 from benchmarks._compression_stored import random_decode_ms
-from vcage import compression, videos
-from vcage.compression.jod import JodMetric
-from vcage.files import cache_dir, read_json, write_json
-from vcage.packing.settings import CompressionSettings
+from vcage import video as compression
+from vcage.base import videos
+from vcage.base.files import cache_dir, read_json, write_json
+from vcage.datasets.packing.settings import CompressionSettings
+from vcage.video.jod import JodMetric
 
 log = logging.getLogger(__name__)
 

@@ -13,7 +13,7 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from vcage.videos import decode
+from vcage.base.videos import decode
 
 DRAWS = 20
 """Random frames that are read to time one."""

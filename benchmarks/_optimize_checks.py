@@ -10,8 +10,8 @@ from itertools import combinations
 import numpy as np
 
 from benchmarks._shapes import ROUNDING, TOUCHING, box_around, pieces_collide
-from vcage.assets.asset import Asset
-from vcage.geometry import Pose, boxes_overlap, world_aabb
+from vcage.base.geometry import Pose, boxes_overlap, world_aabb
+from vcage.objects.asset import Asset
 
 
 @dataclass(frozen=True)

@@ -8,10 +8,10 @@ import numpy as np
 
 from benchmarks._optimize_checks import PlacedAsset, colliding_meshes
 from benchmarks._optimize_kinds import Kind
-from vcage.assets.openings import Opening
-from vcage.errors import InfeasibleScene
-from vcage.geometry import Pose, footprint_half_size
-from vcage.igsc.placement.place import PlaceItem, Placement, place
+from vcage.base.errors import InfeasibleScene
+from vcage.base.geometry import Pose, footprint_half_size
+from vcage.layout.placement.place import PlaceItem, Placement, place
+from vcage.objects.openings import Opening
 
 ASPECT = 2.0
 """Width of the workspace over its depth."""

@@ -7,12 +7,12 @@ from functools import cached_property
 
 import numpy as np
 
-from vcage.assets.asset import Asset
-from vcage.assets.library import Library
-from vcage.assets.openings import Opening
-from vcage.igsc.layout.containers import LayoutItem
-from vcage.igsc.placement.standing import Standing, standing
-from vcage.igsc.rooms import opening_for
+from vcage.layout.capacities import opening_for
+from vcage.layout.containers import LayoutItem
+from vcage.layout.placement.standing import Standing, standing
+from vcage.objects.asset import Asset
+from vcage.objects.library import Library
+from vcage.objects.openings import Opening
 from vcage.schema.plan import RelationWord
 
 SMALLEST_OPENING = 0.065

@@ -6,9 +6,9 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from vcage.plans.check import contradictions
+from vcage.plans.relations import BESIDE_GAP, DIRECTIONS, NEAR_GAP, holds, plane_gap
 from vcage.schema.plan import Relation, RelationWord
-from vcage.schema.plan_check import contradictions
-from vcage.schema.relations import BESIDE_GAP, DIRECTIONS, NEAR_GAP, holds, plane_gap
 
 ROBUST = 0.02
 """How far an object may be moved without breaking a relation of the plan, metres."""

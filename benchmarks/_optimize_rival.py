@@ -9,12 +9,12 @@ import numpy as np
 from scipy.optimize import minimize
 
 from benchmarks._optimize_scenes import CleanScene
-from vcage.geometry import Pose
-from vcage.igsc.layout.containers import LayoutItem
-from vcage.igsc.layout.cost import LayoutProblem, Weights
-from vcage.igsc.layout.relation_cost import RelationTerms, Spot, relation_terms
-from vcage.igsc.placement.contents import CONTENT_MARGIN
-from vcage.igsc.placement.free_region import nearest_in_rectangles
+from vcage.base.geometry import Pose
+from vcage.layout.containers import LayoutItem
+from vcage.layout.cost import LayoutProblem, Weights
+from vcage.layout.placement.contents import CONTENT_MARGIN
+from vcage.layout.placement.free_region import nearest_in_rectangles
+from vcage.layout.relation_cost import RelationTerms, Spot, relation_terms
 
 
 @dataclass(frozen=True)
@@ -99,7 +99,7 @@ def finite_differences(problem: LayoutProblem, weights: Weights) -> np.ndarray:
 
 
 class PlainCost:
-    """J of :mod:`vcage.igsc.layout.cost` without its gradient, so that the rival does not pay for what it does not use.
+    """J of :mod:`vcage.layout.cost` without its gradient, so that the rival does not pay for what it does not use.
 
     Every pair has the same margin. Only the plan's term makes its gradient too: it is small beside the pairs.
     """

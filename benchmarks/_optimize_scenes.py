@@ -13,12 +13,12 @@ from benchmarks._optimize_kinds import Kind
 from benchmarks._optimize_plan import plan_relations
 from benchmarks._placement_scenes import draw_roles
 from benchmarks._shapes import ROUNDING
-from vcage.errors import InfeasibleScene
-from vcage.geometry import Pose
-from vcage.igsc.layout.containers import LayoutItem
-from vcage.igsc.placement.place import place
-from vcage.pipeline.settings import Settings
+from vcage.base.errors import InfeasibleScene
+from vcage.base.geometry import Pose
+from vcage.layout.containers import LayoutItem
+from vcage.layout.placement.place import place
 from vcage.schema.plan import Relation
+from vcage.stages.settings import Settings
 
 
 @dataclass(frozen=True)

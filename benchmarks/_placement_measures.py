@@ -9,15 +9,15 @@ import numpy as np
 
 from benchmarks._placement_scenes import BenchmarkScene
 from benchmarks._shapes import ROUNDING, box_around, box_depths, pieces_collide
-from vcage.assets.asset import Asset
-from vcage.geometry import Pose
+from vcage.base.geometry import Pose
+from vcage.objects.asset import Asset
 from vcage.schema.asset import ContactPoint, FunctionalPoint
 from vcage.sim.bodies import Body
 from vcage.sim.kinematics import ArmKinematics
 from vcage.sim.world import PHYSICS_HZ, World
-from vcage.subtasks.access import carrying_points
-from vcage.subtasks.grasps import grasp_poses
-from vcage.subtasks.waypoints import APPROACH
+from vcage.tasks.access import carrying_points
+from vcage.tasks.grasps import grasp_poses
+from vcage.tasks.waypoints import APPROACH
 
 SECONDS = 2.0
 """How long the physics runs."""

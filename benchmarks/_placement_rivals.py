@@ -10,8 +10,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from vcage.geometry import footprint_half_size
-from vcage.igsc.placement.place import PlaceItem, Placement
+from vcage.base.geometry import footprint_half_size
+from vcage.layout.placement.place import PlaceItem, Placement
 
 TRIES = 100
 """Random points per object; RoboTwin's clutter and ManiSkill's scenes take so many."""

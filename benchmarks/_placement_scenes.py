@@ -10,17 +10,17 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from vcage.assets.asset import Asset
-from vcage.assets.library import Library
-from vcage.geometry import Pose, footprint_half_size
-from vcage.igsc.placement.place import PlaceItem, Placement
-from vcage.igsc.placement.reach import GRASP_HEIGHTS, reach_for, robot_reach
-from vcage.igsc.placement.standing import Standing, standing
-from vcage.pipeline.select_place import MARGIN
+from vcage.base.geometry import Pose, footprint_half_size
+from vcage.layout.placement.place import PlaceItem, Placement
+from vcage.layout.placement.reach import GRASP_HEIGHTS, reach_for, robot_reach
+from vcage.layout.placement.standing import Standing, standing
+from vcage.objects.asset import Asset
+from vcage.objects.library import Library
 from vcage.schema.scene import Role, Table
 from vcage.sim.kinematics import ArmKinematics, kinematics_of
 from vcage.sim.robots import load_robot
-from vcage.subtasks.access import carrying_points
+from vcage.stages.select_place import MARGIN
+from vcage.tasks.access import carrying_points
 
 FILL = (0.2, 0.8)
 """Range of the fill ratio: sum of the objects' rectangles, each grown by the margin, over the workspace's area."""

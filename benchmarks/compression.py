@@ -31,7 +31,7 @@ from benchmarks._compression_episodes import episode_path
 from benchmarks._compression_formats import Format, formats
 from benchmarks._compression_measures import Measured, measure_clip
 from benchmarks._compression_rows import rows
-from vcage.workers import in_processes
+from vcage.base.workers import in_processes
 
 logger = logging.getLogger(__name__)
 

@@ -15,27 +15,27 @@ from pathlib import Path
 
 import numpy as np
 
-from vcage.assets.library import Library
-from vcage.episodes.loop import EpisodeRun, Pictures, Setting, run_episode
-from vcage.episodes.task import Asked
-from vcage.episodes.variation import shifted_poses
-from vcage.errors import VcageError
-from vcage.geometry import Pose, world_aabb
+from vcage.base.errors import VcageError
+from vcage.base.geometry import Pose, world_aabb
+from vcage.objects.library import Library
 from vcage.schema.base import PoseRecord, Provenance
 from vcage.schema.episodes import Verdict
 from vcage.schema.robot import Robot
 from vcage.schema.scene import ObjectRecord, Role, Scene
 from vcage.schema.subtasks import PairAnswer, PairQuestion, Subtask
+from vcage.setup.vulkan import ensure_driver
 from vcage.sim.bodies import Body
 from vcage.sim.kinematics import kinematics_of
 from vcage.sim.recording import StateLog
 from vcage.sim.replay import render_log
 from vcage.sim.robots import load_robot, load_template
-from vcage.sim.vulkan import ensure_driver
 from vcage.sim.world import World
-from vcage.subtasks.objects import SceneObject
-from vcage.subtasks.search import search, slots_for_chain
-from vcage.subtasks.synthesis import Script, load_script, write_script
+from vcage.tasks.loop import EpisodeRun, Pictures, Setting, run_episode
+from vcage.tasks.scene_objects import SceneObject
+from vcage.tasks.search import search, slots_for_chain
+from vcage.tasks.synthesis import Script, load_script, write_script
+from vcage.tasks.task import Asked
+from vcage.tasks.variation import shifted_poses
 
 log = logging.getLogger(__name__)
 

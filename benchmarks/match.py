@@ -16,7 +16,7 @@ from benchmarks._match.cases import Case, case_folders, read_case, write_case
 from benchmarks._match.levels import LEVELS
 from benchmarks._match.scoring import Score, row
 from benchmarks._match.stacks import OFFLINE, PAPER, build, judge
-from vcage.errors import UsageError
+from vcage.base.errors import UsageError
 
 logger = logging.getLogger(__name__)
 

@@ -26,13 +26,13 @@ from benchmarks._optimize_kinds import Kind, own_kinds
 from benchmarks._optimize_rival import finite_differences, parts
 from benchmarks._optimize_rows import Outcome, Row, goals
 from benchmarks._optimize_scenes import PLAIN, STAGE, CleanScene, Setting, draw_scene
-from vcage.assets.library import Library
-from vcage.errors import InfeasibleScene
-from vcage.igsc.layout.cost import Weights
-from vcage.igsc.layout.optimize import LayoutResult, optimize_layout
-from vcage.igsc.relations import relations_kept
-from vcage.pipeline.settings import Settings
+from vcage.base.errors import InfeasibleScene
+from vcage.layout.cost import Weights
+from vcage.layout.optimize import LayoutResult, optimize_layout
+from vcage.objects.library import Library
+from vcage.plans.kept import relations_kept
 from vcage.schema.scene import Table
+from vcage.stages.settings import Settings
 
 logger = logging.getLogger(__name__)
 

@@ -1,16 +1,16 @@
 """Placing 4 … 40 objects of the library, beside three other ways to do it on the same scenes.
 
 **Scenes.** For each N in 4, 10, 20, 30, 40 and each of 1,000 seeds: N objects of different kinds and a variant of
-each, drawn uniformly from the whole library (:class:`vcage.assets.library.Library`). The workspace is centred at the
+each, drawn uniformly from the whole library (:class:`vcage.objects.library.Library`). The workspace is centred at the
 origin as the table is, twice as wide as deep, and sized so that the fill ratio (the objects' rectangles, each grown
 by the pipeline's margin, over the workspace) is uniform in 0.2 … 0.8; a workspace in which one object alone would
 not fit is enlarged until it does. The rectangle and the headings that an object needs come from
-:func:`vcage.igsc.placement.standing.standing`, for all methods alike. A third of the objects (1 … 6) are contents
+:func:`vcage.layout.placement.standing.standing`, for all methods alike. A third of the objects (1 … 6) are contents
 and a tenth (1 … 2) receptacles; both must be where an arm of ``dual_panda`` reaches, what is left is context.
 
 **Methods.** The same scenes, bounds, margin and headings for all:
 
-- ``vcage``: :func:`vcage.igsc.placement.place.place`, with the reach of the robot as regions; the others have no
+- ``vcage``: :func:`vcage.layout.placement.place.place`, with the reach of the robot as regions; the others have no
   such notion.
 - ``random``: RoboTwin's rejection sampling, 100 tries per object; an object that finds no place is left out.
 - ``maniskill``: the installed package's ``UniformPlacementSampler``, 100 trials per object; it keeps circles apart
@@ -54,9 +54,9 @@ import numpy as np
 from benchmarks._placement_measures import Drift, TrueShapes, drifts, reached_points
 from benchmarks._placement_rivals import depth_first, maniskill, random_retries
 from benchmarks._placement_scenes import BenchmarkScene, Stock
-from vcage.errors import InfeasibleScene
-from vcage.igsc.placement.place import Placement, place
-from vcage.pipeline.select_place import MARGIN
+from vcage.base.errors import InfeasibleScene
+from vcage.layout.placement.place import Placement, place
+from vcage.stages.select_place import MARGIN
 
 logger = logging.getLogger(__name__)
 

@@ -7,8 +7,8 @@ import time
 
 import numpy as np
 
-from vcage.assets.library import Library
-from vcage.geometry import Camera, Pose
+from vcage.base.geometry import Camera, Pose
+from vcage.objects.library import Library
 from vcage.schema.robot import Robot
 from vcage.sim.bodies import Body
 from vcage.sim.cameras import robot_cameras, shoot

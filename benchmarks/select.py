@@ -12,10 +12,10 @@ from typing import Any
 import numpy as np
 import yaml
 
-from vcage.assets.library import Library
-from vcage.errors import VcageError
-from vcage.igsc.select import validate_selection
-from vcage.models.offline.reasoner import OfflineReasoner
+from vcage.base.errors import VcageError
+from vcage.models.rules.reasoner import OfflineReasoner
+from vcage.models.selection_check import validate_selection
+from vcage.objects.library import Library
 from vcage.schema.asset import CatalogueEntry
 from vcage.schema.plan import SelectedAsset
 

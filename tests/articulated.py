@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import trimesh
 
-from vcage.assets.asset import Asset
-from vcage.geometry import Pose, world_aabb
+from vcage.base.geometry import Pose, world_aabb
+from vcage.objects.asset import Asset
 from vcage.schema.asset import (
     Annotation,
     ContactPoint,
@@ -22,7 +22,7 @@ from vcage.schema.asset import (
 )
 from vcage.schema.base import PoseRecord
 from vcage.schema.scene import ObjectRecord
-from vcage.subtasks.objects import SceneObject
+from vcage.tasks.scene_objects import SceneObject
 
 Box = tuple[Sequence[float], Sequence[float]]
 

@@ -10,8 +10,8 @@ import pytest
 from filelock import FileLock
 
 from tests.runs import Finished, finished_run
-from vcage.files import RunFolder
-from vcage.pipeline.workbench import Workbench
+from vcage.base.files import RunFolder
+from vcage.stages.context import Workbench
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vcage.dataset.episode import CameraTrack, EpisodeData, Segment
-from vcage.dataset.hdf5 import write_episode
-from vcage.files import RunFolder
+from vcage.base.files import RunFolder
+from vcage.datasets.episode import CameraTrack, EpisodeData, Segment
+from vcage.datasets.hdf5 import write_episode
 from vcage.schema.base import Provenance
 from vcage.schema.episodes import Episode, Episodes, Truth, Verdict
 

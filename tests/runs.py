@@ -13,14 +13,14 @@ from typing import Any
 
 import pytest
 
+from vcage.apps.report.page import write_report
+from vcage.base.files import RunFolder, sha256_file
 from vcage.cli.main import main
-from vcage.files import RunFolder, sha256_file
-from vcage.packing.settings import CompressionSettings
-from vcage.pipeline.chain import STAGES, run_stage
-from vcage.pipeline.settings import Settings
-from vcage.pipeline.stage import PRODUCERS
-from vcage.pipeline.workbench import Workbench
-from vcage.report.page import write_report
+from vcage.datasets.packing.settings import CompressionSettings
+from vcage.stages.chain import STAGES, run_stage
+from vcage.stages.context import Workbench
+from vcage.stages.settings import Settings
+from vcage.stages.stage import PRODUCERS
 
 REPOSITORY = Path(__file__).resolve().parents[1]
 INSTRUCTION = "Put the blocks on the plate"

@@ -9,10 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
-from vcage.assets.library import Library
-from vcage.episodes.loop import EpisodeRun, Pictures, Setting, run_episode
-from vcage.episodes.task import Asked, Task
-from vcage.geometry import Pose, world_aabb
+from vcage.base.geometry import Pose, world_aabb
+from vcage.objects.library import Library
 from vcage.schema.base import PoseRecord, Provenance
 from vcage.schema.episodes import Verdict
 from vcage.schema.robot import Robot
@@ -22,8 +20,10 @@ from vcage.sim.bodies import Body
 from vcage.sim.kinematics import ArmKinematics, kinematics_of
 from vcage.sim.robots import load_robot, load_template
 from vcage.sim.world import World
-from vcage.subtasks.objects import SceneObject
-from vcage.subtasks.synthesis import Script
+from vcage.tasks.loop import EpisodeRun, Pictures, Setting, run_episode
+from vcage.tasks.scene_objects import SceneObject
+from vcage.tasks.synthesis import Script
+from vcage.tasks.task import Asked, Task
 
 TABLE_TOP = 0.74
 

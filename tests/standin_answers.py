@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from vcage.errors import NoAssetFits
-from vcage.models.offline.chain import compose_chain
-from vcage.models.offline.selection import Selector
-from vcage.models.offline.words import COLOURS
+from vcage.base.errors import NoAssetFits
+from vcage.models.rules.chain import compose_chain
+from vcage.models.rules.selection import Selector
+from vcage.models.rules.words import COLOURS
 from vcage.schema.asset import CatalogueEntry, Variant, Words
 from vcage.schema.subtasks import ChainOption
 

@@ -10,9 +10,9 @@ import cv2
 import numpy as np
 
 from benchmarks._match.truth import Truth
-from vcage.errors import InputFileError, VcageError
-from vcage.files import atomic_folder, whole, write_bytes
-from vcage.pictures import read_labels, read_picture, write_labels, write_picture
+from vcage.base.errors import InputFileError, VcageError
+from vcage.base.files import atomic_folder, whole, write_bytes
+from vcage.base.pictures import read_labels, read_picture, write_labels, write_picture
 from vcage.schema.plan import Plan
 from vcage.schema.scene import Scene
 

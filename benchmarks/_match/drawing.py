@@ -11,8 +11,8 @@ import numpy as np
 
 from benchmarks._match.levels import Level
 from benchmarks._match.scenes import Thing
-from vcage.assets.textures.tables import TABLES, table_texture
-from vcage.geometry import Pose
+from vcage.base.geometry import Pose
+from vcage.objects.textures.tables import TABLES, table_texture
 from vcage.schema.scene import SceneTemplate
 from vcage.sim.appearance import Appearance
 from vcage.sim.bodies import Body

@@ -11,8 +11,8 @@ from benchmarks._match.cases import write_case
 from benchmarks._match.levels import LEVELS
 from benchmarks._match.making import make_case
 from vcage import __version__
-from vcage.assets.library import Library
-from vcage.files import cache_dir
+from vcage.base.files import cache_dir
+from vcage.objects.library import Library
 
 logger = logging.getLogger(__name__)
 

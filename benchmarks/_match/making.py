@@ -14,15 +14,15 @@ from benchmarks._match.scenes import TRIES, Thing, choose_looks, scatter
 from benchmarks._match.targets import LEAST_VISIBLE, Target
 from benchmarks._match.truth import Truth
 from benchmarks._match.views import Look, library
-from vcage.errors import InfeasibleScene
-from vcage.geometry import Pose
-from vcage.igsc.select import NamedObject, name_objects
-from vcage.pipeline.workbench import METRES_PER_PIXEL
+from vcage.base.errors import InfeasibleScene
+from vcage.base.geometry import Pose
+from vcage.models.selection_check import NamedObject, name_objects
 from vcage.schema.base import PoseRecord, Provenance, box_record
 from vcage.schema.plan import SelectedAsset, Selection
 from vcage.schema.scene import ObjectRecord, Scene, SceneTemplate
 from vcage.sim.reference import reference_view
 from vcage.sim.robots import load_template
+from vcage.stages.context import METRES_PER_PIXEL
 
 SEED = 20240
 """Of every case, together with its level and number."""

@@ -14,10 +14,10 @@ import cv2
 import numpy as np
 
 from benchmarks._match.cases import Case
-from vcage.geometry import wrap_angle
-from vcage.models.protocols import Detection, Detector, Embedder
+from vcage.base.geometry import wrap_angle
 from vcage.schema.matches import Match
 from vcage.schema.scene import ObjectRecord
+from vcage.vision.protocols import Detection, Detector, Embedder
 
 THRESHOLD = 0.6
 """τ, which the paper does not give; the same as ours."""

@@ -10,10 +10,10 @@ import shapely
 from shapely import affinity
 
 from benchmarks._match.views import Look, alike, library
-from vcage.assets.asset import Asset
-from vcage.errors import InfeasibleScene
-from vcage.geometry import Pose
-from vcage.igsc.placement.place import PlaceItem, Placement, place
+from vcage.base.errors import InfeasibleScene
+from vcage.base.geometry import Pose
+from vcage.layout.placement.place import PlaceItem, Placement, place
+from vcage.objects.asset import Asset
 from vcage.schema.scene import Table, Workspace
 
 SIBLING = 0.3

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 
 from benchmarks._match.truth import Truth
-from vcage.igsc.symmetry import yaw_error
 from vcage.schema.matches import Match
 from vcage.schema.scene import Scene
+from vcage.vision.symmetry import yaw_error
 
 NEAR = 0.04
 """Metres: a match farther than this from every true thing is on none."""

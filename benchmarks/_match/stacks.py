@@ -9,14 +9,14 @@ from collections.abc import Callable
 from benchmarks._match.cases import Case
 from benchmarks._match.paper import match_plainly
 from benchmarks._match.scoring import Score, score
-from vcage.assets.library import Library
-from vcage.errors import NoRenderer, UnknownName, UsageError
-from vcage.igsc.match import ScenePictures, match_picture
-from vcage.igsc.symmetry import rotational_symmetry
+from vcage.base.errors import NoRenderer, UnknownName, UsageError
+from vcage.matching.match import ScenePictures, match_picture
 from vcage.models.registry import build_detector, build_embedder, split_weights
+from vcage.objects.library import Library
 from vcage.schema.matches import Match
+from vcage.setup.vulkan import ensure_driver
 from vcage.sim.drawer import ModelDrawer
-from vcage.sim.vulkan import ensure_driver
+from vcage.vision.symmetry import rotational_symmetry
 
 OFFLINE = "background+classical"
 PAPER = "paper-greedy"

@@ -14,7 +14,7 @@ from benchmarks._match.levels import Level
 from benchmarks._match.scenes import Thing, scatter
 from benchmarks._match.truth import Stranger, TrueObject
 from benchmarks._match.views import Look, alike, library, symmetry
-from vcage.geometry import Pose
+from vcage.base.geometry import Pose
 from vcage.schema.scene import SceneTemplate
 from vcage.sim.appearance import Appearance
 from vcage.sim.cameras import Shot

@@ -17,7 +17,7 @@ import functools
 import cv2
 import numpy as np
 
-from vcage.assets.library import Library
+from vcage.objects.library import Library
 from vcage.sim.appearance import Appearance
 from vcage.sim.reference import reference_view
 

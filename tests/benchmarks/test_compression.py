@@ -21,7 +21,7 @@ from benchmarks._compression_rows import rows
 from benchmarks._compression_stored import store_pictures
 from tests.recordings import FPS
 from tests.recordings import clip as pictures
-from vcage.files import cache_dir, write_json
+from vcage.base.files import cache_dir, write_json
 
 ASKED = {
     "format",

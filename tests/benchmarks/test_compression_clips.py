@@ -14,9 +14,9 @@ from benchmarks._compression_clips import HIGH, RIGHT, UNSEEN, Clip, clips
 from benchmarks._compression_episodes import RECIPES, SIZE, sharp
 from benchmarks._compression_noise import RealCamera
 from tests import recordings
-from vcage.compression.search import held_out_frames
-from vcage.dataset.hdf5 import write_episode
+from vcage.datasets.hdf5 import write_episode
 from vcage.sim.robots import load_robot
+from vcage.video.search import held_out_frames
 
 
 @pytest.fixture

@@ -10,9 +10,9 @@ import pytest
 from benchmarks._compression_clips import Film
 from benchmarks._compression_formats import LEROBOT, LIMIT, PNG, Found, Made, Searched, formats
 from tests.recordings import FPS, clip
-from vcage.compression.choices import Choices
-from vcage.compression.jod import JodMetric
-from vcage.compression.search import held_out_frames
+from vcage.video.choices import Choices
+from vcage.video.jod import JodMetric
+from vcage.video.search import held_out_frames
 
 KEYFRAMES = [0, 5, 11]
 FILM = Film(clip(12), FPS, KEYFRAMES, held_out_frames(12, KEYFRAMES))

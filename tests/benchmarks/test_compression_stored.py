@@ -9,7 +9,7 @@ import numpy as np
 
 from benchmarks._compression_stored import Video, random_decode_ms, store_pictures
 from tests.recordings import FPS, clip
-from vcage.compression.codec import EncoderSettings, encode
+from vcage.video.codec import EncoderSettings, encode
 
 FRAMES = clip(6)
 

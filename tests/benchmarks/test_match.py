@@ -14,8 +14,8 @@ from benchmarks._match.cases import write_case
 from benchmarks._match.paper import match_plainly
 from benchmarks._match.stacks import build
 from tests.benchmarks.painted import MOVED, painted_case
-from vcage.errors import UnknownName, UsageError
-from vcage.geometry import wrap_angle
+from vcage.base.errors import UnknownName, UsageError
+from vcage.base.geometry import wrap_angle
 from vcage.models.registry import build_detector, build_embedder
 
 

@@ -13,8 +13,8 @@ import pytest
 from benchmarks._match.cases import Case, case_folders, read_case, write_case
 from benchmarks._match.truth import Stranger, TrueObject, Truth
 from tests.scenes import scene_of, thing
-from vcage.errors import InputFileError
-from vcage.pictures import write_picture
+from vcage.base.errors import InputFileError
+from vcage.base.pictures import write_picture
 
 
 @pytest.fixture

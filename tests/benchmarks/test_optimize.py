@@ -14,12 +14,12 @@ from benchmarks._optimize_plan import ROBUST, plan_relations, robust_words
 from benchmarks._optimize_rival import PlainCost, finite_differences, parts
 from benchmarks._optimize_rows import Outcome, Row
 from benchmarks._optimize_scenes import FILL, STAGE, CleanScene, draw_scene, is_within
-from vcage.assets.library import Library
-from vcage.errors import InfeasibleScene
-from vcage.geometry import Pose
-from vcage.igsc.layout.cost import LayoutProblem, Weights, evaluate
-from vcage.igsc.layout.relation_cost import Spot, relation_terms
-from vcage.igsc.relations import relations_kept
+from vcage.base.errors import InfeasibleScene
+from vcage.base.geometry import Pose
+from vcage.layout.cost import LayoutProblem, Weights, evaluate
+from vcage.layout.relation_cost import Spot, relation_terms
+from vcage.objects.library import Library
+from vcage.plans.kept import relations_kept
 from vcage.schema.plan import Relation
 from vcage.schema.scene import Table
 

@@ -9,9 +9,9 @@ from benchmarks._placement_measures import Drift, TrueShapes
 from benchmarks._placement_rivals import depth_first, maniskill, random_retries
 from benchmarks._placement_scenes import FILL, BenchmarkScene, Stock, cut
 from benchmarks.placement import Answer, Measured, measure, row
-from vcage.geometry import Pose, boxes_overlap, footprint_half_size
-from vcage.igsc.placement.place import PlaceItem, Placement, place
-from vcage.pipeline.select_place import MARGIN
+from vcage.base.geometry import Pose, boxes_overlap, footprint_half_size
+from vcage.layout.placement.place import PlaceItem, Placement, place
+from vcage.stages.select_place import MARGIN
 
 # The import of ManiSkill's environments takes seconds.
 RIVALS = pytest.mark.parametrize(

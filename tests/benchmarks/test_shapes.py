@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from benchmarks._shapes import TOUCHING, box_around, box_depths, penetration, pieces_collide
-from vcage.geometry import Pose, box_corners
+from vcage.base.geometry import Pose, box_corners
 
 BOX = box_corners([0, 0, 0], [0.1, 0.1, 0.1])
 

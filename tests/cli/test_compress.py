@@ -11,11 +11,11 @@ from pathlib import Path
 
 import pytest
 
-from tests.packing.orders import act_folder, add_camera
+from tests.datasets.packing.orders import act_folder, add_camera
 from tests.recordings import collected
 from tests.runs import Answer, command, digests
-from vcage.packing import clips as clip_module
-from vcage.packing.pack import WORKING
+from vcage.datasets.packing import clips as clip_module
+from vcage.datasets.packing.pack import WORKING
 
 QUICK = ("--fps", 10, "--crf", 20, "--preset", "ultrafast", "--keyframes", 3)
 

@@ -8,9 +8,9 @@ import h5py
 import numpy as np
 import pytest
 
-from tests.packing.orders import act_folder, packed, robotwin_folder
+from tests.datasets.packing.orders import act_folder, packed, robotwin_folder
 from tests.runs import command, digests
-from vcage.compression.choices import LOSSLESS
+from vcage.video.choices import LOSSLESS
 
 
 @pytest.fixture

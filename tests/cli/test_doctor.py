@@ -8,12 +8,12 @@ from pathlib import Path
 
 import pytest
 
+from vcage.base.errors import NoRenderer
 from vcage.cli import checks
 from vcage.cli.checks import Finding
 from vcage.cli.main import main
-from vcage.errors import NoRenderer
-from vcage.sim import vulkan
-from vcage.sim.vulkan import Driver, RenderProbe
+from vcage.setup import vulkan
+from vcage.setup.vulkan import Driver, RenderProbe
 
 FINE = Finding("Python", True, "3.11.2")
 OPTIONAL = Finding("assets", False, "0 of 9", required=False, mend="vcage setup assets")

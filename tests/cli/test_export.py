@@ -9,11 +9,11 @@ import pytest
 
 from tests.recordings import collected
 from tests.runs import Answer, command, digests
-from vcage.files import RunFolder
-from vcage.packing.settings import CompressionSettings
-from vcage.pipeline import compress
-from vcage.pipeline.settings import Settings
-from vcage.pipeline.workbench import Workbench
+from vcage.base.files import RunFolder
+from vcage.datasets.packing.settings import CompressionSettings
+from vcage.stages import compress
+from vcage.stages.context import Workbench
+from vcage.stages.settings import Settings
 
 
 @pytest.fixture

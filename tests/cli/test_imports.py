@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from tests.assets.importers.conftest import Rigid
+from tests.objects.importers.conftest import Rigid
 from tests.sim.embodiment import config, write
 from vcage.cli.main import main
 
@@ -75,7 +75,7 @@ def test_robotwin_takes_one_folder(capsys, folders):
 
 
 def test_names_of_the_ycb_set_are_handed_on(tmp_path, capsys, monkeypatch):
-    from vcage.assets.importers import Imported, ycb
+    from vcage.objects.importers import Imported, ycb
 
     asked = []
 

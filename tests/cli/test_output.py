@@ -12,8 +12,8 @@ from typing import Any
 
 import pytest
 
+from vcage.base.errors import ModelRefused
 from vcage.cli.output import Result, run_cli
-from vcage.errors import ModelRefused
 
 
 def last_line(text: str) -> Any:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from tests.runs import REPOSITORY
-from vcage import errors
+from vcage.base import errors
 from vcage.cli.main import COMMANDS
 from vcage.cli.reference import reference
 

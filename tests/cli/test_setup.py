@@ -9,11 +9,11 @@ from typing import Any
 
 import pytest
 
+from vcage.base.errors import FetchFailed, NoRenderer, VcageError
 from vcage.cli import setup
 from vcage.cli.main import main
-from vcage.errors import FetchFailed, NoRenderer, VcageError
-from vcage.sim import vulkan
-from vcage.sim.vulkan import Driver
+from vcage.setup import vulkan
+from vcage.setup.vulkan import Driver
 
 DRIVER = Driver("cache", Path("/cache/lvp_icd.json"), "llvmpipe")
 
@@ -96,7 +96,7 @@ class FakePackage:
 @pytest.fixture
 def fake_packages(monkeypatch: pytest.MonkeyPatch) -> dict[str, FakePackage]:
     """Two packages, one of which was fetched already, and a library that has nothing to build."""
-    from vcage.assets import library, packages
+    from vcage.objects import library, packages
 
     fakes = {"one": FakePackage("one", here=True), "two": FakePackage("two", here=False)}
     monkeypatch.delenv(setup.NO_PACKAGES, raising=False)

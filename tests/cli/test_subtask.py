@@ -10,9 +10,9 @@ from pathlib import Path
 import pytest
 
 from tests.runs import FPS, Finished, command, process
+from vcage.base.files import RunFolder
 from vcage.cli.subtask import run_script
-from vcage.dataset.reader import EpisodeReader
-from vcage.files import RunFolder
+from vcage.datasets.reader import EpisodeReader
 from vcage.schema.episodes import Episodes
 from vcage.schema.subtasks import Subtasks
 

@@ -13,13 +13,13 @@ from pathlib import Path
 from typing import Any
 
 from tests.recordings import INSTRUCTION, collected, episode, segment, written
-from vcage.compression.choices import LOSSLESS
-from vcage.files import RunFolder
-from vcage.packing.settings import CompressionSettings
-from vcage.pipeline import compress, export
-from vcage.pipeline.settings import Settings
-from vcage.pipeline.workbench import Workbench
+from vcage.base.files import RunFolder
+from vcage.datasets.packing.settings import CompressionSettings
 from vcage.schema.episodes import Episodes
+from vcage.stages import compress, export
+from vcage.stages.context import Workbench
+from vcage.stages.settings import Settings
+from vcage.video.choices import LOSSLESS
 
 LENGTHS = (24, 13, 18, 9)
 INSTRUCTIONS = (INSTRUCTION, "Put the plate on the red block – gently")

@@ -7,10 +7,10 @@ from dataclasses import dataclass, replace
 import cv2
 import numpy as np
 
-from vcage.geometry import Camera, Pose, world_aabb
-from vcage.models.protocols import Reference, View
+from vcage.base.geometry import Camera, Pose, world_aabb
 from vcage.schema.base import CameraRecord, PoseRecord, Provenance
 from vcage.schema.scene import ObjectRecord, Scene, Table, Workspace
+from vcage.vision.protocols import Reference, View
 
 HEIGHT = 0.74
 CAMERA = Camera(640, 480, 0.51, Pose((0, 0, 2.34), (0.5, -0.5, 0.5, 0.5)))

@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from vcage.errors import ConfigurationError, MissingKey
+from vcage.base.errors import ConfigurationError, MissingKey
 from vcage.models.keys import find_key, found_keys, key_file, require_key
 
 

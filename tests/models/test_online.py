@@ -12,13 +12,20 @@ import pytest
 from tests.models.catalogue import CATALOGUE, unchecked
 from tests.models.tabletop import BLOCKS, BOX, MARKERS, PLATE, draw, reference, scene_of, table_picture, view
 from tests.standin import Special, StandIn, no_picture, text_answer
-from vcage.errors import ConfigurationError, EndpointFailed, MissingKey, ModelRefused, NoAssetFits, UnknownName
-from vcage.igsc.select import validate_selection
+from vcage.base.errors import (
+    ConfigurationError,
+    EndpointFailed,
+    MissingKey,
+    ModelRefused,
+    NoAssetFits,
+    UnknownName,
+)
 from vcage.models import pictures
 from vcage.models.protocols import CriticQuestion, EditRequest, Models
 from vcage.models.registry import build_models
+from vcage.models.selection_check import validate_selection
+from vcage.plans.check import Capacity, plan_complaints
 from vcage.schema.plan import LayoutPlan, Relation
-from vcage.schema.plan_check import Capacity, plan_complaints
 from vcage.schema.subtasks import ChainOption, Goal, PairQuestion
 
 RNG = np.random.default_rng(0)

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from vcage.errors import ConfigurationError, UnknownName
+from vcage.base.errors import ConfigurationError, UnknownName
 from vcage.models import prompts
 
 

@@ -4,11 +4,11 @@ from pathlib import Path
 
 import pytest
 
-from vcage.errors import InputFileError, MissingDependency, UnknownName, UsageError
-from vcage.models.offline.detector import BackgroundDetector
-from vcage.models.offline.embedder import ClassicalEmbedder
+from vcage.base.errors import InputFileError, MissingDependency, UnknownName, UsageError
 from vcage.models.registry import build_detector, build_embedder, build_models, split_weights
-from vcage.models.vision import loading
+from vcage.vision.detector import BackgroundDetector
+from vcage.vision.embedder import ClassicalEmbedder
+from vcage.vision.networks import loading
 
 
 def test_the_defaults_need_no_weights() -> None:

@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from vcage.errors import ModelRefused
+from vcage.base.errors import ModelRefused
 from vcage.models.chat import Message
 from vcage.models.structured import Answer, ask, flat_schema, json_of, one_of
 

@@ -5,7 +5,7 @@ import logging
 import pytest
 
 from tests.standin import StandIn, rate_limited, raw_answer, server_error
-from vcage.errors import ConfigurationError, EndpointFailed
+from vcage.base.errors import ConfigurationError, EndpointFailed
 from vcage.models.transport import Transport
 
 PATH = "v1/chat/completions"

@@ -8,7 +8,7 @@ import pytest
 from jsonschema import Draft202012Validator
 
 from vcage import schema
-from vcage.errors import SchemaMismatch, UnknownName
+from vcage.base.errors import SchemaMismatch, UnknownName
 from vcage.schema.asset import Annotation
 from vcage.schema.base import CameraRecord, PoseRecord, Provenance
 from vcage.schema.scene import ObjectRecord, Scene, Table, Workspace

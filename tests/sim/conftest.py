@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from vcage.geometry import Pose
+from vcage.base.geometry import Pose
 from vcage.schema.asset import PhysicalModel
 from vcage.schema.robot import Robot
 from vcage.schema.scene import SceneTemplate

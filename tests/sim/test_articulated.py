@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from tests.articulated import LID_RANGE, TRAVEL, drawer_cabinet, lidded_chest, push_button
-from vcage.errors import UnknownName
-from vcage.geometry import Camera, Pose, frame_from_axes, look_at
+from vcage.base.errors import UnknownName
+from vcage.base.geometry import Camera, Pose, frame_from_axes, look_at
 from vcage.sim.bodies import Body
 from vcage.sim.cameras import observe
 from vcage.sim.collision import CollisionScene

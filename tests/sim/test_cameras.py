@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from vcage.geometry import Camera, look_at
+from vcage.base.geometry import Camera, look_at
 from vcage.sim.cameras import observe, robot_cameras, shoot
 from vcage.sim.world import World
 

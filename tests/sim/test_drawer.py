@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from vcage.geometry import Pose
+from vcage.base.geometry import Pose
 from vcage.schema.scene import Table
 from vcage.sim.bodies import Body
 from vcage.sim.cameras import observe

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from tests.articulated import drawer_cabinet, lidded_chest
-from vcage.errors import UnknownName
-from vcage.geometry import Pose
+from vcage.base.errors import UnknownName
+from vcage.base.geometry import Pose
 from vcage.schema.asset import Joint
 from vcage.sim.bodies import Body
 from vcage.sim.joints import carried_by, joint_index, joint_motion, link_poses, part_names

@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from vcage.geometry import Pose, frame_from_axes
+from vcage.base.geometry import Pose, frame_from_axes
 from vcage.sim.bodies import Body
 from vcage.sim.collision import CollisionScene, Contact, Held
 from vcage.sim.motion import Load, MotionFailed, MotionPlanner

@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from vcage.errors import UsageError
+from vcage.base.errors import UsageError
 from vcage.sim.recording import Recorder, StateLog
 from vcage.sim.replay import camera_paths, render_log
 from vcage.sim.world import World

@@ -11,7 +11,7 @@ import yaml
 from pydantic import ValidationError
 
 from tests.sim.embodiment import FINGER, HAND, arm, config, dual_config, write
-from vcage.errors import DamagedFile, InputFileError, SchemaMismatch, UsageError
+from vcage.base.errors import DamagedFile, InputFileError, SchemaMismatch, UsageError
 from vcage.schema.robot import Arm
 from vcage.sim import robot_import
 from vcage.sim.arms import ArmControl, build_arm

@@ -2,8 +2,8 @@ from __future__ import annotations
 
 import pytest
 
-from vcage.assets.textures.tables import TABLES
-from vcage.errors import DamagedFile, MissingDependency, UnknownName
+from vcage.base.errors import DamagedFile, MissingDependency, UnknownName
+from vcage.objects.textures.tables import TABLES
 from vcage.sim.robots import available, load_robot, load_template, package_file
 
 

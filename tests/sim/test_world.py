@@ -6,8 +6,8 @@ import sys
 import numpy as np
 import pytest
 
-from vcage.errors import DamagedFile, UnknownName
-from vcage.geometry import Pose
+from vcage.base.errors import DamagedFile, UnknownName
+from vcage.base.geometry import Pose
 from vcage.sim.bodies import Body
 from vcage.sim.world import World
 

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from vcage import files
+from vcage.base import files
 
 SCRIPT = files.resource("skills", "igsc", "scripts", "match.py")
 OTHER_PYTHON = Path(sys._base_executable).resolve()

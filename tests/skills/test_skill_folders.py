@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 import yaml
 
-from vcage import files
+from vcage.base import files
 from vcage.cli.main import COMMANDS
 
 SKILLS = sorted(path.parent for path in files.resource("skills").glob("*/SKILL.md"))

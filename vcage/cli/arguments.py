@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 from typing import NoReturn
 
-from vcage.errors import UsageError
+from vcage.base.errors import UsageError
 
 
 class Parser(argparse.ArgumentParser):

@@ -12,9 +12,9 @@ from dataclasses import dataclass
 from importlib import metadata
 from pathlib import Path
 
-from vcage import files
+from vcage.base import files
+from vcage.base.errors import VcageError
 from vcage.cli.setup import CVVDP, OPENCV, cvvdp_version, opencv_loads
-from vcage.errors import VcageError
 
 MIN_FREE_GB = 2.0
 """Free space under which a run with a few episodes may not fit."""
@@ -75,13 +75,13 @@ def torch() -> Finding:
 
 
 def gpu() -> Finding:
-    from vcage.sim.vulkan import find_gpu
+    from vcage.setup.vulkan import find_gpu
 
     return Finding("GPU", True, find_gpu() or "none (not needed; rendering is slower)", required=False)
 
 
 def vulkan() -> Finding:
-    from vcage.sim.vulkan import ICD_VARIABLE, ensure_driver, probe
+    from vcage.setup.vulkan import ICD_VARIABLE, ensure_driver, probe
 
     try:
         driver = ensure_driver()
@@ -157,7 +157,7 @@ def disk() -> Finding:
 
 
 def assets() -> Finding:
-    from vcage.assets.library import Library
+    from vcage.objects.library import Library
 
     library = Library.load()
     total = sum(len(library.annotation(name).variants) for name in library.names)

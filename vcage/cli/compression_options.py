@@ -6,9 +6,9 @@ import argparse
 from dataclasses import fields
 
 from vcage.cli.stages.common import number, positive
-from vcage.compression.choices import LOSSLESS
-from vcage.compression.encoders import CODECS
-from vcage.packing.settings import AUTO, CompressionSettings
+from vcage.datasets.packing.settings import AUTO, CompressionSettings
+from vcage.video.choices import LOSSLESS
+from vcage.video.encoders import CODECS
 
 DEFAULTS = CompressionSettings()
 

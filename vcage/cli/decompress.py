@@ -33,7 +33,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(args: argparse.Namespace) -> Result:
     """Put the pictures back."""
-    from vcage.packing.unpacking import unpack_all
+    from vcage.datasets.packing.unpacking import unpack_all
 
     with progress("decompress") as show:
         files = unpack_all(args.input, args.out, storage=args.storage, force=args.force, progress=show)

@@ -12,9 +12,9 @@ from __future__ import annotations
 import argparse
 import dataclasses
 
+from vcage.base.errors import ConfigurationError
 from vcage.cli import checks
 from vcage.cli.output import Result
-from vcage.errors import ConfigurationError
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

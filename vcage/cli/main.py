@@ -8,10 +8,10 @@ import sys
 from pathlib import Path
 
 from vcage import __version__
+from vcage.base.errors import UnknownName, UsageError
 from vcage.cli.arguments import Parser
 from vcage.cli.output import Result, end_process, run_cli, stray_output_on_stderr
 from vcage.cli.progress import set_up_logging
-from vcage.errors import UnknownName, UsageError
 
 COMMANDS: dict[str, tuple[str, str]] = {
     "run": ("vcage.cli.run", "the whole chain: from an instruction to a data set and its report"),

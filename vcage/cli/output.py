@@ -21,8 +21,8 @@ from pathlib import Path
 from types import FrameType
 from typing import Any
 
-from vcage.errors import DiskFull, OutputFolderError, VcageError
-from vcage.files import NO_ROOM
+from vcage.base.errors import DiskFull, OutputFolderError, VcageError
+from vcage.base.files import NO_ROOM
 
 logger = logging.getLogger(__name__)
 

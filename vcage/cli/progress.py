@@ -10,7 +10,7 @@ import time
 from collections.abc import Iterator
 from typing import TextIO
 
-from vcage.progress import Progress
+from vcage.base.progress import Progress
 
 logger = logging.getLogger(__name__)
 

@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import argparse
 
+from vcage.base.files import RunFolder
 from vcage.cli.arguments import folder
 from vcage.cli.output import Result
-from vcage.files import RunFolder
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -20,6 +20,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(args: argparse.Namespace) -> Result:
     """Write the page."""
-    from vcage.report.page import write_report
+    from vcage.apps.report.page import write_report
 
     return Result(output=write_report(RunFolder(args.run)))

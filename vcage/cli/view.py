@@ -45,7 +45,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(args: argparse.Namespace) -> Result:
     """Show it, or write the file."""
-    from vcage.viewing.show import view
+    from vcage.apps.viewer.show import view
 
     with progress("view") as show:
         shown = view(args.path, number=args.episode, save=args.save, footage=args.pictures, fps=args.fps, progress=show)

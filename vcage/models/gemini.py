@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from vcage.errors import EndpointFailed, ModelRefused
+from vcage.base.errors import EndpointFailed, ModelRefused
 from vcage.models import prompts
 from vcage.models.chat import Message
 from vcage.models.pictures import decode_base64, encode_base64

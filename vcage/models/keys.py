@@ -6,7 +6,7 @@ import json
 import os
 from pathlib import Path
 
-from vcage.errors import ConfigurationError, MissingKey, UnknownName
+from vcage.base.errors import ConfigurationError, MissingKey, UnknownName
 
 OWN_VARIABLES: dict[str, tuple[str, ...]] = {
     "gemini": ("GEMINI_API_KEY", "GOOGLE_API_KEY"),

@@ -8,14 +8,15 @@ from typing import Any, get_args
 import numpy as np
 from pydantic import create_model
 
-from vcage.errors import NoAssetFits
+from vcage.base.errors import NoAssetFits
 from vcage.models import prompts
 from vcage.models.chat import Chat
-from vcage.models.offline.instruction import parse_instruction
+from vcage.models.rules.instruction import parse_instruction
 from vcage.models.search import Search, best_search, shortlist
 from vcage.models.structured import Answer, ask, one_of
+from vcage.objects.catalogue import LEGEND, catalogue_line, catalogue_text
+from vcage.plans.check import PlanCheck
 from vcage.schema.asset import CatalogueEntry
-from vcage.schema.catalogue import LEGEND, catalogue_line, catalogue_text
 from vcage.schema.plan import (
     TABLE,
     LayoutPlan,
@@ -26,7 +27,6 @@ from vcage.schema.plan import (
     SelectionCheck,
     starting_complaints,
 )
-from vcage.schema.plan_check import PlanCheck
 from vcage.schema.scene import Role, Scene
 from vcage.schema.subtasks import ChainOption, PairAnswer, PairQuestion
 

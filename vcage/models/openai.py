@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from vcage.errors import EndpointFailed, ModelRefused
+from vcage.base.errors import EndpointFailed, ModelRefused
 from vcage.models.chat import Message
 from vcage.models.gemini import edit_prompt
 from vcage.models.pictures import decode_base64, encode_base64, encode_png

@@ -8,7 +8,7 @@ import binascii
 import cv2
 import numpy as np
 
-from vcage.errors import EndpointFailed
+from vcage.base.errors import EndpointFailed
 
 
 def encode_png(picture: np.ndarray) -> bytes:

@@ -5,8 +5,8 @@ from __future__ import annotations
 import jinja2
 import jinja2.meta
 
-from vcage.errors import ConfigurationError, UnknownName
-from vcage.files import resource
+from vcage.base.errors import ConfigurationError, UnknownName
+from vcage.base.files import resource
 
 
 def names() -> list[str]:

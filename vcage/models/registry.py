@@ -11,9 +11,10 @@ from __future__ import annotations
 import os
 from collections.abc import Callable
 
-from vcage.errors import UnknownName, UsageError
+from vcage.base.errors import UnknownName, UsageError
 from vcage.models.keys import found_keys, require_key
-from vcage.models.protocols import Critic, Detector, Embedder, ImageEditor, Models, Reasoner
+from vcage.models.protocols import Critic, ImageEditor, Models, Reasoner
+from vcage.vision.protocols import Detector, Embedder
 
 ONLINE = ("gemini", "openai", "openrouter")
 """Online choices, in the order in which ``auto`` takes the first one that has a key."""
@@ -72,13 +73,13 @@ def build_detector(name: str, weights: str | None = None) -> Detector:
         InputFileError: the weights are neither a hub id nor there.
     """
     if name == "grounding-dino":
-        from vcage.models.vision.grounding_dino import GroundingDinoDetector
+        from vcage.vision.networks.grounding_dino import GroundingDinoDetector
 
         return GroundingDinoDetector(weights)
     if name not in DETECTORS:
         raise UnknownName("detector", name, DETECTORS)
     _no_weights("detector", name, weights)
-    from vcage.models.offline.detector import BackgroundDetector
+    from vcage.vision.detector import BackgroundDetector
 
     return BackgroundDetector()
 
@@ -86,17 +87,17 @@ def build_detector(name: str, weights: str | None = None) -> Detector:
 def build_embedder(name: str, weights: str | None = None) -> Embedder:
     """The embedder of that name; see :func:`build_detector`. ``efficientnet`` takes a file of parameters."""
     if name == "efficientnet":
-        from vcage.models.vision.efficientnet import EfficientNetEmbedder
+        from vcage.vision.networks.efficientnet import EfficientNetEmbedder
 
         return EfficientNetEmbedder(weights)
     if name == "dinov2":
-        from vcage.models.vision.dinov2 import Dinov2Embedder
+        from vcage.vision.networks.dinov2 import Dinov2Embedder
 
         return Dinov2Embedder(weights)
     if name not in EMBEDDERS:
         raise UnknownName("embedder", name, EMBEDDERS)
     _no_weights("embedder", name, weights)
-    from vcage.models.offline.embedder import ClassicalEmbedder
+    from vcage.vision.embedder import ClassicalEmbedder
 
     return ClassicalEmbedder()
 
@@ -111,9 +112,9 @@ def _setting(provider: str, what: str, default: str) -> str:
 
 
 def _offline() -> Online:
-    from vcage.models.offline.critic import OfflineCritic
-    from vcage.models.offline.editor import OfflineEditor
-    from vcage.models.offline.reasoner import OfflineReasoner
+    from vcage.models.rules.critic import OfflineCritic
+    from vcage.models.rules.editor import OfflineEditor
+    from vcage.models.rules.reasoner import OfflineReasoner
 
     return OfflineReasoner(), OfflineEditor(), OfflineCritic()
 
@@ -134,7 +135,14 @@ def _gemini() -> Online:
 def _openai(provider: str) -> Online:
     from vcage.models.llm import LlmReasoner
     from vcage.models.llm_critic import LlmCritic
-    from vcage.models.openai import BASE_URLS, IMAGE_MODELS, TEXT_MODELS, OpenAiChat, OpenAiEditor, OpenRouterEditor
+    from vcage.models.openai import (
+        BASE_URLS,
+        IMAGE_MODELS,
+        TEXT_MODELS,
+        OpenAiChat,
+        OpenAiEditor,
+        OpenRouterEditor,
+    )
     from vcage.models.transport import Transport
 
     headers = {"Authorization": f"Bearer {require_key(provider)}"}

@@ -10,9 +10,9 @@ from typing import Protocol
 
 import numpy as np
 
-from vcage.models.offline import PROVIDER
-from vcage.models.offline.matching import names_of
-from vcage.models.offline.words import (
+from vcage.models.rules import PROVIDER
+from vcage.models.rules.matching import names_of
+from vcage.models.rules.words import (
     CATEGORIES,
     DETERMINERS,
     NUMBERS,

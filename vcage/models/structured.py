@@ -10,7 +10,7 @@ from typing import Any, Literal, TypeVar
 import numpy as np
 from pydantic import BaseModel, ConfigDict, ValidationError
 
-from vcage.errors import ModelRefused
+from vcage.base.errors import ModelRefused
 from vcage.models.chat import Chat, Message
 
 ROUNDS = 3

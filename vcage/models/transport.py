@@ -10,7 +10,7 @@ from typing import Any
 
 import requests
 
-from vcage.errors import ConfigurationError, EndpointFailed, ModelRefused
+from vcage.base.errors import ConfigurationError, EndpointFailed, ModelRefused
 
 LOG = logging.getLogger(__name__)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from vcage.errors import UnknownName
+from vcage.base.errors import UnknownName
 from vcage.schema.asset import Annotation
 from vcage.schema.base import Document
 from vcage.schema.compression import Compression

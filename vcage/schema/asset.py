@@ -7,7 +7,7 @@ from typing import ClassVar, Literal, TypeVar
 
 from pydantic import Field, model_validator
 
-from vcage.errors import UnknownName
+from vcage.base.errors import UnknownName
 from vcage.schema.base import Document, Finite, Identifier, Record, UnitVec3, Vec3
 
 Holds = Literal["in", "on"]

@@ -9,9 +9,9 @@ import numpy as np
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError
 
 from vcage import __version__
-from vcage.errors import SchemaMismatch
-from vcage.files import read_json, write_json
-from vcage.geometry import Camera, Pose, world_aabb
+from vcage.base.errors import SchemaMismatch
+from vcage.base.files import read_json, write_json
+from vcage.base.geometry import Camera, Pose, world_aabb
 
 Identifier = Annotated[str, Field(pattern=r"^[a-z0-9][a-z0-9_-]*$", max_length=80)]
 Finite = Annotated[float, Field(allow_inf_nan=False)]
@@ -78,7 +78,7 @@ def box_record(bounds: np.ndarray, pose: Pose) -> Box:
 
 
 class CameraRecord(Record):
-    """A pinhole camera (see :class:`vcage.geometry.Camera`)."""
+    """A pinhole camera (see :class:`vcage.base.geometry.Camera`)."""
 
     width: int = Field(gt=0)
     height: int = Field(gt=0)

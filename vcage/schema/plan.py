@@ -7,8 +7,8 @@ from typing import Any, ClassVar, Literal
 
 from pydantic import Field, model_validator
 
+from vcage.base.graphs import circles
 from vcage.schema.base import Identifier, Record, StageDocument
-from vcage.schema.circles import circles
 from vcage.schema.scene import Role
 
 RelationWord = Literal["inside", "on", "left_of", "right_of", "in_front_of", "behind", "beside", "near", "center"]

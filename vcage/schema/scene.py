@@ -7,7 +7,8 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 from pydantic import Field, model_validator
 
-from vcage.errors import UnknownName
+from vcage.base.errors import UnknownName
+from vcage.base.graphs import circles
 from vcage.schema.base import (
     Box,
     CameraRecord,
@@ -19,7 +20,6 @@ from vcage.schema.base import (
     StageDocument,
     Vec2,
 )
-from vcage.schema.circles import circles
 
 Role = Literal["content", "receptacle", "context"]
 """What the instruction does with an object: moves it, puts things into it, or nothing."""

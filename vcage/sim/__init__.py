@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from vcage.sim.vulkan import prepare_import
+from vcage.setup.vulkan import prepare_import
 
 # Before anything imports SAPIEN: on a machine without X11 it cannot even be loaded otherwise.
 prepare_import()

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vcage.geometry import Pose
+from vcage.base.geometry import Pose
 from vcage.schema.robot import Arm
 from vcage.sim.poses import from_sapien, to_sapien
 from vcage.sim.robots import package_file

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vcage.errors import DamagedFile
-from vcage.geometry import Pose
+from vcage.base.errors import DamagedFile
+from vcage.base.geometry import Pose
 from vcage.schema.asset import MovingLink, PhysicalModel
 
 if TYPE_CHECKING:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vcage.geometry import Camera, Pose, look_at
+from vcage.base.geometry import Camera, Pose, look_at
 from vcage.schema.base import CameraRecord
 from vcage.schema.robot import RobotCamera
 from vcage.sim.poses import to_sapien

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vcage.geometry import Pose
+from vcage.base.geometry import Pose
 from vcage.schema.asset import PhysicalModel
 from vcage.schema.robot import Robot
 from vcage.schema.scene import Table

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vcage.errors import UnknownName
+from vcage.base.errors import UnknownName
 from vcage.sim.arms import ArmControl
 from vcage.sim.joints import part_name
 from vcage.sim.objects import ArticulatedObject, RigidObject

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
-from vcage.geometry import Camera, Pose
+from vcage.base.geometry import Camera, Pose
 from vcage.schema.asset import PhysicalModel
 from vcage.schema.scene import Table
 from vcage.sim.appearance import Appearance

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vcage.errors import DamagedFile, SchemaMismatch
-from vcage.geometry import Pose
+from vcage.base.errors import DamagedFile, SchemaMismatch
+from vcage.base.geometry import Pose
 from vcage.schema.base import PoseRecord
 from vcage.schema.robot import Gripper
 from vcage.sim.poses import from_sapien

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from vcage.geometry import Pose
+from vcage.base.geometry import Pose
 from vcage.schema.asset import Joint, PhysicalModel
 
 

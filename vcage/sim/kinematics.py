@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vcage.geometry import Pose
+from vcage.base.geometry import Pose
 from vcage.schema.robot import Arm
 from vcage.sim.arms import build_arm
 from vcage.sim.poses import from_sapien, to_sapien

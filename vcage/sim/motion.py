@@ -15,8 +15,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial.transform import Rotation, Slerp
 
-from vcage.errors import VcageError
-from vcage.geometry import Pose
+from vcage.base.errors import VcageError
+from vcage.base.geometry import Pose
 from vcage.sim.collision import CollisionScene, Contact, Held
 from vcage.sim.rrt import connect
 from vcage.sim.trajectory import Trajectory, timed

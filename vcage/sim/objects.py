@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vcage.geometry import Pose
+from vcage.base.geometry import Pose
 from vcage.sim.bodies import Body, build_links, build_rigid
 from vcage.sim.joints import joint_positions
 from vcage.sim.poses import from_sapien, to_sapien

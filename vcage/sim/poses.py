@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from vcage.geometry import Pose
+from vcage.base.geometry import Pose
 
 if TYPE_CHECKING:
     import sapien

@@ -6,8 +6,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from vcage.errors import UsageError
-from vcage.geometry import Pose
+from vcage.base.errors import UsageError
+from vcage.base.geometry import Pose
 from vcage.sim.state import WorldState
 from vcage.sim.world import PHYSICS_HZ, World
 

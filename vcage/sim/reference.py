@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from vcage.geometry import Camera, Pose, look_at
+from vcage.base.geometry import Camera, Pose, look_at
 from vcage.schema.asset import PhysicalModel
 from vcage.schema.scene import Table
 from vcage.sim.appearance import Appearance

@@ -12,7 +12,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from vcage.errors import NoRenderer
+from vcage.base.errors import NoRenderer
 
 MIPMAPS = 6
 """Levels of smaller copies of every texture, so that fine patterns do not shimmer from afar."""
@@ -21,7 +21,7 @@ MIPMAPS = 6
 @functools.cache
 def _first_system() -> object:
     """The render system that keeps the shaders compiled; made on first use, never dropped."""
-    from vcage.sim.vulkan import ensure_driver
+    from vcage.setup.vulkan import ensure_driver
 
     ensure_driver()
     import sapien

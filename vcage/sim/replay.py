@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vcage.geometry import Camera
+from vcage.base.geometry import Camera
 from vcage.sim.cameras import robot_cameras, shoot
 from vcage.sim.recording import StateLog
 from vcage.sim.state import WorldState

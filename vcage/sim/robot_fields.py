@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from vcage.errors import DamagedFile, InputFileError, SchemaMismatch
+from vcage.base.errors import DamagedFile, InputFileError, SchemaMismatch
 
 DEFAULTS: dict[str, Any] = {
     "gripper_bias": 0.12,

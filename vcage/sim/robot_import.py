@@ -15,8 +15,8 @@ from xml.etree.ElementTree import Element
 
 import numpy as np
 
-from vcage.errors import UsageError
-from vcage.files import atomic_folder, data_path, resource, write_text
+from vcage.base.errors import UsageError
+from vcage.base.files import atomic_folder, data_path, resource, write_text
 from vcage.schema.base import PoseRecord
 from vcage.schema.robot import Arm, Robot, RobotCamera
 from vcage.sim.gripper_measure import Measured, measure_gripper

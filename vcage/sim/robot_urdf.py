@@ -15,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
-from vcage.errors import DamagedFile, SchemaMismatch
+from vcage.base.errors import DamagedFile, SchemaMismatch
 from vcage.sim.robot_config import ArmConfig, Embodiment
 from vcage.sim.robot_fields import wrong
 

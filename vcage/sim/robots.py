@@ -9,8 +9,8 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TypeVar
 
-from vcage.errors import DamagedFile, MissingDependency, UnknownName
-from vcage.files import data_path, resource
+from vcage.base.errors import DamagedFile, MissingDependency, UnknownName
+from vcage.base.files import data_path, resource
 from vcage.schema.base import Document
 from vcage.schema.robot import Robot
 from vcage.schema.scene import SceneTemplate

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from vcage.geometry import Pose
+from vcage.base.geometry import Pose
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from vcage.files import atomic_folder, cache_dir, sha256_file
+from vcage.base.files import atomic_folder, cache_dir, sha256_file
 
 RECIPE = 1
 """Raised when these functions change what they write, so that older cached copies are not used."""

@@ -6,8 +6,8 @@ from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
-from vcage.errors import UnknownName
-from vcage.geometry import Pose
+from vcage.base.errors import UnknownName
+from vcage.base.geometry import Pose
 from vcage.schema.asset import PhysicalModel
 from vcage.schema.robot import Robot
 from vcage.schema.scene import Scene, Table

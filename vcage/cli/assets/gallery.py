@@ -25,8 +25,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(args: argparse.Namespace) -> Result:
     """Draw."""
-    from vcage.assets.library import Library
-    from vcage.portraits.gallery import write_gallery
+    from vcage.apps.gallery.page import write_gallery
+    from vcage.objects.library import Library
 
     library = Library.load()
     with progress("drawing") as show:

@@ -17,13 +17,13 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from vcage.base.errors import InputFileError, UsageError, VcageError
 from vcage.cli.arguments import folder
 from vcage.cli.output import Result
 from vcage.cli.progress import progress
-from vcage.errors import InputFileError, UsageError, VcageError
 
 if TYPE_CHECKING:
-    from vcage.assets.importers import Imported
+    from vcage.objects.importers import Imported
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -47,7 +47,7 @@ def execute(args: argparse.Namespace) -> Result:
 
 
 def _robotwin(args: argparse.Namespace) -> list[Imported]:
-    from vcage.assets.importers.robotwin import import_robotwin
+    from vcage.objects.importers.robotwin import import_robotwin
 
     if len(args.what) != 1:
         raise UsageError(
@@ -59,7 +59,7 @@ def _robotwin(args: argparse.Namespace) -> list[Imported]:
 
 
 def _ycb(args: argparse.Namespace) -> list[Imported]:
-    from vcage.assets.importers.ycb import import_ycb
+    from vcage.objects.importers.ycb import import_ycb
 
     with progress("importing") as show:
         return import_ycb(args.what, args.into, show, force=args.force)
@@ -71,7 +71,7 @@ def report(entries: list[Imported], into: Path | None) -> Result:
     Args:
         into: where the objects went, when that is not where other commands look for them.
     """
-    from vcage.assets.library import imported_objects
+    from vcage.objects.library import imported_objects
 
     lines = []
     for entry in entries:

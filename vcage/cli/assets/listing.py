@@ -24,10 +24,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(args: argparse.Namespace) -> Result:
     """List."""
-    from vcage.assets.catalogue import count_kinds
-    from vcage.assets.library import Library
-    from vcage.errors import UnknownName
-    from vcage.schema.catalogue import catalogue_text
+    from vcage.base.errors import UnknownName
+    from vcage.objects.catalogue import catalogue_text
+    from vcage.objects.library import Library
+    from vcage.objects.summary import count_kinds
 
     library = Library.load()
     annotations = [library.annotation(name) for name in library.names]

@@ -24,8 +24,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(args: argparse.Namespace) -> Result:
     """Search."""
-    from vcage.assets.library import Library
     from vcage.models.search import best_search
+    from vcage.objects.library import Library
 
     engine = best_search()
     query = " ".join(args.words)

@@ -18,11 +18,11 @@ import logging
 import os
 from pathlib import Path
 
+from vcage.base.errors import InputFileError, NoRenderer
 from vcage.cli.arguments import folder
 from vcage.cli.output import Result
 from vcage.cli.progress import progress
 from vcage.cli.stages.common import natural, positive
-from vcage.errors import InputFileError, NoRenderer
 
 logger = logging.getLogger(__name__)
 
@@ -58,10 +58,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(args: argparse.Namespace) -> Result:
     """Validate, and draw the page."""
-    from vcage.assets.library import Library
-    from vcage.proof.page import write_page
-    from vcage.proof.prove import Trial
-    from vcage.proof.validate import PROOF, validate
+    from vcage.apps.proof.page import write_page
+    from vcage.apps.proof.prove import Trial
+    from vcage.apps.proof.validate import PROOF, validate
+    from vcage.objects.library import Library
 
     trial = Trial(seed=args.seed, quick=args.quick)
     with progress("proving") as show:

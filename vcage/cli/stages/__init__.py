@@ -1,1 +1,1 @@
-"""The nine stages as commands: arguments in, one call of :mod:`vcage.pipeline`, one JSON line out."""
+"""The nine stages as commands: arguments in, one call of :mod:`vcage.stages`, one JSON line out."""

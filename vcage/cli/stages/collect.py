@@ -14,7 +14,7 @@ import argparse
 
 from vcage.cli.output import Result
 from vcage.cli.stages.common import add_common, execute_stage, natural, positive
-from vcage.pipeline.settings import Settings
+from vcage.stages.settings import Settings
 
 
 def add_arguments(parser: argparse.ArgumentParser, *, run: bool = True) -> None:

@@ -9,14 +9,14 @@ from collections.abc import Callable
 from dataclasses import fields
 from pathlib import Path
 
+from vcage.base.files import RunFolder
 from vcage.cli.arguments import folder
 from vcage.cli.output import Result
 from vcage.cli.progress import progress
-from vcage.files import RunFolder
 from vcage.models.registry import CHOICES
-from vcage.pipeline.chain import STAGES, run_stage, stage_module
-from vcage.pipeline.settings import Settings
-from vcage.pipeline.workbench import Workbench
+from vcage.stages.chain import STAGES, run_stage, stage_module
+from vcage.stages.context import Workbench
+from vcage.stages.settings import Settings
 
 SCRIPTS = dict(zip(STAGES, (name.replace("_", "-") for name in STAGES), strict=True))
 """Stage → its command."""

@@ -29,18 +29,18 @@ import argparse
 from dataclasses import replace
 from pathlib import Path
 
+from vcage.base.errors import UsageError
+from vcage.base.files import RunFolder
 from vcage.cli.arguments import folder
 from vcage.cli.compression_options import add_compression_options, compression_settings
 from vcage.cli.output import Result
 from vcage.cli.progress import progress
 from vcage.cli.stages.common import add_common, execute_stage, number, positive
-from vcage.errors import UsageError
-from vcage.files import RunFolder
-from vcage.packing.estimating import estimate, estimate_clips
-from vcage.packing.inspecting import describe, inspect, totals
-from vcage.packing.pack import Order, pack
-from vcage.packing.targets import TARGETS, Wanted
-from vcage.pipeline.compress import clips_of, summary
+from vcage.datasets.packing.estimating import estimate, estimate_clips
+from vcage.datasets.packing.inspecting import describe, inspect, totals
+from vcage.datasets.packing.pack import Order, pack
+from vcage.datasets.packing.targets import TARGETS, Wanted
+from vcage.stages.compress import clips_of, summary
 
 OF_RECORDINGS = ("out", "to", "fps", "task", "robot", "cameras", "skip_damaged", "inspect")
 """Options that mean nothing with ``--run``."""

@@ -16,16 +16,16 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from vcage.base.errors import UsageError
+from vcage.base.files import RunFolder
 from vcage.cli.arguments import folder
 from vcage.cli.compression_options import crf_option
 from vcage.cli.output import Result
 from vcage.cli.progress import progress
 from vcage.cli.stages.common import add_common, execute_stage, positive
-from vcage.compression.encoders import CODECS
-from vcage.dataset.lerobot.formats import FORMATS
-from vcage.errors import UsageError
-from vcage.files import RunFolder
-from vcage.pipeline.settings import EXPORTS, ExportSettings
+from vcage.datasets.lerobot.formats import FORMATS
+from vcage.stages.settings import EXPORTS, ExportSettings
+from vcage.video.encoders import CODECS
 
 DEFAULTS = ExportSettings()
 
@@ -66,7 +66,7 @@ def execute(args: argparse.Namespace) -> Result:
     result = execute_stage("export", args, args.run)
     if growing is None or args.dry_run:
         return result
-    from vcage.pipeline.appending import append_to
+    from vcage.stages.appending import append_to
 
     with progress("append") as show:
         sets = append_to(growing, run, show)

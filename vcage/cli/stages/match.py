@@ -16,7 +16,7 @@ from collections.abc import Callable, Sequence
 from vcage.cli.output import Result
 from vcage.cli.stages.common import add_common, execute_stage, number
 from vcage.models.registry import DETECTORS, EMBEDDERS, split_weights
-from vcage.pipeline.settings import Settings
+from vcage.stages.settings import Settings
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -15,8 +15,8 @@ from dataclasses import asdict, replace
 
 from vcage.cli.output import Result
 from vcage.cli.stages.common import add_common, execute_stage, natural, number
-from vcage.igsc.layout.cost import Weights
-from vcage.pipeline.settings import Settings
+from vcage.layout.cost import Weights
+from vcage.stages.settings import Settings
 
 MOST_WEIGHT = 1e6
 """Beyond it the optimiser's own precision would be the result."""

@@ -12,10 +12,10 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from vcage.base.errors import UsageError
+from vcage.base.files import RunFolder
 from vcage.cli.output import Result
 from vcage.cli.stages.common import add_common, execute_stage
-from vcage.errors import UsageError
-from vcage.files import RunFolder
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -37,8 +37,8 @@ def execute(args: argparse.Namespace) -> Result:
         return execute_stage("verify", args, args.run)
     if not all(pair):
         raise UsageError("--subtask, --before and --after belong together", hint="give all three, or none")
-    from vcage.pipeline.verify import judge_pair
-    from vcage.pipeline.workbench import Workbench
+    from vcage.stages.context import Workbench
+    from vcage.stages.verify import judge_pair
 
     answer = judge_pair(RunFolder(args.run), Workbench(args.models), *pair)
     return Result(schema=answer.SCHEMA, summary=answer.model_dump(mode="json", by_alias=True))

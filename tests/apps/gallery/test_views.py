@@ -1,0 +1,49 @@
+"""Portraits: four views at one scale, with the points on them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from vcage.apps.gallery.page import write_gallery
+from vcage.apps.gallery.renders import METRES_PER_PIXEL, portrait
+from vcage.objects.library import Library
+
+
+@pytest.fixture(scope="module")
+def block():
+    return Library.load().asset("block", "red")
+
+
+@pytest.fixture(scope="module")
+def plain(block):
+    return {view.name: view.picture for view in portrait(block, points=False)}
+
+
+def red_columns(picture: np.ndarray) -> int:
+    """Width in pixels of what is clearly red."""
+    red = (picture[..., 0] > 100) & (picture[..., 1] < 80) & (picture[..., 2] < 80)
+    return int(red.any(axis=0).sum())
+
+
+def test_there_are_three_sides_and_one_from_above(plain) -> None:
+    assert list(plain) == ["front", "right", "back", "above"]
+
+
+def test_all_views_have_one_scale(plain, block) -> None:
+    expected = block.size[0] / METRES_PER_PIXEL
+    for name, picture in plain.items():
+        assert red_columns(picture) == pytest.approx(expected, abs=4), name
+
+
+def test_points_are_drawn_on_the_picture(block, plain) -> None:
+    marked = portrait(block)
+    assert all((view.picture != plain[view.name]).any() for view in marked)
+
+
+def test_the_page_shows_every_variant_that_is_asked_for(tmp_path) -> None:
+    library = Library.load()
+    page = write_gallery(library, tmp_path, ["block"])
+    text = page.read_text()
+    variants = [v.id for v in library.annotation("block").variants]
+    assert all(f"pictures/block-{v}.png" in text and (tmp_path / f"pictures/block-{v}.png").is_file() for v in variants)

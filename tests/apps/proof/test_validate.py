@@ -1,0 +1,83 @@
+"""The whole validation: counted, written, taken up again; a bad object fails and does not stop the others."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from vcage.apps.proof.prove import Prover, Trial
+from vcage.apps.proof.validate import prove_or_refuse, validate
+from vcage.base.errors import InputFileError, UnknownName
+from vcage.objects.library import Library
+from vcage.schema.proof import Proof
+
+QUICK = Trial(quick=True)
+
+
+@pytest.fixture(scope="module")
+def proven(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Proof]:
+    folder = tmp_path_factory.mktemp("proof")
+    return folder, validate(["block", "soap_bar"], folder, QUICK)
+
+
+def test_the_counts_are_those_of_the_annotations(proven) -> None:
+    _, proof = proven
+    annotations = [Library.load().annotation(name) for name in ("block", "soap_bar")]
+    assert (proof.objects, proof.variants) == (2, 2)
+    assert proof.contact_points == sum(len(a.contact_points) for a in annotations)
+    assert proof.functional_points == sum(len(a.functional_points) for a in annotations)
+    assert proof.tries == 3 * (proof.contact_points + proof.functional_points)
+    assert proof.failed == []
+
+
+def test_the_proof_is_written(proven) -> None:
+    folder, proof = proven
+    assert Proof.read(folder / "proof.json") == proof
+
+
+def test_what_is_proven_is_not_tried_again(proven, monkeypatch: pytest.MonkeyPatch) -> None:
+    folder, proof = proven
+    monkeypatch.setattr(Prover, "prove", lambda *_: pytest.fail("tried again"))
+    assert validate(["block", "soap_bar"], folder, QUICK) == proof
+
+
+def test_a_proof_with_another_key_is_made_again(proven, monkeypatch: pytest.MonkeyPatch) -> None:
+    folder, _ = proven
+    tried = []
+    prove = Prover.prove
+    monkeypatch.setattr(Prover, "prove", lambda self, name: (tried.append(name), prove(self, name))[1])
+    path = folder / "objects" / "block.json"
+    path.write_text(json.dumps({**json.loads(path.read_text()), "key": "another"}))
+    validate(["block", "soap_bar"], folder, QUICK)
+    assert tried == ["block"]
+
+
+@pytest.mark.parametrize("trial", [Trial(quick=True, seed=1), Trial(quick=False)])
+def test_the_key_of_a_proof_holds_how_it_was_tried(trial: Trial) -> None:
+    library = Library.load()
+    assert Prover(library, trial).key("block") != Prover(library, QUICK).key("block")
+    assert Prover(library, QUICK).key("block") == Prover(library, QUICK).key("block")
+
+
+def test_two_processes_find_the_same(proven, tmp_path: Path) -> None:
+    _, proof = proven
+    assert validate(["block", "soap_bar"], tmp_path, QUICK, workers=2) == proof
+
+
+def test_an_unknown_name_is_refused_before_anything_is_tried(tmp_path: Path) -> None:
+    with pytest.raises(UnknownName, match="blok"):
+        validate(["block", "blok"], tmp_path / "proof", QUICK)
+    assert not (tmp_path / "proof").exists()
+
+
+def test_an_object_that_cannot_be_loaded_fails_with_the_reason(monkeypatch: pytest.MonkeyPatch) -> None:
+    def broken(*_args: object) -> None:
+        raise InputFileError("block/asset.json: field contact_points.0.position: outside the object")
+
+    prover = Prover(Library.load(), QUICK)
+    monkeypatch.setattr(prover.library, "asset", broken)
+    proof = prove_or_refuse(prover, "block")
+    assert proof.variants[0].failed == ["block/red: mesh"]
+    assert "contact_points.0.position" in proof.variants[0].checks[0].reasons[0]

@@ -1,0 +1,156 @@
+"""The page of a run: complete, self-contained, and made of whatever there is."""
+
+from __future__ import annotations
+
+import base64
+import re
+from html.parser import HTMLParser
+from pathlib import Path
+
+import h5py
+import pytest
+
+from tests.runs import INSTRUCTION, Finished, copied
+from vcage.apps.report.page import write_report
+from vcage.base.errors import DamagedFile, MissingStage
+from vcage.base.files import RunFolder, read_json, write_json
+from vcage.base.pictures import read_picture
+from vcage.base.videos import decode
+from vcage.schema.episodes import Episodes
+from vcage.schema.subtasks import Subtasks
+from vcage.stages.chain import STAGES
+
+
+class Page(HTMLParser):
+    """What a browser would load, show, and find open or closed."""
+
+    VOID = {"meta", "img", "br", "hr", "input", "link"}
+
+    def __init__(self, text: str):
+        super().__init__()
+        self.sources: list[tuple[str, str]] = []
+        self.headings: list[str] = []
+        self.open: list[str] = []
+        self.text = ""
+        self.feed(text)
+        self.close()
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        if tag not in self.VOID:
+            self.open.append(tag)
+        self.sources += [(tag, value or "") for name, value in attrs if name in ("src", "href", "poster", "data")]
+
+    def handle_endtag(self, tag: str) -> None:
+        while self.open and self.open.pop() != tag:
+            pass
+
+    def handle_data(self, data: str) -> None:
+        self.text += data
+        if self.open and self.open[-1] == "h2":
+            self.headings.append(data)
+
+    def of(self, tag: str) -> list[str]:
+        return [url for name, url in self.sources if name == tag]
+
+
+@pytest.fixture(scope="module")
+def text(finished: Finished) -> str:
+    return finished.run.report.read_text(encoding="utf-8")
+
+
+@pytest.fixture(scope="module")
+def page(text: str) -> Page:
+    return Page(text)
+
+
+def test_the_page_loads_nothing_from_elsewhere(page, text):
+    assert page.sources and all(url.startswith("data:") for _, url in page.sources)
+    assert not re.search(r"https?://|@import|url\((?!data:)", text)
+
+
+def test_every_tag_is_closed(page):
+    assert page.open == []
+
+
+def test_it_has_every_section_of_a_whole_run(page):
+    assert page.headings == [
+        "Scene construction", "Layout plan", "Sub-tasks", "Episodes", "Acceptance", "Compression", "Data sets",
+        "Timings", "Provenance",
+    ]  # fmt: skip
+
+
+def test_it_names_the_instruction_the_subtasks_and_the_reasons(finished, page):
+    episode = Episodes.read(finished.run.episodes).episodes[0]
+    subtasks = Subtasks.read(finished.run.subtasks)
+    wanted = [INSTRUCTION, *(s.text for s in subtasks.kept), *(r.reason for r in subtasks.refused)]
+    assert all(words in page.text for words in wanted + [v.reason for v in episode.verdicts])
+    assert all(stage in page.text for stage in STAGES if stage != "verify")
+
+
+def test_every_accepted_episode_has_a_video_that_plays(finished, page, tmp_path):
+    accepted = [e for e in Episodes.read(finished.run.episodes).episodes if e.accepted]
+    assert len(page.of("video")) == len(accepted)
+    path = tmp_path / "preview.mp4"
+    path.write_bytes(base64.b64decode(page.of("video")[0].removeprefix("data:video/mp4;base64,")))
+    frames = decode(path)
+    assert len(frames) == accepted[0].frames
+    assert frames[0].shape[1] == 3 * 320
+
+
+def test_a_rejected_episode_is_told_without_a_video(finished, tmp_path):
+    run = copied(finished.run, tmp_path / "run")
+    with h5py.File(run.root / Episodes.read(run.episodes).episodes[0].file, "a") as file:
+        for camera in list(file["observations/images"]):  # as collecting leaves a rejected one
+            del file["observations/images"][camera]
+    page = Page(write_report(run).read_text(encoding="utf-8"))
+    accepted = [e for e in Episodes.read(finished.run.episodes).episodes if e.accepted]
+    assert len(page.of("video")) == len(accepted) - 1
+    assert page.open == []
+
+
+def test_pictures_of_all_stages_and_verdicts_are_inside(finished, page, tmp_path):
+    verdicts = sum(len(e.verdicts) for e in Episodes.read(finished.run.episodes).episodes)
+    assert len(page.of("img")) == 6 + 2 * verdicts
+    path = tmp_path / "first.jpg"
+    path.write_bytes(base64.b64decode(page.of("img")[0].split(",")[1]))
+    assert read_picture(path).std() > 10
+
+
+@pytest.mark.parametrize("stage", STAGES[1:])
+def test_a_run_that_stopped_before_any_stage_has_a_page(finished, tmp_path, stage):
+    run = copied(finished.run, tmp_path / "run", before=stage)
+    page = Page(write_report(run).read_text(encoding="utf-8"))
+    assert page.open == []
+    assert INSTRUCTION in page.text
+    assert ("None collected yet." in page.text) == (STAGES.index(stage) <= STAGES.index("collect"))
+
+
+def test_words_of_the_instruction_are_not_taken_for_tags(finished, tmp_path):
+    run = copied(finished.run, tmp_path / "run", before="inpaint_plan")
+    write_json(run.scene, {**read_json(run.scene), "instruction": "<script>alert(1)</script> & more"})
+    text = write_report(run).read_text(encoding="utf-8")
+    assert "<script>" not in text
+    assert "<script>alert(1)</script> & more" in Page(text).text
+
+
+def test_an_empty_folder_has_no_page(tmp_path):
+    with pytest.raises(MissingStage, match="holds no run"):
+        write_report(RunFolder(tmp_path))
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("file", ["plan", "episodes"])
+def test_a_damaged_stage_is_named_and_the_old_page_stays(finished, tmp_path, file):
+    run = copied(finished.run, tmp_path / "run")
+    run.report.write_text("the old page")
+    path: Path = getattr(run, file)
+    path.write_text("{")
+    with pytest.raises(DamagedFile, match=path.name):
+        write_report(run)
+    assert run.report.read_text() == "the old page"
+
+
+def test_a_damaged_by_product_does_not_matter(finished, tmp_path):
+    run = copied(finished.run, tmp_path / "run", before="inpaint_plan")
+    run.timings.write_text("[1, 2")
+    assert "Timings" not in Page(write_report(run).read_text(encoding="utf-8")).headings

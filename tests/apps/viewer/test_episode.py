@@ -1,0 +1,164 @@
+from __future__ import annotations
+
+from dataclasses import replace
+
+import cv2
+import numpy as np
+import pytest
+
+from tests.apps.viewer.conftest import FRAMES, ReadBack, meta
+from tests.recordings import CAMERAS, FPS, HEIGHT, INSTRUCTION, WIDTH, clip, episode, segment, written
+from tests.scenes import kinematics, library, robot, scene_of, template, thing
+from vcage.apps.viewer.show import view
+from vcage.base.geometry import Pose
+from vcage.datasets.episode import CameraTrack
+from vcage.datasets.hdf5 import write_episode
+from vcage.schema.episodes import Truth
+
+
+@pytest.fixture(scope="module")
+def seen(episode_file, tmp_path_factory) -> ReadBack:
+    save = tmp_path_factory.mktemp("view") / "look.rrd"
+    shown = view(episode_file, save=save)
+    assert (shown.contents.frames, shown.contents.segments, list(shown.contents.cameras)) == (FRAMES, 2, list(CAMERAS))
+    return ReadBack(save)
+
+
+@pytest.fixture(scope="module")
+def unknown(other_robot_file, tmp_path_factory) -> ReadBack:
+    save = tmp_path_factory.mktemp("view") / "look.rrd"
+    view(other_robot_file, save=save)
+    return ReadBack(save)
+
+
+def test_every_frame_has_a_picture_of_each_camera(seen):
+    for number, camera in enumerate(CAMERAS):
+        pictures = seen.rows(f"/world/cameras/{camera}", "Blob")
+        assert list(pictures) == list(range(FRAMES))
+        shown = cv2.imdecode(np.array(pictures[5], np.uint8), cv2.IMREAD_COLOR)[..., ::-1]
+        difference = shown.astype(int) - clip(FRAMES, number)[5]
+        assert np.abs(difference).mean() < 12 and np.abs(difference.mean(axis=(0, 1))).max() < 2
+
+
+def test_times_are_those_of_the_episode_to_the_nanosecond(seen):
+    times = seen.rows("/joints/left_joint_1/measured", "Scalar", "time")
+    assert list(times) == [frame * round(1e9 / FPS) for frame in range(FRAMES)]
+
+
+def test_joints_are_measured_and_commanded_under_their_names(seen):
+    home = robot().arms["left"].home[0]
+    assert seen.rows("/joints/left_joint_1/measured", "Scalar")[3] == pytest.approx(home)
+    assert seen.rows("/joints/left_joint_1/commanded", "Scalar")[3] == pytest.approx(home + 0.01)
+    assert seen.rows("/velocities/left_joint_1", "Scalar")[3] == 0
+    assert seen.rows("/joints/left_gripper/measured", "Scalar")[3] == 0.5
+
+
+def test_a_camera_has_its_lens_and_its_way(seen):
+    where = "/world/cameras/cam_high"
+    assert seen.fixed(where, "PinholeProjection") == [50, 0, 0, 0, 50, 0, 0, 0, 1]
+    assert seen.fixed(where, "Resolution") == [WIDTH, HEIGHT]
+    assert seen.rows(where, "Translation3D")[FRAMES - 1] == [0, 0, 0]
+    assert len(seen.rows(where, "RotationQuat")) == FRAMES
+
+
+def test_extrinsics_become_the_camera_in_the_world(tmp_path):
+    placed = Pose.from_yaw([0.1, 0.2, 0.9], 0.5)
+    track = CameraTrack(WIDTH, HEIGHT, np.eye(3), np.tile(placed.inverse().matrix(), (4, 1, 1)))
+    path = written(tmp_path / "episode.hdf5", 4, cameras=dict.fromkeys(CAMERAS, track))
+    view(path, save=tmp_path / "look.rrd")
+    seen = ReadBack(tmp_path / "look.rrd")
+    assert seen.rows("/world/cameras/cam_high", "Translation3D")[0] == pytest.approx([0.1, 0.2, 0.9])
+    w, x, y, z = placed.q
+    assert seen.rows("/world/cameras/cam_high", "RotationQuat")[0] == pytest.approx([x, y, z, w])
+
+
+def test_objects_of_the_library_are_models_where_they_were(seen):
+    assert seen.under("/world/objects") == {"block", "plate"}
+    assert {"Blob", "MediaType"} <= seen.components["/world/objects/block"]
+    assert seen.rows("/world/objects/plate", "Translation3D")[0] == pytest.approx([0.1, 0, 0.74])
+
+
+def test_the_table_has_the_size_and_height_of_the_scene(seen):
+    table = template().table
+    assert seen.fixed("/world/table", "HalfSize3D")[:2] == pytest.approx(np.array(table.size) / 2)
+    top = seen.fixed("/world/table", "PoseTranslation3D")[2] + seen.fixed("/world/table", "HalfSize3D")[2]
+    assert top == pytest.approx(table.height)
+
+
+def test_the_robots_hand_is_where_kinematics_puts_it(seen):
+    position = seen.rows("/world/robot/left/panda_hand", "Translation3D")[0]
+    x, y, z, w = seen.rows("/world/robot/left/panda_hand", "RotationQuat")[0]
+    tip = Pose(position, [w, x, y, z]).apply([0, 0, 0.1034])
+    assert tip == pytest.approx(kinematics()["left"].fk(robot().arms["left"].home).p, abs=1e-4)
+
+
+def test_sub_tasks_are_marked_where_they_begin_and_end(seen):
+    assert seen.rows("/marks/subtask", "Scalar") == {frame: 1 if frame < FRAMES // 2 else 2 for frame in range(FRAMES)}
+    ends = [FRAMES // 2 - 1, FRAMES - 1]
+    assert seen.rows("/marks/critic", "Scalar") == dict.fromkeys(ends, 1)
+    assert seen.rows("/marks/truth", "Scalar") == dict.fromkeys(ends, 1)
+    log = seen.rows("/subtasks/log", "Text")
+    assert log[0] == "lift-block: lift block" and "Critic accepted (offline, 0.90)" in log[FRAMES - 1]
+    assert "**place block**" in seen.rows("/subtasks/now", "Text")[FRAMES // 2]
+
+
+def test_a_critic_that_was_wrong_is_a_warning(tmp_path):
+    wrong = replace(segment(0, 4), truth=Truth(success=False, reason="beside the plate"))
+    view(written(tmp_path / "episode.hdf5", 4, segments=[wrong]), save=tmp_path / "look.rrd")
+    seen = ReadBack(tmp_path / "look.rrd")
+    assert seen.rows("/subtasks/log", "TextLogLevel") == {0: "INFO", 3: "WARN"}
+    assert (seen.rows("/marks/critic", "Scalar"), seen.rows("/marks/truth", "Scalar")) == ({3: 1}, {3: 0})
+
+
+def test_the_page_beside_it_has_the_instruction_and_what_travels_in_the_file(seen):
+    page = seen.fixed("/about", "Text")
+    assert page.startswith(f"### {INSTRUCTION}\n")
+    assert "| robot | dual_panda |" in page and "| seed | 7 |" in page and "aabb" not in page
+
+
+def test_an_asset_that_is_not_here_is_a_box_of_the_scenes_size(tmp_path, caplog):
+    facts = meta()
+    facts["scene"]["objects"][0]["asset"] = "no_such_thing"
+    view(written(tmp_path / "episode.hdf5", 4, meta=facts), save=tmp_path / "look.rrd")
+    seen = ReadBack(tmp_path / "look.rrd")
+    lower, upper = np.array(thing("block", (-0.2, -0.05), 0.3).record.aabb)
+    assert seen.fixed("/world/objects/block", "HalfSize3D") == pytest.approx((upper - lower) / 2)
+    assert "block is drawn as a box" in caplog.text
+
+
+def test_without_a_known_scene_objects_are_axes(unknown):
+    assert unknown.fixed("/world/objects/block", "AxisLength") > 0
+    assert "/world/table" not in unknown.components
+
+
+def test_an_arm_of_other_joints_is_not_drawn_and_says_so(other_robot_file, tmp_path, caplog):
+    view(other_robot_file, save=tmp_path / "look.rrd")
+    assert ReadBack(tmp_path / "look.rrd").under("/world/robot") == set()
+    assert "the left arm is not drawn" in caplog.text
+
+
+def test_a_robot_that_is_not_here_is_left_out_and_named(tmp_path, caplog):
+    view(written(tmp_path / "episode.hdf5", 4, meta=meta(robot="no_such_robot")), save=tmp_path / "look.rrd")
+    assert "no_such_robot" in caplog.text
+
+
+def test_moving_parts_move(tmp_path):
+    name = next(name for name in library().names if library().asset(name).articulated)
+    model = library().asset(name).model
+    positions = np.linspace(0, 0.05, 4)[:, None] * np.ones(len(model.links))
+    scene = scene_of([thing(name)]).model_dump(mode="json", by_alias=True)
+    poses = np.tile([0, 0, 0.74, 1, 0, 0, 0.0], (4, 1))
+    changes = {"object_poses": {name: poses}, "object_joints": {name: positions}, "meta": meta(scene=scene)}
+    view(written(tmp_path / "episode.hdf5", 4, **changes), save=tmp_path / "look.rrd")
+    seen = ReadBack(tmp_path / "look.rrd")
+    part = f"/world/objects/{name}/{model.links[0].name}"
+    moved = [seen.rows(part, what) for what in ("Translation3D", "RotationQuat")]
+    assert any(rows[0] != rows[3] for rows in moved)
+    assert seen.rows(f"/moving_parts/{name}/0", "Scalar")[3] == pytest.approx(0.05)
+
+
+def test_an_episode_without_pictures_is_shown_without_them(tmp_path):
+    path = write_episode(tmp_path / "rejected.hdf5", episode(4, cameras={}, segments=[]), iter([{}] * 4))
+    shown = view(path, save=tmp_path / "look.rrd")
+    assert (shown.contents.cameras, shown.contents.segments) == ({}, 0)
+    assert len(ReadBack(tmp_path / "look.rrd").rows("/joints/left_gripper/measured", "Scalar")) == 4

@@ -1,0 +1,138 @@
+"""Work in processes of its own: whole results, whole errors, and no process left, however it ends."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from vcage.base.errors import DamagedFile, PartlyDone
+from vcage.base.workers import cores, in_processes
+
+WAIT = 20.0
+"""Seconds after which a process that should have ended counts as left behind."""
+
+_greeting: list[str] = []
+
+
+def double(number: int) -> tuple[int, int]:
+    return 2 * number, os.getpid()
+
+
+def greet(text: str) -> None:
+    _greeting.append(text)
+
+
+def greeted(_task: int) -> list[str]:
+    return _greeting
+
+
+def refuse_two(number: int) -> int:
+    if number == 2:
+        raise DamagedFile("two.hdf5 is damaged", hint="leave it out", details={"recording": "two"})
+    time.sleep(0.01 if number < 2 else 60)
+    return number
+
+
+def vanish(_task: int) -> None:
+    os.kill(os.getpid(), signal.SIGKILL)
+
+
+def nothing_left() -> bool:
+    """Whether all processes that this one started end by themselves."""
+    return _before_long(lambda: not multiprocessing.active_children())
+
+
+def _before_long(happens) -> bool:
+    end = time.monotonic() + WAIT
+    while not happens() and time.monotonic() < end:
+        time.sleep(0.05)
+    return happens()
+
+
+def test_one_worker_is_this_process_and_keeps_the_order():
+    assert list(in_processes(double, [3, 1, 2], 1)) == [(6, os.getpid()), (2, os.getpid()), (4, os.getpid())]
+
+
+def test_one_task_needs_no_process_of_its_own():
+    assert list(in_processes(double, [4], 8)) == [(8, os.getpid())]
+
+
+def test_no_task_gives_nothing():
+    assert list(in_processes(double, [], 4)) == []
+
+
+def test_several_workers_are_other_processes_and_give_every_result():
+    found = list(in_processes(double, range(6), 2))
+    assert sorted(result for result, _ in found) == [0, 2, 4, 6, 8, 10]
+    assert os.getpid() not in {process for _, process in found}
+    assert nothing_left()
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_every_process_is_prepared_first(workers):
+    _greeting.clear()
+    assert list(in_processes(greeted, [0, 1], workers, greet, ("hello",))) == [["hello"]] * 2
+
+
+def test_an_error_of_a_task_comes_whole_and_ends_the_others():
+    begun = time.monotonic()
+    with pytest.raises(DamagedFile) as refused:
+        list(in_processes(refuse_two, [0, 1, 2, 3], 2))
+    assert (refused.value.message, refused.value.hint) == ("two.hdf5 is damaged", "leave it out")
+    assert refused.value.details == {"recording": "two"}
+    assert nothing_left() and time.monotonic() - begun < 60
+
+
+def test_a_worker_that_is_killed_is_work_that_remains():
+    with pytest.raises(PartlyDone, match="worker process was ended") as partly:
+        list(in_processes(vanish, [0, 1, 2], 2))
+    assert "--workers" in partly.value.hint
+    assert nothing_left()
+
+
+def test_who_goes_away_leaves_no_process():
+    results = in_processes(refuse_two, [0, 1, 3, 4], 2)
+    next(results)
+    results.close()
+    assert nothing_left()
+
+
+def test_there_is_at_least_one_core():
+    assert cores() >= 1
+
+
+# --- when the process that started them ends -----------------------------------------------------------
+
+PARENT = """
+import signal, time
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background job inherits that it is ignored
+from vcage.base.workers import in_processes
+for _ in in_processes(time.sleep, [0, 0, 600, 600], 2):
+    print("working", flush=True)
+"""
+
+
+@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGTERM, signal.SIGINT])
+def test_workers_end_with_the_process_that_started_them(number):
+    with subprocess.Popen([sys.executable, "-c", PARENT], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL) as parent:
+        assert parent.stdout is not None
+        assert [parent.stdout.readline() for _ in range(2)] == [b"working\n"] * 2
+        children = Path(f"/proc/{parent.pid}/task/{parent.pid}/children").read_text().split()
+        assert len(children) >= 2
+        parent.send_signal(number)
+        assert parent.wait(WAIT) != 0
+    assert _before_long(lambda: not any(_running(child) for child in children))
+
+
+def _running(process: str) -> bool:
+    try:
+        return Path(f"/proc/{process}/stat").read_text().rsplit(")", 1)[1].split()[0] != "Z"
+    except OSError:
+        return False

@@ -1,0 +1,51 @@
+"""A small LeRobot data set in both versions."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from tests.recordings import CAMERAS, FPS, clip, episode
+from vcage.datasets.lerobot.episode import LeRobotEpisode, episode_of
+from vcage.datasets.lerobot.formats import open_writer
+from vcage.datasets.lerobot.statistics import picture_histogram
+from vcage.video.codec import EncoderSettings, encode
+
+LENGTHS = (12, 9)
+ENCODINGS = {"cam_high": {"video.crf": 10}}
+
+
+@pytest.fixture(scope="session")
+def episodes(tmp_path_factory) -> list[LeRobotEpisode]:
+    folder = tmp_path_factory.mktemp("videos")
+    return [_episode(folder, index, length) for index, length in enumerate(LENGTHS)]
+
+
+def _episode(folder: Path, index: int, length: int) -> LeRobotEpisode:
+    videos = {}
+    for number, camera in enumerate(CAMERAS):
+        videos[camera] = folder / f"{index}.{camera}.mp4"
+        videos[camera].write_bytes(encode(clip(length, number), FPS, EncoderSettings(), 10))
+    histograms = {camera: picture_histogram(clip(length, number)) for number, camera in enumerate(CAMERAS)}
+    return episode_of(episode(length), videos, histograms, length)
+
+
+def write(version: str, out: Path, episodes: Iterable[LeRobotEpisode], **options: Any) -> Path:
+    """A data set of these episodes, or one that they are added to."""
+    with open_writer(version, out, ENCODINGS, **options) as writer:
+        for one in episodes:
+            writer.add(one)
+    return out
+
+
+@pytest.fixture(scope="session")
+def v3(episodes, tmp_path_factory) -> Path:
+    return write("lerobot-v3.0", tmp_path_factory.mktemp("v3") / "set", episodes)
+
+
+@pytest.fixture(scope="session")
+def v21(episodes, tmp_path_factory) -> Path:
+    return write("lerobot-v2.1", tmp_path_factory.mktemp("v21") / "set", episodes)

@@ -1,0 +1,75 @@
+"""What an episode to export must be in itself."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tests.recordings import CAMERAS, INSTRUCTION, STATE_NAMES, episode
+from vcage.datasets.lerobot.episode import LeRobotEpisode, SubtaskSpan, episode_of
+
+HISTOGRAM = np.ones((3, 256), np.int64)
+
+
+@pytest.fixture
+def foreign() -> LeRobotEpisode:
+    """Five frames by somebody who recorded two commands and one camera."""
+    return LeRobotEpisode(
+        fps=20,
+        robot="arm",
+        task="push",
+        videos={"top": Path("top.mp4")},
+        histograms={"top": HISTOGRAM},
+        sampled=1,
+        action=np.zeros((5, 2)),
+        action_names=["x", "y"],
+    )
+
+
+def test_our_own_episodes_have_nothing_to_complain_of():
+    data = episode(12)
+    one = episode_of(data, dict.fromkeys(CAMERAS, Path("a.mp4")), dict.fromkeys(CAMERAS, HISTOGRAM), 1)
+    assert list(one.complaints()) == []
+    assert (one.length, one.robot, one.task, one.fps) == (12, "dual_panda", INSTRUCTION, data.fps)
+    assert one.vector_names == {"observation.state": STATE_NAMES, "action": STATE_NAMES}
+    np.testing.assert_allclose(one.vectors["observation.state"], data.qpos, atol=1e-6)
+    assert one.subtasks == [SubtaskSpan("lift block", 0, 6), SubtaskSpan("place block", 6, 12)]
+
+
+def test_the_number_of_frames_comes_from_what_was_recorded(foreign):
+    assert list(foreign.complaints()) == []
+    assert foreign.length == 5
+    pictures_only = replace(foreign, action=None, frames=7)
+    assert list(pictures_only.complaints()) == []
+    assert pictures_only.length == 7
+    assert pictures_only.vectors == {}
+
+
+@pytest.mark.parametrize(
+    ("change", "complaint"),
+    [
+        ({"fps": 0}, "frame rate is 0"),
+        ({"fps": float("nan")}, "frame rate is nan"),
+        ({"task": " "}, "no task"),
+        ({"action": np.zeros((0, 2))}, "no frame"),
+        ({"action": None}, "no frame"),
+        ({"action": None, "frames": 5, "videos": {}, "histograms": {}}, "neither pictures nor state nor action"),
+        ({"action": np.zeros((5, 3))}, r"action has the shape \(5, 3\), expected \(5, 2\)"),
+        ({"action": np.zeros(5)}, r"action has the shape \(5,\)"),
+        ({"frames": 6}, r"action has the shape \(5, 2\), expected \(6, 2\)"),
+        ({"state": np.zeros((4, 1)), "state_names": ["x"]}, r"action has the shape \(5, 2\), expected \(4, 2\)"),
+        ({"action": np.array([[0, 0]] * 3 + [[0, np.nan]] * 2)}, r"action of frame 3 holds NaN or infinity \(y\)"),
+        ({"histograms": {}}, r"histograms of \[\], but videos of \['top'\]"),
+        ({"histograms": {"top": np.zeros((3, 256))}}, "histogram of top"),
+        ({"histograms": {"top": np.ones(256)}}, "histogram of top"),
+        ({"sampled": 0}, "histogram of top"),
+        ({"subtasks": [SubtaskSpan("a", 0, 3), SubtaskSpan("b", 2, 5)]}, "sub-task 'b' covers the frames 2…5"),
+        ({"subtasks": [SubtaskSpan("a", 0, 6)]}, "within 5"),
+    ],
+)
+def test_what_cannot_be_exported_is_said(foreign, change, complaint):
+    with pytest.raises(AssertionError, match=complaint):
+        assert not list(replace(foreign, **change).complaints())

@@ -1,0 +1,67 @@
+"""Statistics agree with numpy on the raw values."""
+
+from __future__ import annotations
+
+import numpy as np
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as hnp
+
+from tests.recordings import clip
+from vcage.datasets.lerobot.statistics import (
+    Moments,
+    picture_histogram,
+    picture_statistics,
+    vector_statistics,
+)
+
+
+def test_vector_statistics_have_one_number_per_column():
+    values = np.random.default_rng(0).normal(size=(50, 3))
+    found = vector_statistics(values)
+    np.testing.assert_allclose(found["mean"], values.mean(0))
+    np.testing.assert_allclose(found["q90"], np.quantile(values, 0.9, axis=0))
+    assert found["count"] == [50]
+
+
+def test_picture_statistics_from_added_histograms_are_those_of_all_pixels():
+    first, second = clip(5, seed=1), clip(7, seed=2)
+    found = picture_statistics(picture_histogram(first) + picture_histogram(second), 12)
+    pixels = np.concatenate([first, second]).reshape(-1, 3) / 255
+    assert np.shape(found["mean"]) == (3, 1, 1)
+    assert found["count"] == [12]
+    for name, expected in {
+        "min": pixels.min(0),
+        "max": pixels.max(0),
+        "mean": pixels.mean(0),
+        "std": pixels.std(0),
+        "q50": np.quantile(pixels, 0.5, axis=0, method="inverted_cdf"),
+    }.items():
+        np.testing.assert_allclose(np.ravel(found[name]), expected, atol=1e-9)
+
+
+@given(
+    hnp.arrays(np.float64, st.tuples(st.integers(2, 40), st.just(2)), elements=st.floats(-1e6, 1e6)),
+    st.data(),
+)
+def test_moments_of_parts_are_those_of_the_whole(values, data):
+    cut = data.draw(st.integers(1, len(values) - 1))
+    moments = Moments()
+    for part in (values[:cut], values[cut:]):
+        moments.add(vector_statistics(part))
+    found = moments.statistics()
+    assert found["count"] == [len(values)]
+    np.testing.assert_array_equal(found["min"], values.min(axis=0))
+    np.testing.assert_array_equal(found["max"], values.max(axis=0))
+    np.testing.assert_allclose(found["mean"], values.mean(axis=0), rtol=1e-9, atol=1e-9)
+    np.testing.assert_allclose(found["std"], values.std(axis=0), rtol=1e-6, atol=1e-6)
+
+
+def test_moments_of_pictures_keep_their_shape():
+    first, second = clip(5, seed=1), clip(7, seed=2)
+    moments = Moments()
+    for pictures in (first, second):
+        moments.add(picture_statistics(picture_histogram(pictures), len(pictures)))
+    whole = picture_statistics(picture_histogram(first) + picture_histogram(second), 12)
+    for name in ("min", "max", "mean", "std", "count"):
+        np.testing.assert_allclose(moments.statistics()[name], whole[name], atol=1e-12)

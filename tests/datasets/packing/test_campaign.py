@@ -1,0 +1,263 @@
+from __future__ import annotations
+
+import dataclasses
+from pathlib import Path
+
+import av
+import pytest
+
+from tests.datasets.packing.orders import act_folder, add_camera, settings
+from tests.datasets.packing.searching import ALL, NONE_PASSES, Searches, episode
+from tests.runs import digests
+from vcage.base.errors import DamagedFile, MissingDependency, UnknownName
+from vcage.datasets.packing import clips as clip_module
+from vcage.datasets.packing.clips import Clip, perform
+from vcage.datasets.packing.dataset_search import campaign, stream_of, workers_for
+from vcage.datasets.packing.settings import CompressionSettings
+from vcage.datasets.packing.sources import find_sources
+from vcage.schema.compression import VideoStream
+from vcage.video.encoders import CODECS
+
+SEARCHED = CompressionSettings(preset="ultrafast")
+
+
+@pytest.fixture
+def searches(monkeypatch) -> Searches:
+    return Searches(monkeypatch)
+
+
+def clips_of(folder: Path) -> list[Clip]:
+    return find_sources(folder, settings()).clips(fps=10.0)
+
+
+def episodes(folder: Path, **cameras: list) -> list[Clip]:
+    """One episode for each entry of the cameras' lists."""
+    folder.mkdir(exist_ok=True)
+    for index in range(len(next(iter(cameras.values())))):
+        episode(folder / f"{index}.hdf5", **{name: allowed[index] for name, allowed in cameras.items()})
+    return clips_of(folder)
+
+
+def streams(clips: list[Clip], folder: Path, chosen: CompressionSettings = SEARCHED, **options) -> list[VideoStream]:
+    return [stream_of(video) for video in campaign(clips, chosen, folder, workers=1, **options).values()]
+
+
+# --- what shares a CRF ---------------------------------------------------------------------------------
+
+
+def test_all_episodes_of_a_camera_get_the_lowest_crf_that_any_allows(tmp_path, searches):
+    clips = episodes(tmp_path / "in", high=[24, 22, 23, 19, 25, 21, 24], low=[30] * 7)
+    found = streams(clips, tmp_path / "work")
+    assert {(stream.camera, stream.crf) for stream in found} == {("high", 19), ("low", 30)}
+
+
+def test_each_episode_gets_its_own_crf_where_the_scope_is_the_episode(tmp_path, searches):
+    clips = episodes(tmp_path / "in", high=[24, 19, 21])
+    found = streams(clips, tmp_path / "work", CompressionSettings(scope="episode"))
+    assert [stream.crf for stream in found] == [24, 19, 21]
+    assert len(searches.calls) == 3
+
+
+def test_a_crf_that_is_given_is_taken_without_rounds(tmp_path, searches):
+    clips = episodes(tmp_path / "in", high=[40, 40, 40, 40])
+    assert [stream.crf for stream in streams(clips, tmp_path / "work", CompressionSettings(crf=18))] == [18] * 4
+    assert len(searches.calls) == 4
+
+
+def test_a_camera_of_which_one_episode_passes_at_no_crf_is_without_loss_in_all(tmp_path, searches):
+    clips = episodes(tmp_path / "in", high=[24, NONE_PASSES, 23, 24, 24])
+    assert all(stream.lossless for stream in streams(clips, tmp_path / "work"))
+
+
+def test_where_none_passes_in_the_chosen_pixel_format_the_best_one_gets_its_turn(tmp_path, searches, monkeypatch):
+    other = "yuv420p"
+    monkeypatch.setattr(Searches, "_search", _choosing(other))
+    Searches(monkeypatch)
+    clips = episodes(tmp_path / "in", high=[(20, 22), (20, 22), (20, 22), (17, NONE_PASSES), (20, 22)])
+    found = streams(clips, tmp_path / "work")
+    assert {(stream.pixel_format, stream.crf) for stream in found} == {(ALL, 17)}
+
+
+def test_a_pixel_format_that_some_sizes_do_not_fit_is_not_agreed_on(tmp_path, monkeypatch):
+    monkeypatch.setattr(Searches, "_search", _choosing("yuv420p"))
+    Searches(monkeypatch)
+    episodes(tmp_path / "in", high=[(20, 22)] * 5)
+    episode(tmp_path / "in/1.hdf5", size=17, high=21)  # not of the sample
+    found = streams(clips_of(tmp_path / "in"), tmp_path / "work")
+    assert {(stream.pixel_format, stream.crf) for stream in found} == {(ALL, 20)}
+
+
+def test_a_codec_without_a_lossless_form_gets_the_pixel_format_that_loses_least(tmp_path, monkeypatch):
+    monkeypatch.setattr(Searches, "_search", _choosing("yuv420p"))
+    Searches(monkeypatch)
+    clips = episodes(tmp_path / "in", high=[22, 22, 22, 21])
+    found = streams(clips, tmp_path / "work", CompressionSettings(codec="av1"))
+    assert {(stream.pixel_format, stream.crf) for stream in found} == {("yuv420p10le", 21)}
+
+
+def _choosing(pixel_format: str):
+    """A search that prefers a pixel format where it may choose."""
+    search = Searches._search
+
+    def preferring(self, frames, keyframes, fps, choices, *rest):
+        if not choices.pixel_formats:
+            choices = dataclasses.replace(choices, pixel_formats=(pixel_format,))
+        return search(self, frames, keyframes, fps, choices, *rest)
+
+    return preferring
+
+
+def test_the_later_episodes_are_searched_below_what_the_first_allow(tmp_path, searches):
+    clips = episodes(tmp_path / "in", high=[24, 25, 25, 25, 25, 25, 24])
+    streams(clips, tmp_path / "work")
+    sampled, later = searches.calls[:3], searches.calls[3:]
+    assert [choices.highest for _, choices in sampled] == [CODECS["hevc"].max_crf] * 3
+    assert {choices.highest for _, choices in later} == {24}
+    assert {choices.pixel_formats for _, choices in later} == {(ALL,)}
+
+
+# --- order, progress, memory ---------------------------------------------------------------------------
+
+
+def test_videos_come_in_the_order_of_the_clips_however_they_were_finished(tmp_path, searches, monkeypatch):
+    clips = episodes(tmp_path / "in", high=[24, 20, 22, 24], low=[9, 9, 8, 9])
+    monkeypatch.setattr(
+        "vcage.datasets.packing.dataset_search.in_processes", lambda work, tasks, _n: map(work, reversed(tasks))
+    )
+    assert list(campaign(clips, SEARCHED, tmp_path / "work")) == [(clip.name, clip.camera) for clip in clips]
+
+
+def test_progress_never_claims_more_clips_than_there_are(tmp_path, searches):
+    clips = episodes(tmp_path / "in", high=[24, 20, 22, 18, 25])
+    told: list[tuple[str, int, int]] = []
+    streams(clips, tmp_path / "work", progress=lambda *step: told.append(step))
+    assert [number for _, number, _ in told][:5] == [0, 1, 2, 1, 2]
+    assert all(number < total == 5 for _, number, total in told)
+    assert told[-1][1] == 4
+
+
+def test_there_is_at_least_one_worker_and_never_more_than_cores(tmp_path, searches, monkeypatch):
+    clips = episodes(tmp_path / "in", high=[24] * 4)
+    monkeypatch.setattr("vcage.datasets.packing.dataset_search.cores", lambda: 3)
+    monkeypatch.setattr("vcage.datasets.packing.dataset_search.free_memory", lambda: 10**12)
+    assert workers_for(clips) == 3
+    monkeypatch.setattr("vcage.datasets.packing.dataset_search.free_memory", lambda: 1)
+    assert workers_for(clips) == 1
+
+
+def test_a_single_clip_gets_all_cores_for_its_encoder(tmp_path, searches, monkeypatch):
+    clips = episodes(tmp_path / "in", high=[24])
+    monkeypatch.setattr("vcage.datasets.packing.dataset_search.cores", lambda: 16)
+    assert workers_for(clips) == workers_for(clips, 8) == 1
+    threads = []
+    monkeypatch.setattr(
+        "vcage.datasets.packing.dataset_search.perform", lambda task: (threads.append(task.threads), perform(task))[1]
+    )
+    campaign(clips, SEARCHED, tmp_path / "work", workers=8)
+    assert threads == [16]
+
+
+# --- taken up again ------------------------------------------------------------------------------------
+
+
+def test_a_campaign_that_broke_off_goes_on_and_ends_with_the_same_bytes(tmp_path, searches, monkeypatch):
+    clips = episodes(tmp_path / "in", high=[24, 20, 22, 18, 25, 21], low=[30, 30, 29, 31, 30, 28])
+    whole = {key: video.read_bytes() for key, video in campaign(clips, SEARCHED, tmp_path / "whole", workers=1).items()}
+    needed = len(searches.calls)
+    for stop in (1, 4, 8, needed - 1):
+        folder = tmp_path / f"broken{stop}"
+        searches.calls.clear()
+        perform = _stopping(stop)
+        with monkeypatch.context() as patch, pytest.raises(KeyboardInterrupt):
+            patch.setattr("vcage.datasets.packing.dataset_search.perform", perform)
+            campaign(clips, SEARCHED, folder, workers=1)
+        again = {key: video.read_bytes() for key, video in campaign(clips, SEARCHED, folder, workers=1).items()}
+        assert again == whole
+        assert len(searches.calls) == needed
+
+
+def _stopping(after: int):
+    """``perform`` that is interrupted after some clips."""
+    done = []
+
+    def perform(task):
+        if len(done) == after:
+            raise KeyboardInterrupt
+        done.append(task)
+        return clip_module.perform(task)
+
+    return perform
+
+
+def test_a_finished_campaign_searches_nothing_again(tmp_path, searches):
+    clips = episodes(tmp_path / "in", high=[24, 20, 22, 18])
+    campaign(clips, SEARCHED, tmp_path / "work", workers=1)
+    searches.calls.clear()
+    campaign(clips, SEARCHED, tmp_path / "work", workers=1)
+    assert searches.calls == []
+
+
+@pytest.mark.parametrize("what", ["the input", "the settings"])
+def test_what_was_made_of_another_input_or_otherwise_is_not_taken(tmp_path, searches, what):
+    clips = episodes(tmp_path / "in", high=[24, 20])
+    campaign(clips, SEARCHED, tmp_path / "work", workers=1)
+    chosen = SEARCHED
+    if what == "the input":
+        clips = episodes(tmp_path / "in", high=[12, 11])
+    else:
+        chosen = CompressionSettings(preset="ultrafast", scope="episode", max_loss=0.2)
+    searches.calls.clear()
+    streams(clips, tmp_path / "work", chosen)
+    assert searches.calls
+
+
+def test_a_video_that_was_cut_off_is_made_again(tmp_path, searches):
+    clips = episodes(tmp_path / "in", high=[24, 24])
+    video = next(iter(campaign(clips, SEARCHED, tmp_path / "work", workers=1).values()))
+    content = video.read_bytes()
+    video.write_bytes(content[:3])
+    campaign(clips, SEARCHED, tmp_path / "work", workers=1)
+    assert video.read_bytes() == content
+
+
+def test_a_record_that_was_cut_off_is_made_again(tmp_path, searches):
+    clips = episodes(tmp_path / "in", high=[24, 24])
+    record = next(iter(campaign(clips, SEARCHED, tmp_path / "work", workers=1).values())).with_suffix(".json")
+    content = record.read_bytes()
+    record.write_bytes(content[:30])
+    campaign(clips, SEARCHED, tmp_path / "work", workers=1)
+    assert record.read_bytes() == content
+
+
+# --- what is missing, and processes --------------------------------------------------------------------
+
+
+def test_a_display_that_nobody_knows_is_refused_before_any_work(tmp_path):
+    clips = episodes(tmp_path / "in", high=[24])
+    with pytest.raises(UnknownName, match="display 'cinema'"):
+        campaign(clips, CompressionSettings(display="cinema"), tmp_path / "work")
+    assert not (tmp_path / "work").exists()
+
+
+def test_an_encoder_that_the_build_lacks_is_named_before_any_work(tmp_path, monkeypatch):
+    clips = episodes(tmp_path / "in", high=[24])
+    monkeypatch.setattr(av, "codecs_available", av.codecs_available - {"libx265"})
+    with pytest.raises(MissingDependency, match="libx265"):
+        campaign(clips, CompressionSettings(), tmp_path / "work")
+    assert not (tmp_path / "work").exists()
+
+
+def test_a_recording_that_only_decoding_shows_to_be_damaged_is_named(tmp_path, searches):
+    clips = episodes(tmp_path / "in", high=[24, 24])
+    with open(clips[1].recording.path, "r+b") as handle:
+        handle.truncate(100)
+    with pytest.raises(DamagedFile, match=r"1\.hdf5") as damaged:
+        campaign(clips, SEARCHED, tmp_path / "work", workers=1)
+    assert damaged.value.details["recording"] == "1"
+
+
+def test_two_processes_find_what_one_finds(tmp_path):
+    add_camera(act_folder(tmp_path / "in", "a") / "a.hdf5", "cam_low")
+    for workers in (1, 2):
+        campaign(clips_of(tmp_path / "in"), settings(), tmp_path / str(workers), workers=workers)
+    assert digests(tmp_path / "1") == digests(tmp_path / "2")

@@ -1,0 +1,52 @@
+"""How much memory is left is what the system and the control groups say."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from vcage.datasets.packing import memory
+
+KB = 1024
+
+
+@pytest.fixture
+def machine(tmp_path, monkeypatch) -> Path:
+    """A machine with 1000 kB left and no control groups."""
+    for name in ("MEMINFO", "OWN_GROUPS", "GROUPS"):
+        monkeypatch.setattr(memory, name, tmp_path / name)
+    (tmp_path / "MEMINFO").write_text("MemTotal: 4000 kB\nMemFree:   10 kB\nMemAvailable:   1000 kB\n")
+    return tmp_path
+
+
+def group(folder: Path, limit: str, used: int, cached: int, *, version: int = 2) -> None:
+    names = ("memory.max", "memory.current") if version == 2 else ("memory.limit_in_bytes", "memory.usage_in_bytes")
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / names[0]).write_text(f"{limit}\n")
+    (folder / names[1]).write_text(f"{used}\n")
+    prefix = "" if version == 2 else "inactive_file 0\ntotal_"
+    (folder / "memory.stat").write_text(f"anon 5\n{prefix}inactive_file {cached}\n")
+
+
+def test_the_page_cache_counts_as_free(machine):
+    assert memory.free_memory() == 1000 * KB
+
+
+def test_the_narrowest_control_group_limits(machine):
+    (machine / "OWN_GROUPS").write_text("0::/outer/inner\n")
+    group(machine / "GROUPS/outer", str(500 * KB), used=300 * KB, cached=100 * KB)
+    group(machine / "GROUPS/outer/inner", "max", used=300 * KB, cached=0)
+    assert memory.free_memory() == 300 * KB
+
+
+def test_a_group_of_the_first_version_limits_as_well(machine):
+    (machine / "OWN_GROUPS").write_text("5:devices:/\n4:memory:/elsewhere\n0::/\n")
+    group(machine / "GROUPS/memory", str(400 * KB), used=300 * KB, cached=50 * KB, version=1)
+    assert memory.free_memory() == 150 * KB
+
+
+def test_a_group_that_took_more_than_its_limit_leaves_nothing(machine):
+    (machine / "OWN_GROUPS").write_text("0::/\n")
+    group(machine / "GROUPS", str(100 * KB), used=300 * KB, cached=0)
+    assert memory.free_memory() == 0

@@ -1,0 +1,127 @@
+from __future__ import annotations
+
+import json
+
+import h5py
+import numpy as np
+import pytest
+
+from tests.datasets.packing.orders import FPS, act_folder, add_camera, packed, settings
+from tests.datasets.packing.test_records import stream
+from tests.datasets.recordings.layouts import FRAMES
+from tests.recordings import INSTRUCTION, written
+from vcage.base.errors import DamagedFile, UsageError
+from vcage.base.videos import decode, frame_count
+from vcage.datasets.lerobot.formats import FORMATS
+from vcage.datasets.packing.lerobot_episodes import encodings
+from vcage.datasets.packing.sources import find_sources
+from vcage.datasets.packing.targets import HDF5, VIDEOS, Wanted, require_alike, suited
+from vcage.datasets.recordings.opening import open_recordings
+from vcage.video.choices import LOSSLESS
+
+
+@pytest.fixture
+def source(tmp_path):
+    return act_folder(tmp_path / "in")
+
+
+def require(folder, target: str, cameras: tuple[str, ...] = ()) -> None:
+    found = find_sources(folder, settings())
+    require_alike(found.clips(cameras, FPS), Wanted(target, task="open the jar"))
+
+
+# --- what suits ----------------------------------------------------------------------------------------
+
+
+def test_hdf5_files_become_hdf5_files_unless_something_else_is_wanted(source):
+    sources = find_sources(source, settings()).sources
+    assert suited(Wanted(), sources).target == HDF5
+    assert suited(Wanted(VIDEOS), sources).target == VIDEOS
+
+
+def test_a_data_set_of_recordings_that_do_not_say_what_the_task_was_asks_for_it(source):
+    sources = find_sources(source, settings()).sources
+    with pytest.raises(UsageError, match="was told") as refused:
+        suited(Wanted("lerobot-v2.1"), sources)
+    assert "--task" in refused.value.hint
+    assert suited(Wanted("lerobot-v2.1", task="open the jar"), sources)
+
+
+@pytest.mark.parametrize("target", FORMATS)
+def test_recordings_of_other_cameras_do_not_share_a_data_set_unless_those_of_all_are_named(source, target):
+    add_camera(source / "b.hdf5", "cam_low")
+    with pytest.raises(UsageError, match=r"b\.hdf5 has other cameras .*a\.hdf5") as refused:
+        require(source, target)
+    assert "--cameras" in refused.value.hint
+    require(source, target, ("cam_high",))
+    require(source, HDF5)
+
+
+def test_recordings_of_other_robots_do_not_share_a_data_set(source):
+    with h5py.File(source / "b.hdf5", "r+") as file:
+        del file["action"]
+        file["action"] = np.zeros((FRAMES, 7))
+    with pytest.raises(UsageError, match="other numbers in its commands"):
+        require(source, "lerobot-v3.0")
+
+
+def test_a_state_that_is_no_number_is_found_before_any_work_where_it_is_written(source):
+    with h5py.File(source / "b.hdf5", "r+") as file:
+        file["observations/qpos"][3, 2] = np.nan
+    with pytest.raises(DamagedFile, match=r"b\.hdf5: the state of frame 3"):
+        require(source, "lerobot-v3.0")
+    require(source, HDF5)
+
+
+# --- what is written -----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("target", FORMATS)
+def test_hdf5_files_become_episodes_of_a_data_set(tmp_path, source, target):
+    packed(source, tmp_path / "out", target=target, task="open the jar", crf=LOSSLESS)
+    new = open_recordings(tmp_path / "out")
+    for recording, old in zip(new, open_recordings(source), strict=True):
+        assert (recording.LAYOUT, recording.task, recording.fps) == (target, "open the jar", FPS)
+        assert np.array_equal(recording.pictures("cam_high"), old.pictures("cam_high"))
+        assert np.allclose(recording.motion.action, old.motion.action)
+
+
+def test_an_episode_of_ours_that_was_compressed_becomes_one_of_a_data_set(tmp_path):
+    (tmp_path / "in").mkdir()
+    written(tmp_path / "in/a.hdf5", 6)
+    packed(tmp_path / "in", tmp_path / "small", crf=LOSSLESS)
+    packed(tmp_path / "small", tmp_path / "out", target="lerobot-v3.0", crf=LOSSLESS)
+    (old,), (new,) = open_recordings(tmp_path / "in"), open_recordings(tmp_path / "out")
+    assert new.task == INSTRUCTION
+    assert np.array_equal(new.pictures("cam_high"), old.pictures("cam_high"))
+
+
+def test_videos_alone_hold_all_pictures(tmp_path, source):
+    packed(source, tmp_path / "out", target=VIDEOS)
+    assert sorted(path.name for path in (tmp_path / "out").iterdir()) == [
+        "a.cam_high.mp4",
+        "b.cam_high.mp4",
+        "compression.json",
+    ]
+    assert frame_count(tmp_path / "out/a.cam_high.mp4") == len(decode(tmp_path / "out/b.cam_high.mp4")) == FRAMES
+
+
+def test_a_data_set_says_how_its_videos_were_encoded(tmp_path, source):
+    packed(source, tmp_path / "out", target="lerobot-v3.0", task="open the jar")
+    info = json.loads((tmp_path / "out/meta/info.json").read_text())
+    facts = info["features"]["observation.images.cam_high"]["info"]
+    assert (facts["video.crf"], facts["video.g"], facts["video.codec"]) == (20, 10, "hevc")
+    assert facts["video.preset"] == "ultrafast"
+
+
+@pytest.mark.parametrize(
+    ("streams", "told"),
+    [
+        ([stream(), stream(episode="b")], {"video.g": 10, "video.crf": 20}),
+        ([stream(crf=None), stream(crf=None)], {"video.g": 10, "video.lossless": True}),
+        ([stream(), stream(crf=19)], {"video.pix_fmt": None}),
+        ([stream(), stream(pixel_format="yuv420p")], {"video.pix_fmt": None}),
+    ],
+)
+def test_what_is_told_of_an_encoding_is_what_all_streams_have_alike(streams, told):
+    assert encodings(streams, "slow") == {"top": {**told, "video.preset": "slow"}}

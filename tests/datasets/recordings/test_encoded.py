@@ -1,0 +1,57 @@
+from __future__ import annotations
+
+import cv2
+import numpy as np
+import pytest
+
+from tests.datasets.recordings.layouts import jpeg, room, rooms
+from vcage.base.errors import DamagedFile
+from vcage.datasets.recordings.encoded import channels_of, decode_picture, looks_swapped, storage_of
+
+
+def test_padding_behind_a_picture_is_ignored():
+    plain = decode_picture(jpeg(room()), "it")
+    assert np.array_equal(plain, decode_picture(jpeg(room()) + bytes(100), "it"))
+
+
+def test_a_warm_room_looks_swapped_only_when_it_is():
+    assert looks_swapped(rooms()) is False
+    assert looks_swapped(rooms()[..., ::-1]) is True
+
+
+def test_grey_pictures_do_not_say_whether_they_are_swapped():
+    assert looks_swapped([np.full((8, 8, 3), 90, np.uint8)]) is None
+
+
+def png(pixels: np.ndarray) -> bytes:
+    return cv2.imencode(".png", pixels)[1].tobytes()
+
+
+def test_alpha_of_a_picture_file_is_laid_over_white():
+    pixels = np.zeros((4, 6, 4), np.uint8)
+    pixels[:, 3:, 3] = 255
+    picture = decode_picture(png(pixels), "it")
+    assert (picture[:, :3] == 255).all() and (picture[:, 3:] == 0).all()
+
+
+def test_sixteen_bits_become_eight():
+    assert (decode_picture(png(np.full((4, 6, 3), 65535, np.uint16)), "it") == 255).all()
+    assert (decode_picture(png(np.full((4, 6), 257 * 7, np.uint16)), "it") == 7).all()
+
+
+@pytest.mark.parametrize(("shape", "channels"), [((4, 6), 1), ((4, 6, 3), 3), ((4, 6, 4), 4)])
+def test_a_picture_file_says_how_many_channels_it_has(shape, channels):
+    assert channels_of(png(np.zeros(shape, np.uint8)), "it") == channels
+
+
+@pytest.mark.parametrize("read", [decode_picture, channels_of])
+@pytest.mark.parametrize("data", [b"", b"\x89PNG and no more"])
+def test_a_damaged_picture_file_is_named(read, data):
+    with pytest.raises(DamagedFile, match="camera 0"):
+        read(data, "camera 0")
+
+
+@pytest.mark.parametrize("data", [b"", b"GIF89a"])
+def test_what_is_no_jpeg_and_no_png_is_refused(data):
+    with pytest.raises(DamagedFile, match="camera 0"):
+        storage_of(data, "camera 0")

@@ -1,0 +1,215 @@
+from __future__ import annotations
+
+import json
+import pickle
+import shutil
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pyarrow as pa
+import pyarrow.compute as pc
+import pyarrow.parquet as pq
+import pytest
+
+from tests.datasets.conftest import LENGTHS, write
+from tests.recordings import CAMERAS, FPS, INSTRUCTION, STATE_NAMES, clip, episode
+from vcage.base.errors import DamagedFile
+from vcage.datasets.recordings.opening import open_recordings
+
+
+@pytest.fixture(params=["v2.1", "v3.0"])
+def dataset(request, v21, v3):
+    return v21 if request.param == "v2.1" else v3
+
+
+def test_every_episode_of_a_data_set_is_a_recording_with_its_pictures_and_commands(dataset):
+    recordings = open_recordings(dataset)
+    assert len(recordings) == len(LENGTHS)
+    for recording, length in zip(recordings, LENGTHS, strict=True):
+        assert (
+            recording.LAYOUT.removeprefix("lerobot-")
+            == json.loads((dataset / "meta/info.json").read_text())["codebase_version"]
+        )
+        assert recording.fps == FPS
+        assert {camera.name: camera.frames for camera in recording.cameras} == dict.fromkeys(CAMERAS, length)
+        assert np.allclose(recording.motion.action, episode(length).action, atol=1e-6)
+        assert np.allclose(recording.state, episode(length).qpos, atol=1e-6)
+        for number, camera in enumerate(CAMERAS):
+            true = clip(length, number).astype(int)
+            assert np.abs(recording.pictures(camera) - true).mean() < 6
+            assert np.array_equal(recording.pictures(camera, [2, 7]), recording.pictures(camera)[[2, 7]])
+
+
+def test_a_data_set_says_what_its_numbers_mean_and_what_the_robot_did(dataset):
+    recording = open_recordings(dataset)[1]
+    assert recording.state_names == recording.action_names == STATE_NAMES
+    assert recording.motion.grippers == (2, 5)
+    assert (recording.task, recording.robot) == (INSTRUCTION, "dual_panda")
+
+
+def test_an_episode_of_a_data_set_goes_to_another_process(dataset):
+    recording = open_recordings(dataset)[1]
+    again = pickle.loads(pickle.dumps(recording))
+    assert np.array_equal(again.pictures("cam_high", [3]), recording.pictures("cam_high", [3]))
+    assert np.array_equal(again.state, recording.state)
+
+
+def test_a_data_set_says_how_its_pictures_are_stored(dataset):
+    recording = open_recordings(dataset)[0]
+    for camera in recording.cameras:
+        assert camera.storage == "hevc"
+        assert 0 < camera.stored_bytes < camera.raw_bytes
+
+
+def test_a_missing_video_is_named(dataset, tmp_path):
+    copy = shutil.copytree(dataset, tmp_path / "copy")
+    next(copy.rglob("*.mp4")).unlink()
+    with pytest.raises(DamagedFile, match=r"\.mp4"):
+        for recording in open_recordings(copy):
+            _ = recording.cameras
+
+
+def test_a_video_that_is_shorter_than_its_episode_is_named(v21, tmp_path):
+    copy = shutil.copytree(v21, tmp_path / "copy")
+    first, second = (recording._clip("observation.images.cam_high").file for recording in open_recordings(copy))
+    shutil.copy(second, first)
+    with pytest.raises(DamagedFile, match=r"episode 0 is longer than its video: .*\.mp4 has 9 frames"):
+        open_recordings(copy)[0].pictures("cam_high")
+
+
+def changed(source: Path, copy: Path, change: Callable[[dict], object]) -> Path:
+    """A copy of a data set, with its ``info.json`` changed."""
+    shutil.copytree(source, copy)
+    info = json.loads((copy / "meta/info.json").read_text())
+    change(info)
+    (copy / "meta/info.json").write_text(json.dumps(info))
+    return copy
+
+
+def test_a_version_that_is_not_known_is_named(v3, tmp_path):
+    copy = changed(v3, tmp_path / "copy", lambda info: info.update(codebase_version="v1.6"))
+    with pytest.raises(DamagedFile, match=r"version v1\.6"):
+        open_recordings(copy)
+
+
+def test_a_missing_list_of_episodes_is_named(v21, tmp_path):
+    copy = shutil.copytree(v21, tmp_path / "copy")
+    (copy / "meta/episodes.jsonl").unlink()
+    with pytest.raises(DamagedFile, match=r"episodes\.jsonl"):
+        open_recordings(copy)
+
+
+@pytest.mark.parametrize("missing", ["codebase_version", "features", "fps", "chunks_size", "data_path", "video_path"])
+def test_an_info_that_lacks_something_is_named(dataset, tmp_path, missing):
+    copy = changed(dataset, tmp_path / "copy", lambda info: info.pop(missing))
+    with pytest.raises(DamagedFile, match=rf"info\.json does not say {missing}"):
+        open_recordings(copy)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda info: info.update(fps=0),
+        lambda info: info.update(features=[]),
+        lambda info: info["features"]["action"].pop("dtype"),
+        lambda info: info["features"]["observation.images.cam_high"].update(shape=[3]),
+    ],
+)
+def test_an_info_that_makes_no_sense_is_named(v21, tmp_path, change):
+    with pytest.raises(DamagedFile, match=r"info\.json"):
+        open_recordings(changed(v21, tmp_path / "copy", change))
+
+
+def test_a_place_that_the_list_of_episodes_does_not_tell_is_named(v3, tmp_path):
+    copy = shutil.copytree(v3, tmp_path / "copy")
+    (table,) = (copy / "meta/episodes").rglob("*.parquet")
+    pq.write_table(pq.read_table(table).drop_columns(["data/file_index"]), table)
+    with pytest.raises(DamagedFile, match="does not say data/file_index of 0"):
+        _ = open_recordings(copy)[0].motion
+
+
+def test_an_episode_without_frames_is_refused_alone(dataset, tmp_path):
+    copy = shutil.copytree(dataset, tmp_path / "copy")
+    for path in (copy / "data").rglob("*.parquet"):
+        pq.write_table(pq.read_table(path, filters=pc.field("episode_index") != 0), path)
+    empty, whole = open_recordings(copy)
+    with pytest.raises(DamagedFile, match="episode 0 holds no frame"):
+        _ = empty.motion
+    assert len(whole.motion.action) == LENGTHS[1]
+
+
+def test_an_episode_with_other_frames_than_the_list_says_is_refused(dataset, tmp_path):
+    copy = changed(dataset, tmp_path / "copy", without_cameras)
+    for path in (copy / "data").rglob("*.parquet"):
+        pq.write_table(pq.read_table(path, filters=pc.field("frame_index") != 3), path)
+    with pytest.raises(DamagedFile, match=r"episode 0 has 11 frames in .*, not 12"):
+        _ = open_recordings(copy)[0].state
+
+
+def without_cameras(info: dict) -> None:
+    info["features"] = {name: one for name, one in info["features"].items() if one["dtype"] != "video"}
+
+
+def test_a_data_set_of_numbers_alone_has_frames_but_no_camera(dataset, tmp_path):
+    recording = open_recordings(changed(dataset, tmp_path / "copy", without_cameras))[0]
+    assert (recording.cameras, recording.frames) == ([], LENGTHS[0])
+    assert recording.motion.action.shape == (LENGTHS[0], 6)
+
+
+@pytest.mark.parametrize("names", [{"motors": STATE_NAMES}, {name: index for index, name in enumerate(STATE_NAMES)}])
+def test_names_come_in_groups_or_numbered_too(v21, tmp_path, names):
+    copy = changed(v21, tmp_path / "copy", lambda info: info["features"]["action"].update(names=names))
+    assert open_recordings(copy)[0].action_names == STATE_NAMES
+
+
+@pytest.mark.parametrize("names", [None, ["channel", "height", "width"], ["channels", "height", "width"]])
+@pytest.mark.parametrize("shape", [[48, 64, 3], [3, 48, 64], [48, 64], [48, 64, 1]])
+def test_the_size_of_pictures_is_told_by_their_shape_whatever_its_parts_are_called(v21, tmp_path, names, shape):
+    def change(info: dict) -> None:
+        info["features"]["observation.images.cam_high"].update(names=names, shape=shape)
+
+    camera = open_recordings(changed(v21, tmp_path / "copy", change))[0].camera("cam_high")
+    assert (camera.height, camera.width) == (48, 64)
+
+
+def test_a_camera_of_which_no_facts_are_told_holds_a_video(v21, tmp_path):
+    copy = changed(
+        v21, tmp_path / "copy", lambda info: info["features"]["observation.images.cam_high"].update(info=None)
+    )
+    assert open_recordings(copy)[0].camera("cam_high").storage == "video"
+
+
+def test_an_instruction_may_hold_what_else_unicode_breaks_lines_at(episodes, tmp_path):
+    told = "first\u2028second\u0085third"
+    copy = write("lerobot-v2.1", tmp_path / "set", [replace(episodes[1], task=told)])
+    assert open_recordings(copy)[0].task == told
+
+
+@pytest.fixture
+def with_picture_files(v21, tmp_path):
+    """A data set whose pictures lie in its tables, as PNG."""
+    key = "observation.images.cam_high"
+
+    def change(info: dict) -> None:
+        without_cameras(info)
+        info["features"][key] = {"dtype": "image", "shape": [48, 64, 3], "names": ["height", "width", "channels"]}
+
+    copy = changed(v21, tmp_path / "copy", change)
+    for index, length in enumerate(LENGTHS):
+        path = copy / f"data/chunk-000/episode_{index:06d}.parquet"
+        files = [{"bytes": cv2.imencode(".png", one[..., ::-1])[1].tobytes(), "path": None} for one in clip(length)]
+        pq.write_table(pq.read_table(path).append_column(key, pa.array(files)), path)
+    return copy
+
+
+def test_pictures_in_the_tables_of_a_data_set_are_read(with_picture_files):
+    for recording, length in zip(open_recordings(with_picture_files), LENGTHS, strict=True):
+        (camera,) = recording.cameras
+        assert (camera.storage, camera.frames, camera.channels) == ("png", length, 3)
+        assert 0 < camera.stored_bytes < camera.raw_bytes
+        assert np.array_equal(recording.pictures("cam_high"), clip(length))
+        assert np.array_equal(recording.pictures("cam_high", [1, 5]), clip(length)[[1, 5]])
+        assert recording.motion.action.shape == (length, 6)

@@ -1,0 +1,141 @@
+"""Episodes survive the way to disk and back; damaged files are named as such."""
+
+from __future__ import annotations
+
+import h5py
+import numpy as np
+import pytest
+
+from tests.recordings import CAMERAS, INSTRUCTION, clip, episode, pictures, written
+from vcage.base.errors import DamagedFile, MissingStage, SchemaMismatch, UnknownName
+from vcage.datasets.hdf5 import write_episode
+from vcage.datasets.reader import EpisodeReader
+
+
+@pytest.fixture
+def file(tmp_path):
+    return written(tmp_path / "episode_000000.hdf5")
+
+
+def test_arrays_and_facts_come_back_as_they_were(file):
+    before = episode()
+    with EpisodeReader(file) as reader:
+        after = reader.episode
+    for name in ("timestamp", "qpos", "qvel", "action"):
+        assert np.array_equal(getattr(after, name), getattr(before, name))
+    assert after.state_names == before.state_names
+    assert after.segments == before.segments
+    assert after.meta == before.meta
+    assert after.fps == before.fps
+    assert np.array_equal(after.object_poses["plate"], before.object_poses["plate"])
+    assert np.array_equal(after.cameras["cam_high"].intrinsics, before.cameras["cam_high"].intrinsics)
+
+
+def test_joints_of_objects_come_back_as_they_were(tmp_path):
+    joints = np.linspace(0, 0.12, 60).reshape(30, 2)
+    path = write_episode(tmp_path / "drawers.hdf5", episode(object_joints={"cabinet": joints}), pictures())
+    with EpisodeReader(path) as reader:
+        assert np.array_equal(reader.episode.object_joints["cabinet"], joints)
+
+
+def test_an_episode_without_moving_parts_has_no_joints(file):
+    with h5py.File(file) as plain:
+        assert "object_joints" not in plain
+    with EpisodeReader(file) as reader:
+        assert reader.episode.object_joints == {}
+
+
+def test_pictures_come_back_as_they_were_one_by_one_or_many(file):
+    with EpisodeReader(file) as reader:
+        assert reader.cameras == sorted(CAMERAS)
+        images = reader.images("cam_left_wrist")
+        assert len(images) == 30
+        assert np.array_equal(images[:], clip(30, seed=1))
+        assert np.array_equal(images[[3, 9]], clip(30, seed=1)[[3, 9]])
+
+
+def test_any_reader_of_hdf5_finds_act_names_and_rgb(file):
+    with h5py.File(file) as plain:
+        assert plain.attrs["colour"] == "RGB"
+        assert plain.attrs["instruction"] == INSTRUCTION
+        red = plain["/observations/images/cam_high"][0, 20, 10]
+        assert red[0] > 150 > red[2]
+        assert plain["/action"].shape == plain["/observations/qpos"].shape == (30, 6)
+
+
+def test_the_same_episode_gives_the_same_bytes(file, tmp_path):
+    assert written(tmp_path / "again.hdf5").read_bytes() == file.read_bytes()
+
+
+def test_an_episode_without_cameras_needs_no_pictures(tmp_path):
+    path = write_episode(tmp_path / "rejected.hdf5", episode(cameras={}), iter([{}] * 30))
+    with EpisodeReader(path) as reader:
+        assert reader.cameras == []
+        assert reader.episode.frames == 30
+
+
+@pytest.mark.parametrize("given", [29, 31])
+def test_another_number_of_frames_is_refused_and_leaves_nothing(tmp_path, given):
+    with pytest.raises(ValueError, match="frames were given"):
+        write_episode(tmp_path / "episode.hdf5", episode(30), pictures(given))
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_picture_of_another_size_is_refused_by_camera(tmp_path):
+    frames = ({**mapping, "cam_high": mapping["cam_high"][:-2]} for mapping in pictures())
+    with pytest.raises(ValueError, match="frame 0: the picture of cam_high"):
+        write_episode(tmp_path / "episode.hdf5", episode(), frames)
+
+
+def test_a_missing_file_is_said_to_be_missing(tmp_path):
+    with pytest.raises(MissingStage):
+        EpisodeReader(tmp_path / "none.hdf5")
+
+
+@pytest.mark.parametrize("keep", [0, 100, 0.5, 0.99])
+def test_a_file_that_is_cut_off_is_damaged(file, keep):
+    data = file.read_bytes()
+    file.write_bytes(data[: int(keep * len(data)) if isinstance(keep, float) else keep])
+    with pytest.raises(DamagedFile, match=r"episode_000000\.hdf5"):
+        EpisodeReader(file)
+
+
+def test_a_picture_that_was_overwritten_is_damaged(file):
+    with h5py.File(file) as plain:
+        chunk = plain["/observations/images/cam_high"].id.get_chunk_info(5)
+    with open(file, "r+b") as handle:
+        handle.seek(chunk.byte_offset)
+        handle.write(bytes(chunk.size))
+    with EpisodeReader(file) as reader:
+        assert reader.images("cam_high")[4].shape == (48, 64, 3)
+        with pytest.raises(DamagedFile):
+            reader.images("cam_high")[5]
+
+
+def test_an_array_that_was_overwritten_is_damaged(file):
+    with h5py.File(file) as plain:
+        chunk = plain["/action"].id.get_chunk_info(0)
+    with open(file, "r+b") as handle:
+        handle.seek(chunk.byte_offset + 8)
+        handle.write(b"\x01")
+    with EpisodeReader(file) as reader, pytest.raises(DamagedFile):
+        _ = reader.episode
+
+
+def test_a_file_that_lacks_a_part_is_damaged(file):
+    with h5py.File(file, "r+") as plain:
+        del plain["action"]
+    with EpisodeReader(file) as reader, pytest.raises(DamagedFile, match="action"):
+        _ = reader.episode
+
+
+def test_another_version_is_refused(file):
+    with h5py.File(file, "r+") as plain:
+        plain.attrs["schema"] = "vcage.episode/99"
+    with pytest.raises(SchemaMismatch, match="episode/99"):
+        EpisodeReader(file)
+
+
+def test_an_unknown_camera_is_refused_with_those_there_are(file):
+    with EpisodeReader(file) as reader, pytest.raises(UnknownName, match="cam_high"):
+        reader.images("cam_low")

@@ -1,0 +1,85 @@
+"""Files are whole or not there, above all when the disk is full: then HDF5 itself crashes."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import h5py
+import numpy as np
+import pytest
+
+from vcage.base.errors import OutputFolderError
+from vcage.datasets.hdf5_output import new_hdf5
+
+
+def fill(file: h5py.File) -> None:
+    """All ways in which data come into a file: at once, through a cache of chunks, in lists, as attributes."""
+    rng = np.random.default_rng(0)
+    file["numbers"] = rng.random(3000)
+    file.create_dataset("pictures", data=rng.integers(0, 255, (20, 32, 32, 3), np.uint8), chunks=(1, 32, 32, 3))
+    lists = file.create_dataset("lists", (50,), h5py.vlen_dtype(np.uint8))
+    for index in range(50):
+        lists[index] = rng.integers(0, 255, 500, np.uint8)
+    for index in range(20):
+        file.create_group(f"group{index}").attrs["text"] = "long " * 500
+
+
+def test_what_is_written_is_read_again(tmp_path):
+    with new_hdf5(tmp_path / "a.hdf5") as file:
+        fill(file)
+    rng = np.random.default_rng(0)
+    with h5py.File(tmp_path / "a.hdf5") as file:
+        assert np.array_equal(file["numbers"], rng.random(3000))
+        assert np.array_equal(file["pictures"], rng.integers(0, 255, (20, 32, 32, 3), np.uint8))
+        assert [len(one) for one in file["lists"]] == [500] * 50
+        assert file["group19"].attrs["text"] == "long " * 500
+
+
+def test_the_same_content_gives_the_same_bytes(tmp_path):
+    for name in ("a", "b"):
+        with new_hdf5(tmp_path / name) as file:
+            file.create_dataset("x", data=np.arange(3000), track_times=False)
+    assert (tmp_path / "a").read_bytes() == (tmp_path / "b").read_bytes()
+
+
+def test_a_file_that_was_there_stays_when_the_next_one_fails(tmp_path):
+    with new_hdf5(tmp_path / "a.hdf5") as file:
+        file["x"] = 1
+    with pytest.raises(ZeroDivisionError), new_hdf5(tmp_path / "a.hdf5") as file:
+        file["x"] = 1 / 0
+    with h5py.File(tmp_path / "a.hdf5") as file:
+        assert file["x"][()] == 1
+    assert [path.name for path in tmp_path.iterdir()] == ["a.hdf5"]
+
+
+def test_a_place_that_cannot_be_written_is_named(tmp_path):
+    (tmp_path / "file").write_text("in the way")
+    with pytest.raises(OutputFolderError, match="file"), new_hdf5(tmp_path / "file/a.hdf5") as file:
+        file["x"] = 1
+
+
+LIMITED = """
+import errno, resource, signal, sys
+from pathlib import Path
+signal.signal(signal.SIGXFSZ, signal.SIG_IGN)  # a write beyond the limit is then refused
+from tests.datasets.test_hdf5_output import fill
+from vcage.datasets.hdf5_output import new_hdf5
+from vcage.base.errors import DiskFull
+for space in range(500, 200_000, 7_000):
+    resource.setrlimit(resource.RLIMIT_FSIZE, (space, resource.RLIM_INFINITY))
+    try:
+        with new_hdf5(Path(sys.argv[1])) as file:
+            fill(file)
+    except DiskFull as error:
+        assert error.__cause__.errno == errno.EFBIG, error
+        assert not list(Path(sys.argv[1]).parent.iterdir())
+        continue
+    sys.exit("not refused")
+"""
+
+
+def test_wherever_a_write_is_refused_the_process_goes_on_and_nothing_is_left(tmp_path):
+    program = [sys.executable, "-c", LIMITED, tmp_path / "a.hdf5"]
+    done = subprocess.run(program, capture_output=True, text=True, env={"PYTHONPATH": ":".join(sys.path)})
+    assert (done.returncode, done.stderr) == (0, "")

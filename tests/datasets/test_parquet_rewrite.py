@@ -1,0 +1,101 @@
+"""A Parquet file written again with other columns."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+import pytest
+
+from vcage.base.errors import DamagedFile
+from vcage.datasets.parquet_rewrite import rewrite, texts_of
+
+NAMES = ["observation", "observation.picture", "observation.state", "reward"]
+
+
+@pytest.fixture
+def source(tmp_path):
+    """Two row groups; as ``datasets`` and pandas write it, both say what the columns are."""
+    rows = 5
+    bits = np.array([0, -0.0, np.nan, np.inf, 1e-45], np.float32)
+    table = pa.table(
+        {
+            "observation": pa.array(range(rows), pa.int8()),
+            "observation.picture": [{"bytes": b"png", "path": f"{row % 2}.png"} for row in range(rows)],
+            "observation.state": pa.FixedSizeListArray.from_arrays(pa.array(np.repeat(bits, 2)), 2),
+            "reward": pa.array([1.0, None, 2.0, None, 3.0], pa.float64()),
+        }
+    )
+    told = {
+        b"huggingface": json.dumps({"info": {"features": {name: {"_type": "Value"} for name in NAMES}}}),
+        b"pandas": json.dumps({"columns": [{"name": name, "field_name": name} for name in NAMES]}),
+        b"mine": b"stays",
+    }
+    pq.write_table(table.replace_schema_metadata(told), tmp_path / "source.parquet", row_group_size=3)
+    return tmp_path / "source.parquet"
+
+
+def test_a_column_is_left_out_and_the_others_stay_to_the_bit(source, tmp_path):
+    rewrite(source, tmp_path / "target.parquet", without=["observation.picture"])
+    before, after = pq.read_table(source), pq.read_table(tmp_path / "target.parquet")
+    assert after.column_names == ["observation", "observation.state", "reward"]
+    for name in after.column_names:
+        assert after.schema.field(name) == before.schema.field(name)
+    assert after.drop_columns("observation.state") == before.drop_columns(["observation.state", "observation.picture"])
+    states = [table["observation.state"].combine_chunks().flatten().to_numpy() for table in (before, after)]
+    assert states[0].tobytes() == states[1].tobytes()
+
+
+def test_row_groups_stay_as_they_are(source, tmp_path):
+    rewrite(source, tmp_path / "target.parquet", without=["reward"])
+    file = pq.ParquetFile(tmp_path / "target.parquet")
+    assert [file.metadata.row_group(number).num_rows for number in range(file.num_row_groups)] == [3, 2]
+
+
+def test_what_is_said_of_a_column_goes_with_it(source, tmp_path):
+    rewrite(source, tmp_path / "target.parquet", without=["observation.picture"])
+    told = pq.read_schema(tmp_path / "target.parquet").metadata
+    kept = ["observation", "observation.state", "reward"]
+    assert list(json.loads(told[b"huggingface"])["info"]["features"]) == kept
+    assert [column["name"] for column in json.loads(told[b"pandas"])["columns"]] == kept
+    assert told[b"mine"] == b"stays"
+
+
+def test_rows_can_change_and_columns_can_come(source, tmp_path):
+    def double(table: pa.Table) -> pa.Table:
+        return table.append_column("row", pa.array(np.arange(table.num_rows), pa.int64()))
+
+    rewrite(source, tmp_path / "target.parquet", change=double)
+    assert pq.read_table(tmp_path / "target.parquet")["row"].to_pylist() == [0, 1, 2, 0, 1]
+
+
+def test_a_table_without_rows_keeps_its_columns(source, tmp_path):
+    pq.write_table(pq.read_table(source).slice(0, 0), tmp_path / "empty.parquet")
+    rewrite(tmp_path / "empty.parquet", tmp_path / "target.parquet", without=["observation.picture"])
+    assert pq.read_table(tmp_path / "target.parquet").column_names == ["observation", "observation.state", "reward"]
+
+
+def test_texts_in_a_field_are_found_without_what_lies_beside_them(source):
+    assert texts_of(source, "observation.picture", "path") == {"0.png", "1.png"}
+
+
+@pytest.mark.parametrize(("column", "field"), [("reward", "path"), ("observation.picture", "name"), ("none", "path")])
+def test_a_field_that_is_not_there_has_no_texts(source, column, field):
+    assert texts_of(source, column, field) == set()
+
+
+@pytest.mark.parametrize("size", [0, 40, -40])
+def test_a_file_that_is_cut_off_is_named(source, tmp_path, size):
+    source.write_bytes(source.read_bytes()[:size])
+    with pytest.raises(DamagedFile, match=r"source\.parquet cannot be read"):
+        rewrite(source, tmp_path / "target.parquet")
+
+
+def test_rows_that_are_damaged_are_named(source, tmp_path):
+    data = bytearray(source.read_bytes())
+    data[4:200] = b"\xff" * 196
+    source.write_bytes(data)
+    with pytest.raises(DamagedFile, match=r"source\.parquet cannot be read"):
+        rewrite(source, tmp_path / "target.parquet")

@@ -1,0 +1,128 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from vcage.base.errors import UnknownName, UsageError
+from vcage.layout.containers import LayoutItem, assign_containers, validate_items
+from vcage.objects.openings import Opening
+
+TRAY = Opening(centre=(0.0, 0.0), size=(0.26, 0.16), floor=0.01, rim=np.inf)
+CUP = Opening(centre=(0.0, 0.0), size=(0.06, 0.06), floor=0.005, rim=0.105)
+
+
+def tray(name: str = "tray", **fields) -> LayoutItem:
+    return LayoutItem(**{"id": name, "size": (0.3, 0.2, 0.03), "yaw": 0.0, "target": (0, 0), "opening": TRAY, **fields})
+
+
+def roll(name: str = "roll", **fields) -> LayoutItem:
+    return LayoutItem(
+        **{"id": name, "size": (0.1, 0.06, 0.05), "yaw": 0.0, "target": (0.02, 0), "inside": "tray", **fields}
+    )
+
+
+def test_what_may_lie_in_a_container_and_meets_it_is_assigned():
+    assert assign_containers([tray(), roll()]) == {"tray": None, "roll": "tray"}
+
+
+def test_without_permission_nothing_is_assigned():
+    assert assign_containers([tray(), roll(inside=None)])["roll"] is None
+
+
+def test_what_stands_beside_its_container_stays_there():
+    assert assign_containers([tray(), roll(target=(0.3, 0))])["roll"] is None
+
+
+def test_what_is_longer_than_the_opening_is_not_assigned():
+    assert assign_containers([tray(), roll(size=(0.28, 0.02, 0.02))])["roll"] is None
+
+
+def test_the_opening_turns_with_its_container():
+    items = [tray(yaw=np.pi / 2), roll(size=(0.25, 0.02, 0.02))]
+    assert assign_containers(items)["roll"] is None
+    assert assign_containers([items[0], roll(size=(0.25, 0.02, 0.02), yaw=np.pi / 2)])["roll"] == "tray"
+
+
+def test_a_full_container_takes_no_more():
+    items = [tray(), *[roll(f"roll{k}", size=(0.12, 0.12, 0.05)) for k in range(4)]]
+    assert [assign_containers(items)[f"roll{k}"] for k in range(4)] == ["tray", "tray", None, None]
+
+
+def test_volume_counts_in_deep_containers():
+    cup = LayoutItem("cup", (0.07, 0.07, 0.1), 0.0, (0, 0), CUP)
+    tall = LayoutItem("tall", (0.05, 0.05, 0.2), 0.0, (0, 0), inside="cup")
+    low = LayoutItem("low", (0.05, 0.05, 0.08), 0.0, (0, 0), inside="cup")
+    assert assign_containers([cup, tall])["tall"] is None
+    assert assign_containers([cup, low])["low"] == "cup"
+
+
+@pytest.mark.parametrize(
+    ("items", "words"),
+    [
+        ([tray(inside="tray")], "circle"),
+        ([tray("a", inside="b"), tray("b", inside="a")], "circle"),
+        ([tray(), tray()], "two objects"),
+        ([tray(), roll(target=(np.nan, 0))], "roll"),
+        ([tray(), roll(yaw=np.inf)], "roll"),
+        ([tray(), roll(size=(0.1, 0.0, 0.1))], "size"),
+        ([tray(), roll(centre=(np.nan, 0.0))], "roll"),
+        ([tray(), roll(allowed=[[[0, 0], [np.inf, 1]]])], "roll"),
+        ([tray(), roll(allowed=[1, 2, 3])], "no rectangles .* where roll may stand"),
+        ([tray(), roll(allowed=[[[1, 1], [0, 0]]])], "inverted: where roll may stand"),
+        ([tray(opening=Opening((0, 0), (0.0, 0.1), 0.01, np.inf))], "opening"),
+        ([tray(opening=Opening((0, 0), (0.1, 0.1), 0.01, np.nan))], "opening"),
+        ([tray(opening=None), roll()], "roll lies in tray, which has no room"),
+        ([], "nothing"),
+    ],
+    ids=[
+        "in itself",
+        "in each other",
+        "id twice",
+        "nan",
+        "infinite",
+        "flat",
+        "no middle",
+        "endless reach",
+        "no rectangles",
+        "inverted reach",
+        "no room",
+        "nan rim",
+        "no opening",
+        "none",
+    ],
+)
+def test_items_that_make_no_sense_are_refused(items, words):
+    with pytest.raises(UsageError, match=words):
+        validate_items(items)
+
+
+def test_an_unknown_container_is_refused():
+    with pytest.raises(UnknownName, match="drawer"):
+        validate_items([tray(), roll(inside="drawer")])
+
+
+def test_what_the_plan_demands_is_assigned_wherever_its_target_is():
+    items = [tray(), roll(target=(0.3, 0))]
+    assert assign_containers(items, demanded=["roll"])["roll"] == "tray"
+
+
+def block(name: str, **fields) -> LayoutItem:
+    top = Opening(centre=(0.0, 0.0), size=(0.05, 0.05), floor=0.05, rim=np.inf)
+    return LayoutItem(
+        **{"id": name, "size": (0.05, 0.05, 0.05), "yaw": 0.0, "target": (0, 0), "opening": top, **fields}
+    )
+
+
+def test_one_thing_as_large_as_a_bare_top_stands_on_it_at_any_heading():
+    items = [block("a"), block("b", yaw=0.5, inside="a"), block("c", inside="a")]
+    assert assign_containers(items) == {"a": None, "b": "a", "c": None}
+
+
+def test_the_rectangle_turns_about_the_origin():
+    item = roll(centre=(0.1, 0.0), yaw=np.pi / 2)
+    assert item.rectangle() == pytest.approx(np.array([[-0.03, 0.05], [0.03, 0.15]]))
+
+
+def test_relations_see_the_body_and_not_the_room():
+    item = roll(centre=(0.1, 0.0), body=[[-0.01, -0.02], [0.01, 0.02]], yaw=np.pi / 2)
+    assert item.body_rectangle() == pytest.approx(np.array([[-0.02, -0.01], [0.02, 0.01]]))

@@ -1,0 +1,103 @@
+from __future__ import annotations
+
+import pytest
+
+from tests.models.tabletop import BLOCKS, BOX, BREADS, ERASER, MARKERS, PLATE, WHITE_BOX, Thing, reference, view
+from vcage.base.errors import InputFileError
+from vcage.models.protocols import CriticQuestion
+from vcage.models.rules.critic import OfflineCritic
+from vcage.schema.episodes import Verdict
+from vcage.schema.subtasks import Goal
+
+BREAD_BOX = BOX.moved(id="bread-box", colour=(150, 100, 60))
+SCENES = {
+    "box": [BOX, *MARKERS, ERASER],
+    "white-box": [WHITE_BOX, *MARKERS, ERASER],
+    "plate": [PLATE, *BLOCKS],
+    "bread-box": [BREAD_BOX, *BREADS],
+}
+TWO = ("box", "plate")
+"""Of the scenes, for what is rejected in all of them alike."""
+
+PLACES = [(-0.05, 0.03), (0.05, -0.03), (0.0, 0.0), (0.02, 0.05)]
+
+
+def judge(before: list[Thing], after: list[Thing], thing: Thing) -> Verdict:
+    place = before[0]
+    relation = "on" if place is PLATE else "inside"
+    goal = Goal(subject=thing.id, relation=relation, reference=place.id)
+    references = {t.id: reference(t) for t in before}
+    return OfflineCritic().judge(CriticQuestion("…", [goal], {"top": view(before)}, {"top": view(after)}, references))
+
+
+def placed(thing: Thing, place: Thing, index: int) -> Thing:
+    dx, dy = PLACES[index % len(PLACES)]
+    base = place.size[2] if place is PLATE else 0.005
+    return thing.moved(at=(place.at[0] + dx, place.at[1] + dy), yaw=thing.yaw + 0.5, base=base)
+
+
+def swapped(things: list[Thing], old: Thing, new: Thing | None) -> list[Thing]:
+    return [t if t is not old else new for t in things if t is not old or new is not None]
+
+
+def earlier(name: str, index: int) -> tuple[list[Thing], Thing]:
+    """The scene with all earlier contents already put away, and the next thing to move."""
+    place, *things = SCENES[name]
+    return [place, *[placed(t, place, i) if i < index else t for i, t in enumerate(things)]], things[index]
+
+
+CASES = [(name, index) for name, scene in SCENES.items() for index in range(len(scene) - 1)]
+
+
+@pytest.mark.parametrize(("name", "index"), CASES)
+def test_a_thing_that_was_put_away_is_accepted_also_beside_earlier_ones(name: str, index: int) -> None:
+    before, thing = earlier(name, index)
+    verdict = judge(before, swapped(before, thing, placed(thing, before[0], index)), thing)
+    assert verdict.accepted, verdict.reason
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_a_thing_that_was_left_where_it_was_is_rejected(name: str) -> None:
+    before, thing = earlier(name, 1)
+    verdict = judge(before, before, thing)
+    assert not verdict.accepted and "still lies where it was" in verdict.reason
+
+
+@pytest.mark.parametrize("name", TWO)
+def test_a_thing_that_lies_beside_the_receptacle_is_rejected(name: str) -> None:
+    before, thing = earlier(name, 1)
+    beside = thing.moved(at=(before[0].at[0] - 0.22, before[0].at[1]))
+    assert not judge(before, swapped(before, thing, beside), thing).accepted
+
+
+@pytest.mark.parametrize("name", TWO)
+def test_a_thing_that_is_gone_is_rejected(name: str) -> None:
+    before, thing = earlier(name, 1)
+    assert not judge(before, swapped(before, thing, None), thing).accepted
+
+
+@pytest.mark.parametrize("name", TWO)
+def test_another_thing_in_its_place_is_rejected(name: str) -> None:
+    before, thing = earlier(name, 1)
+    other = before[3]
+    assert not judge(before, swapped(before, other, placed(other, before[0], 1)), thing).accepted
+
+
+def test_a_receptacle_that_was_pushed_a_little_still_counts() -> None:
+    before, thing = earlier("box", 0)
+    pushed = BOX.moved(at=(BOX.at[0] + 0.02, BOX.at[1] + 0.01))
+    after = [pushed, placed(thing, pushed, 0), *before[2:]]
+    verdict = judge(before, after, thing)
+    assert verdict.accepted, verdict.reason
+
+
+def test_a_receptacle_that_is_gone_is_rejected() -> None:
+    before, thing = earlier("plate", 0)
+    assert not judge(before, [t for t in before[1:] if t is not thing], thing).accepted
+
+
+def test_a_missing_reference_is_named() -> None:
+    before, thing = earlier("box", 0)
+    goal = Goal(subject=thing.id, relation="inside", reference="box")
+    with pytest.raises(InputFileError, match=thing.id):
+        OfflineCritic().judge(CriticQuestion("…", [goal], {"top": view(before)}, {"top": view(before)}, {}))

@@ -1,0 +1,129 @@
+from __future__ import annotations
+
+import pytest
+
+from vcage.models.selection_check import NamedObject, name_objects, validate_selection, with_room
+from vcage.plans.check import Capacity
+from vcage.schema.asset import CatalogueEntry, FunctionalPoint, Variant, Words
+from vcage.schema.plan import SelectedAsset, Selection
+
+
+def entry(name: str, words: str, **colours: str) -> CatalogueEntry:
+    return CatalogueEntry(
+        name=name,
+        words=Words(name=words, plural=f"{words}s", description=words, category="stationery"),
+        variants=[Variant(id=variant, colour=colour) for variant, colour in colours.items()],
+        size=(0.1, 0.1, 0.1),
+    )
+
+
+ENTRIES = [
+    entry("marker", "marker pen", black="black", red="red"),
+    entry("stapler", "stapler", plain="blue"),
+    entry("bread", "bread", loaf="brown", roll="brown"),
+]
+
+
+def selection(*chosen: tuple[str, str]) -> Selection:
+    return Selection(objects=[SelectedAsset(asset=a, variant=v, role="content") for a, v in chosen])
+
+
+def test_a_known_selection_has_no_complaints():
+    assert validate_selection(selection(("marker", "red"), ("stapler", "plain")), ENTRIES) == []
+
+
+def test_an_unknown_asset_is_complained_about_with_the_nearest_name():
+    assert validate_selection(selection(("markers", "red")), ENTRIES) == [
+        "there is no asset 'markers'; did you mean marker?"
+    ]
+
+
+def test_an_unknown_variant_is_complained_about_with_what_there_is():
+    assert validate_selection(selection(("marker", "pink")), ENTRIES) == [
+        "marker has no variant 'pink'; it has black, red"
+    ]
+
+
+@pytest.mark.parametrize(
+    ("chosen", "name", "phrase"),
+    [
+        (("marker", "black"), "marker_black", "black marker pen"),
+        (("stapler", "plain"), "stapler", "stapler"),
+        (("bread", "roll"), "bread_roll", "bread"),
+    ],
+)
+def test_ids_have_the_variant_and_phrases_the_colour_where_there_are_several(chosen, name, phrase):
+    (named,) = name_objects(selection(chosen), ENTRIES)
+    assert (named.id, named.phrase) == (name, phrase)
+
+
+def test_duplicates_get_numbers():
+    named = name_objects(selection(*[("marker", "red")] * 3), ENTRIES)
+    assert [n.id for n in named] == ["marker_red", "marker_red_2", "marker_red_3"]
+
+
+def holding(name: str, link: str | None = None) -> CatalogueEntry:
+    point = FunctionalPoint(id=0, name="inside", holds="in", position=(0, 0, 0.01), link=link)
+    return entry(name, name, plain="grey").model_copy(update={"functional_points": [point]})
+
+
+def starting_in(container: str) -> Selection:
+    return Selection(
+        objects=[
+            SelectedAsset(asset="stapler", variant="plain", role="content", starts_in=container),
+            SelectedAsset(asset=container, variant="plain", role="context"),
+        ]
+    )
+
+
+def test_what_starts_in_a_container_names_that_object_of_the_scene():
+    named = name_objects(starting_in("tray"), [*ENTRIES, holding("tray")])
+    assert [o.starts_in for o in named] == ["tray", None]
+
+
+def test_what_starts_in_something_without_room_is_complained_about():
+    entries = [*ENTRIES, entry("plank", "plank", plain="brown")]
+    assert validate_selection(starting_in("plank"), entries) == [
+        "stapler cannot start in or on plank, which has no room for things"
+    ]
+
+
+def test_nothing_starts_in_a_drawer_because_drawers_are_closed():
+    entries = [*ENTRIES, holding("cabinet", link="drawer")]
+    assert len(validate_selection(starting_in("cabinet"), entries)) == 1
+
+
+def test_starts_that_run_in_a_circle_are_no_selection():
+    ring = [("a", "b"), ("b", "c"), ("c", "a")]
+    with pytest.raises(ValueError, match="a starts in b starts in c starts in a: that is a circle"):
+        Selection(objects=[SelectedAsset(asset=a, variant="x", role="content", starts_in=b) for a, b in ring])
+
+
+def test_a_second_cup_may_start_in_what_the_first_one_holds():
+    chosen = [("cup", None), ("bowl", "cup"), ("cup", "bowl")]
+    objects = [SelectedAsset(asset=a, variant="x", role="content", starts_in=b) for a, b in chosen]
+    named = name_objects(Selection(objects=objects), [entry("cup", "cup", x="red"), entry("bowl", "bowl", x="red")])
+    assert [(o.id, o.starts_in) for o in named] == [("cup", None), ("bowl", "cup"), ("cup_2", "bowl")]
+
+
+def test_what_has_no_room_where_it_starts_stands_on_the_table_and_is_noted():
+    objects = [NamedObject(i, i, "x", i, "content", "box") for i in ("pen", "book", "brick", "other_brick")]
+    objects.append(NamedObject("box", "box", "x", "box", "context"))
+    rooms = {
+        "box": Capacity((0.22, 0.17, 0.1), "in", (0.2, 0.15)),
+        "pen": Capacity((0.14, 0.01, 0.01)),
+        "book": Capacity((0.3, 0.2, 0.02)),
+        "brick": Capacity((0.13, 0.1, 0.05)),
+        "other_brick": Capacity((0.13, 0.1, 0.05)),
+    }
+    found, notes = with_room(objects, rooms)
+    assert [o.starts_in for o in found] == ["box", None, "box", None, None]
+    assert "book starts on the table" in notes[0] and "too large for box" in notes[0]
+    assert "other_brick starts on the table" in notes[1] and len(notes) == 2
+
+
+def test_at_the_start_nothing_sticks_out_of_a_bare_top():
+    objects = [NamedObject(i, i, "x", i, "content", start) for i, start in (("book", "tin"), ("tin", None))]
+    rooms = {"book": Capacity((0.2, 0.14, 0.03)), "tin": Capacity((0.1, 0.1, 0.1), "on", (0.09, 0.09), bare=True)}
+    found, notes = with_room(objects, rooms)
+    assert found[0].starts_in is None and "too large for tin" in notes[0]

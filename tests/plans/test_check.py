@@ -1,0 +1,206 @@
+from __future__ import annotations
+
+import itertools
+import math
+
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+from tests.models.tabletop import BLOCKS, PLATE, scene_of
+from vcage.base.graphs import circles, longest_path
+from vcage.plans.check import Capacity, contradictions, plan_complaints
+from vcage.schema.plan import LayoutPlan, Relation
+from vcage.schema.scene import Workspace
+
+ROOMS = {
+    "box": Capacity((0.25, 0.18, 0.08), "in", (0.23, 0.16)),
+    "plate": Capacity((0.2, 0.2, 0.02), "on", (0.14, 0.14)),
+    "oven": Capacity((0.4, 0.3, 0.3), "in", (0.3, 0.2), ceiling=0.1),
+    "book": Capacity((0.2, 0.14, 0.03)),
+    "bottle": Capacity((0.07, 0.07, 0.2)),
+    "brick": Capacity((0.15, 0.14, 0.05)),
+    "a": Capacity((0.1, 0.1, 0.1)),
+    "b": Capacity((0.12, 0.09, 0.1)),
+    "c": Capacity((0.02, 0.02, 0.02)),
+    "pen": Capacity((0.16, 0.01, 0.01)),
+    "rod": Capacity((0.2, 0.01, 0.01)),
+    "block": Capacity((0.04, 0.04, 0.04), "on", (0.03, 0.03), bare=True),
+}
+
+
+def plan(*triples: tuple[str, str, str]) -> list[Relation]:
+    return [Relation(subject=s, relation=r, reference=o) for s, r, o in triples]
+
+
+def test_a_possible_plan_has_no_contradictions():
+    triples = [("a", "left_of", "b"), ("b", "left_of", "c"), ("c", "right_of", "a"), ("d", "inside", "c")]
+    assert contradictions(plan(*triples, ("b", "center", "table"), ("e", "in_front_of", "a"))) == []
+
+
+@pytest.mark.parametrize(
+    ("relations", "words"),
+    [
+        ([("a", "left_of", "b"), ("b", "left_of", "a")], "a left of b left of a: that is a circle"),
+        ([("a", "left_of", "b"), ("b", "left_of", "c"), ("a", "right_of", "c")], "circle"),
+        ([("a", "left_of", "b"), ("c", "right_of", "b"), ("d", "right_of", "c"), ("d", "left_of", "a")], "circle"),
+        ([("a", "behind", "b"), ("a", "in_front_of", "b")], "circle"),
+        ([("a", "inside", "b"), ("b", "on", "a")], "circle"),
+        ([("a", "inside", "b"), ("b", "inside", "c"), ("c", "on", "a")], "circle"),
+        ([("a", "inside", "b"), ("a", "on", "c")], "both b and c"),
+        ([("a", "inside", "b"), ("a", "on", "table")], "both b and table"),
+        ([("a", "inside", "b"), ("a", "beside", "b")], "beside it"),
+        ([("a", "inside", "b"), ("b", "near", "a")], "lies in or on it"),
+        ([("a", "inside", "b"), ("b", "inside", "c"), ("a", "left_of", "c")], "left_of it"),
+        ([("a", "inside", "b"), ("a", "left_of", "c"), ("b", "right_of", "c")], "b left of c left of b"),
+        ([("a", "center", "table"), ("b", "center", "table")], "both be in the center"),
+        ([("a", "near", "a")], "itself"),
+        ([("table", "on", "a")], "the table cannot"),
+        ([("a", "left_of", "table")], "only 'center'"),
+    ],
+)
+def test_contradictions_are_found(relations, words):
+    found = contradictions(plan(*relations))
+    assert len(found) == 1
+    assert words in found[0]
+
+
+def test_every_circle_is_named_at_once():
+    triples = [("a", "left_of", "b"), ("b", "left_of", "a"), ("c", "left_of", "d"), ("d", "left_of", "c")]
+    assert len(contradictions(plan(*triples, ("a", "behind", "c"), ("c", "behind", "a")))) == 3
+
+
+def test_what_lies_in_the_same_thing_is_ordered_by_itself():
+    triples = [("a", "inside", "t"), ("b", "inside", "t"), ("a", "left_of", "b"), ("t", "center", "table")]
+    assert contradictions(plan(*triples)) == []
+    assert "circle" in contradictions(plan(*triples, ("b", "left_of", "a")))[0]
+
+
+def test_a_content_may_be_in_the_centre_with_its_container():
+    assert contradictions(plan(("a", "inside", "b"), ("a", "center", "table"), ("b", "center", "table"))) == []
+
+
+def test_saying_a_thing_twice_is_no_contradiction():
+    assert contradictions(plan(("a", "center", "table"), ("a", "center", "table"))) == []
+
+
+@pytest.mark.parametrize(
+    ("triple", "words"),
+    [
+        (("book", "inside", "bottle"), "which has no opening"),
+        (("a", "inside", "plate"), "which has no opening"),
+        (("a", "on", "book"), "no surface"),
+        (("box", "inside", "oven"), None),
+        (("bottle", "inside", "oven"), "20 cm high, oven takes 10 cm"),
+        (("book", "on", "plate"), "too large for plate, which has room for 14.0 x 14.0 cm"),
+        (("book", "inside", "box"), None),
+        (("a", "on", "plate"), None),
+        (("a", "on", "box"), None),
+        (("pen", "on", "plate"), None),
+        (("rod", "on", "plate"), "rod (20.0 x 1.0 cm) is too large for plate, which has room for 14.0 x 14.0 cm"),
+        (("brick", "on", "book"), "no surface"),
+        (("book", "on", "block"), None),
+    ],
+)
+def test_sizes_and_openings_decide_what_goes_where(triple, words):
+    found = contradictions(plan(triple), ROOMS)
+    assert found == [] if words is None else len(found) == 1 and words in found[0]
+
+
+def test_contents_that_do_not_fit_together_are_named():
+    area = contradictions(plan(("brick", "inside", "box"), ("book", "inside", "box")), ROOMS)
+    assert "brick, book do not fit into box together: they cover 490 cm²" in area[0]
+    pair = contradictions(plan(("a", "inside", "box"), ("brick", "inside", "box")), ROOMS)
+    assert "a and brick do not fit into box beside each other" in pair[0]
+    assert contradictions(plan(("a", "inside", "box"), ("b", "inside", "box")), ROOMS) == []
+
+
+def test_beside_one_that_stands_out_on_a_bare_top_there_is_no_room():
+    assert "book, c do not fit into block together" in contradictions(
+        plan(("book", "on", "block"), ("c", "on", "block")), ROOMS
+    )[0]  # fmt: skip
+
+
+SIDES = st.floats(0.005, 0.3)
+
+
+@given(size=st.tuples(SIDES, SIDES), angle=st.floats(0, 3.2), spare=st.tuples(SIDES, SIDES))
+def test_what_fits_at_some_angle_is_not_called_too_large(size, angle, spare):
+    c, s = abs(math.cos(angle)), abs(math.sin(angle))
+    box = (c * size[0] + s * size[1] + 1e-6, s * size[0] + c * size[1] + 1e-6)
+    rooms = {"x": Capacity((*size, 0.1)), "y": Capacity((*spare, 0.1))}
+    rooms["alone"] = Capacity((1, 1, 0.1), "in", box)
+    assert not contradictions(plan(("x", "inside", "alone")), rooms)
+    rooms["both"] = Capacity((1, 1, 0.1), "in", (box[0] + spare[0], max(box[1], spare[1])))
+    found = contradictions(plan(("x", "inside", "both"), ("y", "inside", "both")), rooms)
+    assert not any("beside each other" in text or "too large" in text for text in found)
+
+
+@given(size=st.tuples(SIDES, SIDES), opening=st.tuples(SIDES, SIDES))
+def test_what_fits_at_no_angle_is_called_too_large(size, opening):
+    angles = [math.pi * k / 720 for k in range(361)]
+    boxes = [(math.cos(t) * size[0] + math.sin(t) * size[1], math.sin(t) * size[0] + math.cos(t) * size[1])
+             for t in angles]  # fmt: skip
+    over = min(max(w - opening[0], d - opening[1]) for w, d in boxes)
+    assume(over > 0.002)
+    rooms = {"x": Capacity((*size, 0.1)), "y": Capacity((1, 1, 0.1), "in", opening)}
+    assert "too large" in contradictions(plan(("x", "inside", "y")), rooms)[0]
+
+
+def test_a_row_longer_than_the_workspace_is_refused():
+    rooms = {name: Capacity((0.3, 0.2, 0.1)) for name in "abcd"}
+    row = plan(("a", "left_of", "b"), ("b", "left_of", "c"), ("d", "right_of", "c"))
+    wide, narrow = (Workspace(lower=(0, 0), upper=(x, 0.4)) for x in (0.6, 0.49))
+    assert contradictions(row, rooms, wide) == []
+    assert "this row needs at least 0.50 m, 0.49 m may be covered" in contradictions(row, rooms, narrow)[0]
+
+
+def test_a_plan_must_name_what_there_is_and_all_of_it():
+    scene = scene_of([PLATE, *BLOCKS])
+    complaints = plan_complaints(LayoutPlan(text=" ", relations=plan(("plate", "left_of", "cup"))), scene)
+    assert complaints == [
+        "text: is empty", "there is no object 'cup'", "nothing says where red-block, green-block, blue-block go",
+    ]  # fmt: skip
+
+
+def test_a_hopeless_plan_is_not_complained_about_without_end():
+    scene = scene_of([PLATE])
+    nonsense = plan(*((f"o{i}", "near", "plate") for i in range(50)))
+    complaints = plan_complaints(LayoutPlan(text="x", relations=nonsense), scene)
+    assert len(complaints) == 21 and complaints[-1] == "and 31 more complaints like these"
+
+
+def test_what_starts_in_something_must_be_planned_there():
+    scene = scene_of([PLATE, BLOCKS[0]])
+    objects = [scene.objects[0], scene.objects[1].model_copy(update={"container": "plate"})]
+    layout = LayoutPlan(text="x", relations=plan(("plate", "center", "table"), ("red-block", "left_of", "plate")))
+    complaints = plan_complaints(layout, scene.model_copy(update={"objects": objects}))
+    assert complaints == ["red-block lies in or on plate at the start: say that it stays there"]
+
+
+def test_the_centre_of_an_object_is_for_what_lies_in_or_on_it():
+    assert "without lying in or on it" in contradictions(plan(("a", "center", "b")))[0]
+    assert contradictions(plan(("a", "on", "b"), ("a", "center", "b"))) == []
+
+
+def test_a_thousand_relations_are_checked_without_recursion():
+    names = [f"o{i}" for i in range(1001)]
+    row = [(a, "left_of", b) for a, b in itertools.pairwise(names)]
+    assert contradictions(plan(*row)) == []
+    assert len(contradictions(plan(*row, (names[-1], "left_of", names[0])))) == 1
+    nest = [(a, "inside", b) for a, b in itertools.pairwise(names)]
+    assert contradictions(plan(*nest)) == []
+
+
+@given(order=st.permutations(list("abcdefg")), edges=st.sets(st.tuples(st.integers(0, 6), st.integers(0, 6))))
+def test_relations_that_follow_an_order_make_no_circle(order, edges):
+    forwards = [(order[min(e)], order[max(e)]) for e in edges if e[0] != e[1]]
+    assert circles(forwards) == []
+    if forwards:
+        assert len(circles([*forwards, forwards[0][::-1]])) == 1
+
+
+def test_the_longest_path_counts_edges_and_ends():
+    lengths = {("a", "b"): 1.0, ("b", "c"): 1.0, ("a", "c"): 1.5}
+    assert longest_path(lengths, {"a": 0.5, "c": 0.25}) == (2.75, ["a", "b", "c"])
+    assert longest_path({}, {}) == (0.0, [])

@@ -1,0 +1,82 @@
+"""One file of a Python package, from an index that is a folder of this machine."""
+
+from __future__ import annotations
+
+import importlib.util
+import io
+import tarfile
+import zipfile
+from pathlib import Path
+
+import pytest
+
+from vcage.base.errors import FetchFailed, MissingDependency
+from vcage.setup import python_index
+
+
+@pytest.fixture
+def index(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder of packages that pip looks into, and nowhere else."""
+    folder = tmp_path / "index"
+    folder.mkdir()
+    for name in ("PIP_INDEX_URL", "PIP_EXTRA_INDEX_URL"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setenv("PIP_CONFIG_FILE", "/dev/null")
+    monkeypatch.setenv("PIP_NO_INDEX", "1")
+    monkeypatch.setenv("PIP_FIND_LINKS", str(folder))
+    return folder
+
+
+def sdist(folder: Path, marker: Path) -> Path:
+    """A source archive whose ``setup.py`` leaves a mark when it is run."""
+    texts = {
+        "PKG-INFO": "Metadata-Version: 1.0\nName: some_shapes\nVersion: 0.1\n",
+        "setup.py": f"open({str(marker)!r}, 'w').close()\nfrom setuptools import setup\nsetup()\n",
+    }
+    path = folder / "some_shapes-0.1.tar.gz"
+    with tarfile.open(path, "w:gz") as archive:
+        for name, text in texts.items():
+            member = tarfile.TarInfo(f"some_shapes-0.1/{name}")
+            member.size = len(text)
+            archive.addfile(member, io.BytesIO(text.encode()))
+    return path
+
+
+def wheel(folder: Path) -> Path:
+    path = folder / "some_meshes-2.0-py3-none-any.whl"
+    with zipfile.ZipFile(path, "w") as archive:
+        archive.writestr(
+            "some_meshes-2.0.dist-info/METADATA", "Metadata-Version: 2.1\nName: some-meshes\nVersion: 2.0\n"
+        )
+        archive.writestr("some_meshes-2.0.dist-info/WHEEL", "Wheel-Version: 1.0\nTag: py3-none-any\n")
+        archive.writestr("some_meshes-2.0.dist-info/RECORD", "")
+    return path
+
+
+def test_a_source_archive_is_downloaded_and_its_setup_is_not_run(index: Path, tmp_path: Path) -> None:
+    archive, marker, target = sdist(index, tmp_path / "was-run"), tmp_path / "was-run", tmp_path / "target"
+    target.mkdir()
+    found = python_index.download("some-shapes", "0.1", "sdist", target)
+    assert found.read_bytes() == archive.read_bytes()
+    assert not marker.exists()
+
+
+def test_a_wheel_is_downloaded_without_what_it_depends_on(index: Path, tmp_path: Path) -> None:
+    archive = wheel(index)
+    target = tmp_path / "target"
+    target.mkdir()
+    assert python_index.download("some-meshes", "2.0", "wheel", target).read_bytes() == archive.read_bytes()
+    assert [path.name for path in target.iterdir()] == [archive.name]
+
+
+def test_a_version_that_the_index_lacks_is_named(index: Path, tmp_path: Path) -> None:
+    with pytest.raises(FetchFailed, match=r"pip: .*some-meshes==9") as caught:
+        python_index.download("some-meshes", "9", "wheel", tmp_path)
+    assert "package index" in caught.value.hint
+
+
+def test_an_environment_without_pip_is_told_how_to_get_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(importlib.util, "find_spec", lambda name: None)
+    with pytest.raises(MissingDependency, match="no pip") as caught:
+        python_index.download("x", "1", "wheel", tmp_path)
+    assert "uv pip install" in caught.value.hint

@@ -1,0 +1,301 @@
+"""Collecting: what an episode file holds, and how a collection goes on, grows, fails and starts anew."""
+
+from __future__ import annotations
+
+import shutil
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+import pytest
+
+from tests.runs import FPS, INSTRUCTION, Finished, copied, digests
+from vcage.base.errors import DamagedFile, PartlyDone, StaleStage
+from vcage.base.files import RunFolder, read_json, write_json
+from vcage.datasets.reader import EpisodeReader
+from vcage.schema.episodes import Attempt, Episode, Episodes, Truth, Verdict
+from vcage.schema.scene import Scene
+from vcage.schema.subtasks import Subtasks
+from vcage.stages import collect
+from vcage.stages import episode_store as gathering
+from vcage.stages.settings import Settings
+
+CAMERAS = ["cam_high", "cam_left_wrist", "cam_right_wrist"]
+
+
+def settings(**changes: Any) -> Settings:
+    return Settings(**{"instruction": INSTRUCTION, "models": "offline", "episodes": 1, "fps": FPS, **changes})
+
+
+# --- what a real episode holds -------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def reader(finished: Finished):
+    with EpisodeReader(finished.run.root / Episodes.read(finished.run.episodes).episodes[0].file) as reader:
+        yield reader
+
+
+def test_the_episode_was_accepted(finished):
+    (episode,) = Episodes.read(finished.run.episodes).episodes
+    assert episode.accepted and episode.frames > 20
+
+
+def test_three_cameras_see_something_that_moves(reader):
+    assert reader.cameras == CAMERAS
+    for camera in CAMERAS:
+        pictures = reader.images(camera)
+        assert len(pictures) == reader.episode.frames
+        assert pictures[0].std() > 10
+        assert np.abs(pictures[0].astype(int) - pictures[len(pictures) // 2]).max() > 40
+
+
+def test_time_stamps_are_evenly_spaced_from_zero(reader):
+    assert np.allclose(reader.episode.timestamp, np.arange(reader.episode.frames) / FPS)
+
+
+def test_state_and_action_stand_side_by_side_and_grippers_open_from_0_to_1(reader):
+    episode = reader.episode
+    shape = (episode.frames, len(episode.state_names))
+    assert episode.qpos.shape == episode.qvel.shape == episode.action.shape == shape
+    grippers = [i for i, name in enumerate(episode.state_names) if name.endswith("gripper")]
+    for values in (episode.qpos[:, grippers], episode.action[:, grippers]):
+        assert values.min() >= -0.01 and values.max() <= 1.01
+    assert np.ptp(episode.action[:, grippers], axis=0).max() > 0.3
+
+
+def test_the_segments_follow_the_chain_without_gaps_each_with_verdict_and_truth(finished, reader):
+    segments = reader.episode.segments
+    assert [s.subtask for s in segments] == Subtasks.read(finished.run.subtasks).chain
+    assert segments[0].start == 0
+    assert all(a.end == b.start for a, b in pairwise(segments))
+    assert segments[-1].end in (reader.episode.frames, reader.episode.frames - 1)
+    assert all(s.verdict.accepted and s.verdict.provider == "offline" and s.truth.success for s in segments)
+
+
+def test_the_file_says_by_itself_how_it_was_made(finished, reader):
+    meta = reader.episode.meta
+    assert (meta["instruction"], meta["seed"], meta["episode"]) == (INSTRUCTION, 0, 0)
+    assert {"vcage", "python", "sapien", "mani_skill", "mplib", "numpy"} <= meta["versions"].keys()
+    assert meta["providers"]["critic"] == "offline"
+    scene = Scene.model_validate(meta["scene"])
+    assert {o.id for o in scene.objects} == reader.episode.object_poses.keys()
+
+
+def test_the_objects_end_where_the_task_wants_them(reader):
+    poses, plate = reader.episode.object_poses, "plate_white"
+    for name in (s.subtask.split("-")[0] for s in reader.episode.segments):
+        assert np.linalg.norm(poses[name][-1, :2] - poses[plate][-1, :2]) < 0.15
+        assert np.linalg.norm(poses[name][0, :2] - poses[plate][0, :2]) > 0.1
+
+
+def test_the_scenes_of_two_episodes_differ(finished, more):
+    starts = []
+    for index in (0, 1):
+        with h5py.File(more.root / f"episodes/episode_{index:06d}.hdf5") as file:
+            starts.append(np.stack([poses[0] for poses in file["objects"].values()]))
+    assert not np.allclose(*starts, atol=1e-4)
+
+
+def test_acceptance_and_the_critic_s_confusion_follow_from_the_log(finished):
+    record = Episodes.read(finished.run.episodes)
+    attempts = gathering.read_log(finished.run.episodes.parent)
+    assert record.attempts == len(attempts)
+    assert sum(entry["attempts"] for entry in record.acceptance.values()) == len(attempts)
+    assert sum(entry["accepted"] for entry in record.acceptance.values()) == sum(a.accepted for a in attempts)
+    counts = record.critic
+    assert counts["judged"] == sum(a.verdict is not None for a in attempts)
+    assert counts["judged"] == sum(counts[name] for name in counts if name != "judged")
+
+
+def test_the_pictures_of_every_verdict_are_kept(finished):
+    (episode,) = Episodes.read(finished.run.episodes).episodes
+    pictures = [name for verdict in episode.verdicts for name in verdict.pictures]
+    assert len(pictures) == 2 * len(episode.subtasks)
+    assert all((finished.run.episodes.parent / name).is_file() for name in pictures)
+
+
+# --- more of them --------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def more(finished: Finished, tmp_path_factory) -> RunFolder:
+    """The finished run, of which a second episode was asked later."""
+    run = copied(finished.run, tmp_path_factory.mktemp("more") / "run")
+    collect.execute(run, settings(episodes=2), finished.bench)
+    return run
+
+
+def test_asking_for_more_adds_to_those_there_are(finished, more):
+    record = Episodes.read(more.episodes)
+    assert sum(e.accepted for e in record.episodes) == 2
+    before, after = (digests(run.root / "episodes") for run in (finished.run, more))
+    assert after["episode_000000.hdf5"] == before["episode_000000.hdf5"]
+    assert before.keys() < after.keys()
+
+
+def test_asking_for_fewer_changes_nothing(finished, more):
+    before = digests(more.root)
+    assert not collect.execute(more, settings(episodes=1), finished.bench).fresh
+    assert digests(more.root) == before
+
+
+def test_another_way_of_failing_is_another_collection(finished):
+    with pytest.raises(StaleStage, match="option on_failure"):
+        collect.execute(finished.run, settings(on_failure="abort"), finished.bench)
+
+
+# --- what stops a collection, with episodes that cost nothing ------------------------------------------
+
+
+class Cheap:
+    """In place of the simulation: episodes of a few bytes, accepted unless their index is in ``bad``."""
+
+    bad: frozenset[int] = frozenset()
+    stop_at: int | None = None
+    made: list[int] = []
+
+    def __init__(self, *_: Any):
+        pass
+
+    def one(self, index: int, folder: Path) -> tuple[Episode, list[Attempt]]:
+        (folder / f"episode_{index:06d}.partial-1.hdf5").write_bytes(b"half")
+        if index == self.stop_at:
+            raise KeyboardInterrupt
+        (folder / f"episode_{index:06d}.partial-1.hdf5").unlink()
+        self.made.append(index)
+        (folder / f"episode_{index:06d}.hdf5").write_text(f"episode {index}")
+        return episode(index, index not in self.bad), [attempt(index, index not in self.bad)]
+
+
+def episode(index: int, accepted: bool) -> Episode:
+    return Episode(
+        index=index, seed=0, accepted=accepted, reason="it slipped", file=f"episodes/episode_{index:06d}.hdf5",
+        frames=3, fps=FPS, subtasks=["a-onto-b"], verdicts=[], attempts=1,
+    )  # fmt: skip
+
+
+def attempt(index: int, accepted: bool) -> Attempt:
+    verdict = Verdict(accepted=accepted, reason="seen", confidence=1, provider="offline")
+    return Attempt(
+        episode=index, step=0, attempt=0, subtask="a-onto-b", object="a", asset="block", variant="red", arm="left",
+        contact=0, stage="done" if accepted else "verify", reason="it slipped", accepted=accepted, steps=1,
+        verdict=verdict, truth=Truth(success=index == 0, reason="so it is"),
+    )  # fmt: skip
+
+
+@pytest.fixture
+def cheap(monkeypatch) -> type[Cheap]:
+    kind = type("ThisCheap", (Cheap,), {"made": []})
+    monkeypatch.setattr(collect, "_Collection", kind)
+    return kind
+
+
+@pytest.fixture
+def begun(finished, tmp_path) -> RunFolder:
+    return copied(finished.run, tmp_path / "run", before="collect")
+
+
+def test_an_interrupted_collection_goes_on_after_its_last_whole_episode(finished, begun, cheap):
+    cheap.stop_at = 2
+    with pytest.raises(KeyboardInterrupt):
+        collect.execute(begun, settings(episodes=4), finished.bench)
+    assert not begun.episodes.exists()
+    cheap.stop_at = None
+    record = collect.execute(begun, settings(episodes=4), finished.bench).record
+    assert cheap.made == [0, 1, 2, 3] and len(record.episodes) == record.attempts == 4
+    assert not [name for name in digests(begun.root) if "partial" in name]
+    assert not list(begun.root.glob("episodes.*"))
+
+
+def test_it_equals_one_that_was_not_interrupted(finished, begun, cheap, tmp_path):
+    cheap.stop_at = 1
+    with pytest.raises(KeyboardInterrupt):
+        collect.execute(begun, settings(episodes=2), finished.bench)
+    cheap.stop_at = None
+    collect.execute(begun, settings(episodes=2), finished.bench)
+    straight = copied(finished.run, tmp_path / "straight", before="collect")
+    collect.execute(straight, settings(episodes=2), finished.bench)
+    assert digests(begun.root) == digests(straight.root)
+
+
+def test_what_another_way_left_half_done_is_thrown_away(finished, begun, cheap):
+    cheap.stop_at = 1
+    with pytest.raises(KeyboardInterrupt):
+        collect.execute(begun, settings(episodes=2), finished.bench)
+    cheap.stop_at = None
+    collect.execute(begun, settings(episodes=2, on_failure="abort"), finished.bench)
+    assert cheap.made == [0, 0, 1]
+
+
+@pytest.mark.parametrize("name", ["episodes.json", "log.jsonl"])
+def test_a_damaged_leftover_is_thrown_away(finished, begun, cheap, name):
+    cheap.stop_at = 1
+    with pytest.raises(KeyboardInterrupt):
+        collect.execute(begun, settings(episodes=2), finished.bench)
+    (begun.root / "episodes.collecting" / name).write_text("{")
+    cheap.stop_at = None
+    collect.execute(begun, settings(episodes=2), finished.bench)
+    assert cheap.made == [0, 0, 1]
+
+
+def test_a_kill_while_earlier_episodes_are_taken_over_loses_none(finished, begun, cheap, monkeypatch):
+    collect.execute(begun, settings(episodes=2), finished.bench)
+    monkeypatch.setattr(shutil, "copytree", copy_the_index_and_die)
+    with pytest.raises(KeyboardInterrupt):
+        collect.execute(begun, settings(episodes=3), finished.bench)
+    monkeypatch.undo()
+    monkeypatch.setattr(collect, "_Collection", cheap)
+    record = collect.execute(begun, settings(episodes=3), finished.bench).record
+    assert all((begun.root / e.file).is_file() for e in record.episodes) and len(record.episodes) == 3
+
+
+def copy_the_index_and_die(source: Path, target: Path, **_: Any) -> None:
+    shutil.copy(source / "episodes.json", target)
+    raise KeyboardInterrupt
+
+
+def test_failed_episodes_are_made_up_for_and_counted(finished, begun, cheap):
+    cheap.bad = frozenset({0, 2})
+    record = collect.execute(begun, settings(episodes=2), finished.bench).record
+    assert [e.accepted for e in record.episodes] == [False, True, False, True]
+    assert record.acceptance == {"block/red": {"accepted": 2, "attempts": 4}}
+    assert record.critic == {
+        "judged": 4, "true_accepted": 0, "false_accepted": 2, "false_refused": 1, "true_refused": 1,
+    }  # fmt: skip
+
+
+def test_a_collection_without_success_ends_and_says_why(finished, begun, cheap):
+    cheap.bad = frozenset(range(100))
+    with pytest.raises(PartlyDone, match=r"none of 6 episodes was verified: it slipped"):
+        collect.execute(begun, settings(episodes=2), finished.bench)
+    assert len(gathering.read_log(begun.episodes.parent)) == 6
+
+
+def test_a_damaged_script_is_named_before_anything_is_collected(finished, begun):
+    record = Subtasks.read(begun.subtasks)
+    script = begun.root / {s.id: s.script for s in record.kept}[record.chain[0]]
+    script.write_text("def play(:")
+    with pytest.raises(DamagedFile, match=script.name):
+        collect.execute(begun, settings(), finished.bench)
+    assert not begun.episodes.exists()
+
+
+def test_an_edited_script_makes_the_episodes_stale(finished, tmp_path):
+    run = copied(finished.run, tmp_path / "run")
+    record = Subtasks.read(run.subtasks)
+    script = run.root / {s.id: s.script for s in record.kept}[record.chain[0]]
+    script.write_text(script.read_text() + "\n# edited by hand\n")
+    with pytest.raises(StaleStage, match=f"input subtasks/{script.name}"):
+        collect.execute(run, settings(), finished.bench)
+
+
+def test_force_makes_a_damaged_collection_again(finished, begun, cheap):
+    collect.execute(begun, settings(), finished.bench)
+    write_json(begun.episodes, {**read_json(begun.episodes), "attempts": -1})
+    with pytest.raises(Exception, match="attempts") as caught:
+        collect.execute(begun, settings(), finished.bench)
+    assert "--force" in caught.value.hint
+    assert collect.execute(begun, settings(force=True), finished.bench).fresh

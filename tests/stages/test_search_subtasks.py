@@ -1,0 +1,56 @@
+"""The stage that searches sub-tasks: scripts that parse, refusals with reasons, a chain for the instruction."""
+
+from __future__ import annotations
+
+import ast
+
+import pytest
+
+from tests.runs import SETTINGS, copied
+from vcage.base.errors import NoFeasibleTask, SchemaMismatch
+from vcage.base.files import read_json, write_json
+from vcage.schema.scene import Scene
+from vcage.schema.subtasks import Subtasks
+from vcage.stages import search_subtasks
+from vcage.tasks.synthesis import load_script
+
+
+def test_every_kept_subtask_has_a_script_that_parses_and_loads(finished):
+    record = Subtasks.read(finished.run.subtasks)
+    assert record.kept
+    for subtask in record.kept:
+        path = finished.run.root / subtask.script
+        ast.parse(path.read_text(encoding="utf-8"))
+        assert load_script(path).values["TEXT"] == subtask.text
+
+
+def test_the_chain_moves_every_content_once(finished):
+    record, scene = Subtasks.read(finished.run.subtasks), Scene.read(finished.run.layout)
+    by_id = {subtask.id: subtask for subtask in record.kept}
+    contents = [o.id for o in scene.objects if o.role == "content"]
+    assert sorted(by_id[i].object for i in record.chain) == sorted(contents)
+    assert {by_id[i].receptacle for i in record.chain} == {o.id for o in scene.objects if o.role == "receptacle"}
+
+
+def test_every_refusal_has_a_reason(finished):
+    record = Subtasks.read(finished.run.subtasks)
+    assert record.refused and all(refusal.reason for refusal in record.refused)
+    assert record.candidates > len(record.kept)
+
+
+def test_where_the_receptacle_is_out_of_reach_nothing_is_chained_and_nothing_written(finished, tmp_path):
+    run = copied(finished.run, tmp_path / "run", before="search_subtasks")
+    scene = read_json(run.layout)
+    for record in scene["objects"]:
+        record["pose"]["position"][1] += 5.0
+    write_json(run.layout, scene)
+    with pytest.raises(NoFeasibleTask, match="block"):
+        search_subtasks.execute(run, SETTINGS, finished.bench)
+    assert not run.subtasks.parent.exists()
+
+
+def test_a_layout_of_another_version_is_refused_by_name(finished, tmp_path):
+    run = copied(finished.run, tmp_path / "run", before="search_subtasks")
+    write_json(run.layout, {**read_json(run.layout), "schema": "vcage.scene/0"})
+    with pytest.raises(SchemaMismatch, match=r"vcage\.scene/0.*expected 'vcage\.scene/1'"):
+        search_subtasks.execute(run, SETTINGS, finished.bench)

@@ -1,0 +1,68 @@
+"""Judging again: all accepted episodes from the pictures that were kept, or one pair."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tests.runs import SETTINGS, copied
+from vcage.base.errors import DamagedFile, InputFileError, MissingStage, StaleStage, UnknownName
+from vcage.base.files import read_json, write_json
+from vcage.base.pictures import read_picture, write_picture
+from vcage.schema.episodes import Episodes, SingleVerdict, Verdicts
+from vcage.stages import verify
+
+
+def pair(finished):
+    """The first sub-task's id and the two pictures that were looked at."""
+    episode = Episodes.read(finished.run.episodes).episodes[0]
+    return episode.subtasks[0], *(finished.run.episodes.parent / name for name in episode.verdicts[0].pictures)
+
+
+def test_the_same_critic_says_the_same_again(finished):
+    episode = Episodes.read(finished.run.episodes).episodes[0]
+    verdicts = Verdicts.read(finished.run.verdicts).episodes[episode.file]
+    assert [v.reason for v in verdicts] == [v.reason for v in episode.verdicts]
+    for verdict in verdicts:
+        assert all((finished.run.verdicts.parent / name).is_file() for name in verdict.pictures)
+
+
+def test_a_pair_is_judged_by_what_it_shows(finished):
+    subtask, before, after = pair(finished)
+    done = verify.judge_pair(finished.run, finished.bench, subtask, before, after)
+    idle = verify.judge_pair(finished.run, finished.bench, subtask, before, before)
+    assert isinstance(done, SingleVerdict) and done.verdict.accepted
+    assert not idle.verdict.accepted and idle.verdict.reason
+
+
+def test_an_unknown_subtask_lists_those_there_are(finished):
+    subtask, before, after = pair(finished)
+    with pytest.raises(UnknownName, match=subtask):
+        verify.judge_pair(finished.run, finished.bench, "fly-to-the-moon", before, after)
+
+
+def test_a_missing_picture_is_named(finished, tmp_path):
+    subtask, before, _ = pair(finished)
+    with pytest.raises(MissingStage, match=r"nowhere\.png"):
+        verify.judge_pair(finished.run, finished.bench, subtask, before, tmp_path / "nowhere.png")
+
+
+def test_what_is_no_picture_is_named(finished, tmp_path):
+    subtask, before, _ = pair(finished)
+    (tmp_path / "text.png").write_text("not a picture")
+    with pytest.raises(DamagedFile, match=r"text\.png"):
+        verify.judge_pair(finished.run, finished.bench, subtask, before, tmp_path / "text.png")
+
+
+def test_pictures_of_another_camera_s_size_are_refused(finished, tmp_path):
+    subtask, before, after = pair(finished)
+    small = write_picture(tmp_path / "small.png", np.ascontiguousarray(read_picture(after)[::2, ::2]))
+    with pytest.raises(InputFileError, match=r"small\.png"):
+        verify.judge_pair(finished.run, finished.bench, subtask, before, small)
+
+
+def test_other_episodes_make_the_verdicts_stale(finished, tmp_path):
+    run = copied(finished.run, tmp_path / "run")
+    write_json(run.episodes, {**read_json(run.episodes), "instruction": "something else"})
+    with pytest.raises(StaleStage, match=r"episodes/episodes\.json"):
+        verify.execute(run, SETTINGS, finished.bench)

@@ -1,0 +1,235 @@
+"""The closed loop: verify every sub-task, go back to what was verified, or give up."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tests.scenes import TABLE_TOP, Critic, block_and_plate, play_once, script_of, setting, subtask, thing
+from vcage.base.geometry import Pose
+from vcage.schema.subtasks import Grasp
+from vcage.sim.recording import StateLog
+from vcage.stages.episode_store import confusion
+from vcage.tasks.loop import EpisodeRun, run_episode
+from vcage.tasks.search import slots_for_chain
+from vcage.tasks.task import Task
+
+FAR = Pose([0.3, 0.1, TABLE_TOP])
+
+
+def spacing(log: StateLog) -> set[int]:
+    return set(np.diff([frame.step for frame in log.frames]).tolist())
+
+
+def same(a: StateLog, b: StateLog) -> bool:
+    """Whether two recordings agree bit for bit."""
+    return (
+        len(a) == len(b)
+        and all(
+            np.array_equal(a.arm_array(arm, name), b.arm_array(arm, name))
+            for arm in a.frames[0].arms
+            for name in ("state", "command", "velocity", "joints", "tool")
+        )
+        and all(np.array_equal(a.object_array(key), b.object_array(key)) for key in a.frames[0].objects)
+    )
+
+
+def knock_away(task: Task) -> None:
+    """A script that moves the block elsewhere and does not notice."""
+    task.home()
+    task.world.set_object_pose("block", FAR)
+    task.world.settle()
+
+
+def pick_out_of_reach(task: Task) -> None:
+    """A script that cannot be planned."""
+    task.world.set_object_pose("block", Pose([0.0, 0.9, TABLE_TOP]))
+    task.pick("block", [(0, "right")])
+
+
+@pytest.fixture(scope="module")
+def accepted() -> EpisodeRun:
+    return play_once(Critic())
+
+
+@pytest.fixture(scope="module")
+def resampled() -> EpisodeRun:
+    """The critic refuses the first attempt and accepts the second."""
+    return play_once(Critic([False, True]))
+
+
+# --- an episode that succeeds --------------------------------------------------------------------------
+
+
+def test_an_accepted_episode_really_brought_the_block_onto_the_plate(accepted: EpisodeRun):
+    assert accepted.accepted
+    assert accepted.segments[0].truth.success
+
+
+def test_an_accepted_episode_says_so(accepted: EpisodeRun):
+    assert accepted.reason == "all 1 sub-tasks were verified"
+
+
+def test_the_log_of_a_clean_episode_has_one_attempt_that_is_done(accepted: EpisodeRun):
+    assert [(a.stage, a.accepted, a.attempt) for a in accepted.attempts] == [("done", True, 0)]
+
+
+def test_the_segment_covers_all_frames_and_names_arm_and_contact(accepted: EpisodeRun):
+    (segment,) = accepted.segments
+    assert (segment.start, segment.end) == (0, len(accepted.log))
+    assert (segment.arm, segment.contact, segment.attempts) == ("left", 0, 1)
+
+
+def test_the_pictures_of_a_verdict_are_kept_under_the_names_it_gives(accepted: EpisodeRun):
+    assert accepted.segments[0].verdict.pictures == [
+        "critic/e000000-s0-a0-before-top.png",
+        "critic/e000000-s0-a0-after-top.png",
+    ]
+    assert list(accepted.pictures) == accepted.segments[0].verdict.pictures
+
+
+def test_the_critic_is_asked_about_the_sub_task_in_its_own_words():
+    critic = Critic()
+    play_once(critic)
+    assert [asked.text for asked in critic.asked] == ["Put the block on the plate."]
+
+
+def test_the_same_episode_gives_the_same_states_bit_for_bit(accepted: EpisodeRun):
+    assert same(accepted.log, play_once(Critic()).log)
+
+
+# --- trying again --------------------------------------------------------------------------------------
+
+
+def test_what_the_critic_refuses_is_tried_again_and_accepted(resampled: EpisodeRun):
+    assert resampled.accepted
+    assert resampled.segments[0].attempts == 2
+
+
+def test_the_log_keeps_the_attempt_that_was_refused(resampled: EpisodeRun):
+    assert [(a.stage, a.accepted, a.attempt) for a in resampled.attempts] == [("verify", False, 0), ("done", True, 1)]
+
+
+def test_the_pictures_of_a_refused_attempt_are_kept_too(resampled: EpisodeRun):
+    assert {name.split("-")[2] for name in resampled.pictures} == {"a0", "a1"}
+
+
+def test_after_trying_again_frames_are_evenly_spaced_and_none_is_missing(resampled: EpisodeRun):
+    assert spacing(resampled.log) == {25}
+
+
+def test_the_frames_of_the_refused_attempt_are_gone(resampled: EpisodeRun, accepted: EpisodeRun):
+    assert resampled.log.frames[0].step == accepted.log.frames[0].step
+    assert resampled.segments[0].end == len(resampled.log)
+
+
+def test_the_second_attempt_begins_where_the_first_began(resampled: EpisodeRun, accepted: EpisodeRun):
+    first, second = resampled.log.frames[0], accepted.log.frames[0]
+    for key in first.objects:
+        np.testing.assert_allclose(first.objects[key].matrix(), second.objects[key].matrix(), atol=1e-4)
+
+
+def test_the_second_attempt_tries_another_grasp():
+    grasps = [Grasp(contact=0, arm="left", score=-1.0), Grasp(contact=1, arm="right", score=-2.0)]
+    run = play_once(Critic([False, True]), subtask(grasps=grasps))
+    assert [(a.contact, a.arm) for a in run.attempts] == [(0, "left"), (1, "right")]
+
+
+def test_an_episode_with_a_retry_is_the_same_bit_for_bit_when_it_is_run_again(resampled: EpisodeRun):
+    assert same(resampled.log, play_once(Critic([False, True])).log)
+
+
+def test_a_failure_after_an_accepted_sub_task_keeps_what_was_accepted():
+    objects = [thing("marker", (-0.2, 0.0), np.pi / 2), thing("block", (0.22, 0.0)), thing("packaging_box", (0, 0.05))]
+    steps = [
+        subtask("marker", "packaging_box", "inside"),
+        subtask("block", "packaging_box", "inside", grasps=[Grasp(contact=0, arm="right", score=0.0)]),
+    ]
+    slots = slots_for_chain(steps, objects, np.random.default_rng(0))
+    there = setting(objects, slots, Critic([True, False, True]), retries=1)
+    run = run_episode(there, [(step, script_of(step)) for step in steps], 0)
+    assert run.accepted
+    assert [(a.step, a.attempt, a.accepted) for a in run.attempts] == [(0, 0, True), (1, 0, False), (1, 1, True)]
+    assert spacing(run.log) == {25}
+    first, second = run.segments
+    assert (first.start, first.end, second.end) == (0, second.start, len(run.log))
+    assert first.truth.success and second.truth.success
+
+
+# --- giving up -----------------------------------------------------------------------------------------
+
+
+def test_in_abort_mode_the_first_refusal_ends_the_episode():
+    run = play_once(Critic([False, True]), on_failure="abort")
+    assert not run.accepted
+    assert len(run.attempts) == 1
+
+
+def test_when_the_retries_are_used_up_the_episode_is_rejected_with_the_reason():
+    run = play_once(Critic([False]), retries=2)
+    assert not run.accepted
+    assert [a.stage for a in run.attempts] == ["verify"] * 3
+    assert run.reason == "block-onto-plate failed at verify: it is not there"
+
+
+def test_the_recording_of_a_rejected_episode_ends_with_its_last_attempt_as_no_segment():
+    run = play_once(Critic([False]), on_failure="abort")
+    assert (len(run.log) > 0, run.segments) == (True, [])
+
+
+def test_a_failed_sub_task_ends_the_chain():
+    objects, step = block_and_plate(), subtask()
+    critic = Critic([False])
+    there = setting(objects, {"block": Pose([0, 0, 0.0066])}, critic, on_failure="abort")
+    run = run_episode(there, [(step, script_of(step)), (step, script_of(step))], 0)
+    assert {a.step for a in run.attempts} == {0}
+
+
+def test_a_grasp_that_cannot_be_planned_is_an_attempt_that_ends_at_the_plan():
+    critic = Critic()
+    run = play_once(critic, play=pick_out_of_reach, on_failure="abort")
+    (attempt,) = run.attempts
+    assert (attempt.stage, attempt.accepted, attempt.verdict) == ("plan", False, None)
+    assert "no grasp of red block can be planned" in attempt.reason
+    assert critic.asked == []
+
+
+def test_a_failed_plan_is_tried_again_like_a_refusal():
+    tries = []
+
+    def fail_once(task: Task) -> None:
+        tries.append(task)
+        if len(tries) == 1:
+            pick_out_of_reach(task)
+        task.pick("block", [(0, "left")])
+        task.place("plate")
+        task.home()
+
+    run = play_once(Critic(), play=fail_once)
+    assert [a.stage for a in run.attempts] == ["plan", "done"]
+    assert run.segments[0].truth.success
+
+
+# --- the simulator's truth -----------------------------------------------------------------------------
+
+
+def test_a_silent_failure_is_known_to_the_truth_though_the_critic_accepts_it():
+    run = play_once(Critic([True]), play=knock_away)
+    assert run.accepted
+    assert not run.segments[0].truth.success
+    assert "outside plate" in run.segments[0].truth.reason
+
+
+def test_a_silent_failure_counts_as_a_false_acceptance_of_the_critic():
+    counts = confusion(play_once(Critic([True]), play=knock_away).attempts)
+    assert (counts["judged"], counts["false_accepted"]) == (1, 1)
+
+
+def test_a_refused_success_counts_as_a_false_refusal_of_the_critic(resampled: EpisodeRun):
+    counts = confusion(resampled.attempts)
+    assert (counts["judged"], counts["false_refused"], counts["true_accepted"]) == (2, 1, 1)
+
+
+def test_an_attempt_that_never_reached_the_critic_is_not_held_against_it():
+    counts = confusion(play_once(Critic(), play=pick_out_of_reach, retries=1).attempts)
+    assert counts["judged"] == 0

@@ -1,0 +1,73 @@
+"""Where in a receptacle the contents go."""
+
+from __future__ import annotations
+
+from itertools import combinations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from tests.scenes import thing
+from vcage.base.errors import InfeasibleScene
+from vcage.base.geometry import Pose, boxes_overlap, world_aabb
+from vcage.tasks.scene_objects import SceneObject
+from vcage.tasks.slots import GAP, allocate
+
+CONTENTS = ["marker", "marker", "marker", "whiteboard_eraser", "block", "rubber_eraser"]
+seeds = st.integers(0, 2**32 - 1)
+
+
+def contents(count: int) -> list[SceneObject]:
+    return [thing(asset, id=f"{asset}-{i}") for i, asset in enumerate(CONTENTS[:count])]
+
+
+def boxes(slots: dict[str, Pose], objects: list[SceneObject]) -> list[np.ndarray]:
+    """Boxes (2, 3) in the receptacle's frame."""
+    return [world_aabb(o.asset.bounds, slots[o.id]) for o in objects]
+
+
+@settings(deadline=None, max_examples=40)
+@given(seeds, st.integers(1, len(CONTENTS)), st.floats(-np.pi, np.pi))
+def test_slots_never_overlap(seed: int, count: int, yaw: float):
+    objects = contents(count)
+    slots = allocate(thing("packaging_box", yaw=yaw), 0, objects, np.random.default_rng(seed))
+    for a, b in combinations(boxes(slots, objects), 2):
+        assert not boxes_overlap(a, b, GAP - 1e-9)
+
+
+@settings(deadline=None, max_examples=40)
+@given(seeds, st.integers(1, len(CONTENTS)))
+def test_slots_keep_a_gap_to_the_walls(seed: int, count: int):
+    objects, box = contents(count), thing("packaging_box")
+    opening = box.asset.opening(box.asset.annotation.functional_point(0))
+    centre, half = np.array(opening.centre), np.array(opening.size) / 2 - GAP
+    for lower, upper in boxes(allocate(box, 0, objects, np.random.default_rng(seed)), objects):
+        assert np.all(lower[:2] >= centre - half - 1e-9)
+        assert np.all(upper[:2] <= centre + half + 1e-9)
+        assert lower[2] == pytest.approx(opening.floor)
+
+
+@settings(deadline=None, max_examples=20)
+@given(seeds, st.floats(-np.pi, np.pi))
+def test_a_slot_leaves_room_for_what_lies_there_already(seed: int, yaw: float):
+    box, eraser = thing("packaging_box", (0.1, 0.05), yaw), thing("whiteboard_eraser")
+    there = eraser.moved(box.pose * Pose([0.03, 0.02, 0.004]))
+    marker = thing("marker")
+    (box_of_slot,) = boxes(allocate(box, 0, [marker], np.random.default_rng(seed), [there]), [marker])
+    taken = world_aabb(eraser.asset.bounds, Pose([0.03, 0.02, 0.004]))
+    assert not boxes_overlap(box_of_slot[:, :2], taken[:, :2], GAP - 1e-9)
+
+
+def test_the_same_seed_gives_the_same_slots():
+    box, objects = thing("packaging_box"), contents(4)
+    first, second = (allocate(box, 0, objects, np.random.default_rng(7)) for _ in range(2))
+    assert all(np.array_equal(first[key].matrix(), second[key].matrix()) for key in first)
+
+
+def test_what_does_not_fit_together_is_refused_by_name():
+    pens = [thing("marker", id=f"marker-{i}") for i in range(30)]
+    with pytest.raises(InfeasibleScene) as caught:
+        allocate(thing("packaging_box"), 0, pens, np.random.default_rng(0))
+    assert set(caught.value.details["objects"]) <= {o.id for o in pens}

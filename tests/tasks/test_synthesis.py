@@ -1,0 +1,156 @@
+"""From a kept sub-task to a script that runs by itself."""
+
+from __future__ import annotations
+
+import ast
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from tests.scenes import block_and_plate, scene_of, subtask
+from vcage.base.errors import DamagedFile, MissingStage
+from vcage.tasks.synthesis import Script, load_script, render_script, write_script
+
+HOSTILE = [
+    '"""; import os; os.system("touch owned")',
+    "'''\nimport os",
+    "a\\",
+    '\\"""\nraise SystemExit',
+    'he said "put it there"',
+    "line one\nline two\r\nline three\u2028line four",
+    "{{ scene.objects }} {% raw %} {# #}",
+    "null \x00 and bell \x07",
+    "backwards \u202e and \u200b unseen",
+    '"',
+]
+texts = st.one_of(st.sampled_from(HOSTILE), st.text(min_size=1, max_size=60))
+PLAIN = {**os.environ, "VCAGE_PYTHON": ""}
+
+
+def written(path: Path, text: str = "Put the block on the plate.", instruction: str = "Blocks on the plate") -> Script:
+    return load_script(write_script(subtask(text=text), scene_of(block_and_plate(), instruction), path / "step.py"))
+
+
+def run_without_vcage(script: Path, **environment: str) -> subprocess.CompletedProcess[str]:
+    """Run a script under a python that sees the standard library only."""
+    command = [sys.executable, "-I", "-S", str(script), "--episodes", "2"]
+    env = {**PLAIN, **environment}
+    return subprocess.run(command, cwd=script.parent, env=env, capture_output=True, text=True, timeout=30)
+
+
+def test_a_script_carries_the_scene_and_the_sub_task(tmp_path: Path):
+    values = written(tmp_path).values
+    assert set(values["SCENE"]) == {"block", "plate"}
+    assert values["GRASPS"] == [(0, "left", -1.0)]
+    assert values["GOALS"] == [("block", "on", "plate")]
+    assert (values["TEMPLATE"], values["POINT"]) == ("table", 0)
+
+
+def test_a_script_is_executable(tmp_path: Path):
+    assert os.access(written(tmp_path).path, os.X_OK)
+
+
+def test_a_script_plays_a_pick_a_place_and_the_way_home(tmp_path: Path):
+    class Calls(list):
+        def pick(self, *args, **options):
+            self.append(("pick", *args, *options.values()))
+
+        def place(self, *args, **options):
+            self.append(("place", *args, *options.values()))
+
+        def home(self):
+            self.append(("home",))
+
+    calls = Calls()
+    written(tmp_path).play(calls)
+    assert calls == [("pick", "block", [(0, "left")]), ("place", "plate", 0), ("home",)]
+
+
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], deadline=None)
+@given(text=texts, instruction=texts)
+def test_the_words_of_a_model_come_back_as_they_were_and_never_become_code(tmp_path: Path, text: str, instruction: str):
+    values = written(tmp_path, text, instruction).values
+    assert (values["TEXT"], values["INSTRUCTION"]) == (text, instruction)
+
+
+@settings(deadline=None)
+@given(text=texts, instruction=texts)
+def test_the_words_of_a_model_add_no_statement_to_the_script(text: str, instruction: str):
+    objects = block_and_plate()
+    plain = ast.parse(render_script(subtask(), scene_of(objects)))
+    hostile = ast.parse(render_script(subtask(text=text), scene_of(objects, instruction)))
+    assert [type(node) for node in ast.walk(hostile)] == [type(node) for node in ast.walk(plain)]
+
+
+@pytest.mark.parametrize("text", HOSTILE)
+def test_the_docstring_of_a_script_hides_nothing(text: str):
+    source = render_script(subtask(text=text), scene_of(block_and_plate(), text))
+    assert all(c.isprintable() or c == "\n" for c in source)
+
+
+def test_a_script_that_is_not_there_names_the_stage_that_makes_it(tmp_path: Path):
+    with pytest.raises(MissingStage, match=r"gone\.py") as caught:
+        load_script(tmp_path / "gone.py")
+    assert "search_subtasks" in caught.value.hint
+
+
+def test_a_script_that_does_not_parse_names_the_line(tmp_path: Path):
+    path = tmp_path / "edited.py"
+    path.write_text("def play(task):\n    pass\n\ndef verify(task:\n")
+    with pytest.raises(DamagedFile, match=r"edited\.py: line 4"):
+        load_script(path)
+
+
+def test_a_script_that_fails_while_it_is_loaded_says_how(tmp_path: Path):
+    path = tmp_path / "edited.py"
+    path.write_text("GRASPS = [(0, right)]\n")
+    with pytest.raises(DamagedFile, match="NameError: name 'right' is not defined"):
+        load_script(path)
+
+
+@pytest.mark.parametrize("name", ["play", "verify"])
+def test_a_script_without_one_of_its_functions_is_damaged(tmp_path: Path, name: str):
+    script = written(tmp_path).path
+    script.write_text(script.read_text().replace(f"def {name}(", "def other("))
+    with pytest.raises(DamagedFile, match=f"defines no function {name}"):
+        load_script(script)
+
+
+def test_a_script_under_a_python_without_vcage_says_what_to_do(tmp_path: Path):
+    done = run_without_vcage(written(tmp_path).path)
+    assert done.returncode != 0
+    assert "make venv" in done.stderr and "VCAGE_PYTHON" in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_a_script_goes_on_under_the_python_that_the_environment_names(tmp_path: Path):
+    script = written(tmp_path).path
+    other = tmp_path / "other-python"
+    other.write_text("#!/bin/sh\necho called with $@\n")
+    other.chmod(0o755)
+    done = run_without_vcage(script, VCAGE_PYTHON=str(other))
+    assert done.stdout.split() == ["called", "with", str(script), "--episodes", "2"]
+
+
+def test_a_script_finds_the_environment_of_a_folder_above_it(tmp_path: Path):
+    python = tmp_path / ".venv" / "bin" / "python"
+    python.parent.mkdir(parents=True)
+    python.write_text("#!/bin/sh\necho found\n")
+    python.chmod(0o755)
+    folder = tmp_path / "runs" / "subtasks"
+    folder.mkdir(parents=True)
+    assert run_without_vcage(written(folder).path).stdout == "found\n"
+
+
+def test_a_script_does_not_go_from_python_to_python_for_ever(tmp_path: Path):
+    other = tmp_path / "other-python"
+    other.write_text(f'#!/bin/sh\nexec {sys.executable} -I -S "$@"\n')
+    other.chmod(0o755)
+    done = run_without_vcage(written(tmp_path).path, VCAGE_PYTHON=str(other))
+    assert done.returncode != 0
+    assert "vcage is not installed" in done.stderr

@@ -1,0 +1,159 @@
+"""The task API that sub-task scripts call."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import pytest
+
+from tests.scenes import TABLE_TOP, block_and_plate, thing, world_of
+from vcage.base.errors import UnknownName
+from vcage.base.geometry import Pose
+from vcage.schema.subtasks import Goal
+from vcage.tasks.scene_objects import SceneObject
+from vcage.tasks.task import Task, TaskFailed
+
+GRASPS = [(0, "left"), (0, "right"), (1, "left"), (1, "right")]
+SLOT = Pose([0.0, 0.0, 0.0066])
+
+
+def task_on(objects: Sequence[SceneObject], attempt: int = 0) -> Task:
+    """A task in a settled world; the block's slot is the middle of the plate."""
+    world = world_of(objects)
+    world.settle()
+    return Task(world, {o.id: o for o in objects}, {"block": SLOT}, attempt)
+
+
+@pytest.fixture
+def task() -> Task:
+    return task_on(block_and_plate())
+
+
+@pytest.fixture(scope="module")
+def done() -> Task:
+    """A task after a whole pick and place."""
+    task = task_on(block_and_plate())
+    task.pick("block", GRASPS)
+    task.place("plate")
+    task.home()
+    return task
+
+
+def test_a_picked_object_hangs_between_the_fingers(task: Task):
+    task.pick("block", GRASPS)
+    assert task.world.holds(task.arm, "block")
+    assert task.world.object_pose("block").p[2] > TABLE_TOP + 0.03
+
+
+def test_the_first_grasp_that_can_be_planned_is_taken(task: Task):
+    task.pick("block", GRASPS)
+    assert (task.contact, task.arm) == GRASPS[0]
+
+
+def test_a_later_attempt_begins_with_another_grasp():
+    task = task_on(block_and_plate(), attempt=1)
+    task.pick("block", GRASPS)
+    assert (task.contact, task.arm) == GRASPS[1]
+
+
+def test_a_placed_object_comes_to_rest_in_its_slot(done: Task):
+    slot = done.world.object_pose("plate") * SLOT
+    np.testing.assert_allclose(done.world.object_pose("block").p, slot.p, atol=0.006)
+
+
+def test_a_placed_object_stands_upright(done: Task):
+    assert done.world.object_pose("block").rotation()[2, 2] > 0.999
+
+
+def test_placing_leaves_the_receptacle_where_it_was(done: Task):
+    np.testing.assert_allclose(done.world.object_pose("plate").p, [0.05, 0.05, TABLE_TOP], atol=0.003)
+
+
+def test_all_arms_are_home_with_open_grippers_in_the_end(done: Task):
+    for control in done.world.arms.values():
+        np.testing.assert_allclose(control.joints, control.arm.home, atol=0.01)
+        assert control.opening > 0.98
+
+
+def test_an_object_that_no_arm_reaches_fails_at_the_plan_with_the_arm_and_the_contact():
+    task = task_on([thing("block", (0.0, 0.3)), thing("plate", (0.05, 0.05))])
+    task.world.set_object_pose("block", Pose([0.0, 0.9, TABLE_TOP]))
+    with pytest.raises(TaskFailed, match="left arm at 'sides, fingers left and right'") as caught:
+        task.pick("block", GRASPS[:1])
+    assert caught.value.stage == "plan"
+
+
+def test_nothing_moves_when_no_grasp_can_be_planned(task: Task):
+    task.world.set_object_pose("block", Pose([0.0, 0.9, TABLE_TOP]))
+    before = task.world.steps
+    with pytest.raises(TaskFailed):
+        task.pick("block", GRASPS)
+    assert task.world.steps == before
+    assert (task.arm, task.contact) == (None, None)
+
+
+def test_no_grasps_at_all_is_a_failed_plan(task: Task):
+    with pytest.raises(TaskFailed, match="nothing to try") as caught:
+        task.pick("block", [])
+    assert caught.value.stage == "plan"
+
+
+def test_fingers_that_close_on_nothing_fail_the_grasp(task: Task):
+    control = task.world.arms["left"]
+    closed = control.grip
+
+    def grip_thin_air(opening: float) -> None:
+        task.world.set_object_pose("block", Pose([0.4, 0.15, TABLE_TOP]))
+        closed(opening)
+
+    control.grip = grip_thin_air
+    with pytest.raises(TaskFailed, match="the fingers closed on nothing where red block should be") as caught:
+        task.pick("block", GRASPS[:1])
+    assert caught.value.stage == "grasp"
+
+
+def test_an_object_that_slips_on_the_way_fails_the_grasp(task: Task):
+    task.pick("block", GRASPS)
+    task.world.set_object_pose("block", Pose([0.4, 0.15, TABLE_TOP]))
+    task.world.arms[task.arm].grip(0.0)
+    with pytest.raises(TaskFailed, match="block slipped out of the fingers"):
+        task.place("plate")
+
+
+def test_placing_before_picking_fails(task: Task):
+    with pytest.raises(TaskFailed, match="nothing was picked up"):
+        task.place("plate")
+
+
+def test_a_receptacle_out_of_reach_fails_at_the_plan(task: Task):
+    task.pick("block", GRASPS[:1])
+    task.world.set_object_pose("plate", Pose([0.0, 1.2, TABLE_TOP]))
+    with pytest.raises(TaskFailed, match="block cannot be brought to plate") as caught:
+        task.place("plate")
+    assert caught.value.stage == "plan"
+
+
+@pytest.mark.parametrize(
+    ("object_id", "grasp", "named"),
+    [("brick", (0, "left"), "object 'brick'"), ("block", (0, "middle"), "arm 'middle'"), ("block", (9, "left"), "'9'")],
+)
+def test_a_name_that_does_not_exist_is_refused_with_those_that_do(
+    task: Task, object_id: str, grasp: tuple[int, str], named: str
+):
+    with pytest.raises(UnknownName, match=named):
+        task.pick(object_id, [grasp])
+
+
+def test_an_object_without_a_slot_cannot_be_placed():
+    objects = block_and_plate()
+    task = Task(world_of(objects), {o.id: o for o in objects}, {})
+    task.pick("block", GRASPS[:1])
+    with pytest.raises(UnknownName, match="slot 'block'"):
+        task.place("plate")
+
+
+def test_a_question_holds_the_words_and_the_goals(task: Task):
+    asked = task.ask("Put it there.", [("block", "on", "plate")])
+    assert asked.text == "Put it there."
+    assert asked.goals == [Goal(subject="block", relation="on", reference="plate")]

@@ -1,0 +1,83 @@
+"""What the simulator's state says of a goal."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tests.scenes import TABLE_TOP, thing
+from vcage.base.geometry import Pose
+from vcage.schema.episodes import Truth
+from vcage.schema.subtasks import Goal
+from vcage.tasks.scene_objects import SceneObject
+from vcage.tasks.truth import goals_hold
+
+BOX = thing("packaging_box", (0.1, 0.05), 0.5)
+
+
+def truth(subject: SceneObject, receptacle: SceneObject = BOX, relation: str = "inside") -> Truth:
+    goal = Goal(subject=subject.id, relation=relation, reference=receptacle.id)
+    return goals_hold([goal], {o.id: o for o in (subject, receptacle)}, {receptacle.id: 0})
+
+
+def marker_at(x: float, y: float, z: float, yaw: float = 0.0) -> SceneObject:
+    """A marker at a place in the box's frame."""
+    marker = thing("marker")
+    return marker.moved(BOX.pose * Pose.from_yaw([x, y, z], yaw))
+
+
+def test_what_lies_on_the_floor_of_the_box_is_inside():
+    assert truth(marker_at(0.03, -0.02, 0.004)).success
+
+
+def test_what_lies_beside_the_box_is_not_inside():
+    found = truth(marker_at(0.25, 0.0, 0.0))
+    assert not found.success
+    assert found.reason == "marker is 14.0 cm outside packaging_box"
+
+
+def test_what_is_above_the_box_is_not_inside():
+    assert not truth(marker_at(0.0, 0.0, 0.1)).success
+
+
+def test_what_lies_across_the_rim_is_not_inside():
+    rim = BOX.asset.opening(BOX.asset.annotation.functional_point(0)).rim
+    assert not truth(marker_at(0.0, 0.08, rim, np.pi / 2)).success
+
+
+def test_what_lies_on_another_content_is_inside():
+    assert truth(marker_at(0.0, 0.0, 0.004 + 0.02)).success
+
+
+def test_a_box_that_has_tipped_holds_nothing():
+    tipped = BOX.moved(BOX.pose * Pose(q=[np.cos(0.15), np.sin(0.15), 0, 0]))
+    marker = thing("marker").moved(tipped.pose * Pose([0, 0, 0.004]))
+    assert truth(marker, tipped).reason == "packaging_box is tipped"
+
+
+def test_the_truth_follows_a_receptacle_that_was_pushed():
+    pushed = BOX.moved(Pose([-0.2, 0.1, TABLE_TOP]))
+    assert not truth(marker_at(0.0, 0.0, 0.004), pushed).success
+
+
+def test_a_block_on_a_plate_is_on_it():
+    plate = thing("plate", (0.1, 0.0))
+    assert truth(thing("block", (0.12, 0.01), height=TABLE_TOP + 0.0066), plate, "on").success
+
+
+def test_a_block_on_the_rim_of_a_plate_is_not_on_its_middle():
+    plate = thing("plate", (0.1, 0.0))
+    assert not truth(thing("block", (0.2, 0.0), height=TABLE_TOP + 0.02), plate, "on").success
+
+
+def test_all_goals_must_hold():
+    inside, outside = marker_at(0.0, 0.0, 0.004), thing("block", (-0.3, 0.0))
+    goals = [Goal(subject=s, relation="inside", reference=BOX.id) for s in ("marker", "block")]
+    found = goals_hold(goals, {o.id: o for o in (inside, outside, BOX)}, {BOX.id: 0})
+    assert not found.success
+    assert found.reason.startswith("block is")
+
+
+def test_a_relation_without_a_truth_is_refused():
+    with pytest.raises(ValueError, match="left_of"):
+        truth(marker_at(0.0, 0.0, 0.0), relation="left_of")

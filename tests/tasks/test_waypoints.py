@@ -1,0 +1,111 @@
+"""The gripper's way in a pick and a place."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from tests.scenes import TABLE_TOP, robot, thing
+from vcage.base.geometry import Pose, oriented_boxes_overlap
+from vcage.tasks.grasps import GraspPose, approach_opening, grasp_poses, hand_boxes
+from vcage.tasks.scene_objects import SceneObject, SolidBox
+from vcage.tasks.waypoints import (
+    APPROACH,
+    CLEARANCE,
+    SET_DOWN,
+    PlaceWay,
+    pick_way,
+    place_way,
+    transfer_height,
+)
+
+GRIPPER = robot().arms["left"].gripper
+GOAL = Pose([0.0, 0.0, TABLE_TOP])
+
+neighbours = st.lists(
+    st.builds(
+        lambda x, y, yaw, width, height: SolidBox(
+            np.array([[-width, -0.02, 0.0], [width, 0.02, height]]), Pose.from_yaw([x, y, TABLE_TOP], yaw)
+        ),
+        st.floats(-0.15, 0.15),
+        st.floats(-0.15, 0.15),
+        st.floats(-np.pi, np.pi),
+        st.floats(0.005, 0.08),
+        st.floats(0.005, 0.2),
+    ),
+    max_size=5,
+)
+grasp_numbers = st.integers(0, 9)
+
+
+def grasps_of(target: SceneObject) -> list[GraspPose]:
+    contact = target.asset.annotation.contact_point(0)
+    return list(grasp_poses(target.pose, contact, GRIPPER, target.box.bottom))
+
+
+def place_block(number: int, obstacles: list[SolidBox], height: float = TABLE_TOP + 0.25) -> PlaceWay:
+    grasp = grasps_of(thing("block", (0.3, 0.0)))[number]
+    return place_way(grasp.in_object, GOAL, obstacles, GRIPPER, 0.04, height)
+
+
+@settings(deadline=None)
+@given(neighbours, grasp_numbers)
+def test_the_drop_is_enough_for_the_hand_to_clear_every_obstacle(obstacles: list[SolidBox], number: int):
+    way = place_block(number, obstacles)
+    for part in hand_boxes(GRIPPER, approach_opening(0.04, GRIPPER)):
+        for obstacle in obstacles:
+            assert not oriented_boxes_overlap(part, way.release, obstacle.bounds, obstacle.pose)
+
+
+@settings(deadline=None)
+@given(neighbours, grasp_numbers)
+def test_the_object_falls_by_the_drop(obstacles: list[SolidBox], number: int):
+    way = place_block(number, obstacles)
+    held = grasps_of(thing("block", (0.3, 0.0)))[number].in_object
+    assert (way.release * held.inverse()).p[2] - GOAL.p[2] == pytest.approx(way.drop)
+    np.testing.assert_allclose((way.release * held.inverse()).p[:2], GOAL.p[:2], atol=1e-9)
+
+
+@settings(deadline=None)
+@given(neighbours, grasp_numbers)
+def test_the_hand_comes_from_above_and_leaves_upwards(obstacles: list[SolidBox], number: int):
+    way = place_block(number, obstacles)
+    for other in (way.above, way.after):
+        np.testing.assert_allclose(other.p[:2], way.release.p[:2], atol=1e-9)
+        assert other.p[2] > way.release.p[2]
+
+
+def test_without_obstacles_an_object_is_set_down_gently():
+    assert place_block(0, []).drop == SET_DOWN
+
+
+def test_an_obstacle_beside_the_hand_costs_no_height():
+    far = SolidBox(np.array([[-0.02, -0.02, 0.0], [0.02, 0.02, 0.2]]), Pose([0.5, 0.0, TABLE_TOP]))
+    assert place_block(0, [far]).drop == SET_DOWN
+
+
+def test_an_object_is_carried_over_the_highest_thing_on_the_table():
+    bottle, block = thing("lotion_bottle", (0.2, 0.1)), thing("block")
+    assert transfer_height([block, bottle], TABLE_TOP) == pytest.approx(bottle.box.top + CLEARANCE)
+
+
+def test_an_empty_table_asks_for_the_clearance_alone():
+    assert transfer_height([], TABLE_TOP) == TABLE_TOP + CLEARANCE
+
+
+@given(grasp_numbers)
+def test_a_pick_comes_along_the_approach_and_lifts_straight_up(number: int):
+    block = thing("block", (0.3, 0.0))
+    grasp = grasps_of(block)[number]
+    way = pick_way(block, grasp, TABLE_TOP + 0.2)
+    approach = grasp.pose.rotation()[:, 2]
+    np.testing.assert_allclose(way.grasp.p - way.before.p, APPROACH * approach, atol=1e-9)
+    np.testing.assert_allclose(way.lifted.p - way.grasp.p, [0, 0, 0.2], atol=1e-9)
+
+
+def test_a_lift_is_never_shorter_than_the_approach():
+    block = thing("block", (0.3, 0.0))
+    grasp = grasps_of(block)[0]
+    assert pick_way(block, grasp, TABLE_TOP).lifted.p[2] - grasp.pose.p[2] == pytest.approx(APPROACH)

@@ -1,0 +1,58 @@
+"""The rooms of docs/architecture.md: a module imports only from its own room and from those before it."""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+TABLE = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+ROOMS = re.findall(r"^\| `vcage\.(\w+)` \|", TABLE, re.MULTILINE)
+
+
+def imported(tree: ast.AST) -> Iterator[tuple[int, str]]:
+    """(line, dotted name) of every import, those inside functions too."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            yield from ((node.lineno, alias.name) for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            yield from ((node.lineno, f"{node.module}.{alias.name}") for alias in node.names)
+
+
+def breaches(source: str, room: str) -> list[str]:
+    """Imports of a module of ``room`` that lead to a room after it, or out of the library."""
+    found = []
+    for line, name in imported(ast.parse(source)):
+        top, _, rest = name.partition(".")
+        other = rest.split(".")[0]
+        outside = top in ("tests", "benchmarks", "skills")
+        if outside or (top == "vcage" and other in ROOMS[ROOMS.index(room) + 1 :]):
+            found.append(f"line {line}: {name}")
+    return found
+
+
+def test_the_table_names_every_room_and_no_other():
+    assert sorted(ROOMS) == sorted(path.parent.name for path in (ROOT / "vcage").glob("*/__init__.py"))
+
+
+def test_the_library_itself_holds_nothing_but_its_face():
+    assert [path.name for path in (ROOT / "vcage").glob("*.py")] == ["__init__.py"]
+
+
+@pytest.mark.parametrize("room", ROOMS)
+def test_a_room_imports_only_from_rooms_before_it(room):
+    modules = sorted((ROOT / "vcage" / room).rglob("*.py"))
+    found = {str(m.relative_to(ROOT)): breaches(m.read_text(encoding="utf-8"), room) for m in modules}
+    assert {name: lines for name, lines in found.items() if lines} == {}
+
+
+@pytest.mark.parametrize(
+    "line",
+    ["from vcage.sim.world import World", "from vcage import layout", "import vcage.cli.main", "import tests.runs"],
+)
+def test_an_import_from_a_later_room_is_found(line):
+    assert breaches(f"def f():\n    {line}\n", "objects")

@@ -1,0 +1,234 @@
+"""The search finds the CRF that trying them all would find, in few trials, and believes nothing unchecked."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tests.recordings import FPS, clip
+from vcage.base.errors import UsageError
+from vcage.base.videos import decode
+from vcage.video import search as search_module
+from vcage.video.bisection import BUDGET
+from vcage.video.choices import LOSSLESS, Choices, Criterion
+from vcage.video.codec import EncoderSettings, encode
+from vcage.video.encoders import CODECS
+from vcage.video.jod import JodMetric
+from vcage.video.search import held_out_frames, search_clip
+
+MAX_CRF = CODECS["hevc"].max_crf
+CHOICES = Choices(preset="ultrafast", pixel_formats=("yuv444p10le",))
+SETTINGS = CHOICES.settings("yuv444p10le")
+KEYFRAMES = [0, 5, 9]
+
+
+@pytest.fixture(scope="module")
+def metric():
+    return JodMetric()
+
+
+def search(frames, metric, *, choices=CHOICES, keyframes=KEYFRAMES, threshold=0.1, guard=False, reduce="max"):
+    return search_clip(frames, keyframes, FPS, choices, Criterion(threshold, reduce, guard), metric)
+
+
+@pytest.mark.slow
+def test_the_search_agrees_with_trying_every_crf(metric):
+    frames = clip(10)
+    reference = frames[KEYFRAMES]
+    losses = [
+        metric.loss(decode(encode(frames, FPS, SETTINGS, crf), KEYFRAMES), reference).max()
+        for crf in range(MAX_CRF + 1)
+    ]
+    for threshold in (0.02, 0.1, 0.3):
+        result = search(frames, metric, threshold=threshold)
+        first_failure = next(crf for crf, loss in enumerate(losses) if loss >= threshold)
+        assert result.crf == first_failure - 1
+        assert result.loss_max == pytest.approx(losses[first_failure - 1])
+
+
+def test_the_video_of_a_result_is_the_one_that_was_judged(metric):
+    frames = clip(10)
+    result = search(frames, metric)
+    assert result.video == encode(frames, FPS, result.settings, result.crf)
+    assert result.loss_max < 0.1
+    assert next(t for t in result.trials if t.crf == result.crf).bytes == len(result.video)
+
+
+def test_where_nothing_passes_the_video_is_lossless(metric):
+    frames = np.random.default_rng(0).integers(0, 256, (4, 48, 64, 3), np.uint8)
+    result = search(frames, metric, keyframes=[0, 3], threshold=1e-5)
+    assert result.crf is None
+    assert result.loss_max == 0.0
+    assert np.array_equal(decode(result.video), frames)
+    assert min(trial.crf for trial in result.trials if trial.crf is not None) == 0
+
+
+def test_h264_without_loss_is_rgb(metric):
+    result = search(clip(4), metric, keyframes=[0, 3], choices=Choices("h264", "ultrafast", upper=LOSSLESS))
+    assert (result.crf, result.pixel_format, result.trials[-1].pixel_format) == (None, "rgb24", "rgb24")
+    assert np.array_equal(decode(result.video), clip(4))
+
+
+def test_a_codec_without_a_lossless_form_says_what_its_colour_costs(metric):
+    frames = np.random.default_rng(0).integers(0, 256, (2, 48, 64, 3), np.uint8)
+    with pytest.raises(UsageError, match=r"av1 video stays under 0\.001 JOD.*half the size") as caught:
+        search(frames, metric, keyframes=[0, 1], threshold=0.001, choices=Choices(codec="av1"))
+    assert "--codec hevc" in caught.value.hint
+
+
+def test_a_bound_of_an_earlier_clip_is_tried_first_and_kept(metric):
+    result = search(clip(10), metric, threshold=5.0, choices=CHOICES.fixed(SETTINGS, 7))
+    assert result.crf == 7
+    assert [trial.crf for trial in result.trials] == [7]
+
+
+def test_no_crf_for_an_earlier_clip_means_lossless_at_once(metric):
+    result = search(clip(4), metric, keyframes=[0, 3], choices=CHOICES.fixed(SETTINGS, -1))
+    assert result.crf is None and [trial.crf for trial in result.trials] == [None]
+    assert np.array_equal(decode(result.video), clip(4))
+
+
+def test_one_of_every_ten_frames_is_held_out_unless_it_was_scored():
+    assert held_out_frames(40, [16]) == [3, 29, 32]
+
+
+def test_even_a_short_clip_has_held_out_frames_that_are_no_keyframes():
+    assert held_out_frames(13, [0, 12]) == [3, 10]
+    assert held_out_frames(1, [0]) == []
+
+
+def test_held_out_frames_do_not_keep_step_with_any_gop():
+    places = held_out_frames(100, [])
+    assert sorted(place % 10 for place in places) == list(range(10))
+
+
+def flickering(frames: int = 34) -> np.ndarray:
+    """Still and grey, but for one held-out frame of noise that no keyframe sees."""
+    pictures = np.full((frames, 48, 64, 3), 128, np.uint8)
+    pictures[16] = np.random.default_rng(0).integers(0, 256, (48, 64, 3), np.uint8)
+    return pictures
+
+
+def test_the_guard_adds_a_held_out_frame_that_fails_and_searches_again(metric):
+    frames = flickering()
+    careless = search(frames, metric, keyframes=[0, 33], guard=False)
+    guarded = search(frames, metric, keyframes=[0, 33], guard=True)
+    assert (careless.held_out.frame, careless.added) == (16, [])
+    assert careless.held_out.worst >= 0.1
+    assert 16 in guarded.added
+    assert guarded.crf < careless.crf
+    assert guarded.loss_max < 0.1
+    assert metric.loss(decode(guarded.video, [16]), frames[[16]]).max() < 0.1
+
+
+def test_the_mean_lets_a_single_bad_frame_pass(metric):
+    frames = flickering()
+    strict = search(frames, metric, keyframes=[0, 16, 33])
+    mild = search(frames, metric, keyframes=[0, 16, 33], reduce="mean")
+    assert mild.crf > strict.crf
+    assert mild.loss_mean < 0.1 <= mild.loss_max
+
+
+def test_a_longer_gop_is_taken_where_it_passes_with_fewer_bytes(metric):
+    still = np.repeat(clip(1), 24, axis=0)
+    short = search(still, metric, keyframes=[0, 23])
+    free = search(still, metric, keyframes=[0, 23], choices=replace(CHOICES, gops=(10, 120)))
+    assert free.settings.gop == 120
+    assert free.loss_max < 0.1
+    assert len(free.video) < len(short.video)
+
+
+def test_of_all_pixel_formats_one_is_found_that_passes_within_the_budget(metric):
+    result = search(clip(10), metric, choices=Choices(preset="ultrafast"))
+    assert result.loss_max < 0.1
+    assert len(result.trials) <= BUDGET
+    assert len(result.video) == min(t.bytes for t in result.trials if t.crf == result.crf and t.loss_max < 0.1)
+
+
+def test_a_pixel_format_whose_conversion_alone_loses_too_much_is_not_tried(metric):
+    choices = Choices(preset="ultrafast", pixel_formats=("yuv420p",))
+    stripes = np.zeros((3, 48, 64, 3), np.uint8)
+    stripes[:, :, ::2, 0] = stripes[:, :, 1::2, 2] = 255
+    both = replace(choices, pixel_formats=("yuv420p", "yuv444p10le"))
+    assert {t.pixel_format for t in search(stripes, metric, keyframes=[0, 2], choices=both).trials} == {"yuv444p10le"}
+
+
+def test_pictures_of_odd_size_go_into_full_colour(metric):
+    result = search(clip(3)[:, :47, :63], metric, keyframes=[0, 2], choices=Choices(preset="ultrafast"))
+    assert decode(result.video).shape == (3, 47, 63, 3)
+
+
+def test_a_size_that_no_format_takes_is_refused(metric):
+    with pytest.raises(UsageError, match="8x8"):
+        search(clip(3)[:, :8, :8], metric, keyframes=[0, 2], choices=Choices())
+
+
+def test_a_size_that_does_not_fit_the_only_format_is_refused(metric):
+    with pytest.raises(UsageError, match="63x47 do not fit the pixel format yuv420p"):
+        search(clip(3)[:, :47, :63], metric, keyframes=[0, 2], choices=Choices(pixel_formats=("yuv420p",)))
+
+
+# --- with losses that are made up ----------------------------------------------------------------------
+
+BEST, CHEAP = "yuv444p10le", "yuv420p10le"
+LONG = np.zeros((60, 48, 64, 3), np.uint8)
+
+
+class Judge:
+    """Stands for encoder, decoder and metric: what a frame loses is a function of pixel format, CRF and the frame."""
+
+    def __init__(self, patch: pytest.MonkeyPatch, loss_of):
+        self.loss_of = loss_of
+        patch.setattr(search_module, "encode", self._encode)
+        patch.setattr(search_module, "decode", lambda video, indices: (video, indices))
+        patch.setattr(search_module, "only_converted", lambda pictures, _name: (None, range(len(pictures))))
+
+    def _encode(self, _frames, _fps, settings: EncoderSettings, crf: int, _threads) -> bytes:
+        size = (1000 if settings.pixel_format == BEST else 500) - crf
+        return f"{settings.pixel_format} {crf}".encode().ljust(size)
+
+    def loss(self, test, _reference) -> np.ndarray:
+        video, indices = test
+        if video is None:
+            return np.zeros(len(indices))
+        name, crf = video.split()
+        return np.array([self.loss_of(name.decode(), int(crf), index) for index in indices])
+
+
+def growing(crf: int) -> float:
+    """A loss that is 0.1 between 15 and 16."""
+    return 0.1 * np.exp(0.17 * (crf - 15.5))
+
+
+def encodings(result) -> int:
+    return len({(trial.pixel_format, trial.gop, trial.crf) for trial in result.trials})
+
+
+def test_where_held_out_frames_fail_in_a_cheaper_format_the_best_one_gets_its_turn(monkeypatch):
+    def loss_of(name: str, crf: int, frame: int) -> float:
+        return 1.0 if name == CHEAP and frame not in (0, 59) else growing(crf)
+
+    judge = Judge(monkeypatch, loss_of)
+    result = search(LONG, judge, keyframes=[0, 59], guard=True, choices=Choices(pixel_formats=(BEST, CHEAP)))
+    assert (result.pixel_format, result.crf) == (BEST, 15)
+    assert result.added and result.held_out is None
+
+
+@pytest.mark.parametrize("factor", [1.1, 1.5, 3.0])
+def test_the_guard_stays_within_the_budget_where_losses_grow_as_usual(monkeypatch, factor):
+    def loss_of(_name: str, crf: int, frame: int) -> float:
+        return growing(crf) * (1 if frame in (0, 59) else factor)
+
+    judge = Judge(monkeypatch, loss_of)
+    result = search(LONG, judge, keyframes=[0, 59], guard=True, choices=Choices(gops=(10, 30)))
+    assert result.added and result.loss_max < 0.1
+    assert growing(result.crf + 2) * factor >= 0.1
+    assert encodings(result) <= BUDGET
+
+
+def test_a_fixed_crf_is_encoded_once_whatever_it_loses(metric):
+    result = search(clip(10), metric, threshold=float("inf"), choices=replace(CHOICES, upper=40))
+    assert (result.crf, len(result.trials)) == (40, 1)
+    assert result.settings == EncoderSettings(preset="ultrafast")

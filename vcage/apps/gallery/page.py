@@ -1,0 +1,91 @@
+"""The page of the library: every variant from three sides and from above, at one scale."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import jinja2
+import numpy as np
+
+from vcage.apps.gallery.renders import METRES_PER_PIXEL, View, portrait
+from vcage.base.files import RunFolder, write_text
+from vcage.base.pictures import write_picture
+from vcage.base.progress import Progress, silent
+from vcage.objects.library import Library
+from vcage.schema.asset import Annotation
+
+PAGE = "index.html"
+
+
+@dataclass(frozen=True)
+class Picture:
+    """One strip of views on the page.
+
+    Args:
+        path: relative to the page.
+        width: pixels.
+        caption: what is on it.
+    """
+
+    path: str
+    width: int
+    caption: str
+
+
+@dataclass(frozen=True)
+class Card:
+    """One kind of object on the page."""
+
+    annotation: Annotation
+    size: tuple[float, float, float]
+    pictures: list[Picture]
+
+
+def write_gallery(library: Library, folder: Path, names: Sequence[str] = (), progress: Progress = silent) -> Path:
+    """Write ``index.html`` and ``pictures/`` of all objects, or of those named.
+
+    Raises:
+        UnknownName: there is no such object.
+        OutputFolderError: the folder cannot be written.
+        NoRenderer: nothing here can draw.
+    """
+    wanted = library.variants(names or None)
+    RunFolder(folder).make()
+    pictures: dict[str, list[Picture]] = {}
+    for number, (name, variant) in enumerate(wanted):
+        progress(f"{name}/{variant}", number, len(wanted))
+        pictures.setdefault(name, []).extend(draw_variant(library, name, variant, folder))
+    cards = [
+        Card(library.annotation(name), tuple(float(x) for x in library.asset(name).size), drawn)
+        for name, drawn in pictures.items()
+    ]
+    page = _template().render(cards=cards, left_out=library.left_out, scale=METRES_PER_PIXEL, variants=len(wanted))
+    return write_text(folder / PAGE, page)
+
+
+def draw_variant(library: Library, name: str, variant: str, folder: Path) -> list[Picture]:
+    """Write the strips of one variant into ``folder/pictures``: closed, and opened if parts of it move."""
+    asset = library.asset(name, variant)
+    pictures = []
+    for opened in (False, True) if asset.articulated else (False,):
+        state = "-opened" if opened else ""
+        strip = _side_by_side(portrait(asset, opened=opened))
+        path = f"pictures/{name}-{variant}{state}.png"
+        write_picture(folder / path, strip)
+        caption = f"{variant}, opened" if opened else variant
+        pictures.append(Picture(path, strip.shape[1], caption))
+    return pictures
+
+
+def _side_by_side(views: Sequence[View]) -> np.ndarray:
+    """One picture of all views, bottom edges level."""
+    height = max(view.picture.shape[0] for view in views)
+    padded = [np.pad(v.picture, ((height - v.picture.shape[0], 0), (0, 0), (0, 0)), mode="edge") for v in views]
+    return np.hstack(padded)
+
+
+def _template() -> jinja2.Template:
+    text = Path(__file__).with_name("gallery.html.jinja").read_text(encoding="utf-8")
+    return jinja2.Environment(autoescape=True, trim_blocks=True, lstrip_blocks=True).from_string(text)

@@ -1,0 +1,39 @@
+"""The page of a validation: every object with its pictures and what was found."""
+
+from __future__ import annotations
+
+from itertools import groupby
+from pathlib import Path
+
+import jinja2
+
+from vcage.apps.gallery.page import Picture, draw_variant
+from vcage.base.files import write_text
+from vcage.base.progress import Progress, silent
+from vcage.objects.library import Library
+from vcage.schema.proof import Proof, VariantProof
+
+PAGE = "proof.html"
+
+
+def write_page(proof: Proof, library: Library, folder: Path, progress: Progress = silent) -> Path:
+    """Write ``proof.html`` and ``pictures/``: the first variant of each object, and what each check found.
+
+    Raises:
+        NoRenderer: nothing here can draw.
+    """
+    kinds = [(name, list(group)) for name, group in groupby(proof.results, key=lambda result: result.asset)]
+    cards = []
+    for number, (name, results) in enumerate(kinds):
+        progress(name, number, len(kinds))
+        cards.append({"name": name, "results": results, "pictures": _pictures(library, results[0], folder)})
+    cards.sort(key=lambda card: not any(result.failed for result in card["results"]))
+    text = Path(__file__).with_name("page.html.jinja").read_text(encoding="utf-8")
+    template = jinja2.Environment(autoescape=True, trim_blocks=True, lstrip_blocks=True).from_string(text)
+    return write_text(folder / PAGE, template.render(proof=proof, cards=cards, left_out=library.left_out))
+
+
+def _pictures(library: Library, result: VariantProof, folder: Path) -> list[Picture]:
+    """Pictures of a variant; none of an object that cannot be loaded, whose proof says so."""
+    loaded = any(check.measured for check in result.checks)
+    return draw_variant(library, result.asset, result.variant, folder) if loaded else []

@@ -1,0 +1,118 @@
+"""Check 4: a probe that is released over a functional point ends in or on the object, and stays."""
+
+from __future__ import annotations
+
+import functools
+
+import numpy as np
+
+from vcage.apps.proof.scene import OBJECT, scene_object
+from vcage.apps.proof.tally import Tally
+from vcage.base.files import atomic_folder, cache_path
+from vcage.base.geometry import Pose
+from vcage.objects.asset import Asset
+from vcage.objects.builders import solids
+from vcage.objects.builders.mappings import tiled
+from vcage.objects.builders.parts import BuiltObject, paint
+from vcage.objects.model import read_model, write_model
+from vcage.objects.openings import Opening
+from vcage.schema.asset import Annotation, FunctionalPoint, Variant, Words
+from vcage.schema.proof import Check
+from vcage.schema.scene import Table
+from vcage.schema.subtasks import Goal
+from vcage.sim.bodies import Body
+from vcage.sim.joints import link_poses
+from vcage.sim.world import PHYSICS_HZ, World
+from vcage.tasks.truth import goals_hold
+
+PROBE = "probe"
+
+LARGEST_PROBE, SMALLEST_PROBE = 0.03, 0.012
+"""Edge of the probe, a cube, metres."""
+
+SHARE = 0.6
+"""The probe's edge is at most this share of the room."""
+
+RELEASE = 0.005
+"""It is released so far above the rim, or above the surface, metres."""
+
+SCATTER = 0.01
+"""It is released at most so far from the point, along each axis, metres."""
+
+TIPPED = np.radians(5)
+"""The object may tilt by so much, radians."""
+
+
+def check_functional(asset: Asset, point: FunctionalPoint, table: Table, tries: int, seed: int) -> Check:
+    """Release probes over a functional point; the parts that cover it are opened first."""
+    subject = f"{point.id} {point.name}"
+    try:
+        opening = asset.opening(point)
+    except ValueError as error:
+        return Check(check="functional_point", subject=subject, passed=False, tries=0, reasons=[str(error)])
+    rng = np.random.default_rng([seed, 1000 + point.id])
+    edge = float(np.clip(SHARE * min(opening.size), SMALLEST_PROBE, LARGEST_PROBE))
+    tally = Tally(tries)
+    for _ in range(tries):
+        tally.add(_try(asset, point, opening, probe(round(edge, 3)), table, rng))
+    measured = {"room_x_cm": 100 * opening.size[0], "room_y_cm": 100 * opening.size[1], "depth_cm": 100 * opening.depth}
+    measured |= {"probe_mm": 1000 * edge}
+    return tally.check("functional_point", subject, {name: round(value, 2) for name, value in measured.items()})
+
+
+def _try(
+    asset: Asset, point: FunctionalPoint, opening: Opening, cube: Asset, table: Table, rng: np.random.Generator
+) -> str | None:
+    joints = _out_of_the_way(asset, point)
+    standing = Pose.from_yaw([*table.centre, table.height], rng.uniform(-np.pi, np.pi))
+    carrier = standing * link_poses(asset.model, joints)[point.link]
+    start = carrier * _release(point, opening, cube, rng)
+    bodies = {OBJECT: Body(asset.model, standing, joints), PROBE: Body(cube.model, start)}
+    world = World(table, bodies)
+    world.settle(max_steps=2 * PHYSICS_HZ)
+    now = world.object_pose(OBJECT)
+    tilt = float(np.arccos(np.clip(now.rotation()[2, 2], -1, 1)))
+    if tilt > TIPPED:
+        return f"the object tipped by {np.degrees(tilt):.0f}°"
+    carrier = now * link_poses(asset.model, world.object_joints(OBJECT))[point.link]
+    receptacle = scene_object(asset, carrier, role="receptacle")
+    contents = scene_object(cube, world.object_pose(PROBE), PROBE)
+    goal = Goal(subject=PROBE, relation="inside" if point.holds == "in" else "on", reference=OBJECT)
+    truth = goals_hold([goal], {PROBE: contents, OBJECT: receptacle}, {OBJECT: point.id})
+    return None if truth.success else truth.reason
+
+
+def _out_of_the_way(asset: Asset, point: FunctionalPoint) -> tuple[float, ...]:
+    """Joint positions in which nothing covers the point.
+
+    A drawer that holds is pulled out alone; before the body's inside everything is opened; a surface is at rest.
+    """
+    if point.link is not None:
+        opened = {point.link}
+    else:
+        opened = {link.name for link in asset.model.links} if point.holds == "in" else set()
+    return tuple(link.joint.far_end if link.name in opened else 0.0 for link in asset.model.links)
+
+
+def _release(point: FunctionalPoint, opening: Opening, cube: Asset, rng: np.random.Generator) -> Pose:
+    """Where the probe is let go, in the frame of the part that receives it."""
+    half = np.array(opening.size) / 2 - cube.footprint * np.sqrt(2) / 2
+    spread = np.clip(half, 0.0, SCATTER)
+    x, y = np.clip(point.position[:2], opening.centre - np.maximum(half, 0), opening.centre + np.maximum(half, 0))
+    x, y = np.array([x, y]) + rng.uniform(-spread, spread)
+    height = opening.floor if point.sideways else max(opening.floor, opening.rim)
+    return Pose.from_yaw([x, y, height + RELEASE], rng.uniform(-np.pi, np.pi))
+
+
+@functools.cache
+def probe(edge: float) -> Asset:
+    """A wooden cube of that edge, metres."""
+    folder = cache_path("probes", f"cube-{1000 * edge:.0f}-1")
+    if not folder.is_dir():
+        cube = solids.box((edge, edge, edge))
+        wood = paint(cube, np.full((8, 8, 3), 170, dtype=np.uint8), tiled(0.1))
+        with atomic_folder(folder) as part:
+            write_model(BuiltObject([wood], [cube], mass=600 * edge**3, friction=0.6), part)
+    words = Words(name="probe", plural="probes", description="A wooden cube.", category="probe")
+    variant = Variant(id="plain", colour="grey")
+    return Asset(Annotation(name=PROBE, words=words, variants=[variant]), variant, read_model(folder))

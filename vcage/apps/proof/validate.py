@@ -1,0 +1,127 @@
+"""The validation of a library: objects in parallel processes, each proof kept as soon as it is there."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+from vcage.apps.proof.prove import Prover, Trial
+from vcage.base.errors import InputFileError, VcageError
+from vcage.base.files import RunFolder
+from vcage.base.progress import Progress, silent
+from vcage.base.workers import in_processes
+from vcage.objects.library import Library
+from vcage.schema.proof import Check, ObjectProof, Proof, VariantProof
+
+PROOF = "proof.json"
+
+
+def validate(
+    names: Sequence[str],
+    folder: Path,
+    trial: Trial,
+    *,
+    workers: int = 1,
+    force: bool = False,
+    progress: Progress = silent,
+) -> Proof:
+    """Prove objects and write ``proof.json``; proofs of an earlier call that still hold are kept.
+
+    Args:
+        names: of the objects; all of the library when empty.
+        folder: for ``proof.json`` and ``objects/<name>.json``.
+        trial: how they are tried.
+        workers: processes.
+        force: prove again what was proven.
+
+    Raises:
+        UnknownName: there is no such object.
+        OutputFolderError: the folder cannot be written.
+    """
+    library = Library.load()
+    names = list(dict.fromkeys(names)) or library.names
+    for name in names:
+        library.annotation(name)
+    RunFolder(folder).make()
+    prover = Prover(library, trial)
+    proofs = {} if force else _kept(prover, names, folder)
+    wanted = [name for name in names if name not in proofs]
+    done = len(proofs)
+    for name, proof in _proven(prover, wanted, workers):
+        progress(name, done, len(names))
+        done += 1
+        proof.write(folder / "objects" / f"{name}.json")
+        proofs[name] = proof
+    proof = summed_up([variant for name in names for variant in proofs[name].variants], prover)
+    proof.write(folder / PROOF)
+    return proof
+
+
+def summed_up(results: list[VariantProof], prover: Prover) -> Proof:
+    """The counts over all variants; what a variant shares with another is counted once where it was simulated."""
+    checks = [check for result in results for check in result.checks]
+    simulated = [check for result in results if result.same_as is None for check in result.checks]
+    return Proof(
+        robot=prover.places.template.robot,
+        seed=prover.trial.seed,
+        quick=prover.trial.quick,
+        objects=len({result.asset for result in results}),
+        variants=len(results),
+        contact_points=sum(check.check == "contact_point" for check in checks)
+        + sum(int(check.measured.get("handles", 0)) for check in checks),
+        functional_points=sum(check.check == "functional_point" for check in checks),
+        joints=sum(check.check == "joint" for check in checks),
+        tries=sum(check.tries for check in simulated if check.check not in ("mesh", "rest")),
+        failed=[failure for result in results for failure in result.failed],
+        results=results,
+    )
+
+
+def _kept(prover: Prover, names: Sequence[str], folder: Path) -> dict[str, ObjectProof]:
+    """Earlier proofs whose key is still right."""
+    kept = {}
+    for name in names:
+        path = folder / "objects" / f"{name}.json"
+        if path.is_file():
+            try:
+                proof = ObjectProof.read(path)
+                if proof.key == prover.key(name):
+                    kept[name] = proof
+            except InputFileError:
+                continue  # a damaged proof, or an object that cannot be loaded: it is tried again, and that says why
+    return kept
+
+
+def _proven(prover: Prover, names: Sequence[str], workers: int) -> Iterator[tuple[str, ObjectProof]]:
+    """Proofs as they are finished."""
+    if workers <= 1 or len(names) < 2:  # with what is loaded here
+        yield from ((name, prove_or_refuse(prover, name)) for name in names)
+        return
+    yield from in_processes(_prove_in_worker, names, workers, _start_worker, (prover.trial,))
+
+
+def prove_or_refuse(prover: Prover, name: str) -> ObjectProof:
+    """The proof of an object; one that cannot even be loaded has failed."""
+    try:
+        return prover.prove(name)
+    except VcageError as error:
+        annotation = prover.library.annotation(name)
+        check = Check(check="mesh", passed=False, reasons=[error.message])
+        variants = [
+            VariantProof(asset=name, variant=v.id, source=annotation.source, checks=[check])
+            for v in annotation.variants
+        ]
+        return ObjectProof(key="", variants=variants)
+
+
+_prover: Prover | None = None
+"""Of a worker process."""
+
+
+def _start_worker(trial: Trial) -> None:
+    global _prover
+    _prover = Prover(Library.load(), trial)
+
+
+def _prove_in_worker(name: str) -> tuple[str, ObjectProof]:
+    return name, prove_or_refuse(_prover, name)

@@ -1,0 +1,79 @@
+"""What cameras saw: pictures as JPEG, or the videos that a run was compressed to."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from vcage.apps.viewer.log import Clock, Journal
+from vcage.apps.viewer.sdk import rr
+from vcage.base.errors import DamagedFile, MissingStage
+from vcage.base.files import RunFolder
+from vcage.schema.compression import Compression
+
+JPEG_QUALITY = 90
+
+ROWS = 64
+"""Pictures sent at a time: bounds the memory, and keeps the chunks small that the viewer loads."""
+
+
+def log_pictures(journal: Journal, entity: str, clock: Clock, read: Callable[[range], NDArray[np.uint8]]) -> None:
+    """Pictures as JPEG.
+
+    Args:
+        read: gives the pictures (N, H, W, 3) uint8 RGB of a range of rows.
+    """
+    for start in range(0, len(clock), ROWS):
+        rows = range(start, min(start + ROWS, len(clock)))
+        files = [_jpeg(picture) for picture in read(rows)]
+        columns = rr.EncodedImage.columns(blob=files, media_type=["image/jpeg"] * len(files))
+        journal.rows(entity, clock.at(rows), columns)
+
+
+def log_video(journal: Journal, entity: str, clock: Clock, file: Path) -> None:
+    """A video as it is, one frame of it for each row.
+
+    Raises:
+        DamagedFile: it is no video, or has another number of frames than ``clock`` has rows.
+    """
+    try:
+        video = rr.AssetVideo(path=file)
+        shown = video.read_frame_timestamps_nanos()
+    except (OSError, RuntimeError, ValueError) as error:
+        raise _bad_video(f"{file} cannot be read: {error}") from error
+    if len(shown) != len(clock):
+        raise _bad_video(f"{file} has {len(shown)} frames, its episode {len(clock)}")
+    journal.always(entity, video)
+    journal.rows(entity, clock, rr.VideoFrameReference.columns_nanos(shown))
+
+
+def compressed_videos(episode: Path) -> dict[str, Path]:
+    """Camera → video of an episode in a run folder, as ``compress`` left them.
+
+    Raises:
+        MissingStage: the run, if it is one, was not compressed, or without this episode.
+        DamagedFile, SchemaMismatch: see :meth:`vcage.schema.base.Document.read`.
+    """
+    run = RunFolder(episode.resolve().parents[1])
+    record = run.compression
+    streams = Compression.read(record).streams if record.is_file() else []
+    videos = {s.camera: run.root / s.file for s in streams if s.episode == run.relative(episode)}
+    if not videos:
+        raise MissingStage(
+            f"{episode} has no compressed videos: looked in {record}",
+            hint="run compress first, or leave out --pictures compressed",
+        )
+    return videos
+
+
+def _jpeg(picture: NDArray[np.uint8]) -> bytes:
+    quality = [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY]
+    return cv2.imencode(".jpg", cv2.cvtColor(picture, cv2.COLOR_RGB2BGR), quality)[1].tobytes()
+
+
+def _bad_video(message: str) -> DamagedFile:
+    return DamagedFile(message, hint="make the videos again: run compress with --force")

@@ -1,0 +1,87 @@
+"""Sub-tasks on the timeline: where each begins and ends, what the critic said, and what was true."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from vcage.apps.viewer.log import Clock, Journal
+from vcage.apps.viewer.motion import Plot
+from vcage.apps.viewer.sdk import rr
+from vcage.datasets.episode import EpisodeData, Segment
+
+LOG, NOW = "subtasks/log", "subtasks/now"
+"""Entities: the log of all sub-tasks, and the text of the one that goes on."""
+
+NUMBER, CRITIC, TRUTH = "marks/subtask", "marks/critic", "marks/truth"
+"""Entities: which sub-task it is, from 1; the critic's verdict and the truth at its end, 1 for success."""
+
+
+@dataclass(frozen=True)
+class _Look:
+    name: str
+    colour: tuple[int, int, int]
+    size: float
+
+
+POINTS = {
+    CRITIC: _Look("critic", (213, 94, 0), 9.0),
+    TRUTH: _Look("truth", (0, 158, 115), 5.0),
+}
+"""The last is drawn over the first, which shows around it."""
+
+MARGIN = 0.5
+"""Room below and above the points and the numbers."""
+
+
+def log_segments(journal: Journal, clock: Clock, episode: EpisodeData) -> list[Plot]:
+    """The sub-tasks in all these ways."""
+    if not episode.segments:
+        return []
+    _log_texts(journal, clock, episode.segments)
+    journal.always(NUMBER, rr.SeriesLines(names="sub-task", colors=[(120, 120, 120)], widths=2.0))
+    numbers = [sum(s.start <= frame for s in episode.segments) for frame in range(len(clock))]
+    journal.numbers(NUMBER, clock, numbers)
+    ends = clock.at([s.end - 1 for s in episode.segments])
+    for entity, look in POINTS.items():
+        points = rr.SeriesPoints(names=look.name, colors=[look.colour], markers="circle", marker_sizes=look.size)
+        journal.always(entity, points)
+    journal.numbers(CRITIC, ends, [s.verdict.accepted for s in episode.segments])
+    journal.numbers(TRUTH, ends, [s.truth.success for s in episode.segments])
+    bounds = (-MARGIN, len(episode.segments) + MARGIN)
+    return [Plot("Sub-task, verdict, truth", [NUMBER, *POINTS], bounds)]
+
+
+def _log_texts(journal: Journal, clock: Clock, segments: list[Segment]) -> None:
+    starts = clock.at([s.start for s in segments])
+    ends = clock.at([s.end - 1 for s in segments])
+    cards = rr.TextDocument.columns(text=[_card(s) for s in segments], media_type=["text/markdown"] * len(segments))
+    begun = rr.TextLog.columns(text=[f"{s.subtask}: {s.text}" for s in segments], level=["INFO"] * len(segments))
+    ended = rr.TextLog.columns(text=[_ending(s) for s in segments], level=[_level(s) for s in segments])
+    journal.rows(NOW, starts, cards)
+    journal.rows(LOG, starts, begun)
+    journal.rows(LOG, ends, ended)
+
+
+def _card(segment: Segment) -> str:
+    tries = "1 attempt" if segment.attempts == 1 else f"{segment.attempts} attempts"
+    how = f"{segment.arm} arm, contact point {segment.contact}, {tries}, frames {segment.start} to {segment.end - 1}"
+    return f"**{segment.text}**\n\n{how}\n\n{_verdict(segment)}\n\n{_truth(segment)}"
+
+
+def _ending(segment: Segment) -> str:
+    return f"{segment.subtask}: {_verdict(segment)}; {_truth(segment)}"
+
+
+def _verdict(segment: Segment) -> str:
+    verdict = segment.verdict
+    said = "accepted" if verdict.accepted else "refused"
+    return f"Critic {said} ({verdict.provider}, {verdict.confidence:.2f}): {verdict.reason}"
+
+
+def _truth(segment: Segment) -> str:
+    return f"Truth {'success' if segment.truth.success else 'failure'}: {segment.truth.reason}"
+
+
+def _level(segment: Segment) -> str:
+    """Louder where the critic was wrong."""
+    return "INFO" if segment.verdict.accepted == segment.truth.success else "WARN"

@@ -1,4 +1,0 @@
-"""Assets: words and points come from ``asset.json``, geometry from parametric builders at run time.
-
-Entry point: :class:`vcage.assets.library.Library`.
-"""

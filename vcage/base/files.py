@@ -1,0 +1,290 @@
+"""Files on disk: atomic writes, content hashes, the project's data files, the cache, and run folders.
+
+Nothing here is ever half-written: a file or folder appears under its name only when it is whole
+(written beside it, then renamed), so ``kill -9`` at any moment leaves the previous state.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import errno
+import hashlib
+import json
+import os
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from filelock import FileLock, Timeout
+
+from vcage.base.errors import DamagedFile, DiskFull, MissingStage, OutputFolderError
+
+PARTIAL = ".partial-"
+"""Marks what is being written; anything so named may be deleted when nothing runs."""
+
+REPLACED = ".replaced-"
+"""Marks a finished folder that is being replaced; restored if the replacement never came."""
+
+
+# --- data that travels with the package ----------------------------------------------------------------
+
+
+def resource(*parts: str) -> Path:
+    """A path inside the project's data (``prompts/``, ``assets/``, ``skills/``).
+
+    In a checkout these are top-level folders; in an installed wheel they lie in ``vcage/_data``.
+    """
+    package = Path(__file__).resolve().parents[1]
+    installed = package / "_data"
+    root = installed if installed.is_dir() else package.parent
+    return root.joinpath(*parts)
+
+
+def cache_path(*parts: str) -> Path:
+    """A path in the user's cache, made or not: ``$VCAGE_CACHE`` or ``$XDG_CACHE_HOME/vcage``."""
+    base = os.environ.get("VCAGE_CACHE")
+    if not base:
+        base = os.path.join(os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache"), "vcage")
+    return Path(base).joinpath(*parts)
+
+
+def cache_dir(*parts: str) -> Path:
+    """A folder of the user's cache (see :func:`cache_path`), made on demand."""
+    path = cache_path(*parts)
+    _make_folder(path, "name a folder that can be written: export VCAGE_CACHE=/another/folder")
+    return path
+
+
+def data_path(*parts: str) -> Path:
+    """A path among what the user brought, made or not: ``$VCAGE_DATA`` or ``$XDG_DATA_HOME/vcage``.
+
+    Unlike the cache it cannot be made again by itself.
+    """
+    base = os.environ.get("VCAGE_DATA")
+    if not base:
+        base = os.path.join(os.environ.get("XDG_DATA_HOME") or os.path.expanduser("~/.local/share"), "vcage")
+    return Path(base).joinpath(*parts)
+
+
+# --- hashes --------------------------------------------------------------------------------------------
+
+
+def sha256_file(path: Path) -> str:
+    """Hex SHA-256 of a file's content."""
+    digest = hashlib.sha256()
+    with open(path, "rb") as handle:
+        while block := handle.read(1 << 20):
+            digest.update(block)
+    return digest.hexdigest()
+
+
+# --- atomic writes -------------------------------------------------------------------------------------
+
+
+NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+"""The disk, the quota or the largest size of a file is reached."""
+
+ANOTHER_FOLDER = "give another --out, or make the folder writable"
+
+
+@contextlib.contextmanager
+def _disk_errors(path: Path, hint: str = ANOTHER_FOLDER) -> Iterator[None]:
+    """Turn the operating system's refusals to write into errors that name the way out."""
+    try:
+        yield
+    except OSError as error:
+        if error.errno in NO_ROOM:
+            raise DiskFull(
+                f"no space left to write {path}", hint="free some space and run the same command again"
+            ) from error
+        if error.errno in (errno.EACCES, errno.EPERM, errno.EROFS, errno.ENOTDIR, errno.EEXIST):
+            raise OutputFolderError(f"cannot write {path}: {error.strerror}", hint=hint) from error
+        raise
+
+
+def _make_folder(path: Path, hint: str = ANOTHER_FOLDER) -> None:
+    """Make a folder and those above it; where the system makes none (``/proc``), it calls them missing."""
+    with _disk_errors(path, hint):
+        try:
+            path.mkdir(parents=True, exist_ok=True)
+        except FileNotFoundError as error:
+            raise OutputFolderError(f"cannot make the folder {path}: {error.strerror}", hint=hint) from error
+
+
+@contextlib.contextmanager
+def atomic_path(path: Path) -> Iterator[Path]:
+    """Yield a path beside ``path`` to write to; it takes the name ``path`` only if the block succeeds."""
+    path = Path(path)
+    part = path.with_name(f"{path.stem}{PARTIAL}{os.getpid()}{path.suffix}")
+    with _disk_errors(path):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        try:
+            yield part
+            with open(part, "rb") as handle:
+                os.fsync(handle.fileno())
+            os.replace(part, path)
+        finally:
+            part.unlink(missing_ok=True)
+
+
+@contextlib.contextmanager
+def held(folder: Path) -> Iterator[None]:
+    """Keep a folder to work in for this process alone; the system lets go of it however the process ends.
+
+    Raises:
+        OutputFolderError: another process holds it.
+    """
+    lock = FileLock(folder / "in-use")
+    try:
+        lock.acquire(timeout=0)
+    except Timeout as error:
+        raise OutputFolderError(
+            f"{folder} is in use: another call writes the same output", hint="wait for its end, or give another --out"
+        ) from error
+    try:
+        yield
+    finally:
+        lock.release()
+
+
+def write_bytes(path: Path, data: bytes) -> Path:
+    """Write a whole file atomically."""
+    with atomic_path(path) as part:
+        part.write_bytes(data)
+    return Path(path)
+
+
+def write_text(path: Path, text: str) -> Path:
+    """Write a whole UTF-8 text file atomically."""
+    return write_bytes(path, text.encode())
+
+
+def write_json(path: Path, value: Any) -> Path:
+    """Write JSON atomically: two-space indent, keys in the order given, a final newline."""
+    return write_text(path, json.dumps(value, indent=2, ensure_ascii=False, allow_nan=False) + "\n")
+
+
+def read_json(path: Path) -> Any:
+    """Read a JSON file.
+
+    Raises:
+        MissingStage: the file is not there.
+        DamagedFile: it is not JSON.
+    """
+    path = Path(path)
+    try:
+        return json.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError as error:
+        raise MissingStage(
+            f"{path} does not exist", hint="run the stage that writes it first, or check --out"
+        ) from error
+    except (json.JSONDecodeError, UnicodeDecodeError) as error:
+        raise DamagedFile(
+            f"{path} is not valid JSON: {error}", hint="delete it and run its stage again with --force"
+        ) from error
+    except IsADirectoryError as error:
+        raise DamagedFile(
+            f"{path} is a folder, not a JSON file", hint="move it away and run the stage again"
+        ) from error
+
+
+@contextlib.contextmanager
+def atomic_folder(path: Path) -> Iterator[Path]:
+    """Yield an empty folder beside ``path`` that replaces ``path`` only if the block succeeds.
+
+    A killed replacement is mended by :func:`recover`, which runs on entry.
+    """
+    path = Path(path)
+    recover(path)
+    part = path.with_name(f"{path.name}{PARTIAL}{os.getpid()}")
+    old = path.with_name(f"{path.name}{REPLACED}{os.getpid()}")
+    with _disk_errors(path):
+        part.mkdir(parents=True)
+        try:
+            yield part
+            if path.exists():
+                os.replace(path, old)
+            os.replace(part, path)
+        except BaseException:
+            if old.exists() and not path.exists():
+                os.replace(old, path)
+            raise
+        finally:
+            shutil.rmtree(part, ignore_errors=True)
+            shutil.rmtree(old, ignore_errors=True)
+
+
+def whole(folder: Path) -> bool:
+    """Whether a folder has its own name: not one that is being written or replaced, or was when a process died."""
+    return PARTIAL not in folder.name and REPLACED not in folder.name
+
+
+def recover(path: Path) -> None:
+    """Mend what a killed :func:`atomic_folder` or :func:`atomic_path` left beside ``path``.
+
+    A folder that was moved away for a replacement that never came is moved back; partial work is deleted.
+    Only call this while no other process writes the same name.
+    """
+    path = Path(path)
+    if not path.parent.is_dir():
+        return
+    for old in sorted(path.parent.glob(f"{path.name}{REPLACED}*")):
+        if path.exists():
+            shutil.rmtree(old, ignore_errors=True)
+        else:
+            os.replace(old, path)
+    leftovers = set(path.parent.glob(f"{path.name}{PARTIAL}*")) | set(
+        path.parent.glob(f"{path.stem}{PARTIAL}*{path.suffix}")
+    )
+    for part in leftovers:
+        if part.is_dir():
+            shutil.rmtree(part, ignore_errors=True)
+        else:
+            part.unlink(missing_ok=True)
+
+
+# --- run folders ---------------------------------------------------------------------------------------
+
+
+class RunFolder:
+    """The folder of one run: where each stage's files lie (see ``docs/architecture.md``, "The chain").
+
+    Args:
+        root: the folder given as ``--out``; it need not exist yet.
+    """
+
+    def __init__(self, root: str | Path):
+        self.root = Path(root).expanduser().resolve()
+
+    def __str__(self) -> str:
+        return str(self.root)
+
+    scene = property(lambda self: self.root / "place" / "scene.json")
+    plan = property(lambda self: self.root / "inpaint" / "plan.json")
+    matches = property(lambda self: self.root / "match" / "matches.json")
+    layout = property(lambda self: self.root / "optimize" / "scene.json")
+    subtasks = property(lambda self: self.root / "subtasks" / "subtasks.json")
+    episodes = property(lambda self: self.root / "episodes" / "episodes.json")
+    verdicts = property(lambda self: self.root / "verify" / "verdicts.json")
+    compression = property(lambda self: self.root / "compress" / "compression.json")
+    export = property(lambda self: self.root / "export" / "export.json")
+    report = property(lambda self: self.root / "report.html")
+    timings = property(lambda self: self.root / "timings.json")
+
+    def relative(self, path: Path) -> str:
+        """``path`` as written into records: relative to the run folder, with forward slashes."""
+        return Path(path).resolve().relative_to(self.root).as_posix()
+
+    def make(self) -> RunFolder:
+        """Make the folder and prove that it can be written.
+
+        Raises:
+            OutputFolderError: it cannot.
+        """
+        probe = self.root / f"probe{PARTIAL}{os.getpid()}"
+        _make_folder(self.root)
+        with _disk_errors(self.root):
+            probe.touch()
+            probe.unlink()
+        return self

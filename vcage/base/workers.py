@@ -1,0 +1,81 @@
+"""Independent pieces of work in processes of their own, which end with the one that started them, however it ends."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import signal
+import threading
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures.process import BrokenProcessPool
+from typing import Any, TypeVar
+
+from vcage.base.errors import PartlyDone
+
+T = TypeVar("T")
+R = TypeVar("R")
+
+
+def cores() -> int:
+    """Processor cores that this process may use."""
+    return len(os.sched_getaffinity(0))
+
+
+def in_processes(
+    work: Callable[[T], R],
+    tasks: Sequence[T],
+    workers: int,
+    initializer: Callable[..., None] | None = None,
+    initargs: tuple[Any, ...] = (),
+) -> Iterator[R]:
+    """Results of ``work`` as they are finished, not in the order of the tasks.
+
+    With one worker or one task it happens in this process. An error of a task ends the others and is raised here;
+    so does leaving the iterator.
+
+    Args:
+        work: a function of a module; task, result and errors are pickled.
+        tasks: what to work on.
+        workers: processes at most.
+        initializer: called in each process first, with ``initargs``.
+
+    Raises:
+        PartlyDone: a process ended without an answer, as when the system took its memory.
+    """
+    if workers <= 1 or len(tasks) < 2:
+        if initializer is not None and tasks:
+            initializer(*initargs)
+        yield from map(work, tasks)
+        return
+    before = set(multiprocessing.active_children())
+    context = multiprocessing.get_context("spawn")
+    pool = ProcessPoolExecutor(min(workers, len(tasks)), context, _start, (initializer, initargs))
+    try:
+        for done in as_completed([pool.submit(work, task) for task in tasks]):
+            yield done.result()
+        pool.shutdown()
+    except BrokenProcessPool as error:
+        raise PartlyDone(
+            "a worker process was ended from outside, perhaps for want of memory",
+            hint="run the same command again with fewer --workers; what is finished is kept",
+        ) from error
+    finally:
+        pool.shutdown(wait=False, cancel_futures=True)
+        for child in set(multiprocessing.active_children()) - before:
+            child.terminate()
+
+
+def _start(initializer: Callable[..., None] | None, initargs: tuple[Any, ...]) -> None:
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the parent's business
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+    if initializer is not None:
+        initializer(*initargs)
+
+
+def _end_with_parent() -> None:
+    """A parent that is killed cannot end its workers."""
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)

@@ -1,0 +1,155 @@
+"""Write an episode as HDF5, names as in ACT and robomimic, with everything that a reader must know inside.
+
+Layout (schema ``vcage.episode/1``; T frames, D numbers in a state)::
+
+    /timestamp (T,)  /action (T, D)  /observations/{qpos,qvel} (T, D)
+    /observations/images/<camera> (T, H, W, 3) uint8 RGB
+    /cameras/<camera>/{intrinsics (3, 3), extrinsics (T, 4, 4)}   world → camera, OpenCV axes
+    /objects/<id> (T, 7)        position and quaternion wxyz in the world
+    /object_joints/<id> (T, n)  positions of the moving parts, metres or radians; only for objects that have any
+    /subtasks/{id,text,start,end,arm,contact,attempts,verdict,truth}   one row per verified sub-task
+    /meta/<name>                JSON text: instruction, seed, robot, scene, versions, providers…
+
+Attributes of the file: schema, fps, colour, state_names, and the instruction, seed and robot again as plain values.
+"""
+
+from __future__ import annotations
+
+import json
+import zlib
+from collections import deque
+from collections.abc import Iterable, Mapping
+from concurrent.futures import Future, ThreadPoolExecutor
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+from numpy.typing import NDArray
+
+from vcage.datasets.episode import EpisodeData
+from vcage.datasets.hdf5_output import new_hdf5
+
+SCHEMA = "vcage.episode/1"
+GZIP_LEVEL = 1
+"""Of arrays of pictures."""
+
+WORKERS = 2
+IN_FLIGHT = 16
+"""Pictures waiting for compression at most: bounds the memory of a stream of frames."""
+
+TEXT = h5py.string_dtype("utf-8")
+SEGMENT_TEXTS = ("subtask", "text", "arm")
+SEGMENT_NUMBERS = ("start", "end", "contact", "attempts")
+
+
+def write_episode(path: Path, episode: EpisodeData, frames: Iterable[Mapping[str, NDArray[np.uint8]]]) -> Path:
+    """Write an episode atomically; the same episode gives the same bytes.
+
+    Args:
+        path: the ``.hdf5`` file.
+        episode: everything but the pictures.
+        frames: T mappings camera name → (H, W, 3) uint8 RGB, read one at a time.
+
+    Raises:
+        ValueError: a picture does not fit its camera, or there are not T of them.
+        OutputFolderError, DiskFull: the file cannot be written.
+    """
+    with new_hdf5(path) as file:
+        _write_attributes(file, episode)
+        _write_arrays(file, episode)
+        _write_segments(file.create_group("subtasks"), episode)
+        meta = file.create_group("meta")
+        for name in sorted(episode.meta):
+            _text(meta, name, json.dumps(episode.meta[name], ensure_ascii=False, sort_keys=True))
+        _write_images(file.create_group("observations/images"), episode, frames)
+    return Path(path)
+
+
+def _write_attributes(file: h5py.File, episode: EpisodeData) -> None:
+    file.attrs["schema"] = SCHEMA
+    file.attrs["fps"] = float(episode.fps)
+    file.attrs["colour"] = "RGB"
+    file.attrs["state_names"] = json.dumps(episode.state_names)
+    for name in ("instruction", "robot"):
+        file.attrs[name] = str(episode.meta[name])
+    file.attrs["seed"] = int(episode.meta["seed"])
+
+
+def _write_arrays(file: h5py.File, episode: EpisodeData) -> None:
+    arrays = {
+        "timestamp": episode.timestamp,
+        "action": episode.action,
+        "observations/qpos": episode.qpos,
+        "observations/qvel": episode.qvel,
+        **{f"objects/{name}": poses for name, poses in episode.object_poses.items()},
+        **{f"object_joints/{name}": joints for name, joints in episode.object_joints.items()},
+    }
+    for name, camera in episode.cameras.items():
+        arrays[f"cameras/{name}/intrinsics"] = camera.intrinsics
+        arrays[f"cameras/{name}/extrinsics"] = camera.extrinsics
+    file.create_group("objects")
+    for name, array in arrays.items():
+        # a checksum, so that a damaged file is noticed
+        file.create_dataset(name, data=np.asarray(array, np.float64), fletcher32=True, track_times=False)
+
+
+def _write_segments(group: h5py.Group, episode: EpisodeData) -> None:
+    columns: dict[str, list[str]] = {name: [getattr(s, name) for s in episode.segments] for name in SEGMENT_TEXTS}
+    columns["verdict"] = [s.verdict.model_dump_json() for s in episode.segments]
+    columns["truth"] = [s.truth.model_dump_json() for s in episode.segments]
+    columns["id"] = columns.pop("subtask")
+    for name, texts in columns.items():
+        group.create_dataset(name, (len(texts),), dtype=TEXT, data=texts, track_times=False)
+    for name in SEGMENT_NUMBERS:
+        numbers = np.array([getattr(s, name) for s in episode.segments], np.int64)
+        group.create_dataset(name, data=numbers, track_times=False)
+
+
+def _text(group: h5py.Group, name: str, text: str) -> None:
+    group.create_dataset(name, data=text, dtype=TEXT, track_times=False)
+
+
+def _write_images(group: h5py.Group, episode: EpisodeData, frames: Iterable[Mapping[str, NDArray[np.uint8]]]) -> None:
+    """Compress pictures in threads (zlib releases the interpreter) and store them in order."""
+    datasets = {
+        name: group.create_dataset(
+            name,
+            (episode.frames, camera.height, camera.width, 3),
+            np.uint8,
+            chunks=(1, camera.height, camera.width, 3),
+            compression="gzip",
+            compression_opts=GZIP_LEVEL,
+            track_times=False,
+        )
+        for name, camera in episode.cameras.items()
+    }
+    waiting: deque[tuple[str, int, Future[bytes]]] = deque()
+
+    def store(left: int) -> None:
+        while len(waiting) > left:
+            name, index, packed = waiting.popleft()
+            datasets[name].id.write_direct_chunk((index, 0, 0, 0), packed.result())
+
+    count = 0
+    with ThreadPoolExecutor(WORKERS) as pool:
+        for count, pictures in enumerate(frames, start=1):
+            _check_pictures(count - 1, pictures, episode)
+            for name in datasets:
+                data = np.ascontiguousarray(pictures[name]).tobytes()
+                waiting.append((name, count - 1, pool.submit(zlib.compress, data, GZIP_LEVEL)))
+            store(IN_FLIGHT)
+        store(0)
+    if count != episode.frames:
+        raise ValueError(f"{count} frames were given for an episode of {episode.frames}")
+
+
+def _check_pictures(index: int, pictures: Mapping[str, NDArray[Any]], episode: EpisodeData) -> None:
+    if index >= episode.frames:
+        raise ValueError(f"more than {episode.frames} frames were given")
+    for name, camera in episode.cameras.items():
+        picture = pictures.get(name)
+        shape = (camera.height, camera.width, 3)
+        if picture is None or picture.shape != shape or picture.dtype != np.uint8:
+            found = "is missing" if picture is None else f"is {picture.shape} {picture.dtype}"
+            raise ValueError(f"frame {index}: the picture of {name} {found}, expected {shape} uint8")

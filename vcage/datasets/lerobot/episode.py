@@ -1,0 +1,141 @@
+"""One episode as LeRobot wants it, whoever recorded it: numbers per frame, videos, and what it was told to do."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vcage.datasets.episode import EpisodeData
+
+STATE, ACTION = "observation.state", "action"
+
+
+@dataclass(frozen=True)
+class SubtaskSpan:
+    """The frames ``start … end - 1``, in which a part of the task was carried out."""
+
+    text: str
+    start: int
+    end: int
+
+
+@dataclass(frozen=True)
+class LeRobotEpisode:
+    """One episode of T frames to export. Whether its parts fit together is checked when it is added to a data set.
+
+    Args:
+        fps: frames per second, evenly spaced.
+        robot: type of the robot.
+        task: the instruction.
+        videos: camera → an MP4 of T frames; it is copied as it is.
+        histograms: camera → (3, 256) counts of levels in some of its pictures, for the statistics of pixels.
+        sampled: number of pictures in each histogram.
+        subtasks: parts of the task in order, without overlap; none means that the task is one piece.
+        state: (T, D) measured, or None where it was not recorded.
+        state_names: of the D numbers.
+        action: (T, A) commanded, or None where it was not recorded.
+        action_names: of the A numbers.
+        frames: T; needed only where there is neither state nor action.
+    """
+
+    fps: float
+    robot: str
+    task: str
+    videos: Mapping[str, Path]
+    histograms: Mapping[str, NDArray[np.int64]]
+    sampled: int
+    subtasks: Sequence[SubtaskSpan] = ()
+    state: NDArray[np.floating[Any]] | None = None
+    state_names: Sequence[str] = ()
+    action: NDArray[np.floating[Any]] | None = None
+    action_names: Sequence[str] = ()
+    frames: int | None = None
+
+    @property
+    def vectors(self) -> dict[str, NDArray[np.float32]]:
+        """LeRobot's name → (T, D) float32, of state and action as far as they were recorded."""
+        return {name: np.asarray(values, np.float32) for name, values, _ in self._recorded()}
+
+    @property
+    def vector_names(self) -> dict[str, list[str]]:
+        """LeRobot's name → names of its D numbers."""
+        return {name: list(names) for name, _, names in self._recorded()}
+
+    @property
+    def length(self) -> int:
+        """T, the number of frames; 0 when nothing tells it."""
+        if self.frames is not None:
+            return self.frames
+        return next((len(values) for _, values, _ in self._recorded()), 0)
+
+    def complaints(self) -> Iterator[str]:
+        """What is wrong with the episode in itself, in words; nothing when it can be exported."""
+        if not (np.isfinite(self.fps) and self.fps > 0):
+            yield f"its frame rate is {self.fps}, expected a positive number"
+        if not self.task.strip():
+            yield "it has no task"
+        if self.length <= 0:
+            yield "it has no frame"
+        if not self.videos and not self.vectors:
+            yield "it has neither pictures nor state nor action"
+        for name, values in self.vectors.items():
+            yield from _vector_complaints(name, values, self.length, self.vector_names[name])
+        yield from self._picture_complaints()
+        yield from self._subtask_complaints()
+
+    def _recorded(self) -> Iterator[tuple[str, NDArray[Any], Sequence[str]]]:
+        if self.state is not None:
+            yield STATE, self.state, self.state_names
+        if self.action is not None:
+            yield ACTION, self.action, self.action_names
+
+    def _picture_complaints(self) -> Iterator[str]:
+        if set(self.histograms) != set(self.videos):
+            yield f"it has histograms of {sorted(self.histograms)}, but videos of {sorted(self.videos)}"
+        for camera, histogram in self.histograms.items():
+            if np.shape(histogram) != (3, 256) or np.min(np.sum(histogram, axis=1)) <= 0 or self.sampled <= 0:
+                yield f"the histogram of {camera} is not that of RGB pictures: expected (3, 256) counts of at least one"
+
+    def _subtask_complaints(self) -> Iterator[str]:
+        previous = 0
+        for span in self.subtasks:
+            if not previous <= span.start < span.end <= self.length:
+                yield (
+                    f"its sub-task {span.text!r} covers the frames {span.start}…{span.end}, "
+                    f"expected a range after {previous} within {self.length}"
+                )
+            previous = span.end
+
+
+def _vector_complaints(name: str, values: NDArray[np.float32], frames: int, names: Sequence[str]) -> Iterator[str]:
+    if values.ndim != 2 or values.shape != (frames, len(names)) or not names:
+        yield f"{name} has the shape {values.shape}, expected ({frames}, {len(names)}): frames and names of its numbers"
+        return
+    bad = np.argwhere(~np.isfinite(values))
+    if len(bad):
+        frame, column = bad[0]
+        yield f"{name} of frame {frame} holds NaN or infinity ({names[column]})"
+
+
+def episode_of(
+    data: EpisodeData, videos: Mapping[str, Path], histograms: Mapping[str, NDArray[np.int64]], sampled: int
+) -> LeRobotEpisode:
+    """One of our episodes, with its videos and the histograms of ``sampled`` pictures of each."""
+    return LeRobotEpisode(
+        fps=data.fps,
+        robot=str(data.meta["robot"]),
+        task=data.instruction,
+        videos=videos,
+        histograms=histograms,
+        sampled=sampled,
+        subtasks=[SubtaskSpan(segment.text, segment.start, segment.end) for segment in data.segments],
+        state=data.qpos,
+        state_names=data.state_names,
+        action=data.action,
+        action_names=data.state_names,
+    )

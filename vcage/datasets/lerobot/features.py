@@ -1,0 +1,131 @@
+"""What ``meta/info.json`` says of a data set's frames, and whether another episode agrees with it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from vcage.base.errors import UsageError
+from vcage.datasets.lerobot.episode import ACTION, STATE, LeRobotEpisode
+from vcage.datasets.lerobot.names import number_names
+from vcage.datasets.lerobot.video import as_int, video_info
+
+SUBTASK = "subtask_index"
+"""The one column that is not LeRobot's own; a data set that has none is added to without."""
+
+SCALARS = ("timestamp", "frame_index", "episode_index", "index", "task_index", SUBTASK)
+
+CAMERA = "observation.images."
+
+ENCODER = ("video.crf", "video.g", "video.lossless", "video.pix_fmt", "video.preset")
+"""Facts of a video in which those that are added to a data set may differ from those that are there."""
+
+
+def video_key(camera: str) -> str:
+    """LeRobot's name of a camera's feature."""
+    return f"{CAMERA}{camera}"
+
+
+def other_columns(features: Mapping[str, Mapping[str, Any]]) -> list[str]:
+    """Names of features that no episode of ours fills, such as rewards."""
+    ours = (STATE, ACTION, *SCALARS)
+    return sorted(name for name, feature in features.items() if feature["dtype"] != "video" and name not in ours)
+
+
+def describe(episode: LeRobotEpisode, encodings: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
+    """``fps``, ``robot_type`` and ``features`` of a data set of such episodes.
+
+    Args:
+        episode: one that has nothing to complain of.
+        encodings: camera → facts about its encoding that its file does not tell, such as ``{"video.crf": 18}``; None
+            for what its file tells but the data set leaves open, as its episodes differ in it.
+
+    Raises:
+        DamagedFile: a video is unreadable, or does not show the episode's frames.
+    """
+    features: dict[str, dict[str, Any]] = {}
+    for name, names in episode.vector_names.items():
+        features[name] = {"dtype": "float32", "shape": [len(names)], "names": names}
+    for camera in sorted(episode.videos):
+        info = video_info(episode.videos[camera], episode.length, episode.fps)
+        told = {**info, **encodings.get(camera, {})}
+        features[video_key(camera)] = {
+            "dtype": "video",
+            "shape": [info["video.height"], info["video.width"], 3],
+            "names": ["height", "width", "channels"],
+            "info": {fact: value for fact, value in told.items() if value is not None},
+        }
+    for name in SCALARS:
+        features[name] = {"dtype": "float32" if name == "timestamp" else "int64", "shape": [1], "names": None}
+    return {"robot_type": episode.robot, "fps": as_int(episode.fps), "features": features}
+
+
+def admit(episode: int, described: Mapping[str, Any], data_set: Mapping[str, Any]) -> None:
+    """Raise UsageError unless all that a data set says of its episodes is true of another one too.
+
+    A finished data set may hold videos that were compressed by another degree: of :data:`ENCODER`, ``data_set`` from
+    then on says no more than what is true of all.
+
+    Args:
+        episode: its number in the data set, for the message.
+        described: what :func:`describe` says of it.
+        data_set: ``meta/info.json`` of a finished data set, or what :func:`describe` says of the first episode of one
+            that is begun; what it does not tell (None, or no such entry) may be anything.
+    """
+    may_differ = ENCODER if "total_episodes" in data_set else ()
+    mine, theirs = _facts(described, may_differ), _facts(data_set, may_differ)
+    for what, value in theirs.items():
+        if value is not None and mine.get(what) != value:
+            raise UsageError(
+                f"episode {episode} has other {what} ({_told(mine.get(what))}) than the data set ({_told(value)})",
+                hint=_way_out(what, value),
+                details={"episode": episode, "what": what},
+            )
+    for key, feature in data_set["features"].items():
+        if feature["dtype"] == "video":
+            _leave_open(feature, described["features"][key]["info"], may_differ)
+
+
+def _leave_open(feature: Mapping[str, Any], info: Mapping[str, Any], facts: Sequence[str]) -> None:
+    """Take those facts out of a data set's video feature that are not true of a video of which ``info`` tells."""
+    for told in _infos(feature):
+        for fact in facts:
+            if told.get(fact) != info.get(fact):
+                told.pop(fact, None)
+
+
+def _infos(feature: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """What a video feature tells of its videos; older data sets have it under another name."""
+    return [feature[name] for name in ("video_info", "info") if feature.get(name)]
+
+
+def _way_out(what: str, value: Any) -> str:
+    if what.startswith("video.codec"):
+        return f"encode its videos as those of the data set are: export with --codec {value}"
+    return "put episodes of one robot, one set of cameras and one codec together"
+
+
+def _told(value: Any) -> str:
+    return "unknown" if value is None else str(value)
+
+
+def _facts(info: Mapping[str, Any], but: Sequence[str]) -> dict[str, Any]:
+    """Name in plain words → what must be the same in all episodes; facts of videos ``but`` for some."""
+    features = info["features"]
+    videos = [key for key, feature in features.items() if feature["dtype"] == "video"]
+    facts: dict[str, Any] = {
+        "frame rate": float(info["fps"]),
+        "robot": info.get("robot_type"),
+        "cameras": sorted(key.removeprefix(CAMERA) for key in videos),
+        "columns": sorted(set(features) - set(videos) - {SUBTASK}),
+    }
+    for key, feature in features.items():
+        if key in videos:
+            facts[f"size of {key}"] = list(feature["shape"])
+            told = {fact: value for info in _infos(feature) for fact, value in info.items()}
+            facts |= {f"{fact} of {key}": value for fact, value in told.items() if fact not in but}
+        elif key not in SCALARS:
+            facts[f"type of {key}"] = feature["dtype"]
+            facts[f"size of {key}"] = list(feature["shape"])
+            facts[f"names of {key}"] = number_names(feature.get("names")) or None
+    return facts

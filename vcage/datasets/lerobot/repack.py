@@ -1,0 +1,233 @@
+"""A LeRobot data set with other videos: pictures are replaced, everything else stays as it is, bit for bit.
+
+What the format says of its videos changes with them: ``features`` of ``meta/info.json``, and in v3.0 the columns
+``videos/<key>/…`` of ``meta/episodes``. A camera whose pictures lie in the tables of frames, or in files that these
+name, becomes one with videos: https://huggingface.co/docs/lerobot/lerobot-dataset-v3. All other files are copied.
+"""
+
+from __future__ import annotations
+
+import glob
+import os
+import re
+import shutil
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from vcage.base.errors import DamagedFile, UsageError
+from vcage.base.files import atomic_folder, write_json
+from vcage.base.progress import Progress, silent
+from vcage.datasets.lerobot import v3, v21
+from vcage.datasets.lerobot.episode_list import episode_lengths, episode_tables, place_videos
+from vcage.datasets.lerobot.info import INFO, data_set_info
+from vcage.datasets.lerobot.video import video_info
+from vcage.datasets.parquet_files import MEND, numbered
+from vcage.datasets.parquet_rewrite import rewrite, texts_of
+
+OF_TOOLS = (".git", ".cache")
+"""Folders in which tools note what they fetched; a copy with other videos is not that."""
+
+VIDEO_PATHS = {"v2.1": v21.VIDEO_PATH, "v3.0": v3.VIDEO_PATH}
+"""Where videos go in a data set that had none."""
+
+LISTED = 5
+"""Episodes that one message names."""
+
+Videos = Mapping[str, Mapping[int, Path]]
+"""Key of a camera's feature → number of an episode → its MP4."""
+
+
+def require_whole(root: Path, episodes: Collection[int]) -> None:
+    """Raise UsageError unless these are all episodes of a data set; names those that are missing.
+
+    Raises:
+        DamagedFile: its list of episodes cannot be read.
+    """
+    info = data_set_info(root)
+    _require_all(root, info, episode_lengths(root, info), episodes)
+
+
+def require_colour(root: Path, keys: Collection[str]) -> None:
+    """Raise UsageError where a camera shows depth or grey, which a video in RGB cannot keep; names it.
+
+    Args:
+        root: the data set.
+        keys: of the cameras' features.
+    """
+    features = data_set_info(root)["features"]
+    for key in keys:
+        _require_colour(key, features[key])
+
+
+def repack(
+    root: Path, out: Path, videos: Videos, encodings: Mapping[str, Mapping[str, Any]], progress: Progress = silent
+) -> Path:
+    """Write a copy of a data set in which some cameras have other videos; it appears whole or not at all.
+
+    In memory are the names of files, and one row group of a Parquet file without its pictures.
+
+    Args:
+        root: the data set, v2.1 or v3.0; only read.
+        out: the folder to write; one that is there is replaced.
+        videos: all episodes of every camera that changes. Cameras that are not named keep what they have.
+        encodings: key of a camera's feature → facts about its encoding that its videos do not tell, such as
+            ``{"video.crf": 18}``; None for what they tell, but differ in.
+        progress: told of each video.
+
+    Returns:
+        ``out``.
+
+    Raises:
+        UsageError: a camera has no video of some episode, or shows depth or grey, which a video in RGB cannot keep.
+        DamagedFile: a file of the data set is damaged, or a video does not show its episode's frames.
+        DiskFull, OutputFolderError: the folder cannot be written.
+    """
+    work = _Repacking(Path(root), data_set_info(root), videos)
+    info = work.new_info(encodings)
+    with atomic_folder(Path(out)) as folder:
+        work.copy_untouched(folder)
+        work.write_tables(folder)
+        work.write_videos(folder, progress)
+        write_json(folder / INFO, info)
+    return Path(out)
+
+
+@dataclass(frozen=True)
+class _Repacking:
+    """A data set, what its ``meta/info.json`` says, and the videos that it gets."""
+
+    root: Path
+    info: Mapping[str, Any]
+    videos: Videos
+
+    def new_info(self, encodings: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
+        """``meta/info.json``, once it is sure that every video can take the place of its pictures."""
+        features = dict(self.info["features"])
+        lengths = episode_lengths(self.root, self.info)
+        for key, own in self.videos.items():
+            _require_all(self.root, self.info, lengths, own)
+            _require_colour(key, features[key])
+            told = [video_info(own[episode], frames, float(self.info["fps"])) for episode, frames in lengths.items()]
+            facts = {**told[0], **encodings.get(key, {})}
+            features[key] = _video_feature(features[key], {name: one for name, one in facts.items() if one is not None})
+        info = {**self.info, "video_path": self._video_pattern, "features": features}
+        if "total_videos" in info:
+            info["total_videos"] += len(self._in_tables) * len(lengths)
+        return info
+
+    def copy_untouched(self, folder: Path) -> None:
+        """Copy what stays as it is, byte for byte."""
+        changing = self._changing()
+        for file in _files(self.root):
+            if file not in changing:
+                shutil.copyfile(self.root / file, _made(folder / file))
+
+    def write_tables(self, folder: Path) -> None:
+        """Write the tables in which pictures were, or the places of videos are."""
+        for file in self._frame_tables():
+            rewrite(self.root / file, _made(folder / file), without=self._in_tables)
+        for file in self._episode_tables():
+            rewrite(
+                self.root / file, _made(folder / file), change=partial(place_videos, info=self.info, keys=self.videos)
+            )
+
+    def write_videos(self, folder: Path, progress: Progress) -> None:
+        """Copy the new videos to their places."""
+        for key, own in self.videos.items():
+            for number, (episode, video) in enumerate(sorted(own.items())):
+                progress(f"writing {key}", number, len(own))
+                shutil.copyfile(video, _made(folder / self._video_place(key, episode)))
+
+    @property
+    def _in_tables(self) -> list[str]:
+        """Cameras that change whose pictures are no videos yet."""
+        return [key for key in self.videos if self.info["features"][key]["dtype"] == "image"]
+
+    @property
+    def _video_pattern(self) -> str:
+        return self.info.get("video_path") or VIDEO_PATHS[self.info["codebase_version"]]
+
+    def _video_place(self, key: str, episode: int) -> Path:
+        chunk = int(self.info["chunks_size"])
+        names = {"episode_chunk": episode // chunk, "episode_index": episode, **numbered(episode, chunk)}
+        return _inside(self._video_pattern.format(video_key=key, **names))
+
+    def _changing(self) -> set[Path]:
+        """All files that are written anew, or have no place any more."""
+        frames = self._frame_tables()
+        gone = {Path(text) for file in frames for key in self._in_tables for text in self._named_in(file, key)}
+        old = {file for key in self.videos for file in self._matching(self._video_pattern, key)}
+        return {INFO, *frames, *self._episode_tables(), *gone, *old}
+
+    def _frame_tables(self) -> list[Path]:
+        return sorted(self._matching(self.info["data_path"])) if self._in_tables else []
+
+    def _episode_tables(self) -> list[Path]:
+        return [] if self.info["codebase_version"] == "v2.1" else episode_tables(self.root)
+
+    def _named_in(self, file: Path, key: str) -> Iterator[str]:
+        """Picture files that a table of frames names; where it holds the pictures themselves, there are none."""
+        return (name for name in texts_of(self.root / file, key, "path") if (self.root / name).is_file())
+
+    def _matching(self, pattern: str, key: str = "") -> Iterator[Path]:
+        """Files that lie where a pattern of ``info.json`` puts some chunk and episode."""
+        wild = re.sub(r"\{[^}]*\}", "*", pattern.replace("{video_key}", glob.escape(key)))
+        return (path.relative_to(self.root) for path in self.root.glob(str(_inside(wild))))
+
+
+def _require_all(root: Path, info: Mapping[str, Any], there: Collection[int], given: Collection[int]) -> None:
+    missing = sorted(set(there) - set(given))
+    if missing:
+        named = ", ".join(map(str, missing[:LISTED])) + (", …" if len(missing) > LISTED else "")
+        other = next(version for version in VIDEO_PATHS if version != info["codebase_version"])
+        raise UsageError(
+            f"{root} keeps the numbers of its episodes, so none can be left out; missing: {named}",
+            hint=f"mend or fetch them, or give --to lerobot-{other}, which numbers those that are left anew",
+            details={"missing": missing},
+        )
+
+
+def _video_feature(feature: Mapping[str, Any], told: Mapping[str, Any]) -> dict[str, Any]:
+    """A feature that says of its videos what is told, and nothing else; other facts of its stay."""
+    where = "video_info" if "video_info" in feature and not feature.get("info") else "info"
+    old = {**(feature.get("video_info") or {}), **(feature.get("info") or {})}
+    kept = {name: value for name, value in old.items() if not name.startswith("video.") and name != "has_audio"}
+    rest = {name: value for name, value in feature.items() if name not in ("info", "video_info")}
+    return {**rest, "dtype": "video", where: {**told, **kept}}
+
+
+def _require_colour(key: str, feature: Mapping[str, Any]) -> None:
+    told = {**(feature.get("video_info") or {}), **(feature.get("info") or {})}
+    depth = told.get("video.is_depth_map") or told.get("is_depth_map")
+    shape = feature["shape"]
+    if depth or 3 not in (shape[0], shape[-1]):
+        what = "depth" if depth else f"pictures of the shape {list(shape)}"
+        raise UsageError(
+            f"{key} shows {what}, which an RGB video cannot keep",
+            hint="name the other cameras with --cameras",
+        )
+
+
+def _files(root: Path) -> Iterator[Path]:
+    """All files below a folder, relative to it, links followed; what tools noted for themselves is passed over."""
+    for folder, folders, files in os.walk(root, followlinks=True):
+        folders[:] = sorted(name for name in folders if name not in OF_TOOLS)
+        for name in sorted(files):
+            yield (Path(folder) / name).relative_to(root)
+
+
+def _inside(path: str) -> Path:
+    """A path that stays in the data set it belongs to, whatever ``info.json`` says."""
+    found = Path(path)
+    if found.is_absolute() or ".." in found.parts:
+        raise DamagedFile(f"{INFO} names the path {path}, which is not inside the data set", hint=MEND)
+    return found
+
+
+def _made(path: Path) -> Path:
+    """The path, once the folder for it is there."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    return path

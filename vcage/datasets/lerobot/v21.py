@@ -1,0 +1,95 @@
+"""Write a LeRobot v2.1 data set, the format that openpi reads: one Parquet and one video file per episode.
+
+https://github.com/huggingface/lerobot/pull/711 describes what v2.1 changed: statistics per episode.
+"""
+
+from __future__ import annotations
+
+import json
+import shutil
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any, ClassVar
+
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from vcage.base.errors import DamagedFile
+from vcage.datasets.lerobot.append import link_files, read_info
+from vcage.datasets.lerobot.episode import LeRobotEpisode
+from vcage.datasets.lerobot.features import video_key
+from vcage.datasets.lerobot.info import INFO
+from vcage.datasets.lerobot.json_lines import read_lines
+from vcage.datasets.lerobot.statistics import QUANTILES, Statistics
+from vcage.datasets.lerobot.writer import CHUNK, LeRobotWriter, in_order
+from vcage.datasets.parquet_files import COMPRESSION, MEND
+
+DATA_PATH = "data/chunk-{episode_chunk:03d}/episode_{episode_index:06d}.parquet"
+VIDEO_PATH = "videos/chunk-{episode_chunk:03d}/{video_key}/episode_{episode_index:06d}.mp4"
+
+TASKS, SUBTASKS = Path("meta/tasks.jsonl"), Path("meta/subtasks.jsonl")
+EPISODES, EPISODE_STATS = Path("meta/episodes.jsonl"), Path("meta/episodes_stats.jsonl")
+
+
+class WriterV21(LeRobotWriter):
+    """Writes v2.1, which knows statistics of episodes only, and no quantiles."""
+
+    LAYOUT: ClassVar[dict[str, Any]] = {
+        "codebase_version": "v2.1",
+        "chunks_size": CHUNK,
+        "data_path": DATA_PATH,
+        "video_path": VIDEO_PATH,
+    }
+
+    def resume(self, root: Path) -> None:
+        info = read_info(root, self.LAYOUT)
+        link_files(root, self._folder, but={INFO, TASKS, SUBTASKS, EPISODES, EPISODE_STATS})
+        for lines in (EPISODES, EPISODE_STATS):
+            if [row.get("episode_index") for row in read_lines(root / lines)] != list(range(info["total_episodes"])):
+                raise DamagedFile(f"{root / lines} does not list all episodes in order", hint=MEND)
+            shutil.copyfile(root / lines, self._folder / lines)
+        subtasks = _read_texts(root / SUBTASKS, "subtask") if "subtask_index" in info["features"] else []
+        self._continue(info, _read_texts(root / TASKS, "task"), subtasks)
+
+    def close(self) -> None:
+        """Nothing stays open between two episodes."""
+
+    def _write(self, episode: LeRobotEpisode, table: pa.Table, statistics: dict[str, Statistics]) -> None:
+        pq.write_table(table, self._at(DATA_PATH), compression=COMPRESSION)
+        for camera, video in sorted(episode.videos.items()):
+            shutil.copyfile(video, self._at(VIDEO_PATH, video_key=video_key(camera)))
+        row = {"episode_index": self.episodes, "tasks": [episode.task], "length": episode.length}
+        self._add_lines(EPISODES, [row])
+        stats = {
+            feature: {name: value for name, value in entries.items() if name not in QUANTILES}
+            for feature, entries in statistics.items()
+        }
+        self._add_lines(EPISODE_STATS, [{"episode_index": self.episodes, "stats": stats}])
+
+    def _write_meta(self) -> None:
+        self._add_lines(TASKS, _numbered("task", self._tasks))
+        if "subtask_index" in self._features:
+            self._add_lines(SUBTASKS, _numbered("subtask", self._subtasks))
+
+    def _more_totals(self) -> dict[str, Any]:
+        return {"total_videos": self.episodes * len(self._video_keys), "total_chunks": -(-self.episodes // CHUNK)}
+
+    def _at(self, pattern: str, **names: str) -> Path:
+        path = self._folder / pattern.format(episode_chunk=self.episodes // CHUNK, episode_index=self.episodes, **names)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        return path
+
+    def _add_lines(self, name: Path, rows: Iterable[dict[str, Any]]) -> None:
+        with open(self._folder / name, "a", encoding="utf-8") as handle:
+            handle.writelines(json.dumps(row, ensure_ascii=False, allow_nan=False) + "\n" for row in rows)
+
+
+def _numbered(name: str, numbers: dict[str, int]) -> list[dict[str, Any]]:
+    return [{f"{name}_index": number, name: text} for text, number in numbers.items()]
+
+
+def _read_texts(path: Path, name: str) -> list[str]:
+    try:
+        return in_order(((int(row[f"{name}_index"]), str(row[name])) for row in read_lines(path)), path)
+    except KeyError as error:
+        raise DamagedFile(f"{path} has a row without {error}", hint=MEND) from error

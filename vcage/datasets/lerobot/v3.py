@@ -1,0 +1,170 @@
+"""Write a LeRobot v3.0 data set (read by lerobot 0.4 and later).
+
+https://huggingface.co/docs/lerobot/lerobot-dataset-v3. Frames of many episodes share a Parquet file; each episode keeps
+a video file of its own, which the format allows and which leaves the encoded streams as they were judged, byte for
+byte.
+"""
+
+from __future__ import annotations
+
+import json
+import shutil
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, ClassVar
+
+import pyarrow as pa
+import pyarrow.compute as pc
+import pyarrow.parquet as pq
+
+from vcage.base.errors import DamagedFile
+from vcage.datasets.lerobot.append import link_files, read_info
+from vcage.datasets.lerobot.episode import LeRobotEpisode
+from vcage.datasets.lerobot.features import video_key
+from vcage.datasets.lerobot.info import INFO
+from vcage.datasets.lerobot.statistics import Statistics
+from vcage.datasets.lerobot.totals import LEVEL_COUNTS, STATS, Totals
+from vcage.datasets.lerobot.writer import CHUNK, LeRobotWriter, in_order
+from vcage.datasets.parquet_files import COMPRESSION, MEND, ParquetSeries, numbered, read_table
+
+FILE = "chunk-{chunk_index:03d}/file-{file_index:03d}"
+DATA_PATH = f"data/{FILE}.parquet"
+VIDEO_PATH = f"videos/{{video_key}}/{FILE}.mp4"
+EPISODES_PATH = f"meta/episodes/{FILE}.parquet"
+
+TASKS, SUBTASKS = Path("meta/tasks.parquet"), Path("meta/subtasks.parquet")
+
+DATA_MB = 100
+SIZES = {"data_files_size_in_mb": DATA_MB, "video_files_size_in_mb": 200}
+"""Sizes from which LeRobot begins a new file. Ours hold one video each and stay below."""
+
+ROWS = 100
+"""Episodes whose descriptions are written at once."""
+
+
+class WriterV30(LeRobotWriter):
+    """Writes v3.0."""
+
+    LAYOUT: ClassVar[dict[str, Any]] = {
+        "codebase_version": "v3.0",
+        "chunks_size": CHUNK,
+        **SIZES,
+        "data_path": DATA_PATH,
+        "video_path": VIDEO_PATH,
+    }
+
+    def __init__(self, folder: Path, encodings: Mapping[str, Mapping[str, Any]]):
+        super().__init__(folder, encodings)
+        self._totals = Totals()
+        self._rows: list[dict[str, Any]] = []
+        self._row_schema: pa.Schema | None = None
+        self._first_video = 0
+        self._data_files = self._series(DATA_PATH, 0)
+        self._row_files = self._series(EPISODES_PATH, 0)
+
+    def resume(self, root: Path) -> None:
+        info = read_info(root, {name: value for name, value in self.LAYOUT.items() if name not in SIZES})
+        features = info["features"]
+        link_files(root, self._folder, but={INFO, STATS, LEVEL_COUNTS, TASKS, SUBTASKS})
+        subtasks = _read_names(root / SUBTASKS, "subtask") if "subtask_index" in features else []
+        self._continue(info, _read_names(root / TASKS, "task"), subtasks)
+        self._totals.resume(root, features)
+        self._continue_rows(root)
+
+    def _continue_rows(self, root: Path) -> None:
+        """Go on behind the last files that the episodes of a finished data set name."""
+        paths = sorted((root / "meta/episodes").rglob("*.parquet"))
+        if not paths:
+            raise DamagedFile(f"{root / 'meta/episodes'} holds no list of episodes", hint=MEND)
+        prefixes = ["data", "meta/episodes", *(f"videos/{key}" for key in self._video_keys)]
+        places = [f"{prefix}/{name}" for prefix in prefixes for name in ("chunk_index", "file_index")]
+        tables = [read_table(path, ["episode_index", "length", *places]) for path in paths]
+        rows = pa.concat_tables(tables, promote_options="permissive")
+        if rows["episode_index"].to_pylist() != list(range(self.episodes)):
+            raise DamagedFile(f"{root / 'meta/episodes'} does not list all episodes in order", hint=MEND)
+        if (pc.sum(rows["length"]).as_py() or 0) != self.frames:
+            raise DamagedFile(f"{root / 'meta/episodes'} lists other frames than {root / INFO}", hint=MEND)
+        after = {
+            prefix: pc.max(
+                pc.add(pc.multiply(rows[f"{prefix}/chunk_index"], CHUNK), rows[f"{prefix}/file_index"])
+            ).as_py()
+            + 1
+            for prefix in prefixes
+        }
+        self._row_schema = pq.read_schema(paths[-1]).remove_metadata()
+        self._first_video = max((after[f"videos/{key}"] for key in self._video_keys), default=0) - self.episodes
+        self._data_files = self._series(DATA_PATH, after["data"])
+        self._row_files = self._series(EPISODES_PATH, after["meta/episodes"])
+
+    def _series(self, pattern: str, first: int) -> ParquetSeries:
+        return ParquetSeries(str(self._folder / pattern), CHUNK, DATA_MB * 2**20, first)
+
+    def close(self) -> None:
+        self._data_files.close()
+        self._row_files.close()
+
+    def _write(self, episode: LeRobotEpisode, table: pa.Table, statistics: dict[str, Statistics]) -> None:
+        row: dict[str, Any] = {
+            "episode_index": self.episodes,
+            "tasks": [episode.task],
+            "length": episode.length,
+            **_prefixed("data", self._data_files.place()),
+            "dataset_from_index": self.frames,
+            "dataset_to_index": self.frames + episode.length,
+        }
+        self._data_files.write(table)
+        place = numbered(self._first_video + self.episodes, CHUNK)
+        for camera, video in sorted(episode.videos.items()):
+            key = video_key(camera)
+            target = self._folder / VIDEO_PATH.format(video_key=key, **place)
+            target.parent.mkdir(parents=True, exist_ok=True)
+            shutil.copyfile(video, target)
+            times = {"from_timestamp": 0.0, "to_timestamp": episode.length / episode.fps}
+            row |= _prefixed(f"videos/{key}", {**place, **times})
+        for feature, entries in statistics.items():
+            row |= _prefixed(f"stats/{feature}", entries)
+        self._rows.append(row)
+        self._totals.add(statistics, episode.histograms)
+        if len(self._rows) >= ROWS:
+            self._write_rows()
+
+    def _write_rows(self) -> None:
+        if self._rows:
+            place = _prefixed("meta/episodes", self._row_files.place())
+            table = pa.Table.from_pylist([row | place for row in self._rows], schema=self._row_schema)
+            self._row_schema = table.schema
+            self._row_files.write(table)
+            self._rows = []
+
+    def _write_meta(self) -> None:
+        self._write_rows()
+        self.close()
+        self._totals.write(self._folder, sorted((self._folder / "data").rglob("*.parquet")), self._features)
+        _write_names(self._folder / TASKS, "task", self._tasks)
+        if "subtask_index" in self._features:
+            _write_names(self._folder / SUBTASKS, "subtask", self._subtasks)
+
+
+def _prefixed(prefix: str, entries: Mapping[str, Any]) -> dict[str, Any]:
+    return {f"{prefix}/{name}": value for name, value in entries.items()}
+
+
+def _write_names(path: Path, name: str, numbers: dict[str, int]) -> None:
+    """A table of texts and their numbers as pandas stores it with the texts as its index, which LeRobot expects."""
+    number = f"{name}_index"
+    described = [
+        {"name": number, "field_name": number, "pandas_type": "int64", "numpy_type": "int64", "metadata": None},
+        {"name": name, "field_name": name, "pandas_type": "unicode", "numpy_type": "object", "metadata": None},
+    ]
+    pandas = {"index_columns": [name], "column_indexes": [], "columns": described, "pandas_version": "2.2.0"}
+    table = pa.table({number: pa.array(numbers.values(), pa.int64()), name: pa.array(numbers.keys(), pa.string())})
+    pq.write_table(table.replace_schema_metadata({"pandas": json.dumps(pandas)}), path, compression=COMPRESSION)
+
+
+def _read_names(path: Path, name: str) -> list[str]:
+    """The texts of such a table in the order of their numbers; pandas does not always name the column of texts."""
+    table = read_table(path)
+    columns = [column for column in table.column_names if column != f"{name}_index"]
+    if len(columns) != 1 or table.num_columns != 2:
+        raise DamagedFile(f"{path} has the columns {table.column_names}, not texts and their numbers", hint=MEND)
+    return in_order(zip(table[f"{name}_index"].to_pylist(), table[columns[0]].to_pylist(), strict=True), path)

@@ -1,0 +1,195 @@
+"""What writing LeRobot's two formats has in common: one episode at a time, checked before anything is written.
+
+Besides LeRobot's own columns every frame has a ``subtask_index`` into ``meta/subtasks``, so that a policy can be
+trained on the sub-task in hand as well as on the instruction.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any, ClassVar
+
+import numpy as np
+import pyarrow as pa
+from numpy.typing import NDArray
+
+from vcage.base.errors import DamagedFile, UsageError
+from vcage.base.files import write_json
+from vcage.datasets.lerobot.episode import LeRobotEpisode, SubtaskSpan
+from vcage.datasets.lerobot.features import admit, describe, video_key
+from vcage.datasets.lerobot.info import INFO
+from vcage.datasets.lerobot.statistics import Statistics, picture_statistics, vector_statistics
+
+CHUNK = 1000
+"""Files in a folder at most, LeRobot's default."""
+
+
+class LeRobotWriter(ABC):
+    """A data set that is being written; :func:`vcage.datasets.lerobot.formats.open_writer` makes one.
+
+    In memory are one episode, the texts of tasks and sub-tasks, and running statistics.
+
+    Args:
+        folder: where to write; empty.
+        encodings: camera → facts about its encoding for ``info.json``, such as ``{"video.crf": 18}``.
+
+    Attributes:
+        episodes: how many the data set holds, those that were there before included.
+        frames: all their frames.
+    """
+
+    LAYOUT: ClassVar[dict[str, Any]]
+    """Entries of ``info.json`` that are the same for every data set of the format."""
+
+    def __init__(self, folder: Path, encodings: Mapping[str, Mapping[str, Any]]):
+        self.episodes = 0
+        self.frames = 0
+        self._there = 0  # episodes from before
+        self._folder = folder
+        self._encodings = encodings
+        self._info: dict[str, Any] = {}
+        self._tasks: dict[str, int] = {}
+        self._subtasks: dict[str, int] = {}
+        (folder / "meta").mkdir()
+
+    def add(self, episode: LeRobotEpisode) -> None:
+        """Write an episode. One that is refused leaves the data set as it was, so others can follow.
+
+        Raises:
+            UsageError: it is empty, holds NaN, or does not fit those before; names its number and what differs.
+            DamagedFile: a video is unreadable, or does not show the episode's frames.
+        """
+        for complaint in episode.complaints():
+            raise UsageError(f"episode {self.episodes}: {complaint}", hint="mend the episode, or leave it out")
+        described = describe(episode, self._encodings)
+        if self._info:
+            admit(self.episodes, described, self._info)
+        else:
+            self._info = described
+        columns = self._columns(episode)
+        self._write(episode, _table(columns), _statistics(columns, episode))
+        self.episodes += 1
+        self.frames += episode.length
+
+    def finish(self) -> None:
+        """Write what describes the whole data set; nothing can be added afterwards.
+
+        Raises:
+            UsageError: no episode was added.
+        """
+        if self.episodes == self._there:
+            raise UsageError(
+                "there is no accepted episode to export", hint="collect more: run collect with --episodes N"
+            )
+        self._write_meta()
+        totals = {
+            "total_episodes": self.episodes,
+            "total_frames": self.frames,
+            "total_tasks": len(self._tasks),
+            **self._more_totals(),
+            "splits": {"train": f"0:{self.episodes}"},
+        }
+        kept = {name: value for name, value in self._info.items() if name not in totals}
+        info = {**self.LAYOUT, **totals, **kept}
+        if not self._video_keys:
+            info["video_path"] = None
+        write_json(self._folder / INFO, info)
+
+    @abstractmethod
+    def close(self) -> None:
+        """Close the files that are open."""
+
+    @abstractmethod
+    def resume(self, root: Path) -> None:
+        """Begin with all that a finished data set holds, before anything is added.
+
+        Raises:
+            UsageError: it is of another version or layout.
+            DamagedFile: a file of it is missing or damaged.
+        """
+
+    @abstractmethod
+    def _write(self, episode: LeRobotEpisode, table: pa.Table, statistics: dict[str, Statistics]) -> None:
+        """Write the files of an episode, whose number is :attr:`episodes`."""
+
+    @abstractmethod
+    def _write_meta(self) -> None:
+        """Write what belongs in ``meta`` besides ``info.json``."""
+
+    def _more_totals(self) -> dict[str, Any]:
+        """Entries of ``info.json`` that count what only this format counts."""
+        return {}
+
+    def _continue(self, info: dict[str, Any], tasks: Iterable[str], subtasks: Iterable[str]) -> None:
+        """Take over what a finished data set says of itself."""
+        self._info = info
+        self.episodes = self._there = int(info["total_episodes"])
+        self.frames = int(info["total_frames"])
+        self._tasks = {text: number for number, text in enumerate(tasks)}
+        self._subtasks = {text: number for number, text in enumerate(subtasks)}
+
+    @property
+    def _features(self) -> dict[str, dict[str, Any]]:
+        return self._info["features"]
+
+    @property
+    def _video_keys(self) -> list[str]:
+        return [key for key, feature in self._features.items() if feature["dtype"] == "video"]
+
+    def _columns(self, episode: LeRobotEpisode) -> dict[str, NDArray[Any]]:
+        """Column → (T, D) or (T,) values, of the features that the data set has."""
+        frame = np.arange(episode.length, dtype=np.int64)
+        spans = list(episode.subtasks) or [SubtaskSpan(episode.task, 0, episode.length)]
+        columns = {
+            **episode.vectors,
+            "timestamp": (frame / episode.fps).astype(np.float32),
+            "frame_index": frame,
+            "episode_index": np.full_like(frame, self.episodes),
+            "index": frame + self.frames,
+            "task_index": np.full_like(frame, _number(self._tasks, episode.task)),
+        }
+        if "subtask_index" in self._features:
+            numbers = np.array([_number(self._subtasks, span.text) for span in spans], np.int64)
+            columns["subtask_index"] = numbers[_span_of_frames(spans, frame)]
+        return columns
+
+
+def _number(numbers: dict[str, int], text: str) -> int:
+    """The number of a text, the next one for a new text."""
+    return numbers.setdefault(text, len(numbers))
+
+
+def _span_of_frames(spans: list[SubtaskSpan], frames: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Index into ``spans``; a frame between two belongs to the one that follows, one after the last to the last."""
+    ends = [span.end for span in spans]
+    return np.minimum(np.searchsorted(ends, frames, side="right"), len(ends) - 1)
+
+
+def _table(columns: Mapping[str, NDArray[Any]]) -> pa.Table:
+    def column(values: NDArray[Any]) -> pa.Array:
+        if values.ndim == 1 or values.shape[1] == 1:  # LeRobot reads a vector of one number as the number
+            return pa.array(values.ravel())
+        return pa.FixedSizeListArray.from_arrays(pa.array(values.ravel()), values.shape[1])
+
+    return pa.table({name: column(values) for name, values in columns.items()})
+
+
+def _statistics(columns: Mapping[str, NDArray[Any]], episode: LeRobotEpisode) -> dict[str, Statistics]:
+    statistics = {name: vector_statistics(values.reshape(len(values), -1)) for name, values in columns.items()}
+    for camera in sorted(episode.videos):
+        statistics[video_key(camera)] = picture_statistics(episode.histograms[camera], episode.sampled)
+    return statistics
+
+
+def in_order(rows: Iterable[tuple[int, str]], where: Path) -> list[str]:
+    """Texts by their numbers, which count from 0.
+
+    Raises:
+        DamagedFile: a number is missing or there twice; names ``where``.
+    """
+    ordered = sorted(rows)
+    if [number for number, _ in ordered] != list(range(len(ordered))):
+        raise DamagedFile(f"{where} does not number its texts from 0", hint="fetch or export the data set again")
+    return [text for _, text in ordered]

@@ -1,0 +1,230 @@
+"""HDF5 recordings whose pictures lie in videos beside them: written from any HDF5 file, and put back.
+
+Everything but the pictures stays as it is, bit for bit: :mod:`vcage.datasets.hdf5_copy`. What stands for the pictures
+is described in :mod:`vcage.datasets.picture_links`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import replace
+from itertools import islice
+from pathlib import Path
+from typing import Any, Literal
+
+import cv2
+import h5py
+import numpy as np
+from numpy.typing import NDArray
+
+from vcage.base.errors import DamagedFile, InputFileError, UsageError
+from vcage.base.progress import Progress, silent
+from vcage.base.videos import pictures
+from vcage.datasets.hdf5 import GZIP_LEVEL
+from vcage.datasets.hdf5_copy import Replacement, copy_attributes, copy_file
+from vcage.datasets.hdf5_output import new_hdf5
+from vcage.datasets.picture_datasets import ARRAY, FIXED, VLEN
+from vcage.datasets.picture_links import OURS, Link, Original, Stream, find_links, read_link, write_link
+from vcage.datasets.recordings.hdf5_layouts import damage
+from vcage.datasets.spool import spooled
+
+
+def write_packed(source: Path, target: Path, streams: Sequence[Stream]) -> Path:
+    """Write ``target``: all that ``source`` holds, with links to videos in place of pictures.
+
+    The videos are to lie beside ``target``; they may be written later. The source is only read.
+
+    Args:
+        source: any HDF5 file. One that is packed itself gets other videos; what they are unpacked to stays the same.
+        target: the file to write; it appears when it is whole.
+        streams: the videos; their keys are datasets of the source with as many pictures. How these were stored is
+            taken from a packed source, not from the stream.
+
+    Raises:
+        UsageError: ``target`` is ``source``.
+        InputFileError: there is no source.
+        DamagedFile: the source is damaged, or a key is no dataset of that many pictures.
+        OutputFolderError, DiskFull: the file cannot be written.
+    """
+    with _rebuilt(source, target) as (old, new):
+        copy_file(old, new, {stream.key: _pack(old, stream) for stream in streams})
+    return Path(target)
+
+
+def unpack(packed: Path, target: Path, storage: Literal["same", "raw"] = "same", progress: Progress = silent) -> Path:
+    """Write ``target``: a packed file with its pictures put back from the videos, as many, in order, in their places.
+
+    Arrays of pixels come back in the same type, chunks and compression. Encoded pictures come back as PNG, since a
+    second JPEG would lose again, in the same kind of dataset, with red and blue swapped where they were, so that
+    whoever reads the layout sees what was seen before. Grey pictures come back grey; alpha does not come back.
+
+    One picture is in memory at a time, or as many as share a chunk of an array.
+
+    Args:
+        packed: what :func:`write_packed` wrote, with the videos beside it.
+        target: the file to write; it appears when it is whole.
+        storage: ``raw`` puts arrays of RGB in place of encoded pictures too.
+        progress: told of every camera.
+
+    Raises:
+        UsageError: ``target`` is ``packed``, or ``packed`` refers to no video.
+        InputFileError: there is no packed file.
+        DamagedFile: a video is missing or damaged, or has other pictures than it should; or the packed file is damaged.
+        OutputFolderError, DiskFull: the file cannot be written.
+    """
+    with _rebuilt(packed, target) as (old, new):
+        links = find_links(old)
+        if not links:
+            raise UsageError(f"{packed} refers to no video", hint="give a file that was packed; this one is whole")
+        videos = {key: link.whole_video(Path(packed)) for key, link in links.items()}
+        numbers = {key: number for number, key in enumerate(links)}
+
+        def restore(key: str) -> Replacement:
+            def put(dataset: h5py.Dataset, group: h5py.Group, name: str) -> None:
+                progress(links[key].stream.camera, numbers[key], len(links))
+                made = _restored(group, name, links[key], videos[key], storage, Path(target).parent)
+                copy_attributes(dataset, made, leave=OURS)
+
+            return put
+
+        copy_file(old, new, {key: restore(key) for key in links})
+    return Path(target)
+
+
+@contextmanager
+def _rebuilt(source: Path, target: Path) -> Iterator[tuple[h5py.File, h5py.File]]:
+    """Both files, open; the second is new and appears when the block succeeds."""
+    source, target = Path(source), Path(target)
+    if not source.is_file():
+        raise InputFileError(f"{source} does not exist", hint="check the path")
+    if target.exists() and target.samefile(source):
+        raise UsageError(f"{target} is the file that is read", hint="give another file to write")
+    with damage(source, writing=True), h5py.File(source) as old:
+        order = old.id.get_create_plist().get_link_creation_order()
+        with new_hdf5(target, track_order=bool(order)) as new:
+            yield old, new
+
+
+# --- packing -------------------------------------------------------------------------------------------
+
+
+def _pack(file: h5py.File, stream: Stream) -> Replacement:
+    dataset = file.get(stream.key)
+    link = read_link(dataset) if isinstance(dataset, h5py.Dataset) else None
+    if link is not None:
+        stream = replace(stream, storage=link.stream.storage, swapped=link.stream.swapped)
+    if not isinstance(dataset, h5py.Dataset) or _held(dataset, link) != stream.frames:
+        raise DamagedFile(
+            f"{file.filename}:{stream.key} does not hold {stream.frames} pictures", hint="compress the recording again"
+        )
+
+    def put(old: h5py.Dataset, group: h5py.Group, name: str) -> None:
+        original = Original.of(old) if link is None else link.original
+        copy_attributes(old, write_link(group, name, Link(stream, original)), leave=OURS)
+
+    return put
+
+
+def _held(dataset: h5py.Dataset, link: Link | None) -> int:
+    """How many pictures a dataset stands for."""
+    if link is not None:
+        return link.stream.frames
+    return len(dataset) if dataset.shape else 0
+
+
+# --- unpacking -----------------------------------------------------------------------------------------
+
+
+def _restored(group: h5py.Group, name: str, link: Link, video: Path, storage: str, scratch: Path) -> h5py.Dataset:
+    """The dataset of pictures that a link stood for; ``scratch`` is a folder for what is written meanwhile."""
+    if link.original.kind == ARRAY:
+        return _restored_array(group, name, link, video)
+    if storage == "raw":
+        return _array_of_encoded(group, name, link, video)
+    if link.original.kind == VLEN:
+        dataset = _alike(group, name, link.original, (link.stream.frames,), h5py.vlen_dtype(np.uint8))
+        for index, data in enumerate(_files(link, video)):
+            dataset[index] = np.frombuffer(data, np.uint8)
+        return dataset
+    return _restored_padded(group, name, link, video, scratch)
+
+
+def _restored_array(group: h5py.Group, name: str, link: Link, video: Path) -> h5py.Dataset:
+    """Pixels, stored as they were; RGB where they had alpha."""
+    original = link.original
+    shape = (*original.shape[:3], *([min(original.shape[3], 3)] if len(original.shape) == 4 else []))
+    dataset = _alike(group, name, original, shape, np.uint8)
+    found = _pictures(link, video)
+    rows = dataset.chunks[0] if dataset.chunks else 1
+    for start in range(0, link.stream.frames, rows):
+        some = [_grey(picture) if original.channels == 1 else picture for picture in islice(found, rows)]
+        dataset[start : start + rows] = np.stack(some).reshape(-1, *shape[1:])
+    return dataset
+
+
+def _array_of_encoded(group: h5py.Group, name: str, link: Link, video: Path) -> h5py.Dataset:
+    """RGB pixels of pictures that were encoded, a compressed chunk for each."""
+    shape = (link.stream.height, link.stream.width, 3)
+    dataset = group.create_dataset(
+        name,
+        (link.stream.frames, *shape),
+        np.uint8,
+        chunks=(1, *shape),
+        compression="gzip",
+        compression_opts=GZIP_LEVEL,
+        track_times=False,
+    )
+    for index, picture in enumerate(_pictures(link, video)):
+        dataset[index] = picture
+    return dataset
+
+
+def _restored_padded(group: h5py.Group, name: str, link: Link, video: Path, scratch: Path) -> h5py.Dataset:
+    """Encoded pictures of one length, that of the longest."""
+    with spooled(_files(link, video), scratch) as files:
+        fixed, longest = link.original.kind == FIXED, files.longest
+        shape = (len(files),) if fixed else (len(files), longest)
+        dataset = _alike(group, name, link.original, shape, f"S{longest}" if fixed else np.uint8)
+        for index, data in enumerate(files):
+            dataset[index] = data if fixed else np.frombuffer(data.ljust(longest, b"\0"), np.uint8)
+    return dataset
+
+
+def _alike(group: h5py.Group, name: str, original: Original, shape: tuple[int, ...], dtype: Any) -> h5py.Dataset:
+    """An empty dataset stored as the original was: chunks and limits that reached its end reach the new end."""
+    options: dict[str, Any] = {}
+    if original.chunks is not None:
+        axes = list(zip(original.chunks, original.maxshape, original.shape, shape, strict=True))
+        options["chunks"] = tuple(new if chunk == old else min(chunk, new) for chunk, _, old, new in axes)
+        options["maxshape"] = tuple(
+            None if most is None else new if most == old else max(most, new) for _, most, old, new in axes
+        )
+    return group.create_dataset(name, shape, dtype, track_times=False, **options, **original.filters())
+
+
+def _files(link: Link, video: Path) -> Iterator[bytes]:
+    """The pictures as PNG, grey where they were, swapped where they were."""
+    for picture in _pictures(link, video):
+        if link.original.channels == 1:
+            pixels = _grey(picture)
+        else:  # OpenCV takes BGR
+            pixels = picture if link.stream.swapped else cv2.cvtColor(picture, cv2.COLOR_RGB2BGR)
+        yield cv2.imencode(".png", pixels)[1].tobytes()
+
+
+def _pictures(link: Link, video: Path) -> Iterator[NDArray[np.uint8]]:
+    """The pictures of the video, as many and as large as they were."""
+    stream = link.stream
+    for index, picture in enumerate(pictures(video)):
+        if picture.shape[:2] != (stream.height, stream.width):
+            raise DamagedFile(
+                f"{video}: frame {index} is {picture.shape[1]}x{picture.shape[0]}, the pictures were "
+                f"{stream.width}x{stream.height}",
+                hint="compress the recording again",
+            )
+        yield picture
+
+
+def _grey(picture: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    return cv2.cvtColor(picture, cv2.COLOR_RGB2GRAY)

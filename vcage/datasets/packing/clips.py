@@ -1,0 +1,178 @@
+"""One camera of one recording: searched, written, and known again when the work is taken up after a break."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from pathlib import Path
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from vcage import __version__
+from vcage.base.errors import DamagedFile
+from vcage.base.files import write_bytes, write_text
+from vcage.datasets.recordings.recording import Recording
+from vcage.schema.compression import VideoStream
+from vcage.video.choices import Choices, Criterion
+from vcage.video.jod import JodMetric, metric_version
+from vcage.video.keyframes import keyframes, picture_keyframes
+from vcage.video.search import SearchResult, search_clip
+from vcage.video.versions import encoder_version
+
+JPEG_QUALITY = 95
+
+
+@dataclass(frozen=True)
+class Clip:
+    """One camera of one recording.
+
+    Args:
+        name: of the recording, unique in the data set; with the camera's it names the video.
+        recording: where the pictures are.
+        camera: its name.
+        fps: frames per second.
+    """
+
+    name: str
+    recording: Recording
+    camera: str
+    fps: float
+
+    @property
+    def video(self) -> str:
+        """Name of the encoded video."""
+        return f"{self.name}.{self.camera}.mp4"
+
+
+@dataclass(frozen=True)
+class Task:
+    """A search to be done.
+
+    Args:
+        clip: in which video.
+        choices: what there is to choose from.
+        criterion: when it passes.
+        display: of the metric.
+        keyframes: how many frames are scored.
+        folder: where the video and what is known of it are kept.
+        threads: of the encoder; 0 leaves it the choice.
+    """
+
+    clip: Clip
+    choices: Choices
+    criterion: Criterion
+    display: str
+    keyframes: int
+    folder: Path
+    threads: int = 0
+
+    @cached_property
+    def record(self) -> Path:
+        """What is known of the video once it is there; its name tells everything that the result depends on, as it was
+        when first asked for."""
+        recording = self.clip.recording
+        told = (
+            str(recording.path.resolve()),
+            str(recording),
+            [(stat.st_size, stat.st_mtime_ns) for stat in (file.stat() for file in recording.files)],
+            self.clip.fps,
+            self.choices,
+            self.criterion,
+            self.display,
+            self.keyframes,
+            encoder_version(self.choices.codec),
+            metric_version(),
+            __version__,
+        )
+        digest = hashlib.sha256(repr(told).encode()).hexdigest()[:12]
+        return self.folder / f"{self.clip.video.removesuffix('.mp4')}.{digest}.json"
+
+    @property
+    def video(self) -> Path:
+        """The encoded video."""
+        return self.record.with_suffix(".mp4")
+
+
+def known(task: Task) -> VideoStream | None:
+    """What an earlier call of :func:`perform` found, or None."""
+    try:
+        return VideoStream.model_validate_json(task.record.read_bytes())
+    except (OSError, ValueError):
+        return None
+
+
+def whole(task: Task) -> bool:
+    """Whether the video is there, as :func:`perform` left it."""
+    stream = known(task)
+    return stream is not None and task.video.is_file() and task.video.stat().st_size == stream.bytes
+
+
+def perform(task: Task) -> tuple[Clip, VideoStream]:
+    """Search one clip, and write its video and then its record; does nothing where both are there.
+
+    Raises:
+        DamagedFile: its pictures cannot be read; ``details`` name the recording.
+        UsageError, MissingDependency: see :func:`vcage.video.search.search_clip`.
+        DiskFull, OutputFolderError: it cannot be written.
+    """
+    done = known(task)
+    if done is not None and whole(task):
+        return task.clip, done
+    clip = task.clip
+    try:
+        frames = clip.recording.pictures(clip.camera)
+        scored = _keyframes(clip.recording, frames, task.keyframes)
+    except DamagedFile as error:
+        error.details["recording"] = clip.name
+        raise
+    result = search_clip(frames, scored, clip.fps, task.choices, task.criterion, _metric(task.display), task.threads)
+    write_bytes(task.video, result.video)
+    stream = _stream(clip, frames, scored, result)
+    write_text(task.record, stream.model_dump_json())
+    return clip, stream
+
+
+@lru_cache(maxsize=1)
+def _metric(display: str) -> JodMetric:
+    """The metric, made once for each process, in whose main thread alone it is used."""
+    return JodMetric(display)
+
+
+def _keyframes(recording: Recording, frames: NDArray[np.uint8], count: int) -> list[int]:
+    motion = recording.motion
+    if motion is None:
+        return picture_keyframes(frames, count)
+    return keyframes(motion.action, motion.grippers, count)
+
+
+def _stream(clip: Clip, frames: NDArray[np.uint8], scored: Sequence[int], result: SearchResult) -> VideoStream:
+    return VideoStream(
+        episode=clip.name,
+        camera=clip.camera,
+        file=clip.video,
+        frames=len(frames),
+        bytes=len(result.video),
+        raw_bytes=frames.nbytes,
+        jpeg_bytes=jpeg_bytes(frames),
+        stored_bytes=clip.recording.camera(clip.camera).stored_bytes,
+        codec=result.settings.codec,
+        pixel_format=result.pixel_format,
+        gop=result.settings.gop,
+        crf=result.crf,
+        loss_max=result.loss_max,
+        loss_mean=result.loss_mean,
+        held_out=result.held_out,
+        keyframes=list(scored),
+        guarded=result.added,
+        evaluations=result.trials,
+    )
+
+
+def jpeg_bytes(frames: NDArray[np.uint8]) -> int:
+    """Bytes of the pictures, (T, H, W, 3) uint8 RGB, as JPEG, the way RoboTwin stores them."""
+    quality = [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY]
+    return sum(len(cv2.imencode(".jpg", cv2.cvtColor(f, cv2.COLOR_RGB2BGR), quality)[1]) for f in frames)

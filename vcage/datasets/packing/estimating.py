@@ -1,0 +1,149 @@
+"""How small recordings would become and how long it would take, from a few seconds of a few of them."""
+
+from __future__ import annotations
+
+import tempfile
+import time
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vcage.base.progress import Progress, silent
+from vcage.datasets.packing.clips import Clip
+from vcage.datasets.packing.dataset_search import (
+    cameras_of,
+    campaign,
+    encoder_threads,
+    require_tools,
+    sample_of,
+    stream_of,
+    workers_for,
+)
+from vcage.datasets.packing.pack import Order, without_damaged
+from vcage.datasets.packing.settings import CompressionSettings
+from vcage.datasets.packing.sources import find_sources, require_apart
+from vcage.datasets.packing.targets import require_alike, suited
+from vcage.datasets.recordings.recording import Camera, Columns, Motion, Recording
+from vcage.schema.compression import VideoStream
+
+WINDOW = 60
+"""Frames that are searched of a clip, from its middle."""
+
+
+def estimate(order: Order, *, workers: int | None = None, progress: Progress = silent) -> dict[str, Any]:
+    """What :func:`vcage.datasets.packing.pack.pack` would write, without writing anything.
+
+    Args:
+        order: what would be done.
+        workers: processes at most, for the time.
+        progress: told of each clip of the sample.
+
+    Returns:
+        JSON-serialisable: what :func:`estimate_clips` tells, and the recordings that are left.
+
+    Raises:
+        VcageError: see :func:`vcage.datasets.packing.pack.pack`.
+    """
+    require_apart(order.root, order.out)
+    require_tools(order.settings)
+    sources = find_sources(order.root, order.settings, skip_damaged=order.skip_damaged)
+    wanted = suited(order.wanted, sources.sources)
+    require_alike(sources.clips(order.cameras, wanted.fps), wanted)
+    sources, told = without_damaged(
+        order, sources, wanted, lambda clips: estimate_clips(clips, order.settings, workers=workers, progress=progress)
+    )
+    return {"would": "write", "out": str(order.out), "recordings": len(sources.sources), **told}
+
+
+def estimate_clips(
+    clips: Sequence[Clip], settings: CompressionSettings, *, workers: int | None = None, progress: Progress = silent
+) -> dict[str, Any]:
+    """What a campaign would make of clips, from one over the middles of a few of them.
+
+    Args:
+        clips: all of them.
+        settings: how.
+        workers: processes at most, for the time; the estimate itself is made in this process.
+        progress: told of each clip of the sample.
+
+    Returns:
+        JSON-serialisable: per camera the CRFs of the sample, and bytes of all frames; the sums of these, and seconds.
+
+    Raises:
+        VcageError: see :func:`vcage.datasets.packing.dataset_search.campaign`.
+    """
+    workers = workers_for(clips, workers)
+    sample = [replace(clip, recording=_Middle(clip.recording, clip.camera)) for clip in sample_of(clips)]
+    begun = time.perf_counter()
+    with tempfile.TemporaryDirectory() as folder:
+        videos = campaign(
+            sample, settings, Path(folder), workers=1, threads=encoder_threads(workers), progress=progress
+        )
+        streams = [stream_of(video) for video in videos.values()]
+    seconds = time.perf_counter() - begun
+    cameras = {
+        name: _camera([c for c in clips if c.camera == name], [s for s in streams if s.camera == name])
+        for name in cameras_of(clips)
+    }
+    total = {key: sum(camera[key] for camera in cameras.values()) for key in ("bytes", "raw_bytes", "jpeg_bytes")}
+    share = total["raw_bytes"] / sum(stream.raw_bytes for stream in streams)
+    return {
+        "videos": len(clips),
+        "sampled_frames": sum(stream.frames for stream in streams),
+        **total,
+        "reduction_raw": round(1 - total["bytes"] / total["raw_bytes"], 4),
+        "reduction_jpeg": round(1 - total["bytes"] / total["jpeg_bytes"], 4),
+        "seconds": round(share * seconds / workers),
+        "cameras": cameras,
+    }
+
+
+def _camera(clips: Sequence[Clip], streams: Sequence[VideoStream]) -> dict[str, Any]:
+    """What all clips of a camera come to, if they are like the sample."""
+    frames = sum(clip.recording.camera(clip.camera).frames for clip in clips)
+    share = frames / sum(stream.frames for stream in streams)
+    return {
+        "crf": [stream.crf for stream in streams],
+        "frames": frames,
+        "bytes": round(share * sum(stream.bytes for stream in streams)),
+        "raw_bytes": sum(clip.recording.camera(clip.camera).raw_bytes for clip in clips),
+        "jpeg_bytes": round(share * sum(stream.jpeg_bytes for stream in streams)),
+    }
+
+
+class _Middle(Recording):
+    """One camera of a recording, as if no more had been recorded than the frames in its middle."""
+
+    def __init__(self, recording: Recording, camera: str):
+        super().__init__(recording.path)
+        self._recording = recording
+        self._camera = recording.camera(camera)
+        first = max(0, (self._camera.frames - WINDOW) // 2)
+        self._frames = range(first, min(self._camera.frames, first + WINDOW))
+
+    def __str__(self) -> str:
+        return str(self._recording)
+
+    @property
+    def files(self) -> list[Path]:
+        return self._recording.files
+
+    @property
+    def cameras(self) -> list[Camera]:
+        return [replace(self._camera, frames=len(self._frames))]
+
+    @property
+    def motion(self) -> Motion | None:
+        motion = self._recording.motion
+        return motion and replace(motion, action=motion.action[self._frames])
+
+    def pictures(self, camera: str, indices: Sequence[int] | None = None) -> NDArray[np.uint8]:
+        chosen = self._frames if indices is None else [self._frames[index] for index in indices]
+        return self._recording.pictures(camera, chosen)
+
+    def _read_commands(self) -> Columns | None:
+        raise NotImplementedError  # motion is the recording's own

@@ -1,0 +1,94 @@
+"""What recordings hold, without decoding more than a few pictures of them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from vcage.base.errors import DamagedFile
+from vcage.datasets.packing.sources import require_sound
+from vcage.datasets.recordings.opening import open_recordings
+from vcage.datasets.recordings.recording import Camera, Recording
+
+MIB = 2**20
+
+
+@dataclass(frozen=True)
+class Found:
+    """A recording, or what is wrong with it.
+
+    Args:
+        name: the path, and the episode where a path holds several.
+        recording: None where the file is damaged.
+        damage: what is wrong; empty where nothing is.
+    """
+
+    name: str
+    recording: Recording | None
+    damage: str = ""
+
+    @property
+    def cameras(self) -> Sequence[Camera]:
+        """Those of a sound recording."""
+        return self.recording.cameras if self.recording is not None else []
+
+
+def inspect(root: Path) -> list[Found]:
+    """All recordings at a path, the damaged ones too.
+
+    Raises:
+        InputFileError: there is nothing at the path, or nothing that is known.
+    """
+    damaged: dict[Path, DamagedFile] = {}
+    found = [_look(recording) for recording in open_recordings(Path(root), damaged)]
+    return found + [Found(str(path), None, error.message) for path, error in damaged.items()]
+
+
+def _look(recording: Recording) -> Found:
+    try:
+        require_sound(recording)
+    except DamagedFile as error:
+        return Found(str(recording), None, error.message)
+    return Found(str(recording), recording)
+
+
+def describe(found: Sequence[Found]) -> str:
+    """The recordings as lines for people."""
+    return "\n".join(line for one in found for line in _lines(one))
+
+
+def _lines(found: Found) -> list[str]:
+    recording = found.recording
+    if recording is None:
+        return [f"{found.name}: DAMAGED: {found.damage}"]
+    rate = f"{recording.fps:g} fps" if recording.fps else "fps not said"
+    motion = recording.motion
+    numbers = f"{motion.action.shape[1]} numbers in a command" if motion is not None else "no commands"
+    lines = [f"{found.name}: {recording.LAYOUT}, {rate}, {numbers}"]
+    lines += [f"  {_camera(camera)}" for camera in recording.cameras]
+    return lines + [f"  note: {note}" for note in recording.notes]
+
+
+def _camera(camera: Camera) -> str:
+    saved = 1 - camera.stored_bytes / max(camera.raw_bytes, 1)
+    return (
+        f"{camera.name}: {camera.frames} frames of {camera.width}x{camera.height}, {camera.storage}, "
+        f"{camera.stored_bytes / MIB:.1f} MiB ({saved:.1%} smaller than raw)"
+    )
+
+
+def totals(found: Sequence[Found]) -> dict[str, Any]:
+    """The recordings in numbers."""
+    cameras = [camera for one in found for camera in one.cameras]
+    return {
+        "recordings": sum(one.recording is not None for one in found),
+        "layouts": sorted({one.recording.LAYOUT for one in found if one.recording is not None}),
+        "cameras": sorted({camera.name for camera in cameras}),
+        "frames": sum(camera.frames for camera in cameras),
+        "raw_bytes": sum(camera.raw_bytes for camera in cameras),
+        "stored_bytes": sum(camera.stored_bytes for camera in cameras),
+        "damaged": {one.name: one.damage for one in found if one.recording is None},
+        "notes": {one.name: one.recording.notes for one in found if one.recording is not None and one.recording.notes},
+    }

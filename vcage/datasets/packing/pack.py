@@ -1,0 +1,187 @@
+"""Compress somebody's recordings: found, looked at, searched, and written as a whole."""
+
+from __future__ import annotations
+
+import logging
+import os
+import shutil
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import asdict, dataclass
+from itertools import chain
+from pathlib import Path
+from typing import Any, TypeVar
+
+from vcage.base.errors import DamagedFile, InputFileError, OutputFolderError, StaleStage
+from vcage.base.files import RunFolder, atomic_folder, held
+from vcage.base.progress import Progress, silent
+from vcage.datasets.packing.clips import Clip
+from vcage.datasets.packing.dataset_search import campaign, require_tools, stream_of
+from vcage.datasets.packing.records import compression_record
+from vcage.datasets.packing.settings import CompressionSettings
+from vcage.datasets.packing.sources import Sources, find_sources, require_apart
+from vcage.datasets.packing.targets import Wanted, require_alike, suited
+from vcage.datasets.packing.writing import Compressed, write_target
+from vcage.schema.base import Provenance
+from vcage.schema.compression import Compression
+
+log = logging.getLogger(__name__)
+
+T = TypeVar("T")
+
+RECORD = "compression.json"
+WORKING = ".compressing"
+"""Ends the name of the folder beside the output in which videos gather; the work is taken up there."""
+
+
+@dataclass(frozen=True)
+class Order:
+    """What is to be done.
+
+    Args:
+        root: the recordings: a file or a folder; only read.
+        out: the folder to write.
+        settings: how videos are encoded and judged.
+        wanted: what is to be written; none suits it to the recordings.
+        cameras: names of those to be kept; none for all.
+        skip_damaged: leave out damaged recordings instead of refusing all.
+    """
+
+    root: Path
+    out: Path
+    settings: CompressionSettings
+    wanted: Wanted
+    cameras: tuple[str, ...] = ()
+    skip_damaged: bool = False
+
+
+@dataclass(frozen=True)
+class Packed:
+    """What was written, where its record lies, and whether it was made just now."""
+
+    record: Compression
+    path: Path
+    fresh: bool
+
+
+def pack(order: Order, *, workers: int | None = None, force: bool = False, progress: Progress = silent) -> Packed:
+    """Compress recordings into a new folder, which appears whole or not at all.
+
+    Videos gather in a folder beside it. When the work is interrupted they stay there, and the same call goes on.
+
+    Args:
+        order: what is to be done.
+        workers: processes at most; None takes as many as there are cores and memory for.
+        force: replace an output of other settings or inputs.
+        progress: told of every step.
+
+    Raises:
+        InputFileError: there is nothing to compress, or it is damaged.
+        UsageError: the recordings cannot be written so, or an option is missing.
+        StaleStage: the output is there, made from other recordings or with other settings, and ``force`` is not set.
+        OutputFolderError: the output is in the way, lies in the input, is being written, or cannot be.
+        DiskFull: see :mod:`vcage.base.files`; what is finished is kept beside the output.
+    """
+    out = order.out.expanduser().resolve()
+    require_apart(order.root, order.out)
+    require_tools(order.settings)
+    sources = find_sources(order.root, order.settings, skip_damaged=order.skip_damaged)
+    wanted = suited(order.wanted, sources.sources)
+    require_alike(sources.clips(order.cameras, wanted.fps), wanted)
+    provenance = Provenance(producer="compress", seed=0, options=_options(order, wanted), inputs=sources.hashes())
+    working = out.with_name(out.name + WORKING)
+    done = _finished(out, provenance, force=force)
+    if done is not None:
+        _clear(working)
+        return done
+    RunFolder(working).make()
+    with held(working):
+        sources, videos = without_damaged(
+            order,
+            sources,
+            wanted,
+            lambda clips: campaign(clips, order.settings, working / "videos", workers=workers, progress=progress),
+        )
+        streams = {key: stream_of(video) for key, video in videos.items()}
+        notes = _notes(sources)
+        record = compression_record(provenance, order.settings, list(streams.values()), notes)
+        whole = working / "whole"
+        shutil.rmtree(whole, ignore_errors=True)
+        write_target(Compressed(sources.sources, streams, videos, record.encoding.preset), wanted, whole, progress)
+        record.write(whole / RECORD)
+        with atomic_folder(out) as folder:
+            for child in whole.iterdir():
+                os.replace(child, folder / child.name)
+        shutil.rmtree(working)
+    _tell(notes)
+    return Packed(record, out / RECORD, fresh=True)
+
+
+def _clear(working: Path) -> None:
+    """Remove what a call left that was ended after the output appeared, unless another one works there."""
+    if working.exists():
+        with suppress(OutputFolderError), held(working):
+            shutil.rmtree(working)
+
+
+def without_damaged(
+    order: Order, sources: Sources, wanted: Wanted, work: Callable[[list[Clip]], T]
+) -> tuple[Sources, T]:
+    """What some work makes of the clips of sources, and the sources that these are of.
+
+    Sources that only decoding shows to be damaged are left out if the order allows it, and the work is done again.
+
+    Raises:
+        DamagedFile: the order does not allow it, or none is left.
+        UsageError: what is left cannot be written as is wanted.
+    """
+    while True:
+        try:
+            return sources, work(sources.clips(order.cameras, wanted.fps))
+        except DamagedFile as error:
+            if not order.skip_damaged or "recording" not in error.details:
+                more = "; or go on without it: --skip-damaged" if len(sources.sources) > 1 else ""
+                raise DamagedFile(error.message, hint=error.hint + more, details=error.details) from error
+            sources = sources.without(error.details["recording"], error.message)
+            suited(wanted, sources.sources)
+
+
+def _options(order: Order, wanted: Wanted) -> dict[str, Any]:
+    return {**order.settings.options(), **asdict(wanted), "cameras": list(order.cameras)}
+
+
+def _finished(out: Path, provenance: Provenance, *, force: bool) -> Packed | None:
+    """The output of an earlier call with the same provenance, or None when there is work to do."""
+    if not out.exists() or (out.is_dir() and not any(out.iterdir())):
+        return None
+    if not out.is_dir():
+        raise OutputFolderError(f"{out} is a file", hint="give another --out")
+    try:
+        record = Compression.read(out / RECORD)
+    except InputFileError as error:
+        if force and (out / RECORD).exists():
+            return None
+        raise OutputFolderError(f"{out} is in the way: {error.message}", hint="give another --out") from error
+    if record.provenance == provenance:
+        log.info("compress: finished before, nothing to do")
+        return Packed(record, out / RECORD, fresh=False)
+    if force:
+        return None
+    raise StaleStage(
+        f"{out} is finished, but was made from other recordings or with other options",
+        hint="add --force to replace it, or give another --out",
+    )
+
+
+def _notes(sources: Sources) -> dict[str, list[str]]:
+    notes = {source.name: list(source.recording.notes) for source in sources.sources}
+    for name, cameras in sources.missing_cameras().items():
+        notes[name].append(f"it lacks {', '.join(cameras)}, which others have")
+    return {**notes, **{name: [f"left out: {text}"] for name, text in sources.damaged.items()}}
+
+
+def _tell(notes: Mapping[str, Sequence[str]]) -> None:
+    """Say each note once, and of how many recordings it holds."""
+    for text, count in Counter(chain.from_iterable(notes.values())).items():
+        log.warning("%s%s", text, f" ({count} of {len(notes)} recordings)" if len(notes) > 1 else "")

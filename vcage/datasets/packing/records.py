@@ -1,0 +1,82 @@
+"""What a campaign found, as the record that is left beside the videos."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TypeVar
+
+from vcage.datasets.packing.settings import CompressionSettings
+from vcage.schema.base import Provenance
+from vcage.schema.compression import CameraCompression, Compression, Encoding, VideoStream
+from vcage.video.codec import is_rgb
+from vcage.video.encoders import CODECS
+from vcage.video.jod import metric_version
+from vcage.video.versions import encoder_version
+
+T = TypeVar("T")
+
+
+def compression_record(
+    provenance: Provenance,
+    settings: CompressionSettings,
+    streams: Sequence[VideoStream],
+    notes: Mapping[str, Sequence[str]] | None = None,
+) -> Compression:
+    """The record of streams that were all made with the same settings.
+
+    Args:
+        provenance: of the record.
+        settings: how the streams were made.
+        streams: at least one.
+        notes: recording → what a user must know of it.
+    """
+    cameras = sorted({stream.camera for stream in streams})
+    return Compression(
+        provenance=provenance,
+        encoding=_encoding(settings),
+        cameras=[_camera(name, [s for s in streams if s.camera == name]) for name in cameras],
+        streams=list(streams),
+        notes={name: list(texts) for name, texts in (notes or {}).items() if texts},
+        reduction_raw=_reduction(streams, "raw_bytes"),
+        reduction_jpeg=_reduction(streams, "jpeg_bytes"),
+        reduction_stored=_reduction(streams, "stored_bytes"),
+    )
+
+
+def _encoding(settings: CompressionSettings) -> Encoding:
+    return Encoding(
+        codec=settings.codec,
+        encoder=CODECS[settings.codec].encoder,
+        encoder_version=encoder_version(settings.codec),
+        preset=settings.choices().settings().preset,
+        metric=metric_version(),
+        display=settings.display,
+        reduce=settings.reduce,
+        threshold=settings.max_loss,
+        guard=settings.guard and settings.crf is None,
+        scope=settings.scope if settings.crf is None else "fixed",
+    )
+
+
+def _camera(name: str, streams: Sequence[VideoStream]) -> CameraCompression:
+    held_out = [stream.held_out.worst for stream in streams if stream.held_out is not None]
+    return CameraCompression(
+        camera=name,
+        pixel_format=_common([stream.pixel_format for stream in streams]),
+        matrix=_common(["RGB" if is_rgb(stream.pixel_format) else "BT.601" for stream in streams]),
+        range=_common(["full" if is_rgb(stream.pixel_format) else "limited" for stream in streams]),
+        gop=_common([stream.gop for stream in streams]),
+        crf=_common([stream.crf for stream in streams]),
+        lossless=all(stream.lossless for stream in streams),
+        loss_max=max(stream.loss_max for stream in streams),
+        held_out_max=max(held_out, default=None),
+    )
+
+
+def _common(values: Sequence[T]) -> T | None:
+    return values[0] if len(set(values)) == 1 else None
+
+
+def _reduction(streams: Sequence[VideoStream], baseline: str) -> float:
+    before = sum(getattr(stream, baseline) for stream in streams)
+    return round(1 - sum(stream.bytes for stream in streams) / max(before, 1), 5)

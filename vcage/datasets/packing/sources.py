@@ -1,0 +1,207 @@
+"""The recordings of a path, named, and looked at before any work is done on them."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+from vcage.base.errors import DamagedFile, OutputFolderError, UnknownName, UsageError
+from vcage.base.files import sha256_file
+from vcage.datasets.packing.clips import Clip
+from vcage.datasets.packing.settings import CompressionSettings
+from vcage.datasets.recordings.lerobot_layouts import LeRobotRecording
+from vcage.datasets.recordings.opening import open_recordings
+from vcage.datasets.recordings.recording import Recording
+from vcage.datasets.recordings.robomimic import RobomimicDemo
+from vcage.video.codec import formats_for
+
+LISTED = 5
+"""Complaints that one message names."""
+
+
+@dataclass(frozen=True)
+class Source:
+    """One recording to be compressed.
+
+    Args:
+        name: unique among them; the file's, and the demonstration where the file holds several, or the episode.
+        file: the recording's path without suffix, relative to what was given; shared by the demonstrations of a file.
+        recording: the recording.
+    """
+
+    name: str
+    file: str
+    recording: Recording
+
+
+@dataclass(frozen=True)
+class Sources:
+    """What was found at a path.
+
+    Args:
+        root: the path.
+        sources: what can be used, in order; at least one.
+        damaged: name → what is wrong with those that were left out.
+    """
+
+    root: Path
+    sources: Sequence[Source]
+    damaged: dict[str, str]
+
+    def clips(self, cameras: Sequence[str] = (), fps: float | None = None) -> list[Clip]:
+        """Every camera of every recording, or those named.
+
+        Args:
+            cameras: their names; none for all.
+            fps: for recordings that do not say.
+
+        Raises:
+            UnknownName: a recording has no such camera.
+            UsageError: neither the recording nor ``fps`` says how fast the pictures follow each other.
+        """
+        clips = []
+        for source in self.sources:
+            there = [camera.name for camera in source.recording.cameras]
+            for camera in cameras:
+                if camera not in there:
+                    raise UnknownName(f"camera of {source.recording}", camera, there)
+            rate = source.recording.fps or fps
+            if rate is None:
+                raise UsageError(
+                    f"{source.recording} does not say how many frames per second it has", hint="give --fps N"
+                )
+            clips += [Clip(source.name, source.recording, camera, rate) for camera in cameras or there]
+        return clips
+
+    def hashes(self) -> dict[str, str]:
+        """Name → SHA-256 of the recording's file; of several files, that of their names and digests."""
+        digest = cache(sha256_file)  # episodes of a data set share files
+        folder = self.root if self.root.is_dir() else self.root.parent
+        found = {}
+        for source in self.sources:
+            files = source.recording.files
+            told = "\n".join(f"{file.relative_to(folder).as_posix()} {digest(file)}" for file in files)
+            found[source.name] = digest(files[0]) if len(files) == 1 else hashlib.sha256(told.encode()).hexdigest()
+        return found
+
+    def missing_cameras(self) -> dict[str, list[str]]:
+        """Name → cameras that it lacks and another has, of those that lack any."""
+        cameras = {source.name: {camera.name for camera in source.recording.cameras} for source in self.sources}
+        every = set().union(*cameras.values())
+        return {name: sorted(every - own) for name, own in cameras.items() if own != every}
+
+    def without(self, name: str, complaint: str) -> Sources:
+        """The same without a source that turned out to be damaged.
+
+        Raises:
+            DamagedFile: it is the last.
+        """
+        left = [source for source in self.sources if source.name != name]
+        damaged = {**self.damaged, name: complaint}
+        if not left:
+            raise DamagedFile("; ".join(damaged.values()), hint="none is sound", details={"damaged": damaged})
+        return Sources(self.root, left, damaged)
+
+
+def find_sources(root: Path, settings: CompressionSettings, *, skip_damaged: bool = False) -> Sources:
+    """Open all recordings at a path, and look at what can be seen without decoding them.
+
+    Args:
+        root: a file or a folder.
+        settings: how they are to be encoded.
+        skip_damaged: leave out those that are damaged, and say so, instead of refusing all.
+
+    Raises:
+        InputFileError: there is nothing at the path, or nothing that is known.
+        DamagedFile: a recording is damaged; names the first few, and how many there are.
+        UsageError: a recording has no pictures, or of a size that the codec or the pixel format does not take, or two
+            recordings would be written under one name.
+    """
+    root = Path(root)
+    damaged: dict[Path, DamagedFile] = {}
+    opened = open_recordings(root, damaged)
+    complaints = {_name(path, root): error for path, error in damaged.items()}
+    sources: dict[str, Source] = {}
+    taken: dict[str, Recording] = {}
+    for recording in opened:
+        file, name = _name(recording.path, root), _name_of(recording, root)
+        for written in (file, name):
+            first = taken.setdefault(written, recording)
+            if first.path != recording.path:
+                raise UsageError(
+                    f"{first} and {recording} would both be written as {written}", hint="rename one of them"
+                )
+        try:
+            require_sound(recording)
+            _require_encodable(recording, settings)
+        except DamagedFile as error:
+            complaints[name] = error
+        else:
+            sources[name] = Source(name, file, recording)
+    if complaints and not (skip_damaged and sources):
+        raise _refusal(complaints, left=len(sources))
+    return Sources(root, list(sources.values()), {name: error.message for name, error in complaints.items()})
+
+
+def require_apart(root: Path, out: Path) -> None:
+    """Nothing, if neither the recordings at ``root`` lie in the output nor the output among the recordings.
+
+    Raises:
+        OutputFolderError: one lies in the other.
+    """
+    root, out = root.expanduser().resolve(), out.expanduser().resolve()
+    if out == root or out in root.parents or root in out.parents:
+        raise OutputFolderError(
+            f"{out} and the recordings in {root} lie in one another",
+            hint="give an --out beside them: the recordings are never changed",
+        )
+
+
+def require_sound(recording: Recording) -> None:
+    """Nothing, if a recording has pictures and its commands are finite numbers, one row for each picture.
+
+    Raises:
+        DamagedFile: it has not.
+    """
+    recording.motion  # noqa: B018  reading checks it
+    for camera in recording.cameras:
+        if camera.frames == 0:
+            raise DamagedFile(f"{recording}: {camera.name} holds no frame", hint="leave the episode out")
+        recording.swapped(camera.name)  # notes it
+
+
+def _require_encodable(recording: Recording, settings: CompressionSettings) -> None:
+    if not recording.cameras:
+        raise UsageError(f"{recording} holds no pictures", hint="leave it out: there is nothing to compress")
+    for camera in recording.cameras:
+        try:
+            formats_for(settings.choices().settings(), camera.width, camera.height, settings.pixel_formats)
+        except UsageError as error:
+            raise UsageError(f"{recording}, {camera.name}: {error.message}", hint=error.hint) from error
+
+
+def _refusal(complaints: dict[str, DamagedFile], left: int) -> DamagedFile:
+    """One error of all complaints, when ``left`` recordings are sound."""
+    messages = {name: error.message for name, error in complaints.items()}
+    shown = "; ".join(list(messages.values())[:LISTED])
+    more = f" and {len(messages) - LISTED} more" if len(messages) > LISTED else ""
+    hint = next(iter(complaints.values())).hint
+    if left:
+        hint = f"mend or remove what is damaged, or go on without it: --skip-damaged (sound: {left})"
+    return DamagedFile(f"{shown}{more}", hint=hint, details={"damaged": messages})
+
+
+def _name_of(recording: Recording, root: Path) -> str:
+    if isinstance(recording, LeRobotRecording):
+        return f"episode_{recording.index:06d}"
+    if isinstance(recording, RobomimicDemo):
+        return f"{_name(recording.path, root)}.{recording.demo}"
+    return _name(recording.path, root)
+
+
+def _name(path: Path, root: Path) -> str:
+    """The path without suffix, relative to what was given."""
+    return path.stem if path == root else path.relative_to(root).with_suffix("").as_posix()

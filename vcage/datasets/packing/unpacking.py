@@ -1,0 +1,71 @@
+"""The way back: HDF5 files whose pictures lie in videos, with their pictures put back."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from pathlib import Path
+from typing import Literal
+
+from vcage.base.errors import InputFileError, OutputFolderError
+from vcage.base.files import atomic_folder
+from vcage.base.progress import Progress, silent
+from vcage.datasets.packed import unpack
+from vcage.datasets.packing.sources import require_apart
+from vcage.datasets.recordings.opening import hdf5_files
+
+
+def unpack_all(
+    root: Path,
+    out: Path,
+    *,
+    storage: Literal["same", "raw"] = "same",
+    force: bool = False,
+    progress: Progress = silent,
+) -> list[Path]:
+    """Write every packed file of ``root`` into the folder ``out``, which appears whole or not at all.
+
+    Args:
+        root: a file, or a folder; only read.
+        out: the folder to write.
+        storage: see :func:`vcage.datasets.packed.unpack`.
+        force: replace a folder that is there and holds nothing but files of these names.
+        progress: told of each file.
+
+    Returns:
+        The files that were written.
+
+    Raises:
+        InputFileError: there is no HDF5 file.
+        OutputFolderError: ``out`` is in the way, or lies in ``root`` or around it; or cannot be written.
+        UsageError, DamagedFile, DiskFull: see :func:`vcage.datasets.packed.unpack`.
+    """
+    root, out = Path(root).expanduser().resolve(), Path(out).expanduser().resolve()
+    require_apart(root, out)
+    if not root.exists():
+        raise InputFileError(f"{root} does not exist", hint="give an HDF5 file that vcage compress wrote, or a folder")
+    folder = root.parent if root.is_file() else root
+    files = [root] if root.is_file() else hdf5_files(root)
+    if not files:
+        raise InputFileError(f"{root} holds no HDF5 file", hint="give a folder that vcage compress wrote")
+    names = [file.relative_to(folder) for file in files]
+    _require_replaceable(out, names, force=force)
+    with atomic_folder(out) as part:
+        for number, (file, name) in enumerate(zip(files, names, strict=True)):
+            progress(str(name), number, len(files))
+            (part / name).parent.mkdir(parents=True, exist_ok=True)
+            unpack(file, part / name, storage)
+    return [out / name for name in names]
+
+
+def _require_replaceable(out: Path, names: Collection[Path], *, force: bool) -> None:
+    """Raise OutputFolderError where there is something that is not to be replaced, or is not ours to replace."""
+    if not out.exists():
+        return
+    if not out.is_dir():
+        raise OutputFolderError(f"{out} is a file", hint="give another --out")
+    there = [path.relative_to(out) for path in sorted(out.rglob("*")) if not path.is_dir()]
+    foreign = [path for path in there if path not in names]
+    if foreign:
+        raise OutputFolderError(f"{out} holds {foreign[0]}, which is not written here", hint="give another --out")
+    if there and not force:
+        raise OutputFolderError(f"{out} is there already", hint="give another --out, or --force to replace it")

@@ -1,0 +1,195 @@
+"""What stands in an HDF5 file for pictures that were moved to a video beside it.
+
+In place of the dataset of pictures there is a scalar string, the video's file name, with attributes that say which
+stream it is and what the dataset was; the dataset's own attributes stay with it.
+"""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any, Self
+
+import h5py
+import numpy as np
+
+from vcage.base.errors import DamagedFile
+from vcage.base.videos import frame_count
+from vcage.datasets.picture_datasets import picture_channels, picture_kind
+
+LINK_SCHEMA = "vcage.pictures_in_video/1"
+
+OURS = "vcage_"
+"""Begins the names of the attributes that describe the link; all others are the dataset's own."""
+
+MISSING = "keep the videos in the folder of their HDF5 file, under the names they were given; or compress again"
+
+
+@dataclass(frozen=True)
+class Stream:
+    """The pictures of one camera in a video.
+
+    Args:
+        camera: the camera's name.
+        key: the dataset that held the pictures.
+        file: name of the MP4 file in the folder of the HDF5 file.
+        frames: how many pictures there are.
+        width, height: pixels.
+        storage: how the dataset held them: ``raw``, ``jpeg`` or ``png``.
+        swapped: whether red and blue had changed places there; in the video they are right.
+
+    Raises:
+        ValueError: ``file`` is not the bare name of a file.
+    """
+
+    camera: str
+    key: str
+    file: str
+    frames: int
+    width: int
+    height: int
+    storage: str
+    swapped: bool
+
+    def __post_init__(self) -> None:
+        if Path(self.file).name != self.file or self.file in ("", ".."):
+            raise ValueError(f"{self.file!r} is not the bare name of a file")
+
+
+@dataclass(frozen=True)
+class Original:
+    """The dataset that held the pictures, as far as it takes to make it again.
+
+    Args:
+        kind: see :func:`vcage.datasets.picture_datasets.picture_kind`.
+        shape, maxshape: as h5py gives them.
+        channels: of a picture.
+        chunks, compression, compression_opts, shuffle, fletcher32: as h5py gives them.
+    """
+
+    kind: str
+    shape: list[int]
+    maxshape: list[int | None]
+    channels: int
+    chunks: list[int] | None
+    compression: str | None
+    compression_opts: Any
+    shuffle: bool
+    fletcher32: bool
+
+    @classmethod
+    def of(cls, dataset: h5py.Dataset) -> Self:
+        """That of a dataset of pictures with at least one.
+
+        Raises:
+            DamagedFile: its first picture cannot be decoded.
+        """
+        return cls(
+            kind=picture_kind(dataset),
+            shape=list(dataset.shape),
+            maxshape=list(dataset.maxshape),
+            channels=picture_channels(dataset, dataset.name),
+            chunks=list(dataset.chunks) if dataset.chunks else None,
+            compression=dataset.compression,
+            compression_opts=dataset.compression_opts,
+            shuffle=bool(dataset.shuffle),
+            fletcher32=bool(dataset.fletcher32),
+        )
+
+    def filters(self) -> dict[str, Any]:
+        """What ``create_dataset`` takes to filter data the same way."""
+        return {
+            "compression": self.compression,
+            "compression_opts": self.compression_opts,
+            "shuffle": self.shuffle or None,
+            "fletcher32": self.fletcher32 or None,
+        }
+
+
+@dataclass(frozen=True)
+class Link:
+    """A link as it stands in a file."""
+
+    stream: Stream
+    original: Original
+
+    def video(self, path: Path) -> Path:
+        """The video of a link in the HDF5 file ``path``.
+
+        Raises:
+            DamagedFile: it is not there.
+        """
+        video = path.parent / self.stream.file
+        if not video.is_file():
+            raise DamagedFile(f"{path} refers to {video}, which is not there", hint=MISSING)
+        return video
+
+    def whole_video(self, path: Path) -> Path:
+        """As :meth:`video`, once it is sure that the video holds as many frames as there were pictures.
+
+        Raises:
+            DamagedFile: it is not there or damaged, or holds another number of frames.
+        """
+        video = self.video(path)
+        frames = frame_count(video)
+        if frames != self.stream.frames:
+            raise DamagedFile(
+                f"{video} holds {frames} frames, {path} had {self.stream.frames} pictures",
+                hint="compress the recording again",
+            )
+        return video
+
+
+def write_link(group: h5py.Group, name: str, link: Link) -> h5py.Dataset:
+    """Put a link under ``name``; returns its dataset."""
+    dataset = group.create_dataset(name, data=link.stream.file, dtype=h5py.string_dtype("utf-8"), track_times=False)
+    dataset.attrs[f"{OURS}schema"] = LINK_SCHEMA
+    for key, value in asdict(link.stream).items():
+        dataset.attrs[f"{OURS}{key}"] = value
+    for key, value in asdict(link.original).items():
+        dataset.attrs[f"{OURS}original_{key}"] = json.dumps(value)
+    return dataset
+
+
+def read_link(dataset: h5py.Dataset) -> Link | None:
+    """The link that a dataset is; None where it is none.
+
+    Raises:
+        DamagedFile: it is one, of another version or not whole.
+    """
+    found = dataset.attrs.get(f"{OURS}schema")
+    if found is None:
+        return None
+    what = f"{dataset.file.filename}:{dataset.name}"
+    if found != LINK_SCHEMA:
+        raise DamagedFile(f"{what} is a link {found!r}, expected {LINK_SCHEMA!r}", hint="update vcage")
+    try:
+        attributes = {name.removeprefix(OURS): value for name, value in dataset.attrs.items() if name.startswith(OURS)}
+        stream = {name: _plain(attributes[name]) for name in Stream.__dataclass_fields__}
+        original = {name: json.loads(attributes[f"original_{name}"]) for name in Original.__dataclass_fields__}
+        return Link(Stream(**stream), Original(**original))
+    except (KeyError, ValueError, TypeError) as error:
+        raise DamagedFile(f"{what} is not a whole link to a video: {error}", hint="compress it again") from error
+
+
+def find_links(part: h5py.Group) -> dict[str, Link]:
+    """All links of a file, or of a group of it: key in the file → link.
+
+    Raises:
+        DamagedFile: see :func:`read_link`.
+    """
+    found: dict[str, Link] = {}
+
+    def look(_key: str, item: h5py.Dataset | h5py.Group) -> None:
+        link = read_link(item) if isinstance(item, h5py.Dataset) else None
+        if link is not None:
+            found[item.name.lstrip("/")] = link
+
+    part.visititems(look)
+    return found
+
+
+def _plain(value: Any) -> Any:
+    """A Python value of what HDF5 gives."""
+    return value.item() if isinstance(value, np.generic) else value

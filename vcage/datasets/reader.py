@@ -1,0 +1,159 @@
+"""Read an episode back from HDF5; its pictures one by one, on demand."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from functools import cached_property
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Self
+
+import h5py
+import numpy as np
+from numpy.typing import NDArray
+
+from vcage.base.errors import DamagedFile, InputFileError, MissingStage, SchemaMismatch, UnknownName
+from vcage.datasets.episode import CameraTrack, EpisodeData, Segment
+from vcage.datasets.hdf5 import SCHEMA, SEGMENT_NUMBERS
+from vcage.datasets.picture_links import read_link
+from vcage.schema.episodes import Truth, Verdict
+
+
+@contextmanager
+def _damage(path: Path) -> Iterator[None]:
+    """Turn what a broken file makes h5py, JSON or a check raise into :class:`DamagedFile`."""
+    try:
+        yield
+    except (OSError, KeyError, ValueError, RuntimeError, TypeError) as error:
+        raise DamagedFile(
+            f"{path} is damaged or not an episode: {error}", hint="collect the episode again: run collect with --force"
+        ) from error
+
+
+class Pictures:
+    """The pictures of one camera, read when indexed: an int, a slice or a list of increasing indices."""
+
+    def __init__(self, path: Path, dataset: h5py.Dataset):
+        self._path = path
+        self._dataset = dataset
+        self.shape: tuple[int, ...] = dataset.shape
+
+    def __len__(self) -> int:
+        return self.shape[0]
+
+    def __getitem__(self, index: int | slice | Sequence[int]) -> NDArray[np.uint8]:
+        """(H, W, 3) or (N, H, W, 3) uint8 RGB.
+
+        Raises:
+            DamagedFile: a picture cannot be decompressed.
+        """
+        with _damage(self._path):
+            return self._dataset[index]
+
+
+class EpisodeReader:
+    """A finished episode file, open for reading.
+
+    Example:
+        >>> with EpisodeReader(path) as reader:
+        ...     reader.episode.qpos, reader.images("cam_high")[0]
+
+    Raises:
+        MissingStage: there is no such file.
+        DamagedFile: it is not HDF5, is cut off, or lacks a part.
+        SchemaMismatch: it is an episode of another version, or of another program.
+    """
+
+    def __init__(self, path: Path):
+        self.path = Path(path)
+        if not self.path.is_file():
+            raise MissingStage(f"{self.path} does not exist", hint="run collect first, or check the path")
+        with _damage(self.path):
+            self._file = h5py.File(self.path, "r")
+        try:
+            self._require_schema()
+        except BaseException:
+            self._file.close()
+            raise
+
+    def _require_schema(self) -> None:
+        with _damage(self.path):
+            found = self._file.attrs.get("schema")
+        if found != SCHEMA:
+            raise SchemaMismatch(
+                f"{self.path} has the schema {found!r}, expected {SCHEMA!r}",
+                hint="collect the episode again with this version of vcage",
+                details={"path": str(self.path), "found": str(found), "expected": SCHEMA},
+            )
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._file.close()
+
+    @cached_property
+    def episode(self) -> EpisodeData:
+        """Everything but the pictures, checked as on construction."""
+        with _damage(self.path):
+            file = self._file
+            return EpisodeData(
+                fps=float(file.attrs["fps"]),
+                timestamp=file["timestamp"][()],
+                state_names=json.loads(file.attrs["state_names"]),
+                qpos=file["observations/qpos"][()],
+                qvel=file["observations/qvel"][()],
+                action=file["action"][()],
+                object_poses={name: poses[()] for name, poses in file["objects"].items()},
+                object_joints={name: joints[()] for name, joints in file.get("object_joints", {}).items()},
+                cameras={name: self._camera(name) for name in file["observations/images"]},
+                segments=self._segments(),
+                meta={name: json.loads(text[()]) for name, text in file["meta"].items()},
+            )
+
+    @property
+    def cameras(self) -> list[str]:
+        """Camera names, sorted."""
+        with _damage(self.path):
+            return sorted(self._file["observations/images"])
+
+    def images(self, camera: str) -> Pictures:
+        """The pictures of a camera.
+
+        Raises:
+            UnknownName: the episode has no such camera.
+            InputFileError: its pictures lie in videos beside the file (:mod:`vcage.datasets.packed`).
+        """
+        if camera not in self.cameras:
+            raise UnknownName("camera", camera, self.cameras)
+        with _damage(self.path):
+            dataset = self._file["observations/images"][camera]
+            if read_link(dataset) is not None:
+                raise InputFileError(
+                    f"{self.path} is compressed: the pictures of {camera} lie in a video beside it",
+                    hint=f"put them back first: vcage decompress {self.path} --out DIR",
+                )
+            return Pictures(self.path, dataset)
+
+    def _camera(self, name: str) -> CameraTrack:
+        dataset = self._file["observations/images"][name]
+        link = read_link(dataset)
+        height, width = dataset.shape[1:3] if link is None else (link.stream.height, link.stream.width)
+        group = self._file["cameras"][name]
+        return CameraTrack(width, height, group["intrinsics"][()], group["extrinsics"][()])
+
+    def _segments(self) -> list[Segment]:
+        group = self._file["subtasks"]
+        columns: dict[str, list[Any]] = {
+            "subtask": list(group["id"].asstr()[()]),
+            "text": list(group["text"].asstr()[()]),
+            "arm": list(group["arm"].asstr()[()]),
+            "verdict": [Verdict.model_validate_json(text) for text in group["verdict"].asstr()[()]],
+            "truth": [Truth.model_validate_json(text) for text in group["truth"].asstr()[()]],
+            **{name: group[name][()].tolist() for name in SEGMENT_NUMBERS},
+        }
+        return [Segment(**dict(zip(columns, row, strict=True))) for row in zip(*columns.values(), strict=True)]

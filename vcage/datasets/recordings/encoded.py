@@ -1,0 +1,106 @@
+"""Pictures that a file holds as JPEG or PNG, and whether their red and blue are swapped."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from vcage.base.errors import DamagedFile
+from vcage.base.pictures import three_channels
+
+PNG = b"\x89P"
+MAGIC = {b"\xff\xd8": "jpeg", PNG: "png"}
+"""First bytes of a picture file → its storage."""
+
+COLOURED = 24
+"""Least difference of a pixel's largest and smallest channel that counts as a colour, levels."""
+
+CLEARLY = 0.6
+"""Share of the coloured pixels of one warmth that decides."""
+
+ENOUGH = 0.01
+"""Share of the pixels that must be coloured for them to say anything."""
+
+
+def storage_of(data: bytes, what: str) -> str:
+    """``jpeg`` or ``png``.
+
+    Raises:
+        DamagedFile: it is neither.
+    """
+    found = MAGIC.get(bytes(data[:2]))
+    if found is None:
+        raise DamagedFile(f"{what} is no JPEG and no PNG", hint="only pictures in these two formats are understood")
+    return found
+
+
+def decode_picture(data: bytes | NDArray[np.uint8], what: str) -> NDArray[np.uint8]:
+    """(H, W, 3) uint8 RGB as any reader of picture files shows it; padding behind the file's end is ignored.
+
+    Alpha is laid over white; 16 bits become 8.
+
+    Raises:
+        DamagedFile: it is damaged; ``what`` names it.
+    """
+    raw = np.frombuffer(data, np.uint8) if isinstance(data, bytes) else np.ascontiguousarray(data, np.uint8)
+    # JPEG knows no alpha, and says in its EXIF data how it is to be turned, which IMREAD_UNCHANGED ignores
+    picture = _decode(raw, cv2.IMREAD_UNCHANGED if raw[:2].tobytes() == PNG else cv2.IMREAD_COLOR, what)
+    if picture.dtype == np.uint16:
+        picture = (picture // 257).astype(np.uint8)
+    return cv2.cvtColor(three_channels(picture), cv2.COLOR_BGR2RGB)
+
+
+def channels_of(data: bytes, what: str) -> int:
+    """Channels that a picture file has: 1 grey, 3 RGB, 4 RGBA.
+
+    Raises:
+        DamagedFile: it is damaged; ``what`` names it.
+    """
+    picture = _decode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED, what)
+    return 1 if picture.ndim == 2 else picture.shape[2]
+
+
+def told_of_channels(channels: int, camera: str) -> list[str]:
+    """What a user must know of a camera whose pictures are not RGB in the file."""
+    known = {1: f"{camera} is grey; it is read as RGB", 4: f"{camera} has an alpha channel; it is laid over white"}
+    return [known[channels]] if channels in known else []
+
+
+def _decode(raw: NDArray[np.uint8], flags: int, what: str) -> NDArray[np.uint8]:
+    picture = cv2.imdecode(raw, flags) if len(raw) else None
+    if picture is None:
+        raise DamagedFile(f"{what} cannot be decoded", hint="the file is damaged there; leave the episode out")
+    return picture
+
+
+def to_rgb(picture: NDArray[np.uint8], what: str) -> NDArray[np.uint8]:
+    """(H, W, 3) of a grey (H, W) or (H, W, 1), RGB or RGBA picture; alpha is laid over white.
+
+    Raises:
+        DamagedFile: it is none of these.
+    """
+    if picture.ndim == 3 and picture.shape[2] == 1:
+        picture = picture[..., 0]
+    if picture.dtype != np.uint8 or not (picture.ndim == 2 or (picture.ndim == 3 and picture.shape[2] in (3, 4))):
+        raise DamagedFile(
+            f"{what} is an array {picture.shape} {picture.dtype}", hint="pictures are uint8, grey, RGB or RGBA"
+        )
+    return three_channels(picture)
+
+
+def looks_swapped(pictures: Sequence[NDArray[np.uint8]]) -> bool | None:
+    """Whether red and blue changed places in RGB pictures of rooms and tables; None where the colours do not say.
+
+    What is coloured in a room is mostly warm: wood, skin, cardboard, food, lamplight. Swapped, it is blue.
+    """
+    pixels = np.concatenate([picture.reshape(-1, 3).astype(np.int16) for picture in pictures])
+    coloured = pixels[np.ptp(pixels, axis=1) >= COLOURED]
+    if len(coloured) < ENOUGH * len(pixels):
+        return None
+    warm = float((coloured[:, 0] > coloured[:, 2]).mean())
+    if max(warm, 1 - warm) < CLEARLY:
+        return None
+    return warm < 0.5

@@ -1,0 +1,243 @@
+"""The episodes of a LeRobot data set, v2.1 and v3.0: https://huggingface.co/docs/lerobot/lerobot-dataset-v3."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any, ClassVar
+
+import av
+import numpy as np
+import pyarrow as pa
+import pyarrow.compute as pc
+from numpy.typing import NDArray
+
+from vcage.base.errors import DamagedFile, UsageError
+from vcage.base.videos import decode
+from vcage.datasets.lerobot.episode import ACTION, STATE
+from vcage.datasets.lerobot.episode_list import episode_rows
+from vcage.datasets.lerobot.features import CAMERA
+from vcage.datasets.lerobot.info import data_set_info
+from vcage.datasets.lerobot.names import number_names
+from vcage.datasets.parquet_files import MEND, read_table
+from vcage.datasets.recordings.encoded import channels_of, decode_picture, storage_of, told_of_channels
+from vcage.datasets.recordings.recording import Camera, Columns, Recording, stacked
+
+CHANNELS = (1, 3, 4)
+"""Of a picture; what tells them from its height and width."""
+
+
+@dataclass(frozen=True)
+class _Clip:
+    """Where an episode's pictures of one camera are: from ``start`` on in a video that holds others too."""
+
+    file: Path
+    start: int
+
+
+class LeRobotRecording(Recording):
+    """One episode of a data set.
+
+    Args:
+        root: folder of the data set; it is the recording's path.
+        info: its ``meta/info.json``.
+        row: what the data set says of the episode.
+    """
+
+    def __init__(self, root: Path, info: Mapping[str, Any], row: Mapping[str, Any]):
+        super().__init__(root)
+        self._info, self._row = info, row
+        self.index = int(row["episode_index"])
+
+    def __str__(self) -> str:
+        return f"{self.path} episode {self.index}"
+
+    @property
+    def fps(self) -> float | None:
+        return float(self._info["fps"])
+
+    @property
+    def task(self) -> str | None:
+        return "; ".join(self._row.get("tasks") or ()) or None
+
+    @property
+    def robot(self) -> str | None:
+        return self._info.get("robot_type")
+
+    @property
+    def frames(self) -> int:
+        return int(self._row["length"])
+
+    @cached_property
+    def cameras(self) -> list[Camera]:
+        keys = [key for key, feature in self._info["features"].items() if feature["dtype"] in ("video", "image")]
+        return sorted((self._camera(key) for key in keys), key=lambda camera: camera.name)
+
+    @property
+    def files(self) -> list[Path]:
+        """The data set's own description, and the episode's table and videos."""
+        described = sorted(path for path in (self.path / "meta").rglob("*") if path.is_file())
+        videos = {self._clip(key).file for key, one in self._info["features"].items() if one["dtype"] == "video"}
+        return [*described, self._data_file, *sorted(videos)]
+
+    def pictures(self, camera: str, indices: Sequence[int] | None = None) -> NDArray[np.uint8]:
+        one = self.camera(camera)
+        wanted = list(range(one.frames) if indices is None else indices)
+        if self._info["features"][one.key]["dtype"] == "video":
+            return self._decoded(self._clip(one.key), wanted)
+        stored = self._column(one.key)
+        what = f"{self} {one.key}"
+        return stacked(
+            [decode_picture(self._stored(stored[index].as_py()), f"{what}[{index}]") for index in wanted], what
+        )
+
+    def _decoded(self, clip: _Clip, wanted: Sequence[int]) -> NDArray[np.uint8]:
+        try:
+            return decode(clip.file, [clip.start + index for index in wanted])
+        except UsageError as error:
+            raise DamagedFile(f"{self} is longer than its video: {error}", hint=MEND) from error
+
+    def _read_commands(self) -> Columns | None:
+        return self._numbers(ACTION)
+
+    def _read_state(self) -> Columns | None:
+        return self._numbers(STATE)
+
+    def _numbers(self, key: str) -> Columns | None:
+        feature = self._info["features"].get(key)
+        if feature is None:
+            return None
+        values = np.array(self._column(key).to_pylist(), np.float64)
+        return Columns(values.reshape(len(values), -1), tuple(number_names(feature.get("names"))))
+
+    def _column(self, key: str) -> pa.ChunkedArray:
+        """A column of the episode's frames, of at least one."""
+        found = read_table(self._data_file, [key], pc.field("episode_index") == self.index)[key]
+        if len(found) == 0:
+            raise DamagedFile(f"{self} holds no frame", hint="leave the episode out")
+        if len(found) != self.frames:
+            raise DamagedFile(f"{self} has {len(found)} frames in {self._data_file}, not {self.frames}", hint=MEND)
+        return found
+
+    def _camera(self, key: str) -> Camera:
+        feature, frames = self._info["features"][key], self.frames
+        height, width = _picture_size(feature["shape"])
+        name = key.removeprefix(CAMERA)
+        if feature["dtype"] == "video":
+            facts = {**(feature.get("video_info") or {}), **(feature.get("info") or {})}
+            storage = str(facts.get("video.codec", "video"))
+            return Camera(name, key, frames, width, height, storage, self._video_bytes(key))
+        stored = self._column(key)
+        first = self._stored(stored[0].as_py())
+        storage, channels = storage_of(first, f"{self} {key}[0]"), channels_of(first, f"{self} {key}[0]")
+        self.notes += told_of_channels(channels, name)
+        size = sum(len(self._stored(value.as_py())) for value in stored)
+        return Camera(name, key, frames, width, height, storage, size, channels)
+
+    def _stored(self, value: Mapping[str, Any]) -> bytes:
+        data = value.get("bytes")
+        if data is not None:
+            return data
+        file = self.path / str(value["path"])
+        try:
+            return file.read_bytes()
+        except OSError as error:
+            raise DamagedFile(f"{file} cannot be read: {error.strerror}", hint=MEND) from error
+
+    @property
+    @abstractmethod
+    def _data_file(self) -> Path:
+        """The table that holds the episode's frames."""
+
+    @abstractmethod
+    def _clip(self, key: str) -> _Clip:
+        """Where the pictures of a camera are."""
+
+    @abstractmethod
+    def _video_bytes(self, key: str) -> int:
+        """What the pictures of a camera take; a share of a video that holds other episodes too."""
+
+
+class LeRobotV21(LeRobotRecording):
+    """A file per episode and camera."""
+
+    LAYOUT: ClassVar[str] = "lerobot-v2.1"
+
+    @property
+    def _data_file(self) -> Path:
+        return self._file("data_path")
+
+    def _clip(self, key: str) -> _Clip:
+        return _Clip(self._file("video_path", video_key=key), 0)
+
+    def _video_bytes(self, key: str) -> int:
+        return _size(self._clip(key).file)
+
+    def _file(self, pattern: str, **names: str) -> Path:
+        chunk = self.index // int(self._info["chunks_size"])
+        return self.path / str(self._info[pattern]).format(episode_chunk=chunk, episode_index=self.index, **names)
+
+
+class LeRobotV30(LeRobotRecording):
+    """Many episodes in a file."""
+
+    LAYOUT: ClassVar[str] = "lerobot-v3.0"
+
+    @property
+    def _data_file(self) -> Path:
+        return self._file("data_path", "data")
+
+    def _clip(self, key: str) -> _Clip:
+        start = round(float(self._said(f"videos/{key}/from_timestamp")) * float(self._info["fps"]))
+        return _Clip(self._file("video_path", f"videos/{key}", video_key=key), start)
+
+    def _video_bytes(self, key: str) -> int:
+        file = self._clip(key).file
+        clip = [float(self._said(f"videos/{key}/{end}_timestamp")) for end in ("from", "to")]
+        return round(_size(file) * min(1.0, (clip[1] - clip[0]) / max(_seconds(file), 1e-9)))
+
+    def _file(self, pattern: str, prefix: str, **names: str) -> Path:
+        numbers = {name: int(self._said(f"{prefix}/{name}")) for name in ("chunk_index", "file_index")}
+        return self.path / str(self._info[pattern]).format(**numbers, **names)
+
+    def _said(self, name: str) -> Any:
+        """What the list of episodes says of the episode."""
+        if self._row.get(name) is None:
+            raise DamagedFile(f"the list of episodes of {self.path} does not say {name} of {self.index}", hint=MEND)
+        return self._row[name]
+
+
+def open_lerobot(root: Path) -> list[LeRobotRecording]:
+    """The episodes of a LeRobot data set, in order; at least one.
+
+    Raises:
+        DamagedFile: what describes it is missing or damaged, or it is of a version that is not known.
+    """
+    info = data_set_info(root)
+    kind = LeRobotV21 if info["codebase_version"] == "v2.1" else LeRobotV30
+    return [kind(root, info, row) for row in episode_rows(root, info)]
+
+
+def _picture_size(shape: Sequence[int]) -> tuple[int, int]:
+    """Height and width of pictures whose channels come last, as LeRobot has them, or first."""
+    first = len(shape) == 3 and shape[0] in CHANNELS and shape[2] not in CHANNELS
+    height, width = shape[1:] if first else shape[:2]
+    return height, width
+
+
+def _size(file: Path) -> int:
+    try:
+        return file.stat().st_size
+    except OSError as error:
+        raise DamagedFile(f"{file} is missing", hint=MEND) from error
+
+
+def _seconds(file: Path) -> float:
+    try:
+        with av.open(str(file)) as container:
+            return float(container.duration or 0) / av.time_base
+    except av.error.FFmpegError as error:
+        raise DamagedFile(f"{file} is no video: {error}", hint=MEND) from error

@@ -1,0 +1,251 @@
+"""What every recording offers, whatever its layout: cameras with pictures in RGB, commands to the robot, its state."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vcage.base.errors import DamagedFile, UnknownName
+
+ARM_JOINTS = 6
+"""Joints of an arm in ACT's 7- and 14-number commands; each arm's gripper follows them."""
+
+
+@dataclass(frozen=True)
+class Camera:
+    """The pictures of one camera as they lie in the file.
+
+    Args:
+        name: short name, as in ``cam_high``.
+        key: where in the file they are.
+        frames: how many there are.
+        width, height: of the first picture, pixels.
+        storage: ``raw``, ``jpeg`` or ``png``, or the codec of a video, such as ``hevc``.
+        stored_bytes: what they take now.
+        channels: of the pictures in the file: 1 grey, 3 RGB, 4 RGBA; they are read as RGB.
+    """
+
+    name: str
+    key: str
+    frames: int
+    width: int
+    height: int
+    storage: str
+    stored_bytes: int
+    channels: int = 3
+
+    @property
+    def raw_bytes(self) -> int:
+        """Size of the pictures as uint8 RGB."""
+        return self.frames * self.width * self.height * 3
+
+
+@dataclass(frozen=True)
+class Columns:
+    """Numbers over time.
+
+    Args:
+        values: (T, D).
+        names: of the D numbers; none where nobody says.
+    """
+
+    values: NDArray[np.float64]
+    names: tuple[str, ...] = ()
+
+    def all_names(self) -> list[str]:
+        """Names of the D numbers: ``joint_0``… where nobody says."""
+        if len(self.names) == self.values.shape[1]:
+            return list(self.names)
+        return [f"joint_{column}" for column in range(self.values.shape[1])]
+
+
+@dataclass(frozen=True)
+class Motion:
+    """What the robot was told.
+
+    Args:
+        action: (T, D) commands: joint positions, or poses.
+        grippers: columns of ``action`` that open and close a gripper.
+        names: of the D numbers; none where nobody says.
+    """
+
+    action: NDArray[np.float64]
+    grippers: tuple[int, ...] = ()
+    names: tuple[str, ...] = ()
+
+
+def act_grippers(numbers: int) -> tuple[int, ...]:
+    """Columns of the grippers in commands of arms with six joints and a gripper each; none for other commands."""
+    per_arm = ARM_JOINTS + 1
+    return tuple(range(ARM_JOINTS, numbers, per_arm)) if numbers % per_arm == 0 else ()
+
+
+class Recording(ABC):
+    """One episode of somebody's data set; nothing is read before it is asked for.
+
+    A recording can be pickled and read in another process.
+
+    Attributes:
+        path: the file or the folder.
+        notes: what a user must know about how it was understood, such as colours that were swapped back.
+    """
+
+    LAYOUT: ClassVar[str]
+    """Name of the layout, for people."""
+
+    def __init__(self, path: Path):
+        self.path = Path(path)
+        self.notes: list[str] = []
+
+    def __str__(self) -> str:
+        """How messages name it."""
+        return str(self.path)
+
+    @property
+    @abstractmethod
+    def cameras(self) -> list[Camera]:
+        """Sorted by name; none where the recording holds numbers only."""
+
+    @property
+    def frames(self) -> int:
+        """How many frames it has; of the camera that has most where they differ."""
+        return max(camera.frames for camera in self.cameras)
+
+    @property
+    def motion(self) -> Motion | None:
+        """What the robot was told; None where the recording holds pictures only. Not kept, as :attr:`state`: the
+        numbers of a data set's thousands of recordings fill the memory.
+
+        Raises:
+            DamagedFile: a command is no finite number, or there are not as many as pictures; names the camera.
+        """
+        found = self._read_commands()
+        if found is None:
+            return None
+        self._check("action", found.values)
+        grippers = tuple(column for column, name in enumerate(found.names) if "gripper" in name)
+        return Motion(found.values, grippers or act_grippers(found.values.shape[1]), found.names)
+
+    @property
+    def state(self) -> NDArray[np.float64] | None:
+        """(T, D) what was measured of the robot; None where the recording does not say.
+
+        Raises:
+            DamagedFile: as :attr:`motion`.
+        """
+        found = self._checked_state()
+        return None if found is None else found.values
+
+    @cached_property
+    def state_names(self) -> list[str]:
+        """Names of the D numbers of a state, ``joint_0``… where the recording does not say; none without a state. They
+        are kept, unlike the numbers."""
+        found = self._checked_state()
+        return [] if found is None else found.all_names()
+
+    @cached_property
+    def action_names(self) -> list[str]:
+        """Names of the numbers of a command, as :attr:`state_names`."""
+        motion = self.motion
+        return [] if motion is None else Columns(motion.action, motion.names).all_names()
+
+    @property
+    def files(self) -> list[Path]:
+        """The files that it is read from, sorted or in a fixed order."""
+        return [self.path]
+
+    @property
+    def fps(self) -> float | None:
+        """Frames per second; None where the recording does not say."""
+        return None
+
+    @property
+    def task(self) -> str | None:
+        """The instruction that the robot followed; None where the recording does not say."""
+        return None
+
+    @property
+    def robot(self) -> str | None:
+        """Name of the robot; None where the recording does not say."""
+        return None
+
+    @abstractmethod
+    def pictures(self, camera: str, indices: Sequence[int] | None = None) -> NDArray[np.uint8]:
+        """(N, H, W, 3) uint8 RGB at increasing ``indices`` (None: all), whatever way they are stored.
+
+        Raises:
+            UnknownName: there is no such camera.
+            DamagedFile: a picture cannot be read, or is not as large as the first.
+        """
+
+    def swapped(self, camera: str) -> bool:
+        """Whether red and blue have changed places in the camera's pictures as they are stored.
+
+        Raises:
+            UnknownName: there is no such camera.
+        """
+        self.camera(camera)
+        return False
+
+    def camera(self, name: str) -> Camera:
+        """The camera of that name.
+
+        Raises:
+            UnknownName: there is none.
+        """
+        for one in self.cameras:
+            if one.name == name:
+                return one
+        raise UnknownName("camera", name, [one.name for one in self.cameras])
+
+    @abstractmethod
+    def _read_commands(self) -> Columns | None:
+        """What the robot was told, unchecked."""
+
+    def _read_state(self) -> Columns | None:
+        """What was measured of the robot, unchecked."""
+        return None
+
+    def _checked_state(self) -> Columns | None:
+        found = self._read_state()
+        if found is not None:
+            self._check("state", found.values)
+        return found
+
+    def _check(self, what: str, values: NDArray[np.float64]) -> None:
+        """Raise DamagedFile where numbers are not finite or not one row for each picture."""
+        bad = np.argwhere(~np.isfinite(values))
+        if len(bad):
+            raise DamagedFile(
+                f"{self}: the {what} of frame {bad[0][0]} holds NaN or infinity",
+                hint=f"leave the episode out, or mend the {what}",
+            )
+        for camera in self.cameras:
+            if camera.frames != len(values):
+                raise DamagedFile(
+                    f"{self}: {camera.name} has {camera.frames} pictures, the {what} {len(values)} rows",
+                    hint="frames are missing; leave the episode out",
+                )
+
+
+def stacked(pictures: Sequence[NDArray[np.uint8]], what: str) -> NDArray[np.uint8]:
+    """(N, H, W, 3) of pictures that must be of one size.
+
+    Raises:
+        DamagedFile: they are not; names the first that differs.
+    """
+    for index, picture in enumerate(pictures):
+        if picture.shape != pictures[0].shape:
+            (h, w), (first_h, first_w) = picture.shape[:2], pictures[0].shape[:2]
+            raise DamagedFile(
+                f"{what}: picture {index} is {w}x{h}, the first {first_w}x{first_h}",
+                hint="a video has one size: resize the pictures, or split the recording where the size changes",
+            )
+    return np.stack(pictures)

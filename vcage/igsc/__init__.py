@@ -1,1 +1,0 @@
-"""Inpainting-guided scene construction (paper, section III-A): pure functions on records and arrays."""

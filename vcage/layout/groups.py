@@ -1,0 +1,207 @@
+"""Objects and what they carry: every container with its contents is one rigid body (paper, section III-A4)."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Sequence
+
+import numpy as np
+
+from vcage.base.geometry import rotation_2d
+from vcage.layout.containers import OVERHANG, LayoutItem, assign_containers, fits, is_bare
+from vcage.layout.cost import LayoutProblem
+from vcage.layout.placement.contents import CONTENT_MARGIN
+from vcage.layout.placement.place_item import as_rectangles
+from vcage.layout.relation_cost import Spot, relation_terms
+from vcage.schema.plan import TABLE, Relation
+
+log = logging.getLogger(__name__)
+
+PALM_ABOVE = 0.05
+"""Things lower than this pass under the palm of a hand that grasps what lies beside them, metres: the
+Panda's palm is 37 mm above its finger tips, so it passes where these close 13 mm or more above the table."""
+
+PALM_ROOM = 0.095
+"""Gap that a hand needs between what it grasps and what is higher, metres: the Panda's palm reaches 102 mm from the
+middle of its grasp to either side, and what is grasped covers 7 mm or more of that."""
+
+
+class Groups:
+    """Who lies in what, and where in it.
+
+    Attributes:
+        container: id of the container that an object lies in or on, None on the table, by id.
+        local: (2,) origin of every content in its container's frame, metres, by id; filled from the innermost on.
+        out_of_reach: ids of what is carried that is nowhere it is allowed where its group may stand; filled by
+            :meth:`table_problem`.
+    """
+
+    def __init__(self, items: Sequence[LayoutItem], relations: Sequence[Relation] = ()):
+        self.items = {item.id: item for item in items}
+        self.relations = relations
+        lying = {(r.subject, r.reference) for r in relations if r.relation in ("inside", "on")}
+        demanded = [item.id for item in items if (item.id, item.inside) in lying]
+        self.container = assign_containers(items, demanded)
+        self.local: dict[str, np.ndarray] = {}
+        self.out_of_reach: list[str] = []
+        self._carried: dict[str, list[LayoutItem]] = {item.id: [] for item in items}
+        for item in items:
+            if self.container[item.id] is not None:
+                self._carried[self.container[item.id]].append(item)
+
+    @property
+    def roots(self) -> list[LayoutItem]:
+        """What stands on the table."""
+        return [item for item in self.items.values() if self.container[item.id] is None]
+
+    def root(self, item: LayoutItem) -> LayoutItem:
+        """What carries it on the table; itself where nothing does."""
+        outer = self.container[item.id]
+        return item if outer is None else self.root(self.items[outer])
+
+    def contents(self, container: LayoutItem) -> list[LayoutItem]:
+        """What lies in or on it, not what lies in those."""
+        return self._carried[container.id]
+
+    def innermost_first(self) -> list[LayoutItem]:
+        """The containers that hold something; every one after those that lie in it."""
+        holding = [item for item in self.items.values() if self.contents(item)]
+        return sorted(holding, key=lambda item: -self._depth(item))
+
+    def _depth(self, item: LayoutItem) -> int:
+        outer = self.container[item.id]
+        return 0 if outer is None else 1 + self._depth(self.items[outer])
+
+    def release(self, item: LayoutItem) -> None:
+        """Take a content out of its container, onto the table."""
+        self._carried[self.container[item.id]].remove(item)
+        self.container[item.id] = None
+
+    def extent(self, item: LayoutItem, frame_yaw: float = 0.0) -> np.ndarray:
+        """(2, 2) rectangle of an object and all that it carries, around its origin, in a frame turned by a yaw."""
+        corners = [item.rectangle(frame_yaw)]
+        for content in self.contents(item):
+            corners.append(self.extent(content, frame_yaw) + rotation_2d(item.yaw - frame_yaw) @ self.local[content.id])
+        return np.stack([np.min(corners, axis=(0, 1)), np.max(corners, axis=(0, 1))])
+
+    def carried(self, item: LayoutItem) -> list[tuple[LayoutItem, np.ndarray]]:
+        """The object itself and all that it carries, each with the (2,) way to its origin in the world's axes."""
+        found = [(item, np.zeros(2))]
+        for content in self.contents(item):
+            way = rotation_2d(item.yaw) @ self.local[content.id]
+            found += [(inner, way + further) for inner, further in self.carried(content)]
+        return found
+
+    def table_problem(self, workspace: np.ndarray, margin: float, table: np.ndarray) -> LayoutProblem:
+        """The problem of what stands on the table; ``table`` (2, 2) is its rectangle."""
+        roots = self.roots
+        self.out_of_reach = []
+        extents = np.array([self.extent(item) for item in roots])
+        middles = extents.mean(axis=1)
+        half = np.diff(table, axis=0)[0] / 2
+        spots = self._spots(roots, middles) | {TABLE: Spot(None, table.mean(axis=0), half)}
+        return LayoutProblem(
+            half=(extents[:, 1] - extents[:, 0]) / 2,
+            target=np.array([item.target for item in roots]) + middles,
+            bounds=workspace,
+            margin=margin,
+            allowed=tuple(self._allowed(item, middle) for item, middle in zip(roots, middles, strict=True)),
+            extra=_hand_room(roots, margin),
+            relations=relation_terms(self.relations, spots, len(roots)),
+        )
+
+    def container_problem(self, container: LayoutItem) -> LayoutProblem:
+        """The problem of its contents in the container's own frame, where its walls are axis-aligned at any heading."""
+        contents = self.contents(container)
+        extents = np.array([self.extent(item, container.yaw) for item in contents])
+        middles, half = extents.mean(axis=1), (extents[:, 1] - extents[:, 0]) / 2
+        offsets = np.array([item.target for item in contents]) - container.target
+        body = container.body_rectangle()
+        spots = self._spots(contents, middles @ rotation_2d(container.yaw).T)
+        # Beside or left of what it lies in makes no sense; only its centre does.
+        centred = [r for r in self.relations if r.relation == "center" or r.reference != container.id]
+        spots[container.id] = Spot(None, body.mean(axis=0), (body[1] - body[0]) / 2)
+        return LayoutProblem(
+            half=half,
+            target=offsets @ rotation_2d(container.yaw) + middles,
+            bounds=self.inner_bounds(container, half),
+            margin=CONTENT_MARGIN,
+            allowed=(None,) * len(contents),
+            relations=relation_terms(centred, spots, len(contents), rotation_2d(container.yaw)),
+        )
+
+    def settle(self, container: LayoutItem, centres: np.ndarray) -> None:
+        """Keep the solution (n, 2) of a container's problem as the local places of its contents."""
+        for item, centre in zip(self.contents(container), centres, strict=True):
+            self.local[item.id] = centre - self.extent(item, container.yaw).mean(axis=0)
+
+    def inner_bounds(self, container: LayoutItem, half: np.ndarray) -> np.ndarray:
+        """(2, 2) what contents of half size (n, 2) stay within, in the container's frame.
+
+        The opening; on a bare top, widened by as much as a single content may stick out.
+        """
+        contents = self.contents(container)
+        centre, room = np.array(container.opening.centre), np.array(container.opening.size) / 2
+        if len(contents) == 1 and is_bare(container) and not fits(contents[0], container):
+            room = np.where(half[0] > room, half[0] + OVERHANG * room, room)
+        return np.stack([centre - room, centre + room])
+
+    def _spots(self, members: Sequence[LayoutItem], middles: np.ndarray) -> dict[str, Spot]:
+        """Where relations find the boxes of what the members carry; (n, 2) middles in the world's axes."""
+        spots = {}
+        for k, (member, middle) in enumerate(zip(members, middles, strict=True)):
+            for item, way in self.carried(member):
+                body = item.body_rectangle()
+                spots[item.id] = Spot(k, way + body.mean(axis=0) - middle, (body[1] - body[0]) / 2)
+        return spots
+
+    def _allowed(self, root: LayoutItem, middle: np.ndarray) -> np.ndarray | None:
+        """(m, 2, 2) rectangles for the middle of a group, from which all that it carries is where it is allowed.
+
+        What cannot be where it is allowed together with what carries it gives way, and is told in ``out_of_reach``.
+        """
+        meet = None
+        for item, way in self.carried(root):
+            if item.allowed is None:
+                continue
+            shift = middle - way - item.rectangle().mean(axis=0)
+            shifted = as_rectangles(item.allowed, f"where {item.id} may stand") + shift
+            both = shifted if meet is None else _intersections(meet, shifted)
+            if meet is not None and not len(both):
+                log.warning("%s cannot be reached where %s may stand", item.id, root.id)
+                self.out_of_reach.append(item.id)
+            else:
+                meet = both
+        return meet
+
+    def positions(
+        self, roots: Sequence[LayoutItem], origins: np.ndarray, height: float
+    ) -> dict[str, tuple[float, float, float]]:
+        """(x, y, z) of every object when the roots' origins (n, 2) are on a table of that height, by id."""
+        found: dict[str, tuple[float, float, float]] = {}
+        for root, origin in zip(roots, origins, strict=True):
+            self._stand(root, np.array([*origin, height]), found)
+        return {name: found[name] for name in self.items}
+
+    def _stand(self, item: LayoutItem, at: np.ndarray, found: dict[str, tuple[float, float, float]]) -> None:
+        found[item.id] = tuple(float(v) for v in at)
+        for content in self.contents(item):
+            self._stand(content, at + [*(rotation_2d(item.yaw) @ self.local[content.id]), item.opening.floor], found)
+
+
+def _hand_room(items: Sequence[LayoutItem], margin: float) -> np.ndarray | None:
+    """(n, n) wider gaps between what is grasped and what is so high that the palm would touch it; None for no such."""
+    grasped = np.array([item.grasped for item in items])
+    high = np.array([item.size[2] > PALM_ABOVE for item in items])
+    pairs = grasped[:, None] & high[None]
+    pairs |= pairs.T
+    np.fill_diagonal(pairs, False)
+    return np.where(pairs, max(PALM_ROOM - margin, 0.0), 0.0) if pairs.any() else None
+
+
+def _intersections(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """(m, 2, 2) the rectangles that any of a (i, 2, 2) and any of b (j, 2, 2) share."""
+    lower = np.maximum(a[:, None, 0], b[None, :, 0]).reshape(-1, 2)
+    upper = np.minimum(a[:, None, 1], b[None, :, 1]).reshape(-1, 2)
+    shared = np.all(lower <= upper, axis=1)
+    return np.stack([lower[shared], upper[shared]], axis=1)

@@ -1,0 +1,169 @@
+"""Collision-free placement optimisation with containers as groups (paper, section III-A4).
+
+Contents are optimised together in the frame of their container, innermost containers first; then every container
+is moved as a rigid body with what it holds. Support heights follow: table top, container floor.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from vcage.base.errors import InfeasibleScene, UnknownName, UsageError
+from vcage.layout.check import require_exact
+from vcage.layout.containers import LayoutItem, validate_items
+from vcage.layout.cost import Cost, LayoutProblem, Weights, evaluate
+from vcage.layout.groups import Groups
+from vcage.layout.placement.place_item import as_workspace, check_margin
+from vcage.layout.solver import Solution, solve
+from vcage.schema.plan import TABLE, Relation
+from vcage.schema.scene import Table
+
+log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True)
+class LayoutResult:
+    """A layout without collisions.
+
+    Args:
+        positions: (x, y, z) of every object's origin in the world, metres, by id in the order given.
+        containers: id of the container that an object lies in or on, None on the table.
+        displaced: distance from the target in the plane, metres, by id.
+        cost_before, cost_after: the terms of the equation and J for what stands on the table.
+        starts: L-BFGS-B descents of the table's problem; 0 when the targets were feasible already.
+        repaired: ids that the exact repair had to move.
+        released: ids that a container had no room for after all; they stand on the table.
+        out_of_reach: ids of contents that are not where they are allowed, as their container cannot stand so.
+        hand_room: share of the room for hands, wider than the margin, that the table had space for; 1 is all.
+    """
+
+    positions: dict[str, tuple[float, float, float]]
+    containers: dict[str, str | None]
+    displaced: dict[str, float]
+    cost_before: Cost
+    cost_after: Cost
+    starts: int
+    repaired: list[str]
+    released: list[str]
+    out_of_reach: list[str]
+    hand_room: float = 1.0
+
+
+def optimize_layout(
+    items: Sequence[LayoutItem],
+    workspace: ArrayLike,
+    rng: np.random.Generator,
+    *,
+    table_height: float,
+    weights: Weights | None = None,
+    margin: float = 0.01,
+    restarts: int = 6,
+    relations: Sequence[Relation] = (),
+    table: Table | None = None,
+) -> LayoutResult:
+    """Move the objects as little as possible until none collides and the plan is kept.
+
+    Of the layouts without collisions that are found, the one that keeps most of the relations is returned, and among
+    those the one that moves least. Relations that contradict each other cost each other, never a collision.
+
+    Args:
+        items: the objects with their targets.
+        workspace: (2, 2) lower and upper corner that every box stays within, metres.
+        rng: the only source of randomness.
+        table_height: z of the table top.
+        weights: the λ of the equation; ``relation=0`` leaves the plan out, but for what lies in or on something.
+        margin: δ, smallest gap between objects that are not container and content.
+        restarts: most random starts besides the targets themselves; more search longer where it is hard.
+        relations: of the plan, by object id.
+        table: what relations to the table mean; the workspace when left out.
+
+    Raises:
+        UsageError, UnknownName: see :func:`vcage.layout.containers.validate_items`; a relation names no object.
+        InfeasibleScene: no collision-free layout was found; names the objects and the area that is missing.
+    """
+    validate_items(items)
+    check_margin(margin)
+    workspace = as_workspace(workspace)
+    if restarts < 0:
+        raise UsageError(f"{restarts} restarts", hint="0 or more")
+    _require_known(relations, items)
+    weights = weights or Weights()
+    groups = Groups(items, relations)
+    repaired: set[str] = set()
+    released = _fill_containers(groups, weights, rng, restarts, repaired)
+    roots = groups.roots
+    problem = groups.table_problem(workspace, margin, workspace if table is None else table.rectangle)
+    solution = _solve(problem, roots, weights, rng, restarts, repaired)
+    if solution.extra < 1:
+        log.warning("the table has space for %.0f %% of the room for hands", 100 * solution.extra)
+    origins = solution.centres - problem.target + np.array([item.target for item in roots])
+    positions = groups.positions(roots, origins, table_height)
+    require_exact(groups, positions, workspace, margin)
+    return LayoutResult(
+        positions=positions,
+        containers=groups.container,
+        displaced={item.id: float(np.hypot(*np.subtract(positions[item.id][:2], item.target))) for item in items},
+        cost_before=evaluate(problem, weights, problem.target)[0],
+        cost_after=evaluate(problem, weights, solution.centres)[0],
+        starts=solution.starts,
+        repaired=sorted(repaired),
+        released=released,
+        out_of_reach=groups.out_of_reach,
+        hand_room=solution.extra,
+    )
+
+
+def _fill_containers(
+    groups: Groups, weights: Weights, rng: np.random.Generator, restarts: int, repaired: set[str]
+) -> list[str]:
+    """Lay out the contents of every container; returns the ids of those that had to be released."""
+    released = []
+    for container in groups.innermost_first():
+        while contents := groups.contents(container):
+            try:
+                problem = groups.container_problem(container)
+                solution = _solve(problem, contents, weights, rng, restarts, repaired)
+            except InfeasibleScene as error:
+                smallest = min(contents, key=lambda item: (np.prod(item.size), item.id))
+                log.warning("%s goes beside %s: %s", smallest.id, container.id, error.message)
+                groups.release(smallest)
+                released.append(smallest.id)
+                continue
+            groups.settle(container, solution.centres)
+            break
+    return released
+
+
+def _solve(
+    problem: LayoutProblem,
+    items: Sequence[LayoutItem],
+    weights: Weights,
+    rng: np.random.Generator,
+    restarts: int,
+    repaired: set[str],
+) -> Solution:
+    solution = solve(problem, [item.id for item in items], weights, rng, restarts)
+    repaired |= {items[k].id for k in solution.repaired}
+    return solution
+
+
+def _require_known(relations: Sequence[Relation], items: Sequence[LayoutItem]) -> None:
+    known = {TABLE, *(item.id for item in items)}
+    for name in (name for r in relations for name in (r.subject, r.reference)):
+        if name not in known:
+            raise UnknownName("object", name, known)
+
+
+def displacement_summary(displaced: Mapping[str, float]) -> dict[str, float]:
+    """Mean, 95th percentile and largest displacement from the targets, metres."""
+    values = np.array(list(displaced.values()))
+    return {
+        "mean_m": float(values.mean()),
+        "p95_m": float(np.percentile(values, 95)),
+        "max_m": float(values.max()),
+    }

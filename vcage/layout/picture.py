@@ -1,0 +1,204 @@
+"""A plan drawing of the layout before and after the optimisation."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from vcage.base.drawing import INK, PAPER, WARNING, Canvas, Colour, palette
+from vcage.base.geometry import footprint_half_size, rotation_2d
+from vcage.schema.scene import Table, Workspace
+
+PANEL = 900
+"""Width of one of the two plans, pixels."""
+EDGE, HEADER, FOOTER = 24, 64, 44
+WOOD: Colour = (236, 222, 200)
+GREY: Colour = (150, 145, 138)
+SHORTEST_MOVE = 3
+"""Moves shorter than this are not marked, millimetres."""
+
+
+@dataclass(frozen=True)
+class Footprint:
+    """One object of a plan drawing.
+
+    Args:
+        id: which object it is, in both plans.
+        label: what is written beside it.
+        centre: (x, y) in the world, metres.
+        size: (x, y) at yaw 0.
+        yaw: radians.
+        container: id of the object that it lies in or on, or None.
+    """
+
+    id: str
+    label: str
+    centre: tuple[float, float]
+    size: tuple[float, float]
+    yaw: float
+    container: str | None = None
+
+    def corners(self) -> np.ndarray:
+        """(4, 2) corners of the turned rectangle, world metres."""
+        half = np.array(self.size) / 2 * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
+        return np.array(self.centre) + half @ rotation_2d(self.yaw).T
+
+    def aabb(self) -> np.ndarray:
+        """(2, 2) axis-aligned rectangle."""
+        half = footprint_half_size(self.size, self.yaw)
+        return np.array(self.centre) + np.array([-half, half])
+
+
+def draw_layout(
+    before: Sequence[Footprint], after: Sequence[Footprint], workspace: Workspace, table: Table
+) -> np.ndarray:
+    """The table from above, twice: left the target layout with its collisions in red, right the optimised one.
+
+    Args:
+        before, after: the same objects, at their targets and where they ended.
+        workspace: drawn dotted.
+        table: drawn as wood; the robot stands below the picture.
+
+    Returns:
+        (H, W, 3) uint8.
+    """
+    plan = _Plan(table)
+    sheet = np.full((plan.height + HEADER + FOOTER, 2 * PANEL + 3 * EDGE, 3), PAPER, dtype=np.uint8)
+    canvas = Canvas(sheet, text_size=17)
+    colours = dict(zip([f.id for f in before], palette(len(before)), strict=True))
+    clashes = collisions(before)
+    moved = {f.id: 1000 * float(np.hypot(*np.subtract(f.centre, b.centre))) for b, f in zip(before, after, strict=True)}
+    foot = plan.height + HEADER + 10
+
+    plan.left = EDGE
+    canvas.text((plan.left, 20), "Target layout (matched)", size=26)
+    _draw_plan(canvas, plan, workspace, before, colours)
+    for rectangle in clashes:
+        _draw_clash(canvas, plan, rectangle)
+    _draw_labels(canvas, plan, before, colours, {})
+    canvas.text((plan.left, foot), _count(clashes), fill=WARNING if clashes else INK, size=20)
+
+    plan.left = 2 * EDGE + PANEL
+    canvas.text((plan.left, 20), "Optimised layout", size=26)
+    _draw_plan(canvas, plan, workspace, after, colours)
+    for old, new in zip(before, after, strict=True):
+        canvas.arrow(plan.pixel(old.centre), plan.pixel(new.centre), INK, width=2)
+    _draw_labels(canvas, plan, after, colours, moved)
+    canvas.text((plan.left, foot), f"{_count(collisions(after))}; {_summary(after, moved)}", size=20)
+    return canvas.picture()
+
+
+def collisions(footprints: Sequence[Footprint]) -> list[np.ndarray]:
+    """(2, 2) rectangles in which boxes overlap that are not container and content; in a container, along its axes."""
+    found = []
+    yaws = {f.id: f.yaw for f in footprints}
+    for k, a in enumerate(footprints):
+        for b in footprints[k + 1 :]:
+            if b.id == a.container or a.id == b.container:
+                continue
+            # What lies in one container is laid out along its walls, not along the world's axes.
+            if a.container is not None and a.container == b.container and _apart(a, b, yaws[a.container]):
+                continue
+            box_a, box_b = a.aabb(), b.aabb()
+            lower, upper = np.maximum(box_a[0], box_b[0]), np.minimum(box_a[1], box_b[1])
+            if np.all(upper - lower > 1e-6):
+                found.append(np.stack([lower, upper]))
+    return found
+
+
+def _apart(a: Footprint, b: Footprint, yaw: float) -> bool:
+    """Whether the boxes along the axes of a frame turned by ``yaw`` do not overlap."""
+    halves = sum(footprint_half_size(f.size, f.yaw - yaw) for f in (a, b))
+    between = np.abs(rotation_2d(-yaw) @ np.subtract(a.centre, b.centre))
+    return bool(np.any(between >= halves - 1e-6))
+
+
+def _count(clashes: Sequence[np.ndarray]) -> str:
+    if not clashes:
+        return "no collisions"
+    return "1 collision" if len(clashes) == 1 else f"{len(clashes)} collisions"
+
+
+def _summary(after: Sequence[Footprint], moved: Mapping[str, float]) -> str:
+    furthest = max(after, key=lambda f: moved[f.id])
+    if moved[furthest.id] < SHORTEST_MOVE:
+        return "nothing moved"
+    mean = sum(moved.values()) / len(moved)
+    return f"moved {mean:.0f} mm on average, at most {moved[furthest.id]:.0f} mm ({furthest.label})"
+
+
+class _Plan:
+    """Maps the table onto one panel; ``left`` is the panel's first column."""
+
+    def __init__(self, table: Table):
+        self._lower, self._upper = table.rectangle
+        self._scale = PANEL / table.size[0]
+        self.height = round(table.size[1] * self._scale)
+        self.left = 0
+
+    def pixel(self, points: np.ndarray | Sequence[float]) -> np.ndarray:
+        """(..., 2) pixels of world points (..., 2); y upwards."""
+        points = np.asarray(points, dtype=np.float64)
+        u = (points[..., 0] - self._lower[0]) * self._scale + self.left
+        return np.stack([u, (self._upper[1] - points[..., 1]) * self._scale + HEADER], axis=-1)
+
+    def table(self) -> list[float]:
+        return [*self.pixel((self._lower[0], self._upper[1])), *self.pixel((self._upper[0], self._lower[1]))]
+
+
+def _draw_table(canvas: Canvas, plan: _Plan, workspace: Workspace) -> None:
+    canvas.draw.rounded_rectangle(plan.table(), radius=10, fill=WOOD, outline=GREY, width=2)
+    u0, v1 = plan.pixel(workspace.lower)
+    u1, v0 = plan.pixel(workspace.upper)
+    for u in np.arange(u0, u1, 12):
+        for v in (v0, v1):
+            canvas.draw.line([u, v, min(u + 5, u1), v], fill=GREY, width=2)
+    for v in np.arange(v0, v1, 12):
+        for u in (u0, u1):
+            canvas.draw.line([u, v, u, min(v + 5, v1)], fill=GREY, width=2)
+    canvas.text((u0 + 8, v1 - 26), "robot side, workspace dotted", fill=GREY, size=16)
+
+
+def _draw_plan(
+    canvas: Canvas, plan: _Plan, workspace: Workspace, footprints: Sequence[Footprint], colours: Mapping[str, Colour]
+) -> None:
+    _draw_table(canvas, plan, workspace)
+    for footprint in sorted(footprints, key=lambda f: -f.size[0] * f.size[1]):
+        _draw_footprint(canvas, plan, footprint, colours[footprint.id])
+
+
+def _draw_labels(
+    canvas: Canvas,
+    plan: _Plan,
+    footprints: Sequence[Footprint],
+    colours: Mapping[str, Colour],
+    moved: Mapping[str, float],
+) -> None:
+    boxes = {f.id: _pixel_box(plan, f) for f in footprints}
+    for box in boxes.values():
+        canvas.keep_clear(box)
+    for f in footprints:
+        distance = moved.get(f.id, 0.0)
+        words = f"{f.label}  {distance:.0f} mm" if distance >= SHORTEST_MOVE else f.label
+        canvas.label(boxes[f.id], words, colours[f.id])
+
+
+def _pixel_box(plan: _Plan, footprint: Footprint) -> tuple[float, float, float, float]:
+    lower, upper = plan.pixel(footprint.aabb())
+    return float(lower[0]), float(upper[1]), float(upper[0]), float(lower[1])
+
+
+def _draw_footprint(canvas: Canvas, plan: _Plan, footprint: Footprint, colour: Colour) -> None:
+    corners = plan.pixel(footprint.corners())
+    canvas.draw.polygon([tuple(p) for p in corners], fill=(*colour, 110), outline=(*colour, 255), width=3)
+    front = (corners[0] + corners[1]) / 2
+    centre = plan.pixel(footprint.centre)
+    canvas.draw.line([*(centre + 0.6 * (front - centre)), *front], fill=colour, width=3)
+
+
+def _draw_clash(canvas: Canvas, plan: _Plan, rectangle: np.ndarray) -> None:
+    u0, v1 = plan.pixel(rectangle[0])
+    u1, v0 = plan.pixel(rectangle[1])
+    canvas.draw.rectangle([u0, v0, u1, v1], fill=(*WARNING, 120), outline=(*WARNING, 255), width=2)

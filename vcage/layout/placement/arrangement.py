@@ -1,0 +1,93 @@
+"""A partial solution of a :class:`~vcage.layout.placement.plane.Plane`: which item stands where, what is still free."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numpy as np
+
+from vcage.layout.placement.free_region import TOLERANCE, FreeRegion, free_region
+from vcage.layout.placement.plane import Plane, Stance
+
+TOUCH = 1e-7
+"""Metres; what is closer than this touches."""
+
+
+class Spot(NamedTuple):
+    """Where an item stands on its plane.
+
+    Args:
+        stance: the room that it takes.
+        centre: (2,) metres.
+        yaw: radians.
+    """
+
+    stance: Stance
+    centre: np.ndarray
+    yaw: float
+
+
+class Arrangement:
+    """Some items of a plane at their places.
+
+    Args:
+        plane: the problem.
+    """
+
+    def __init__(self, plane: Plane):
+        self.plane = plane
+        self._first = len(plane.obstacles)
+        self._boxes = np.concatenate([plane.obstacles, np.zeros((len(plane.items), 2, 2))])  # (m + n, 2, 2)
+        self._taken = np.arange(len(self._boxes)) < self._first
+        self._spots: dict[int, Spot] = {}
+
+    @property
+    def spots(self) -> dict[int, Spot]:
+        """Where the placed items stand, by index."""
+        return dict(self._spots)
+
+    def region(self, k: int, stance: Stance) -> FreeRegion:
+        """Where the centre of item ``k`` may be among all the others."""
+        taken = self._taken.copy()
+        taken[self._first + k] = False
+        plane = self.plane
+        return free_region(plane.bounds, stance.half, self._boxes[taken], plane.gaps[k, taken], stance.unions)
+
+    def conflicts(self, k: int, stance: Stance, centres: np.ndarray) -> np.ndarray:
+        """(c, n) bool: which of the other items stand too close for item ``k`` at the ``centres`` (c, 2)."""
+        boxes, gaps = self._boxes[self._first :], self.plane.gaps[k, self._first :]
+        grow = stance.half + gaps[:, None] - TOLERANCE
+        near = (centres[:, None] > boxes[:, 0] - grow) & (centres[:, None] < boxes[:, 1] + grow)  # (c, n, 2)
+        others = self._taken[self._first :].copy()
+        others[k] = False
+        return near.all(axis=2) & others
+
+    def touching(self, k: int, stance: Stance, centres: np.ndarray) -> np.ndarray:
+        """(c,) share of its border that item ``k`` has at the bounds or at its gap from others, at (c, 2) centres."""
+        boxes, gaps = self._boxes[self._taken], self.plane.gaps[k, self._taken][:, None]
+        lower, upper = centres - stance.half, centres + stance.half
+        shared = np.minimum(upper[:, None], boxes[:, 1] + gaps) - np.maximum(lower[:, None], boxes[:, 0] - gaps)
+        touches = np.abs(shared) < TOUCH  # (c, n, 2) along that axis; the border is shared along the other one
+        length = np.where(touches, shared[..., ::-1].clip(min=0), 0.0).sum(axis=(1, 2))
+        walls = (lower - self.plane.bounds[0] < TOUCH).astype(int) + (self.plane.bounds[1] - upper < TOUCH)  # (c, 2)
+        return (length + walls @ (2 * stance.half[::-1])) / (4 * stance.half.sum())
+
+    def put(self, k: int, spot: Spot) -> None:
+        """Place item ``k``, or move it."""
+        box = self._boxes[self._first + k]
+        box[0], box[1] = spot.centre - spot.stance.half, spot.centre + spot.stance.half
+        self._taken[self._first + k] = True
+        self._spots[k] = spot
+
+    def take(self, k: int) -> None:
+        """Take item ``k`` away."""
+        self._taken[self._first + k] = False
+        del self._spots[k]
+
+    def restore(self, spots: Mapping[int, Spot]) -> None:
+        """Make ``spots`` the whole arrangement."""
+        self._taken[self._first :] = False
+        self._spots.clear()
+        for k, spot in spots.items():
+            self.put(k, spot)

@@ -1,0 +1,95 @@
+"""Objects that lie in containers from the start.
+
+What lies in a container is placed first, in the container's own frame, where the opening is an axis-aligned plane at
+any heading. The container is then placed as a rigid body, so contents take no room of the table; where they must be
+reached or seen limits where the container may stand.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from vcage.base.geometry import footprint_half_size, rotation_2d, wrap_angle
+from vcage.layout.placement.place_item import PlaceItem, Placement, as_rectangles, centres_within
+from vcage.layout.placement.plane import Plane, make_plane
+
+CONTENT_MARGIN = 0.003
+"""Smallest gap between two objects in one container, and to its walls, metres."""
+
+
+@dataclass(frozen=True)
+class Local:
+    """Where a content lies: (2,) centre, metres, and yaw, radians, in the frame of its container's footprint."""
+
+    centre: np.ndarray
+    yaw: float
+
+
+def contents_of(items: Sequence[PlaceItem], container: str | None) -> list[PlaceItem]:
+    """What lies directly in a container, or on the table."""
+    return [item for item in items if item.inside == container]
+
+
+def content_plane(container: PlaceItem, contents: Sequence[PlaceItem]) -> Plane:
+    """The opening of a container, in the frame of its footprint."""
+    centre, half = np.array(container.opening.centre), np.array(container.opening.size) / 2 - CONTENT_MARGIN
+    # Reach and view are the world's: they are asked of the container, see unions_of.
+    plain = [replace(item, clearance=0.0, allowed=None, within=None) for item in contents]
+    bounds = np.stack([centre - half, centre + half])
+    return make_plane(plain, bounds, CONTENT_MARGIN, np.empty((0, 2, 2)), lambda _item, _yaw: ())
+
+
+class Carried:
+    """Where a container's contents let it stand.
+
+    Args:
+        items: all objects.
+        local: where every content lies, by id.
+    """
+
+    def __init__(self, items: Sequence[PlaceItem], local: Mapping[str, Local]):
+        self._items, self._local = items, local
+        self._containers = {item.inside for item in items}
+        self._allowed = {
+            item.id: as_rectangles(item.allowed, f"where {item.id} may stand")
+            for item in items
+            if item.allowed is not None
+        }
+        self._within = {
+            item.id: as_rectangles(item.within, f"where {item.id} is seen") for item in items if item.within is not None
+        }
+
+    def unions(self, item: PlaceItem, yaw: float) -> list[np.ndarray]:
+        """Unions of rectangles (m, 2, 2); the item's centre at ``yaw`` must lie in one rectangle of each."""
+        found = [self._allowed[item.id]] if item.id in self._allowed else []
+        if item.id not in self._containers:
+            return found
+        for content, at in self._below(item, Local(np.zeros(2), float(yaw))):
+            if content.id in self._allowed:
+                found.append(self._allowed[content.id] - at.centre)
+            if content.id in self._within:
+                half = footprint_half_size(content.size, at.yaw)
+                found.append(centres_within(self._within[content.id] - at.centre, half))
+        return found
+
+    def stand(self, item: PlaceItem, at: Placement) -> dict[str, Placement]:
+        """Places in the world of an item at ``at`` and of all that it carries."""
+        found = {item.id: at}
+        for content in contents_of(self._items, item.id):
+            local = self._local[content.id]
+            x, y = np.array([at.x, at.y]) + rotation_2d(at.yaw) @ local.centre
+            yaw = float(wrap_angle(at.yaw + local.yaw))
+            found |= self.stand(content, Placement(float(x), float(y), yaw, at.z + item.opening.floor))
+        return found
+
+    def _below(self, item: PlaceItem, at: Local) -> list[tuple[PlaceItem, Local]]:
+        """All that an item carries, with (2,) offset from the item's centre and heading, both along world axes."""
+        found = []
+        for content in contents_of(self._items, item.id):
+            local = self._local[content.id]
+            here = Local(at.centre + rotation_2d(at.yaw) @ local.centre, at.yaw + local.yaw)
+            found += [(content, here), *self._below(content, here)]
+        return found

@@ -1,0 +1,173 @@
+"""Why objects have no place, and the ways out that were proven by solving.
+
+``details`` of the error: ``objects`` (without a place), ``missing_area_m2`` (always more than 0), ``needed_area_m2``,
+``available_area_m2``, ``drop`` (ids without which all others were placed), ``enlarge_m`` (x and y by which the
+workspace or opening must grow for all to be placed, null when growing does not help), ``container`` (whose opening is
+too small, null for the table).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from vcage.base.errors import InfeasibleScene
+from vcage.layout.placement.free_region import TOLERANCE
+from vcage.layout.placement.place_item import PlaceItem
+from vcage.layout.placement.plane import Plane, Stance
+from vcage.layout.placement.search import Outcome, pack
+
+PROOF_PASSES = 6
+"""Orders that are packed to prove a way out."""
+
+LARGEST = 4.0
+"""How many times longer the workspace is tried, at most."""
+
+HALVINGS = 5
+"""Steps in which the smallest growth is looked for, between none and one that suffices."""
+
+SLACK = 0.02
+"""Share by which the workspace is made longer than the smallest growth, so that the next search does not need luck."""
+
+AREA_TOLERANCE = 1e-6
+"""Area that may be missing by rounding, m²."""
+
+
+def require_room(plane: Plane, container: PlaceItem | None = None) -> None:
+    """Refuse an item that fits nowhere even alone, and more area than there is.
+
+    Args:
+        plane: the table, or the opening of ``container``.
+
+    Raises:
+        InfeasibleScene: says which, how much is missing, and what would help.
+    """
+    for k in plane.order:
+        if all(plane.alone(k, stance).is_empty for stance in plane.stances[k]):
+            raise _fits_nowhere(plane, k, container)
+    missing = plane.needed - plane.available
+    if missing > AREA_TOLERANCE:
+        room = f"the opening of {container.id}" if container else "the workspace"
+        message = (
+            f"{len(plane.items)} objects with margins need {plane.needed:.3f} m², {room} has {plane.available:.3f} m²"
+        )
+        raise _infeasible(plane, message, plane.order, missing, container)
+
+
+def no_place(plane: Plane, outcome: Outcome, container: PlaceItem | None = None) -> InfeasibleScene:
+    """The error for what a search left over."""
+    names = ", ".join(plane.items[k].id for k in outcome.left)
+    where = f"in the opening of {container.id}" if container else "on the table"
+    message = f"no collision-free place {where} for {names} ({len(outcome.left)} of {len(plane.items)} objects)"
+    missing = float(plane.areas[outcome.left].sum())
+    return _infeasible(plane, message, outcome.left, missing, container, drop=outcome.left)
+
+
+def _fits_nowhere(plane: Plane, k: int, container: PlaceItem | None) -> InfeasibleScene:
+    item, room = plane.items[k], plane.bounds[1] - plane.bounds[0]
+    excess, stance = min(((_excess(s, room), s) for s in plane.stances[k]), key=lambda pair: pair[0].sum())
+    size, too_long = 2 * stance.half, excess.max() > 2 * TOLERANCE
+    where = f"the opening of {container.id}" if container else "the workspace"
+    message = f"{item.id} ({_metres(size)}) fits nowhere in {where} ({_metres(room)}), {_reason(plane, k, too_long)}"
+    if too_long:
+        message += "; it is too large by " + " and ".join(
+            f"{by:.3f} m along {axis}" for by, axis in zip(excess, "xy", strict=True) if by > 0
+        )
+    missing = float(size.prod() - np.minimum(size, room.clip(min=0)).prod()) if too_long else stance.area
+    return _infeasible(plane, message, [k], max(missing, AREA_TOLERANCE), container)
+
+
+def _excess(stance: Stance, room: np.ndarray) -> np.ndarray:
+    """(2,) by how much a rectangle is longer than the room, metres."""
+    return (2 * stance.half - room).clip(min=0)
+
+
+def _reason(plane: Plane, k: int, too_long: bool) -> str:
+    item = plane.items[k]
+    if too_long:
+        return "even alone"
+    limits = []
+    if item.allowed is not None:
+        limits.append("where an arm reaches it")
+    if item.within is not None:
+        limits.append("where all of it is seen")
+    if not limits and plane.stances[k][0].unions:
+        limits.append("where its contents are reached and seen")
+    if len(plane.obstacles):
+        limits.append("beside what stands there already")
+    return " and ".join(limits) or "even alone"
+
+
+def _infeasible(
+    plane: Plane,
+    message: str,
+    left: Sequence[int],
+    missing: float,
+    container: PlaceItem | None,
+    drop: Sequence[int] = (),
+) -> InfeasibleScene:
+    dropped, enlarge = [plane.items[k].id for k in _drop(plane, drop)], _growth(plane)
+    return InfeasibleScene(
+        f"{message}: {max(missing, 1e-4):.4f} m² are missing",
+        hint=_hint(dropped, enlarge, container, len(plane.items)),
+        details={
+            "objects": [plane.items[k].id for k in left],
+            "missing_area_m2": round(missing, 6),
+            "needed_area_m2": round(plane.needed, 6),
+            "available_area_m2": round(plane.available, 6),
+            "drop": dropped,
+            "enlarge_m": None if enlarge is None else [round(float(value), 3) for value in enlarge],
+            "container": container.id if container else None,
+        },
+    )
+
+
+def _hint(dropped: Sequence[str], enlarge: np.ndarray | None, container: PlaceItem | None, count: int) -> str:
+    rest = count - len(dropped)
+    proof = {0: "", 1: " (the other one fits)"}.get(rest, f" (the other {rest} fit)")
+    ways = [f"drop {', '.join(dropped)}{proof}"]
+    if container:
+        ways.append(f"place them beside {container.id}")
+    if enlarge is not None:
+        room = f"take a {container.id} whose opening is" if container else "make the workspace"
+        ways.append(f"{room} {_metres(enlarge)} larger (then all fit)")
+    return ", or ".join([*ways, "take smaller objects"])
+
+
+def _metres(size: np.ndarray) -> str:
+    return f"{size[0]:.3f} x {size[1]:.3f} m"
+
+
+def _drop(plane: Plane, left: Sequence[int]) -> list[int]:
+    """Indices, with ``left``, of items without which a few orders suffice, so that other seeds find places too."""
+    dropped = list(left)
+    while True:
+        rest = [k for k in range(len(plane.items)) if k not in dropped]
+        over = pack(plane.only(rest), PROOF_PASSES, np.random.default_rng(0)).left
+        if not over:
+            return dropped
+        dropped += [rest[i] for i in over]
+
+
+def _growth(plane: Plane) -> np.ndarray | None:
+    """(2,) metres, whole millimetres, by which longer bounds hold all items; None when growing does not help."""
+    extent = (plane.bounds[1] - plane.bounds[0]).clip(min=1e-3)
+
+    def by(share: float) -> np.ndarray:
+        return np.ceil(extent * share * 1000) / 1000
+
+    def suffices(share: float) -> bool:
+        larger = plane.enlarged(by(share))
+        # A few orders, and twice: other seeds must find places too.
+        return not any(pack(larger, PROOF_PASSES, np.random.default_rng(seed)).left for seed in (0, 1))
+
+    lower, upper = 0.0, 0.125
+    while not suffices(upper):
+        lower, upper = upper, 2 * upper
+        if upper > LARGEST:
+            return None
+    for _ in range(HALVINGS):
+        middle = (lower + upper) / 2
+        lower, upper = (lower, middle) if suffices(middle) else (middle, upper)
+    return by(upper + SLACK if suffices(upper + SLACK) else upper)

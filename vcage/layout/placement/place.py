@@ -1,0 +1,105 @@
+"""Collision-free placement (paper, section III-A1): every object gets a place, or the answer says why not.
+
+Free regions are exact (:mod:`~vcage.layout.placement.free_region`); where the arms reach and what the camera sees are
+unions of rectangles of the same calculation. How places are found is :mod:`~vcage.layout.placement.search`'s, what is
+said when there are none :mod:`~vcage.layout.placement.infeasible`'s.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from vcage.layout.placement.arrangement import Spot
+from vcage.layout.placement.contents import Carried, Local, content_plane, contents_of
+from vcage.layout.placement.infeasible import no_place, require_room
+from vcage.layout.placement.place_item import (
+    PlaceItem,
+    Placement,
+    as_rectangles,
+    as_workspace,
+    check_items,
+)
+from vcage.layout.placement.plane import Plane, make_plane
+from vcage.layout.placement.search import solve
+
+__all__ = ["PlaceItem", "Placement", "place", "require_possible"]
+
+
+def place(
+    items: Sequence[PlaceItem],
+    workspace: ArrayLike,
+    rng: np.random.Generator,
+    margin: float = 0.01,
+    obstacles: ArrayLike = (),
+) -> dict[str, Placement]:
+    """Place every item so that no two axis-aligned boxes come closer than ``margin``.
+
+    What lies in a container keeps :data:`~vcage.layout.placement.contents.CONTENT_MARGIN` from its walls and from what
+    else lies there, in the container's frame.
+
+    Args:
+        items: what to place.
+        workspace: (2, 2) lower and upper corner; every box stays within.
+        rng: the only source of randomness.
+        margin: smallest gap between two boxes, metres.
+        obstacles: (n, 2, 2) rectangles that are taken already.
+
+    Returns:
+        Placement by id, in the order of ``items``.
+
+    Raises:
+        InfeasibleScene: names the objects without a place, the area that is missing, and a way out.
+        UsageError: an item, the workspace, the margin or an obstacle makes no sense.
+    """
+    check_items(items, margin)
+    local: dict[str, Local] = {}
+    for container, plane in _openings(items):
+        spots = _solved(plane, rng, container)
+        local |= {plane.items[k].id: Local(spot.centre, spot.yaw) for k, spot in spots.items()}
+    carried = Carried(items, local)
+    plane = _table(contents_of(items, None), workspace, margin, obstacles, carried)
+    placed: dict[str, Placement] = {}
+    for k, (_, centre, yaw) in _solved(plane, rng).items():
+        placed |= carried.stand(plane.items[k], Placement(float(centre[0]), float(centre[1]), yaw))
+    return {item.id: placed[item.id] for item in items}
+
+
+def require_possible(
+    items: Sequence[PlaceItem], workspace: ArrayLike, margin: float = 0.01, obstacles: ArrayLike = ()
+) -> None:
+    """Refuse at once what cannot work: an object that fits nowhere even alone, or more area than there is.
+
+    Raises:
+        InfeasibleScene, UsageError: as :func:`place`.
+    """
+    check_items(items, margin)
+    for container, plane in _openings(items):
+        require_room(plane, container)
+    on_table = contents_of(items, None)
+    require_room(_table(on_table, workspace, margin, obstacles, Carried(on_table, {})))
+
+
+def _openings(items: Sequence[PlaceItem]) -> Iterator[tuple[PlaceItem, Plane]]:
+    """Every container that something lies in, and the plane of its contents."""
+    for container in items:
+        if contents := contents_of(items, container.id):
+            yield container, content_plane(container, contents)
+
+
+def _table(
+    items: Sequence[PlaceItem], workspace: ArrayLike, margin: float, obstacles: ArrayLike, carried: Carried
+) -> Plane:
+    taken = as_rectangles(obstacles, "the obstacles")
+    return make_plane(items, as_workspace(workspace), margin, taken, carried.unions)
+
+
+def _solved(plane: Plane, rng: np.random.Generator, container: PlaceItem | None = None) -> dict[int, Spot]:
+    """Spots of all items of a plane, or why there are none."""
+    require_room(plane, container)
+    outcome = solve(plane, rng)
+    if outcome.left:
+        raise no_place(plane, outcome, container)
+    return outcome.spots

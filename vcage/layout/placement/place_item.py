@@ -1,0 +1,191 @@
+"""What is placed and where it ends up: the records of a placement, and what of them makes no sense."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from vcage.base.errors import UnknownName, UsageError
+from vcage.layout.placement.free_region import TOLERANCE
+from vcage.objects.openings import Opening
+
+
+@dataclass(frozen=True)
+class PlaceItem:
+    """An object to be placed.
+
+    Args:
+        id: its name in the result and in errors.
+        size: (x, y) size of its footprint at yaw 0, metres.
+        yaws: headings that are allowed, radians; of a content, relative to its container.
+        clearance: free space around it, when more than the margin of all (room for gripper fingers), metres; not used
+            in a container.
+        allowed: (m, 2, 2) rectangles that its centre must lie in one of (where an arm reaches it), None for anywhere.
+        within: (m, 2, 2) rectangles that its whole footprint must lie in one of (what a camera sees, see
+            :func:`~vcage.layout.placement.view.view_rectangles`), None for anywhere. Where they make up a larger region
+            they should be its maximal rectangles, so that a footprint across two of them is found to be inside.
+        inside: id of the container that it lies in from the start, None on the table.
+        opening: the room that it has for contents, in the frame of its own footprint: origin in the middle, axes along
+            its ``size``. None when nothing lies in it.
+    """
+
+    id: str
+    size: tuple[float, float]
+    yaws: tuple[float, ...] = (0.0,)
+    clearance: float = 0.0
+    allowed: ArrayLike | None = None
+    within: ArrayLike | None = None
+    inside: str | None = None
+    opening: Opening | None = None
+
+
+@dataclass(frozen=True)
+class Placement:
+    """Where an object stands in the world.
+
+    Args:
+        x, y: its centre in the plane, metres.
+        yaw: its heading, radians.
+        z: height of its support above the table, metres; the floors of the containers that it lies in.
+    """
+
+    x: float
+    y: float
+    yaw: float
+    z: float = 0.0
+
+
+def centres_within(rectangles: np.ndarray, half: np.ndarray) -> np.ndarray:
+    """(k, 2, 2) where the centre of a footprint of half size (2,) is when it lies in one of (m, 2, 2) rectangles."""
+    found = np.stack([rectangles[:, 0] + half, rectangles[:, 1] - half], axis=1)
+    found = found[np.all(found[:, 0] <= found[:, 1] + 2 * TOLERANCE, axis=1)]
+    return np.stack([found.min(axis=1), found.max(axis=1)], axis=1)  # an exact fit may be inverted by the last bit
+
+
+def as_rectangles(rectangles: ArrayLike, what: str) -> np.ndarray:
+    """(m, 2, 2) float64 lower and upper corners.
+
+    Raises:
+        UsageError: another shape, a number that is not finite, or a lower corner above the upper one; names ``what``.
+    """
+    try:
+        found = np.asarray(rectangles, dtype=np.float64).reshape(-1, 2, 2)
+    except (TypeError, ValueError) as error:
+        raise UsageError(f"no rectangles (m, 2, 2): {what}", hint="give lower and upper corners") from error
+    if not np.all(np.isfinite(found)):
+        raise UsageError(f"not finite: {what}", hint="give lower and upper corners in metres")
+    if np.any(found[:, 0] > found[:, 1]):
+        first = found[np.any(found[:, 0] > found[:, 1], axis=1)][0]
+        raise UsageError(f"inverted: {what}, {first.tolist()}", hint="give the lower corner first")
+    return found
+
+
+def as_workspace(workspace: ArrayLike) -> np.ndarray:
+    """(2, 2) float64 lower and upper corner of the workspace.
+
+    Raises:
+        UsageError: it is no rectangle with an inside.
+    """
+    found = as_rectangles(workspace, "the workspace")
+    if len(found) != 1 or np.any(found[0, 0] >= found[0, 1]):
+        raise UsageError(f"the workspace {found.tolist()} has no inside", hint="its upper corner must be the larger")
+    return found[0]
+
+
+def check_margin(margin: float) -> None:
+    """Refuse a gap that makes no sense.
+
+    Raises:
+        UsageError: it is not a finite number, or negative.
+    """
+    if not (_finite([margin]) and margin >= 0):
+        raise UsageError(f"the margin is {margin}", hint="give the smallest gap in metres, 0 or more")
+
+
+class Contained(Protocol):
+    """What may lie in something, or hold something: an item of a placement or of a layout."""
+
+    @property
+    def id(self) -> str: ...
+    @property
+    def inside(self) -> str | None: ...
+    @property
+    def opening(self) -> Opening | None: ...
+
+
+def check_containers(items: Sequence[Contained]) -> None:
+    """Refuse names, openings and containers that make no sense.
+
+    Raises:
+        UsageError: an id twice; an opening that is not finite or has no inside (a rim may be infinitely high); a
+            container without an opening, or inside itself.
+        UnknownName: a container that is none of the items.
+    """
+    twice = [name for name, count in Counter(item.id for item in items).items() if count > 1]
+    if twice:
+        raise UsageError(f"two objects are called {twice[0]!r}", hint="give every object an id of its own")
+    by_id = {item.id: item for item in items}
+    for item in items:
+        _check_opening(item)
+        _check_chain(item, by_id)
+
+
+def check_items(items: Sequence[PlaceItem], margin: float) -> None:
+    """Refuse items that make no sense.
+
+    Raises:
+        UsageError: no yaw, a number that is not finite, a size that is not positive, a negative gap.
+        UsageError, UnknownName: see :func:`check_containers`.
+    """
+    check_margin(margin)
+    for item in items:
+        _check_item(item)
+    check_containers(items)
+
+
+def _check_item(item: PlaceItem) -> None:
+    if not (len(item.size) == 2 and _finite(item.size) and min(item.size) > 0):
+        raise UsageError(f"{item.id} has the footprint {item.size}", hint="sizes are positive metres; check its mesh")
+    if not len(item.yaws) or not _finite(item.yaws):
+        raise UsageError(f"{item.id} has the headings {item.yaws}", hint="give at least one finite yaw")
+    if not (_finite([item.clearance]) and item.clearance >= 0):
+        raise UsageError(f"{item.id} has the clearance {item.clearance}", hint="clearances are metres, 0 or more")
+
+
+def _finite(values: Sequence[float]) -> bool:
+    try:
+        return all(math.isfinite(value) for value in values)
+    except TypeError:  # not even a number
+        return False
+
+
+def _check_opening(item: Contained) -> None:
+    opening = item.opening
+    if opening is None:
+        return
+    numbers = [*opening.centre, *opening.size, opening.floor]
+    if not (_finite(numbers) and min(opening.size) > 0) or math.isnan(opening.rim):
+        raise UsageError(f"{item.id} has the opening {opening}", hint="check the container's mesh")
+
+
+def _check_chain(item: Contained, by_id: Mapping[str, Contained]) -> None:
+    chain = [item.id]
+    while (name := by_id[chain[-1]].inside) is not None:
+        if name not in by_id:
+            raise UnknownName("container", name, [other.id for other in by_id.values() if other.opening is not None])
+        if name in chain:
+            raise UsageError(
+                f"containers in a circle: {' in '.join([*chain, name])}",
+                hint="a container cannot lie inside itself; mend the plan",
+            )
+        if by_id[name].opening is None:
+            raise UsageError(
+                f"{chain[-1]} lies in {name}, which has no room for contents", hint="give the container an opening"
+            )
+        chain.append(name)

@@ -1,0 +1,136 @@
+"""One plane of footprints to be placed: the table top, or the floor of a container in its own frame.
+
+The problem as arrays; :mod:`~vcage.layout.placement.arrangement` holds partial solutions,
+:mod:`~vcage.layout.placement.search` finds them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import islice
+
+import numpy as np
+
+from vcage.base.geometry import footprint_half_size
+from vcage.layout.placement.free_region import TOLERANCE, FreeRegion, free_region
+from vcage.layout.placement.place_item import PlaceItem, as_rectangles, centres_within
+
+Unions = Callable[[PlaceItem, float], Sequence[np.ndarray]]
+"""(m, 2, 2) unions of rectangles, one of each of which must hold an item's centre at a yaw."""
+
+
+@dataclass(frozen=True)
+class Stance:
+    """Headings at which an item needs the same room.
+
+    Args:
+        half: (2,) half size of its axis-aligned rectangle, metres.
+        yaws: radians.
+        unions: (m, 2, 2) each; its centre must lie in one rectangle of each.
+    """
+
+    half: np.ndarray
+    yaws: tuple[float, ...]
+    unions: tuple[np.ndarray, ...] = ()
+
+    @property
+    def area(self) -> float:
+        """Of the rectangle, m²."""
+        return 4 * float(self.half[0]) * float(self.half[1])
+
+
+@dataclass(frozen=True, eq=False)
+class Plane:
+    """What is to be placed, and where.
+
+    Args:
+        items: what is placed; a container and what lies in it count as one.
+        stances: of each item, the smallest rectangle first.
+        bounds: (2, 2) that every rectangle stays within.
+        margin: smallest gap between two rectangles, metres.
+        obstacles: (m, 2, 2) rectangles that are taken.
+    """
+
+    items: Sequence[PlaceItem]
+    stances: Sequence[Sequence[Stance]]
+    bounds: np.ndarray
+    margin: float
+    obstacles: np.ndarray
+
+    @cached_property
+    def gaps(self) -> np.ndarray:
+        """(n, m + n) gap of every item to the obstacles and to every item."""
+        clearance = np.array([max(self.margin, item.clearance) for item in self.items])
+        to_obstacles = np.repeat(clearance[:, None], len(self.obstacles), axis=1)
+        return np.concatenate([to_obstacles, np.maximum(clearance[:, None], clearance)], axis=1)
+
+    @cached_property
+    def areas(self) -> np.ndarray:
+        """(n,) what every item takes at its smallest, grown by half a margin on all sides, m²."""
+        return np.array([float((2 * stances[0].half + self.margin).prod()) for stances in self.stances])
+
+    @cached_property
+    def order(self) -> list[int]:
+        """Indices of the items, largest first."""
+        return sorted(range(len(self.items)), key=lambda k: (-self.areas[k], self.items[k].id))
+
+    @cached_property
+    def available(self) -> float:
+        """Area of the bounds, grown by half a margin like the items, without the obstacles, m²."""
+        half = self.margin / 2
+        grown = self.bounds + np.array([[-half], [half]])
+        return free_region(grown, np.zeros(2), self.obstacles, half).area
+
+    @cached_property
+    def compact(self) -> list[list[Stance]]:
+        """Of each item, the stances that packing tries: the smallest two, along and across, that are possible alone."""
+        return [
+            list(islice((s for s in stances if not self.alone(k, s).is_empty), 2))
+            for k, stances in enumerate(self.stances)
+        ]
+
+    def alone(self, k: int, stance: Stance) -> FreeRegion:
+        """Where the centre of item ``k`` may be while no other item is placed."""
+        gaps = self.gaps[k, : len(self.obstacles)]
+        return free_region(self.bounds, stance.half, self.obstacles, gaps, stance.unions)
+
+    @property
+    def needed(self) -> float:
+        """Area that the items take at their smallest, with margins, m²."""
+        return float(self.areas.sum())
+
+    def only(self, indices: Sequence[int]) -> Plane:
+        """The same plane with those items alone."""
+        return replace(self, items=[self.items[k] for k in indices], stances=[self.stances[k] for k in indices])
+
+    def enlarged(self, by: np.ndarray) -> Plane:
+        """The same plane with bounds that are longer by (2,) metres, half of it on each side."""
+        return replace(self, bounds=self.bounds + np.outer((-0.5, 0.5), by))
+
+
+def make_plane(
+    items: Sequence[PlaceItem], bounds: np.ndarray, margin: float, obstacles: np.ndarray, unions: Unions
+) -> Plane:
+    """The plane of ``items``; ``unions`` says where a centre may be, besides the item's own ``within``."""
+    return Plane(items, [_stances(item, unions) for item in items], bounds, margin, obstacles)
+
+
+def _stances(item: PlaceItem, unions: Unions) -> list[Stance]:
+    """Stances of an item, the smallest rectangle first."""
+    found: dict[tuple, tuple[np.ndarray, list[float], Sequence[np.ndarray]]] = {}
+    halves = footprint_half_size(item.size, np.array(item.yaws))  # (yaws, 2)
+    equal = np.round(halves / TOLERANCE).tolist()
+    for half, yaw, (x, y) in zip(halves, item.yaws, equal, strict=True):
+        where = unions(item, yaw)
+        found.setdefault((x, y, *map(id, where)), (half, [], where))[1].append(float(yaw))
+    stances = [Stance(half, tuple(yaws), (*where, *_seen(item, half))) for half, yaws, where in found.values()]
+    return sorted(stances, key=lambda stance: stance.area)
+
+
+def _seen(item: PlaceItem, half: np.ndarray) -> tuple[np.ndarray, ...]:
+    """Where the centre must be for the whole rectangle to lie in one of the item's ``within``."""
+    if item.within is None:
+        return ()
+    return (centres_within(as_rectangles(item.within, f"where {item.id} is seen"), half),)

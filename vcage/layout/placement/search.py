@@ -1,0 +1,223 @@
+"""Finds a place for every item of a plane.
+
+1. *Scattering*: the items, largest first, each at a random heading and at a point drawn uniformly from its exact free
+   region. What finds no room goes where the least is in its way, and that is taken back and scattered again.
+2. *Packing*, when that fails: every item at a corner of its free region, at one of its smallest headings; by turns at
+   the corner furthest into one corner of the plane, and where most of its border touches something. What was left over
+   is placed earlier in the next pass (Joslin and Clements, "Squeaky wheel optimization", 1999).
+3. *Shaking* of what was packed: every item is drawn again from what is free around it (Gibbs sampling), so that a
+   full plane looks as random as its room allows.
+
+All of it is bounded by counts, never by time.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from vcage.layout.placement.arrangement import Arrangement, Spot
+from vcage.layout.placement.plane import Plane, Stance
+
+
+@dataclass(frozen=True)
+class Thrift:
+    """How a scattering chooses headings.
+
+    Args:
+        largest: how many times its smallest rectangle an item may take.
+        full: share of the plane that the items' mean rectangles may take for it to be worth trying.
+    """
+
+    largest: float
+    full: float
+
+
+THRIFT = (Thrift(np.inf, 0.9), Thrift(1.15, 0.82))
+"""Scatterings that are tried: at any heading, then at small ones only. What is fuller is seldom scattered, and packing
+it at once is quicker."""
+
+RETURNS = 0.5
+"""Times that a scattering goes back, for each item."""
+
+PASSES = 80
+"""Orders that are packed at most; most of what can be packed needs one, hard cases some dozens."""
+
+SWEEPS = 2
+"""Times that every item of a packed plane is drawn again."""
+
+CANDIDATES = 24
+"""Random points, for each heading that is tried, where an item that has no room may push others away."""
+
+JITTER, BLAME = 0.15, 0.15
+"""Of the order of packing: relative noise of an item's size, and what a leftover's rises by (the largest size is 1)."""
+
+CORNERS = 200
+"""Corners that are looked at for what touches there, the furthest into the plane's corner."""
+
+EQUALS = 1e-3
+"""Weight of what decides between corners that are equally good."""
+
+_SWEEPS = [(first, np.array([sx, sy])) for first in (0, 1) for sx in (1, -1) for sy in (1, -1)]
+"""Directions in which packing fills the plane: the axis that is swept first, and the sign of each axis."""
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What a search found.
+
+    Args:
+        spots: by index of the item; of all items, or of as many as there was room for.
+        left: indices of the items without a place, largest first.
+    """
+
+    spots: dict[int, Spot]
+    left: list[int]
+
+
+def solve(plane: Plane, rng: np.random.Generator) -> Outcome:
+    """A random arrangement of all items, or the fullest that was packed."""
+    arrangement = Arrangement(plane)
+    for thrift in THRIFT:
+        stances = [[s for s in all_ if s.area <= thrift.largest * all_[0].area + 1e-12] for all_ in plane.stances]
+        if _mean_needed(plane, stances) <= thrift.full * plane.available and _scatter(arrangement, stances, rng):
+            return Outcome(arrangement.spots, [])
+    outcome = pack(plane, PASSES, rng)
+    if outcome.left:
+        return outcome
+    arrangement.restore(outcome.spots)
+    for _ in range(SWEEPS):
+        for k in rng.permutation(len(plane.items)):
+            _draw(arrangement, int(k), plane.stances[k], rng)
+    return Outcome(arrangement.spots, [])
+
+
+# --- scattering ----------------------------------------------------------------------------------------
+
+
+def _mean_needed(plane: Plane, stances: Sequence[Sequence[Stance]]) -> float:
+    """Area that the items take with margins at their mean heading, m²."""
+    total = 0.0
+    for choices in stances:
+        counts = [len(stance.yaws) for stance in choices]
+        areas = [float((2 * stance.half + plane.margin).prod()) for stance in choices]
+        total += float(np.average(areas, weights=counts))
+    return total
+
+
+def _scatter(arrangement: Arrangement, stances: Sequence[Sequence[Stance]], rng: np.random.Generator) -> bool:
+    plane = arrangement.plane
+    arrangement.restore({})
+    rank = {k: i for i, k in enumerate(plane.order)}
+    pushed = np.ones(len(plane.items))
+    queue, returns = list(plane.order), int(RETURNS * len(plane.items))
+    while queue:
+        k = queue.pop(0)
+        if _draw(arrangement, k, stances[k], rng):
+            continue
+        out = _push_in(arrangement, k, pushed, rng) if returns > 0 else None
+        if out is None:
+            return False
+        returns -= 1
+        queue = sorted([*queue, *out], key=rank.__getitem__)
+    return True
+
+
+def _draw(arrangement: Arrangement, k: int, stances: Sequence[Stance], rng: np.random.Generator) -> bool:
+    """Place or move item ``k`` to a random heading and point; the first heading of a random order that has room."""
+    headings = [(stance, yaw) for stance in stances for yaw in stance.yaws]
+    tight: set[int] = set()
+    for index in rng.permutation(len(headings)):
+        stance, yaw = headings[index]
+        if id(stance) in tight:
+            continue
+        region = arrangement.region(k, stance)
+        if not region.is_empty:
+            arrangement.put(k, Spot(stance, region.sample(rng), yaw))
+            return True
+        tight.add(id(stance))
+    return False
+
+
+def _push_in(arrangement: Arrangement, k: int, pushed: np.ndarray, rng: np.random.Generator) -> list[int] | None:
+    """Place item ``k`` where the least is in its way, and take that away; its indices, or None when it fits nowhere.
+
+    What was pushed away before counts for more, so that two items do not push each other for ever.
+    """
+    plane, best = arrangement.plane, None
+    for stance in plane.compact[k]:
+        region = plane.alone(k, stance)
+        centres = np.concatenate([region.samples(rng, CANDIDATES), region.corners()])
+        hits = arrangement.conflicts(k, stance, centres)  # (c, n)
+        costs = hits @ (plane.areas * pushed)
+        c = int(np.argmin(costs))
+        if best is None or costs[c] < best[0]:
+            best = float(costs[c]), Spot(stance, centres[c], float(rng.choice(stance.yaws))), np.flatnonzero(hits[c])
+    if best is None:
+        return None
+    _, spot, out = best
+    for j in out:
+        arrangement.take(int(j))
+    pushed[out] *= 1.5
+    arrangement.put(k, spot)
+    return out.tolist()
+
+
+# --- packing -------------------------------------------------------------------------------------------
+
+
+def pack(plane: Plane, passes: int, rng: np.random.Generator) -> Outcome:
+    """All items packed, or the pass that left the least area over."""
+    arrangement, best = Arrangement(plane), Outcome({}, list(plane.order))
+    sizes = _sizes(plane)
+    blame = np.zeros(len(plane.items))
+    for index in range(passes):
+        size = sizes[index % len(sizes)]
+        noise = rng.normal(0, JITTER if index >= len(sizes) else 0.0, len(size))
+        order = np.argsort(-(size * np.exp(noise) + blame), kind="stable")
+        left = _pack_once(arrangement, order.tolist(), *_SWEEPS[rng.integers(len(_SWEEPS))], snug=index % 2 == 1)
+        if _cost(plane, left) < _cost(plane, best.left):
+            best = Outcome(arrangement.spots, [k for k in plane.order if k in left])
+        if not left:
+            break
+        blame[left] += BLAME
+    return best
+
+
+def _sizes(plane: Plane) -> list[np.ndarray]:
+    """Measures (n,) of what is hard to place, at most 1: area, longest side, girth."""
+    smallest = np.array([stances[0].half for stances in plane.stances]).reshape(-1, 2)
+    measures = (plane.areas, smallest.max(axis=1), smallest.sum(axis=1))
+    return [measure / measure.max(initial=1e-12) for measure in measures]
+
+
+def _cost(plane: Plane, left: Sequence[int]) -> tuple[int, float]:
+    return len(left), float(plane.areas[list(left)].sum())
+
+
+def _pack_once(arrangement: Arrangement, order: Sequence[int], first: int, signs: np.ndarray, snug: bool) -> list[int]:
+    """Place the items one by one in corners, where most touches if ``snug``; the indices of those that found none."""
+    arrangement.restore({})
+    left = []
+    for k in order:
+        best = None
+        for stance in arrangement.plane.compact[k]:
+            corners = arrangement.region(k, stance).corners()
+            if not len(corners):
+                continue
+            far = corners * signs + stance.half
+            costs = far[:, first] + EQUALS * far[:, 1 - first]
+            if snug:
+                near = np.argsort(costs, kind="stable")[:CORNERS]
+                corners = corners[near]
+                costs = EQUALS * costs[near] - arrangement.touching(k, stance, corners)
+            c = int(np.argmin(costs))
+            if best is None or costs[c] < best[0]:
+                best = costs[c], Spot(stance, corners[c], stance.yaws[0])
+        if best is None:
+            left.append(k)
+        else:
+            arrangement.put(k, best[1])
+    return left

@@ -1,0 +1,196 @@
+"""One plane of footprints brought to a collision-free layout near its targets.
+
+L-BFGS-B from the targets and from random restarts; what it leaves below its precision is repaired exactly. Of the
+feasible layouts the one that keeps most of the plan's relations wins, and among those the one that moves least.
+Starting ends when the plan is kept and another start brings nothing. Where no start becomes feasible, wider gaps are
+given up, then harder repairs are tried, then a layout packed by :func:`vcage.layout.placement.place.place` is pulled
+back towards the targets; if there is none, that says why.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from vcage.base.threads import one_blas_thread
+from vcage.layout.cost import LayoutProblem, Weights
+from vcage.layout.descent import STAGES, descend, tightened
+from vcage.layout.placement.place import PlaceItem, place, require_possible
+from vcage.layout.repair import is_feasible, repair
+
+SPREAD = 0.01
+"""Standard deviation of the first random restart, metres; each one is twice as wide as the one before."""
+WIDEST = 0.1
+"""Standard deviation that no restart goes beyond, metres."""
+JITTER = 1e-4
+"""Moves objects with the same target apart: coinciding centres have no gradient."""
+PATIENCE = 2
+"""Starts in a row that bring nothing before a layout is taken that keeps the plan, but that the repair had to change.
+One that it left as it was is taken at once: it is a local minimum near the targets already."""
+GAIN = 0.95
+"""Share of the best displacement cost that a start must go below to have brought something."""
+REPAIRS = 40
+"""Orders in which a repair is tried when no start became feasible."""
+EASED = (0.5, 0.0)
+"""Shares of the wider gaps that are tried when there is no layout with all of them."""
+
+
+@dataclass(frozen=True)
+class Solution:
+    """A feasible layout.
+
+    Args:
+        centres: (n, 2) metres.
+        starts: how many descents were run, with all gaps and with eased ones; 0 where the target was feasible, or one
+            alone took the nearest place.
+        repaired: indices of the footprints that the exact repair moved.
+        extra: share of the problem's wider gaps that was kept.
+    """
+
+    centres: np.ndarray
+    starts: int
+    repaired: tuple[int, ...]
+    extra: float = 1.0
+
+
+def solve(
+    problem: LayoutProblem, names: Sequence[str], weights: Weights, rng: np.random.Generator, restarts: int
+) -> Solution:
+    """The best feasible layout of all starts.
+
+    Raises:
+        InfeasibleScene: none was found; names the objects and the area that is missing.
+    """
+    if _is_hopeless(problem):
+        require_possible(_as_place_items(problem, names), problem.bounds, problem.margin)
+    if weights.relation == 0:
+        problem = replace(problem, relations=None)
+    if is_feasible(problem, problem.target) and not _broken(problem, problem.target):
+        return Solution(problem.target.copy(), 0, ())
+    if len(names) == 1 and problem.relations is None and (alone := repair(problem, problem.target)) is not None:
+        return Solution(alone[0], 0, alone[1])
+    starts = 0
+    with one_blas_thread():
+        for share in (1.0,) if problem.extra is None else (1.0, *EASED):
+            eased = problem if share == 1 else replace(problem, extra=share * problem.extra)
+            search = _Search(eased, weights, rng, starts)
+            if search.run(restarts):
+                return search.solution(share)
+            starts = search.starts
+        if not search.repair_harder():
+            search.pack(names)
+        return search.solution(share)
+
+
+@dataclass(frozen=True, order=True)
+class _Score:
+    """What makes a feasible layout better: first fewer broken relations, then less displacement cost."""
+
+    broken: int
+    displacement: float
+
+
+class _Search:
+    """The starts of one problem, and the best feasible layout that they led to.
+
+    Attributes:
+        starts: how many descents were run, with those of the searches before.
+    """
+
+    def __init__(self, problem: LayoutProblem, weights: Weights, rng: np.random.Generator, starts: int):
+        self._problem, self._tight, self._weights, self._rng = problem, tightened(problem), weights, rng
+        self._best: tuple[_Score, np.ndarray, tuple[int, ...]] | None = None
+        self.starts = starts
+        self._ends: list[np.ndarray] = []  # what the starts led to, feasible or not
+
+    def solution(self, share: float) -> Solution:
+        """The best layout; there must be one."""
+        _, centres, moved = self._best
+        return Solution(centres, self.starts, moved, share)
+
+    def run(self, restarts: int) -> bool:
+        """Starts from the targets, then from wider and wider around them; whether a feasible layout was found."""
+        idle = 0
+        for start in range(restarts + 1):
+            spread = min(SPREAD * 2 ** (start - 1), WIDEST) if start else JITTER
+            noise = self._rng.normal(0, spread, self._problem.target.shape)
+            self._ends.append(self._descend(self._tight, self._problem.target + noise))
+            gained = self._offer(repair(self._problem, self._ends[-1]))
+            idle = 0 if gained else idle + 1
+            if self._best is not None and self._best[0].broken == 0 and (idle >= PATIENCE or not self._best[2]):
+                return True
+        if self._best is not None and self._best[0].broken:
+            self._give_up_relations()
+        return self._best is not None
+
+    def _descend(self, tight: LayoutProblem, start: np.ndarray, stages: Sequence[float] = STAGES) -> np.ndarray:
+        self.starts += 1
+        return descend(tight, self._weights, start, stages)
+
+    def _offer(self, repaired: tuple[np.ndarray, tuple[int, ...]] | None) -> bool:
+        """Keep a layout if it is the best; whether it is better by more than a little."""
+        if repaired is None:
+            return False
+        score = _Score(_broken(self._problem, repaired[0]), _displacement(self._problem, repaired[0]))
+        before = self._best[0] if self._best else None
+        if before is None or score < before:
+            self._best = (score, *repaired)
+        return before is None or score < _Score(before.broken, GAIN * before.displacement)
+
+    def _give_up_relations(self) -> None:
+        """Relations that cannot all hold pull at each other: leave out the worst, one at a time, and go on."""
+        relations, centres = self._tight.relations, self._best[1]
+        while len(relations) > 1 and (missed := relations.violations(centres)).max() > 0:
+            relations = relations.without(int(missed.argmax()))
+            centres = self._descend(replace(self._tight, relations=relations), centres)
+            self._offer(repair(self._problem, centres))
+
+    def repair_harder(self) -> bool:
+        """For problems that no start solved: many orders of repair, and back towards the targets."""
+        for end in self._ends:
+            if (repaired := repair(self._problem, end, REPAIRS)) is not None:
+                self._offer(repaired)
+                self._pull_back()
+                return True
+        return False
+
+    def _pull_back(self) -> None:
+        """From a layout that repair or packing took far away, towards the targets."""
+        self._offer(repair(self._problem, self._descend(self._tight, self._best[1], STAGES[-1:])))
+
+    def pack(self, names: Sequence[str]) -> None:
+        """A packed layout, pulled back towards the targets.
+
+        Raises:
+            InfeasibleScene: there is none.
+        """
+        items = _as_place_items(self._problem, names)
+        placed = place(items, self._problem.bounds, self._rng, self._problem.margin)
+        packed = np.array([[placed[name].x, placed[name].y] for name in names])
+        self._offer((packed, tuple(range(len(packed)))))
+        self._pull_back()
+
+
+def _broken(problem: LayoutProblem, centres: np.ndarray) -> int:
+    return 0 if problem.relations is None else problem.relations.broken(centres)
+
+
+def _displacement(problem: LayoutProblem, centres: np.ndarray) -> float:
+    return float((problem.weight[:, None] * (centres - problem.target) ** 2).sum())
+
+
+def _is_hopeless(problem: LayoutProblem) -> bool:
+    """Whether a footprint is larger than the bounds, has no reachable place, or all together take too much area."""
+    room = problem.bounds[1] - problem.bounds[0]
+    grown = (2 * problem.half + problem.margin).prod(axis=1).sum()
+    too_large = np.any(2 * problem.half > room) or grown > (room + problem.margin).prod()
+    return bool(too_large) or any(allowed is not None and not len(allowed) for allowed in problem.allowed)
+
+
+def _as_place_items(problem: LayoutProblem, names: Sequence[str]) -> list[PlaceItem]:
+    return [
+        PlaceItem(name, (float(2 * half[0]), float(2 * half[1])), allowed=allowed)
+        for name, half, allowed in zip(names, problem.half, problem.allowed, strict=True)
+    ]

@@ -1,0 +1,60 @@
+"""Objects that look the same: which of them is which in a target picture only the plan can tell."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from itertools import combinations
+
+import numpy as np
+
+from vcage.base.geometry import wrap_angle
+from vcage.plans.kept import relations_kept
+from vcage.schema.matches import Match
+from vcage.schema.plan import Relation
+from vcage.schema.scene import ObjectRecord, Scene
+
+
+def settle_twins(scene: Scene, relations: Sequence[Relation], matches: Sequence[Match]) -> list[Match]:
+    """The matches, with objects of one asset and variant exchanged where that keeps more of the plan.
+
+    Two are exchanged at a time, as long as one more relation holds for it; what was not found is left alone.
+    """
+    found = {m.object: m for m in matches}
+    pairs = [
+        (a.id, b.id)
+        for a, b in combinations(scene.objects, 2)
+        if (a.asset, a.variant) == (b.asset, b.variant) and "kept" not in (found[a.id].method, found[b.id].method)
+    ]
+    kept = _kept(scene, relations, found)
+    while better := _best_exchange(scene, relations, found, pairs, kept):
+        kept, found = better
+    return [found[m.object] for m in matches]
+
+
+def _best_exchange(
+    scene: Scene, relations: Sequence[Relation], found: dict[str, Match], pairs: list[tuple[str, str]], kept: float
+) -> tuple[float, dict[str, Match]] | None:
+    """The exchange that keeps most of the plan, if it keeps more than now."""
+    tried = []
+    for a, b in pairs:
+        exchanged = {**found, a: _as(scene.object(a), found[b]), b: _as(scene.object(b), found[a])}
+        tried.append((_kept(scene, relations, exchanged), exchanged))
+    best = max(tried, key=lambda one: one[0], default=None)
+    return best if best is not None and best[0] > kept + 1e-9 else None
+
+
+def _as(record: ObjectRecord, match: Match) -> Match:
+    """Another object's match as that of an object that looks the same."""
+    turned = float(wrap_angle(match.yaw - record.pose.pose().yaw))
+    return match.model_copy(update={"object": record.id, "turned": turned})
+
+
+def _kept(scene: Scene, relations: Sequence[Relation], found: Mapping[str, Match]) -> float:
+    boxes = {o.id: matched_box(o, found[o.id]) for o in scene.objects}
+    return relations_kept(relations, boxes, scene.table).share
+
+
+def matched_box(record: ObjectRecord, match: Match) -> np.ndarray:
+    """(2, 3) an object's world box moved to where it was matched; its turn does not change the box."""
+    shift = np.subtract(match.position, record.pose.position[:2])
+    return np.array(record.aabb) + np.array([*shift, 0.0])

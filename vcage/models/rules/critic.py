@@ -1,0 +1,83 @@
+"""The critic that needs no model: compares two top views, with the assets' own renders as reference."""
+
+from __future__ import annotations
+
+from vcage.base.errors import InputFileError
+from vcage.models.protocols import CriticQuestion
+from vcage.models.rules import PROVIDER
+from vcage.models.rules.evidence import Evidence, gather
+from vcage.schema.episodes import Verdict
+from vcage.schema.subtasks import Goal
+
+LEFT = 0.5
+"""Share of the old outline that must have changed."""
+
+INSIDE = {"inside": 0.2, "on": 0.4}
+"""Share of the object's area that must be seen in or on the receptacle; walls and other contents hide some."""
+
+TOO_MUCH = 1.8
+"""More new pixels than that, over the object's area, are of something larger."""
+
+MAX_SHIFT = 0.06
+"""A receptacle that moved farther was knocked away, metres."""
+
+MAX_WORSE = 0.3
+"""A receptacle whose rim fits its reference so much worse than before lies on its side."""
+
+
+class OfflineCritic:
+    """Implements :class:`vcage.models.protocols.Critic` for goals ``inside`` and ``on``.
+
+    It sees pictures, the top camera's calibration and references, and nothing of the simulator's state.
+    """
+
+    provider = PROVIDER
+
+    def judge(self, question: CriticQuestion) -> Verdict:
+        """The verdict on all goals: accepted when each is; the reason is that of the least certain one.
+
+        Raises:
+            InputFileError: a picture or a reference that the question needs is missing.
+        """
+        verdicts = [self._judge_goal(question, goal) for goal in question.goals]
+        failed = [verdict for verdict in verdicts if not verdict.accepted]
+        if not verdicts:
+            raise InputFileError("the critic was asked about no goal", hint="give the sub-task's goals")
+        return max(failed, key=lambda v: v.confidence) if failed else min(verdicts, key=lambda v: v.confidence)
+
+    def _judge_goal(self, question: CriticQuestion, goal: Goal) -> Verdict:
+        for name in (goal.subject, goal.reference):
+            if name not in question.references:
+                raise InputFileError(
+                    f"no reference picture of {name!r}", hint="render one for each object of the scene"
+                )
+        if "top" not in question.before or "top" not in question.after:
+            raise InputFileError("the critic needs a 'top' view before and after", hint="render the top camera")
+        before, after = question.before["top"], question.after["top"]
+        moved, place = question.references[goal.subject], question.references[goal.reference]
+        evidence = gather(
+            before.picture, after.picture, before.camera, question.table_height, moved, place, question.background
+        )
+        return decide(evidence, goal, moved.phrase, place.phrase)
+
+
+def decide(evidence: Evidence, goal: Goal, thing: str, place: str) -> Verdict:
+    """Turn measurements into a verdict with one sentence of reason."""
+    needed = INSIDE["inside" if goal.relation == "inside" else "on"]
+    word = "in" if goal.relation == "inside" else "on"
+    seen = f"{100 * evidence.inside:.0f} % of it is seen {word} the {place}"
+    if evidence.left < LEFT:
+        return _verdict(False, f"the {thing} still lies where it was", 1 - evidence.left)
+    if evidence.shifted > MAX_SHIFT or evidence.worse > MAX_WORSE:
+        return _verdict(False, f"the {place} was knocked away or tipped over", 0.7)
+    if evidence.outside > max(evidence.inside, 0.25):
+        return _verdict(False, f"the {thing} lies outside the {place}: only {seen}", min(1.0, evidence.outside))
+    if evidence.inside < needed:
+        return _verdict(False, f"the {thing} left its place and is not found {word} the {place}: {seen}", 0.75)
+    if evidence.inside > TOO_MUCH:
+        return _verdict(False, f"something larger than the {thing} came to be {word} the {place}: {seen}", 0.6)
+    return _verdict(True, f"the {thing} left its place, and {seen}", 0.5 + 0.5 * min(1.0, evidence.inside / 0.8))
+
+
+def _verdict(accepted: bool, reason: str, confidence: float) -> Verdict:
+    return Verdict(accepted=accepted, reason=reason, confidence=min(1.0, max(0.0, confidence)), provider=PROVIDER)

@@ -1,0 +1,97 @@
+"""The image editor that needs no model: takes each object out of the picture and draws it where the plan wants it."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Sequence
+
+import numpy as np
+
+from vcage.base.errors import InfeasibleScene, InputFileError
+from vcage.models.protocols import EditRequest
+from vcage.models.rules import PROVIDER
+from vcage.models.rules.arrange import arrange
+from vcage.models.rules.footprints import Footprint, footprints
+from vcage.models.rules.light import Light, find_light
+from vcage.models.rules.painting import Drawing, draw
+from vcage.schema.plan import Relation
+
+logger = logging.getLogger(__name__)
+
+WELL_VISIBLE = 0.9
+"""Share of an object that should be seen in the picture, unless the plan puts something in or on it."""
+
+BARELY_VISIBLE = 0.5
+"""Share below which the picture is of no use."""
+
+
+class OfflineEditor:
+    """Implements :class:`vcage.models.protocols.ImageEditor` with the plan solved on the table plane."""
+
+    provider = PROVIDER
+
+    def rearrange(self, request: EditRequest) -> np.ndarray:
+        """The target picture, in the size of the source. An object that the source does not show is left out.
+
+        Raises:
+            InputFileError: the pictures do not belong together.
+            InfeasibleScene: an object would be hidden behind another, or lie outside the picture.
+        """
+        _check_sizes(request)
+        items = footprints(request.scene, request.segmentation)
+        for item in items:
+            if item.hidden:
+                logger.warning("%s: the picture shows nothing of it, so it stays where it is", item.record.id)
+        light = find_light(
+            request.picture, request.background, items, request.scene.top_camera.camera(), request.scene.table.height
+        )
+        drawing = _draw(request, items, request.plan.relations, light)
+        hidden = drawing.hidden(WELL_VISIBLE)
+        if hidden:
+            others = [r for r in request.plan.relations if r.subject not in hidden and r.reference not in hidden]
+            freer = _draw(request, items, others, light)
+            if freer.least_visible > drawing.least_visible:
+                drawing = freer
+                logger.warning(
+                    "so that %s can be seen, the target picture does not keep to: %s",
+                    ", ".join(hidden),
+                    "; ".join(
+                        f"{r.subject} {r.relation} {r.reference}" for r in request.plan.relations if r not in others
+                    ),
+                )
+        lost = drawing.hidden(BARELY_VISIBLE)
+        if lost:
+            raise InfeasibleScene(
+                f"{', '.join(lost)} would be hidden, or outside the picture, in the planned layout",
+                hint="plan with fewer or lower objects, or try another --seed",
+                details={"objects": lost, "visible": {name: round(drawing.visible[name], 2) for name in lost}},
+            )
+        for name in drawing.hidden(WELL_VISIBLE):
+            logger.warning("%s: %.0f %% of it is seen in the target picture", name, 100 * drawing.visible[name])
+        return drawing.picture
+
+
+def _draw(
+    request: EditRequest, items: Sequence[Footprint], relations: Sequence[Relation], light: Light | None
+) -> Drawing:
+    plan = request.plan.model_copy(update={"relations": list(relations)})
+    placements = arrange(request.scene, plan, items, rooms=request.rooms)
+    camera = request.scene.top_camera.camera()
+    holders = {r.reference for r in relations if r.relation in ("inside", "on")}
+    height = request.scene.table.height
+    return draw(request.picture, request.background, items, placements, camera, light, height, holders)
+
+
+def _check_sizes(request: EditRequest) -> None:
+    camera = request.scene.top_camera
+    for name, array in (
+        ("picture", request.picture),
+        ("background", request.background),
+        ("segmentation", request.segmentation),
+    ):
+        if array.shape[:2] != (camera.height, camera.width):
+            raise InputFileError(
+                f"the {name} is {array.shape[1]} x {array.shape[0]} pixels, the top camera's pictures are "
+                f"{camera.width} x {camera.height}",
+                hint="run select_place again with --force",
+            )

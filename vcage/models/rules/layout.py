@@ -1,0 +1,119 @@
+"""Plans an arrangement from which the task can start: contents around their receptacle, the rest out of the way."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+
+import numpy as np
+
+from vcage.plans.relations import holds
+from vcage.schema.plan import TABLE, LayoutPlan, Relation
+from vcage.schema.scene import ObjectRecord, Scene
+
+_PLACES = ("left_of", "right_of", "in_front_of")
+"""Where contents stand around a receptacle, in turn, so that both arms have something to do."""
+
+ROOM = 0.06
+"""Free space that an object behind another needs, metres."""
+
+_WORDS = {
+    "inside": "inside", "on": "on", "left_of": "to the left of", "right_of": "to the right of",
+    "in_front_of": "in front of", "behind": "behind", "beside": "beside", "near": "near",
+    "center": "in the middle of",
+}  # fmt: skip
+
+
+def plan_layout(scene: Scene, rng: np.random.Generator) -> LayoutPlan:
+    """Receptacles in the middle, contents left, right and in front of them, everything else behind those.
+
+    Contents are not put inside: to move them there is the task. What lies in another object at the start stays
+    there, and that object stands where a hand comes to it. The relations form a tree that starts at the table, so
+    they cannot contradict each other. Which object goes to which side is a random choice.
+    """
+    carried = [o for o in scene.objects if o.container is not None]
+    standing = [o for o in scene.objects if o.container is None]
+    holders = {o.container for o in carried}
+    receptacles = [o for o in standing if o.role == "receptacle"]
+    contents = _shuffled([o for o in standing if o.role == "content"], rng)
+    context = _shuffled([o for o in standing if o.role == "context"], rng)
+    contents += [o for o in context if o.id in holders]
+    context = [o for o in context if o.id not in holders]
+    anchors = receptacles or contents[:1] or context[:1]
+    contents = [o for o in contents if o not in anchors]
+    context = [o for o in context if o not in anchors]
+    relations = _anchor_relations(anchors)
+    relations += _around(contents, anchors)
+    relations += _out_of_the_way(context, anchors, relations, scene)
+    relations += [_relation(o, _lies(o, scene), scene.object(o.container)) for o in carried]
+    return LayoutPlan(text=describe(relations, scene), relations=relations)
+
+
+def _shuffled(items: Sequence[ObjectRecord], rng: np.random.Generator) -> list[ObjectRecord]:
+    return [items[i] for i in rng.permutation(len(items))]
+
+
+def _relation(subject: ObjectRecord, word: str, reference: ObjectRecord) -> Relation:
+    return Relation(subject=subject.id, relation=word, reference=reference.id)
+
+
+def _lies(item: ObjectRecord, scene: Scene) -> str:
+    """Whether an object lies ``inside`` its container or ``on`` it."""
+    return "inside" if holds("inside", item.aabb, scene.object(item.container).aabb) else "on"
+
+
+def _anchor_relations(anchors: Sequence[ObjectRecord]) -> list[Relation]:
+    """The first in the middle of the table, the others to its right, one after another."""
+    first = [Relation(subject=anchors[0].id, relation="center", reference=TABLE)]
+    return first + [_relation(b, "right_of", a) for a, b in itertools.pairwise(anchors)]
+
+
+def _around(contents: Sequence[ObjectRecord], anchors: Sequence[ObjectRecord]) -> list[Relation]:
+    """Contents in turn to the left, to the right and in front; later ones next to the one before them there."""
+    relations = []
+    last: dict[tuple[str, str], ObjectRecord] = {}
+    for index, item in enumerate(contents):
+        anchor = anchors[index % len(anchors)]
+        place = _PLACES[(index // len(anchors)) % len(_PLACES)]
+        if len(anchors) > 1:
+            place = "left_of" if anchor is anchors[0] else "right_of" if anchor is anchors[-1] else "in_front_of"
+        before = last.get((anchor.id, place))
+        relations.append(_relation(item, place, anchor))
+        if before is not None:
+            relations.append(_relation(item, "near", before))
+        last[anchor.id, place] = item
+    return relations
+
+
+def _out_of_the_way(
+    context: Sequence[ObjectRecord], anchors: Sequence[ObjectRecord], planned: Sequence[Relation], scene: Scene
+) -> list[Relation]:
+    """Behind a receptacle or behind what stands beside one, as a hand that reaches for that comes from the front."""
+    beside = [scene.object(r.subject) for r in planned if r.relation in ("left_of", "right_of")]
+    free = [*anchors, *(o for o in beside if o not in anchors)]
+    relations = []
+    for index, item in enumerate(context):
+        reference = next((o for o in free if _fits_behind(item, o, scene)), None)
+        if reference is None:
+            side = ("left_of", "right_of")[index % 2]
+            relations.append(_relation(item, side, anchors[0]))
+        else:
+            free.remove(reference)
+            relations.append(_relation(item, "behind", reference))
+    return relations
+
+
+def _fits_behind(item: ObjectRecord, anchor: ObjectRecord, scene: Scene) -> bool:
+    """Whether the workspace has room for ``item`` behind ``anchor`` when that stands half-way to it."""
+    depth = sum(o.aabb[1][1] - o.aabb[0][1] for o in (item, anchor)) - (anchor.aabb[1][1] - anchor.aabb[0][1]) / 2
+    middle = (scene.workspace.lower[1] + scene.workspace.upper[1]) / 2
+    return middle + depth + ROOM < scene.workspace.upper[1]
+
+
+def describe(relations: Sequence[Relation], scene: Scene) -> str:
+    """The relations as sentences."""
+    phrases = {o.id: f"the {o.phrase}" for o in scene.objects} | {TABLE: "the table"}
+    sentences: dict[str, list[str]] = {}
+    for r in relations:
+        sentences.setdefault(r.subject, []).append(f"{_WORDS[r.relation]} {phrases[r.reference]}")
+    return " ".join(f"Set {phrases[subject]} {' and '.join(places)}." for subject, places in sentences.items())

@@ -1,0 +1,231 @@
+"""Draws objects of a picture at other places: with perspective, shading and shadows, the far ones first."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import cv2
+import numpy as np
+
+from vcage.base.geometry import Camera, box_corners, rotation_2d
+from vcage.models.rules.footprints import Footprint
+from vcage.models.rules.groups import Placement
+from vcage.models.rules.light import Light
+from vcage.models.rules.prism import Prism, cells_of, look_up, prism_of
+
+LEAN = 1.5
+"""How far neighbouring slices of a tall object may be apart in the picture, pixels."""
+
+PAD = 12
+"""Room around an object in the window that it is drawn in, pixels."""
+
+SHADING = (0.6, 1.6)
+"""Least and largest change of a side's brightness when it is turned in the light."""
+
+SHARPNESS = 2.0
+"""Slope of the edge of a slice, which interpolation has made soft twice."""
+
+SOFTNESS = 1.0
+"""Standard deviation of the blur of a shadow's edge, pixels."""
+
+
+@dataclass(frozen=True)
+class Drawing:
+    """A picture (H, W, 3) uint8 and the share of each object's pixels that are seen in it."""
+
+    picture: np.ndarray
+    visible: dict[str, float]
+
+    @property
+    def least_visible(self) -> float:
+        """The share of the object that is seen the least."""
+        return min(self.visible.values(), default=1.0)
+
+    def hidden(self, least: float) -> list[str]:
+        """Objects of which less than this share is seen."""
+        return [name for name, share in self.visible.items() if share < least]
+
+
+@dataclass(frozen=True)
+class _Sprite:
+    """An object at its new place, and its pixels in a window whose upper left pixel is ``corner`` (u, v)."""
+
+    item: Footprint
+    prism: Prism
+    placement: Placement
+    corner: tuple[int, int]
+    colour: np.ndarray
+    alpha: np.ndarray
+
+
+def draw(
+    picture: np.ndarray,
+    background: np.ndarray,
+    items: Sequence[Footprint],
+    placements: Mapping[str, Placement],
+    camera: Camera,
+    light: Light | None,
+    table: float,
+    covered: Collection[str] = (),
+) -> Drawing:
+    """The objects at their placements (turns about their boxes' centres) over the background.
+
+    Args:
+        table: z of the surface that shadows fall on.
+        covered: objects that others may lie in or on; how much of them is seen does not matter.
+    """
+    shown = [item for item in items if not item.hidden]
+    order = sorted(shown, key=lambda item: _depth(item, placements[item.record.id], camera))
+    sprites = [_sprite(item, items, placements[item.record.id], picture, camera, light) for item in order]
+    canvas = background.astype(np.float32)
+    if light is not None and sprites:
+        shade = np.max([_cast(s, light, camera, table, background.shape[:2]) for s in sprites], axis=0)
+        shade = cv2.GaussianBlur(shade, (0, 0), SOFTNESS)[..., None]
+        canvas *= 1 - shade * (1 - light.left)
+    owner = np.full(background.shape[:2], -1)
+    drawn = {}
+    for index, sprite in enumerate(sprites):
+        drawn[sprite.item.record.id] = int((sprite.alpha > 0.5).sum())
+        (rows, columns), inner = _window_of(sprite, background.shape)
+        alpha = sprite.alpha[inner][..., None]
+        canvas[rows, columns] = canvas[rows, columns] * (1 - alpha) + sprite.colour[inner]
+        owner[rows, columns][alpha[..., 0] > 0.5] = index
+    visible = {
+        s.item.record.id: float((owner == i).sum() / max(drawn[s.item.record.id], 1))
+        for i, s in enumerate(sprites)
+        if s.item.record.id not in covered
+    }
+    return Drawing(np.clip(np.rint(canvas), 0, 255).astype(np.uint8), visible)
+
+
+def _depth(item: Footprint, placement: Placement, camera: Camera) -> tuple[float, float]:
+    """Sorts what may be hidden before what may hide it: far from the camera first, and low before what lies on it."""
+    away = placement.centre - camera.pose.p[:2]
+    return round(item.box[0, 2], 2), -float(np.linalg.norm(away))
+
+
+def _sprite(
+    item: Footprint,
+    items: Sequence[Footprint],
+    placement: Placement,
+    picture: np.ndarray,
+    camera: Camera,
+    light: Light | None,
+) -> _Sprite:
+    """The object's pixels at its new place, slice upon slice."""
+    whole = _with_contents(item, items)
+    slices = 1 + int(np.ceil(max(_lean(item, item.centre, camera), _lean(item, placement.centre, camera)) / LEAN))
+    prism = prism_of(whole, camera, slices)
+    colour = _spread_colour(picture, item.mask, whole.mask)
+    corner, shape = _window(item, placement, camera)
+    rows, columns = np.mgrid[: shape[0], : shape[1]]
+    pixels = np.stack([columns + corner[0], rows + corner[1]], axis=-1) + 0.5
+    pasted, covered = np.zeros((*shape, 3), np.float32), np.zeros(shape, np.float32)
+    turn = rotation_2d(placement.turn)
+    for index, z in enumerate(prism.heights):
+        here = (camera.unproject(pixels, z)[..., :2] - placement.centre) @ turn
+        alpha = np.clip(SHARPNESS * (prism.sample(index, here)[..., None] - 0.5) + 0.5, 0, 1)
+        top = index == len(prism.heights) - 1
+        unseen = _unseen(prism, index, camera)
+        hidden = look_up(unseen, cells_of(here, unseen))[..., None] > 0.5
+        there = here if top else np.where(hidden, 2 * prism.axis - here, here)
+        lift = np.full((*here.shape[:-1], 1), z)
+        source = camera.project(np.concatenate([prism.origin + there, lift], axis=-1)) - 0.5
+        layer = cv2.remap(colour, *_maps(source), cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE)
+        if light is not None and not top:
+            shade = _side_shading(prism, index, placement.turn, light, unseen)
+            layer = layer * (1 + look_up(shade - 1, cells_of(here, shade)))[..., None]
+        pasted = pasted * (1 - alpha) + layer * alpha
+        covered = covered * (1 - alpha[..., 0]) + alpha[..., 0]
+    return _Sprite(item, prism, placement, corner, pasted, covered)
+
+
+def _with_contents(item: Footprint, items: Sequence[Footprint]) -> Footprint:
+    """The object with the pixels that what lies in or on it takes from it."""
+    contents = [other.mask for other in items if other.record.container == item.record.id]
+    return replace(item, mask=np.any([item.mask, *contents], axis=0)) if contents else item
+
+
+def _lean(item: Footprint, centre: np.ndarray, camera: Camera) -> float:
+    """How far the top of the object's box is from its base in the picture, pixels."""
+    ends = np.array([[*centre, z] for z in item.box[:, 2]])
+    base, top = camera.project(ends)
+    spread = np.linalg.norm(item.size) / 2
+    wider = camera.focal * spread * np.ptp(1 / (camera.pose.p[2] - item.box[:, 2]))
+    return float(np.linalg.norm(top - base) + wider)
+
+
+def _spread_colour(picture: np.ndarray, mask: np.ndarray, whole: np.ndarray) -> np.ndarray:
+    """The picture (float32) with the object's own colours where something lies over it, and around its outline."""
+    reach = cv2.dilate((mask | whole).astype(np.uint8), np.ones((9, 9), np.uint8))
+    return cv2.inpaint(picture, reach * ~mask, 3, cv2.INPAINT_TELEA).astype(np.float32)
+
+
+def _maps(source: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    source = source.astype(np.float32)
+    return source[..., 0], source[..., 1]
+
+
+def _window(item: Footprint, placement: Placement, camera: Camera) -> tuple[tuple[int, int], tuple[int, int]]:
+    """Upper left pixel (u, v) and shape (rows, columns) of what the object can cover, not cut at the picture's edge."""
+    half = item.half_size(placement.turn)
+    corners = box_corners([*(placement.centre - half), item.box[0, 2]], [*(placement.centre + half), item.box[1, 2]])
+    pixels = camera.project(corners)
+    lower = np.floor(pixels.min(axis=0)).astype(int) - PAD
+    upper = np.ceil(pixels.max(axis=0)).astype(int) + PAD
+    return (int(lower[0]), int(lower[1])), (int(upper[1] - lower[1]), int(upper[0] - lower[0]))
+
+
+def _window_of(sprite: _Sprite, shape: Sequence[int]) -> tuple[tuple[slice, slice], tuple[slice, slice]]:
+    """(rows and columns of the picture, the same in the sprite's window), cut at the picture's edge."""
+    outer, inner = [], []
+    for start, length, limit in zip(sprite.corner[::-1], sprite.alpha.shape, shape[:2], strict=True):
+        low, high = min(max(start, 0), limit), max(min(start + length, limit), 0)
+        high = max(low, high)
+        outer.append(slice(low, high))
+        inner.append(slice(low - start, high - start))
+    return (outer[0], outer[1]), (inner[0], inner[1])
+
+
+def _unseen(prism: Prism, index: int, camera: Camera) -> np.ndarray:
+    """(rows, columns) float32: 1 at the rim of a slice where its side faces away from the camera in the source."""
+    normals = prism.normals(index)
+    away = normals @ (camera.pose.p[:2] - prism.origin) <= 0
+    rim = np.linalg.norm(normals, axis=-1) > 0.5
+    return (away & rim & (prism.opposite(index) > 0.5)).astype(np.float32)
+
+
+def _side_shading(prism: Prism, index: int, turn: float, light: Light, unseen: np.ndarray) -> np.ndarray:
+    """(rows, columns) factor of the picture's brightness for the rim of a slice that is turned in the light.
+
+    A side that the source shows was lit as it stood there; for one that it does not show the opposite side stands in.
+    """
+    normals = prism.normals(index)
+    strength = np.linalg.norm(normals, axis=-1)
+    after = light.on_side(normals @ rotation_2d(turn).T)
+    before = light.on_side(np.where(unseen[..., None] > 0, -normals, normals))
+    factor = np.where(strength > 0.5, np.clip(after / before, *SHADING), 1.0)
+    return cv2.GaussianBlur(factor.astype(np.float32), (0, 0), 2)
+
+
+def _cast(sprite: _Sprite, light: Light, camera: Camera, table: float, shape: tuple[int, ...]) -> np.ndarray:
+    """(H, W) in [0, 1]: the object's shadow on the table."""
+    shade = np.zeros(shape, np.float32)
+    half = sprite.item.half_size(sprite.placement.turn) + PAD / camera.focal
+    tops = [sprite.placement.centre + light.offset * (z - table) for z in sprite.item.box[:, 2]]
+    corners = [[*(top + sign * half), table] for top in tops for sign in (-1, 1)]
+    pixels = camera.project(np.array(corners))
+    lower = np.clip(np.floor(pixels.min(axis=0)).astype(int), 0, [shape[1], shape[0]])
+    upper = np.clip(np.ceil(pixels.max(axis=0)).astype(int), lower, [shape[1], shape[0]])
+    if np.any(upper <= lower):
+        return shade
+    rows, columns = np.mgrid[lower[1] : upper[1], lower[0] : upper[0]]
+    points = camera.unproject(np.stack([columns, rows], axis=-1) + 0.5, table)[..., :2]
+    turn = rotation_2d(sprite.placement.turn)
+    swept = np.zeros(rows.shape, np.float32)
+    for index, z in enumerate(sprite.prism.heights):
+        here = points - sprite.placement.centre - light.offset * (z - table)
+        swept = np.maximum(swept, sprite.prism.sample(index, here @ turn))
+    shade[lower[1] : upper[1], lower[0] : upper[0]] = swept
+    return shade

@@ -1,0 +1,70 @@
+"""The reasoner that needs no model: words, roles and sizes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import TypeVar
+
+import numpy as np
+
+from vcage.base.errors import ModelRefused
+from vcage.models.rules import PROVIDER
+from vcage.models.rules.chain import compose_chain
+from vcage.models.rules.layout import plan_layout
+from vcage.models.rules.receptacles import judge_pair
+from vcage.models.rules.selection import Selector
+from vcage.plans.check import PlanCheck
+from vcage.schema.asset import CatalogueEntry
+from vcage.schema.plan import LayoutPlan, Selection, SelectionCheck
+from vcage.schema.scene import Scene
+from vcage.schema.subtasks import ChainOption, PairAnswer, PairQuestion
+
+TRIES = 5
+"""Selections or plans that are drawn before one is refused."""
+
+Drawn = TypeVar("Drawn", Selection, LayoutPlan)
+
+
+class OfflineReasoner:
+    """Implements :class:`vcage.models.protocols.Reasoner` by rules; every random choice comes from ``rng``."""
+
+    provider = PROVIDER
+
+    def select_assets(
+        self, instruction: str, catalogue: Sequence[CatalogueEntry], rng: np.random.Generator, check: SelectionCheck
+    ) -> Selection:
+        """See :class:`vcage.models.rules.selection.Selector`."""
+        return _drawn("selection", Selector(instruction, catalogue, rng).select, check)
+
+    def plan_layout(
+        self, scene: Scene, catalogue: Sequence[CatalogueEntry], rng: np.random.Generator, check: PlanCheck
+    ) -> LayoutPlan:
+        """See :func:`vcage.models.rules.layout.plan_layout`; roles say all that it needs of the catalogue."""
+        return _drawn("layout plan", lambda: plan_layout(scene, rng), check)
+
+    def judge_pairs(self, questions: Sequence[PairQuestion]) -> list[PairAnswer]:
+        """See :func:`vcage.models.rules.receptacles.judge_pair`."""
+        return [judge_pair(question) for question in questions]
+
+    def compose_chain(self, instruction: str, options: Sequence[ChainOption]) -> list[str]:
+        """See :func:`vcage.models.rules.chain.compose_chain`."""
+        return compose_chain(instruction, options)
+
+
+def _drawn(what: str, draw: Callable[[], Drawn], check: Callable[[Drawn], list[str]]) -> Drawn:
+    """The first of :data:`TRIES` draws that the check has no complaint about.
+
+    Raises:
+        ModelRefused: there is none; lists the complaints about the last.
+    """
+    complaints: list[str] = []
+    for _ in range(TRIES):
+        drawn = draw()
+        complaints = check(drawn)
+        if not complaints:
+            return drawn
+    raise ModelRefused(
+        f"no {what} of {PROVIDER} can be used: {'; '.join(complaints)}",
+        hint="try another --seed, other words, or --models with an online model",
+        details={"problems": complaints},
+    )

@@ -1,0 +1,112 @@
+"""From a reasoner's selection to named objects: what is wrong with it, what each is called, and where it starts."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from vcage.layout.placement.contents import CONTENT_MARGIN
+from vcage.plans.check import Capacity, contradictions
+from vcage.schema.asset import CatalogueEntry
+from vcage.schema.plan import Relation, Selection
+from vcage.schema.scene import Role
+
+
+@dataclass(frozen=True)
+class NamedObject:
+    """One object of a scene before it has a place.
+
+    Args:
+        id: unique in the scene: ``marker_black``, ``marker_black_2``.
+        asset, variant: names in the catalogue.
+        phrase: what to call it: "black marker pen" where the asset comes in several colours, else "stapler".
+        role: what the instruction does with it.
+        starts_in: id of the object that it lies in or on at the start, None on the table.
+    """
+
+    id: str
+    asset: str
+    variant: str
+    phrase: str
+    role: Role
+    starts_in: str | None = None
+
+
+def validate_selection(selection: Selection, entries: Sequence[CatalogueEntry]) -> list[str]:
+    """What makes a selection unusable, one sentence each: unknown names, starts where there is no room for things."""
+    variants = {entry.name: [variant.id for variant in entry.variants] for entry in entries}
+    # Layouts use the first point. Nothing starts in a drawer: it is closed then.
+    points = {entry.name: [p for p in entry.functional_points[:1] if p.link is None] for entry in entries}
+    complaints = []
+    for chosen in selection.objects:
+        if chosen.asset not in variants:
+            complaints.append(f"there is no asset {chosen.asset!r}{_nearest(chosen.asset, list(variants))}")
+        elif chosen.variant not in variants[chosen.asset]:
+            known = ", ".join(variants[chosen.asset])
+            complaints.append(f"{chosen.asset} has no variant {chosen.variant!r}; it has {known}")
+        if chosen.starts_in in points and not points[chosen.starts_in]:
+            complaints.append(f"{chosen.asset} cannot start in or on {chosen.starts_in}, which has no room for things")
+    return complaints
+
+
+def _nearest(name: str, names: list[str]) -> str:
+    close = difflib.get_close_matches(name, names, n=3)
+    return f"; did you mean {' or '.join(close)}?" if close else ""
+
+
+def name_objects(selection: Selection, entries: Sequence[CatalogueEntry]) -> list[NamedObject]:
+    """Names for a valid selection, in its order (see :class:`NamedObject`).
+
+    Raises:
+        KeyError: the selection names what the catalogue does not have (:func:`validate_selection` tells).
+    """
+    by_name = {entry.name: entry for entry in entries}
+    named: list[NamedObject] = []
+    containers: dict[str, str] = {}  # asset → id of its first object
+    for chosen in selection.objects:
+        entry = by_name[chosen.asset]
+        variant = {v.id: v for v in entry.variants}[chosen.variant]
+        base = entry.name if len(entry.variants) == 1 else f"{entry.name}_{variant.id}"
+        several = len({v.colour for v in entry.variants}) > 1
+        phrase = f"{variant.colour} {entry.words.name}" if several else entry.words.name
+        taken = {other.id for other in named}
+        named.append(NamedObject(_unique(base, taken), entry.name, variant.id, phrase, chosen.role, chosen.starts_in))
+        containers.setdefault(entry.name, named[-1].id)
+    return [replace(o, starts_in=containers.get(o.starts_in)) for o in named]
+
+
+def with_room(objects: Sequence[NamedObject], rooms: Mapping[str, Capacity]) -> tuple[list[NamedObject], list[str]]:
+    """The objects, of which those that have no room where they start stand on the table; and which these are, and why.
+
+    Args:
+        rooms: geometry by object id.
+    """
+    rooms = {name: _as_placed(room) for name, room in rooms.items()}
+    found, notes, lying = [], [], []
+    for o in objects:
+        if o.starts_in is not None:
+            word = "inside" if rooms[o.starts_in].holds == "in" else "on"
+            tried = [*lying, Relation(subject=o.id, relation=word, reference=o.starts_in)]
+            complaints = contradictions(tried, rooms)
+            if complaints:
+                notes.append(f"{o.id} starts on the table, not in or on {o.starts_in}: {'; '.join(complaints)}")
+                o = replace(o, starts_in=None)
+            else:
+                lying = tried
+        found.append(o)
+    return found, notes
+
+
+def _as_placed(room: Capacity) -> Capacity:
+    """What a placement uses of it: contents keep clear of the walls, and nothing sticks out."""
+    opening = tuple(max(side - 2 * CONTENT_MARGIN, 0.0) for side in room.opening)
+    return replace(room, opening=opening, bare=False)
+
+
+def _unique(base: str, taken: set[str]) -> str:
+    name, number = base, 1
+    while name in taken:
+        number += 1
+        name = f"{base}_{number}"
+    return name

@@ -1,0 +1,119 @@
+"""An asset: one variant of an annotated object, with its geometry measured from the convex pieces."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from vcage.objects import openings
+from vcage.objects.convex import Convex, load_convex
+from vcage.objects.openings import Opening
+from vcage.schema.asset import (
+    Annotation,
+    CatalogueEntry,
+    ContactPoint,
+    FunctionalPoint,
+    PhysicalModel,
+    Variant,
+)
+
+
+@dataclass(frozen=True)
+class Asset:
+    """One variant of an object, ready for the simulator.
+
+    Everything is in the object frame (origin at the centre of the bottom; x right, y back, z up), in metres, with
+    all joints at 0: drawers and lids closed.
+
+    Args:
+        annotation: words and points.
+        variant: which look.
+        model: files and physical constants.
+    """
+
+    annotation: Annotation
+    variant: Variant
+    model: PhysicalModel
+
+    @property
+    def name(self) -> str:
+        return self.annotation.name
+
+    @property
+    def articulated(self) -> bool:
+        """Whether parts of it move."""
+        return bool(self.model.links)
+
+    @cached_property
+    def bounds(self) -> np.ndarray:
+        """(2, 3) lower and upper corner."""
+        return np.array([self.model.lower, self.model.upper])
+
+    @property
+    def size(self) -> np.ndarray:
+        """(3,) edge lengths of the bounding box."""
+        return self.bounds[1] - self.bounds[0]
+
+    @property
+    def footprint(self) -> np.ndarray:
+        """(2,) edge lengths of the bounding rectangle seen from above."""
+        return self.size[:2]
+
+    @cached_property
+    def pieces(self) -> list[Convex]:
+        """The convex pieces whose union is the collision shape, those of moving parts too."""
+        return [piece for pieces in self._pieces_by_link.values() for piece in pieces]
+
+    def pieces_of(self, link: str | None) -> list[Convex]:
+        """The convex pieces of one moving part, or of the body (None).
+
+        Raises:
+            UnknownName: there is no such part.
+        """
+        if link is not None:
+            self.model.link(link)
+        return self._pieces_by_link[link]
+
+    @cached_property
+    def _pieces_by_link(self) -> dict[str | None, list[Convex]]:
+        hulls = {None: self.model.hulls, **{link.name: link.hulls for link in self.model.links}}
+        return {link: [load_convex(path) for path in paths] for link, paths in hulls.items()}
+
+    @cached_property
+    def volume(self) -> float:
+        """Volume of the material in m³ (pieces overlap a little where they join)."""
+        return sum(piece.volume for piece in self.pieces)
+
+    def entry(self) -> CatalogueEntry:
+        """What a model sees of it."""
+        return CatalogueEntry(
+            name=self.name,
+            words=self.annotation.words,
+            variants=self.annotation.variants,
+            size=tuple(float(x) for x in self.size),
+            contact_points=self.annotation.contact_points,
+            functional_points=self.annotation.functional_points,
+            moving_parts=[link.name for link in self.model.links],
+        )
+
+    def grasp_width(self, contact: ContactPoint) -> float:
+        """How far apart the fingers are that close at a contact point, metres; 0 where they would meet nothing."""
+        return openings.grasped_width(self.pieces_of(contact.link), contact.position, contact.closing)
+
+    def opening(self, point: FunctionalPoint, *, standing: bool = False) -> Opening:
+        """The room at a functional point, in the frame of the part that it belongs to; other parts are out of the way.
+
+        Args:
+            standing: the room of what stands there as a box, which is smaller between sloping walls.
+
+        Raises:
+            ValueError: there is none: the point lies inside the material, or over nothing.
+        """
+        pieces = self.pieces_of(point.link)
+        if point.holds == "in" and point.sideways:
+            return openings.room_under_roof(pieces, point.position)
+        if point.holds == "in":
+            return openings.room_inside(pieces, point.position, standing=standing)
+        return openings.surface_on_top(pieces, point.position)

@@ -1,0 +1,101 @@
+"""A variant of a foreign object in our terms, before it is written."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+import trimesh
+
+from vcage.objects.builders.parts import BuiltObject, MovingPart, Part
+from vcage.objects.convex import Convex
+from vcage.objects.importers.robotwin_data import mismatch
+from vcage.objects.importers.solids import half_spaces
+from vcage.schema.asset import ContactPoint, FunctionalPoint, Variant
+
+DENSITY = 400.0
+"""Of an object whose mass nobody says, kg/m³: household things are hollow, or of wood and plastic."""
+
+SIZES = (0.005, 2.0)
+"""The longest edge of an object that stands on a table, metres."""
+
+LEAST_MASS, MOST_MASS = 0.02, 1.0
+"""Limits of a mass that was estimated, kilograms: what an arm carries."""
+
+
+@dataclass(frozen=True)
+class Converted:
+    """One variant.
+
+    Args:
+        variant: its entry in the annotation.
+        built: its geometry, with the origin at the centre of the bottom.
+        contacts, functionals: its points.
+        description: a sentence about it; may be empty.
+    """
+
+    variant: Variant
+    built: BuiltObject
+    contacts: list[ContactPoint]
+    functionals: list[FunctionalPoint]
+    description: str = ""
+
+
+def estimated_mass(hulls: Sequence[trimesh.Trimesh]) -> float:
+    """Kilograms, from the volume of the collision shape."""
+    volume = sum(abs(float(hull.volume)) for hull in hulls)
+    return round(float(np.clip(DENSITY * volume, LEAST_MASS, MOST_MASS)), 4)
+
+
+def check_size(path: Path, built: BuiltObject, assumed: bool) -> None:
+    """Refuse an object that is too small or too large for a table: its scale is in another unit than metres.
+
+    Args:
+        path: of the file with the scale.
+        assumed: whether the scale is not in it.
+
+    Raises:
+        SchemaMismatch: names the size.
+    """
+    edges = np.ptp(bounds_of(built), axis=0)
+    smallest, largest = SIZES
+    if not smallest <= edges.max() <= largest:
+        said = "missing, and at scale 1" if assumed else "with it"
+        size = " × ".join(f"{x:.3g}" for x in edges)
+        raise mismatch(path, "scale", f"{said} the object would measure {size} m; expected {smallest} … {largest} m")
+
+
+def bounds_of(built: BuiltObject) -> np.ndarray:
+    """(2, 3) lower and upper corner of all that is seen and solid."""
+    bodies = [built, *built.moving]
+    points = np.concatenate([x.vertices for body in bodies for x in (*body.parts, *body.hulls)])
+    return np.stack([points.min(axis=0), points.max(axis=0)])
+
+
+def centred(built: BuiltObject) -> tuple[BuiltObject, np.ndarray]:
+    """The object with its origin at the centre of the bottom, and where that was before (3,)."""
+    lower, upper = bounds_of(built)
+    origin = np.array([(lower[0] + upper[0]) / 2, (lower[1] + upper[1]) / 2, lower[2]])
+    moving = [_moved_part(part, origin) for part in built.moving]
+    parts, hulls = _moved(built.parts, built.hulls, origin)
+    return replace(built, parts=parts, hulls=hulls, moving=moving), origin
+
+
+def _moved_part(part: MovingPart, origin: np.ndarray) -> MovingPart:
+    parts, hulls = _moved(part.parts, part.hulls, origin)
+    position = tuple(float(x) for x in np.asarray(part.joint.origin) - origin)
+    return replace(part, parts=parts, hulls=hulls, joint=part.joint.model_copy(update={"origin": position}))
+
+
+def _moved(
+    parts: Sequence[Part], hulls: Sequence[trimesh.Trimesh], origin: np.ndarray
+) -> tuple[list[Part], list[trimesh.Trimesh]]:
+    solids = [trimesh.Trimesh(hull.vertices - origin, hull.faces, process=False) for hull in hulls]
+    return [replace(part, vertices=part.vertices - origin) for part in parts], solids
+
+
+def pieces_by_part(built: BuiltObject) -> dict[str | None, list[Convex]]:
+    """The collision shape of the body (None) and of each moving part."""
+    return {None: half_spaces(built.hulls), **{part.name: half_spaces(part.hulls) for part in built.moving}}

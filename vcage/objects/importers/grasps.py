@@ -1,0 +1,165 @@
+"""Where a gripper can grasp a shape from above, found by trying: for objects that nobody has annotated.
+
+The shape is known by its convex pieces. A try closes the fingers along x or y at a place of a grid and is kept when the
+material fits between them, and neither the fingers on their way down nor the palm above meet anything.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from vcage.objects.convex import Convex
+from vcage.objects.openings import grasped_width, material_along
+from vcage.schema.asset import ContactPoint
+
+THINNEST, WIDEST = 0.008, 0.07
+"""Material between the fingers, metres: the gripper opens 8 cm."""
+
+FINGER_WIDTH, FINGER_DEPTH = 0.022, 0.022
+"""Of one finger, across the closing axis and along it outside the material, metres."""
+
+TIP = 0.0095
+"""How far the fingers reach beyond the point between them, metres."""
+
+PALM_HEIGHT, PALM_LENGTH, PALM_WIDTH = 0.036, 0.20, 0.064
+"""The palm: how high it is above the point between the fingers, and how long along and wide across closing, metres."""
+
+DEPTH, LEAST_DEPTH = 0.025, 0.005
+"""How far under the top of the material a grasp is best, and must be, metres."""
+
+STEP, LEVEL = 0.006, 0.003
+"""Distance between tries, across and in height, metres."""
+
+AXES = {"fingers left and right": (1.0, 0.0, 0.0), "fingers front and back": (0.0, 1.0, 0.0)}
+
+
+@dataclass(frozen=True)
+class Grasp:
+    """One way to grasp a shape from above.
+
+    Args:
+        name: how the fingers lie.
+        position: point between the finger tips, in the object frame, metres.
+        closing: axis along which they close.
+        width: of the material between them, metres.
+    """
+
+    name: str
+    position: np.ndarray
+    closing: np.ndarray
+    width: float
+
+
+def contact_points(pieces: Sequence[Convex]) -> list[ContactPoint]:
+    """At most four contact points from above: the best of each closing axis, then another of each."""
+    surface = surface_points(pieces)
+    per_axis = [_apart(grasps_along(pieces, surface, name)) for name in AXES]
+    found = [grasps[rank] for rank in (0, 1) for grasps in per_axis if rank < len(grasps)]
+    return [
+        ContactPoint(
+            id=number,
+            name=grasp.name,
+            position=tuple(float(x) for x in grasp.position.round(4)),
+            approach=(0.0, 0.0, -1.0),
+            closing=tuple(float(x) for x in grasp.closing),
+        )
+        for number, grasp in enumerate(found)
+    ]
+
+
+def grasps_along(pieces: Sequence[Convex], surface: np.ndarray, name: str) -> list[Grasp]:
+    """Grasps that close along one of :data:`AXES`: near the middle and a little under the top come first.
+
+    Args:
+        surface: (n, 3) points all over the pieces, for what is in the way.
+    """
+    closing = np.array(AXES[name])
+    across = 1 - int(np.argmax(closing))
+    lower, upper = surface.min(axis=0), surface.max(axis=0)
+    middle = (lower + upper) / 2
+    found = []
+    for v in _grid(lower[across] + STEP, upper[across] - STEP):
+        for z in np.arange(lower[2] + TIP + 0.001, upper[2], LEVEL):
+            start = middle.copy()
+            start[across], start[2] = v, z
+            found += [(_cost(surface, grasp, middle), grasp) for grasp in _on_line(pieces, start, closing, name)]
+    found = [(cost, grasp) for cost, grasp in found if np.isfinite(cost)]
+    ordered = [grasp for _, grasp in sorted(found, key=lambda pair: (pair[0], tuple(pair[1].position)))]
+    return [grasp for grasp in ordered if is_free(surface, grasp) and _is_steady(pieces, grasp)]
+
+
+def _on_line(pieces: Sequence[Convex], start: np.ndarray, closing: np.ndarray, name: str) -> list[Grasp]:
+    """Every stretch of material on a line, and all of them together, that fits between the fingers."""
+    stretches = material_along(pieces, start, closing)
+    if len(stretches) > 1:
+        stretches = [*stretches, (stretches[0][0], stretches[-1][1])]
+    return [
+        Grasp(name, start + closing * (begin + end) / 2, closing, end - begin)
+        for begin, end in stretches
+        if THINNEST <= end - begin <= WIDEST
+    ]
+
+
+def _cost(surface: np.ndarray, grasp: Grasp, middle: np.ndarray) -> float:
+    """Metres off the middle, and off the best depth under the top of the material there; infinite at its very top."""
+    near = np.abs(surface[:, :2] - grasp.position[:2]).max(axis=1) < max(FINGER_WIDTH, grasp.width) / 2
+    top = surface[near, 2].max() if near.any() else grasp.position[2]
+    if top - grasp.position[2] < LEAST_DEPTH:
+        return np.inf
+    aside = np.linalg.norm(grasp.position[:2] - middle[:2])
+    return round(float(aside + abs(top - DEPTH - grasp.position[2])), 4)
+
+
+def _is_steady(pieces: Sequence[Convex], grasp: Grasp) -> bool:
+    """Whether the material is as wide as it seemed (gaps may hide some of it), and about so over a finger's width."""
+    position, across = grasp.position.round(4), np.cross([0.0, 0.0, 1.0], grasp.closing)
+    widths = [grasped_width(pieces, position + side * across, grasp.closing) for side in (0, -0.006, 0.006)]
+    return abs(widths[0] - grasp.width) < 0.002 and all(abs(width - grasp.width) < 0.012 for width in widths)
+
+
+def is_free(surface: np.ndarray, grasp: Grasp) -> bool:
+    """Whether nothing is where the fingers and the palm of a gripper from above would be.
+
+    Args:
+        surface: (n, 3) points all over the shape.
+    """
+    across = np.cross([0.0, 0.0, 1.0], grasp.closing)
+    offset = surface - grasp.position
+    u, v, z = np.abs(offset @ grasp.closing), np.abs(offset @ across), offset[:, 2]
+    palm = (u < PALM_LENGTH / 2) & (v < PALM_WIDTH / 2) & (z > PALM_HEIGHT)
+    outside = (u > grasp.width / 2 + 0.002) & (u < grasp.width / 2 + FINGER_DEPTH)
+    fingers = outside & (v < FINGER_WIDTH / 2) & (z > -TIP)
+    return not bool(np.any(palm | fingers))
+
+
+def surface_points(pieces: Sequence[Convex], spacing: float = 0.0025) -> np.ndarray:
+    """(n, 3) points on the edges and in the inside of the pieces, about ``spacing`` apart."""
+    points = [piece.vertices for piece in pieces]
+    for piece in pieces:
+        a, b = piece.vertices[piece.edges[:, 0]], piece.vertices[piece.edges[:, 1]]
+        count = int(np.ceil(np.linalg.norm(b - a, axis=1).max() / spacing)) + 1
+        share = np.linspace(0, 1, count)[:, None, None]
+        ladder = a + share * (b - a)
+        points.append(ladder.reshape(-1, 3))
+        centre = piece.vertices.mean(axis=0)
+        points += [centre + share * (ladder.reshape(-1, 3) - centre) for share in (0.35, 0.7)]
+    together = np.concatenate(points)
+    cells = ((together - together.min(axis=0)) / spacing).round().astype(np.int64)
+    return together[np.unique(cells @ np.array([1, 1 << 20, 1 << 40]), return_index=True)[1]]
+
+
+def _apart(grasps: Sequence[Grasp]) -> list[Grasp]:
+    """The first grasp and another at least a finger's width from it, if there is one."""
+    first = list(grasps[:1])
+    others = [g for g in grasps[1:] if np.linalg.norm(g.position - first[0].position) >= FINGER_WIDTH]
+    return first + others[:1]
+
+
+def _grid(low: float, high: float) -> list[float]:
+    """Places from ``low`` to ``high``, one of them in the middle."""
+    middle, half = (low + high) / 2, max((high - low) / 2, 0.0)
+    count = int(half / STEP)
+    return [middle + step * STEP for step in range(-count, count + 1)]

@@ -1,0 +1,208 @@
+"""What is seen of a mesh file: its surfaces with their own pictures, and the word for its main colour."""
+
+from __future__ import annotations
+
+import colorsys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import trimesh
+from PIL import Image
+
+from vcage.base.errors import DamagedFile
+from vcage.objects.builders.parts import Part, paint
+
+GREY = (178, 178, 178)
+"""Paints what has neither picture nor colour, sRGB."""
+
+NORMALS = "normals"
+"""Attribute of a mesh's vertices: the normals that its file gives, in the mesh's frame; any length."""
+
+LEAST_AREA = 1e-13
+"""Smaller triangles are not seen, square metres; :func:`vcage.objects.builders.parts.paint` leaves them out too."""
+
+PALETTE_STEPS = 32
+"""Colours of single faces are rounded to so many steps per channel where there are very many."""
+
+
+def load_surfaces(path: Path) -> list[trimesh.Trimesh]:
+    """The surfaces of a mesh file, each at its place in the file's scene.
+
+    Raises:
+        DamagedFile: it is not a mesh that can be read, or holds no triangle.
+    """
+    try:
+        scene = trimesh.load_scene(path, process=False)
+        meshes = [_placed(scene, node) for node in scene.graph.nodes_geometry]
+    except Exception as error:  # trimesh's readers raise whatever their file format makes them raise
+        raise DamagedFile(
+            f"{path} is not a mesh that can be read: {type(error).__name__}: {error}", hint="export it again"
+        ) from error
+    meshes = [mesh for mesh in meshes if mesh is not None]
+    if not meshes:
+        raise DamagedFile(f"{path} holds no triangle", hint="export it again")
+    if not all(np.isfinite(mesh.vertices).all() for mesh in meshes):
+        raise DamagedFile(f"{path} has vertices that are no numbers", hint="export it again")
+    return meshes
+
+
+def _placed(scene: trimesh.Scene, node: str) -> trimesh.Trimesh | None:
+    transform, name = scene.graph[node]
+    source = scene.geometry[name]
+    if not isinstance(source, trimesh.Trimesh) or not len(source.faces):
+        return None
+    mesh = source.copy()
+    mesh.apply_transform(transform)
+    if "vertex_normals" in source._cache:  # the file's own: a copy would compute others
+        mesh.vertex_attributes[NORMALS] = source.vertex_normals @ np.linalg.inv(transform[:3, :3])
+    return mesh
+
+
+def parts_of(meshes: Sequence[trimesh.Trimesh], linear: np.ndarray, shift: np.ndarray) -> list[Part]:
+    """Surfaces as they are seen, mapped by ``linear @ x + shift``; what is too small to be seen is left out.
+
+    Args:
+        meshes: of :func:`load_surfaces`.
+        linear: (3, 3), invertible; under a reflection the triangles are turned over, to face outwards still.
+        shift: (3,) metres.
+    """
+    return [part for mesh in meshes if (part := _part(mesh, linear, shift)) is not None]
+
+
+def _part(mesh: trimesh.Trimesh, linear: np.ndarray, shift: np.ndarray) -> Part | None:
+    texture, uv, roughness, metallic = _look(mesh)
+    corners = (np.asarray(mesh.vertices) @ linear.T + shift)[mesh.faces]
+    uv = (uv[mesh.faces] if len(uv) == len(mesh.vertices) else uv).reshape(-1, 3, 2)
+    own = mesh.vertex_attributes.get(NORMALS)
+    normals = None if own is None else (np.asarray(own) @ np.linalg.inv(linear))[mesh.faces]
+    if np.linalg.det(linear) < 0:
+        corners, uv = corners[:, ::-1], uv[:, ::-1]
+        normals = None if normals is None else normals[:, ::-1]
+    sheet = trimesh.Trimesh(corners.reshape(-1, 3), np.arange(3 * len(corners)).reshape(-1, 3), process=False)
+    sheet.merge_vertices(merge_tex=True, merge_norm=True, digits_vertex=7)
+    kept = np.asarray(sheet.area_faces > LEAST_AREA)
+    if not kept.any():
+        return None
+    if normals is None or not np.linalg.norm(normals[kept], axis=2).all():
+        # The file says nothing of its edges: those that turn much are sharp.
+        return paint(sheet, texture, lambda _corners, _normals: uv[kept], roughness=roughness, metallic=metallic)
+    normals = normals[kept] / np.linalg.norm(normals[kept], axis=2, keepdims=True)
+    rows = np.concatenate([corners[kept], normals, uv[kept]], axis=2).reshape(-1, 8)
+    _, first, inverse = np.unique(rows.round(7), axis=0, return_index=True, return_inverse=True)
+    rows = rows[first]
+    return Part(rows[:, :3], rows[:, 3:6], rows[:, 6:], inverse.reshape(-1, 3), texture, roughness, metallic)
+
+
+def _look(mesh: trimesh.Trimesh) -> tuple[np.ndarray, np.ndarray, float, float]:
+    """(texture, uv, roughness, metallic); as many uv as vertices, or three per face."""
+    visual = mesh.visual
+    material = getattr(visual, "material", None)
+    if material is None:
+        return *_face_colours(mesh), 0.6, 0.0
+    picture, colour = _picture(material), _colour(material)
+    uv = None if visual.uv is None else np.asarray(visual.uv, dtype=np.float64)
+    roughness = _number(getattr(material, "roughnessFactor", None), 0.6)
+    metallic = _number(getattr(material, "metallicFactor", None), 0.0)
+    if picture is None or uv is None or len(uv) != len(mesh.vertices):
+        return _plain(colour), np.full((len(mesh.vertices), 2), 0.5), roughness, metallic
+    return _tinted(picture, colour), uv[:, :2], roughness, metallic
+
+
+def _picture(material: Any) -> np.ndarray | None:
+    image = getattr(material, "baseColorTexture", None) or getattr(material, "image", None)
+    if not isinstance(image, Image.Image):
+        return None
+    if getattr(material, "alphaMode", None) in ("BLEND", "MASK"):  # what is seen through is drawn white
+        white = Image.new("RGBA", image.size, (255, 255, 255, 255))
+        image = Image.alpha_composite(white, image.convert("RGBA"))
+    return np.asarray(image.convert("RGB"))
+
+
+def _colour(material: Any) -> tuple[float, ...] | None:
+    """The factor that a material puts on its picture, linear RGB from 0 to 1; None when it does not say."""
+    for name in ("baseColorFactor", "diffuse"):
+        value = getattr(material, name, None)
+        if value is not None:
+            factor = np.asarray(value, dtype=np.float64)[:3] / 255
+            # A glTF factor is linear already; an MTL colour is as seen on a screen.
+            return tuple(factor if name == "baseColorFactor" else _to_linear(factor))
+    return None
+
+
+def _number(value: Any, default: float) -> float:
+    return default if value is None else float(np.clip(value, 0.0, 1.0))
+
+
+def _plain(colour: tuple[float, ...] | None) -> np.ndarray:
+    seen = GREY if colour is None else _to_screen(np.array(colour)) * 255
+    return np.full((4, 4, 3), seen).round().astype(np.uint8)
+
+
+def _tinted(picture: np.ndarray, colour: tuple[float, ...] | None) -> np.ndarray:
+    if colour is None or min(colour) > 0.999:
+        return picture
+    return (_to_screen(_to_linear(picture / 255) * np.array(colour)) * 255).round().astype(np.uint8)
+
+
+def _face_colours(mesh: trimesh.Trimesh) -> tuple[np.ndarray, np.ndarray]:
+    """A picture with one pixel for each colour of the faces, and three texture coordinates per face."""
+    if mesh.visual.kind not in ("face", "vertex"):
+        return _plain(None), np.full((len(mesh.vertices), 2), 0.5)
+    colours = np.asarray(mesh.visual.face_colors)[:, :3]
+    if len(np.unique(colours, axis=0)) > PALETTE_STEPS**2:
+        step = 256 // PALETTE_STEPS
+        colours = colours // step * step + step // 2
+    palette, index = np.unique(colours, axis=0, return_inverse=True)
+    side = int(np.ceil(np.sqrt(len(palette))))
+    picture = np.zeros((side * side, 3), dtype=np.uint8)
+    picture[: len(palette)] = palette
+    row, column = np.divmod(index.ravel(), side)
+    middle = np.stack([(column + 0.5) / side, 1 - (row + 0.5) / side], axis=1)
+    return picture.reshape(side, side, 3), np.repeat(middle, 3, axis=0)
+
+
+def _to_linear(screen: np.ndarray) -> np.ndarray:
+    return np.where(screen <= 0.04045, screen / 12.92, ((screen + 0.055) / 1.055) ** 2.4)
+
+
+def _to_screen(linear: np.ndarray) -> np.ndarray:
+    linear = np.clip(linear, 0.0, 1.0)
+    return np.where(linear <= 0.0031308, linear * 12.92, 1.055 * linear ** (1 / 2.4) - 0.055)
+
+
+# --- the word for a colour -----------------------------------------------------------------------------
+
+
+HUES = ((15, "red"), (42, "orange"), (70, "yellow"), (165, "green"), (195, "cyan"), (260, "blue"), (300, "purple"))
+"""Upper end of each hue in degrees; what lies beyond is pink, then red again."""
+
+
+def colour_word(parts: Sequence[Part]) -> str:
+    """The word for the mean colour of all surfaces, weighted by their area."""
+    total, weight = np.zeros(3), 0.0
+    for part in parts:
+        corners = part.vertices[part.faces]
+        areas = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+        total += areas @ _colours_at(part.texture, part.uv[part.faces].mean(axis=1))
+        weight += float(areas.sum())
+    return word_of(total / max(weight, 1e-12))
+
+
+def _colours_at(texture: np.ndarray, uv: np.ndarray) -> np.ndarray:
+    height, width = texture.shape[:2]
+    column = (uv[:, 0] % 1.0 * width).astype(int).clip(0, width - 1)
+    row = ((1 - uv[:, 1] % 1.0) * height).astype(int).clip(0, height - 1)
+    return texture[row, column].astype(np.float64)
+
+
+def word_of(colour: np.ndarray) -> str:
+    """The everyday word for an sRGB colour (3,) from 0 to 255."""
+    hue, lightness, _ = colorsys.rgb_to_hls(*(np.asarray(colour) / 255))
+    chroma = (np.max(colour) - np.min(colour)) / 255
+    if chroma < 0.12:
+        return "black" if lightness < 0.2 else "white" if lightness > 0.8 else "grey"
+    degrees = hue * 360
+    name = next((word for end, word in HUES if degrees < end), "pink" if degrees < 345 else "red")
+    return "brown" if name in ("red", "orange") and degrees > 10 and lightness < 0.45 else name

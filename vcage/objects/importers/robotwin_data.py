@@ -1,0 +1,257 @@
+"""What RoboTwin writes about an object: ``model_data{K}.json`` of a variant, ``points_info.json`` of all of them.
+
+A point is a 4×4 matrix in the frame of the mesh, or of a link, whose translation is not scaled yet. A number that is
+wrong costs the variant where nothing can be made without it, and the point otherwise, with a warning.
+"""
+
+from __future__ import annotations
+
+import difflib
+import json
+import sys
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from vcage.base.errors import DamagedFile, SchemaMismatch
+from vcage.objects.importers.robotwin_texts import TEXTS, description, point_texts
+
+KEYS = (
+    "center", "extents", "scale", "contact_points_pose", "contact_points", "functional_matrix", "functional_points",
+    "target_pose", "target_points", "orientation_point", "contact_points_group", "contact_points_mask",
+    "transform_matrix", "stable", "init_qpos", "mass", "name", "description",
+)  # fmt: skip
+"""Fields of ``model_data``; besides them, ``…description`` and ``…discription`` hold texts."""
+
+SCALES = (1e-6, 1e6)
+"""Metres per mesh unit; geometry far beyond them overflows before its size can be checked."""
+
+NOT_A_ROTATION = 0.02
+"""How far the product of a rotation with its transpose may be off: annotations are rounded."""
+
+
+@dataclass(frozen=True)
+class RawPoint:
+    """A point as it is written.
+
+    Args:
+        index: its place in the list, which RoboTwin's tasks call it by.
+        matrix: (4, 4), translation unscaled.
+        base: the link whose frame it is in; None for the mesh's.
+        text: what is said about it; may be empty.
+        field: where it stands in the file.
+    """
+
+    index: int
+    matrix: np.ndarray
+    base: str | None
+    text: str
+    field: str
+
+
+@dataclass
+class ModelData:
+    """The usable part of a ``model_data`` file.
+
+    Args:
+        path: of the file.
+        scale: (3,) mesh units to metres; None when nobody says.
+        contacts, functionals: points.
+        transform: (3, 3) extra rotation of an articulated object.
+        init_qpos: joint positions to start from; empty for zeros.
+        mass: kilograms by link.
+        description: a sentence about the object; may be empty.
+        warnings: what was not usable.
+    """
+
+    path: Path
+    scale: np.ndarray | None = None
+    contacts: list[RawPoint] = field(default_factory=list)
+    functionals: list[RawPoint] = field(default_factory=list)
+    transform: np.ndarray = field(default_factory=lambda: np.eye(3))
+    init_qpos: list[float] = field(default_factory=list)
+    mass: dict[str, float] = field(default_factory=dict)
+    description: str = ""
+    warnings: list[str] = field(default_factory=list)
+
+    def warn(self, name: str, message: str) -> None:
+        """Note what is wrong with a field of this file."""
+        self.warnings.append(f"{self.path}: field {name}: {message}")
+
+
+def mismatch(path: Path, name: str, message: str, hint: str = "mend the field") -> SchemaMismatch:
+    """The error for a field that makes an object unusable."""
+    return SchemaMismatch(f"{path}: field {name}: {message}", hint=hint, details={"path": str(path), "field": name})
+
+
+def read_object(path: Path) -> dict[str, Any]:
+    """The JSON object in a file.
+
+    Raises:
+        DamagedFile: it cannot be read, or holds something else.
+    """
+    try:
+        data = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError, RecursionError) as error:  # ValueError: text, JSON, or a number of 5000 digits
+        raise DamagedFile(f"{path} is not JSON that can be read: {error}", hint="download the object again") from error
+    if not isinstance(data, dict):
+        raise DamagedFile(f"{path}: expected an object with fields, got {type(data).__name__}", hint="mend the file")
+    return data
+
+
+def read_model_data(path: Path, info: dict[str, Any]) -> ModelData:
+    """The annotation of a variant; without the file, nothing but a warning.
+
+    Args:
+        info: of ``points_info.json``; its texts stand in for missing ones.
+
+    Raises:
+        DamagedFile: the file is not JSON.
+        SchemaMismatch: the scale, or another field that nothing works without, is not what it should be.
+    """
+    model = ModelData(path)
+    if not path.is_file():
+        model.warnings.append(
+            f"{path}: missing; expected scale and points: scale 1 is assumed, and there are no points"
+        )
+        return model
+    data = read_object(path)
+    _warn_about_unknown(model, data)
+    model.scale = read_scale(path, data)
+    contacts = "contact_points_pose" if "contact_points_pose" in data else "contact_points"
+    functionals = "functional_matrix" if "functional_matrix" in data else "functional_points"
+    contact_texts = point_texts("contact", data, info)
+    listed = data.get(contacts)
+    hidden = _masked(model, data, len(listed) if isinstance(listed, list) else 0)
+    model.contacts = [p for p in _points(model, data, contacts, contact_texts) if p.index not in hidden]
+    model.functionals = _points(model, data, functionals, point_texts("functional", data, info))
+    model.transform = _transform(model, data)
+    model.init_qpos = _numbers(path, data, "init_qpos")
+    model.mass = _mass(model, data)
+    model.description = description(data) or description(info)
+    return model
+
+
+def read_scale(path: Path, data: dict[str, Any]) -> np.ndarray:
+    """(3,) metres per mesh unit along x, y and z of the mesh.
+
+    Raises:
+        SchemaMismatch: it is missing, not one or three numbers, or not within :data:`SCALES`.
+    """
+    if "scale" not in data:
+        raise mismatch(path, "scale", "missing; expected three numbers, metres per mesh unit")
+    values = data["scale"] if isinstance(data["scale"], list) else [data["scale"]] * 3
+    if len(values) != 3 or not all(_is_number(x) for x in values):
+        raise mismatch(path, "scale", f"got {data['scale']!r}; expected three numbers, metres per mesh unit")
+    if min(values) <= 0:
+        raise mismatch(path, "scale", f"got {data['scale']!r}; expected numbers above 0")
+    if min(values) < SCALES[0] or max(values) > SCALES[1]:
+        raise mismatch(path, "scale", f"got {data['scale']!r}; expected {SCALES[0]:g} … {SCALES[1]:g}")
+    return np.array(values, dtype=np.float64)
+
+
+def _is_number(value: Any) -> bool:
+    """Whether a value is a finite number that a float can hold; JSON's integers have no limit."""
+    if not isinstance(value, (int, float)) or isinstance(value, bool):
+        return False
+    return -sys.float_info.max <= value <= sys.float_info.max
+
+
+def _warn_about_unknown(model: ModelData, data: dict[str, Any]) -> None:
+    for key in data:
+        if key not in KEYS and not any(text in key for text in TEXTS):
+            near = difflib.get_close_matches(key, KEYS, n=1)
+            model.warn(key, f"unknown, not read{f'; did you mean {near[0]}?' if near else ''}")
+
+
+# --- points ------------------------------------------------------------------------------------------------
+
+
+def _points(model: ModelData, data: dict[str, Any], key: str, texts: dict[int, str]) -> list[RawPoint]:
+    values = data.get(key) or []
+    if not isinstance(values, list):
+        model.warn(key, f"got {type(values).__name__}; expected a list of 4×4 matrices: no points were read")
+        return []
+    points = []
+    for i, value in enumerate(values):
+        name, base = f"{key}.{i}", None
+        if isinstance(value, dict):
+            unknown = [k for k in value if k not in ("matrix", "base")]
+            if unknown or "matrix" not in value or not isinstance(value.get("base"), str):
+                model.warn(name, f"got the keys {sorted(value)}; expected 'matrix' and 'base': left out")
+                continue
+            name, value, base = f"{name}.matrix", value["matrix"], value["base"]
+        complaint = not_a_frame(value)
+        if complaint:
+            model.warn(name, f"{complaint}: left out")
+        else:
+            points.append(RawPoint(i, np.array(value, dtype=np.float64), base, texts.get(i, ""), name))
+    return points
+
+
+def not_a_frame(value: Any) -> str:
+    """Why a value is no 4×4 matrix of a rotation and a translation; empty when it is one."""
+    try:
+        matrix = np.array(value, dtype=np.float64)
+    except (TypeError, ValueError, OverflowError):
+        return "expected a 4×4 matrix of numbers"
+    if matrix.shape != (4, 4):
+        return f"got the shape {'×'.join(map(str, matrix.shape)) or 'of one number'}; expected 4×4"
+    if not np.isfinite(matrix).all() or np.abs(matrix[3] - (0, 0, 0, 1)).max() > 1e-6:
+        return "expected finite numbers and a last row of 0 0 0 1"
+    rotation = matrix[:3, :3]
+    if np.abs(rotation @ rotation.T - np.eye(3)).max() > NOT_A_ROTATION or np.linalg.det(rotation) < 0:
+        return "expected a rotation in the upper left 3×3"
+    return ""
+
+
+def _masked(model: ModelData, data: dict[str, Any], count: int) -> set[int]:
+    """Contact points that the mask of their group keeps out; warns of indices that there are no points for."""
+    groups, mask = data.get("contact_points_group") or [], data.get("contact_points_mask") or []
+    if not isinstance(groups, list) or not isinstance(mask, list):
+        model.warn("contact_points_group", "expected a list of lists, and a mask with one entry for each: not used")
+        return set()
+    if len(mask) != len(groups):
+        model.warn("contact_points_mask", f"got {len(mask)} entries; expected one for each of {len(groups)} groups")
+    hidden: set[int] = set()
+    for i, group in enumerate(groups):
+        members = group if isinstance(group, list) else [group]
+        wrong = [x for x in members if not isinstance(x, int) or isinstance(x, bool) or not 0 <= x < count]
+        if wrong:
+            model.warn(f"contact_points_group.{i}", f"got {wrong}; expected indices from 0 to {count - 1}: not used")
+        if i < len(mask) and mask[i] is False:
+            hidden.update(x for x in members if x not in wrong)
+    if hidden:
+        model.warn("contact_points_mask", f"keeps out the contact points {sorted(hidden)}")
+    return hidden
+
+
+# --- articulated objects -----------------------------------------------------------------------------------
+
+
+def _transform(model: ModelData, data: dict[str, Any]) -> np.ndarray:
+    value = data.get("transform_matrix")
+    complaint = not_a_frame(value) if value is not None else ""
+    if complaint:
+        model.warn("transform_matrix", f"{complaint}: not used")
+    return np.eye(3) if value is None or complaint else np.array(value, dtype=np.float64)[:3, :3]
+
+
+def _numbers(path: Path, data: dict[str, Any], key: str) -> list[float]:
+    values = data.get(key) or []
+    if not isinstance(values, list) or not all(_is_number(x) for x in values):
+        raise mismatch(path, key, f"got {values!r}; expected a list of numbers")
+    return [float(x) for x in values]
+
+
+def _mass(model: ModelData, data: dict[str, Any]) -> dict[str, float]:
+    values = data.get("mass") or {}
+    if not isinstance(values, dict):
+        model.warn("mass", f"got {type(values).__name__}; expected kilograms by link: not used")
+        return {}
+    for link, value in values.items():
+        if not _is_number(value) or value <= 0:
+            model.warn(f"mass.{link}", f"got {value!r}; expected kilograms above 0: not used")
+    return {link: float(x) for link, x in values.items() if _is_number(x) and x > 0}

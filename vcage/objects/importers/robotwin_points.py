@@ -1,0 +1,180 @@
+"""RoboTwin's frames as contact points and functional points of ours.
+
+Grasp frame (docs of RoboTwin): R_contact · [[0, 0, 1], [-1, 0, 0], [0, -1, 0]], so the gripper moves along -y of the
+contact frame and its fingers close along -z. The z axis of a functional frame points into the target, and placing
+brings the z axes of two objects together: on the receiving object it points down into the surface. A frame that
+points out of its own object (a hammer's head, the foot of a block) is one by which the object itself is placed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from vcage.objects.convex import Convex
+from vcage.objects.importers.robotwin_data import ModelData, RawPoint
+from vcage.objects.points import BELOW, OUTSIDE, outside_by, range_text
+from vcage.schema.asset import ContactPoint, FunctionalPoint, Holds
+
+FACES_UP = 0.9
+"""Cosine from which on an axis counts as vertical."""
+
+SURFACE_BELOW, SURFACE_ABOVE = 0.02, 0.01
+"""A functional point belongs to a surface at most so far below or above it, metres."""
+
+HEADROOM = 0.02
+"""A receptacle has at least so much free height over its floor, metres."""
+
+WALLS = (0.03, 0.02, 0.015, 0.01)
+"""Heights over the floor at which walls are looked for, metres."""
+
+DEEP, STEEP = 0.03, 0.2
+"""Things lie 'in' what has walls of this height, or of this share of its width; 'on' it otherwise."""
+
+DIRECTIONS = 8
+
+
+@dataclass(frozen=True)
+class Placed:
+    """A point in the object frame.
+
+    Args:
+        raw: as it was written.
+        position: (3,) metres.
+        rotation: (3, 3) of its frame.
+        link: the moving part that it sits on, in our names.
+    """
+
+    raw: RawPoint
+    position: np.ndarray
+    rotation: np.ndarray
+    link: str | None
+
+
+def placed(model: ModelData, raw: RawPoint, frame: np.ndarray, link: str | None) -> Placed:
+    """A point of a variant whose scale is known.
+
+    Args:
+        frame: (4, 4) from the mesh's or link's frame, scaled, to the object frame.
+    """
+    local = raw.matrix.copy()
+    local[:3, 3] *= model.scale
+    world = frame @ local
+    return Placed(raw, world[:3, 3], world[:3, :3], link)
+
+
+def contact_points(points: Sequence[Placed], bounds: np.ndarray, model: ModelData) -> list[ContactPoint]:
+    """Grasps; one that lies outside the object is left out with a warning.
+
+    Args:
+        bounds: (2, 3) of the object.
+    """
+    out = []
+    for point in points:
+        if outside_by(bounds, point.position) > OUTSIDE:
+            model.warn(point.raw.field, f"lies outside the object: {range_text(bounds, point.position)}: left out")
+            continue
+        out.append(
+            ContactPoint(
+                id=point.raw.index,
+                name=point.raw.text or f"grasp {point.raw.index}",
+                position=_vector(point.position),
+                approach=_vector(_unit(-point.rotation[:, 1])),
+                closing=_vector(_unit(-point.rotation[:, 2])),
+                link=point.link,
+            )
+        )
+    return out
+
+
+def functional_points(
+    points: Sequence[Placed], pieces: Mapping[str | None, Sequence[Convex]], bounds: np.ndarray, model: ModelData
+) -> list[FunctionalPoint]:
+    """Receptacles, each put on the surface that it belongs to; other frames are left out with a warning.
+
+    Args:
+        pieces: collision shape by moving part.
+        bounds: (2, 3) of the object.
+    """
+    out = []
+    for point in points:
+        floor, complaint = _floor(point, pieces[point.link], bounds)
+        if complaint:
+            model.warn(point.raw.field, f"{complaint}: left out")
+            continue
+        position = np.array([*point.position[:2], floor])
+        holds = kind_of_room(pieces[point.link], position)
+        out.append(
+            FunctionalPoint(
+                id=point.raw.index,
+                name=point.raw.text or ("inside" if holds == "in" else "top"),
+                holds=holds,
+                position=_vector(position),
+                axis=_vector(_unit(-point.rotation[:, 2])),
+                link=point.link,
+            )
+        )
+    return out
+
+
+def _floor(point: Placed, pieces: Sequence[Convex], bounds: np.ndarray) -> tuple[float, str]:
+    """Height of the surface that a functional point belongs to, or why it is no receptacle."""
+    if point.position[2] < bounds[0, 2] - BELOW or outside_by(bounds, point.position) > OUTSIDE:
+        return 0.0, f"lies under or outside the object: {range_text(bounds, point.position)}"
+    into = point.rotation[2, 2]
+    if into > -FACES_UP:
+        way = "up and out of the object" if into > FACES_UP else "sideways out of the object, as a tool's does"
+        return 0.0, f"no receptacle: its z axis points {way}"
+    spans = _material(pieces, point.position, (0.0, 0.0, 1.0))
+    tops = [end for _, end in spans if -SURFACE_BELOW <= end <= SURFACE_ABOVE]
+    free = [t for t in tops if not any(end > t + 1e-4 and start < t + HEADROOM for start, end in spans)]
+    if free:
+        return float(point.position[2] + min(free, key=abs)), ""
+    if any(start - SURFACE_ABOVE <= 0 < end for start, end in spans):
+        return 0.0, "no receptacle: it lies in or under the object's own material, as the frame of a foot does"
+    return 0.0, f"no receptacle: no surface within {SURFACE_BELOW * 100:g} cm below it"
+
+
+def kind_of_room(pieces: Sequence[Convex], position: np.ndarray) -> Holds:
+    """'in' where walls rise all around over the floor point ``position``, 'on' elsewhere; a plate's rim is no wall."""
+    angles = np.arange(DIRECTIONS) * 2 * np.pi / DIRECTIONS
+    rays = np.stack([np.cos(angles), np.sin(angles), np.zeros(DIRECTIONS)], axis=1)
+    for height in WALLS:
+        start = position + (0.0, 0.0, height)
+        away = np.array([_first_hit(_material(pieces, start, ray)) for ray in rays])
+        width = (away[: DIRECTIONS // 2] + away[DIRECTIONS // 2 :]).min()
+        if np.isfinite(away).all() and (height >= DEEP or height >= STEEP * width):
+            return "in"
+    return "on"
+
+
+def _first_hit(spans: Sequence[tuple[float, float]]) -> float:
+    """How far from the origin of a ray the first material is; infinite when there is none."""
+    return min((max(start, 0.0) for start, end in spans if end > 0), default=np.inf)
+
+
+def _material(pieces: Sequence[Convex], origin: np.ndarray, axis: Sequence[float]) -> list[tuple[float, float]]:
+    return [span for piece in pieces if (span := piece.interval(origin, axis)) is not None]
+
+
+def same_points(a: Sequence[ContactPoint | FunctionalPoint], b: Sequence[ContactPoint | FunctionalPoint]) -> bool:
+    """Whether two variants can share their points: within 3 mm and 5 degrees."""
+    return len(a) == len(b) and all(_same(x, y) for x, y in zip(a, b))
+
+
+def _same(a: ContactPoint | FunctionalPoint, b: ContactPoint | FunctionalPoint) -> bool:
+    axes = ("approach", "closing") if isinstance(a, ContactPoint) else ("axis",)
+    fixed: Callable[[ContactPoint | FunctionalPoint], tuple] = lambda p: (p.id, p.link, getattr(p, "holds", None))  # noqa: E731
+    near = np.linalg.norm(np.subtract(a.position, b.position)) < 0.003
+    return fixed(a) == fixed(b) and bool(near) and all(np.dot(getattr(a, x), getattr(b, x)) > 0.996 for x in axes)
+
+
+def _unit(vector: np.ndarray) -> np.ndarray:
+    return vector / np.linalg.norm(vector)
+
+
+def _vector(values: np.ndarray) -> tuple[float, float, float]:
+    x, y, z = (round(float(value), 6) + 0.0 for value in values)
+    return x, y, z

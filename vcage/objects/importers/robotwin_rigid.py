@@ -1,0 +1,140 @@
+"""RoboTwin's rigid objects: ``visual/base{K}.glb``, ``collision/base{K}.glb`` and ``model_data{K}.json``.
+
+A mesh is y up and stands upright after a quarter turn about x, RoboTwin's quaternion [0.707, 0.707, 0, 0]; its front,
+which looks along its z, then looks towards the robot, as ours does.
+"""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import trimesh
+
+from vcage.base.errors import DamagedFile, InputFileError
+from vcage.objects.builders.parts import BuiltObject
+from vcage.objects.importers.converted import (
+    Converted,
+    bounds_of,
+    centred,
+    check_size,
+    estimated_mass,
+    pieces_by_part,
+)
+from vcage.objects.importers.looks import colour_word, load_surfaces, parts_of
+from vcage.objects.importers.robotwin_data import ModelData, read_model_data
+from vcage.objects.importers.robotwin_points import contact_points, functional_points, placed
+from vcage.objects.importers.solids import MANY, component_hulls, hulls_of_surface, joined
+from vcage.schema.asset import Variant
+
+UPRIGHT = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
+"""From the mesh's frame, y up, to ours, z up."""
+
+NUMBERED = re.compile(r"(?:base(\d*)\.glb|textured(\d*)\.obj|model_data(\d*)\.json)")
+
+
+def variant_numbers(folder: Path) -> list[str]:
+    """The K of every variant of an object's folder, in the order of the numbers; '' for files without a number."""
+    files = [path for place in (folder, folder / "visual", folder / "collision") for path in place.glob("*.*")]
+    matches = [match for path in files if (match := NUMBERED.fullmatch(path.name))]
+    return sorted({next(g for g in m.groups() if g is not None) for m in matches}, key=lambda k: (len(k), k))
+
+
+def convert(folder: Path, number: str, info: dict[str, Any], warnings: list[str]) -> Converted:
+    """One variant of a rigid object.
+
+    Args:
+        number: its K.
+        info: of ``points_info.json``.
+        warnings: gets what was left out or assumed.
+
+    Raises:
+        InputFileError: no mesh can be read, or a field that nothing works without is wrong.
+    """
+    model = read_model_data(folder / f"model_data{number}.json", info)
+    try:
+        return _converted(folder, number, model)
+    finally:
+        warnings.extend(model.warnings)
+
+
+def _converted(folder: Path, number: str, model: ModelData) -> Converted:
+    assumed = model.scale is None
+    model.scale = np.ones(3) if assumed else model.scale
+    linear = UPRIGHT * model.scale
+    surfaces = load_surfaces(_visual(folder, number, model))
+    parts = parts_of(surfaces, linear, np.zeros(3))
+    hulls = _collision(folder, number, linear, surfaces, model)
+    check_size(model.path, BuiltObject(parts, hulls, 0.0), assumed)
+    built, origin = centred(BuiltObject(parts, hulls, estimated_mass(hulls)))
+    bounds = bounds_of(built)
+    frame = np.eye(4)
+    frame[:3, :3], frame[:3, 3] = UPRIGHT, -origin
+    contacts = [placed(model, raw, frame, None) for raw in model.contacts]
+    functionals = [placed(model, raw, frame, None) for raw in model.functionals]
+    return Converted(
+        Variant(id=f"base{number}", colour=colour_word(parts)),
+        built,
+        contact_points(contacts, bounds, model),
+        functional_points(functionals, pieces_by_part(built), bounds, model),
+        model.description,
+    )
+
+
+def _candidates(folder: Path, kind: str, number: str) -> list[Path]:
+    """Where RoboTwin looks for the 'visual' or 'collision' mesh, in its order."""
+    names = (f"base{number}.glb", f"textured{number}.obj")
+    return [place / name for place in (folder / kind, folder) for name in names]
+
+
+def _visual(folder: Path, number: str, model: ModelData) -> Path:
+    wanted = _candidates(folder, "visual", number)
+    found = next((path for path in wanted if path.is_file()), None)
+    if found is not None:
+        return found
+    solid = next((path for path in _candidates(folder, "collision", number) if path.is_file()), None)
+    if solid is None:
+        raise InputFileError(
+            f"{wanted[0]}: missing; expected a mesh there or at {', '.join(map(str, wanted[1:]))}",
+            hint="download the object again",
+            details={"path": str(wanted[0])},
+        )
+    model.warnings.append(f"{wanted[0]}: missing; {solid} is seen in its place")
+    return solid
+
+
+def _collision(
+    folder: Path, number: str, linear: np.ndarray, surfaces: list[trimesh.Trimesh], model: ModelData
+) -> list[trimesh.Trimesh]:
+    wanted = _candidates(folder, "collision", number)[:2]
+    found = next((path for path in wanted if path.is_file()), None)
+    hulls: list[trimesh.Trimesh] = []
+    if found is None:
+        model.warnings.append(f"{wanted[0]}: missing; the collision shape is made from what is seen")
+    else:
+        hulls = _read_hulls(found, linear, model)
+    if not hulls:
+        hulls = hulls_of_surface(*_in_metres(surfaces, linear))
+    if not hulls:
+        raise InputFileError(f"{folder}: variant {number or 'base'} has no solid part", hint="export its mesh again")
+    if len(hulls) > MANY:
+        model.warnings.append(f"{found}: {len(hulls)} convex pieces; more than {MANY} make the simulation slow")
+    return hulls
+
+
+def _read_hulls(path: Path, linear: np.ndarray, model: ModelData) -> list[trimesh.Trimesh]:
+    try:
+        hulls = component_hulls(*_in_metres(load_surfaces(path), linear))
+    except DamagedFile as error:
+        model.warnings.append(f"{error.message}: the collision shape is made from what is seen")
+        return []
+    if not hulls:
+        model.warnings.append(f"{path}: no solid component; the collision shape is made from what is seen")
+    return hulls
+
+
+def _in_metres(surfaces: list[trimesh.Trimesh], linear: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    vertices, faces = joined(surfaces)
+    return vertices @ linear.T, faces

@@ -1,0 +1,179 @@
+"""The library: every annotation whose model can be had, built on demand into the user's cache."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from pathlib import Path
+
+from vcage.base.errors import AssetLeftOut, InputFileError, SchemaMismatch, UnknownName
+from vcage.base.files import data_path, resource, whole
+from vcage.objects import sources
+from vcage.objects.asset import Asset
+from vcage.objects.points import check_points, check_size
+from vcage.schema.asset import Annotation, CatalogueEntry
+
+
+class Library:
+    """All assets by name; get one with :meth:`load`.
+
+    Args:
+        annotations: by name.
+        folders: where each annotation lies, by name.
+        left_out: why a kind is annotated but not there, by name.
+    """
+
+    def __init__(
+        self, annotations: dict[str, Annotation], folders: dict[str, Path], left_out: dict[str, str] | None = None
+    ):
+        self._annotations = dict(sorted(annotations.items()))
+        self._folders = folders
+        self._assets: dict[tuple[str, str], Asset] = {}
+        self.left_out = dict(sorted((left_out or {}).items()))
+
+    @classmethod
+    def load(cls, root: Path | None = None) -> Library:
+        """Read every ``<root>/<name>/asset.json``; the project's own and the imported ones by default.
+
+        Kinds whose package was not fetched are left out (:attr:`left_out` says so).
+
+        Raises:
+            DamagedFile, SchemaMismatch: an annotation is damaged, or a name occurs twice; names file and field.
+            InputFileError: there is no annotation at all.
+        """
+        roots = [Path(root)] if root is not None else [resource("assets", "objects"), imported_objects()]
+        annotations, folders, left_out = {}, {}, {}
+        for path in (path for folder in roots for path in sorted(folder.glob("*/asset.json")) if whole(path.parent)):
+            annotation = _read(path)
+            if annotation.name in folders:
+                raise _named_twice(path, folders[annotation.name])
+            folders[annotation.name] = path.parent
+            reason = sources.missing(annotation)
+            if reason is None:
+                annotations[annotation.name] = annotation
+            else:
+                left_out[annotation.name] = reason
+        if not folders:
+            raise InputFileError(
+                f"no asset.json under {roots[0]}", hint="give the folder that holds one folder per asset"
+            )
+        return cls(annotations, folders, left_out)
+
+    @property
+    def names(self) -> list[str]:
+        """Names of all assets, sorted."""
+        return list(self._annotations)
+
+    def annotation(self, name: str) -> Annotation:
+        """Words and points of an asset.
+
+        Raises:
+            UnknownName: there is no such asset.
+            AssetLeftOut: its package was not fetched.
+        """
+        if name in self.left_out:
+            raise AssetLeftOut(f"the object {name!r} is not here", hint=self.left_out[name])
+        if name not in self._annotations:
+            raise UnknownName("asset", name, self._annotations)
+        return self._annotations[name]
+
+    def variants(self, names: Iterable[str] | None = None) -> list[tuple[str, str]]:
+        """(name, variant) of all assets, or of those named, in the order of the names."""
+        return [
+            (name, v.id) for name in (self.names if names is None else names) for v in self.annotation(name).variants
+        ]
+
+    def asset(self, name: str, variant: str | None = None) -> Asset:
+        """An asset with its model; the first variant by default.
+
+        Raises:
+            UnknownName: there is no such asset or variant.
+            InputFileError: the annotation has no builder, or does not fit the model (see
+                :func:`vcage.objects.points.check_points`).
+        """
+        annotation = self.annotation(name)
+        by_id = {v.id: v for v in annotation.variants}
+        variant = variant if variant is not None else annotation.variants[0].id
+        if variant not in by_id:
+            raise UnknownName(f"variant of {name}", variant, by_id)
+        key = (name, variant)
+        if key not in self._assets:
+            path = self._folders[name] / "asset.json"
+            check_size(annotation, variant, path)
+            model = sources.model(annotation, by_id[variant], self._folders[name])
+            asset = Asset(annotation, by_id[variant], model)
+            check_points(asset, path)
+            self._assets[key] = asset
+        return self._assets[key]
+
+    def entry(self, name: str) -> CatalogueEntry:
+        """What a model sees of one asset."""
+        return self.asset(name).entry()
+
+    def entries(self) -> list[CatalogueEntry]:
+        """What a model sees of the library, in the order of the names."""
+        return [self.entry(name) for name in self.names]
+
+    def unbuilt(self) -> list[tuple[str, str]]:
+        """(name, variant) of every model that is not in the cache."""
+        return [
+            (name, variant.id)
+            for name, annotation in self._annotations.items()
+            for variant in annotation.variants
+            if not sources.model_folder(annotation, variant, self._folders[name]).is_dir()
+        ]
+
+    def build_all(self, progress: Callable[[str, int, int], None] | None = None) -> list[InputFileError]:
+        """Build every variant that is not in the cache; returns why some could not be built.
+
+        Args:
+            progress: called before each variant with its name, its number from 0, and how many there are.
+        """
+        wanted, failures = self.unbuilt(), []
+        for i, (name, variant) in enumerate(wanted):
+            if progress is not None:
+                progress(f"{name}/{variant}", i, len(wanted))
+            try:
+                self.asset(name, variant)
+            except InputFileError as error:
+                failures.append(error)
+        return failures
+
+
+def package_models() -> dict[str, list[str]]:
+    """Ids of the models that the annotations take from packages, by the package's name, fetched or not.
+
+    Raises:
+        DamagedFile, SchemaMismatch: an annotation is damaged; names file and field.
+    """
+    wanted: dict[str, set[str]] = {}
+    for folder in (resource("assets", "objects"), imported_objects()):
+        for path in filter(lambda p: whole(p.parent), sorted(folder.glob("*/asset.json"))):
+            annotation = _read(path)
+            models = {variant.package.model for variant in annotation.variants if variant.package is not None}
+            if models:
+                wanted.setdefault(annotation.source, set()).update(models)
+    return {source: sorted(models) for source, models in wanted.items()}
+
+
+def imported_objects() -> Path:
+    """Where the importers put objects: one folder per object, with ``asset.json`` and its models."""
+    return data_path("objects")
+
+
+def _read(path: Path) -> Annotation:
+    annotation = Annotation.read(path)
+    if annotation.name != path.parent.name:
+        raise SchemaMismatch(
+            f"{path}: field name: {annotation.name!r} is not the folder's name {path.parent.name!r}",
+            hint="rename the folder or mend the field",
+            details={"path": str(path), "field": "name"},
+        )
+    return annotation
+
+
+def _named_twice(path: Path, first: Path) -> SchemaMismatch:
+    return SchemaMismatch(
+        f"{path}: field name: {path.parent.name!r} is the name of {first / 'asset.json'} already; expected another",
+        hint=f"give it another name: rename the folder {path.parent} and the field",
+        details={"path": str(path), "field": "name", "first": str(first / "asset.json")},
+    )

@@ -1,0 +1,127 @@
+"""Whether the points of an annotation fit the model: what the schema alone cannot see."""
+
+from __future__ import annotations
+
+import struct
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from vcage.base.errors import DamagedFile, SchemaMismatch
+from vcage.objects.asset import Asset
+from vcage.schema.asset import Annotation
+
+OUTSIDE = 0.02
+"""A point may lie so far outside the bounding box: a grasp may take only an edge, metres."""
+
+BELOW = 0.001
+"""A receiving surface may lie so far below the object's bottom, metres."""
+
+GLB_HEADER = struct.Struct("<4sII")
+"""Magic, version and length of a binary glTF file."""
+
+
+def check_points(asset: Asset, path: Path) -> None:
+    """Check an asset when its model is first made.
+
+    Args:
+        asset: with its model.
+        path: of its ``asset.json``, which the complaint names.
+
+    Raises:
+        SchemaMismatch: the model has no extent, or a point names no part or lies off the object; names the field,
+            the value, and what was expected.
+        DamagedFile: a mesh of the model does not load.
+    """
+    _check_extent(asset, path)
+    _check_meshes(asset)
+    parts = [link.name for link in asset.model.links]
+    for kind in ("contact_points", "functional_points"):
+        for i, point in enumerate(getattr(asset.annotation, kind)):
+            if point.link is not None and point.link not in parts:
+                expected = f"one of {', '.join(parts)}" if parts else "none, for no part of it moves"
+                raise _misfit(asset, path, f"{kind}.{i}.link", f"{point.link!r}; expected {expected}")
+            if outside_by(asset.bounds, point.position) > OUTSIDE:
+                raise _misfit(
+                    asset,
+                    path,
+                    f"{kind}.{i}.position",
+                    f"the point lies outside the object: {range_text(asset.bounds, point.position)}",
+                )
+    for i, point in enumerate(asset.annotation.functional_points):
+        if point.position[2] < asset.bounds[0, 2] - BELOW:
+            text = f"the point lies {-point.position[2]:.3g} m under the table; expected a height from 0"
+            raise _misfit(asset, path, f"functional_points.{i}.position", text)
+
+
+def check_size(annotation: Annotation, variant: str, path: Path) -> None:
+    """Check the size that a package's model is brought to, before it is.
+
+    Args:
+        variant: id.
+        path: of the ``asset.json``, which the complaint names.
+
+    Raises:
+        SchemaMismatch: an edge is not longer than 0; names the field.
+    """
+    for i, entry in enumerate(annotation.variants):
+        size = entry.package.size if entry.id == variant and entry.package is not None else None
+        for axis, edge in enumerate(size or ()):
+            if edge <= 0:
+                field = f"variants.{i}.package.size.{axis}"
+                raise _complaint(path, field, f"got {edge:g}; expected a length above 0, metres", variant)
+
+
+def outside_by(bounds: np.ndarray, position: ArrayLike) -> float:
+    """How far a point lies outside a box (2, 3), metres; 0 inside."""
+    position = np.asarray(position, dtype=np.float64)
+    return float(np.linalg.norm(np.maximum(bounds[0] - position, 0) + np.maximum(position - bounds[1], 0)))
+
+
+def range_text(bounds: np.ndarray, position: ArrayLike) -> str:
+    """A point and where it was expected, for a complaint."""
+    value = ", ".join(f"{x:.3f}" for x in np.asarray(position))
+    ranges = ", ".join(f"{lower - OUTSIDE:.3f} … {upper + OUTSIDE:.3f}" for lower, upper in bounds.T)
+    return f"got ({value}); expected within ({ranges}) m"
+
+
+def _check_extent(asset: Asset, path: Path) -> None:
+    if asset.size.min() > 0:
+        return
+    name = f"variants.{[v.id for v in asset.annotation.variants].index(asset.variant.id)}"
+    size = ", ".join(f"{x:g}" for x in asset.size)
+    raise _misfit(asset, path, name, f"the model measures ({size}) m; expected edge lengths above 0")
+
+
+def _check_meshes(asset: Asset) -> None:
+    """Read all collision pieces, and the first bytes of what is seen: whole files would take too long."""
+    for visual in (asset.model.visual, *(link.visual for link in asset.model.links)):
+        try:
+            with open(visual, "rb") as handle:
+                magic, _, length = GLB_HEADER.unpack(handle.read(GLB_HEADER.size))
+            whole = magic == b"glTF" and length == Path(visual).stat().st_size
+        except (OSError, struct.error) as error:
+            raise _broken(visual, str(error)) from error
+        if not whole:
+            raise _broken(visual, "expected a whole binary glTF file")
+    _ = asset.pieces
+
+
+def _broken(path: str, reason: str) -> DamagedFile:
+    return DamagedFile(
+        f"{path} is not a mesh that loads: {reason}",
+        hint="delete the folder it lies in; it is made again on demand, an imported object by importing it again",
+    )
+
+
+def _misfit(asset: Asset, path: Path, field: str, message: str) -> SchemaMismatch:
+    return _complaint(path, field, message, asset.variant.id)
+
+
+def _complaint(path: Path, field: str, message: str, variant: str) -> SchemaMismatch:
+    return SchemaMismatch(
+        f"{path}: field {field}: {message} (variant {variant!r})",
+        hint="mend the field, or the model that it was measured on",
+        details={"path": str(path), "field": field, "variant": variant},
+    )

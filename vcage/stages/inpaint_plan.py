@@ -1,0 +1,102 @@
+"""Stage 2: plan the layout in words and relations, and draw it (paper, section III-A2)."""
+
+from __future__ import annotations
+
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from vcage.base.files import RunFolder
+from vcage.base.pictures import write_picture
+from vcage.base.progress import Progress, silent
+from vcage.layout.capacities import room_of
+from vcage.models.protocols import EditRequest
+from vcage.models.rules.arrange import arrange
+from vcage.models.rules.footprints import footprints
+from vcage.models.rules.groups import overlapping_objects, placed_boxes
+from vcage.plans.check import plan_complaints
+from vcage.plans.kept import relations_kept
+from vcage.schema.base import Provenance
+from vcage.schema.plan import Plan
+from vcage.schema.scene import Scene
+from vcage.stages.context import Workbench
+from vcage.stages.inputs import read_pictures
+from vcage.stages.settings import Settings
+from vcage.stages.stage import Job, StageResult, stage_seed
+
+
+def job(run: RunFolder, settings: Settings, bench: Workbench) -> Job:
+    """What the stage has to do."""
+    folder = run.scene.parent
+    return Job(
+        run=run,
+        output=run.plan,
+        inputs=[run.scene, folder / "source.png", folder / "background.png", folder / "segmentation.png"],
+        seed=stage_seed(run, settings.seed),
+        providers=bench.models.providers("reasoner", "editor"),
+    )
+
+
+def summary(record: Plan) -> dict[str, Any]:
+    """A few facts for whoever ran the stage."""
+    return {"text": record.text, "relations": len(record.relations), **record.checks, "notes": record.notes}
+
+
+def execute(run: RunFolder, settings: Settings, bench: Workbench, progress: Progress = silent) -> StageResult[Plan]:
+    """Write ``inpaint/``: the plan L and the target picture.
+
+    Raises:
+        ModelRefused: the reasoner was told what is wrong with its plan and found no better one in its rounds (the
+            message lists the complaints), or the editor refuses.
+        InfeasibleScene: the offline editor cannot show every object in the planned layout.
+    """
+    stage = job(run, settings, bench)
+
+    def make(folder: Path, provenance: Provenance) -> Plan:
+        scene = Scene.read(run.scene)
+        pictures = read_pictures(run, scene)
+        rooms = {o.id: room_of(bench.asset(o)) for o in scene.objects}
+        check = partial(plan_complaints, scene=scene, rooms=rooms)
+        plan = bench.models.reasoner.plan_layout(scene, bench.catalogue, stage.rng(), check)
+        request = EditRequest(
+            picture=pictures.source,
+            background=pictures.background,
+            segmentation=pictures.segmentation,
+            scene=scene,
+            plan=plan,
+            rooms=rooms,
+        )
+        write_picture(folder / "target.png", bench.models.editor.rearrange(request))
+        return Plan(
+            provenance=provenance,
+            instruction=scene.instruction,
+            text=plan.text,
+            relations=plan.relations,
+            target=stage.inside("target.png"),
+            checks=_solvable(request),
+            notes=_notes(request),
+        )
+
+    return stage.do(Plan, make, force=settings.force)
+
+
+def _solvable(request: EditRequest) -> dict[str, Any]:
+    """How much of the plan the solver on the table plane can keep at once, whoever draws the picture."""
+    items = footprints(request.scene, request.segmentation)
+    relations = request.plan.relations
+    placements = arrange(request.scene, request.plan, items, rooms=request.rooms)
+    kept = relations_kept(relations, placed_boxes(items, placements), request.scene.table)
+    return {
+        "relations_solvable": round(kept.share, 4),
+        "relations_unsolved": kept.sentences,
+        "overlapping": overlapping_objects(items, placements, relations),
+    }
+
+
+def _notes(request: EditRequest) -> list[str]:
+    items = footprints(request.scene, request.segmentation)
+    return [
+        f"{item.record.id}: the source picture shows nothing of it, so the plan's picture cannot move it"
+        for item in items
+        if item.hidden
+    ]

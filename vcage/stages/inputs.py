@@ -1,0 +1,81 @@
+"""What a stage reads of the stages before: each file by itself is checked by its schema, here against the others."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from vcage.base.errors import InputFileError
+from vcage.base.files import RunFolder
+from vcage.base.pictures import read_labels, read_picture
+from vcage.layout.capacities import room_of
+from vcage.matching.match import ScenePictures
+from vcage.plans.check import plan_complaints
+from vcage.schema.matches import Matches
+from vcage.schema.plan import LayoutPlan, Plan
+from vcage.schema.scene import Scene
+from vcage.stages.context import Workbench
+
+FARTHEST = 0.5
+"""Metres beyond the table's edge up to which a matched position is one to be optimised, and not a damaged file."""
+
+
+def read_plan(run: RunFolder, scene: Scene, bench: Workbench) -> Plan:
+    """``inpaint/plan.json``, which may have been edited since it was checked.
+
+    Raises:
+        InputFileError: it is not possible for the scene; lists the complaints.
+    """
+    plan = Plan.read(run.plan)
+    rooms = {o.id: room_of(bench.asset(o)) for o in scene.objects}
+    complaints = plan_complaints(LayoutPlan(text=plan.text, relations=plan.relations), scene, rooms)
+    if complaints:
+        raise InputFileError(
+            f"{run.plan} is not possible: {'; '.join(complaints)}",
+            hint="mend its relations, or run inpaint_plan again with --force",
+            details={"problems": complaints},
+        )
+    return plan
+
+
+def read_matches(run: RunFolder, scene: Scene) -> Matches:
+    """``match/matches.json``: one match for each object of the scene, not far from its table.
+
+    Raises:
+        InputFileError: it is of other objects, or of places that are nowhere near the table.
+    """
+    matches = Matches.read(run.matches)
+    ids, found = [o.id for o in scene.objects], [m.object for m in matches.matches]
+    if sorted(ids) != sorted(found):
+        wrong = sorted(set(ids) ^ set(found)) or sorted({name for name in found if found.count(name) > 1})
+        raise InputFileError(
+            f"{run.matches} has not one match for each object of the scene: see {', '.join(wrong)}",
+            hint="run match again with --force",
+        )
+    lower, upper = scene.table.rectangle + np.array([[-FARTHEST], [FARTHEST]])
+    far = [m.object for m in matches.matches if np.any(m.position < lower) or np.any(m.position > upper)]
+    if far:
+        raise InputFileError(
+            f"{run.matches} has places that are nowhere near the table: {', '.join(far)}",
+            hint="run match again with --force",
+        )
+    return matches
+
+
+def read_pictures(run: RunFolder, scene: Scene) -> ScenePictures:
+    """The pictures that ``scene.json`` names.
+
+    Raises:
+        MissingStage, DamagedFile: one is not there, or not a picture.
+        InputFileError: one has not the size of the scene's camera.
+    """
+    read = {"source": read_picture, "segmentation": read_labels, "background": read_picture}
+    pictures = {name: reader(run.root / scene.pictures[name]) for name, reader in read.items()}
+    expected = (scene.top_camera.height, scene.top_camera.width)
+    for name, picture in pictures.items():
+        if picture.shape[:2] != expected:
+            raise InputFileError(
+                f"{run.root / scene.pictures[name]} has {picture.shape[1]} x {picture.shape[0]} pixels, the scene's "
+                f"camera {expected[1]} x {expected[0]}",
+                hint="run select_place again with --force",
+            )
+    return ScenePictures(**pictures)

@@ -1,0 +1,94 @@
+"""A run folder for one sub-task script, as if the earlier stages had made just that scene and that sub-task."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from vcage.base.errors import DamagedFile
+from vcage.base.files import RunFolder, sha256_file, write_bytes
+from vcage.base.geometry import Pose
+from vcage.objects.library import Library
+from vcage.schema.base import PoseRecord, Provenance, box_record
+from vcage.schema.scene import ObjectRecord, Scene
+from vcage.schema.subtasks import Goal, Grasp, Subtask, Subtasks
+from vcage.sim.robots import load_template
+from vcage.stages.stage import Job
+from vcage.tasks.synthesis import Script, load_script
+
+
+def prepare_run(run: RunFolder, path: Path, *, seed: int, force: bool) -> None:
+    """Write ``optimize/scene.json`` and ``subtasks/`` from what a script says of itself.
+
+    Raises:
+        StaleStage: the folder holds another scene or sub-task, and ``force`` is not set.
+        DamagedFile: the script lacks a value that a generated one has.
+        UnknownName: it names an asset that the library does not have.
+    """
+    script = load_script(path)
+    values = script.values
+    missing = [n for n in ("TEMPLATE", "INSTRUCTION", "SCENE", "TEXT", "GRASPS", "POINT", "GOALS") if n not in values]
+    if missing:
+        raise DamagedFile(f"{path} defines no {', '.join(missing)}", hint="run search_subtasks --force")
+    origin = {"script": sha256_file(path)}
+    layout = Job(run=run, output=run.layout, seed=seed, options=origin)
+    layout.do(Scene, lambda _folder, provenance: _scene(values, provenance), force=force)
+    search = Job(run=run, output=run.subtasks, inputs=[run.layout], seed=seed, options=origin)
+
+    def make(folder: Path, provenance: Provenance) -> Subtasks:
+        write_bytes(folder / path.name, path.read_bytes())
+        subtask = _subtask(script, search.inside(path.name))
+        return Subtasks(
+            provenance=provenance,
+            instruction=subtask.text,
+            candidates=1,
+            kept=[subtask],
+            refused=[],
+            chain=[subtask.id],
+        )
+
+    search.do(Subtasks, make, force=force)
+
+
+def _scene(values: dict[str, Any], provenance: Provenance) -> Scene:
+    template, library = load_template(values["TEMPLATE"]), Library.load()
+    return Scene(
+        provenance=provenance,
+        instruction=values["TEXT"],
+        template=template.name,
+        robot=template.robot,
+        table=template.table,
+        workspace=template.workspace,
+        top_camera=template.top_camera,
+        objects=[_object(key, fields, library) for key, fields in values["SCENE"].items()],
+    )
+
+
+def _object(key: str, fields: tuple, library: Library) -> ObjectRecord:
+    asset, variant, role, phrase, position, quaternion = fields
+    pose = Pose(position, quaternion)
+    return ObjectRecord(
+        id=key,
+        asset=asset,
+        variant=variant,
+        phrase=phrase,
+        role=role,
+        pose=PoseRecord.of(pose),
+        aabb=box_record(library.asset(asset, variant).bounds, pose),
+    )
+
+
+def _subtask(script: Script, path: str) -> Subtask:
+    values = script.values
+    return Subtask(
+        id=script.path.stem,
+        template="pick_and_place",
+        text=values["TEXT"],
+        object=values["GOALS"][0][0],
+        receptacle=values["GOALS"][0][2],
+        functional_point=values["POINT"],
+        grasps=[Grasp(contact=contact, arm=arm, score=score) for contact, arm, score in values["GRASPS"]],
+        goals=[Goal(subject=s, relation=r, reference=o) for s, r, o in values["GOALS"]],
+        script=path,
+        checks=[],
+    )

@@ -1,0 +1,68 @@
+"""Stage 5: the sub-tasks that are sensible and feasible, a script for each, and the chain for the instruction."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from vcage.base.files import RunFolder
+from vcage.base.progress import Progress, silent
+from vcage.schema.base import Provenance
+from vcage.schema.scene import Scene
+from vcage.schema.subtasks import Subtasks
+from vcage.stages.context import Workbench
+from vcage.stages.settings import Settings
+from vcage.stages.stage import Job, StageResult, stage_seed
+from vcage.tasks.search import compose, search, slots_for_chain
+from vcage.tasks.synthesis import write_script
+
+
+def job(run: RunFolder, settings: Settings, bench: Workbench) -> Job:
+    """What the stage has to do."""
+    return Job(
+        run=run,
+        output=run.subtasks,
+        inputs=[run.layout],
+        seed=stage_seed(run, settings.seed),
+        providers=bench.models.providers("reasoner"),
+    )
+
+
+def summary(record: Subtasks) -> dict[str, Any]:
+    """A few facts for whoever ran the stage."""
+    return {
+        "candidates": record.candidates,
+        "kept": len(record.kept),
+        "refused": len(record.refused),
+        "chain": record.chain,
+    }
+
+
+def execute(run: RunFolder, settings: Settings, bench: Workbench, progress: Progress = silent) -> StageResult[Subtasks]:
+    """Write ``subtasks/``: what was kept and refused, one runnable script per kept sub-task, the chain.
+
+    Raises:
+        NoFeasibleTask: no chain of kept sub-tasks fulfils the instruction; says why.
+        InfeasibleScene: what the chain moves into one receptacle does not fit together.
+    """
+    stage = job(run, settings, bench)
+
+    def make(folder: Path, provenance: Provenance) -> Subtasks:
+        scene, rng = Scene.read(run.layout), stage.rng()
+        objects, reasoner = bench.objects(scene), bench.models.reasoner
+        found = search(objects, bench.kinematics(scene.robot), reasoner.judge_pairs, scene.table.height, rng)
+        chain = compose(scene.instruction, found.kept, found.refused, objects, reasoner.compose_chain)
+        by_id = {subtask.id: subtask for subtask in found.kept}
+        slots_for_chain([by_id[i] for i in chain], objects, rng)
+        for subtask in found.kept:
+            write_script(subtask, scene, folder / f"{subtask.id}.py")
+        return Subtasks(
+            provenance=provenance,
+            instruction=scene.instruction,
+            candidates=found.candidates,
+            kept=found.kept,
+            refused=found.refused,
+            chain=chain,
+        )
+
+    return stage.do(Subtasks, make, force=settings.force)

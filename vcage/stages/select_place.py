@@ -1,0 +1,236 @@
+"""Stage 1: choose the objects, place them without collision, prove that they stay put, take the pictures."""
+
+from __future__ import annotations
+
+import logging
+import unicodedata
+from collections.abc import Mapping
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+
+from vcage.base.errors import InfeasibleScene, UsageError
+from vcage.base.files import RunFolder
+from vcage.base.geometry import Pose
+from vcage.base.pictures import write_labels, write_picture
+from vcage.base.progress import Progress, silent
+from vcage.layout.capacities import opening_for, room_of
+from vcage.layout.placement.place import PlaceItem, place
+from vcage.layout.placement.reach import reach_for
+from vcage.layout.placement.standing import standing
+from vcage.layout.placement.view import view_rectangles
+from vcage.models.selection_check import NamedObject, name_objects, validate_selection, with_room
+from vcage.objects.asset import Asset
+from vcage.objects.openings import Opening
+from vcage.schema.base import PoseRecord, Provenance, box_record
+from vcage.schema.scene import ObjectRecord, Scene, SceneTemplate
+from vcage.sim.cameras import observe, shoot
+from vcage.sim.robots import load_template
+from vcage.sim.world import World
+from vcage.stages.context import Workbench
+from vcage.stages.settings import Settings
+from vcage.stages.stability import moved_objects, settle_checks
+from vcage.stages.stage import Job, StageResult
+
+logger = logging.getLogger(__name__)
+
+LONGEST_INSTRUCTION = 1000
+"""Characters."""
+
+MARGIN = 0.015
+"""Smallest gap between two objects, metres: wide enough for the picture to show the table between them."""
+
+BORDER = 2.0
+"""Pixels that stay free between an object and the edge of the top view."""
+
+TRIES = 5
+"""Placements that are drawn before a scene whose objects do not stay put is given up."""
+
+
+def job(run: RunFolder, settings: Settings, bench: Workbench) -> Job:
+    """What the stage has to do.
+
+    Raises:
+        UsageError: there is no instruction, or it is too long or no text.
+    """
+    instruction = " ".join((settings.instruction or "").split())
+    if not instruction:
+        raise UsageError("the instruction is empty", hint='give it in quotes: "Put the blocks on the plate"')
+    if len(instruction) > LONGEST_INSTRUCTION:
+        raise UsageError(
+            f"the instruction has {len(instruction)} characters, at most {LONGEST_INSTRUCTION} are read",
+            hint="make a run of each part",
+        )
+    if any(unicodedata.category(c) in ("Cc", "Cs") for c in instruction):
+        raise UsageError(
+            f"the instruction {instruction!r} holds what is no text",
+            hint="write it in UTF-8, without control characters",
+        )
+    return Job(
+        run=run,
+        output=run.scene,
+        seed=settings.seed or 0,
+        options={"instruction": instruction, "template": settings.template},
+        providers=bench.models.providers("reasoner"),
+    )
+
+
+def summary(record: Scene) -> dict[str, Any]:
+    """A few facts for whoever ran the stage."""
+    return {"objects": [o.id for o in record.objects], **record.checks}
+
+
+def execute(run: RunFolder, settings: Settings, bench: Workbench, progress: Progress = silent) -> StageResult[Scene]:
+    """Write ``place/``: M, the top view, the empty table, the segmentation.
+
+    Raises:
+        NoAssetFits: the catalogue has nothing that the instruction names.
+        ModelRefused: the reasoner was told what is wrong with its selection and found no better one in its rounds.
+        InfeasibleScene: the objects have no place, or do not stay where they are put.
+    """
+    stage = job(run, settings, bench)
+
+    def make(folder: Path, provenance: Provenance) -> Scene:
+        rng = stage.rng()
+        template = load_template(settings.template)
+        instruction = stage.options["instruction"]
+        check = partial(validate_selection, entries=bench.catalogue)
+        selection = bench.models.reasoner.select_assets(instruction, bench.catalogue, rng, check)
+        objects = name_objects(selection, bench.catalogue)
+        objects, crowded = with_room(objects, {o.id: room_of(_asset(o, bench)) for o in objects})
+        notes = [*selection.notes, *crowded]
+        for note in notes:
+            logger.warning("%s", note)
+        scene = _empty_scene(template, instruction, provenance, stage)
+        placed = _place_until_stable(scene, objects, template, bench, rng)
+        noted = placed.model_copy(update={"checks": {**placed.checks, "notes": notes}})
+        return _photograph(noted, bench, folder)
+
+    return stage.do(Scene, make, force=settings.force)
+
+
+def _empty_scene(template: SceneTemplate, instruction: str, provenance: Provenance, stage: Job) -> dict:
+    """The fields of the scene that do not depend on the objects."""
+    return {
+        "provenance": provenance,
+        "instruction": instruction,
+        "template": template.name,
+        "robot": template.robot,
+        "table": template.table,
+        "workspace": template.workspace,
+        "top_camera": template.top_camera,
+        "pictures": {name: stage.inside(f"{name}.png") for name in ("source", "background", "segmentation")},
+    }
+
+
+def _place_until_stable(
+    fields: dict, objects: list[NamedObject], template: SceneTemplate, bench: Workbench, rng: np.random.Generator
+) -> Scene:
+    """Draw placements until one stays put in the simulator; its settled poses are what M records."""
+    workspace = np.array([template.workspace.lower, template.workspace.upper])
+    items = _place_items(objects, template, bench)
+    height = template.table.height
+    worst: list[str] = []
+    for attempt in range(1, TRIES + 1):
+        spots = place(items, workspace, rng, margin=MARGIN)
+        poses = {o.id: standing(_asset(o, bench)).pose(spots[o.id], height + spots[o.id].z) for o in objects}
+        scene = Scene(**fields, objects=[_record(o, poses[o.id], bench) for o in objects])
+        world = World.of_scene(scene, bench.physical_models(scene))
+        report = world.settle()
+        worst = moved_objects(report)
+        if report.settled and not worst:
+            poses = world.object_poses()
+            checks = {**settle_checks(report), "placements": attempt}
+            return Scene(**fields, objects=[_record(o, poses[o.id], bench) for o in objects], checks=checks)
+    raise InfeasibleScene(
+        f"{', '.join(worst) or 'the objects'} did not stay where they were put in {TRIES} placements",
+        hint="check their collision hulls, or leave them out",
+        details={"objects": worst},
+    )
+
+
+def _place_items(objects: list[NamedObject], template: SceneTemplate, bench: Workbench) -> list[PlaceItem]:
+    """What the placement needs of each object; what a task carries or fills must be where an arm reaches."""
+    reach = bench.reach(template.robot, template.workspace, template.table)
+    openings = _openings(objects, bench)
+    return [_place_item(o, objects, openings, template, reach, bench) for o in objects]
+
+
+def _openings(objects: list[NamedObject], bench: Workbench) -> dict[str, Opening]:
+    """The room of each object that others start in, in its own frame, by its id."""
+    contents: dict[str, list[Asset]] = {}
+    for o in objects:
+        if o.starts_in is not None:
+            contents.setdefault(o.starts_in, []).append(_asset(o, bench))
+    holders = [o for o in objects if o.id in contents]
+    return {o.id: opening for o in holders if (opening := opening_for(_asset(o, bench), contents[o.id])) is not None}
+
+
+def _lift(o: NamedObject, objects: list[NamedObject], openings: Mapping[str, Opening]) -> float:
+    """How far above the table an object stands: the floors of all that it lies in, metres."""
+    holder = next((other for other in objects if other.id == o.starts_in), None)
+    return openings[holder.id].floor + _lift(holder, objects, openings) if holder else 0.0
+
+
+def _place_item(
+    o: NamedObject,
+    objects: list[NamedObject],
+    openings: Mapping[str, Opening],
+    template: SceneTemplate,
+    reach: np.ndarray,
+    bench: Workbench,
+) -> PlaceItem:
+    asset = _asset(o, bench)
+    room = standing(asset)
+    bounds = np.array([template.workspace.lower, template.workspace.upper])
+    support = template.table.height + _lift(o, objects, openings)
+    seen = view_rectangles(template.top_camera.camera(), support, float(asset.size[2]), bounds, BORDER)
+    return PlaceItem(
+        id=o.id,
+        size=tuple(float(x) for x in room.size),
+        yaws=tuple(room.yaws),
+        allowed=reach_for(asset, o.role, reach),
+        within=seen,
+        inside=o.starts_in,
+        opening=room.local(openings[o.id]) if o.id in openings else None,
+    )
+
+
+def _asset(o: NamedObject, bench: Workbench) -> Asset:
+    return bench.library.asset(o.asset, o.variant)
+
+
+def _record(o: NamedObject, pose: Pose, bench: Workbench) -> ObjectRecord:
+    return ObjectRecord(
+        id=o.id,
+        asset=o.asset,
+        variant=o.variant,
+        phrase=o.phrase,
+        role=o.role,
+        pose=PoseRecord.of(pose),
+        aabb=box_record(_asset(o, bench).bounds, pose),
+        container=o.starts_in,
+    )
+
+
+def _photograph(scene: Scene, bench: Workbench, folder: Path) -> Scene:
+    """Write the pictures of the scene, and note what the segmentation's values mean."""
+    look = bench.appearance(scene.table.texture)
+    world = World.of_scene(scene, bench.physical_models(scene), appearance=look, render=True)
+    shot = observe(world, scene.top_camera)
+    empty = World(scene.table, {}, appearance=look, render=True)
+    write_picture(folder / "source.png", shot.picture)
+    write_picture(folder / "background.png", shoot(empty, scene.top_camera))
+    write_labels(folder / "segmentation.png", shot.segmentation)
+    write_picture(folder / "segmentation_view.png", _colour_labels(shot.segmentation))
+    return scene.model_copy(update={"segmentation_ids": world.segmentation_ids})
+
+
+def _colour_labels(labels: np.ndarray) -> np.ndarray:
+    """(H, W, 3) picture of a label image: one hue per object, black for none."""
+    hues = (labels.astype(np.int64) * 47 % 180).astype(np.uint8)
+    shown = np.where(labels > 0, 230, 0).astype(np.uint8)
+    return cv2.cvtColor(np.stack([hues, np.full_like(hues, 170), shown], axis=-1), cv2.COLOR_HSV2RGB)

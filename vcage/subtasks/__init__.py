@@ -1,1 +1,0 @@
-"""Sub-tasks: the pick-and-place template, feasibility, search, scripts and the task chain."""

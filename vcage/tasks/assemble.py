@@ -1,0 +1,58 @@
+"""From a recording to the arrays that are stored: measured and commanded states side by side, named columns."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from vcage.base.geometry import Camera
+from vcage.datasets.episode import CameraTrack, EpisodeData, Segment
+from vcage.sim.recording import StateLog
+
+
+def episode_data(
+    log: StateLog,
+    segments: Sequence[Segment],
+    cameras: Mapping[str, Sequence[Camera]],
+    meta: Mapping[str, Any],
+) -> EpisodeData:
+    """An episode in memory.
+
+    Args:
+        log: T frames.
+        segments: the verified sub-tasks.
+        cameras: the T places of each camera, by name; empty for an episode without pictures.
+        meta: facts that travel with it.
+    """
+    first = log.frames[0]
+    arms = sorted(first.arms)
+    names = [f"{arm}_{column}" for arm in arms for column in _columns(len(first.arms[arm].state))]
+
+    def stacked(field: str) -> np.ndarray:
+        return np.concatenate([log.arm_array(arm, field) for arm in arms], axis=1).astype(np.float64)
+
+    return EpisodeData(
+        fps=float(log.fps),
+        timestamp=log.timestamps(),
+        state_names=names,
+        qpos=stacked("state"),
+        qvel=stacked("velocity"),
+        action=stacked("command"),
+        object_poses={key: log.object_array(key) for key in sorted(first.objects)},
+        object_joints={key: log.joint_array(key) for key in sorted(first.object_joints)},
+        cameras={name: _track(path) for name, path in sorted(cameras.items())},
+        segments=list(segments),
+        meta=dict(meta),
+    )
+
+
+def _columns(count: int) -> list[str]:
+    """Names of one arm's numbers: its joints, then the gripper's opening."""
+    return [*(f"joint_{i}" for i in range(1, count)), "gripper"]
+
+
+def _track(path: Sequence[Camera]) -> CameraTrack:
+    extrinsics = np.stack([camera.extrinsics() for camera in path])
+    return CameraTrack(path[0].width, path[0].height, path[0].intrinsics(), extrinsics)

@@ -1,0 +1,230 @@
+"""Feasible before simulated: everything about a candidate that geometry and inverse kinematics can tell.
+
+A candidate is an object with one contact point and a receptacle with one functional point. Each check says what
+was measured against what is allowed, in a sentence that a person can read.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from vcage.base.geometry import Pose, oriented_boxes_overlap
+from vcage.schema.asset import ContactPoint, FunctionalPoint
+from vcage.schema.subtasks import Check, Grasp
+from vcage.sim.kinematics import ArmKinematics
+from vcage.tasks.access import access
+from vcage.tasks.grasps import GraspPose, approach_opening, grasp_poses, hand_boxes
+from vcage.tasks.scene_objects import SceneObject
+from vcage.tasks.waypoints import MAX_DROP, pick_way, place_way, transfer_height
+
+GRIP_ROOM = 0.006
+"""The gripper must open this much wider than the material, metres."""
+
+TURNS = (0.0, np.pi)
+"""Headings that an object may take in its slot, relative to it: both fill the same rectangle."""
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """One thing to try: grasp ``target`` at ``contact`` and put it at ``point`` of ``receptacle``."""
+
+    target: SceneObject
+    contact: ContactPoint
+    receptacle: SceneObject
+    point: FunctionalPoint
+    others: Sequence[SceneObject]
+
+
+@dataclass(frozen=True)
+class Finding:
+    """The checks of a candidate up to the first that failed, and the arms that can do it, best first."""
+
+    checks: list[Check]
+    grasps: list[Grasp]
+
+    @property
+    def feasible(self) -> bool:
+        return bool(self.grasps)
+
+    @property
+    def reason(self) -> str:
+        """Why it is not feasible; empty when it is."""
+        return "" if self.feasible else next(c.message for c in reversed(self.checks) if not c.passed)
+
+
+def fits(target: SceneObject, receptacle: SceneObject, point: FunctionalPoint) -> Check:
+    """Whether the object's footprint goes into the opening, straight or turned by a quarter."""
+    size, opening = target.asset.footprint, np.array(receptacle.asset.opening(point).size)
+    spare = max(float(np.min(opening - size)), float(np.min(opening - size[::-1])))
+    needs = f"{size[0] * 100:.1f} × {size[1] * 100:.1f} cm"
+    room = f"{opening[0] * 100:.1f} × {opening[1] * 100:.1f} cm"
+    verb = "fits" if spare >= 0 else "does not fit"
+    return Check(
+        name="fits",
+        passed=spare >= 0,
+        value=spare,
+        limit=0.0,
+        message=f"{target.record.phrase} ({needs}) {verb} {point.holds} {receptacle.record.phrase} ({room})",
+    )
+
+
+def opens_wide_enough(target: SceneObject, contact: ContactPoint, kinematics: Mapping[str, ArmKinematics]) -> Check:
+    """Whether a gripper opens wider than the material at the contact point."""
+    width = target.asset.grasp_width(contact)
+    limit = max(k.arm.gripper.max_width for k in kinematics.values()) - GRIP_ROOM
+    verb = "can" if width <= limit else "cannot"
+    return Check(
+        name="opening",
+        passed=width <= limit,
+        value=width,
+        limit=limit,
+        message=f"the gripper {verb} hold {target.record.phrase} at {contact.name!r}, {width * 100:.1f} cm wide",
+    )
+
+
+def examine(candidate: Candidate, kinematics: Mapping[str, ArmKinematics], slot: Pose, table_height: float) -> Finding:
+    """All checks of a candidate, cheap ones first; stops at the first that no arm passes.
+
+    Args:
+        kinematics: by arm.
+        slot: where the object goes, in the receptacle's frame.
+        table_height: z of the table top, metres.
+    """
+    reached = access(candidate.receptacle, candidate.point)
+    if not reached.passed:
+        return Finding([reached], [])
+    checks = [
+        fits(candidate.target, candidate.receptacle, candidate.point),
+        opens_wide_enough(candidate.target, candidate.contact, kinematics),
+    ]
+    if not all(check.passed for check in checks):
+        return Finding(checks, [])
+    reports = {arm: examine_arm(candidate, arm, k, slot, table_height) for arm, k in kinematics.items()}
+    grasps = [
+        Grasp(contact=candidate.contact.id, arm=arm, score=round(score, 4))
+        for arm, (_, score) in reports.items()
+        if score is not None
+    ]
+    grasps.sort(key=lambda grasp: (-grasp.score, grasp.arm))
+    # the arm that came furthest explains the candidate best
+    best = grasps[0].arm if grasps else max(reports, key=lambda arm: sum(c.passed for c in reports[arm][0]))
+    return Finding(checks + reports[best][0], grasps)
+
+
+def examine_arm(
+    candidate: Candidate, arm: str, kinematics: ArmKinematics, slot: Pose, table_height: float
+) -> tuple[list[Check], float | None]:
+    """The checks of one arm, and the score of its motion; None when it cannot."""
+    found: dict[str, Check] = {}
+    poses = grasp_poses(candidate.target.pose, candidate.contact, kinematics.arm.gripper, candidate.target.box.bottom)
+    for grasp in poses:
+        checks, score = _examine_pose(candidate, arm, kinematics, grasp, slot, table_height)
+        if score is not None:
+            return checks, score  # the straightest pose that works: later ones only tilt more
+        for check in checks:
+            if check.name not in found or check.passed:
+                found[check.name] = check
+    return list(found.values()), None
+
+
+def _examine_pose(
+    candidate: Candidate, arm: str, kinematics: ArmKinematics, grasp: GraspPose, slot: Pose, table_height: float
+) -> tuple[list[Check], float | None]:
+    target = candidate.target
+    blocked = _blocked_by(grasp.pose, candidate, kinematics)
+    contact = candidate.contact.name
+    phrase = target.record.phrase
+    free = f"the hand has room around {contact!r} of {phrase}"
+    checks = [
+        Check(
+            name="way_free",
+            passed=blocked is None,
+            message=free if blocked is None else f"{blocked} is in the way of the hand at {contact!r} of {phrase}",
+        )
+    ]
+    if blocked is not None:
+        return checks, None
+
+    height = transfer_height([*candidate.others, candidate.receptacle], table_height)
+    pick = pick_way(target, grasp, height)
+    picked = _follow(kinematics, [pick.before, pick.grasp, pick.lifted], kinematics.home)
+    checks.append(_reach_check("reach_grasp", f"{contact!r} of {phrase}", picked is not None, arm))
+    if picked is None:
+        return checks, None
+
+    drop, path = _best_place(candidate, kinematics, grasp, slot, height, picked[-1])
+    where = f"{candidate.point.name!r} of {candidate.receptacle.record.phrase}"
+    checks.append(_drop_check(phrase, where, drop))
+    if drop > MAX_DROP:
+        return checks, None
+    checks.append(_reach_check("reach_place", where, path is not None, arm))
+    if path is None:
+        return checks, None
+    return checks, -_travel([kinematics.home, *picked, *path, kinematics.home])
+
+
+def _best_place(
+    candidate: Candidate,
+    kinematics: ArmKinematics,
+    grasp: GraspPose,
+    slot: Pose,
+    height: float,
+    start: np.ndarray,
+) -> tuple[float, list[np.ndarray] | None]:
+    """The drop and joint path of the first turn of the object that the arm can place; else the least drop and None."""
+    receptacle = candidate.receptacle
+    obstacles = [*receptacle.walls(candidate.point.id), *(o.box for o in candidate.others)]
+    width = candidate.target.asset.grasp_width(candidate.contact)
+    drops = []
+    for turn in TURNS:
+        goal = receptacle.pose * slot * Pose.from_yaw([0, 0, 0], turn)
+        way = place_way(grasp.in_object, goal, obstacles, kinematics.arm.gripper, width, height)
+        drops.append(way.drop)
+        poses = [way.above, way.release, way.after]
+        path = _follow(kinematics, poses, start) if way.drop <= MAX_DROP else None
+        if path is not None:
+            return way.drop, path
+    return min(drops), None
+
+
+def _blocked_by(pose: Pose, candidate: Candidate, kinematics: ArmKinematics) -> str | None:
+    """The phrase of the first object that the open hand would touch at a grasp, or None."""
+    gripper = kinematics.arm.gripper
+    opening = approach_opening(candidate.target.asset.grasp_width(candidate.contact), gripper)
+    for other in [candidate.receptacle, *candidate.others]:
+        for part in hand_boxes(gripper, opening):
+            if oriented_boxes_overlap(part, pose, other.asset.bounds, other.pose):
+                return other.record.phrase
+    return None
+
+
+def _follow(kinematics: ArmKinematics, poses: Sequence[Pose], start: np.ndarray) -> list[np.ndarray] | None:
+    """Joint positions of the poses in order, each solved from the one before; None when one is out of reach."""
+    path, q = [], start
+    for pose in poses:
+        q = kinematics.ik(pose, seed_q=q)
+        if q is None:
+            return None
+        path.append(q)
+    return path
+
+
+def _travel(path: Sequence[np.ndarray]) -> float:
+    """Length of a joint path, radians: the largest joint change of each leg, which rules how long it takes."""
+    return float(sum(np.abs(b - a).max() for a, b in pairwise(path)))
+
+
+def _drop_check(phrase: str, where: str, drop: float) -> Check:
+    passed = drop <= MAX_DROP
+    how = "is let go" if passed else "can only be let go"
+    message = f"{phrase} {how} {drop * 100:.1f} cm above {where}"
+    return Check(name="drop", passed=passed, value=drop, limit=MAX_DROP, message=message)
+
+
+def _reach_check(name: str, where: str, reached: bool, arm: str) -> Check:
+    verb = "reaches" if reached else "does not reach"
+    return Check(name=name, passed=reached, message=f"the {arm} arm {verb} {where}")

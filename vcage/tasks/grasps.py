@@ -1,0 +1,104 @@
+"""From a contact point to gripper poses: the candidates an arm may try, and the room that its fingers need.
+
+Gripper frame: z along the approach, y along the closing direction, origin between the finger tips.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from vcage.base.geometry import Pose, frame_from_axes
+from vcage.schema.asset import ContactPoint
+from vcage.schema.robot import Gripper
+
+TILTS = tuple(np.radians(degrees) for degrees in (0.0, 20.0, -20.0, 40.0, -40.0))
+"""Turns about the closing axis, straight first: arms with short wrists need them far from their base."""
+
+TIP_CLEARANCE = 0.002
+"""Metres between the finger tips and what lies under them."""
+
+GRASP_ROOM = 0.024
+"""How much wider than the material the fingers open before they close on it, or let it go, metres."""
+
+FINGER_THICKNESS = 0.022
+"""Extent of one finger along the closing axis, metres; taken generously."""
+
+FINGER_WIDTH = 0.022
+"""Extent of a finger across the closing axis, metres."""
+
+PALM_HEIGHT = 0.12
+"""Extent of hand and flange above the fingers that must stay free, metres."""
+
+
+@dataclass(frozen=True)
+class GraspPose:
+    """One way to hold an object at a contact point.
+
+    Args:
+        contact: id of the contact point.
+        pose: gripper frame in the world.
+        in_object: gripper frame in the object frame.
+    """
+
+    contact: int
+    pose: Pose
+    in_object: Pose
+
+
+def grasp_poses(
+    object_pose: Pose, contact: ContactPoint, gripper: Gripper, support: float, tilts: Sequence[float] = TILTS
+) -> Iterator[GraspPose]:
+    """The gripper poses to try for a contact point, the straightest first.
+
+    Each turn about the closing axis comes twice, with the gripper flipped by 180° about its approach. A pose
+    whose finger tips would touch the support is raised until they clear it.
+
+    Args:
+        object_pose: object frame in the world.
+        support: z of what the object stands on, metres.
+        tilts: turns about the closing axis to try, in this order, radians.
+    """
+    frame = object_pose * frame_from_axes(contact.position, contact.approach, contact.closing)
+    for tilt in tilts:
+        for flip in (0.0, np.pi):
+            turn = Pose(q=[np.cos(tilt / 2), 0, np.sin(tilt / 2), 0]) * Pose.from_yaw([0, 0, 0], flip)
+            pose = _above_support(frame * turn, gripper, support)
+            yield GraspPose(contact.id, pose, object_pose.inverse() * pose)
+
+
+def _above_support(pose: Pose, gripper: Gripper, support: float) -> Pose:
+    down = -pose.rotation()[2, 2]  # how much of the approach points down
+    sideways = np.abs(pose.rotation()[2, 0]) * FINGER_WIDTH / 2  # a tilted finger's corner hangs lower
+    lowest = pose.p[2] - max(down, 0.0) * gripper.tip_depth - sideways
+    rise = max(0.0, support + TIP_CLEARANCE - lowest)
+    return Pose(pose.p + [0, 0, rise], pose.q)
+
+
+def approach_opening(width: float, gripper: Gripper) -> float:
+    """How far the fingers are apart when they come down around ``width`` of material, metres."""
+    return min(gripper.max_width, width + GRASP_ROOM)
+
+
+def hand_boxes(gripper: Gripper, opening: float) -> list[np.ndarray]:
+    """Boxes (2, 3) in the gripper frame that the hand fills when its fingers are ``opening`` metres apart."""
+    half = opening / 2
+    fingers = [
+        np.array(
+            [
+                [-FINGER_WIDTH / 2, min(side * half, side * (half + FINGER_THICKNESS)), -gripper.finger_length],
+                [FINGER_WIDTH / 2, max(side * half, side * (half + FINGER_THICKNESS)), gripper.tip_depth],
+            ]
+        )
+        for side in (1.0, -1.0)
+    ]
+    palm_x, palm_y = gripper.palm_size
+    palm = np.array(
+        [
+            [-palm_x / 2, -palm_y / 2, -gripper.finger_length - PALM_HEIGHT],
+            [palm_x / 2, palm_y / 2, -gripper.finger_length],
+        ]
+    )
+    return [*fingers, palm]

@@ -1,0 +1,171 @@
+"""From a contact point on a moving part to the gripper's ways of operating it: along a drawer's slide, around a hinge.
+
+A part is operated by a *grasp*, the fingers around a handle that they take along, or by a *press*, the closed fingers
+pushing it. Geometry only: what an arm can reach and what stands in the way is for the planner to say.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from vcage.base.geometry import Pose
+from vcage.schema.asset import ContactPoint, MovingLink, PhysicalModel
+from vcage.schema.robot import Gripper
+from vcage.sim.joints import joint_index, joint_motion, link_poses
+from vcage.tasks.grasps import TILTS, approach_opening, grasp_poses
+from vcage.tasks.waypoints import APPROACH
+
+STEP, STEP_TURN = 0.01, np.radians(4.0)
+"""Largest distance between neighbouring poses along a joint's motion: metres, radians."""
+
+FINE_TILTS = tuple(np.radians(degrees) for degrees in (0.0, 10.0, -10.0, 20.0, -20.0, 30.0, -30.0, 40.0, -40.0))
+"""Turns about the closing axis for a slide, straight first: the room between an arm and a drawer is narrow."""
+
+TURNS_ALONG = (1.0, 0.7, 0.4, 0.0)
+"""Share of a joint's turn that the gripper makes with it; for the rest the handle turns between the fingers."""
+
+
+@dataclass(frozen=True)
+class Handle:
+    """A contact point on a moving part of an object that stands somewhere.
+
+    Args:
+        contact: its ``link`` is the moving part.
+        model: of the object.
+        pose: object frame in the world.
+        joints: (n,) present position of each of ``model.links``.
+        width: material between the fingers there, metres.
+    """
+
+    contact: ContactPoint
+    model: PhysicalModel
+    pose: Pose
+    joints: np.ndarray
+    width: float
+
+    @property
+    def link(self) -> MovingLink:
+        """The part that it moves.
+
+        Raises:
+            ValueError: the contact point belongs to the body.
+        """
+        if self.contact.link is None:
+            raise ValueError(f"contact point {self.contact.name!r} belongs to no moving part")
+        return self.model.link(self.contact.link)
+
+    @property
+    def position(self) -> float:
+        """Present position of the joint, metres or radians."""
+        return float(self.joints[joint_index(self.model, self.link.name)])
+
+    def joints_at(self, position: float) -> np.ndarray:
+        """(n,) the present joint positions, but this part's is ``position``."""
+        joints = np.array(self.joints, dtype=np.float64)
+        joints[joint_index(self.model, self.link.name)] = position
+        return joints
+
+
+@dataclass(frozen=True)
+class OperatingWay:
+    """Gripper poses of an operation, in order.
+
+    Args:
+        before: on the way to the handle.
+        grasp: at the handle.
+        motion: from there along the joint's motion; for a press, there and back again.
+        pushed: how many poses of ``motion`` there are until the joint is at its target.
+        after: where the hand is drawn back to.
+        opening: of the fingers on the way to the handle and away, metres; 0 for a press.
+    """
+
+    before: Pose
+    grasp: Pose
+    motion: list[Pose]
+    pushed: int
+    after: Pose
+    opening: float
+
+
+def operating_ways(handle: Handle, target: float, gripper: Gripper, support: float) -> Iterator[OperatingWay]:
+    """The ways to bring a joint from where it is to ``target``, the straightest first.
+
+    Every way to hold the handle is tried with the gripper turning along, then with the handle turning between the
+    fingers more and more.
+
+    Args:
+        target: position of the joint, metres or radians.
+        support: z of what the object stands on, metres.
+    """
+    turns = handle.link.joint.kind == "turn"
+    for share in TURNS_ALONG if turns else (1.0,):
+        frame = held_frame(handle, handle.position, share)
+        for held in grasp_poses(frame, handle.contact, gripper, support, TILTS if turns else FINE_TILTS):
+            if handle.contact.use == "press":
+                yield _press_way(handle, held.in_object, target, share, gripper)
+            else:
+                yield _grasp_way(handle, held.in_object, target, share, gripper)
+
+
+def held_frame(handle: Handle, position: float, share: float = 1.0) -> Pose:
+    """The frame that the gripper keeps to while the joint is at ``position``, in the world.
+
+    Its contact point is the part's; it is turned only by ``share`` of the joint's turn, so that at 1 it is the
+    frame of the part and at 0 keeps the heading that the part has at rest.
+    """
+    joint = handle.link.joint
+    carrier = handle.pose * link_poses(handle.model, handle.joints)[handle.link.parent]
+    if joint.kind == "slide":
+        return carrier * joint_motion(joint, position)
+    point = np.asarray(handle.contact.position)
+    turned = Pose(q=joint_motion(joint, share * position).q)
+    moved = joint_motion(joint, position).apply(point)
+    return carrier * Pose(moved - turned.apply(point), turned.q)
+
+
+def _grasp_way(handle: Handle, in_frame: Pose, target: float, share: float, gripper: Gripper) -> OperatingWay:
+    grasp, *motion = _along(handle, in_frame, target, share)
+    return OperatingWay(
+        before=_drawn_back(grasp, APPROACH),
+        grasp=grasp,
+        motion=motion,
+        pushed=len(motion),
+        after=_drawn_back(motion[-1], APPROACH),
+        opening=approach_opening(handle.width, gripper),
+    )
+
+
+def _press_way(handle: Handle, in_frame: Pose, target: float, share: float, gripper: Gripper) -> OperatingWay:
+    # The tips, not the frame between them, meet the part.
+    touch, *push = _along(handle, _drawn_back(in_frame, gripper.tip_depth), target, share)
+    return OperatingWay(
+        before=_drawn_back(touch, APPROACH),
+        grasp=touch,
+        motion=[*push, *push[-2::-1], touch],
+        pushed=len(push),
+        after=_drawn_back(touch, APPROACH),
+        opening=0.0,
+    )
+
+
+def _along(handle: Handle, in_frame: Pose, target: float, share: float) -> list[Pose]:
+    """Gripper poses from where the joint is to ``target``, at least two."""
+    return [held_frame(handle, position, share) * in_frame for position in _positions(handle, target)]
+
+
+def _positions(handle: Handle, target: float) -> Sequence[float]:
+    """Joint positions from the present one to ``target``."""
+    joint, way = handle.link.joint, target - handle.position
+    if joint.kind == "slide":
+        count = abs(way) / STEP
+    else:
+        arm = np.cross(np.asarray(handle.contact.position) - np.asarray(joint.origin), joint.axis)
+        count = max(abs(way) / STEP_TURN, abs(way) * float(np.linalg.norm(arm)) / STEP)
+    return np.linspace(handle.position, target, max(1, int(np.ceil(count))) + 1).tolist()
+
+
+def _drawn_back(pose: Pose, distance: float) -> Pose:
+    return Pose(pose.p - distance * pose.rotation()[:, 2], pose.q)

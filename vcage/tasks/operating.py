@@ -1,0 +1,222 @@
+"""Operating a moving part of an object: plan its ways, carry out the first that is free, feel whether it moved."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from vcage.schema.asset import ContactPoint
+from vcage.sim.arms import ArmControl
+from vcage.sim.collision import CollisionScene
+from vcage.sim.joints import carried_by, part_name
+from vcage.sim.motion import Load, MotionFailed, MotionPlanner
+from vcage.sim.trajectory import Trajectory
+from vcage.sim.world import World
+from vcage.tasks.failures import TaskFailed, joined
+from vcage.tasks.handles import Handle, OperatingWay, operating_ways
+from vcage.tasks.scene_objects import SceneObject
+
+SLOW = 0.4
+"""Share of the speed limit while a part is moved."""
+
+CAREFUL = 0.85
+"""Share of the speed limit next to the handle."""
+
+EMPTY = 0.0015
+"""Fingers closer than this hold nothing, metres."""
+
+REACHED = 0.1
+"""A joint has reached its target when it is nearer than this share of its range."""
+
+
+@dataclass(frozen=True)
+class _Plan:
+    """A way with the arm that takes it.
+
+    Args:
+        reach: to the way's first pose.
+        down: from there to the handle.
+        push: along the joint's motion to the target.
+        back: the rest of the way's motion; only a press has one.
+        clear: whether the open hand touches nothing at the handle, not even the part itself.
+    """
+
+    arm: str
+    way: OperatingWay
+    reach: Trajectory
+    down: Trajectory
+    push: Trajectory
+    back: Trajectory | None
+    clear: bool
+
+
+class Operation:
+    """One moving part that is to be brought to a position.
+
+    Args:
+        world: as it is now.
+        thing: the object at its present pose.
+        contact: where to take hold of the part; its ``link`` is the part.
+        target: position that its joint shall have, metres or radians.
+
+    Raises:
+        TaskFailed: the contact point sits on no moving part, or the target is outside the joint's range.
+    """
+
+    def __init__(self, world: World, thing: SceneObject, contact: ContactPoint, target: float):
+        model = world.bodies[thing.id].model
+        if contact.link is None:
+            raise TaskFailed("plan", f"{contact.name!r} of {thing.record.phrase} is on no moving part")
+        joint = model.link(contact.link).joint
+        if not joint.lower <= target <= joint.upper:
+            allowed = f"{joint.lower:.3f} to {joint.upper:.3f}"
+            raise TaskFailed("plan", f"{contact.link} of {thing.record.phrase} moves from {allowed}, not to {target}")
+        self._world = world
+        self._thing = thing
+        self._contact = contact
+        self._target = target
+        self._part = part_name(thing.id, contact.link)
+        self._own = [part_name(thing.id, name) for name in carried_by(model, contact.link)]
+        self._tolerance = REACHED * (joint.upper - joint.lower)
+        width = thing.asset.grasp_width(contact)
+        self._handle = Handle(contact, model, thing.pose, world.object_joints(thing.id), width)
+
+    def run(self, arms: Sequence[str], attempt: int = 0) -> str:
+        """Carry it out with the first of ``arms`` that can; returns its name. The arm ends beside the handle.
+
+        Args:
+            attempt: number of the attempt; later ones take later ways.
+
+        Raises:
+            TaskFailed: no way can be planned, the fingers miss the handle, or the joint did not reach its target.
+        """
+        plan = self._choose(arms, attempt)
+        control = self._world.arms[plan.arm]
+        control.command_gripper(_command(plan.way.opening, control))
+        control.move(plan.reach)
+        control.move(plan.down)
+        if self._contact.use == "grasp":
+            self._close(control)
+        control.move(plan.push)
+        reached = self._position()
+        if plan.back is not None:
+            control.move(plan.back)
+        self._let_go(plan, control)
+        # A spring takes what was pressed back: there, only the end of the push counts.
+        if self._contact.use == "press":
+            self._check(reached)
+        self.confirm()
+        return plan.arm
+
+    def confirm(self) -> None:
+        """That a part moved by its handle still is where it was brought; what was pressed may spring back.
+
+        Raises:
+            TaskFailed: it is not.
+        """
+        if self._contact.use == "grasp":
+            self._check(self._position())
+
+    # --- planning --------------------------------------------------------------------------------------
+
+    def _choose(self, arms: Sequence[str], attempt: int) -> _Plan:
+        reasons: list[str] = []
+        clear, others = [], []
+        for plan in self._plans(arms, reasons):
+            (clear if plan.clear else others).append(plan)
+            if len(clear) > attempt:
+                break
+        plans = clear + others
+        if not plans:
+            named = f"{self._contact.name!r} of {self._thing.record.phrase}"
+            raise TaskFailed("plan", f"no way to operate {named} can be planned: {joined(reasons)}")
+        return plans[attempt % len(plans)]
+
+    def _plans(self, arms: Sequence[str], reasons: list[str]) -> Iterator[_Plan]:
+        for arm in arms:
+            control = self._world.arms[arm]
+            now = MotionPlanner(CollisionScene.of_world(self._world, arm))
+            then = now if self._contact.use == "press" else MotionPlanner(self._scene_at_target(arm))
+            for way in operating_ways(self._handle, self._target, control.arm.gripper, self._thing.box.bottom):
+                starts = now.kinematics.ik_all(way.before, self._joints(arm))
+                if not starts:
+                    reasons.append(f"{arm} arm at {self._contact.name!r}: out of reach")
+                for start in sorted(starts, key=lambda q, arm=arm: float(np.abs(q - self._joints(arm)).max())):
+                    try:
+                        yield self._plan(arm, way, start, now, then)
+                    except MotionFailed as error:
+                        reasons.append(f"{arm} arm at {self._contact.name!r}: {error.message}")
+
+    def _plan(self, arm: str, way: OperatingWay, start: np.ndarray, now: MotionPlanner, then: MotionPlanner) -> _Plan:
+        """Every motion of a way with the arm at ``start`` before it, the narrow ones first.
+
+        Args:
+            now, then: planners around everything as it is, and as it shall be.
+
+        Raises:
+            MotionFailed: one of them is not free.
+        """
+        control = self._world.arms[arm]
+        opening = _command(way.opening, control)
+        near = Load(opening, fingers_may_touch=self._own, speed=CAREFUL)
+        down = now.line(start, way.grasp, near)
+        held = _command(self._handle.width if way.opening else 0.0, control)
+        moving = Load(held, ignore=self._own, speed=SLOW)
+        push = now.follow(down.end, way.motion[: way.pushed], moving)
+        rest = way.motion[way.pushed :]
+        back = now.follow(push.end, rest, moving) if rest else None
+        away = then.line((back or push).end, way.after, near)
+        # The hand must get there, and home again: that it does is worth nothing if it then stands in a corner.
+        reach = now.move(self._joints(arm), start, Load(opening))
+        then.move(away.end, np.array(control.arm.home), Load(opening))
+        touched = self._own if self._contact.use == "press" else ()
+        clear = now.scene.first_contact(down.end, opening, ignore=touched) is None
+        return _Plan(arm, way, reach, down, push, back, clear)
+
+    def _joints(self, arm: str) -> np.ndarray:
+        """Joints that the arm was last told to take."""
+        return self._world.arms[arm].command[:-1]
+
+    def _scene_at_target(self, arm: str) -> CollisionScene:
+        """The surroundings of an arm when the part is where it shall be."""
+        world = self._world
+        bodies = {name: world.body(name) for name in world.object_ids}
+        joints = tuple(self._handle.joints_at(self._target).tolist())
+        bodies[self._thing.id] = replace(bodies[self._thing.id], joints=joints)
+        others = {name: control.joints for name, control in world.arms.items() if name != arm}
+        return CollisionScene(world.robot, arm, world.table, bodies, others)
+
+    # --- execution -------------------------------------------------------------------------------------
+
+    def _close(self, control: ArmControl) -> None:
+        control.grip(0.0)
+        if control.finger_width < EMPTY:
+            where = f"{self._contact.name!r} of {self._thing.record.phrase}"
+            raise TaskFailed("grasp", f"the fingers closed on nothing where {where} should be")
+
+    def _let_go(self, plan: _Plan, control: ArmControl) -> None:
+        """Open the fingers and draw the hand back from where it stands."""
+        opened = _command(plan.way.opening, control)
+        control.grip(opened)
+        planner = MotionPlanner(CollisionScene.of_world(self._world, plan.arm))
+        away = Load(opened, fingers_may_touch=[self._thing.id, *self._own], speed=CAREFUL)
+        try:
+            control.move(planner.line(control.command[:-1], plan.way.after, away))
+        except MotionFailed as error:
+            raise TaskFailed("place", f"the hand cannot be drawn back: {error.message}") from error
+
+    def _position(self) -> float:
+        joints = self._world.object_joints(self._thing.id)
+        return replace(self._handle, joints=joints).position
+
+    def _check(self, position: float) -> None:
+        if abs(position - self._target) > self._tolerance:
+            named = f"{self._part.partition('/')[2]} of {self._thing.record.phrase}"
+            raise TaskFailed("place", f"{named} came to {position:.3f} instead of {self._target:.3f}")
+
+
+def _command(width: float, control: ArmControl) -> float:
+    """The gripper command, 0 closed to 1 open, for an opening in metres."""
+    return width / control.arm.gripper.max_width

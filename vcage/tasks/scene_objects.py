@@ -1,0 +1,99 @@
+"""An object of a scene with its geometry: what the search and the execution both look at."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from shapely.geometry import MultiPoint, Polygon
+
+from vcage.base.geometry import Pose, box_corners, world_aabb
+from vcage.objects.asset import Asset
+from vcage.schema.asset import CatalogueEntry
+from vcage.schema.scene import ObjectRecord
+
+
+@dataclass(frozen=True)
+class SolidBox:
+    """A box (2, 3) in its own frame, at a pose in the world."""
+
+    bounds: np.ndarray
+    pose: Pose
+
+    @cached_property
+    def corners(self) -> np.ndarray:
+        """(8, 3) corners in the world."""
+        return self.pose.apply(box_corners(self.bounds[0], self.bounds[1]))
+
+    @cached_property
+    def outline(self) -> Polygon:
+        """The box seen from straight above."""
+        return MultiPoint(self.corners[:, :2]).convex_hull
+
+    @property
+    def top(self) -> float:
+        return float(self.corners[:, 2].max())
+
+    @property
+    def bottom(self) -> float:
+        return float(self.corners[:, 2].min())
+
+
+@dataclass(frozen=True)
+class SceneObject:
+    """An object where it is now.
+
+    Args:
+        record: what the scene says of it.
+        asset: its geometry and points.
+        pose: object frame in the world; differs from the record's while an episode runs.
+        joints: (n,) positions of its moving parts; all closed when empty.
+    """
+
+    record: ObjectRecord
+    asset: Asset
+    pose: Pose
+    joints: tuple[float, ...] = ()
+
+    @property
+    def id(self) -> str:
+        return self.record.id
+
+    @property
+    def box(self) -> SolidBox:
+        """The bounding box at the object's pose."""
+        return SolidBox(self.asset.bounds, self.pose)
+
+    @property
+    def aabb(self) -> np.ndarray:
+        """(2, 3) axis-aligned box in the world."""
+        return world_aabb(self.asset.bounds, self.pose)
+
+    def kind(self) -> CatalogueEntry:
+        """The catalogue's entry of it, with no other look than its own."""
+        return self.asset.entry().model_copy(update={"variants": [self.asset.variant]})
+
+    def moved(self, pose: Pose, joints: tuple[float, ...] | None = None) -> SceneObject:
+        """The same object at another pose, and at other joint positions if they are given."""
+        return replace(self, pose=pose, joints=self.joints if joints is None else joints)
+
+    def walls(self, functional_point: int) -> list[SolidBox]:
+        """The rim around an opening as up to four boxes from the object's bottom to the rim; none for a flat top."""
+        opening = self.asset.opening(self.asset.annotation.functional_point(functional_point))
+        lower, upper = self.asset.bounds
+        centre, half = np.array(opening.centre), np.array(opening.size) / 2
+        (x0, y0), (x1, y1) = centre - half, centre + half
+        if opening.depth < 1e-3:
+            return []
+        rectangles = (
+            (lower[0], lower[1], x0, upper[1]),
+            (x1, lower[1], upper[0], upper[1]),
+            (lower[0], lower[1], upper[0], y0),
+            (lower[0], y1, upper[0], upper[1]),
+        )
+        return [
+            SolidBox(np.array([[a, b, lower[2]], [c, d, opening.rim]]), self.pose)
+            for a, b, c, d in rectangles
+            if c - a > 1e-4 and d - b > 1e-4
+        ]

@@ -1,0 +1,95 @@
+"""From a kept sub-task to a Python script that a person can read and run.
+
+The text of a model never becomes code: only validated slots (ids, point numbers, closed words, quoted strings)
+are rendered into the template.
+"""
+
+from __future__ import annotations
+
+import ast
+import functools
+import runpy
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import jinja2
+
+from vcage.base.errors import DamagedFile, MissingStage
+from vcage.base.files import write_text
+from vcage.schema.scene import Scene
+from vcage.schema.subtasks import Subtask
+
+
+def render_script(subtask: Subtask, scene: Scene) -> str:
+    """The script's source."""
+    text = _template().render(subtask=subtask, scene=scene)
+    ast.parse(text)
+    return text
+
+
+def write_script(subtask: Subtask, scene: Scene, path: Path) -> Path:
+    """Write the script, executable."""
+    write_text(path, render_script(subtask, scene))
+    path.chmod(0o755)
+    return path
+
+
+@dataclass(frozen=True)
+class Script:
+    """A loaded sub-task script.
+
+    Args:
+        path: where it lies.
+        play: what the robot does, called with a task.
+        verify: what the critic is asked, called with a task.
+        values: its upper-case names (SCENE, TEXT, GRASPS…).
+    """
+
+    path: Path
+    play: Callable[[Any], None]
+    verify: Callable[[Any], Any]
+    values: dict[str, Any]
+
+
+def load_script(path: Path) -> Script:
+    """Load a sub-task script; it may have been edited by hand.
+
+    Raises:
+        MissingStage: it is not there.
+        DamagedFile: it does not parse, fails while it is loaded, or lacks ``play`` or ``verify``.
+    """
+    if not path.is_file():
+        raise MissingStage(f"{path} does not exist", hint="run search_subtasks first")
+    hint = "mend it, or run search_subtasks --force"
+    try:
+        names = runpy.run_path(str(path), run_name="vcage_subtask")
+    except SyntaxError as error:
+        raise DamagedFile(f"{path}: line {error.lineno}: {error.msg}", hint=hint) from error
+    except Exception as error:  # whatever the hand that edited it left there
+        raise DamagedFile(f"{path} cannot be loaded: {type(error).__name__}: {error}", hint=hint) from error
+    for name in ("play", "verify"):
+        if not callable(names.get(name)):
+            raise DamagedFile(f"{path} defines no function {name}(task)", hint="run search_subtasks --force")
+    values = {name: value for name, value in names.items() if name.isupper()}
+    return Script(path, names["play"], names["verify"], values)
+
+
+def _for_docstring(text: str) -> str:
+    """One line of ``text`` that can neither end a docstring nor hide anything in it."""
+    visible = "".join(c if c.isprintable() else " " for c in text)
+    return " ".join(visible.replace("\\", "/").replace('"', "'").split())
+
+
+@functools.cache
+def _template() -> jinja2.Template:
+    environment = jinja2.Environment(
+        loader=jinja2.PackageLoader("vcage.tasks", package_path=""),
+        undefined=jinja2.StrictUndefined,
+        keep_trailing_newline=True,
+        autoescape=False,
+    )
+    environment.filters["literal"] = repr
+    environment.filters["docstring"] = _for_docstring
+    return environment.get_template("script.py.jinja")

@@ -1,0 +1,72 @@
+"""What a search may choose from, and when it has found what it looks for."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vcage.schema.compression import Reduce
+from vcage.video.codec import EncoderSettings
+
+LOSSLESS = -1
+"""Stands for a CRF below all: none passes."""
+
+
+@dataclass(frozen=True)
+class Criterion:
+    """When a clip passes.
+
+    Args:
+        threshold: what the loss must stay below, JOD.
+        reduce: over the scored frames, 'max' or 'mean'.
+        guard: whether frames that are no keyframes must pass as well.
+    """
+
+    threshold: float = 0.1
+    reduce: Reduce = "max"
+    guard: bool = True
+
+    def loss(self, losses: NDArray[np.float64]) -> float:
+        """The one number of the losses of several frames."""
+        return float(losses.max() if self.reduce == "max" else losses.mean())
+
+    def failing(self, frames: Sequence[int], losses: NDArray[np.float64]) -> list[int]:
+        """The frames to blame where their losses together do not pass."""
+        if self.loss(losses) < self.threshold:
+            return []
+        return [f for f, loss in zip(frames, losses, strict=True) if self.reduce == "mean" or loss >= self.threshold]
+
+
+@dataclass(frozen=True)
+class Choices:
+    """What a search may choose from; one pixel format and one GOP leave it the CRF alone.
+
+    Args:
+        codec: see :class:`EncoderSettings`.
+        preset: the encoder's; none takes the codec's usual one.
+        pixel_formats: none takes all that the codec has.
+        gops: the first is searched, the others are tried at the CRF that it allows.
+        upper: the highest CRF to consider, :data:`LOSSLESS` for none; None takes the codec's.
+    """
+
+    codec: str = "hevc"
+    preset: str = ""
+    pixel_formats: tuple[str, ...] = ()
+    gops: tuple[int, ...] = (10,)
+    upper: int | None = None
+
+    def settings(self, pixel_format: str = "", gop: int = 0) -> EncoderSettings:
+        """The encoder's settings with one of the choices."""
+        return EncoderSettings(self.codec, pixel_format, self.preset, gop or self.gops[0])
+
+    @property
+    def highest(self) -> int:
+        """The highest CRF to consider."""
+        return self.settings().facts.max_crf if self.upper is None else self.upper
+
+    def fixed(self, settings: EncoderSettings, upper: int) -> Choices:
+        """The same with nothing left to choose but a CRF of at most ``upper``."""
+        return replace(self, pixel_formats=(settings.pixel_format,), gops=(settings.gop,), upper=upper)

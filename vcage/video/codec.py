@@ -1,0 +1,212 @@
+"""HEVC, AV1 or H.264 in MP4 (through PyAV): the Image → Video → Image loop of the paper, section III-D.
+
+Colour: the pictures are converted with the BT.601 matrix in limited range, and tagged so. That matrix is what readers
+assume that ignore the tag (OpenCV, swscale's default), so they and those that honour it show the same colours.
+
+The same frames and settings give the same HEVC bytes on every number of cores: x265's frame threads and look-ahead
+slices, which change its decisions, are fixed, and its info message, which names the machine, is left out.
+"""
+
+from __future__ import annotations
+
+import io
+import os
+from collections.abc import Collection
+from dataclasses import dataclass
+from fractions import Fraction
+
+import av
+import numpy as np
+from av.video.reformatter import ColorPrimaries, ColorRange, Colorspace, ColorTrc, Interpolation
+from numpy.typing import NDArray
+
+from vcage.base.errors import UnknownName, UsageError
+from vcage.video.encoders import CODECS, Codec, kept_priority, require_encoder
+
+CONTAINER = "mp4"
+
+SMALLEST = 16
+"""Fewest pixels along a side that every encoder takes."""
+
+BT601 = 6
+"""ISO/IEC 23001-8 matrix coefficients of SMPTE 170M, the same numbers as BT.601."""
+
+RGB_MATRIX = 0
+
+EXACT = (
+    Interpolation.BICUBIC
+    | Interpolation.ACCURATE_RND
+    | Interpolation.FULL_CHR_H_INP
+    | Interpolation.FULL_CHR_H_INT
+    | Interpolation.BITEXACT
+)
+"""swscale's most exact conversion; its default darkens 8-bit 4:2:0 by about one step."""
+
+
+@dataclass(frozen=True)
+class EncoderSettings:
+    """How a stream is encoded, but for its CRF.
+
+    Args:
+        codec: a name of :data:`vcage.video.encoders.CODECS`.
+        pixel_format: FFmpeg's name; none takes the codec's best. 10-bit 4:4:4 gives the conversion itself no loss
+            (measured: 0.000 JOD, against 0.06–0.13 for ``yuv420p``, which takes up most of the usual threshold of 0.1
+            or exceeds it).
+        preset: the encoder's own; none takes the codec's usual one.
+        gop: frames from one random-access point to the next.
+
+    Raises:
+        UnknownName: there is no such codec, or it has no such pixel format or preset.
+        UsageError: the gop is not positive.
+    """
+
+    codec: str = "hevc"
+    pixel_format: str = ""
+    preset: str = ""
+    gop: int = 10
+
+    def __post_init__(self) -> None:
+        if self.codec not in CODECS:
+            raise UnknownName("codec", self.codec, CODECS)
+        object.__setattr__(self, "pixel_format", self.pixel_format or self.facts.pixel_formats[0])
+        object.__setattr__(self, "preset", self.preset or self.facts.preset)
+        if self.pixel_format not in self.facts.pixel_formats:
+            raise UnknownName(f"pixel format of {self.codec}", self.pixel_format, self.facts.pixel_formats)
+        if self.preset not in self.facts.presets:
+            raise UnknownName(f"preset of {self.codec}", self.preset, self.facts.presets)
+        if self.gop < 1:
+            raise UsageError(f"gop is {self.gop}, expected at least 1")
+
+    @property
+    def facts(self) -> Codec:
+        """What its codec's encoder can do."""
+        return CODECS[self.codec]
+
+
+def encode(
+    frames: NDArray[np.uint8], fps: float, settings: EncoderSettings, crf: int | None, threads: int = 0
+) -> bytes:
+    """Encode pictures as an MP4 file with one stream.
+
+    Args:
+        frames: (T, H, W, 3) uint8 RGB, of a size that :func:`formats_for` finds a format for.
+        fps: frames per second.
+        settings: the encoder's.
+        crf: constant rate factor, of those that the codec has; None encodes RGB without any loss.
+        threads: of the encoder; 0 leaves it the choice.
+
+    Raises:
+        UsageError: the size does not fit the pixel format or is too small, the CRF is out of range, or the codec has
+            no lossless form.
+        MissingDependency: this build of PyAV lacks the encoder.
+    """
+    codec = settings.facts
+    _check(frames, settings, crf)
+    require_encoder(codec)
+    pixel_format = codec.lossless_format if crf is None else settings.pixel_format
+    os.environ.setdefault("SVT_LOG", "1")  # SVT-AV1 else describes itself on stderr for every file
+    target = io.BytesIO()
+    with av.open(target, "w", format=CONTAINER, container_options={"fflags": "+bitexact"}) as container:
+        encoder = codec.lossless_encoder if crf is None else codec.encoder
+        stream = container.add_stream(encoder, rate=Fraction(fps).limit_denominator(1001))
+        stream.height, stream.width = frames.shape[1:3]
+        stream.pix_fmt = pixel_format
+        stream.codec_tag = codec.tag
+        _tag_colour(stream.codec_context, rgb=is_rgb(pixel_format))
+        stream.options = codec.options(settings.preset, settings.gop, crf, threads)
+        with kept_priority():
+            stream.codec_context.open()
+        for index, picture in enumerate(frames):
+            container.mux(stream.encode(converted(picture, pixel_format, index)))
+        container.mux(stream.encode(None))
+    return target.getvalue()
+
+
+def formats_for(settings: EncoderSettings, width: int, height: int, names: Collection[str] = ()) -> list[str]:
+    """The pixel formats of a codec that can hold pictures of a size: odd ones need chroma of the full size.
+
+    Args:
+        settings: the encoder's; only its codec counts.
+        width, height: of the pictures, pixels.
+        names: the formats to choose from; none for all of the codec.
+
+    Returns:
+        At least one, the best first.
+
+    Raises:
+        UsageError: no format can.
+    """
+    fitting = [name for name in settings.facts.pixel_formats if _fits(name, width, height)]
+    if not fitting or min(width, height) < SMALLEST:
+        raise UsageError(
+            f"pictures of {width}x{height} cannot be encoded as {settings.codec}",
+            hint=f"sides are at least {SMALLEST} pixels"
+            + ("" if settings.codec != "av1" else ", and even for av1: take --codec hevc, which allows odd ones"),
+        )
+    chosen = [name for name in fitting if not names or name in names]
+    if not chosen:
+        raise UsageError(
+            f"pictures of {width}x{height} do not fit the pixel format {', '.join(names)}",
+            hint=f"take one of {', '.join(fitting)}",
+        )
+    return chosen
+
+
+def _fits(pixel_format: str, width: int, height: int) -> bool:
+    horizontal = 2 if "420" in pixel_format or "422" in pixel_format else 1
+    vertical = 2 if "420" in pixel_format else 1
+    return width % horizontal == 0 and height % vertical == 0
+
+
+def _check(frames: NDArray[np.uint8], settings: EncoderSettings, crf: int | None) -> None:
+    if frames.ndim != 4 or frames.shape[3] != 3 or frames.dtype != np.uint8 or len(frames) == 0:
+        raise ValueError(f"frames are {frames.shape} {frames.dtype}, expected (T, H, W, 3) uint8 with T > 0")
+    height, width = frames.shape[1:3]
+    formats_for(settings, width, height, () if crf is None else (settings.pixel_format,))
+    if crf is None:
+        if not settings.facts.lossless_format:
+            raise UsageError(f"{settings.codec} has no lossless form here", hint="hevc and h264 have one")
+        return
+    if not settings.facts.min_crf <= crf <= settings.facts.max_crf:
+        raise UsageError(f"crf is {crf}, expected {settings.facts.min_crf} … {settings.facts.max_crf}")
+
+
+def is_rgb(pixel_format: str) -> bool:
+    """Whether a video in a pixel format holds RGB as it is; all others hold YUV, see this module."""
+    return pixel_format.startswith(("gbr", "rgb"))
+
+
+def _tag_colour(context: av.VideoCodecContext, *, rgb: bool) -> None:
+    context.colorspace = RGB_MATRIX if rgb else BT601
+    context.color_range = ColorRange.JPEG if rgb else ColorRange.MPEG
+    context.color_primaries = ColorPrimaries.BT709
+    context.color_trc = ColorTrc.IEC61966_2_1
+
+
+def converted(picture: NDArray[np.uint8], pixel_format: str, index: int = 0) -> av.VideoFrame:
+    """A picture, (H, W, 3) uint8 RGB, as the encoder gets it, for the time ``index`` in frames."""
+    frame = av.VideoFrame.from_ndarray(np.ascontiguousarray(picture), format="rgb24")
+    if pixel_format.startswith("gbr"):
+        frame = frame.reformat(format=pixel_format, interpolation=EXACT, threads=1)
+    elif pixel_format != "rgb24":
+        frame = frame.reformat(
+            format=pixel_format,
+            dst_colorspace=Colorspace.ITU601,
+            dst_color_range=ColorRange.MPEG,
+            interpolation=EXACT,
+            threads=1,
+        )
+    frame.pts = index
+    return frame
+
+
+def only_converted(pictures: NDArray[np.uint8], pixel_format: str) -> NDArray[np.uint8]:
+    """(N, H, W, 3) uint8 RGB as they come back from a pixel format without any codec: what no CRF can win back."""
+    return np.stack([_tagged(converted(picture, pixel_format)).to_ndarray(format="rgb24") for picture in pictures])
+
+
+def _tagged(frame: av.VideoFrame) -> av.VideoFrame:
+    """With the tags that a decoder finds in the stream, so that the way back is the same."""
+    if not frame.format.name.startswith("gbr"):
+        frame.colorspace, frame.color_range = BT601, ColorRange.MPEG
+    return frame

@@ -1,0 +1,116 @@
+"""The loss that a compressed picture may have, in just-objectionable differences (JOD) of ColorVideoVDP.
+
+R. Mantiuk et al., "ColorVideoVDP", 2024, https://github.com/gfxdisp/ColorVideoVDP. Equal pictures score 10 JOD, so the
+loss is 10 − JOD (paper, section III-D). What a score means depends on the display model: it is part of the result.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from importlib import metadata
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vcage.base.errors import MissingDependency, UnknownName
+
+DISPLAY = "standard_fhd"
+PERFECT = 10.0
+BATCH = {"cpu": 2, "cuda": 16}
+"""Pairs at a time; on a CPU more of them cost time, for their buffers leave the cache."""
+
+DIGITS = 5
+"""Decimals that are kept: finer ones differ from machine to machine."""
+
+_LOCK = threading.Lock()
+
+
+class JodMetric:
+    """ColorVideoVDP for a display; one instance per thread.
+
+    Args:
+        display: name of a display model of ColorVideoVDP.
+        device: 'cpu' or 'cuda'; None takes a GPU where there is one.
+
+    Raises:
+        MissingDependency: pycvvdp or torch is not installed.
+        UnknownName: there is no such display.
+    """
+
+    def __init__(self, display: str = DISPLAY, device: str | None = None):
+        require_display(display)
+        pycvvdp = _import_pycvvdp()
+        import torch
+
+        self._torch = torch
+        self.device = torch.device(device or ("cuda" if torch.cuda.is_available() else "cpu"))
+        self.display = display
+        self._metric = pycvvdp.cvvdp(display_name=display, device=self.device, quiet=True)
+
+    def loss(self, test: NDArray[np.uint8], reference: NDArray[np.uint8]) -> NDArray[np.float64]:
+        """Loss of each of N pictures against its reference, both (N, H, W, 3) uint8 RGB.
+
+        Returns:
+            (N,) JOD, 0 for equal pictures.
+        """
+        if test.shape != reference.shape:
+            raise ValueError(f"test is {test.shape}, reference {reference.shape}")
+        batch = BATCH[self.device.type]
+        losses = []
+        with _one_thread(self._torch), self._torch.no_grad():
+            for start in range(0, len(test), batch):
+                losses.append(self._predict(test[start : start + batch], reference[start : start + batch]))
+        return np.round(np.concatenate(losses), DIGITS)
+
+    def _predict(self, test: NDArray[np.uint8], reference: NDArray[np.uint8]) -> NDArray[np.float64]:
+        jod, _ = self._metric.predict(np.ascontiguousarray(test), np.ascontiguousarray(reference), dim_order="BHWC")
+        return PERFECT - np.atleast_1d(jod.cpu().numpy()).astype(np.float64)
+
+
+def metric_version() -> str:
+    """Name and version of what judges: other versions give other losses, so results name it."""
+    return f"ColorVideoVDP {metadata.version('cvvdp')}"
+
+
+def _import_pycvvdp() -> ModuleType:
+    with _LOCK:
+        try:
+            from vcage.video._torchvision_shim import torchvision_names
+
+            with torchvision_names():
+                import pycvvdp
+        except ImportError as error:
+            raise MissingDependency(
+                f"ColorVideoVDP cannot be imported: {error}", hint="run: vcage setup cvvdp"
+            ) from error
+    return pycvvdp
+
+
+def require_display(name: str) -> None:
+    """Nothing, if ColorVideoVDP has a display model of that name.
+
+    Raises:
+        MissingDependency: pycvvdp or torch is not installed.
+        UnknownName: it has not; lists those it has.
+    """
+    _import_pycvvdp()
+    from pycvvdp import utils
+
+    displays = sorted(utils.json2dict(utils.config_files.find("display_models.json", [])))
+    if name not in displays:
+        raise UnknownName("display", name, displays)
+
+
+@contextmanager
+def _one_thread(torch: Any) -> Iterator[None]:
+    """One thread for torch: the order of its sums, and so the last digits, depend on their number."""
+    before = torch.get_num_threads()
+    torch.set_num_threads(1)
+    try:
+        yield
+    finally:
+        torch.set_num_threads(before)

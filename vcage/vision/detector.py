@@ -1,0 +1,105 @@
+"""The detector that needs no weights: what differs from the empty table, split into objects.
+
+Where most of the picture differs, the table was painted anew: then what stands out of the table that the picture
+itself shows is taken.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import cv2
+import numpy as np
+
+from vcage.vision.foreground import clean, foreground
+from vcage.vision.protocols import Detection
+from vcage.vision.table_model import fit_table
+
+MIN_AREA = 2e-4
+"""Smallest share of the picture that is an object and not a speck."""
+
+MIN_CORE = 0.35
+"""A part of a split component has a core at least this deep, as a share of the deepest one."""
+
+
+PAINTED_ANEW = 0.5
+"""A table of whose picture a larger share differs from the known one is another table."""
+
+SPAN = 0.9
+"""What reaches across so much of a picture whose table is painted anew is floor or wall."""
+
+
+class BackgroundDetector:
+    """Implements :class:`vcage.models.protocols.Detector`: background difference, components, watershed."""
+
+    provider = "offline"
+
+    def detect(
+        self, picture: np.ndarray, names: Sequence[str], background: np.ndarray | None = None
+    ) -> list[Detection]:
+        """Regions that may be objects, the surest first.
+
+        ``names`` says how many to expect: only while fewer were found are components that look like several
+        touching objects split.
+        """
+        mask = foreground(picture, background)
+        anew = background is not None and mask.mean() > PAINTED_ANEW
+        if anew:
+            mask = clean(fit_table(picture).salience > 0.5)
+        pieces = [piece for piece in components(mask, MIN_AREA * mask.size) if not (anew and _spans(piece))]
+        while len(pieces) < len(names):
+            split = _split_best(pieces, picture, MIN_AREA * mask.size)
+            if split is None:
+                break
+            pieces = split
+        detections = [_detection(piece) for piece in pieces]
+        return sorted(detections, key=lambda d: (-d.score, d.box))
+
+
+def components(mask: np.ndarray, min_area: float) -> list[np.ndarray]:
+    """The connected parts of a mask that have at least ``min_area`` pixels, each as a mask."""
+    count, labels, stats, _ = cv2.connectedComponentsWithStats(mask.astype(np.uint8), connectivity=8)
+    return [labels == i for i in range(1, count) if stats[i, cv2.CC_STAT_AREA] >= min_area]
+
+
+def _spans(piece: np.ndarray) -> bool:
+    """Whether a mask reaches across the picture."""
+    return bool(piece.any(axis=0).mean() > SPAN or piece.any(axis=1).mean() > SPAN)
+
+
+def _split_best(pieces: list[np.ndarray], picture: np.ndarray, min_area: float) -> list[np.ndarray] | None:
+    """The pieces with the least convex one that can be split replaced by its parts; None when none can."""
+    for index in np.argsort([_solidity(piece) for piece in pieces], kind="stable"):
+        parts = _watershed(pieces[index], picture, min_area)
+        if len(parts) > 1:
+            return [piece for i, piece in enumerate(pieces) if i != index] + parts
+    return None
+
+
+def _solidity(piece: np.ndarray) -> float:
+    """Area over the area of the convex hull."""
+    contours, _ = cv2.findContours(piece.astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
+    hull = cv2.convexHull(np.concatenate(contours))
+    return float(piece.sum() / max(cv2.contourArea(hull), 1.0))
+
+
+def _watershed(piece: np.ndarray, picture: np.ndarray, min_area: float) -> list[np.ndarray]:
+    """Parts grown from the two deepest cores of a piece that a neck separates."""
+    depth = cv2.distanceTransform(np.pad(piece.astype(np.uint8), 1), cv2.DIST_L2, 5)[1:-1, 1:-1]
+    for level in np.linspace(MIN_CORE, 0.95, 13) * depth.max():
+        count, markers = cv2.connectedComponents((depth > level).astype(np.uint8))
+        if count > 2:
+            break
+    else:
+        return [piece]
+    markers[~piece] = count
+    edges = cv2.watershed(cv2.cvtColor((depth / depth.max() * 255).astype(np.uint8), cv2.COLOR_GRAY2RGB), markers)
+    parts = [(edges == i) & piece for i in range(1, count)]
+    parts = [part for part in parts if part.sum() >= min_area]
+    return parts if len(parts) > 1 else [piece]
+
+
+def _detection(piece: np.ndarray) -> Detection:
+    rows, columns = np.nonzero(piece)
+    box = (float(columns.min()), float(rows.min()), float(columns.max() + 1), float(rows.max() + 1))
+    return Detection(box=box, mask=piece, score=min(1.0, _solidity(piece)))

@@ -1,0 +1,145 @@
+"""Grounding DINO: finds what the names say, in any picture, without knowing the empty table.
+
+S. Liu et al., Grounding DINO: Marrying DINO with Grounded Pre-Training for Open-Set Object Detection, ECCV 2024.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Iterator, Sequence
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from vcage.base.errors import UsageError
+from vcage.vision.networks.boxes import clipped, distinct
+from vcage.vision.networks.loading import Weights, device
+from vcage.vision.protocols import Detection
+
+logger = logging.getLogger(__name__)
+
+WEIGHTS = "IDEA-Research/grounding-dino-tiny"
+KINDS = ("grounding-dino", "mm-grounding-dino")
+
+BOX_THRESHOLD = 0.25
+"""Least probability of the word that fits a box best; both thresholds are those of the authors' demonstration."""
+
+TEXT_THRESHOLD = 0.25
+"""Least probability of a name's best word for the box to carry the name as its label."""
+
+OVERLAP = 0.6
+"""Two boxes whose intersection over union is larger are one object, whatever they are called."""
+
+LARGEST = 0.5
+"""A box that covers more of the picture is the table, not an object on it."""
+
+
+class GroundingDinoDetector:
+    """Implements :class:`vcage.models.protocols.Detector`; gives boxes with names, and no masks.
+
+    Args:
+        weights: a hub id or a folder, see :class:`Weights`.
+        box_threshold, text_threshold, overlap: see :data:`BOX_THRESHOLD`, :data:`TEXT_THRESHOLD`, :data:`OVERLAP`.
+
+    Raises:
+        UsageError: a threshold is not in [0, 1].
+    """
+
+    def __init__(
+        self,
+        weights: str | None = None,
+        *,
+        box_threshold: float = BOX_THRESHOLD,
+        text_threshold: float = TEXT_THRESHOLD,
+        overlap: float = OVERLAP,
+    ):
+        if not all(0 <= value <= 1 for value in (box_threshold, text_threshold, overlap)):
+            raise UsageError("the thresholds of a detector are shares", hint="give numbers from 0 to 1")
+        self._weights = Weights(weights or WEIGHTS, KINDS)
+        self._box_threshold, self._text_threshold, self._overlap = box_threshold, text_threshold, overlap
+        self.provider = f"grounding-dino:{self._weights.name}"
+
+    def detect(
+        self, picture: np.ndarray, names: Sequence[str], background: np.ndarray | None = None
+    ) -> list[Detection]:
+        """Boxes of what has one of the names, the surest first; none without a name. ``background`` is not used."""
+        found = [one for prompt in self._prompts(names) for one in self._ask(picture, prompt)]
+        return distinct(sorted(found, key=lambda d: (-d.score, d.box)), self._overlap)
+
+    def _prompts(self, names: Sequence[str]) -> Iterator[list[str]]:
+        """The distinct names in groups whose tokens the text encoder can take at once."""
+        limit = self._network.config.max_text_len - 2  # Beside the words stand a first and a last token.
+        group: list[str] = []
+        for name in dict.fromkeys(names):
+            if not phrase(name):
+                continue
+            if group and self._tokens([*group, name]) > limit:
+                yield group
+                group = []
+            if self._tokens([name]) > limit:
+                logger.warning("the name %r is longer than the detector can read; it is not looked for", name)
+                continue
+            group.append(name)
+        if group:
+            yield group
+
+    def _tokens(self, names: Sequence[str]) -> int:
+        return len(self._processor.tokenizer(prompt_of(names)[0], add_special_tokens=False)["input_ids"])
+
+    def _ask(self, picture: np.ndarray, names: Sequence[str]) -> list[Detection]:
+        """What one prompt finds."""
+        import torch
+
+        text, spans = prompt_of(names)
+        inputs = self._processor(images=picture, text=text, return_tensors="pt").to(device())
+        with torch.inference_mode():
+            answer = self._network(**inputs)
+        words = torch.sigmoid(answer.logits[0]).float().cpu().numpy()
+        parts = [words[:, columns] for columns in self._columns(text, spans)]
+        # Names may share words ("red block", "blue block"): the mean tells them apart.
+        nearest = np.argmax([part.mean(axis=1) for part in parts], axis=0)
+        boxes = corners(answer.pred_boxes[0].float().cpu().numpy(), picture.shape)
+        found = []
+        for index in np.flatnonzero(words.max(axis=1) > self._box_threshold):
+            box = clipped(boxes[index], picture.shape, LARGEST)
+            named = parts[nearest[index]][index].max() > self._text_threshold
+            if box is not None:
+                label = names[nearest[index]] if named else None
+                found.append(Detection(box, None, float(words[index].max()), label))
+        return found
+
+    def _columns(self, text: str, spans: Sequence[tuple[int, int]]) -> list[np.ndarray]:
+        """Indices of the tokens of each name: no guess at names from decoded words is needed."""
+        offsets = np.array(self._processor.tokenizer(text, return_offsets_mapping=True)["offset_mapping"])
+        real = offsets[:, 1] > offsets[:, 0]
+        return [np.flatnonzero(real & (offsets[:, 0] >= start) & (offsets[:, 1] <= end)) for start, end in spans]
+
+    @cached_property
+    def _network(self) -> Any:
+        return self._weights.read("AutoModelForZeroShotObjectDetection")
+
+    @cached_property
+    def _processor(self) -> Any:
+        return self._weights.read("AutoProcessor")
+
+
+def phrase(name: str) -> str:
+    """A name as the network was trained to read it: lower case, without the full stop that ends a phrase."""
+    return " ".join(name.lower().replace(".", " ").replace("?", " ").split())
+
+
+def prompt_of(names: Sequence[str]) -> tuple[str, list[tuple[int, int]]]:
+    """The text "first name. second name." and where in it each name stands, as half-open spans of characters."""
+    text, spans = "", []
+    for words in map(phrase, names):
+        start = len(text) + (1 if text else 0)
+        spans.append((start, start + len(words)))
+        text += f"{' ' if text else ''}{words}."
+    return text, spans
+
+
+def corners(boxes: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
+    """(n, 4) u0, v0, u1, v1 in pixels of boxes given as centre and size in shares of the picture."""
+    centre, half = boxes[:, :2], boxes[:, 2:] / 2
+    return np.concatenate([centre - half, centre + half], axis=1) * np.tile([shape[1], shape[0]], 2)

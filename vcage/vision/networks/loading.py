@@ -1,0 +1,110 @@
+"""Where weights come from: a hub id or a folder, through ``transformers``; and the device that they run on."""
+
+from __future__ import annotations
+
+import importlib.util
+import re
+from pathlib import Path
+from typing import Any
+
+from vcage.base.errors import FetchFailed, InputFileError, MissingDependency, VcageError
+
+EXTRA = "vision"
+"""The extra of this package that installs ``transformers``."""
+
+_HUB_ID = re.compile(r"[\w-][\w.-]*/[\w-][\w.-]*")
+
+
+class Weights:
+    """The weights of one model of ``transformers``: looked up when made, read when first used.
+
+    Args:
+        where: a folder that ``save_pretrained`` wrote (or a snapshot of a hub), or a hub id such as
+            ``facebook/dinov2-small``.
+        kinds: the ``model_type`` values of ``config.json`` that the caller can use.
+
+    Raises:
+        MissingDependency: ``transformers`` is not installed.
+        InputFileError: ``where`` is no hub id, and no folder that holds a model.
+    """
+
+    def __init__(self, where: str, kinds: tuple[str, ...]):
+        require("transformers", "the model")
+        self.where, self.kinds = where, kinds
+        self.folder = _folder(where)
+
+    @property
+    def name(self) -> str:
+        """The hub id, or the folder's own name: a record says which weights, not where on a machine."""
+        return self.folder.resolve().name if self.folder else self.where
+
+    def read(self, kind: str) -> Any:
+        """What ``transformers.<kind>.from_pretrained`` gives: a model on :func:`device`, or a processor.
+
+        Raises:
+            FetchFailed: the hub does not answer, or has no such model.
+            InputFileError: the folder holds another kind of model, or is damaged.
+        """
+        import transformers
+
+        transformers.logging.set_verbosity_error()
+        transformers.logging.disable_progress_bar()
+        options = {"local_files_only": self.folder is not None}
+        source = str(self.folder or self.where)
+        try:
+            config = transformers.AutoConfig.from_pretrained(source, **options)
+            self._require_kind(config.model_type)
+            made = getattr(transformers, kind).from_pretrained(source, **options)
+        except VcageError:
+            raise
+        except Exception as error:  # transformers, safetensors and the hub raise a dozen kinds for what is not there.
+            raise self._failure(error) from error
+        return made.to(device()).eval() if hasattr(made, "eval") else made
+
+    def _require_kind(self, found: str) -> None:
+        if found not in self.kinds:
+            raise InputFileError(
+                f"{self.where} holds a model of the type {found}; expected {' or '.join(self.kinds)}",
+                hint="give other weights, or another model for this role",
+            )
+
+    def _failure(self, error: Exception) -> VcageError:
+        why = " ".join(str(error).split())[:300]
+        if self.folder:
+            return InputFileError(f"no model can be read from {self.where}: {why}", hint="fetch the folder again")
+        return FetchFailed(
+            f"{self.where} cannot be fetched from the hub: {why}",
+            hint=f"fetch it where there is a network (hf download {self.where} --local-dir FOLDER), "
+            "then name the folder in place of the hub id",
+        )
+
+
+def require(module: str, what: str, hint: str = f"pip install 'vcage[{EXTRA}]'") -> None:
+    """Check that an optional package is installed.
+
+    Raises:
+        MissingDependency: it is not; the hint says how to install it.
+    """
+    if importlib.util.find_spec(module) is None:
+        raise MissingDependency(f"{what} needs the package {module}, which is not installed", hint=hint)
+
+
+def device() -> str:
+    """``cuda`` where there is a GPU that torch can use, else ``cpu``."""
+    import torch
+
+    return "cuda" if torch.cuda.is_available() else "cpu"
+
+
+def _folder(where: str) -> Path | None:
+    """The folder that ``where`` names, or None for a hub id."""
+    path = Path(where).expanduser()
+    if path.is_dir():
+        if not (path / "config.json").is_file():
+            raise InputFileError(f"the folder {where} holds no model", hint="it needs config.json and the weights")
+        return path
+    if not _HUB_ID.fullmatch(where):
+        raise InputFileError(
+            f"{where!r} is neither a folder that exists nor a hub id", hint="a hub id looks like facebook/dinov2-small"
+        )
+    return None

@@ -1,0 +1,144 @@
+"""How a drawing of an object differs from the target: what light, colour and a small motion explain, and what is left.
+
+All three are linear in the difference, so one robust regression takes them away.
+"""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+
+from vcage.sim.drawer import Drawing
+from vcage.vision.colour import to_lab
+from vcage.vision.pose_score import LIGHTNESS
+
+SOFT = 1.0
+"""Standard deviation of the blur of drawings, pixels of the camera: image models draw softer than a renderer."""
+
+WEIGHTS = np.float32([LIGHTNESS, 1, 1])
+"""Of the channels of Lab."""
+
+COVER = 20.0
+"""Colour distance, weighted Lab units, between what is table and what is object."""
+
+SCALE = 15.0
+"""Colour distance beyond which a pixel loses its weight."""
+
+LIGHT_PRIOR = np.array([30.0, 0.3, 20.0, 20.0, 20.0, 8.0, 8.0])
+"""Standard deviations of what light may do: lightness (offset, factor, along the normal's three parts), the two other
+colours (offset)."""
+
+MOTION_PRIOR = np.array([0.005, 0.005, 0.12])
+"""Standard deviations of a motion that is taken in one step: x, y (metres), angle (radians)."""
+
+PRIOR = 360.0 / np.concatenate([LIGHT_PRIOR, MOTION_PRIOR]) ** 2
+"""What each costs in the regression, in squared colour distances: a standard deviation little more than a far pixel."""
+
+PASSES = 2
+"""Rounds of the regression; each weighs the pixels anew."""
+
+INNER = 0.9
+"""Coverage of a pixel that is far enough from the outline for its colours to have slopes."""
+
+BEYOND = 6
+"""Pixels of a drawing around the object that its blurred outline reaches at most."""
+
+
+def explain(
+    drawing: Drawing, target: np.ndarray, motions: np.ndarray, step: int, focal: float
+) -> tuple[float, np.ndarray]:
+    """What light, colour and a small motion leave of the difference between a drawing and the target.
+
+    Args:
+        drawing: of side n.
+        target: (n, n, 4) Lab and salience.
+        motions: (n, n, 2, 3) how far pixels move with x, y and the angle.
+        step: pixels of the camera to one of the drawing.
+        focal: of the camera, pixels.
+
+    Returns:
+        (robust mean over the window in [0, 1], (3,) motion in metres and radians).
+    """
+    if not drawing.covered.any():
+        return 1.0, np.zeros(3)
+    empty = _share((COVER * target[..., 3]) ** 2)
+    # Beyond the blur of its outline, the object changes nothing.
+    u, v, width, height = cv2.boundingRect(drawing.covered.astype(np.uint8))
+    near = slice(max(0, v - BEYOND), v + height + BEYOND), slice(max(0, u - BEYOND), u + width + BEYOND)
+    beyond = float(empty.sum() - empty[near].sum())
+    target, motions = target[near], motions[near].reshape(-1, 2, 3)
+    cover = drawing.covered[near].astype(np.float32)
+    blurred = cv2.GaussianBlur(cover, (0, 0), SOFT / step)
+    lab = to_lab(drawing.picture[near]) * WEIGHTS
+    lab = cv2.GaussianBlur(lab * cover[..., None], (0, 0), SOFT / step) / np.maximum(blurred, 1e-3)[..., None]
+    inside = np.flatnonzero(cover)
+    known = lab.reshape(-1, 3)[inside]
+    difference = target.reshape(-1, 4)[inside, :3] * WEIGHTS - known
+    # Slopes of the colours end at the outline, as nothing is known beyond it.
+    inner = (blurred.ravel()[inside, None, None] > INNER).astype(np.float32)
+    design = np.zeros((len(inside), 3, len(PRIOR)), np.float32)
+    design[:, 0, :5] = _light(known, _normals(drawing.depth[near], focal / step).reshape(-1, 3)[inside])
+    design[:, 1, 5] = design[:, 2, 6] = 1
+    design[..., 7:] = np.matmul(_slopes(lab).reshape(-1, 3, 2)[inside] * -inner, motions[inside])
+    beside = COVER * (target[..., 3] - blurred).ravel()
+    slopes = _slopes(blurred).reshape(-1, 1, 2)
+    edge = np.flatnonzero(slopes.any(axis=(1, 2)))
+    outline = -COVER * np.matmul(slopes[edge], motions[edge])[:, 0]
+    answer, left, beside[edge] = _regress(design, difference, outline, beside[edge])
+    squares = beside**2
+    squares[inside] += (left**2).sum(axis=1)
+    strain = float(answer**2 @ PRIOR) / SCALE**2
+    return (float(_share(squares).sum()) + beyond + strain) / empty.size, answer[7:]
+
+
+def _share(squares: np.ndarray) -> np.ndarray:
+    """In [0, 1] what a squared colour distance counts."""
+    return squares / (squares + SCALE**2)
+
+
+def _slopes(picture: np.ndarray) -> np.ndarray:
+    """(..., 2) of a picture along u and v."""
+    return np.stack([cv2.Sobel(picture, cv2.CV_32F, *order, scale=0.125) for order in ((1, 0), (0, 1))], axis=-1)
+
+
+def _normals(depth: np.ndarray, focal: float) -> np.ndarray:
+    """(h, w, 3) unit, towards the camera and in its frame (OpenCV), of the surface that a depth picture shows; exact on
+    the camera's axis."""
+    along_v, along_u = (_rise(depth, axis) * focal / depth for axis in (0, 1))
+    normals = np.stack([along_u, along_v, np.full_like(depth, -1.0)], axis=-1)
+    return normals / np.sqrt(along_u**2 + along_v**2 + 1)[..., None]
+
+
+def _rise(depth: np.ndarray, axis: int) -> np.ndarray:
+    """(h, w) what the next pixel adds. Of both neighbours the nearer is taken: the other may lie across an outline."""
+    steps = np.diff(depth, axis=axis)
+    edge = np.full_like(depth.take([0], axis), np.inf)
+    ahead, behind = np.concatenate([steps, edge], axis=axis), np.concatenate([edge, steps], axis=axis)
+    return np.where(np.abs(ahead) < np.abs(behind), ahead, behind)
+
+
+def _light(known: np.ndarray, normals: np.ndarray) -> np.ndarray:
+    """(n, 5) how light may change the lightness of pixels: by an offset, a factor, and by where they face."""
+    return np.column_stack([np.ones(len(known)), known[:, 0] - known[:, 0].mean(), normals - normals.mean(axis=0)])
+
+
+def _regress(
+    design: np.ndarray, difference: np.ndarray, outline: np.ndarray, beside: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """What explains the difference of colours (n, 3) and of coverage (m,), and what it leaves of both.
+
+    Pixels that stay far off, like those hidden by another object, lose their weight.
+    """
+    flat, wanted = design.reshape(-1, len(PRIOR)), difference.ravel()
+    left, rim = np.zeros_like(difference), np.zeros_like(beside)
+    answer = np.zeros(len(PRIOR))
+    for _ in range(PASSES):
+        weighted = flat * np.repeat(1 / (1 + (left**2).sum(axis=1) / SCALE**2), 3)[:, None]
+        matrix, right = weighted.T @ flat + np.diag(PRIOR), weighted.T @ wanted
+        pull = outline / (1 + rim**2 / SCALE**2)[:, None]
+        matrix[7:, 7:] += pull.T @ outline
+        right[7:] += pull.T @ beside
+        answer = np.linalg.solve(matrix, right)
+        left = (wanted - flat @ answer).reshape(-1, 3)
+        rim = beside - outline @ answer[7:]
+    return answer, left, rim

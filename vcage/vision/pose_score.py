@@ -1,0 +1,209 @@
+"""How well a known object fits at a pose in the target picture, and the pose nearby where it fits best.
+
+A pose is where the object's origin is on the table (x, y, metres), how far it has turned since the source picture
+(counter-clockwise from above, radians) and the logarithm of its scale.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from vcage.base.geometry import Camera
+from vcage.vision.object_templates import RIM_IN, RIM_OUT, Crop, View
+
+LIGHTNESS = 0.6
+"""Weight of lightness beside hue and chroma: shading changes it when an object turns."""
+
+CAP = 32.0
+"""Largest colour distance that a pixel can cost, Lab units."""
+
+NOISE = 5.0
+"""Colour differences inside an object that say nothing, Lab units."""
+
+BORDER = 10.0
+"""Colour distance across an outline that is surely one, Lab units."""
+
+SCALE_LIMIT = 0.10
+"""Largest logarithm of the scale: image models and perspective change sizes by no more."""
+
+TERMS = ("colour", "structure", "fill", "border")
+WEIGHTS = np.array([1.0, 1.6, 0.8, 1.0])
+"""Of the terms of :class:`Fit` in the misfit that is minimised."""
+
+
+@dataclass(frozen=True)
+class Fit:
+    """Poses and how well the object fits there, each in [0, 1], 1 is best.
+
+    Args:
+        poses: (b, 4).
+        terms: (b, 4): likeness of colours; likeness of the pattern once the mean colour is taken away (a masked
+            normalised cross-correlation that plain objects pass); share of the inside that is no table; share of the
+            outline that is one, by table outside or by a change of colour.
+    """
+
+    poses: np.ndarray
+    terms: np.ndarray
+
+    @property
+    def goodness(self) -> np.ndarray:
+        """(b,) in [0, 1]."""
+        return self.terms @ WEIGHTS / WEIGHTS.sum()
+
+
+def rotation(angle: np.ndarray) -> np.ndarray:
+    """(..., 2, 2) that turns pixel offsets counter-clockwise as seen in the picture (v points down)."""
+    c, s = np.cos(angle), np.sin(angle)
+    return np.stack([np.stack([c, s], axis=-1), np.stack([-s, c], axis=-1)], axis=-2)
+
+
+def about_vertical(angle: np.ndarray) -> np.ndarray:
+    """(..., 2, 2) that turns x, y counter-clockwise from above."""
+    return np.swapaxes(rotation(angle), -1, -2)
+
+
+def pixels_of(camera: Camera, points: np.ndarray) -> np.ndarray:
+    """(..., 2) float32 pixels of world points (..., 3) before the camera."""
+    matrix = (camera.intrinsics() @ camera.extrinsics()[:3]).astype(np.float32)
+    seen = points @ matrix[:, :3].T + matrix[:, 3]
+    return seen[..., :2] / np.maximum(seen[..., 2:], np.float32(1e-6))
+
+
+def placed(crop: Crop, poses: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """(b, n, 3) float32 world points of a crop's own points (n, 3) at poses (b, 4)."""
+    poses = np.asarray(poses, np.float32)
+    scale = np.exp(poses[:, 3])[:, None, None]
+    flat = points[:, :2].astype(np.float32) @ np.swapaxes(about_vertical(poses[:, 2]), -1, -2) * scale
+    up = np.broadcast_to(points[:, 2].astype(np.float32), flat.shape[:2])[..., None] * scale
+    return np.concatenate([flat + poses[:, None, :2], up + np.float32(crop.record.aabb[0][2])], axis=-1)
+
+
+def turned_towards(crop: Crop, poses: np.ndarray, at: np.ndarray, directions: np.ndarray) -> np.ndarray:
+    """(b, n) how directions (n, 2) of the crop at world points (b, n, 3) lie to the way to the camera."""
+    turned = directions.astype(np.float32) @ np.swapaxes(about_vertical(np.asarray(poses[:, 2], np.float32)), -1, -2)
+    return np.einsum("bnk,bnk->bn", turned, crop.camera.pose.p[:2].astype(np.float32) - at[..., :2])
+
+
+def fit(view: View, crop: Crop, poses: np.ndarray) -> Fit:
+    """How well the object fits at each of the poses (b, 4)."""
+    poses = np.asarray(poses, np.float64).reshape(-1, 4)
+    if not len(poses):
+        return Fit(poses, np.zeros((0, len(TERMS))))
+    count, edge = len(crop.points), len(crop.rim)
+    beside = np.column_stack([crop.normals, np.zeros(edge)]) * (crop.step * crop.pixel)
+    points = placed(crop, poses, np.concatenate([crop.points, crop.rim + RIM_OUT * beside, crop.rim - RIM_IN * beside]))
+    seen = view.sample(pixels_of(crop.camera, points), crop.step)
+    inside, outer, inner = seen[:, :count], seen[:, count : count + edge], seen[:, count + edge :]
+    # What turned away from the camera is hidden; top and bottom make the silhouette where they end it.
+    shown = _shares(turned_towards(crop, poses, points[:, :count], crop.facing) >= 0)
+    outline = _shares(turned_towards(crop, poses, points[:, count : count + edge], crop.normals) * crop.upper <= 0)
+    weights = np.float32([LIGHTNESS, 1, 1])
+    known, found = crop.colours.astype(np.float32) * weights, inside[..., :3] * weights
+    away = found - known
+    squares = _squares(away)
+    colour = 1 - _mean(np.minimum(np.sqrt(squares), CAP), shown) / CAP
+    # Variances as mean squares less squared means.
+    left, *energy = (
+        _mean(squared, shown) - _squares(np.einsum("bnc,bn->bc", np.broadcast_to(values, found.shape), shown))
+        for values, squared in ((away, squares), (known, _squares(known)[None]), (found, _squares(found)))
+    )
+    structure = 1 - left / (energy[0] + energy[1] + 2 * NOISE**2)
+    across = (outer[..., :3] - inner[..., :3]) * weights
+    change = np.minimum(np.sqrt(_squares(across)) / BORDER, 1)
+    border = _mean(np.maximum(1 - outer[..., 3], change), outline)
+    fill = _mean(inside[..., 3], shown)
+    return Fit(poses, np.stack([colour, np.clip(structure, 0, 1), fill, border], axis=1).astype(np.float64))
+
+
+def _squares(values: np.ndarray) -> np.ndarray:
+    """(...,) squared lengths of (..., 3)."""
+    return np.einsum("...c,...c->...", values, values)
+
+
+def _mean(values: np.ndarray, shares: np.ndarray) -> np.ndarray:
+    """(b,) weighted means of (b, n) or (1, n) values."""
+    return np.einsum("bn,bn->b", np.broadcast_to(values, shares.shape), shares)
+
+
+def _shares(counted: np.ndarray) -> np.ndarray:
+    """(b, n) weights of sum 1 of the points that count."""
+    weights = counted.astype(np.float32)
+    return weights / np.maximum(weights.sum(axis=1, keepdims=True), 1)
+
+
+_DIRECTIONS = np.concatenate([np.eye(4), -np.eye(4)])
+
+
+def refine(view: View, crop: Crop, poses: np.ndarray, steps: np.ndarray, rounds: int) -> Fit:
+    """Each of the poses moved to where the object fits best nearby (pattern search, all poses at once).
+
+    Args:
+        poses: (b, 4) to start from.
+        steps: (4,) first steps along x, y (metres), angle and log scale; halved where nothing nearby is better.
+        rounds: how many times all eight neighbours are looked at.
+    """
+    best = fit(view, crop, poses)
+    if not len(best.poses):
+        return best
+    poses, terms, goodness = best.poses.copy(), best.terms.copy(), best.goodness.copy()
+    scale = np.ones(len(poses))
+    for _ in range(rounds):
+        tried = poses[:, None] + _DIRECTIONS[None] * (steps * scale[:, None])[:, None]
+        tried[..., 3] = np.clip(tried[..., 3], -SCALE_LIMIT, SCALE_LIMIT)
+        around = fit(view, crop, tried.reshape(-1, 4))
+        scores = around.goodness.reshape(len(poses), -1)
+        k = scores.argmax(axis=1)
+        rows = np.arange(len(poses))
+        better = scores[rows, k] > goodness + 1e-6
+        poses = np.where(better[:, None], tried[rows, k], poses)
+        terms = np.where(better[:, None], around.terms.reshape(len(poses), -1, 4)[rows, k], terms)
+        goodness = np.where(better, scores[rows, k], goodness)
+        scale = np.where(better, scale, scale / 2)
+    return Fit(poses, terms)
+
+
+def mask_at(crop: Crop, pose: np.ndarray) -> np.ndarray:
+    """(H, W) bool: the outline of the proxy in the target picture at a pose (4,)."""
+    height, width = crop.mask.shape
+    origin = np.array([*crop.record.pose.position[:2], crop.record.aabb[0][2]])
+    # The proxy's top face was seen at its height; each layer of it is that picture moved.
+    corners = crop.centre + crop.extent * np.array([[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5]])
+    flat = crop.camera.unproject(corners, origin[2] + crop.layers[-1]) - origin
+    drawn, top = np.zeros((height, width), np.uint8), crop.top.astype(np.uint8)
+    u, v, w, h = cv2.boundingRect(top)
+    ends = np.array([[u, v, 1], [u + w, v, 1], [u, v + h, 1], [u + w, v + h, 1]])
+    for layer in crop.layers:
+        flat[:, 2] = layer
+        moved = pixels_of(crop.camera, placed(crop, pose[None], flat))[0]
+        matrix = cv2.getAffineTransform((corners - 0.5).astype(np.float32), (moved - 0.5).astype(np.float32))
+        at = ends @ matrix.T
+        u0, v0 = np.clip(at.min(axis=0) - 1, 0, [width, height]).astype(int)
+        u1, v1 = np.clip(at.max(axis=0) + 2, 0, [width, height]).astype(int)
+        if u0 < u1 and v0 < v1:
+            matrix[:, 2] -= u0, v0
+            size = (int(u1 - u0), int(v1 - v0))
+            drawn[v0:v1, u0:u1] |= cv2.warpAffine(top, matrix, size, flags=cv2.INTER_NEAREST)
+    return drawn > 0
+
+
+def from_pixels(crop: Crop, poses: np.ndarray) -> np.ndarray:
+    """(k, 4) poses from (k, 4) where the crop's centre goes (u, v, pixels), turn and log scale.
+
+    A silhouette's centroid is close to the picture of the object's middle, so rays are met at half its height; the
+    rest of the way from there to the object's origin is measured in the source and turns with the object.
+    """
+    record, poses = crop.record, np.reshape(poses, (-1, 4))
+    middle = (record.aabb[0][2] + record.aabb[1][2]) / 2
+    offset = np.array(record.pose.position[:2]) - crop.camera.unproject(crop.centre, middle)[:2]
+    places = crop.camera.unproject(poses[:, :2], middle)[:, :2]
+    return np.column_stack([places + about_vertical(poses[:, 2]) @ offset, poses[:, 2:]])
+
+
+def middles(crop: Crop, poses: np.ndarray) -> np.ndarray:
+    """(b, 2) pixels of the middle of the object at poses (b, 4)."""
+    box = np.array(crop.record.aabb)
+    middle = box.mean(axis=0) - [*crop.record.pose.position[:2], box[0, 2]]
+    return pixels_of(crop.camera, placed(crop, poses, middle[None]))[:, 0]

@@ -1,0 +1,273 @@
+"""Brings the picture that an image model answered with into the frame of the picture that it was given.
+
+Image models answer in sizes of their own, mostly of the same aspect; some crop or pad to get there, zoom a little, and
+recolour. What they keep is the table: its edges against the ground, and its grain if they left that. So the empty table
+says how the answer lies over the source, and objects, which were moved, have no say. What the table does not confirm is
+not done: the answer is resized as a whole then, and a note says so.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from vcage.base.errors import InputFileError
+from vcage.vision.register_edges import Axis, Line, Profile, agrees, laid, table_edges, warp_of
+from vcage.vision.register_texture import grain_fit
+
+SAME_ASPECT = 0.01
+"""Logarithm of a stretch that is none: sizes are whole numbers."""
+
+PADDED_ASPECT = 0.03
+"""The same for what a padding leaves: what it pads may be of a slightly other aspect already."""
+
+BENT, BENT_EDGE = 0.03, 3.0
+"""The same for two axes that were found each for itself; and pixels by which image models bend an edge."""
+
+UNSEEN = ": the table is not seen well enough to check where the picture lies over it"
+
+WITHIN = 1.25
+"""Pixels by which a table's edges may be off in an answer that is where it should be."""
+
+LEAST_SHIFT = 1.0
+"""Pixels that a fit must move some corner by to be worth resampling the picture for."""
+
+LARGEST_TURN = 0.6
+"""Pixels at the sides by which a picture may be turned without a word; pictures of a table are seldom turned."""
+
+UNIFORM = 6.0
+"""Grey levels by which the pixels of a padded border may differ."""
+
+ZOOMS, FEW_ZOOMS = (np.exp(np.arange(np.log(low), np.log(high), 0.015)) for low, high in ((0.78, 1.14), (0.9, 1.06)))
+"""Scales that the grain is looked for at: editors zoom in by cropping, and out a little; less beside another change."""
+
+
+@dataclass(frozen=True)
+class Registered:
+    """A picture in the frame of the source.
+
+    Args:
+        picture: (H, W, 3) uint8 RGB in the source's size; the empty table where the answer shows nothing.
+        valid: (H, W) bool, where the answer shows something.
+        warp: (2, 3) float64, pixels of the answer to pixels of the source; centres at whole numbers.
+        notes: what was done and how sure it is, for the record; empty when there was nothing to do.
+    """
+
+    picture: np.ndarray
+    valid: np.ndarray
+    warp: np.ndarray
+    notes: list[str]
+
+
+def register(target: np.ndarray, source: np.ndarray, background: np.ndarray) -> Registered:
+    """Undo what an image model did to size and frame.
+
+    Args:
+        target: (h, w), (h, w, 1), (h, w, 3) or (h, w, 4) of any size; uint8, uint16, or floats in [0, 1].
+        source: (H, W, 3) uint8 top view that the model was given.
+        background: (H, W, 3) uint8, the same view of the empty table.
+
+    Raises:
+        InputFileError: ``target`` is no such picture, is empty, not finite, or wholly transparent.
+        ValueError: source and background differ in size.
+    """
+    if source.shape != background.shape:
+        raise ValueError(f"source and background differ in size: {source.shape} and {background.shape}")
+    picture, there = read_picture(target)
+    size = (source.shape[1], source.shape[0])
+    notes = [] if there.all() else ["transparent parts of the picture are taken for the empty table"]
+    u0, v0, u1, v1 = _content(picture, there, size)
+    content, shown = picture[v0:v1, u0:u1], there[v0:v1, u0:u1]
+    if content.shape != picture.shape:
+        notes.append(f"padding was cut off; columns {u0} to {u1} and rows {v0} to {v1} are left")
+    whole = _resized(content, size)
+    x, y, note = _fit(whole, background, content.shape[1] / content.shape[0] * size[1] / size[0])
+    if max(axis.largest_shift(length) for axis, length in zip((x, y), size)) < LEAST_SHIFT:
+        x, y = Axis(), Axis()
+    laid_over, valid = _applied(whole, shown, (x, y), background)
+    resized = Axis.between((u0, u1), (0, size[0])), Axis.between((v0, v1), (0, size[1]))
+    warp = warp_of((x.after(resized[0]), y.after(resized[1])))
+    return Registered(laid_over, valid, warp, [*notes, *([note] if note else [])])
+
+
+def read_picture(target: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """((h, w, 3) uint8 RGB, (h, w) bool where it is not transparent) of a picture in any form.
+
+    Raises:
+        InputFileError: see :func:`register`.
+    """
+    hint = "it must be RGB, RGBA or grey, in whole numbers up to 255 or 65535 or fractions up to 1"
+    if not isinstance(target, np.ndarray) or target.ndim not in (2, 3) or 0 in target.shape:
+        shape = getattr(target, "shape", type(target).__name__)
+        raise InputFileError(f"the edited picture is no picture: {shape}", hint=hint)
+    layers = np.atleast_3d(target)
+    if layers.shape[2] not in (1, 3, 4):
+        raise InputFileError(f"the edited picture has {layers.shape[2]} channels", hint=hint)
+    layers = _as_bytes(layers, hint)
+    there = layers[..., 3] > 127 if layers.shape[2] == 4 else np.ones(layers.shape[:2], bool)
+    if not there.any():
+        raise InputFileError("the edited picture is wholly transparent", hint=hint)
+    colours = layers[..., :3] if layers.shape[2] >= 3 else np.repeat(layers, 3, axis=2)
+    return np.ascontiguousarray(colours), there
+
+
+def _as_bytes(layers: np.ndarray, hint: str) -> np.ndarray:
+    if layers.dtype == np.uint8:
+        return layers
+    if layers.dtype == np.uint16:
+        return (layers // 257).astype(np.uint8)
+    if layers.dtype.kind == "f" and np.isfinite(layers).all() and layers.min() >= 0 and layers.max() <= 1:
+        return np.round(layers * 255).astype(np.uint8)
+    what = f"values of the type {layers.dtype}"
+    if layers.dtype.kind == "f":
+        finite = np.isfinite(layers).all()
+        what = f"values from {layers.min():g} to {layers.max():g}" if finite else "values that are not finite"
+    raise InputFileError(f"the edited picture has {what}", hint=hint)
+
+
+# --- how the answer lies over the source -----------------------------------------------------------------
+
+
+def _fit(whole: np.ndarray, background: np.ndarray, aspect: float) -> tuple[Axis, Axis, str]:
+    """Where a picture, resized to the source's size, lies in it along x and y, and what is to be said of that.
+
+    Args:
+        aspect: how much wider the picture was than the source, for its height.
+    """
+    profiles = [_profiles(picture) for picture in (background, whole)]
+    edges = [table_edges(empty) for empty in profiles[0]]
+    known = [k for k in (0, 1) if edges[k] is not None]
+    confirmed = bool(known) and all(agrees(edges[k], profiles[1][k], WITHIN) for k in known)
+    same = abs(np.log(aspect)) < SAME_ASPECT
+    if confirmed and same:
+        return Axis(), Axis(), ""
+    # Stretched to the aspect of the answer; or cropped or extended to it, of which either keeps one side whole.
+    plain = [(1.0, 1.0)] if same else [(1.0, 1.0), (1.0, 1 / aspect), (aspect, 1.0)]
+    zooms = (1.0, *(ZOOMS if same else FEW_ZOOMS))
+    lightness = (cv2.cvtColor(picture, cv2.COLOR_RGB2GRAY) for picture in (whole, background))
+    by_grain = grain_fit(*lightness, [(zoom * sx, zoom * sy) for sx, sy in plain for zoom in zooms])
+    if by_grain is not None:
+        (sx, sy, tx, ty), turn = by_grain
+        turned = "; it is turned a little, which is not undone" if abs(turn) > LARGEST_TURN else ""
+        return Axis(sx, tx), Axis(sy, ty), f"laid over the table by its grain: {_spelled((sx, sy))}{turned}"
+    by_edges = [Axis() if k in known else None for k in (0, 1)] if confirmed else _by_edges(profiles, edges)
+    return _completed(by_edges, 1.0 if same else aspect, whole.shape[1::-1])
+
+
+def _profiles(picture: np.ndarray) -> list[Profile]:
+    """Along x and along y."""
+    lab = cv2.cvtColor(picture, cv2.COLOR_RGB2LAB)
+    return [Profile.of(lab, 1), Profile.of(lab, 0)]
+
+
+def _by_edges(profiles: list[list[Profile]], edges: list[tuple[Line, Line] | None]) -> list[Axis | None]:
+    """How the edges of the table lie along x and along y; None where the table shows none, or one cannot be sure."""
+    found: list[Axis | None] = [None, None]
+    for k, (empty, seen, pair) in enumerate(zip(*profiles, edges)):
+        if pair is not None:
+            ways = laid(empty, pair, seen)
+            if len(ways) != 1:
+                return [None, None]
+            found[k] = Axis() if ways[0].largest_shift(len(seen.change)) < BENT_EDGE else ways[0]
+    return found
+
+
+def _completed(found: list[Axis | None], aspect: float, size: Sequence[int]) -> tuple[Axis, Axis, str]:
+    """The fit by the edges of the table along x and y; an axis that they leave open is centred, and said to be.
+
+    Args:
+        aspect: exactly 1 when the picture's is the source's.
+    """
+    x, y = found
+    if x is None and y is None:
+        how = "resized as a whole" if aspect == 1 else "taken to be cropped evenly"
+        return *(_centred(min(1.0, s), n) for s, n in zip((aspect, 1 / aspect), size)), f"{how}{UNSEEN}"
+    if x is not None and y is not None:
+        if min(abs(np.log(x.scale / y.scale / shape)) for shape in (1.0, aspect)) > BENT:
+            return Axis(), Axis(), f"resized as a whole{UNSEEN}"
+        return x, y, f"laid over the table by its edges: {_spelled((x.scale, y.scale))}"
+    x = x or _centred(_open_scale(y.scale, aspect), size[0])
+    y = y or _centred(_open_scale(x.scale, 1 / aspect), size[1])
+    if aspect == 1 and (x, y) == (Axis(), Axis()):
+        return x, y, ""
+    side = "across" if found[0] is None else "along"
+    how = f"laid over the table by its edges: {_spelled((x.scale, y.scale))}"
+    return x, y, f"{how}; {side} the table it was not checked, and is taken to be centred"
+
+
+def _open_scale(known: float, aspect: float) -> float:
+    """The scale of the open axis: with square pixels, or stretched where that would show more than there is."""
+    square = known * aspect
+    return square if square <= 1 + SAME_ASPECT else min(square, known, key=lambda scale: abs(np.log(scale)))
+
+
+def _centred(scale: float, length: int) -> Axis:
+    return Axis(float(scale), float((1 - scale) * (length - 1) / 2))
+
+
+def _spelled(scale: Sequence[float]) -> str:
+    return f"scaled by {scale[0]:.3f} and {scale[1]:.3f}"
+
+
+# --- padding ---------------------------------------------------------------------------------------------------
+
+
+def _content(picture: np.ndarray, there: np.ndarray, size: tuple[int, int]) -> tuple[int, int, int, int]:
+    """The box (u0, v0, u1, v1) without the padding by which an editor got to its own aspect from the source's.
+
+    Even ground beside a table looks like a padding too, so it is one only where it leaves the aspect of the source.
+    """
+    whole = 0, 0, picture.shape[1], picture.shape[0]
+    for box in (whole, unpadded(picture, there)):
+        if abs(np.log((box[2] - box[0]) / (box[3] - box[1]) * size[1] / size[0])) < PADDED_ASPECT:
+            return box
+    return whole
+
+
+def unpadded(picture: np.ndarray, there: np.ndarray) -> tuple[int, int, int, int]:
+    """The box (u0, v0, u1, v1) that borders of one colour, or transparent ones, leave; at least half of each side."""
+    box = [0, 0, picture.shape[1], picture.shape[0]]
+    for axis, (lines, clear) in enumerate(((picture.transpose(1, 0, 2), ~there.T), (picture, ~there))):
+        first = _border(lines, clear)
+        last = len(lines) - _border(lines[::-1], clear[::-1])
+        if last - first >= len(lines) / 2:
+            box[axis], box[axis + 2] = first, last
+    return box[0], box[1], box[2], box[3]
+
+
+def _border(lines: np.ndarray, clear: np.ndarray) -> int:
+    """How many lines from the first on are ``clear``, or have the colour that the first has all along."""
+    colour = np.median(lines[0], axis=0)
+    for k, line in enumerate(lines):
+        off = np.abs(line - colour).max(axis=1)
+        if not clear[k].all() and np.partition(off, -(len(off) // 50) - 1)[-(len(off) // 50) - 1] >= UNIFORM:
+            return k
+    return len(lines)
+
+
+# --- resampling ------------------------------------------------------------------------------------------------
+
+
+def _resized(picture: np.ndarray, size: tuple[int, int]) -> np.ndarray:
+    """The picture in a size (width, height); shrunk by areas, as sampling would skip pixels."""
+    if picture.shape[1::-1] == size:
+        return picture
+    smaller = size[0] <= picture.shape[1] and size[1] <= picture.shape[0]
+    return cv2.resize(picture, size, interpolation=cv2.INTER_AREA if smaller else cv2.INTER_CUBIC)
+
+
+def _applied(
+    whole: np.ndarray, shown: np.ndarray, fit: tuple[Axis, Axis], background: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """(the picture resampled, the empty table where it shows nothing; where it shows something)."""
+    height, width = background.shape[:2]
+    valid = cv2.resize(shown.astype(np.uint8), (width, height), interpolation=cv2.INTER_NEAREST)
+    if fit != (Axis(), Axis()):
+        warp = warp_of(fit)
+        valid = cv2.warpAffine(valid, warp, (width, height), flags=cv2.INTER_NEAREST)
+        whole = cv2.warpAffine(whole, warp, (width, height), flags=cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE)
+    valid = valid > 0
+    return whole if valid.all() else np.where(valid[..., None], whole, background), valid

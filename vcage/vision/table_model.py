@@ -1,0 +1,125 @@
+"""How much each pixel stands out of the table, whatever became of the table's colour, texture and light.
+
+Two models of the empty table are fitted robustly to the picture: a smooth colour field, which needs nothing known, and
+the same with the known picture of the empty table. The one that leaves less unexplained is used, so a table that an
+image model painted anew is described by what the picture itself shows.
+
+Shade is told from colour: scaling the light scales (L + 16, a, b) of CIELAB as a whole, as all three are differences
+of cube roots of linear light. What a pixel has beside that direction no shadow explains.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from vcage.vision.colour import to_lab
+
+STRIDE = 6
+"""Every so many pixels along each side are used to fit."""
+
+PASSES = 8
+"""Rounds of reweighted least squares; what stands out loses its weight."""
+
+GRAIN_FLOOR = 0.8
+"""Smallest deviation of a table's colours from its model: compression and noise are never less, Lab units."""
+
+STRONG = 4.0
+"""Deviations from the table at which a pixel stands out with one half."""
+
+SHADOW_SHARE = 0.35
+"""What darkening alone counts: a shadow darkens as well."""
+
+
+@dataclass(frozen=True)
+class TableModel:
+    """What stands out of the table.
+
+    Args:
+        salience: (H, W) float32 in [0, 1]: 0 is table or its shadow, 1 surely not.
+        grain: (4,) robust deviations of the table from the model: along the shade, and of L, a, b beside it.
+        known: whether the picture of the empty table helped to explain it.
+    """
+
+    salience: np.ndarray
+    grain: np.ndarray
+    known: bool
+
+
+def fit_table(
+    picture: np.ndarray, background: np.ndarray | None = None, region: np.ndarray | None = None
+) -> TableModel:
+    """The better of the models of the table in a picture.
+
+    Args:
+        picture: (H, W, 3) uint8.
+        background: (H, W, 3) uint8, the empty table as it was, or None.
+        region: (H, W) bool, where the table is; None for the whole picture.
+    """
+    values = _shifted_lab(picture)
+    region = np.ones(values.shape[:2], bool) if region is None or not region.any() else region
+    plain = _deviation(values, _fit(values, _smooth_terms(values.shape[:2]), region))
+    grain, known = _grain(plain, region), False
+    if background is not None:
+        light = _shifted_lab(background)[..., :1] / 100
+        informed = _deviation(values, _fit(values, np.dstack([_smooth_terms(values.shape[:2]), light]), region))
+        better = _grain(informed, region)
+        # The known picture must explain something: fitted to a table painted anew it only adds its own pattern.
+        if better.sum() < 0.9 * grain.sum():
+            plain, grain, known = informed, better, True
+    return TableModel(_salience(plain, grain) * region, grain, known)
+
+
+def _shifted_lab(picture: np.ndarray) -> np.ndarray:
+    """(H, W, 3) float32 L + 16, a, b of the slightly blurred picture."""
+    return to_lab(cv2.GaussianBlur(picture, (0, 0), 1.0)) + np.float32([16, 0, 0])
+
+
+def _smooth_terms(shape: tuple[int, int]) -> np.ndarray:
+    """(H, W, 6) terms of a quadratic field over the picture."""
+    v, u = np.meshgrid(*(np.linspace(-1, 1, n, dtype=np.float32) for n in shape), indexing="ij")
+    return np.stack([np.ones_like(u), u, v, u * u, u * v, v * v], axis=-1)
+
+
+def _fit(values: np.ndarray, terms: np.ndarray, region: np.ndarray) -> np.ndarray:
+    """(H, W, 3) the terms fitted to the majority of the region's values."""
+    thin = np.s_[::STRIDE, ::STRIDE]
+    design, wanted = terms[thin][region[thin]].astype(np.float64), values[thin][region[thin]].astype(np.float64)
+    if len(design) < 4 * terms.shape[-1]:
+        return np.broadcast_to(np.median(values[region], axis=0), values.shape)
+    left = wanted - np.median(wanted, axis=0)
+    for _ in range(PASSES):
+        away = left / np.maximum(_spread(left), 0.5)
+        weight = 1 / (1 + (away * away).sum(axis=1) / 4) ** 2
+        weighted = design * weight[:, None]
+        ridge = 1e-6 * weight.sum() * np.eye(design.shape[1])
+        coefficients = np.linalg.solve(weighted.T @ design + ridge, weighted.T @ wanted)
+        left = wanted - design @ coefficients
+    return terms @ coefficients.astype(np.float32)
+
+
+def _deviation(values: np.ndarray, table: np.ndarray) -> np.ndarray:
+    """(H, W, 4) deviation from the table's colour: along its shade (negative is darker), then beside it."""
+    squared = (table * table).sum(axis=-1)
+    share = (values * table).sum(axis=-1) / np.maximum(squared, 1.0)
+    return np.dstack([(share - 1) * np.sqrt(squared), values - share[..., None] * table])
+
+
+def _grain(deviation: np.ndarray, region: np.ndarray) -> np.ndarray:
+    thin = np.s_[::STRIDE, ::STRIDE]
+    return np.maximum(_spread(deviation[thin][region[thin]]), GRAIN_FLOOR)
+
+
+def _spread(values: np.ndarray) -> np.ndarray:
+    """Robust standard deviations of (n, k) values around zero."""
+    return 1.4826 * np.median(np.abs(values), axis=0)
+
+
+def _salience(deviation: np.ndarray, grain: np.ndarray) -> np.ndarray:
+    """(H, W) in [0, 1] from deviations in units of the grain; darkening alone counts less."""
+    z = deviation / grain.astype(np.float32)
+    shade = np.where(z[..., 0] < 0, SHADOW_SHARE * z[..., 0], z[..., 0])
+    squares = shade * shade + (z[..., 1:] ** 2).sum(axis=-1)
+    return (squares / (squares + STRONG**2)).astype(np.float32)
