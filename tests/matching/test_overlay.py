@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from tests.matching.conftest import Thing
+from tests.painted_world import Thing
 from vcage.base.drawing import WARNING, Canvas, palette
 from vcage.layout.picture import Footprint, collisions, draw_layout
 from vcage.matching.overlay import draw_overlay
