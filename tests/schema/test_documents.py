@@ -96,3 +96,20 @@ def test_every_document_exports_a_valid_json_schema(schema_id):
 def test_an_unknown_schema_is_named():
     with pytest.raises(UnknownName, match=r"vcage\.scene/1"):
         schema.json_schema("vcage.scene/0")
+
+
+def test_files_of_earlier_runs_keep_their_schema():
+    assert sorted(schema.DOCUMENTS) == [
+        "vcage.asset/1",
+        "vcage.compression/3",
+        "vcage.episodes/1",
+        "vcage.export/1",
+        "vcage.matches/1",
+        "vcage.plan/1",
+        "vcage.robot/1",
+        "vcage.scene-template/1",
+        "vcage.scene/1",
+        "vcage.subtasks/1",
+        "vcage.verdict/1",
+        "vcage.verdicts/1",
+    ]

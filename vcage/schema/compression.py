@@ -93,7 +93,7 @@ class CameraCompression(Record):
 class Compression(StageDocument):
     """``compress/compression.json``."""
 
-    SCHEMA: ClassVar[str] = "vcage.video/3"
+    SCHEMA: ClassVar[str] = "vcage.compression/3"
 
     encoding: Encoding
     cameras: list[CameraCompression]

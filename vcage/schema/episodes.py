@@ -69,7 +69,7 @@ class Episode(Record):
 class Episodes(StageDocument):
     """``episodes/episodes.json``."""
 
-    SCHEMA: ClassVar[str] = "vcage.tasks/1"
+    SCHEMA: ClassVar[str] = "vcage.episodes/1"
 
     instruction: str
     chain: list[Identifier]

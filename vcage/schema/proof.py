@@ -57,7 +57,7 @@ class ObjectProof(Document):
 class Proof(Document):
     """``proof.json``: the whole validation."""
 
-    SCHEMA: ClassVar[str] = "vcage.apps.proof/1"
+    SCHEMA: ClassVar[str] = "vcage.proof/1"
 
     robot: Identifier
     seed: int

@@ -69,7 +69,7 @@ class Refusal(Record):
 class Subtasks(StageDocument):
     """``subtasks/subtasks.json``."""
 
-    SCHEMA: ClassVar[str] = "vcage.tasks/1"
+    SCHEMA: ClassVar[str] = "vcage.subtasks/1"
 
     instruction: str
     candidates: int = Field(ge=0, description="ordered pairs × contact points × functional points that were examined")
