@@ -160,3 +160,8 @@ class StageDocument(Document):
     """The JSON that a stage leaves in the run folder."""
 
     provenance: Provenance
+
+    @property
+    def made_from(self) -> Provenance:
+        """What a finished stage is known by (see :class:`vcage.base.keeper.Keeper`)."""
+        return self.provenance

@@ -6,7 +6,7 @@ from typing import ClassVar, Literal
 
 from pydantic import Field
 
-from vcage.schema.base import Finite, Record, StageDocument
+from vcage.schema.base import Document, Finite, Record, StageDocument
 
 Reduce = Literal["max", "mean"]
 SharedBy = Literal["camera", "episode"]
@@ -59,6 +59,15 @@ class VideoStream(Record):
     def lossless(self) -> bool:
         """Whether every pixel comes back as it was."""
         return self.crf is None
+
+
+class ClipRecord(Document):
+    """What was found in the search of one video, kept beside it while others are searched."""
+
+    SCHEMA: ClassVar[str] = "vcage.clip/1"
+
+    made_from: str = Field(description="hash of everything that the result depends on")
+    stream: VideoStream
 
 
 class Encoding(Record):

@@ -53,6 +53,11 @@ class ObjectProof(Document):
     key: str = Field(description="hash of everything that the proof depends on")
     variants: list[VariantProof]
 
+    @property
+    def made_from(self) -> str:
+        """What a proof is known by (see :class:`vcage.base.keeper.Keeper`)."""
+        return self.key
+
 
 class Proof(Document):
     """``proof.json``: the whole validation."""

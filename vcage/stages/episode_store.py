@@ -8,8 +8,9 @@ import shutil
 from collections.abc import Sequence
 from pathlib import Path
 
-from vcage.base.errors import DamagedFile, InputFileError
+from vcage.base.errors import DamagedFile, InputFileError, MissingStage
 from vcage.base.files import PARTIAL, REPLACED, atomic_folder, recover, write_text
+from vcage.base.keeper import Keeper
 from vcage.schema.episodes import Attempt, Episode, Episodes
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Subtasks
@@ -52,14 +53,15 @@ class Gathering:
 
     def _go_on(self) -> bool:
         """Take up what a killed collection left, if it is whole and was made in the same way."""
-        if not self._index.exists():
-            return False
-        for part in sorted(self.folder.rglob(f"*{PARTIAL}*")):  # what was being written when it was killed
-            part.unlink()
+        keeper = Keeper(self._index, Episodes, self._stage.provenance())
         try:
-            if Episodes.read(self._index).provenance != self._stage.provenance():
+            if not keeper.knows(keeper.found()):
                 return False
+            for part in sorted(self.folder.rglob(f"*{PARTIAL}*")):  # what was being written when it was killed
+                part.unlink()
             self._load()
+        except MissingStage:
+            return False
         except InputFileError as error:
             log.warning("collect: starting anew, as an interrupted run left what cannot be read: %s", error)
             return False

@@ -19,6 +19,7 @@ import numpy as np
 
 from vcage.base.errors import InputFileError, MissingStage, OutputFolderError, StaleStage
 from vcage.base.files import RunFolder, atomic_folder, recover, sha256_file
+from vcage.base.keeper import Keeper
 from vcage.schema.base import Provenance, StageDocument
 from vcage.schema.scene import Scene
 
@@ -108,18 +109,18 @@ class Job:
         recover(self.output.parent)
         if force:
             return None
-        if not self.output.exists():
+        keeper = Keeper(self.output, document, self.provenance())
+        try:
+            record = keeper.found()
+        except MissingStage:
             self._refuse_foreign_files()
             return None
-        try:
-            record = document.read(self.output)
         except InputFileError as error:
             error.hint = "run the same command with --force to make it again"
             raise
-        wanted = self.provenance()
-        if record.provenance == wanted:
+        if keeper.knows(record):
             return StageResult(record, self.output, fresh=False)
-        changed = differences(record.provenance, wanted)
+        changed = differences(record.provenance, keeper.made_from)
         raise StaleStage(
             f"{self.output} is finished, but was made with another {', '.join(changed)}",
             hint="add --force to replace it, or give another run folder",

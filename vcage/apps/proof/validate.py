@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from vcage.apps.proof.prove import Prover, Trial
 from vcage.base.errors import InputFileError, VcageError
 from vcage.base.files import RunFolder
+from vcage.base.keeper import Keeper
 from vcage.base.progress import Progress, silent
 from vcage.base.workers import in_processes
 from vcage.objects.library import Library
@@ -78,17 +80,13 @@ def summed_up(results: list[VariantProof], prover: Prover) -> Proof:
 
 
 def _kept(prover: Prover, names: Sequence[str], folder: Path) -> dict[str, ObjectProof]:
-    """Earlier proofs whose key is still right."""
+    """Earlier proofs that need not be made again."""
     kept = {}
     for name in names:
-        path = folder / "objects" / f"{name}.json"
-        if path.is_file():
-            try:
-                proof = ObjectProof.read(path)
-                if proof.key == prover.key(name):
-                    kept[name] = proof
-            except InputFileError:
-                continue  # a damaged proof, or an object that cannot be loaded: it is tried again, and that says why
+        with contextlib.suppress(InputFileError):  # an object that cannot be loaded is tried again, and that says why
+            proof = Keeper(folder / "objects" / f"{name}.json", ObjectProof, prover.key(name)).kept()
+            if proof is not None:
+                kept[name] = proof
     return kept
 
 

@@ -14,9 +14,10 @@ from numpy.typing import NDArray
 
 from vcage import __version__
 from vcage.base.errors import DamagedFile
-from vcage.base.files import write_bytes, write_text
+from vcage.base.files import write_bytes
+from vcage.base.keeper import Keeper
 from vcage.datasets.recordings.recording import Recording
-from vcage.schema.compression import VideoStream
+from vcage.schema.compression import ClipRecord, VideoStream
 from vcage.video.choices import Choices, Criterion
 from vcage.video.jod import JodMetric, metric_version
 from vcage.video.keyframes import keyframes, picture_keyframes
@@ -71,9 +72,8 @@ class Task:
     threads: int = 0
 
     @cached_property
-    def record(self) -> Path:
-        """What is known of the video once it is there; its name tells everything that the result depends on, as it was
-        when first asked for."""
+    def made_from(self) -> str:
+        """Hash of everything that the result depends on, as it was when first asked for."""
         recording = self.clip.recording
         told = (
             str(recording.path.resolve()),
@@ -88,8 +88,12 @@ class Task:
             metric_version(),
             __version__,
         )
-        digest = hashlib.sha256(repr(told).encode()).hexdigest()[:12]
-        return self.folder / f"{self.clip.video.removesuffix('.mp4')}.{digest}.json"
+        return hashlib.sha256(repr(told).encode()).hexdigest()
+
+    @property
+    def record(self) -> Path:
+        """Where a :class:`ClipRecord` is kept; videos of one clip made with other choices lie beside each other."""
+        return self.folder / f"{self.clip.video.removesuffix('.mp4')}.{self.made_from[:12]}.json"
 
     @property
     def video(self) -> Path:
@@ -99,10 +103,8 @@ class Task:
 
 def known(task: Task) -> VideoStream | None:
     """What an earlier call of :func:`perform` found, or None."""
-    try:
-        return VideoStream.model_validate_json(task.record.read_bytes())
-    except (OSError, ValueError):
-        return None
+    record = Keeper(task.record, ClipRecord, task.made_from).kept()
+    return None if record is None else record.stream
 
 
 def whole(task: Task) -> bool:
@@ -132,7 +134,7 @@ def perform(task: Task) -> tuple[Clip, VideoStream]:
     result = search_clip(frames, scored, clip.fps, task.choices, task.criterion, _metric(task.display), task.threads)
     write_bytes(task.video, result.video)
     stream = _stream(clip, frames, scored, result)
-    write_text(task.record, stream.model_dump_json())
+    ClipRecord(made_from=task.made_from, stream=stream).write(task.record)
     return clip, stream
 
 

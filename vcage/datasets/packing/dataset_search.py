@@ -19,7 +19,7 @@ from vcage.base.workers import cores, in_processes
 from vcage.datasets.packing.clips import Clip, Task, known, perform, whole
 from vcage.datasets.packing.memory import free_memory
 from vcage.datasets.packing.settings import CompressionSettings
-from vcage.schema.compression import VideoStream
+from vcage.schema.compression import ClipRecord, VideoStream
 from vcage.video.choices import LOSSLESS, Choices
 from vcage.video.codec import formats_for
 from vcage.video.encoders import CODECS, require_encoder
@@ -254,7 +254,7 @@ def _quality(stream: VideoStream) -> str:
 
 def stream_of(video: Path) -> VideoStream:
     """What is known of a video that :func:`campaign` left in its folder."""
-    return VideoStream.model_validate_json(video.with_suffix(".json").read_bytes())
+    return ClipRecord.read(video.with_suffix(".json")).stream
 
 
 def _key(clip: Clip) -> Key:

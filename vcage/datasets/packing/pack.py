@@ -15,6 +15,7 @@ from typing import Any, TypeVar
 
 from vcage.base.errors import DamagedFile, InputFileError, OutputFolderError, StaleStage
 from vcage.base.files import RunFolder, atomic_folder, held
+from vcage.base.keeper import Keeper
 from vcage.base.progress import Progress, silent
 from vcage.datasets.packing.clips import Clip
 from vcage.datasets.packing.dataset_search import campaign, require_tools, stream_of
@@ -157,13 +158,14 @@ def _finished(out: Path, provenance: Provenance, *, force: bool) -> Packed | Non
         return None
     if not out.is_dir():
         raise OutputFolderError(f"{out} is a file", hint="give another --out")
+    keeper = Keeper(out / RECORD, Compression, provenance)
     try:
-        record = Compression.read(out / RECORD)
+        record = keeper.found()
     except InputFileError as error:
         if force and (out / RECORD).exists():
             return None
         raise OutputFolderError(f"{out} is in the way: {error.message}", hint="give another --out") from error
-    if record.provenance == provenance:
+    if keeper.knows(record):
         log.info("compress: finished before, nothing to do")
         return Packed(record, out / RECORD, fresh=False)
     if force:

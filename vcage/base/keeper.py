@@ -1,0 +1,65 @@
+"""Finished work, known again by what it was made from: stages, episodes, packed recordings, proofs, clips."""
+
+from __future__ import annotations
+
+import contextlib
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Generic, Protocol, Self, TypeVar
+
+from vcage.base.errors import InputFileError
+
+
+class Kept(Protocol):
+    """A record of finished work, such as a :class:`~vcage.schema.base.StageDocument`."""
+
+    @property
+    def made_from(self) -> Any:
+        """Everything that the work depends on; two that are equal gave the same work."""
+
+    @classmethod
+    def read(cls, path: Path) -> Self:
+        """The record in a file.
+
+        Raises:
+            MissingStage: the file is not there.
+            InputFileError: it is damaged or of another schema.
+        """
+
+
+K = TypeVar("K", bound=Kept)
+
+
+@dataclass(frozen=True)
+class Keeper(Generic[K]):
+    """Where a piece of work leaves its record, and what it would be made from today.
+
+    Args:
+        path: of the record, which is written last: where it is, the work is whole.
+        record: its type.
+        made_from: compared with that of the record.
+    """
+
+    path: Path
+    record: type[K]
+    made_from: Any
+
+    def found(self) -> K:
+        """The record that is there, whatever it was made from.
+
+        Raises:
+            MissingStage: there is none.
+            InputFileError: it is damaged or of another schema.
+        """
+        return self.record.read(self.path)
+
+    def knows(self, record: K) -> bool:
+        """Whether a record was made from the same."""
+        return record.made_from == self.made_from
+
+    def kept(self) -> K | None:
+        """The record if the work need not be done again; None where it is missing, damaged, or made from another."""
+        with contextlib.suppress(InputFileError):
+            record = self.found()
+            return record if self.knows(record) else None
+        return None
