@@ -31,6 +31,18 @@ def top_camera(height: float = 1.9) -> Camera:
     return Camera(640, 480, 0.7, look_at([0, 0, height], [0, 0, 0], up=[0, 1, 0]))
 
 
+@given(vector, quaternion)
+def test_poses_of_the_same_numbers_are_equal_and_serve_as_one_key(p, q):
+    assert Pose(p, q) == Pose(p, q)
+    assert len({Pose(p, q), Pose(p, q)}) == 1
+
+
+def test_a_pose_differs_from_one_elsewhere_from_one_turned_and_from_what_is_no_pose():
+    assert Pose() != Pose([0, 0, 1e-12])
+    assert Pose() != Pose.from_yaw([0, 0, 0], 1e-6)
+    assert Pose() != (0, 0, 0)
+
+
 @given(poses, vector)
 def test_inverse_undoes_a_pose(pose, point):
     assert np.allclose(pose.inverse().apply(pose.apply(point)), point, atol=1e-9)

@@ -11,9 +11,10 @@ import time
 from pathlib import Path
 
 import pytest
+from threadpoolctl import threadpool_info
 
 from vcage.base.errors import DamagedFile, PartlyDone
-from vcage.base.workers import cores, in_processes
+from vcage.base.workers import cores, in_processes, one_blas_thread
 
 WAIT = 20.0
 """Seconds after which a process that should have ended counts as left behind."""
@@ -106,6 +107,16 @@ def test_who_goes_away_leaves_no_process():
 
 def test_there_is_at_least_one_core():
     assert cores() >= 1
+
+
+def test_every_blas_has_one_thread_inside_and_its_own_number_again_after():
+    def threads() -> list[int]:
+        return [library["num_threads"] for library in threadpool_info() if library["user_api"] == "blas"]
+
+    before = threads()
+    with one_blas_thread():
+        assert set(threads()) == {1}
+    assert threads() == before
 
 
 # --- when the process that started them ends -----------------------------------------------------------

@@ -18,12 +18,11 @@ _GOLDEN = 0.61803398875
 
 def palette(count: int) -> list[Colour]:
     """``count`` colours that are easy to tell apart and dark enough for white text."""
-    hues = [(0.58 + k * _GOLDEN) % 1.0 for k in range(count)]
-    values = [(0.72, 0.55)[k % 2] for k in range(count)]
-    return [
-        tuple(round(255 * c) for c in colorsys.hsv_to_rgb(hue, 0.78, value))
-        for hue, value in zip(hues, values, strict=True)
-    ]
+    colours = []
+    for k in range(count):
+        red, green, blue = colorsys.hsv_to_rgb((0.58 + k * _GOLDEN) % 1.0, 0.78, (0.72, 0.55)[k % 2])
+        colours.append((round(255 * red), round(255 * green), round(255 * blue)))
+    return colours
 
 
 class Canvas:
@@ -52,21 +51,22 @@ class Canvas:
 
     def arrow(self, start: Sequence[float], end: Sequence[float], colour: Colour, width: int = 3) -> None:
         """An arrow with a light rim, from ``start`` to ``end`` in pixels; nothing where they meet."""
-        start, end = np.asarray(start, dtype=np.float64), np.asarray(end, dtype=np.float64)
-        length = np.hypot(*(end - start))
+        tail, tip = np.asarray(start, dtype=np.float64), np.asarray(end, dtype=np.float64)
+        length = np.hypot(*(tip - tail))
         if length < 4 * width:
             return
-        along = (end - start) / length
+        along = (tip - tail) / length
         across = np.array([-along[1], along[0]])
-        neck = end - along * 4.5 * width
+        neck = tip - along * 4.5 * width
         for fill, grow in ((PAPER, 2), (colour, 0)):
-            self.draw.line([*start, *neck], fill=fill, width=width + 2 * grow)
-            head = [end + along * grow, *(neck - along * grow + s * across * (2.2 * width + grow) for s in (1, -1))]
+            self.draw.line([*tail, *neck], fill=fill, width=width + 2 * grow)
+            head = [tip + along * grow, *(neck - along * grow + s * across * (2.2 * width + grow) for s in (1, -1))]
             self.draw.polygon([tuple(p) for p in head], fill=fill)
 
     def keep_clear(self, box: Sequence[float]) -> None:
         """Ask later labels not to cover ``box`` (u0, v0, u1, v1) if they can help it."""
-        self._things.append(tuple(box))
+        u0, v0, u1, v1 = box
+        self._things.append((u0, v0, u1, v1))
 
     def label(self, box: Sequence[float], words: str, colour: Colour) -> None:
         """A filled label beside ``box`` (u0, v0, u1, v1), where it covers no other label if there is such a place."""
@@ -74,31 +74,31 @@ class Canvas:
         pad = max(2, self._text_size // 5)
         size = np.array([right - left + 2 * pad, bottom - top + 2 * pad])
         room = np.array(self.image.size) - size
-        spots = [np.clip(spot, 0, np.maximum(room, 0)) for spot in _spots(box, size)]
-        spot = min(spots, key=lambda spot: self._covered(spot, size))  # the first of equals: the nearest
-        self._labels.append((*spot, *(spot + size)))
-        self.draw.rounded_rectangle([*spot, *(spot + size)], radius=pad, fill=(*colour, 232))
-        self.draw.text((spot[0] + pad - left, spot[1] + pad - top), words, fill=(255, 255, 255), font=self.font)
+        corners = [np.clip(corner, 0, np.maximum(room, 0)) for corner in _corners_beside(box, size)]
+        corner = min(corners, key=lambda at: self._covered(at, size))  # the first of equals: the nearest
+        self._labels.append((*corner, *(corner + size)))
+        self.draw.rounded_rectangle([*corner, *(corner + size)], radius=pad, fill=(*colour, 232))
+        self.draw.text((corner[0] + pad - left, corner[1] + pad - top), words, fill=(255, 255, 255), font=self.font)
 
-    def _covered(self, spot: np.ndarray, size: np.ndarray) -> float:
-        """Area of other labels, and a quarter as bad of things, under a label at ``spot``."""
+    def _covered(self, corner: np.ndarray, size: np.ndarray) -> float:
+        """Area of other labels, and a quarter as bad of things, under a label whose upper left corner is there."""
         area = 0.0
         for boxes, weight in ((self._labels, 4.0), (self._things, 1.0)):
             for u0, v0, u1, v1 in boxes:
-                overlap = np.minimum(spot + size, (u1, v1)) - np.maximum(spot, (u0, v0))
+                overlap = np.minimum(corner + size, (u1, v1)) - np.maximum(corner, (u0, v0))
                 area += weight * float(np.prod(np.maximum(overlap, 0)))
         return area
 
 
-def _spots(box: Sequence[float], size: np.ndarray) -> list[np.ndarray]:
+def _corners_beside(box: Sequence[float], size: np.ndarray) -> list[np.ndarray]:
     """Upper left corners for a label near a box, the best first."""
     u0, v0, u1, v1 = box
     middle = (u0 + u1 - size[0]) / 2
     beside = (v0 + v1 - size[1]) / 2
-    spots = []
+    corners = []
     for away in (3, 3 + size[1], 3 + 2 * size[1]):
         above, below = v0 - size[1] - away, v1 + away
-        spots += [
+        corners += [
             (middle, above),
             (middle, below),
             (u0, above),
@@ -106,5 +106,5 @@ def _spots(box: Sequence[float], size: np.ndarray) -> list[np.ndarray]:
             (u0, below),
             (u1 - size[0], below),
         ]
-        spots += [(u1 + away, beside), (u0 - size[0] - away, beside)]
-    return [np.array(spot, dtype=np.float64) for spot in spots]
+        corners += [(u1 + away, beside), (u0 - size[0] - away, beside)]
+    return [np.array(corner, dtype=np.float64) for corner in corners]

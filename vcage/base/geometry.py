@@ -7,6 +7,7 @@ first pixel at (0.5, 0.5). Arrays are float64 with shapes given in comments.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,9 +15,11 @@ from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Pose:
     """A rigid transform: maps points of the child frame to the parent frame.
+
+    Poses are equal when their numbers are: ``q`` and ``-q`` are the same rotation, but not the same pose.
 
     Args:
         p: (3,) translation in metres.
@@ -37,6 +40,14 @@ class Pose:
         q.setflags(write=False)
         object.__setattr__(self, "p", p)
         object.__setattr__(self, "q", q)
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Pose):
+            return NotImplemented
+        return np.array_equal(self.p, other.p) and np.array_equal(self.q, other.q)
+
+    def __hash__(self) -> int:
+        return hash((*self.p.tolist(), *self.q.tolist()))
 
     @classmethod
     def from_matrix(cls, matrix: ArrayLike) -> Pose:
@@ -92,8 +103,8 @@ def _quat_product(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     )
 
 
-def quat_to_rotation(q: ArrayLike) -> np.ndarray:
-    """(3, 3) rotation of a unit wxyz quaternion.
+def quat_to_rotation(q: Sequence[float] | np.ndarray) -> np.ndarray:
+    """(3, 3) rotation of a unit wxyz quaternion (4,).
 
     Written out, as planning turns thousands of poses a second and scipy's checks cost ten times as much.
     """

@@ -1,4 +1,7 @@
-"""Independent pieces of work in processes of their own, which end with the one that started them, however it ends."""
+"""The machine's cores: work in processes of their own, and how many threads the numerical libraries take.
+
+Processes end with the one that started them, however it ends.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +12,11 @@ import threading
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
+from functools import cache
 from typing import Any, TypeVar
+
+from threadpoolctl import ThreadpoolController
 
 from vcage.base.errors import PartlyDone
 
@@ -79,3 +86,22 @@ def _end_with_parent() -> None:
     if parent is not None:
         parent.join()
         os._exit(1)
+
+
+@contextmanager
+def one_blas_thread() -> Iterator[None]:
+    """One thread for BLAS inside (a ``with`` or a decorated function).
+
+    More cost more than they give on small matrices, above all on a busy machine, and change the last digits of sums
+    with their number.
+    """
+    with _controller().limit(limits=1, user_api="blas"):
+        yield
+
+
+@cache
+def _controller() -> ThreadpoolController:
+    """Looking for the libraries is slow, so once."""
+    import scipy.linalg  # noqa: F401  its BLAS is another one than numpy's, and must be loaded to be found
+
+    return ThreadpoolController()

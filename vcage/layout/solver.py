@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from vcage.base.threads import one_blas_thread
+from vcage.base.workers import one_blas_thread
 from vcage.layout.cost import LayoutProblem, Weights
 from vcage.layout.descent import STAGES, descend, tightened
 from vcage.layout.placement.place import PlaceItem, place, require_possible

@@ -17,7 +17,7 @@ import cv2
 import numpy as np
 
 from vcage.base.geometry import Camera
-from vcage.base.threads import one_blas_thread
+from vcage.base.workers import one_blas_thread
 from vcage.matching.assignment import Chosen, assign
 from vcage.matching.candidates import find_candidates
 from vcage.matching.evidence import (

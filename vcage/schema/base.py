@@ -73,8 +73,8 @@ class PoseRecord(Record):
 
 def box_record(bounds: np.ndarray, pose: Pose) -> Box:
     """The axis-aligned world box of a local box (2, 3) at ``pose``."""
-    lower, upper = (tuple(float(x) for x in corner) for corner in world_aabb(bounds, pose))
-    return lower, upper
+    (x0, y0, z0), (x1, y1, z1) = world_aabb(bounds, pose).tolist()
+    return (x0, y0, z0), (x1, y1, z1)
 
 
 class CameraRecord(Record):

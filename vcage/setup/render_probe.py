@@ -22,7 +22,7 @@ def draw() -> dict[str, str | bool]:
     scene.set_ambient_light([0.3, 0.3, 0.3])
     scene.add_directional_light([1, 0.5, -1], [2, 2, 2])
     box = scene.create_actor_builder()
-    box.add_box_visual(half_size=[0.1, 0.1, 0.1], material=[0.8, 0.1, 0.1])
+    box.add_box_visual(half_size=(0.1, 0.1, 0.1), material=(0.8, 0.1, 0.1))
     box.build_static()
     camera = scene.add_camera("probe", WIDTH, HEIGHT, fovy=1.0, near=0.01, far=10)
     camera.set_entity_pose(sapien.Pose([-0.5, 0, 0]))

@@ -17,7 +17,7 @@ def block():
 
 @pytest.fixture(scope="module")
 def plain(block):
-    return {view.name: view.picture for view in portrait(block, points=False)}
+    return portrait(block, points=False)
 
 
 def red_columns(picture: np.ndarray) -> int:
@@ -37,8 +37,7 @@ def test_all_views_have_one_scale(plain, block) -> None:
 
 
 def test_points_are_drawn_on_the_picture(block, plain) -> None:
-    marked = portrait(block)
-    assert all((view.picture != plain[view.name]).any() for view in marked)
+    assert all((picture != plain[name]).any() for name, picture in portrait(block).items())
 
 
 def test_the_page_shows_every_variant_that_is_asked_for(tmp_path) -> None:

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import jinja2
 import numpy as np
 
-from vcage.apps.gallery.renders import METRES_PER_PIXEL, View, portrait
+from vcage.apps.gallery.renders import METRES_PER_PIXEL, portrait
 from vcage.base.files import RunFolder, write_text
 from vcage.base.pictures import write_picture
 from vcage.base.progress import Progress, silent
@@ -36,10 +36,14 @@ class Picture:
 
 @dataclass(frozen=True)
 class Card:
-    """One kind of object on the page."""
+    """One kind of object on the page.
+
+    Args:
+        size: (3,) of its first variant's bounding box, metres.
+    """
 
     annotation: Annotation
-    size: tuple[float, float, float]
+    size: np.ndarray
     pictures: list[Picture]
 
 
@@ -57,10 +61,7 @@ def write_gallery(library: Library, folder: Path, names: Sequence[str] = (), pro
     for number, (name, variant) in enumerate(wanted):
         progress(f"{name}/{variant}", number, len(wanted))
         pictures.setdefault(name, []).extend(draw_variant(library, name, variant, folder))
-    cards = [
-        Card(library.annotation(name), tuple(float(x) for x in library.asset(name).size), drawn)
-        for name, drawn in pictures.items()
-    ]
+    cards = [Card(library.annotation(name), library.asset(name).size, drawn) for name, drawn in pictures.items()]
     page = _template().render(cards=cards, left_out=library.left_out, scale=METRES_PER_PIXEL, variants=len(wanted))
     return write_text(folder / PAGE, page)
 
@@ -79,10 +80,10 @@ def draw_variant(library: Library, name: str, variant: str, folder: Path) -> lis
     return pictures
 
 
-def _side_by_side(views: Sequence[View]) -> np.ndarray:
+def _side_by_side(views: Mapping[str, np.ndarray]) -> np.ndarray:
     """One picture of all views, bottom edges level."""
-    height = max(view.picture.shape[0] for view in views)
-    padded = [np.pad(v.picture, ((height - v.picture.shape[0], 0), (0, 0), (0, 0)), mode="edge") for v in views]
+    height = max(len(picture) for picture in views.values())
+    padded = [np.pad(x, ((height - len(x), 0), (0, 0), (0, 0)), mode="edge") for x in views.values()]
     return np.hstack(padded)
 
 

@@ -41,19 +41,6 @@ SIDES = {"front": (0.0, -1.0), "right": (1.0, 0.0), "back": (0.0, 1.0)}
 
 
 @dataclass(frozen=True)
-class View:
-    """A picture of an asset.
-
-    Args:
-        name: front, right, back or above.
-        picture: (H, W, 3) uint8 RGB.
-    """
-
-    name: str
-    picture: np.ndarray
-
-
-@dataclass(frozen=True)
 class Mark:
     """A point of the annotation to draw: a frame in the world, and its label."""
 
@@ -61,8 +48,12 @@ class Mark:
     frame: Pose
 
 
-def portrait(asset: Asset, *, opened: bool = False, points: bool = True) -> list[View]:
-    """Four views of an asset, closed, or with every joint at the far end of its range.
+def portrait(asset: Asset, *, opened: bool = False, points: bool = True) -> dict[str, np.ndarray]:
+    """Pictures (H, W, 3) of an asset from the front, the right, the back and above.
+
+    Args:
+        opened: every joint at the far end of its range, not at rest.
+        points: draw the points of the annotation.
 
     Raises:
         NoRenderer: nothing here can draw.
@@ -76,11 +67,11 @@ def portrait(asset: Asset, *, opened: bool = False, points: bool = True) -> list
     world = World(table, {"object": Body(asset.model, standing, joints)}, appearance=look, render=True)
     bounds = world_aabb(_bounds(asset, joints), standing)
     marks = _marks(asset, standing, joints) if points else []
-    views = []
-    for name, camera in _cameras(bounds).items():
-        picture = observe(world, camera, near=DISTANCE - 1.5).picture
-        views.append(View(name, _with_marks(picture, camera, marks)))
-    return views
+    cameras = _cameras(bounds)
+    return {
+        name: _with_marks(observe(world, camera, near=DISTANCE - 1.5).picture, camera, marks)
+        for name, camera in cameras.items()
+    }
 
 
 def _bounds(asset: Asset, joints: tuple[float, ...]) -> np.ndarray:
@@ -135,10 +126,7 @@ def _with_marks(picture: np.ndarray, camera: Camera, marks: list[Mark]) -> np.nd
         for tip, colour in zip(tips, AXIS_COLOURS, strict=True):
             cv2.line(out, origin, tip, (255, 255, 255), 4, cv2.LINE_AA)
             cv2.line(out, origin, tip, colour, 2, cv2.LINE_AA)
-        _label(out, mark.label, (origin[0] + 4, origin[1] - 5))
+        corner = origin[0] + 4, origin[1] - 5
+        for colour, width in (((255, 255, 255), 3), ((20, 20, 20), 1)):
+            cv2.putText(out, mark.label, corner, cv2.FONT_HERSHEY_SIMPLEX, 0.36, colour, width, cv2.LINE_AA)
     return out
-
-
-def _label(picture: np.ndarray, text: str, at: tuple[int, int]) -> None:
-    for colour, width in (((255, 255, 255), 3), ((20, 20, 20), 1)):
-        cv2.putText(picture, text, at, cv2.FONT_HERSHEY_SIMPLEX, 0.36, colour, width, cv2.LINE_AA)
