@@ -1,7 +1,8 @@
 # Everything is made inside the repository (.venv) and the user's cache; nothing needs root.
 #
 #   make demo     environment, Vulkan driver, assets, then one instruction through the whole chain
-#   make test     the same environment, then the tests
+#   make test     the same environment, then lint and the tests
+#   make lint     ruff and the types (pyrefly)
 #   make doctor   what was found, and the command that mends what is missing
 #
 #   make test-lerobot   the real lerobot, in an environment of its own, loads what export writes; DATASET=PATH proves a
@@ -35,7 +36,7 @@ DATASET ?=
 DEMO := Pack the marker pens and the eraser into the box
 
 .DEFAULT_GOAL := help
-.PHONY: help venv vulkan assets setup demo test test-lerobot doctor clean
+.PHONY: help venv vulkan assets setup demo lint test test-lerobot doctor clean
 
 help:
 	@sed -n '/^PYTHON/q; s/^# \{0,1\}//p' Makefile
@@ -66,6 +67,9 @@ setup: assets
 
 demo: setup
 	$(BIN)/vcage run "$(DEMO)" --out runs/pack-stationery --episodes 3
+
+lint: venv
+	@$(BIN)/ruff check . && $(BIN)/ruff format --check -q . && $(BIN)/pyrefly check --output-format min-text
 
 test: setup
 	$(BIN)/python -m pytest -q -n 2 --dist loadfile --no-loadscope-reorder
