@@ -20,7 +20,7 @@ from vcage.models.selection_check import NamedObject, name_objects
 from vcage.schema.base import PoseRecord, Provenance, box_record
 from vcage.schema.plan import SelectedAsset, Selection
 from vcage.schema.scene import ObjectRecord, Scene, SceneTemplate
-from vcage.sim.reference import reference_view
+from vcage.sim.drawer import reference_view
 from vcage.sim.robots import load_template
 from vcage.stages.context import METRES_PER_PIXEL
 

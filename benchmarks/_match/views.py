@@ -19,7 +19,7 @@ import numpy as np
 
 from vcage.objects.library import Library
 from vcage.sim.appearance import Appearance
-from vcage.sim.reference import reference_view
+from vcage.sim.drawer import reference_view
 
 Look = tuple[str, str]
 """Names of an asset and of its variant."""

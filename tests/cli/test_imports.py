@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from tests.objects.importers.conftest import Rigid
-from tests.sim.embodiment import config, write
+from tests.sim.robotwin.embodiment import config, write
 from vcage.cli.main import main
 
 

@@ -12,7 +12,7 @@ from vcage.sim.bodies import Body
 from vcage.sim.cameras import observe
 from vcage.sim.collision import CollisionScene
 from vcage.sim.motion import Load, MotionPlanner
-from vcage.sim.recording import Recorder, StateLog
+from vcage.sim.recording import StateLog
 from vcage.sim.replay import render_state
 from vcage.sim.world import World
 
@@ -187,7 +187,7 @@ def test_fingers_may_touch_what_the_hand_may_not(over_drawer):
 
 def test_recorded_joints_are_shown_again(build):
     world, log = build(), StateLog(fps=10)
-    Recorder(world, log)
+    log.record(world)
     pull(world, "cabinet", "drawer_upper", 1.0, 150)
     joints = log.joint_array("cabinet")
     assert joints.shape == (6, 2)

@@ -7,7 +7,7 @@ from vcage.base.geometry import Pose
 from vcage.schema.scene import Table
 from vcage.sim.bodies import Body
 from vcage.sim.cameras import observe
-from vcage.sim.drawer import ModelDrawer, Window
+from vcage.sim.drawer import ModelDrawer, Window, reference_view
 from vcage.sim.world import World
 
 NOWHERE = -2.0
@@ -55,3 +55,25 @@ def test_only_the_object_that_is_asked_for_is_drawn(drawer, template):
 
 def test_an_object_without_a_model_has_none(drawer):
     assert drawer.model("ghost") is None
+
+
+def test_the_reference_has_the_scale_it_says(models):
+    view = reference_view(models["tray"], metres_per_pixel=0.002)
+    rows, columns = np.nonzero(view[..., 3])
+    assert view.dtype == np.uint8
+    assert abs((columns.max() - columns.min() + 1) * 0.002 - 0.2) < 0.005
+    assert abs((rows.max() - rows.min() + 1) * 0.002 - 0.14) < 0.005
+
+
+def test_in_the_reference_x_is_to_the_right_and_y_up(models):
+    alpha = reference_view(models["bar"])[..., 3]  # its lug is at +x, +y
+    v, _ = np.nonzero(alpha)
+    height, width = alpha.shape
+    assert v.min() + 0.5 < height - v.max()  # reaches further up than down
+    assert alpha[v.min(), : width // 2].max() == 0 and alpha[v.min(), width // 2 :].max() == 255
+
+
+def test_the_colour_of_the_reference_is_the_objects(models):
+    view = reference_view(models["cube"])
+    colour = view[view[..., 3] > 0][:, :3].mean(axis=0)
+    assert colour[0] > 2 * colour[1]

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from vcage.base.errors import UsageError
-from vcage.sim.recording import Recorder, StateLog
+from vcage.sim.recording import StateLog
 from vcage.sim.replay import camera_paths, render_log
 from vcage.sim.world import World
 
@@ -13,7 +13,7 @@ from vcage.sim.world import World
 def log(template, bodies, robot) -> StateLog:
     """One second in which the right arm swings."""
     world, log = World(template.table, bodies, robot), StateLog(fps=10)
-    Recorder(world, log)
+    log.record(world)
     arm = world.arms["right"]
     arm.command_joints(arm.joints + 0.3 * np.eye(7)[0])
     world.step(250)
@@ -35,13 +35,13 @@ def test_command_and_measured_state_are_separate(log):
 
 def test_a_frame_rate_that_does_not_divide_the_physics_rate_is_refused(world):
     with pytest.raises(UsageError, match="12 frames") as caught:
-        Recorder(world, StateLog(fps=12))
+        StateLog(fps=12).record(world)
     assert "10" in caught.value.hint
 
 
 def test_recording_goes_on_from_a_snapshot_as_if_nothing_had_happened(template, bodies, robot):
     world, log = World(template.table, bodies, robot), StateLog(fps=10)
-    Recorder(world, log)
+    log.record(world)
     world.step(60)
     snapshot = world.snapshot()
     world.arms["left"].command_gripper(0.0)
@@ -49,7 +49,7 @@ def test_recording_goes_on_from_a_snapshot_as_if_nothing_had_happened(template, 
 
     again = World(template.table, bodies, robot)
     again.restore(snapshot)
-    Recorder(again, log)
+    log.record(again)
     assert len(log) == 3
     again.step(90)
     assert np.allclose(log.timestamps(), np.arange(6) / 10)

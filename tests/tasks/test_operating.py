@@ -24,7 +24,7 @@ from vcage.base.errors import UnknownName
 from vcage.base.geometry import Pose
 from vcage.objects.asset import Asset
 from vcage.sim.bodies import Body
-from vcage.sim.recording import Recorder, StateLog
+from vcage.sim.recording import StateLog
 from vcage.sim.world import World
 from vcage.tasks.assemble import episode_data
 from vcage.tasks.scene_objects import SceneObject
@@ -121,7 +121,7 @@ def test_a_later_attempt_takes_another_way(task_with):
 
 def test_an_episode_keeps_the_joints_of_what_was_operated(task_with):
     task, log = task_with("button", pose=Pose([0.1, -0.1, TABLE_TOP])), StateLog(fps=50)
-    Recorder(task.world, log)
+    log.record(task.world)
     task.operate("button", 0, 0.008)
     data = episode_data(log, [], {}, {"instruction": "ring", "seed": 0})
     assert data.object_joints["button"].shape == (len(log), 1)

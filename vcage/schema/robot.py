@@ -20,6 +20,21 @@ class Gripper(Record):
     tip_depth: Finite = Field(gt=0, description="how far the finger tips reach beyond the frame's origin, metres")
     finger_length: Finite = Field(gt=0, description="free finger length from the palm to the frame's origin, metres")
     palm_size: tuple[Finite, Finite] = Field(description="palm size along x and y of the gripper frame, metres")
+    palm_height: Finite = Field(
+        default=0.12, gt=0, description="extent of hand and flange above the fingers that must stay free, metres"
+    )
+    finger_width: Finite = Field(default=0.022, gt=0, description="of one finger across the closing axis, metres")
+    finger_thickness: Finite = Field(
+        default=0.022, gt=0, description="of one finger along the closing axis, metres; taken generously"
+    )
+    friction: Finite = Field(default=2.0, gt=0, description="Coulomb coefficient of the finger tips; rubber by default")
+    friction_patch: Finite = Field(
+        default=0.1, ge=0, description="radius of the finger tips' torsional friction patch, metres"
+    )
+    empty_width: Finite = Field(default=0.0015, gt=0, description="fingers closer than this hold nothing, metres")
+    approach: Finite = Field(
+        default=0.09, gt=0, description="how far from a grasp the hand comes straight along its approach, metres"
+    )
 
 
 class Arm(Record):
@@ -36,6 +51,11 @@ class Arm(Record):
     stiffness: Finite = Field(default=1000.0, gt=0, description="of each joint's drive, N m/rad")
     damping: Finite = Field(default=100.0, gt=0, description="of each joint's drive, N m s/rad")
     force: Finite = Field(default=100.0, gt=0, description="limit of each joint's drive, N m")
+    max_speed: Finite = Field(default=2.1, gt=0, description="of every joint, rad/s")
+    max_acceleration: Finite = Field(default=7.5, gt=0, description="of every joint, rad/s²")
+    self_collision_gap: int = Field(
+        default=4, ge=1, description="links that are so many solid links apart are checked against each other"
+    )
 
 
 class RobotCamera(Record):

@@ -19,11 +19,17 @@ from vcage.sim.urdf import physics_urdf, render_urdf
 if TYPE_CHECKING:
     import sapien
 
-FINGER_FRICTION = 2.0
-"""Coulomb coefficient of the rubber finger tips."""
+ARRIVED = 0.003
+"""The arm has arrived when every joint is this near its target, radians."""
 
-FINGER_PATCH = 0.1
-"""Radius of the torsional friction patch of the finger tips, metres."""
+ARRIVAL_STEPS = 125
+"""Longest wait for it, physics steps."""
+
+FINGERS_STILL = 2e-5
+"""Movement of the fingers per physics step below which they stand still, metres."""
+
+FINGER_STEPS = (25, 250)
+"""Shortest and longest time that the fingers are given, physics steps."""
 
 
 def build_arm(scene: sapien.Scene, arm: Arm, visual_faces: float | None) -> sapien.physx.PhysxArticulation:
@@ -37,9 +43,9 @@ def build_arm(scene: sapien.Scene, arm: Arm, visual_faces: float | None) -> sapi
     loader = scene.create_urdf_loader()
     loader.fix_root_link = True
     for link in _finger_links(arm, urdf):
-        loader.set_link_material(link, FINGER_FRICTION, FINGER_FRICTION, 0.0)
-        loader.set_link_patch_radius(link, FINGER_PATCH)
-        loader.set_link_min_patch_radius(link, FINGER_PATCH)
+        loader.set_link_material(link, arm.gripper.friction, arm.gripper.friction, 0.0)
+        loader.set_link_patch_radius(link, arm.gripper.friction_patch)
+        loader.set_link_min_patch_radius(link, arm.gripper.friction_patch)
     srdf = None if arm.srdf is None else str(package_file(arm.srdf))
     articulation = loader.load(str(urdf), srdf_file=srdf)
     articulation.set_root_pose(to_sapien(arm.base.pose()))
@@ -50,20 +56,8 @@ def build_arm(scene: sapien.Scene, arm: Arm, visual_faces: float | None) -> sapi
 
 def _finger_links(arm: Arm, urdf: Path) -> list[str]:
     joints = ElementTree.parse(urdf).getroot().iterfind("joint")
-    return [j.find("child").attrib["link"] for j in joints if j.attrib["name"] in arm.gripper.joints]
-
-
-ARRIVED = 0.003
-"""The arm has arrived when every joint is this near its target, radians."""
-
-ARRIVAL_STEPS = 125
-"""Longest wait for it, physics steps."""
-
-FINGERS_STILL = 2e-5
-"""Movement of the fingers per physics step below which they stand still, metres."""
-
-FINGER_STEPS = (25, 250)
-"""Shortest and longest time that the fingers are given, physics steps."""
+    children = [joint.find("child") for joint in joints if joint.attrib["name"] in arm.gripper.joints]
+    return [child.attrib["link"] for child in children if child is not None]
 
 
 class ArmControl:

@@ -1,19 +1,29 @@
-"""Objects as SAPIEN entities: convex hulls with friction and mass, and a textured mesh when rendering."""
+"""Objects in a SAPIEN scene, rigid or with moving parts, behind one interface.
+
+A part is a SAPIEN entity: convex hulls with friction and mass, and a textured mesh when rendering.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
 from vcage.base.errors import DamagedFile
 from vcage.base.geometry import Pose
 from vcage.schema.asset import MovingLink, PhysicalModel
+from vcage.sim.joints import joint_positions
+from vcage.sim.poses import from_sapien, to_sapien
 
 if TYPE_CHECKING:
     import sapien
+
+Loaded = TypeVar("Loaded")
+
+REST_SPEED, REST_SPIN = 0.005, 0.05
+"""Below these a part counts as at rest: m/s, rad/s."""
 
 
 @dataclass(frozen=True)
@@ -31,19 +41,126 @@ class Body:
     joints: tuple[float, ...] = ()
 
 
-def build_rigid(name: str, model: PhysicalModel, render: bool) -> sapien.Entity:
-    """A movable entity named ``name``, not yet in a scene.
+class RigidObject:
+    """An object without moving parts.
+
+    Attributes:
+        entities: SAPIEN entity of each part by name; the body's name is None.
+    """
+
+    def __init__(self, scene: sapien.Scene, name: str, body: Body, render: bool):
+        import sapien
+
+        self._physics = sapien.physx.PhysxRigidDynamicComponent()
+        entity = _entity(name, self._physics, body.model, body.model.friction, render)
+        entity.pose = to_sapien(body.pose)
+        scene.add_entity(entity)
+        self.entities: dict[str | None, sapien.Entity] = {None: entity}
+
+    @property
+    def pose(self) -> Pose:
+        """Object frame in the world."""
+        return from_sapien(self.entities[None].pose)
+
+    @property
+    def joints(self) -> np.ndarray:
+        """(0,) it has none."""
+        return np.zeros(0)
+
+    def set_pose(self, pose: Pose) -> None:
+        """Put it somewhere; its velocity stays."""
+        self.entities[None].set_pose(to_sapien(pose))
+
+    def set_joints(self, joints: Sequence[float] | np.ndarray) -> None:
+        """Accepts no positions only."""
+        if len(joints):
+            raise ValueError(f"expected 0 joint positions, got {len(joints)}")
+
+    def stop(self) -> None:
+        """Take away its velocity."""
+        still = np.zeros(3, dtype=np.float32)
+        self._physics.set_linear_velocity(still)
+        self._physics.set_angular_velocity(still)
+
+    def at_rest(self) -> bool:
+        """Whether it moves slower than :data:`REST_SPEED` and :data:`REST_SPIN`."""
+        return _slow(self._physics)
+
+
+class ArticulatedObject:
+    """An object with moving parts; its body moves freely.
+
+    Attributes:
+        entities: SAPIEN entity of each part by name; the body's name is None.
+    """
+
+    def __init__(self, scene: sapien.Scene, name: str, body: Body, render: bool):
+        import sapien
+
+        self._model = body.model
+        self.entities: dict[str | None, sapien.Entity] = _build_links(name, body.model, render)
+        kind = sapien.physx.PhysxArticulationLinkComponent
+        self._links = {part: entity.find_component_by_type(kind) for part, entity in self.entities.items()}
+        self._articulation = self._links[None].articulation
+        for entity in self.entities.values():
+            scene.add_entity(entity)
+        # PhysX numbers the joints of an articulation in its own order.
+        order = [joint.name for joint in self._articulation.active_joints]
+        self._index = np.array([order.index(link.name) for link in body.model.links])
+        self.set_pose(body.pose)
+        self.set_joints(body.joints)
+
+    @property
+    def pose(self) -> Pose:
+        """Frame of the body in the world."""
+        return from_sapien(self.entities[None].pose)
+
+    @property
+    def joints(self) -> np.ndarray:
+        """(n,) position of each of the model's links, metres or radians."""
+        return self._articulation.get_qpos()[self._index].astype(np.float64)
+
+    def set_pose(self, pose: Pose) -> None:
+        """Put the body somewhere with all its parts; joints and velocities stay."""
+        self._articulation.set_root_pose(to_sapien(pose))
+
+    def set_joints(self, joints: Sequence[float] | np.ndarray) -> None:
+        """Put the parts at (n,) joint positions; all at 0 when empty."""
+        positions = np.zeros(len(self._index))
+        positions[self._index] = joint_positions(self._model, joints)
+        self._articulation.set_qpos(positions)
+
+    def stop(self) -> None:
+        """Take away all velocities."""
+        still = np.zeros(3, dtype=np.float32)
+        self._articulation.set_root_linear_velocity(still)
+        self._articulation.set_root_angular_velocity(still)
+        self._articulation.set_qvel(np.zeros(len(self._index)))
+
+    def at_rest(self) -> bool:
+        """Whether every part moves slower than :data:`REST_SPEED` and :data:`REST_SPIN`."""
+        return all(_slow(link) for link in self._links.values())
+
+
+def add_object(scene: sapien.Scene, name: str, body: Body, render: bool) -> RigidObject | ArticulatedObject:
+    """Put an object into a scene.
 
     Raises:
-        DamagedFile: a mesh of the model cannot be loaded.
+        DamagedFile: a mesh cannot be loaded.
     """
-    from sapien import physx
-
-    component = physx.PhysxRigidDynamicComponent()
-    return _entity(name, component, model, model.friction, render)
+    kind = ArticulatedObject if body.model.links else RigidObject
+    return kind(scene, name, body, render)
 
 
-def build_links(name: str, model: PhysicalModel, render: bool) -> dict[str | None, sapien.Entity]:
+def _slow(body: sapien.physx.PhysxRigidBodyComponent) -> bool:
+    slow = np.linalg.norm(body.linear_velocity) < REST_SPEED
+    return bool(slow and np.linalg.norm(body.angular_velocity) < REST_SPIN)
+
+
+# --- parts as SAPIEN entities ------------------------------------------------------------------------------
+
+
+def _build_links(name: str, model: PhysicalModel, render: bool) -> dict[str | None, sapien.Entity]:
     """The parts of an articulation whose body moves freely, by name (None for the body), not yet in a scene.
 
     The frame of every part coincides with the object frame while all joints are at 0. Parts that a joint connects
@@ -57,7 +174,7 @@ def build_links(name: str, model: PhysicalModel, render: bool) -> dict[str | Non
     root = physx.PhysxArticulationLinkComponent()
     root.name = name
     components: dict[str | None, physx.PhysxArticulationLinkComponent] = {None: root}
-    entities = {None: _entity(name, root, model, model.friction, render)}
+    entities: dict[str | None, sapien.Entity] = {None: _entity(name, root, model, model.friction, render)}
     for link in model.links:
         component = physx.PhysxArticulationLinkComponent(components[link.parent])
         component.name = link.name
@@ -74,7 +191,8 @@ def _set_joint(joint: sapien.physx.PhysxArticulationJoint, link: MovingLink) -> 
     joint.name = link.name
     joint.type = "prismatic" if record.kind == "slide" else "revolute"
     # SAPIEN's joints move along or about the x axis of the joint frame; it is the same in both parts at 0.
-    frame = sapien.Pose(p=record.origin, q=sapien.math.shortest_rotation([1, 0, 0], record.axis))
+    x, axis = np.array([1, 0, 0], dtype=np.float32), np.array(record.axis, dtype=np.float32)
+    frame = sapien.Pose(p=record.origin, q=sapien.math.shortest_rotation(x, axis))
     joint.pose_in_parent = frame
     joint.pose_in_child = frame
     joint.limit = [record.lower, record.upper]
@@ -121,7 +239,7 @@ def _make_solid(
     component.set_cmass_local_pose(centre)
 
 
-def _load(kind: type, path: str, **options: object) -> object:
+def _load(kind: Callable[..., Loaded], path: str, **options: object) -> Loaded:
     try:
         return kind(filename=path, **options)
     except RuntimeError as error:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -11,6 +12,9 @@ from vcage.schema.base import CameraRecord
 from vcage.schema.robot import RobotCamera
 from vcage.sim.poses import to_sapien
 from vcage.sim.world import World
+
+if TYPE_CHECKING:
+    import sapien
 
 NEAR, FAR = 0.01, 20.0
 """Clipping planes of every camera, metres."""
@@ -64,7 +68,7 @@ def _placed(world: World, camera: RobotCamera) -> Camera:
     return Camera(camera.width, camera.height, camera.fovy, carrier * local)
 
 
-def _take(world: World, camera: Camera | CameraRecord, near: float = NEAR) -> object:
+def _take(world: World, camera: Camera | CameraRecord, near: float = NEAR) -> sapien.render.RenderCameraComponent:
     """The world's camera component of that size and opening, after it took the picture."""
     if not world.rendered:
         raise ValueError("this world was made without render=True")
@@ -77,7 +81,7 @@ def _take(world: World, camera: Camera | CameraRecord, near: float = NEAR) -> ob
     return component
 
 
-def _colour(component: object) -> np.ndarray:
+def _colour(component: sapien.render.RenderCameraComponent) -> np.ndarray:
     return np.ascontiguousarray(component.get_picture("Color")[..., :3])
 
 

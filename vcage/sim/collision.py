@@ -21,14 +21,12 @@ from vcage.sim.surroundings import THICKNESS
 
 if TYPE_CHECKING:
     import sapien
+    from mplib.pymp.collision_detection import fcl
 
     from vcage.sim.world import World
 
 TOLERANCE = 0.002
 """Overlap that still counts as touching, metres: objects rest on things, and fingers lie against what they hold."""
-
-SELF_GAP = 4
-"""Links that are so many links apart are checked against each other."""
 
 
 @dataclass(frozen=True)
@@ -63,7 +61,7 @@ class _Solids:
         from mplib.pymp.collision_detection import fcl
 
         self.names: list[str] = []
-        self.objects: list[object] = []
+        self.objects: list[fcl.CollisionObject] = []
         centres, radii = [], []
         for name, shape, pose in items:
             placed = pose * shape.local
@@ -109,7 +107,13 @@ class CollisionScene:
 
     @classmethod
     def of_world(cls, world: World, arm: str) -> CollisionScene:
-        """The surroundings of an arm as they are in the world now."""
+        """The surroundings of an arm as they are in the world now.
+
+        Raises:
+            ValueError: the world has no robot.
+        """
+        if world.robot is None:
+            raise ValueError("this world has no robot")
         bodies = {name: world.body(name) for name in world.object_ids}
         others = {name: control.joints for name, control in world.arms.items() if name != arm}
         return cls(world.robot, arm, world.table, bodies, others)
@@ -158,13 +162,14 @@ class CollisionScene:
         return None
 
     def _with_itself(self, moving: _Solids, ranks: np.ndarray) -> Contact | None:
-        near = _spheres_meet(moving, moving) & (ranks[:, None] - ranks[None] >= SELF_GAP)
+        apart = ranks[:, None] - ranks[None] >= self.kinematics.arm.self_collision_gap
+        near = _spheres_meet(moving, moving) & apart
         for i, j in np.argwhere(near):
             if self._overlap(moving.objects[i], moving.objects[j]):
                 return Contact(moving.names[i], moving.names[j])
         return None
 
-    def _overlap(self, a: object, b: object) -> bool:
+    def _overlap(self, a: fcl.CollisionObject, b: fcl.CollisionObject) -> bool:
         from mplib.pymp.collision_detection import fcl
 
         result = fcl.collide(a, b, self._request)

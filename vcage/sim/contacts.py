@@ -9,8 +9,8 @@ import numpy as np
 
 from vcage.base.errors import UnknownName
 from vcage.sim.arms import ArmControl
+from vcage.sim.bodies import ArticulatedObject, RigidObject
 from vcage.sim.joints import part_name
-from vcage.sim.objects import ArticulatedObject, RigidObject
 
 if TYPE_CHECKING:
     import sapien

@@ -47,26 +47,25 @@ class ArmKinematics:
         # The scene must outlive the articulation from which the model was made.
         self._scene = sapien.Scene([sapien.physx.PhysxCpuSystem()])
         articulation = build_arm(self._scene, arm, visual_faces=None)
-        self._model = articulation.create_pinocchio_model()
-        names = [link.name for link in articulation.links]
-        self._links = {name: i for i, name in enumerate(names)}
+        self._model = articulation.create_pinocchio_model()  # pyrefly: ignore[missing-argument]  a wrong stub
+        self._links = {link.name: i for i, link in enumerate(articulation.links)}
         self.link_shapes = [(x.name, physics_shape(shape)) for x in articulation.links for shape in x.collision_shapes]
         """Link name and collision shape, from the base out."""
         solid = list(dict.fromkeys(name for name, _ in self.link_shapes))
         self.link_ranks = np.array([solid.index(name) for name, _ in self.link_shapes])
         """For each of :attr:`link_shapes`, how many solid links come before its link; 0 is the base."""
-        joints = {joint.name: joint for joint in articulation.active_joints}
-        self.finger_links = frozenset(joints[name].child_link.name for name in arm.gripper.joints)
-        """Names of the links that the gripper's joints move."""
-        order = list(joints)
-        self._index = np.array([order.index(name) for name in arm.joints])
-        self._fingers = np.array([order.index(name) for name in arm.gripper.joints])
+        joints = articulation.active_joints
+        order = [joint.name for joint in joints]
+        self._index = np.array(list(map(order.index, arm.joints)))
+        self._fingers = np.array(list(map(order.index, arm.gripper.joints)))
         self._mask = np.isin(np.arange(len(order)), self._index).astype(np.int32)
+        self.finger_links = frozenset(joints[i].child_link.name for i in self._fingers)
+        """Names of the links that the gripper's joints move."""
         self._base = arm.base.pose()
         self._from_base = self._base.inverse()
         self._offset = arm.tool_offset.pose() if arm.tool_offset else Pose()
         self._to_link = self._offset.inverse()
-        limits = np.concatenate([joint.limits for joint in articulation.active_joints])[self._index]
+        limits = np.concatenate([joint.limits for joint in joints])[self._index]
         self.lower, self.upper = limits[:, 0].astype(np.float64), limits[:, 1].astype(np.float64)
         self.home = np.array(arm.home, dtype=np.float64)
         self._seeds = self._variations_of_home()

@@ -214,14 +214,14 @@ class MotionPlanner:
             raise MotionFailed(f"{contact.moving} would touch {contact.other}")
 
     def _timed(self, path: np.ndarray, load: Load) -> Trajectory:
-        return timed(path, PHYSICS_HZ, load.speed)
+        return timed(path, PHYSICS_HZ, self.kinematics.arm, load.speed)
 
 
 def _poses_between(start: Pose, end: Pose) -> list[Pose]:
     """Poses on the straight line from ``start`` (left out) to ``end``."""
     turn = Rotation.from_quat(np.roll([start.q, end.q], -1, axis=1))
     angle = (turn[0].inv() * turn[1]).magnitude()
-    count = max(1, int(np.ceil(max(np.linalg.norm(end.p - start.p) / LINE_STEP, angle / LINE_TURN))))
+    count = max(1, int(np.ceil(max(float(np.linalg.norm(end.p - start.p)) / LINE_STEP, angle / LINE_TURN))))
     shares = np.arange(1, count + 1) / count
     quaternions = np.roll(Slerp([0, 1], turn)(shares).as_quat(), 1, axis=1)
     points = start.p + shares[:, None] * (end.p - start.p)

@@ -71,14 +71,27 @@ class StateLog:
     def __len__(self) -> int:
         return len(self.frames)
 
-    @property
-    def every(self) -> int:
-        """Physics steps from frame to frame."""
-        return PHYSICS_HZ // self.fps
+    def record(self, world: World) -> None:
+        """Add a frame whenever one is due, for as long as the world steps; frames not reached yet are forgotten.
 
-    def truncate(self, step: int) -> None:
-        """Forget the frames taken at or after a physics step: go back to a snapshot taken then."""
-        self.frames = [frame for frame in self.frames if frame.step < step]
+        A frame is taken just before a physics step: the state is what a camera sees, and the command is what the arm
+        was just told to do next.
+
+        Args:
+            world: to record; a snapshot restored into it goes on with the step count of the snapshot.
+
+        Raises:
+            UsageError: the physics rate is no multiple of the frame rate.
+        """
+        if self.fps <= 0 or PHYSICS_HZ % self.fps:
+            divisors = [d for d in range(1, PHYSICS_HZ + 1) if PHYSICS_HZ % d == 0]
+            raise UsageError(f"cannot record {self.fps} frames per second", hint=f"take one of {divisors}")
+        self.frames = [frame for frame in self.frames if frame.step < world.steps]
+        world.before_step.append(self._add_when_due)
+
+    def _add_when_due(self, world: World) -> None:
+        if world.steps % (PHYSICS_HZ // self.fps) == 0:
+            self.frames.append(take_frame(world))
 
     def frame_at(self, step: int) -> int:
         """Index of the first frame taken at or after a physics step (the boundary of a sub-task)."""
@@ -101,33 +114,6 @@ class StateLog:
     def joint_array(self, object_id: str) -> np.ndarray:
         """(T, n) positions of an object's moving parts, metres or radians."""
         return np.stack([frame.object_joints[object_id] for frame in self.frames])
-
-
-class Recorder:
-    """Adds a frame to a log whenever one is due, for as long as the world steps.
-
-    A frame is taken just before a physics step: the state is what a camera sees, and the command is what the arm
-    was just told to do next.
-
-    Args:
-        world: to record; a snapshot restored into it goes on with the step count of the snapshot.
-        log: a new one, or one to go on with; frames that the world has not reached yet are dropped.
-
-    Raises:
-        UsageError: the physics rate is no multiple of the log's frame rate.
-    """
-
-    def __init__(self, world: World, log: StateLog):
-        if log.fps <= 0 or PHYSICS_HZ % log.fps:
-            divisors = [d for d in range(1, PHYSICS_HZ + 1) if PHYSICS_HZ % d == 0]
-            raise UsageError(f"cannot record {log.fps} frames per second", hint=f"take one of {divisors}")
-        self.log = log
-        log.truncate(world.steps)
-        world.before_step.append(self._before_step)
-
-    def _before_step(self, world: World) -> None:
-        if world.steps % self.log.every == 0:
-            self.log.frames.append(take_frame(world))
 
 
 def take_frame(world: World) -> Frame:

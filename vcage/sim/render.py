@@ -9,17 +9,21 @@ from __future__ import annotations
 import contextlib
 import functools
 from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from vcage.base.errors import NoRenderer
+
+if TYPE_CHECKING:
+    import sapien
 
 MIPMAPS = 6
 """Levels of smaller copies of every texture, so that fine patterns do not shimmer from afar."""
 
 
 @functools.cache
-def _first_system() -> object:
+def _first_system() -> sapien.render.RenderSystem:
     """The render system that keeps the shaders compiled; made on first use, never dropped."""
     from vcage.setup.vulkan import ensure_driver
 
@@ -35,7 +39,7 @@ def _first_system() -> object:
         raise NoRenderer(f"SAPIEN cannot draw: {error}", hint="run `vcage doctor`") from error
 
 
-def new_render_system() -> object:
+def new_render_system() -> sapien.render.RenderSystem:
     """A render system of its own for one scene, on the process-wide device.
 
     Raises:
@@ -60,14 +64,14 @@ def shader_pack(name: str) -> Iterator[None]:
         sapien.render.set_camera_shader_dir(before)
 
 
-def plain_material(colour: Sequence[float], roughness: float = 0.8) -> object:
+def plain_material(colour: Sequence[float], roughness: float = 0.8) -> sapien.render.RenderMaterial:
     """A material of one colour, linear RGB in [0, 1]."""
     import sapien
 
     return sapien.render.RenderMaterial(base_color=[*colour, 1.0], roughness=roughness)
 
 
-def painted_material(picture: np.ndarray, roughness: float = 0.7) -> object:
+def painted_material(picture: np.ndarray, roughness: float = 0.7) -> sapien.render.RenderMaterial:
     """A material that shows an (H, W, 3) uint8 sRGB picture."""
     import sapien
 

@@ -1,6 +1,6 @@
 """Robots and scene templates by name: ``assets/robots/<name>.yml`` and ``assets/scenes/<name>.yml``.
 
-Robots that were imported lie in the same way in the user's data folder (:mod:`vcage.sim.robot_import`).
+Robots that were imported lie in the same way in the user's data folder (:mod:`vcage.sim.robotwin.importing`).
 """
 
 from __future__ import annotations

@@ -15,6 +15,7 @@ from vcage.sim.poses import to_sapien
 
 if TYPE_CHECKING:
     import sapien
+    from mplib.pymp.collision_detection import fcl
 
 
 @dataclass(frozen=True)
@@ -27,7 +28,7 @@ class Shape:
         centre, radius: a sphere around it, in the shape's frame, metres.
     """
 
-    geometry: object
+    geometry: fcl.CollisionGeometry
     local: sapien.Pose
     centre: np.ndarray
     radius: float

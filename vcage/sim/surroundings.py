@@ -119,7 +119,9 @@ def _pedestal_shapes(robot: Robot) -> list[sapien.render.RenderShape]:
     return shapes
 
 
-def _box(centre: list[float], half_size: list[float], material: object) -> sapien.render.RenderShape:
+def _box(
+    centre: list[float], half_size: list[float], material: sapien.render.RenderMaterial
+) -> sapien.render.RenderShape:
     import sapien
 
     shape = sapien.render.RenderShapeBox(half_size, material)
@@ -127,14 +129,16 @@ def _box(centre: list[float], half_size: list[float], material: object) -> sapie
     return shape
 
 
-def _rectangle(corner: list[float], u: list[float], v: list[float], material: object) -> sapien.render.RenderShape:
+def _rectangle(
+    corner: list[float], u: list[float], v: list[float], material: sapien.render.RenderMaterial
+) -> sapien.render.RenderShape:
     """The parallelogram from ``corner`` along ``u`` and ``v``, facing u × v; ``u`` is the picture's bottom edge."""
     import sapien
 
-    corner, u, v = (np.asarray(x, dtype=np.float32) for x in (corner, u, v))
-    normal = np.cross(u, v) / np.linalg.norm(np.cross(u, v))
+    start, right, up = (np.asarray(x, dtype=np.float32) for x in (corner, u, v))
+    normal = np.cross(right, up) / np.linalg.norm(np.cross(right, up))
     return sapien.render.RenderShapeTriangleMesh(
-        vertices=np.stack([corner, corner + u, corner + u + v, corner + v]),
+        vertices=np.stack([start, start + right, start + right + up, start + up]),
         triangles=np.array([[0, 1, 2], [0, 2, 3]], dtype=np.uint32),
         normals=np.repeat(normal[None], 4, axis=0),
         uvs=np.array([[0, 1], [1, 1], [1, 0], [0, 0]], dtype=np.float32),

@@ -7,11 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-MAX_SPEED = 2.1
-"""Joint speed, rad/s; a Panda's slowest joints allow 2.175."""
-
-MAX_ACCELERATION = 7.5
-"""Joint acceleration, rad/s²; a Panda's slowest joint allows 7.5."""
+from vcage.schema.robot import Arm
 
 
 @dataclass(frozen=True)
@@ -39,15 +35,16 @@ class Trajectory:
         return Trajectory(np.concatenate([self.q, other.q]), np.concatenate([self.velocity, other.velocity]))
 
 
-def timed(path: np.ndarray, hz: float, speed: float = 1.0) -> Trajectory:
+def timed(path: np.ndarray, hz: float, arm: Arm, speed: float = 1.0) -> Trajectory:
     """Pass through the points of ``path`` from rest to rest, with a minimum-jerk profile along it.
 
     The profile is the quintic of Flash and Hogan (1985) over a cubic spline; its duration is the shortest that
-    keeps every joint within :data:`MAX_SPEED` and :data:`MAX_ACCELERATION`.
+    keeps every joint within the arm's speed and acceleration.
 
     Args:
         path: (k, n) joints, rad, k ≥ 1; points that repeat the one before are dropped.
         hz: samples per second.
+        arm: whose joints they are.
         speed: share of the speed limit, in (0, 1].
     """
     path = np.asarray(path, dtype=np.float64)
@@ -56,16 +53,12 @@ def timed(path: np.ndarray, hz: float, speed: float = 1.0) -> Trajectory:
     if len(path) == 1:
         return Trajectory(path.copy(), np.zeros_like(path))
     along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1))])
-    curve = CubicSpline(along / along[-1], path, bc_type="natural") if len(path) > 2 else _straight(path)
-    duration = _duration(curve) / speed
+    curve = CubicSpline(along / along[-1], path, bc_type="natural")
+    duration = _duration(curve, arm) / speed
     count = max(2, int(np.ceil(duration * hz)))
     t = np.arange(1, count + 1) / count
     s, ds, _ = _minimum_jerk(t)
     return Trajectory(curve(s), curve(s, 1) * (ds / (count / hz))[:, None])
-
-
-def _straight(path: np.ndarray) -> CubicSpline:
-    return CubicSpline([0.0, 1.0], path, bc_type="natural")
 
 
 def _minimum_jerk(t: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -80,7 +73,7 @@ def _inverse_minimum_jerk(s: np.ndarray) -> np.ndarray:
     return np.interp(s, _minimum_jerk(fine)[0], fine)
 
 
-def _duration(curve: CubicSpline) -> float:
+def _duration(curve: CubicSpline, arm: Arm) -> float:
     """Shortest duration in seconds that keeps the limits: on a grid, and at the points of the path, where they peak."""
     grid = np.linspace(0, 1, 200)
     at_points = _inverse_minimum_jerk(curve.x)
@@ -88,4 +81,4 @@ def _duration(curve: CubicSpline) -> float:
     first, second = curve(s, 1), curve(s, 2)
     speed = np.abs(first * ds[:, None]).max()
     acceleration = np.abs(second * (ds**2)[:, None] + first * dds[:, None]).max()
-    return float(max(speed / MAX_SPEED, np.sqrt(acceleration / MAX_ACCELERATION)))
+    return float(max(speed / arm.max_speed, np.sqrt(acceleration / arm.max_acceleration)))

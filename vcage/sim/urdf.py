@@ -70,11 +70,11 @@ def decimate(source: Path, target: Path, share: float) -> None:
     small = trimesh.Scene()
     for name in scene.graph.nodes_geometry:
         transform, geometry = scene.graph[name]
-        mesh = scene.geometry[geometry]
+        mesh = scene.geometry[str(geometry)]
         welded = trimesh.Trimesh(mesh.vertices, mesh.faces, process=True)
         count = max(32, int(np.ceil(len(welded.faces) * share)))
         reduced = welded.simplify_quadric_decimation(face_count=count) if len(welded.faces) > count else welded
         shaded = trimesh.graph.smooth_shade(reduced, angle=np.radians(30))
         shaded.visual = trimesh.visual.TextureVisuals(material=mesh.visual.material)
-        small.add_geometry(shaded, node_name=name, geom_name=geometry, transform=transform)
+        small.add_geometry(shaded, node_name=name, geom_name=str(geometry), transform=transform)
     target.write_bytes(small.export(file_type="glb", include_normals=True))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,12 +14,14 @@ from vcage.schema.robot import Robot
 from vcage.schema.scene import Scene, Table
 from vcage.sim.appearance import Appearance
 from vcage.sim.arms import ArmControl, build_arm
-from vcage.sim.bodies import Body
+from vcage.sim.bodies import ArticulatedObject, Body, RigidObject, add_object
 from vcage.sim.contacts import ContactNames
-from vcage.sim.objects import ArticulatedObject, RigidObject, add_object
 from vcage.sim.render import new_render_system, shader_pack
 from vcage.sim.state import SettleReport, WorldState, pack_arrays, unpack_arrays
 from vcage.sim.surroundings import add_surroundings, add_table
+
+if TYPE_CHECKING:
+    import sapien
 
 PHYSICS_HZ = 250
 """Physics steps per second."""
@@ -61,8 +64,9 @@ class World:
         self.rendered = render
         self.steps = 0
         self.before_step: list[Callable[[World], None]] = []
-        self._cameras: dict[tuple[int, int, float, float, float, str], object] = {}
-        self.scene = sapien.Scene([sapien.physx.PhysxCpuSystem(), *systems])
+        self._cameras: dict[tuple[int, int, float, float, float, str], sapien.render.RenderCameraComponent] = {}
+        self._physics = sapien.physx.PhysxCpuSystem()
+        self.scene = sapien.Scene([self._physics, *systems])
         self.scene.set_timestep(1 / PHYSICS_HZ)
         add_table(self.scene, table)
         self._objects = {name: add_object(self.scene, name, body, render) for name, body in bodies.items()}
@@ -100,7 +104,7 @@ class World:
         """Object id → its value in segmentation pictures, from 1; 0 is no object."""
         return {name: i for i, name in enumerate(self._objects, start=1)}
 
-    def entities(self, object_id: str) -> dict[str | None, object]:
+    def entities(self, object_id: str) -> dict[str | None, sapien.Entity]:
         """The SAPIEN entity of each part of an object by the part's name; the body's name is None.
 
         Raises:
@@ -108,7 +112,7 @@ class World:
         """
         return self._object(object_id).entities
 
-    def entity(self, object_id: str) -> object:
+    def entity(self, object_id: str) -> sapien.Entity:
         """The SAPIEN entity of an object's body.
 
         Raises:
@@ -161,7 +165,7 @@ class World:
 
     def camera_component(
         self, width: int, height: int, fovy: float, near: float, far: float, shaders: str = "default"
-    ) -> object:
+    ) -> sapien.render.RenderCameraComponent:
         """SAPIEN's camera of that size (pixels) and vertical opening (radians), made once; its pose is the caller's.
 
         ``minimal`` of SAPIEN's ``shaders`` draw colour and depth, and no normals, in half the time.
@@ -247,16 +251,16 @@ class World:
         """
         targets = {f"target.{name}": arm.drive_targets() for name, arm in self.arms.items()}
         commands = {f"command.{name}": arm.command for name, arm in self.arms.items()}
-        physics = np.frombuffer(self.scene.physx_system.pack(), dtype=np.uint8)
+        physics = np.frombuffer(self._physics.pack(), dtype=np.uint8)
         names = np.array(self.object_ids, dtype=np.str_)
-        return pack_arrays({"physics": physics, "steps": np.int64(self.steps), "objects": names, **targets, **commands})
+        return pack_arrays({"physics": physics, "steps": np.array(self.steps), "objects": names, **targets, **commands})
 
     def restore(self, snapshot: bytes) -> None:
         """Continue from a snapshot of a world with the same objects and robot; call it on a fresh world."""
         arrays = unpack_arrays(snapshot)
         if arrays["objects"].tolist() != self.object_ids:
             raise ValueError(f"the snapshot holds {arrays['objects'].tolist()}, the world {self.object_ids}")
-        self.scene.physx_system.unpack(arrays["physics"].tobytes())
+        self._physics.unpack(arrays["physics"].tobytes())
         self.steps = int(arrays["steps"])
         for name, arm in self.arms.items():
             arm.set_drive_targets(arrays[f"target.{name}"], arrays[f"command.{name}"])

@@ -17,8 +17,8 @@ from vcage.objects.textures.tables import table_texture
 from vcage.schema.asset import CatalogueEntry, PhysicalModel
 from vcage.schema.scene import ObjectRecord, Scene, Table, Workspace
 from vcage.sim.appearance import Appearance
+from vcage.sim.drawer import reference_view
 from vcage.sim.kinematics import ArmKinematics, kinematics_of
-from vcage.sim.reference import reference_view
 from vcage.sim.robots import load_robot
 from vcage.tasks.scene_objects import SceneObject
 from vcage.vision.symmetry import rotational_symmetry

@@ -18,7 +18,7 @@ from vcage.base.geometry import Pose
 from vcage.datasets.episode import Segment
 from vcage.schema.episodes import Attempt, AttemptStage, Truth, Verdict
 from vcage.schema.subtasks import Subtask
-from vcage.sim.recording import Recorder, StateLog
+from vcage.sim.recording import StateLog
 from vcage.sim.state import WorldState
 from vcage.sim.world import World
 from vcage.tasks.scene_objects import SceneObject
@@ -88,7 +88,7 @@ def run_episode(setting: Setting, chain: Sequence[tuple[Subtask, Script]], index
     run = EpisodeRun(StateLog(setting.fps))
     world = setting.build()
     world.settle()
-    Recorder(world, run.log)
+    run.log.record(world)
     for step, (subtask, script) in enumerate(chain):
         after = _StepRun(setting, run, index, step, subtask, script).until_verified(world)
         if after is None:
@@ -115,7 +115,7 @@ class _StepRun:
             if attempt > 0:
                 world = self._setting.build()
                 world.restore(snapshot)
-                Recorder(world, self._run.log)
+                self._run.log.record(world)
             if self._attempt(world, attempt, start, before):
                 return world
         return None

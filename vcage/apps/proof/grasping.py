@@ -120,7 +120,7 @@ class _Shaking:
         ends = [np.clip(middle + sign * swing, kinematics.lower, kinematics.upper) for sign in (1, -1)]
         points = [middle, *(ends * SHAKES), middle]
         for here, there in itertools.pairwise(points):
-            control.move(timed(np.stack([here, there]), PHYSICS_HZ))
+            control.move(timed(np.stack([here, there]), PHYSICS_HZ, control.arm))
 
     def _in_hand(self) -> Pose:
         return self.world.arms[self.arm].tool_pose.inverse() * self.world.object_pose(OBJECT)

@@ -44,7 +44,7 @@ def execute(args: argparse.Namespace) -> Result:
         UsageError: the name is taken, or a distance is given for a robot with both arms on one body.
         InputFileError: a file is missing or damaged, or a field is not what it should be.
     """
-    from vcage.sim.robot_import import import_robot
+    from vcage.sim.robotwin.importing import import_robot
 
     robot = import_robot(args.folder, args.distance, force=args.force)
     lines = [f"{robot.name}: imported", *(f"  warning: {warning}" for warning in robot.warnings)]

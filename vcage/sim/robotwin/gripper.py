@@ -6,7 +6,7 @@ import xml.etree.ElementTree as ElementTree
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
@@ -15,8 +15,8 @@ from vcage.base.geometry import Pose
 from vcage.schema.base import PoseRecord
 from vcage.schema.robot import Gripper
 from vcage.sim.poses import from_sapien
-from vcage.sim.robot_config import ArmConfig
-from vcage.sim.robot_urdf import fixed_below
+from vcage.sim.robotwin.arm_urdf import fixed_below
+from vcage.sim.robotwin.embodiment import ArmConfig
 
 if TYPE_CHECKING:
     import sapien
@@ -60,54 +60,64 @@ def measure_gripper(urdf: Path, arm: ArmConfig, field: str) -> Measured:
         DamagedFile: SAPIEN cannot load the URDF.
         SchemaMismatch: the fingers cannot reach two different positions.
     """
+    articulation, _scene = _loaded(urdf, field)
+    root = ElementTree.parse(urdf).getroot()
+    closed, opened, warnings = _within_limits(articulation, arm, field)
+    _place(articulation, arm, opened)
+    joint = articulation.find_joint_by_name(arm.ee_joint)
+    link, frame = joint.child_link, _gripper_frame(joint, arm)
+    fingers, palm = _bodies(articulation, root, arm)
+    shapes = [_points(articulation, names, frame) for names in fingers]
+    axes = [_axis(articulation, name, frame) for name, _ in arm.fingers]
+    sizes = {
+        "max_width": _opening(shapes, axes, opened - closed),
+        **_lengths(shapes, _points(articulation, palm, frame)),
+        "force": _force(root, arm.fingers[0][0]),
+    }
+    warnings += [
+        f"{field}: {name} cannot be measured on the collision shapes; {ASSUMED[name]} is assumed"
+        for name, value in sizes.items()
+        if value is None
+    ]
+    known = {name: ASSUMED[name] if value is None else value for name, value in sizes.items()}
+    joints = [name for name, _ in arm.fingers]
+    gripper = Gripper.model_validate({"joints": joints, "open": opened, "closed": closed, **known})
+    offset = from_sapien(link.entity_pose).inverse() * frame
+    return Measured(link.name, PoseRecord.of(offset), gripper, warnings)
+
+
+def _loaded(urdf: Path, field: str) -> tuple[sapien.physx.PhysxArticulation, sapien.Scene]:
+    """The URDF in a scene, which must outlive it."""
     import sapien
 
     scene = sapien.Scene([sapien.physx.PhysxCpuSystem()])
     loader = scene.create_urdf_loader()
     loader.fix_root_link = True
     try:
-        articulation = loader.load(str(urdf))
+        return loader.load(str(urdf)), scene
     except Exception as error:  # SAPIEN and the readers below it raise whatever their file makes them raise
         raise DamagedFile(
             f"{field}: SAPIEN cannot load the URDF: {type(error).__name__}: {error}", hint="mend the URDF"
         ) from error
-    root, warnings = ElementTree.parse(urdf).getroot(), []
-    closed, opened = _within_limits(articulation, arm, field, warnings)
-    _place(articulation, arm, opened)
-    joint = articulation.find_joint_by_name(arm.ee_joint)
-    link, frame = joint.child_link, _gripper_frame(joint, arm)
-    fingers, palm = _bodies(articulation, root, arm)
-    shapes = [_points(articulation, names, frame) for names in fingers]
-    sizes: dict[str, float | tuple[float, float] | None] = {
-        "max_width": _opening(shapes, [_axis(articulation, name, frame) for name, _ in arm.fingers], opened - closed),
-        **_lengths(shapes, _points(articulation, palm, frame)),
-        "force": _force(root, arm.fingers[0][0]),
-    }
-    for name, value in sizes.items():
-        if value is None:
-            warnings.append(f"{field}: {name} cannot be measured on the collision shapes; {ASSUMED[name]} is assumed")
-    known = {name: ASSUMED[name] if value is None else value for name, value in sizes.items()}
-    gripper = Gripper(joints=[name for name, _ in arm.fingers], open=opened, closed=closed, **known)
-    offset = from_sapien(link.entity_pose).inverse() * frame
-    return Measured(link.name, PoseRecord.of(offset), gripper, warnings)
 
 
 def _within_limits(
-    articulation: sapien.physx.PhysxArticulation, arm: ArmConfig, field: str, warnings: list[str]
-) -> tuple[float, float]:
-    """Closed and open positions that all fingers can reach."""
+    articulation: sapien.physx.PhysxArticulation, arm: ArmConfig, field: str
+) -> tuple[float, float, list[str]]:
+    """Closed and open positions that all fingers can reach, and a warning where they are not the config's."""
     limits = np.array([articulation.find_joint_by_name(name).limits[0] for name, _ in arm.fingers], dtype=float)
     lower, upper = limits[:, 0].max(), limits[:, 1].min()
     reached = [round(float(np.clip(x, lower, upper)), 6) for x in (arm.closed, arm.open)]
     if reached[0] == reached[1]:
         text = f"got {arm.closed:g}, {arm.open:g}; expected different positions within {lower:g} … {upper:g}"
         raise SchemaMismatch(f"{field}.gripper_scale: {text}", hint="mend the field, or the limits in the URDF")
-    if not np.allclose(reached, (arm.closed, arm.open), atol=1e-6):
-        warnings.append(
-            f"{field}.gripper_scale: {arm.closed:g} … {arm.open:g} goes beyond the limits {lower:g} … {upper:g};"
-            f" {reached[0]:g} … {reached[1]:g} is used"
-        )
-    return reached[0], reached[1]
+    if np.allclose(reached, (arm.closed, arm.open), atol=1e-6):
+        return reached[0], reached[1], []
+    warning = (
+        f"{field}.gripper_scale: {arm.closed:g} … {arm.open:g} goes beyond the limits {lower:g} … {upper:g};"
+        f" {reached[0]:g} … {reached[1]:g} is used"
+    )
+    return reached[0], reached[1], [warning]
 
 
 def _place(articulation: sapien.physx.PhysxArticulation, arm: ArmConfig, fingers: float) -> None:
@@ -123,7 +133,7 @@ def _gripper_frame(joint: sapien.physx.PhysxArticulationJoint, arm: ArmConfig) -
     origin = from_sapien(joint.global_pose)
     theirs = origin.rotation() @ arm.turn
     matrix = np.eye(4)
-    matrix[:3, :3] = np.stack([theirs[:, 2], -theirs[:, 1], theirs[:, 0]], axis=1)
+    matrix[:3, :3] = np.stack([theirs[:, 2], np.negative(theirs[:, 1]), theirs[:, 0]], axis=1)
     matrix[:3, 3] = origin.p + theirs[:, 0] * arm.bias
     return Pose.from_matrix(matrix)
 
@@ -157,10 +167,12 @@ def _points(articulation: sapien.physx.PhysxArticulation, names: set[str], frame
 
 
 def _corners(shape: sapien.physx.PhysxCollisionShape) -> np.ndarray:
-    if hasattr(shape, "half_size"):
-        half = np.asarray(shape.half_size, dtype=np.float64)
-        return np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * half
-    return np.asarray(shape.vertices, dtype=np.float64) * np.asarray(shape.scale)
+    from sapien import physx
+
+    if isinstance(shape, physx.PhysxCollisionShapeConvexMesh):
+        return np.asarray(shape.vertices, dtype=np.float64) * np.asarray(shape.scale)
+    half = np.asarray(cast("physx.PhysxCollisionShapeBox", shape).half_size, dtype=np.float64)
+    return np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * half
 
 
 def _axis(articulation: sapien.physx.PhysxArticulation, name: str, frame: Pose) -> np.ndarray:

@@ -10,15 +10,15 @@ import pytest
 import yaml
 from pydantic import ValidationError
 
-from tests.sim.embodiment import FINGER, HAND, arm, config, dual_config, write
+from tests.sim.robotwin.embodiment import FINGER, HAND, arm, config, dual_config, write
 from vcage.base.errors import DamagedFile, InputFileError, SchemaMismatch, UsageError
 from vcage.schema.robot import Arm
-from vcage.sim import robot_import
 from vcage.sim.arms import ArmControl, build_arm
 from vcage.sim.kinematics import kinematics_of
-from vcage.sim.robot_config import read_embodiment
-from vcage.sim.robot_import import import_robot
 from vcage.sim.robots import available, load_robot, package_file
+from vcage.sim.robotwin import importing
+from vcage.sim.robotwin.embodiment import read_embodiment
+from vcage.sim.robotwin.importing import import_robot
 
 
 @pytest.fixture(autouse=True)
@@ -191,7 +191,7 @@ def test_home_out_of_limits_is_taken_to_them(folder):
 
 def test_the_config_keeps_its_home_when_the_record_gets_another(folder, monkeypatch):
     read = []
-    monkeypatch.setattr(robot_import, "read_embodiment", lambda path: read.append(read_embodiment(path)) or read[0])
+    monkeypatch.setattr(importing, "read_embodiment", lambda path: read.append(read_embodiment(path)) or read[0])
     import_robot(write(folder, config(homestate=[[9.0, 0.0]])))
     assert read[0].arms["left"].home == [9.0, 0.0]
 

@@ -6,15 +6,27 @@ gets a default, and every default is a warning.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from vcage.sim.robot_fields import Fields, is_number, numbers, read_fields, wrong
+from vcage.base.errors import DamagedFile, InputFileError, SchemaMismatch
 
 SIDES = ("left", "right")
+
+DEFAULTS: dict[str, Any] = {
+    "gripper_bias": 0.12,
+    "robot_pose": [[0.0, -0.65, 0.74, 0.70710678, 0.0, 0.0, 0.70710678]],
+    "delta_matrix": np.eye(3).tolist(),
+    "global_trans_matrix": np.eye(3).tolist(),
+    "joint_stiffness": 1000.0,
+    "joint_damping": 200.0,
+}
+"""What is assumed for fields that are left out: metres, and wxyz quaternions."""
 
 
 @dataclass(frozen=True)
@@ -43,7 +55,7 @@ class ArmConfig:
     turn: np.ndarray
 
 
-@dataclass
+@dataclass(frozen=True)
 class Embodiment:
     """A whole config.
 
@@ -65,7 +77,7 @@ class Embodiment:
     stiffness: float
     damping: float
     cameras: list[dict[str, Any]]
-    warnings: list[str] = field(default_factory=list)
+    warnings: list[str]
 
 
 def read_embodiment(folder: Path) -> Embodiment:
@@ -77,7 +89,7 @@ def read_embodiment(folder: Path) -> Embodiment:
         SchemaMismatch: a field is missing or not what it should be; names it.
     """
     path = folder / "config.yml"
-    fields = read_fields(path)
+    fields = _read_fields(path)
     dual = bool(fields.data.get("dual_arm", False))
     arms = {side: _arm(fields, i) for i, side in enumerate(SIDES)}
     if dual and set(arms["left"].joints) & set(arms["right"].joints):
@@ -98,7 +110,7 @@ def read_embodiment(folder: Path) -> Embodiment:
     )
 
 
-def _arm(fields: Fields, index: int) -> ArmConfig:
+def _arm(fields: _Fields, index: int) -> ArmConfig:
     joints, name = fields.side("arm_joints_name", index, _is_names)
     if not _is_names(joints) or len(set(joints)) != len(joints):
         raise wrong(fields.path, name, f"got {joints!r}; expected different names of joints, from the base on")
@@ -125,7 +137,7 @@ def _arm(fields: Fields, index: int) -> ArmConfig:
     )
 
 
-def _fingers(fields: Fields, index: int) -> list[tuple[str, bool]]:
+def _fingers(fields: _Fields, index: int) -> list[tuple[str, bool]]:
     gripper, name = fields.side("gripper_name", index, lambda value: isinstance(value, dict))
     if not isinstance(gripper, dict) or not isinstance(gripper.get("base"), str):
         raise wrong(fields.path, f"{name}.base", f"got {gripper!r}; expected the name of the first finger's joint")
@@ -146,15 +158,15 @@ def _fingers(fields: Fields, index: int) -> list[tuple[str, bool]]:
     return fingers
 
 
-def _home(fields: Fields, index: int, count: int) -> list[float] | None:
+def _home(fields: _Fields, index: int, count: int) -> list[float] | None:
     if fields.data.get("homestate") is None:
-        fields.warnings.append(f"{fields.path}: field homestate: missing; zeros are assumed for the {SIDES[index]} arm")
+        fields.warn("homestate", f"missing; zeros are assumed for the {SIDES[index]} arm")
         return None
     value, name = fields.side("homestate", index, lambda x: isinstance(x, list) and bool(x) and is_number(x[0]))
     return [float(x) for x in numbers(fields.path, name, value, count)]
 
 
-def _rotation(fields: Fields, name: str) -> np.ndarray:
+def _rotation(fields: _Fields, name: str) -> np.ndarray:
     try:
         matrix = np.array(fields.get(name), dtype=np.float64)
     except (TypeError, ValueError, OverflowError):
@@ -167,3 +179,115 @@ def _rotation(fields: Fields, name: str) -> np.ndarray:
 
 def _is_names(value: Any) -> bool:
     return isinstance(value, list) and bool(value) and all(isinstance(x, str) for x in value)
+
+
+# --- reading fields ----------------------------------------------------------------------------------------
+
+
+def wrong(path: Path, name: str, message: str) -> SchemaMismatch:
+    """The error for a field that the robot cannot be made with."""
+    return SchemaMismatch(
+        f"{path}: field {name}: {message}", hint="mend the field", details={"path": str(path), "field": name}
+    )
+
+
+def numbers(path: Path, name: str, value: Any, count: int) -> np.ndarray:
+    """(count,) the finite numbers in a list.
+
+    Raises:
+        SchemaMismatch: it is something else.
+    """
+    if not isinstance(value, list) or len(value) != count or not all(is_number(x) for x in value):
+        raise wrong(path, name, f"got {value!r}; expected {count} numbers")
+    return np.array(value, dtype=np.float64)
+
+
+def _read_fields(path: Path) -> _Fields:
+    """Read a config.
+
+    Raises:
+        InputFileError: there is no such file.
+        DamagedFile: it is not YAML, or holds no fields.
+    """
+    import yaml
+
+    if not path.is_file():
+        raise InputFileError(
+            f"{path}: missing; expected the config of a RoboTwin embodiment",
+            hint="give a folder like assets/embodiments/franka-panda",
+            details={"path": str(path)},
+        )
+    try:
+        data = yaml.safe_load(path.read_text(encoding="utf-8"))
+    except (yaml.YAMLError, UnicodeDecodeError) as error:
+        raise DamagedFile(f"{path} is not valid YAML: {error}", hint="mend the file") from error
+    if not isinstance(data, dict):
+        raise DamagedFile(f"{path}: expected fields, got {type(data).__name__}", hint="mend the file")
+    return _Fields(path, data)
+
+
+class _Fields:
+    """The fields of a config; every method names the field that it complains of.
+
+    Args:
+        path: of the file.
+        data: what was read from it.
+    """
+
+    def __init__(self, path: Path, data: dict[str, Any]):
+        self.path, self.data = path, data
+        self.warnings: list[str] = []
+
+    def get(self, name: str) -> Any:
+        """The value of a field, or its default with a warning."""
+        if self.data.get(name) is not None:
+            return self.data[name]
+        if name not in DEFAULTS:
+            raise wrong(self.path, name, "missing; expected a value")
+        self.warn(name, f"missing; {DEFAULTS[name]} is assumed")
+        return DEFAULTS[name]
+
+    def warn(self, name: str, text: str) -> None:
+        """Keep a warning about a field, once."""
+        note = f"{self.path}: field {name}: {text}"
+        if note not in self.warnings:
+            self.warnings.append(note)
+
+    def side(self, name: str, index: int, single: Callable[[Any], bool]) -> tuple[Any, str]:
+        """The entry for an arm and what to call it; ``single`` tells a value for both arms from a list of two."""
+        value = self.get(name)
+        if single(value):
+            return value, name
+        if not isinstance(value, list) or len(value) not in (1, 2):
+            raise wrong(self.path, name, f"got {value!r}; expected one entry for each of the two arms, or one for both")
+        place = min(index, len(value) - 1)
+        return value[place], f"{name}.{place}"
+
+    def number(self, name: str) -> float:
+        """A finite number."""
+        value = self.get(name)
+        if not is_number(value):
+            raise wrong(self.path, name, f"got {value!r}; expected a number")
+        return float(value)
+
+    def positive(self, name: str) -> float:
+        """A number above 0."""
+        value = self.number(name)
+        if value <= 0:
+            raise wrong(self.path, name, f"got {value:g}; expected a number above 0")
+        return value
+
+    def file(self, name: str) -> Path:
+        """A file that is named from the config's folder on."""
+        value = self.get(name)
+        path = self.path.parent / str(value)
+        if not path.is_file():
+            raise wrong(self.path, name, f"{value!r} is missing; expected the file {path}")
+        return path
+
+
+def is_number(value: Any) -> bool:
+    """Whether a value is a finite number that a float can hold; YAML's integers have no limit."""
+    if not isinstance(value, (int, float)) or isinstance(value, bool):
+        return False
+    return -sys.float_info.max <= value <= sys.float_info.max

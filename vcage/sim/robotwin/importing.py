@@ -1,7 +1,7 @@
 """Import a robot of RoboTwin: ``embodiments/<name>/config.yml`` with its URDF becomes ``<data>/robots/<name>.yml``.
 
-Beside the record, a folder of its name holds one URDF per arm (see :mod:`vcage.sim.robot_urdf`); the meshes stay in
-the embodiment's folder, which must stay where it is.
+Beside the record, a folder of its name holds one URDF per arm (:mod:`vcage.sim.robotwin.arm_urdf`); the meshes stay
+in the embodiment's folder, which must stay where it is.
 """
 
 from __future__ import annotations
@@ -14,15 +14,15 @@ from typing import Any
 from xml.etree.ElementTree import Element
 
 import numpy as np
+import yaml
 
 from vcage.base.errors import UsageError
 from vcage.base.files import atomic_folder, data_path, resource, write_text
-from vcage.schema.base import PoseRecord
+from vcage.schema.base import PoseRecord, Vec3
 from vcage.schema.robot import Arm, Robot, RobotCamera
-from vcage.sim.gripper_measure import Measured, measure_gripper
-from vcage.sim.robot_config import ArmConfig, Embodiment, read_embodiment
-from vcage.sim.robot_fields import numbers, wrong
-from vcage.sim.robot_urdf import ArmFiles, arm_files, held_joints, links_of_arm, read_robot
+from vcage.sim.robotwin.arm_urdf import ArmFiles, arm_files, held_joints, links_of_arm, read_robot
+from vcage.sim.robotwin.embodiment import Embodiment, numbers, read_embodiment, wrong
+from vcage.sim.robotwin.gripper import Measured, measure_gripper
 
 LONGEST = 80
 """Characters of a robot's name."""
@@ -33,12 +33,7 @@ DISTANCE = 0.6
 FOVY = 0.65
 """Vertical field of view of a camera that RoboTwin gives none, radians: a RealSense D435's."""
 
-HEAD_CAMERA = {
-    "fovy": 0.95,
-    "position": (0.0, -0.5, 1.62),
-    "forward": (0.0, 0.5, -0.866025),
-    "up": (0.0, 0.866025, 0.5),
-}
+HEAD_CAMERA = RobotCamera(fovy=0.95, position=(0.0, -0.5, 1.62), forward=(0.0, 0.5, -0.866025), up=(0.0, 0.866025, 0.5))
 """Between and above the shoulders, looking down at the middle of the table."""
 
 WRIST_LINKS = {"left": ("left_camera", "camera"), "right": ("right_camera", "camera")}
@@ -77,19 +72,34 @@ def import_robot(folder: Path, distance: float | None = None, *, force: bool = F
     path = data_path("robots", f"{name}.yml")
     _claim(name, path, force)
     embodiment = read_embodiment(folder)
+    warnings = list(embodiment.warnings)
     if embodiment.dual and distance is not None:
         raise UsageError(f"{name} has both arms on one body: there is no distance to set", hint="leave out --distance")
     if not embodiment.dual and distance is None:
-        embodiment.warnings.append(f"{embodiment.path}: the arms' distance is not given; {DISTANCE} m is assumed")
+        warnings.append(f"{embodiment.path}: the arms' distance is not given; {DISTANCE} m is assumed")
+    distance = DISTANCE if distance is None else distance
     root = read_robot(embodiment)
-    files, measured = _measured(embodiment, root)
-    own = path.with_suffix("")
-    robot = _robot(name, embodiment, root, measured, own, DISTANCE if distance is None else distance)
+    if held := held_joints(root, embodiment):
+        warnings.append(f"{embodiment.urdf}: neither arm nor finger, held where they are: {', '.join(held)}")
+    files, measured = {}, {}
+    for side in embodiment.arms:
+        files[side], measured[side] = arm_files(root, embodiment, side), _measured(embodiment, root, side)
+        warnings += measured[side].warnings
+    cameras, assumed = _cameras(embodiment, root)
+    warnings += assumed
+    own, arms = path.with_suffix(""), {}
+    for side, gripper in measured.items():
+        arms[side], assumed = _arm(embodiment, root, side, gripper, own, distance)
+        warnings += assumed
+    text = f"{name}, imported from RoboTwin."
+    # Decimation needs materials, which STL and OBJ files of other projects often lack.
+    robot = Robot(name=name, description=text, arms=arms, cameras=cameras, visual_faces=1.0)
     with atomic_folder(own) as part:
         for side, arm in files.items():
             _write_files(part, side, arm)
-    write_text(path, _yaml(robot))
-    return ImportedRobot(name, path, list(dict.fromkeys(embodiment.warnings)))
+    record = yaml.safe_dump(robot.model_dump(mode="json", by_alias=True), sort_keys=False, allow_unicode=True)
+    write_text(path, record)
+    return ImportedRobot(name, path, list(dict.fromkeys(warnings)))
 
 
 def _claim(name: str, path: Path, force: bool) -> None:
@@ -104,19 +114,12 @@ def _claim(name: str, path: Path, force: bool) -> None:
         raise UsageError(f"{name!r} is the name of {path} already", hint="replace it: --force")
 
 
-def _measured(embodiment: Embodiment, root: Element) -> tuple[dict[str, ArmFiles], dict[str, Measured]]:
-    """The files of each arm, and its gripper; two arms alike are measured by themselves all the same."""
-    held = held_joints(root, embodiment)
-    if held:
-        embodiment.warnings.append(f"{embodiment.urdf}: neither arm nor finger, held where they are: {', '.join(held)}")
-    files, measured = {}, {}
-    for side, arm in embodiment.arms.items():
-        files[side] = arm_files(root, embodiment, side)
-        with tempfile.TemporaryDirectory() as scratch:
-            _write_files(Path(scratch), side, arm_files(root, embodiment, side, visuals=False))
-            measured[side] = measure_gripper(Path(scratch) / f"{side}.urdf", arm, f"{embodiment.path}: {side} gripper")
-        embodiment.warnings += measured[side].warnings
-    return files, measured
+def _measured(embodiment: Embodiment, root: Element, side: str) -> Measured:
+    """The gripper of an arm; two arms alike are measured by themselves all the same."""
+    with tempfile.TemporaryDirectory() as scratch:
+        _write_files(Path(scratch), side, arm_files(root, embodiment, side, visuals=False))
+        field = f"{embodiment.path}: {side} gripper"
+        return measure_gripper(Path(scratch) / f"{side}.urdf", embodiment.arms[side], field)
 
 
 def _write_files(folder: Path, side: str, files: ArmFiles) -> None:
@@ -130,48 +133,39 @@ def _write_files(folder: Path, side: str, files: ArmFiles) -> None:
 # --- the record --------------------------------------------------------------------------------------------
 
 
-def _robot(
-    name: str, embodiment: Embodiment, root: Element, measured: dict[str, Measured], own: Path, distance: float
-) -> Robot:
-    cameras = _fixed_cameras(embodiment)
-    for side, names in WRIST_LINKS.items():
-        links = links_of_arm(root, embodiment.arms[side])
-        link = next((x for x in names if x in links), None)
-        if link is None:
-            embodiment.warnings.append(
-                f"{embodiment.urdf}: no link {' or '.join(names)}: no camera at the {side} wrist"
-            )
-        else:
-            view = {"position": (0, 0, 0), "forward": (1, 0, 0), "up": (0, 0, 1)}
-            cameras[f"cam_{side}_wrist"] = RobotCamera(fovy=FOVY, arm=side, link=link, **view)
-    arms = {side: _arm(embodiment, root, side, measured[side], own, distance) for side in embodiment.arms}
-    text = f"{name}, imported from RoboTwin."
-    # Decimation needs materials, which STL and OBJ files of other projects often lack.
-    return Robot(name=name, description=text, arms=arms, cameras=cameras, visual_faces=1.0)
+def _arm(
+    embodiment: Embodiment, root: Element, side: str, measured: Measured, own: Path, distance: float
+) -> tuple[Arm, list[str]]:
+    """The record of an arm, and what was assumed.
 
-
-def _arm(embodiment: Embodiment, root: Element, side: str, measured: Measured, own: Path, distance: float) -> Arm:
+    Args:
+        own: folder of the robot's files.
+        distance: between the bases of two single arms, metres.
+    """
     arm = embodiment.arms[side]
     position = arm.base[:3].copy()
     if not embodiment.dual:
         position[0] += distance / 2 * (-1 if side == "left" else 1)
-    quaternion = arm.base[3:] / np.linalg.norm(arm.base[3:])
-    return Arm(
+    w, x, y, z = (_rounded(q) for q in arm.base[3:] / np.linalg.norm(arm.base[3:]))
+    home, warnings = _home(embodiment, root, side)
+    record = Arm(
         urdf=f"file:{own / f'{side}.urdf'}",
         srdf=None if embodiment.srdf is None else f"file:{own / f'{side}.srdf'}",
-        base=PoseRecord(position=_rounded(position), quaternion=_rounded(quaternion)),
+        base=PoseRecord(position=_vector(position), quaternion=(w, x, y, z)),
         joints=arm.joints,
-        home=_home(embodiment, root, arm, side),
+        home=home,
         tool_link=measured.tool_link,
         tool_offset=measured.tool_offset,
         gripper=measured.gripper,
         stiffness=embodiment.stiffness,
         damping=embodiment.damping,
     )
+    return record, warnings
 
 
-def _home(embodiment: Embodiment, root: Element, arm: ArmConfig, side: str) -> list[float]:
-    """Home within the limits of the joints."""
+def _home(embodiment: Embodiment, root: Element, side: str) -> tuple[list[float], list[str]]:
+    """Home within the limits of the joints, and which angles were taken there."""
+    arm, warnings = embodiment.arms[side], []
     home = list(arm.home or [0.0] * len(arm.joints))
     joints = {joint.get("name"): joint for joint in root.findall("joint")}
     for i, name in enumerate(arm.joints):
@@ -180,16 +174,31 @@ def _home(embodiment: Embodiment, root: Element, arm: ArmConfig, side: str) -> l
             continue
         lower, upper = float(limit.get("lower", "0")), float(limit.get("upper", "0"))
         if not lower <= home[i] <= upper:
-            embodiment.warnings.append(
+            warnings.append(
                 f"{embodiment.path}: field homestate: {home[i]:g} for {name} of the {side} arm;"
                 f" expected {lower:g} … {upper:g}: taken to that range"
             )
             home[i] = float(np.clip(home[i], lower, upper))
-    return home
+    return home, warnings
 
 
-def _fixed_cameras(embodiment: Embodiment) -> dict[str, RobotCamera]:
-    cameras = {}
+def _cameras(embodiment: Embodiment, root: Element) -> tuple[dict[str, RobotCamera], list[str]]:
+    """The fixed cameras and those at the wrists by name, and what was assumed."""
+    cameras, warnings = _fixed_cameras(embodiment)
+    for side, names in WRIST_LINKS.items():
+        links = links_of_arm(root, embodiment.arms[side])
+        link = next((x for x in names if x in links), None)
+        if link is None:
+            warnings.append(f"{embodiment.urdf}: no link {' or '.join(names)}: no camera at the {side} wrist")
+        else:
+            cameras[f"cam_{side}_wrist"] = RobotCamera(
+                fovy=FOVY, arm=side, link=link, position=(0, 0, 0), forward=(1, 0, 0), up=(0, 0, 1)
+            )
+    return cameras, warnings
+
+
+def _fixed_cameras(embodiment: Embodiment) -> tuple[dict[str, RobotCamera], list[str]]:
+    cameras, warnings = {}, []
     for i, camera in enumerate(embodiment.cameras):
         field = f"static_camera_list.{i}"
         name = camera.get("name")
@@ -202,14 +211,12 @@ def _fixed_cameras(embodiment: Embodiment) -> dict[str, RobotCamera]:
         if np.linalg.norm(up) < 0.5:
             raise wrong(embodiment.path, f"{field}.left", "lies along forward; expected a direction across it")
         up = up / np.linalg.norm(up)
-        embodiment.warnings.append(f"{embodiment.path}: field {field}: no field of view; {FOVY} rad is assumed")
-        cameras[name] = RobotCamera(fovy=FOVY, position=_rounded(position), forward=_rounded(forward), up=_rounded(up))
+        warnings.append(f"{embodiment.path}: field {field}: no field of view; {FOVY} rad is assumed")
+        cameras[name] = RobotCamera(fovy=FOVY, position=_vector(position), forward=_vector(forward), up=_vector(up))
     if not cameras:
-        embodiment.warnings.append(
-            f"{embodiment.path}: field static_camera_list: missing; a camera over the table is assumed"
-        )
-        cameras["cam_high"] = RobotCamera(**HEAD_CAMERA)
-    return cameras
+        warnings.append(f"{embodiment.path}: field static_camera_list: missing; a camera over the table is assumed")
+        cameras["cam_high"] = HEAD_CAMERA
+    return cameras, warnings
 
 
 def _direction(embodiment: Embodiment, field: str, value: Any) -> np.ndarray:
@@ -221,11 +228,11 @@ def _direction(embodiment: Embodiment, field: str, value: Any) -> np.ndarray:
     return vector / np.linalg.norm(vector)
 
 
-def _rounded(values: np.ndarray) -> tuple[float, ...]:
-    return tuple(round(float(x), 7) + 0.0 for x in values)
+def _vector(values: np.ndarray) -> Vec3:
+    x, y, z = (_rounded(value) for value in values)
+    return x, y, z
 
 
-def _yaml(robot: Robot) -> str:
-    import yaml
-
-    return yaml.safe_dump(robot.model_dump(mode="json", by_alias=True), sort_keys=False, allow_unicode=True)
+def _rounded(value: float) -> float:
+    """To 0.1 µm, and never -0."""
+    return round(float(value), 7) + 0.0

@@ -16,8 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from vcage.base.errors import DamagedFile, SchemaMismatch
-from vcage.sim.robot_config import ArmConfig, Embodiment
-from vcage.sim.robot_fields import wrong
+from vcage.sim.robotwin.embodiment import ArmConfig, Embodiment, wrong
 
 FULL_TURN = 2 * np.pi
 """Range to either side of a joint that turns without end, radians."""

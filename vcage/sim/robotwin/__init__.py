@@ -1,0 +1,1 @@
+"""Robots of RoboTwin: an embodiment's folder becomes a robot of ours."""
