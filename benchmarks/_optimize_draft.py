@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -10,7 +11,8 @@ from benchmarks._optimize_checks import PlacedAsset, colliding_meshes
 from benchmarks._optimize_kinds import Kind
 from vcage.base.errors import InfeasibleScene
 from vcage.base.geometry import Pose, footprint_half_size
-from vcage.layout.placement.place import PlaceItem, Placement, place
+from vcage.layout.items import Placement, TableItem
+from vcage.layout.placement.place import place
 from vcage.objects.openings import Opening
 
 ASPECT = 2.0
@@ -53,11 +55,10 @@ class Draft:
         depth = np.sqrt(area / fill / ASPECT)
         return np.array([[-ASPECT, -1.0], [ASPECT, 1.0]]) * depth / 2
 
-    def place_items(self, allowed: Mapping[str, np.ndarray]) -> list[PlaceItem]:
-        """What stands on the table, to be placed; ``allowed`` as in :class:`PlaceItem`, by id."""
+    def place_items(self, allowed: Mapping[str, np.ndarray]) -> list[TableItem]:
+        """What stands on the table, to be placed; ``allowed`` as in :class:`TableItem`, by id."""
         return [
-            PlaceItem(id, tuple(self.kinds[id].room.size.tolist()), (self.yaws[id],), allowed=allowed.get(id))
-            for id in self.roots
+            replace(self.kinds[id].room, id=id, yaws=(self.yaws[id],), allowed=allowed.get(id)) for id in self.roots
         ]
 
     def poses(self, placed: Mapping[str, Placement]) -> dict[str, Pose]:
@@ -71,7 +72,7 @@ class Draft:
         return {id: found[id] for id in self.kinds}
 
     def _half(self, id: str) -> np.ndarray:
-        return footprint_half_size(self.kinds[id].room.size, self.yaws[id])
+        return footprint_half_size(self.kinds[id].room.size[:2], self.yaws[id])
 
     def _draw(self, kinds: Sequence[Kind]) -> Kind:
         return kinds[self._rng.integers(len(kinds))]
@@ -129,7 +130,7 @@ class Draft:
         if area > room or volume > room * opening.depth:
             return None
         centre, half = np.array(opening.centre), np.array(opening.size) / 2
-        items = [PlaceItem(id, tuple(kind.room.size.tolist()), (self.yaws[id],)) for id, kind in kinds.items()]
+        items = [replace(kind.room, id=id, yaws=(self.yaws[id],)) for id, kind in kinds.items()]
         try:
             placed = place(items, np.stack([centre - half, centre + half]), self._rng, CONTENT_GAP)
         except InfeasibleScene:

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
 from vcage.layout.capacities import opening_for
-from vcage.layout.containers import LayoutItem
-from vcage.layout.placement.standing import Standing, standing
+from vcage.layout.items import TableItem, table_item
 from vcage.objects.asset import Asset
 from vcage.objects.library import Library
 from vcage.objects.openings import Opening
@@ -24,14 +23,15 @@ class Kind:
     """An asset, the rectangle that it needs, and the opening that makes it a container."""
 
     asset: Asset
-    room: Standing
+    room: TableItem
     opening: Opening | None
     word: RelationWord
 
     @cached_property
     def rectangle(self) -> np.ndarray:
         """(2, 2) lower and upper corner of the room in the object's frame, metres."""
-        return np.stack([self.room.centre - self.room.size / 2, self.room.centre + self.room.size / 2])
+        centre, size = np.array(self.room.centre), np.array(self.room.size[:2])
+        return np.stack([centre - size / 2, centre + size / 2])
 
     def item(
         self,
@@ -41,22 +41,20 @@ class Kind:
         inside: str | None,
         allowed: np.ndarray | None,
         grasped: bool = False,
-    ) -> LayoutItem:
+    ) -> TableItem:
         """What the optimiser is told about it, as the stage tells it: the swept room, its middle and the body in it.
 
         The stage gives openings that nothing is meant to lie in too; to the optimiser that is the same.
         """
-        return LayoutItem(
+        return replace(
+            self.room,
             id=id,
-            size=(float(self.room.size[0]), float(self.room.size[1]), float(self.asset.size[2])),
-            yaw=yaw,
+            yaws=(yaw,),
             target=(float(target[0]), float(target[1])),
             opening=self.opening,
             inside=inside,
             allowed=allowed,
             grasped=grasped,
-            centre=(float(self.room.centre[0]), float(self.room.centre[1])),
-            body=self.asset.bounds[:, :2],
         )
 
 
@@ -69,7 +67,7 @@ def own_kinds(library: Library) -> list[Kind]:
 def _kind(asset: Asset) -> Kind:
     """Openings of what has moving parts, those that open sideways and narrow ones count as none."""
     point = next(iter(asset.annotation.functional_points), None)
-    plain = Kind(asset, standing(asset), None, "on")
+    plain = Kind(asset, table_item(asset.name, asset), None, "on")
     if point is None or asset.articulated or point.sideways:
         return plain
     opening = opening_for(asset)

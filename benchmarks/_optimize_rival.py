@@ -10,8 +10,8 @@ from scipy.optimize import minimize
 
 from benchmarks._optimize_scenes import CleanScene
 from vcage.base.geometry import Pose
-from vcage.layout.containers import LayoutItem
 from vcage.layout.cost import LayoutProblem, Weights
+from vcage.layout.items import TableItem
 from vcage.layout.placement.contents import CONTENT_MARGIN
 from vcage.layout.placement.free_region import nearest_in_rectangles
 from vcage.layout.relation_cost import RelationTerms, Spot, relation_terms
@@ -34,7 +34,7 @@ class Part:
 def parts(clean: CleanScene, targets: Mapping[str, np.ndarray]) -> dict[str | None, Part]:
     """What every container holds, in its frame, and what stands on the table (None); it is told what lies in what."""
     items = {item.id: item for item in clean.items(targets)}
-    inside: dict[str | None, list[LayoutItem]] = {}
+    inside: dict[str | None, list[TableItem]] = {}
     for item in items.values():
         inside.setdefault(item.inside, []).append(item)
     return {
@@ -42,7 +42,7 @@ def parts(clean: CleanScene, targets: Mapping[str, np.ndarray]) -> dict[str | No
     }
 
 
-def _on_the_table(items: Sequence[LayoutItem], clean: CleanScene) -> Part:
+def _on_the_table(items: Sequence[TableItem], clean: CleanScene) -> Part:
     middles, half = _rectangles(items, 0.0)
     problem = LayoutProblem(
         half=half,
@@ -55,7 +55,7 @@ def _on_the_table(items: Sequence[LayoutItem], clean: CleanScene) -> Part:
     return Part([item.id for item in items], middles, problem)
 
 
-def _in_container(items: Sequence[LayoutItem], container: LayoutItem) -> Part:
+def _in_container(items: Sequence[TableItem], container: TableItem) -> Part:
     middles, half = _rectangles(items, container.yaw)
     turn = Pose.from_yaw([0, 0, 0], container.yaw).rotation()[:2, :2]
     centre, room = np.array(container.opening.centre), np.array(container.opening.size) / 2
@@ -69,13 +69,13 @@ def _in_container(items: Sequence[LayoutItem], container: LayoutItem) -> Part:
     return Part([item.id for item in items], middles, problem)
 
 
-def _rectangles(items: Sequence[LayoutItem], frame_yaw: float) -> tuple[np.ndarray, np.ndarray]:
+def _rectangles(items: Sequence[TableItem], frame_yaw: float) -> tuple[np.ndarray, np.ndarray]:
     """(n, 2) middles around the origins, and half sizes, in a frame turned by a yaw."""
     corners = np.array([item.rectangle(frame_yaw) for item in items])
     return corners.mean(axis=1), (corners[:, 1] - corners[:, 0]) / 2
 
 
-def _plan(items: Sequence[LayoutItem], middles: np.ndarray, clean: CleanScene) -> RelationTerms | None:
+def _plan(items: Sequence[TableItem], middles: np.ndarray, clean: CleanScene) -> RelationTerms | None:
     """The plan's term; relations are judged by the objects themselves, not by what they sweep."""
     spots = {}
     for k, (item, middle) in enumerate(zip(items, middles, strict=True)):

@@ -15,7 +15,7 @@ from benchmarks._placement_scenes import draw_roles
 from benchmarks._shapes import ROUNDING
 from vcage.base.errors import InfeasibleScene
 from vcage.base.geometry import Pose
-from vcage.layout.containers import LayoutItem
+from vcage.layout.items import TableItem
 from vcage.layout.placement.place import place
 from vcage.schema.plan import Relation
 from vcage.stages.settings import Settings
@@ -76,7 +76,7 @@ class CleanScene:
         """(2,) targets by id: the clean places with independent normal noise along each axis, metres."""
         return {id: pose.p[:2] + rng.normal(0, sigma, 2) for id, pose in self.poses.items()}
 
-    def items(self, targets: Mapping[str, np.ndarray]) -> list[LayoutItem]:
+    def items(self, targets: Mapping[str, np.ndarray]) -> list[TableItem]:
         """The optimiser's input."""
         return [
             kind.item(

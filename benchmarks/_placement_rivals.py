@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from vcage.base.geometry import footprint_half_size
-from vcage.layout.placement.place import PlaceItem, Placement
+from vcage.layout.items import Placement, TableItem
 
 TRIES = 100
 """Random points per object; RoboTwin's clutter and ManiSkill's scenes take so many."""
@@ -26,7 +26,7 @@ NODES = 1000
 """Placements that the depth-first search tries, where Holodeck stops after a time, so that a seed gives one result."""
 
 
-def random_retries(items: Sequence[PlaceItem], workspace: np.ndarray, seed: int, margin: float) -> dict[str, Placement]:
+def random_retries(items: Sequence[TableItem], workspace: np.ndarray, seed: int, margin: float) -> dict[str, Placement]:
     """RoboTwin's way: every object in turn at random points until one is free; after :data:`TRIES` it is left out.
 
     More favourable than the original, which keeps circles apart: here boxes are, and a point is drawn from where the
@@ -37,7 +37,7 @@ def random_retries(items: Sequence[PlaceItem], workspace: np.ndarray, seed: int,
     taken = np.empty((0, 2, 2))
     for item in items:
         yaws = rng.choice(item.yaws, TRIES)
-        half = footprint_half_size(item.size, yaws)
+        half = footprint_half_size(item.size[:2], yaws)
         lower, upper = workspace[0] + half, workspace[1] - half
         points = lower + rng.random((TRIES, 2)) * np.maximum(upper - lower, 0.0)
         boxes = np.stack([points - half, points + half], axis=1)
@@ -48,7 +48,7 @@ def random_retries(items: Sequence[PlaceItem], workspace: np.ndarray, seed: int,
     return placed
 
 
-def maniskill(items: Sequence[PlaceItem], workspace: np.ndarray, seed: int, margin: float) -> dict[str, Placement]:
+def maniskill(items: Sequence[TableItem], workspace: np.ndarray, seed: int, margin: float) -> dict[str, Placement]:
     """ManiSkill's ``UniformPlacementSampler`` as its scenes call it: one circle around each object, 100 trials.
 
     An object that finds no place is left at the origin, here the workspace's centre. More favourable than its scenes:
@@ -65,19 +65,19 @@ def maniskill(items: Sequence[PlaceItem], workspace: np.ndarray, seed: int, marg
     before = None
     for item in items:
         yaw = float(rng.choice(item.yaws))
-        half = np.minimum(footprint_half_size(item.size, yaw), (workspace[1] - workspace[0]) / 2)
+        half = np.minimum(footprint_half_size(item.size[:2], yaw), (workspace[1] - workspace[0]) / 2)
         bounds = np.stack([workspace[0] + half, workspace[1] - half]) - centre
         sampler = UniformPlacementSampler(bounds=bounds.tolist(), batch_size=1)
         if before is not None:
             sampler.fixture_positions, sampler.fixtures_radii = before.fixture_positions, before.fixtures_radii
-        radius = float(np.linalg.norm(item.size)) / 2 + margin / 2
+        radius = float(np.linalg.norm(item.size[:2])) / 2 + margin / 2
         x, y = (sampler.sample(radius, TRIES)[0].numpy() + centre).tolist()
         placed[item.id] = Placement(x, y, yaw)
         before = sampler
     return placed
 
 
-def depth_first(items: Sequence[PlaceItem], workspace: np.ndarray, seed: int, margin: float) -> dict[str, Placement]:
+def depth_first(items: Sequence[TableItem], workspace: np.ndarray, seed: int, margin: float) -> dict[str, Placement]:
     """Holodeck's way: candidates on a grid in four headings, depth first, largest object first, back when none is
     free; the fullest partial solution when the budget is over.
 
@@ -89,7 +89,7 @@ def depth_first(items: Sequence[PlaceItem], workspace: np.ndarray, seed: int, ma
 
 
 class _DepthFirst:
-    def __init__(self, order: list[PlaceItem], workspace: np.ndarray, rng: np.random.Generator, margin: float):
+    def __init__(self, order: list[TableItem], workspace: np.ndarray, rng: np.random.Generator, margin: float):
         self._order, self._rng, self._margin = order, rng, margin
         step = (workspace[1] - workspace[0]).max() / GRID
         axes = [np.linspace(a, b, max(1, round((b - a) / step)) + 1) for a, b in workspace.T]
@@ -103,12 +103,12 @@ class _DepthFirst:
         chosen = zip(self._order, self._candidates, self._best, strict=False)
         return {item.id: Placement(*map(float, states[index])) for item, (states, _), index in chosen}
 
-    def _candidates_of(self, item: PlaceItem, workspace: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def _candidates_of(self, item: TableItem, workspace: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """(c, 3) places x, y, yaw within the workspace, and their boxes (c, 2, 2)."""
         yaws = [yaw for yaw in QUARTERS if np.isclose(np.cos(yaw - np.asarray(item.yaws)), 1.0).any()]
         points = np.tile(self._points, (len(yaws), 1))
         states = np.column_stack([points, np.repeat(yaws, len(self._points))])
-        half = footprint_half_size(item.size, states[:, 2])
+        half = footprint_half_size(item.size[:2], states[:, 2])
         boxes = np.stack([states[:, :2] - half, states[:, :2] + half], axis=1)
         within = np.all((boxes[:, 0] >= workspace[0]) & (boxes[:, 1] <= workspace[1]), axis=1)
         return states[within], boxes[within]

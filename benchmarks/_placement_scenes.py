@@ -11,9 +11,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from vcage.base.geometry import Pose, footprint_half_size
-from vcage.layout.placement.place import PlaceItem, Placement
+from vcage.layout.items import Placement, TableItem, table_item
 from vcage.layout.placement.reach import GRASP_HEIGHTS, reach_for, robot_reach
-from vcage.layout.placement.standing import Standing, standing
 from vcage.objects.asset import Asset
 from vcage.objects.library import Library
 from vcage.schema.scene import Role, Table
@@ -52,7 +51,7 @@ class Thing:
 
     id: str
     asset: Asset
-    room: Standing
+    room: TableItem
     role: Role
 
 
@@ -69,7 +68,7 @@ class BenchmarkScene:
     workspace: np.ndarray
     height: float = field(default=Table().height)
 
-    def items(self, reach: np.ndarray) -> list[PlaceItem]:
+    def items(self, reach: np.ndarray) -> list[TableItem]:
         """What our placement is asked for.
 
         Args:
@@ -79,9 +78,9 @@ class BenchmarkScene:
         allowed = [reach_for(thing.asset, thing.role, within) for thing in self.things]
         return [replace(item, allowed=a) for item, a in zip(self.plain_items(), allowed, strict=True)]
 
-    def plain_items(self) -> list[PlaceItem]:
+    def plain_items(self) -> list[TableItem]:
         """What the other methods are asked for: they know no reach."""
-        return [PlaceItem(t.id, tuple(t.room.size.tolist()), tuple(t.room.yaws)) for t in self.things]
+        return [replace(t.room, id=t.id) for t in self.things]
 
     def poses(self, placed: dict[str, Placement]) -> dict[str, Pose]:
         """Pose in the world of every object that has a place."""
@@ -99,7 +98,7 @@ class Stock:
 
     def __init__(self) -> None:
         self.library = Library.load()
-        self._rooms: dict[tuple[str, str], Standing] = {}
+        self._rooms: dict[tuple[str, str], TableItem] = {}
 
     def scene(self, n: int, seed: int) -> BenchmarkScene:
         """``n`` objects of different kinds, drawn uniformly; a kind's variants too."""
@@ -127,10 +126,10 @@ class Stock:
         variants = self.library.annotation(kind).variants
         return self.library.asset(kind, variants[int(rng.integers(len(variants)))].id)
 
-    def _room(self, asset: Asset) -> Standing:
+    def _room(self, asset: Asset) -> TableItem:
         key = (asset.name, asset.variant.id)
         if key not in self._rooms:
-            self._rooms[key] = standing(asset)
+            self._rooms[key] = table_item(asset.name, asset)
         return self._rooms[key]
 
 
@@ -150,13 +149,13 @@ def draw_roles(assets: list[Asset]) -> list[Role]:
     return roles
 
 
-def draw_workspace(rooms: list[Standing], rng: np.random.Generator) -> np.ndarray:
+def draw_workspace(rooms: list[TableItem], rng: np.random.Generator) -> np.ndarray:
     """(2, 2) a rectangle around the origin with a fill ratio drawn from :data:`FILL`, or less where one object alone
     needs more room (with the margin on all sides)."""
-    area = sum(float(np.prod(room.size + MARGIN)) for room in rooms)
+    area = sum(float(np.prod(np.add(room.size[:2], MARGIN))) for room in rooms)
     width = np.sqrt(ASPECT * area / rng.uniform(*FILL))
     for room in rooms:
-        boxes = 2 * (footprint_half_size(room.size, np.asarray(room.yaws)) + MARGIN)
+        boxes = 2 * (footprint_half_size(room.size[:2], np.asarray(room.yaws)) + MARGIN)
         width = max(width, np.maximum(boxes[:, 0], ASPECT * boxes[:, 1]).min())
     half = np.array([width / 2, width / 2 / ASPECT])
     return np.stack([-half, half])

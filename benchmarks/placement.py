@@ -5,7 +5,7 @@ each, drawn uniformly from the whole library (:class:`vcage.objects.library.Libr
 origin as the table is, twice as wide as deep, and sized so that the fill ratio (the objects' rectangles, each grown
 by the pipeline's margin, over the workspace) is uniform in 0.2 … 0.8; a workspace in which one object alone would
 not fit is enlarged until it does. The rectangle and the headings that an object needs come from
-:func:`vcage.layout.placement.standing.standing`, for all methods alike. A third of the objects (1 … 6) are contents
+:func:`vcage.layout.items.table_item`, for all methods alike. A third of the objects (1 … 6) are contents
 and a tenth (1 … 2) receptacles; both must be where an arm of ``dual_panda`` reaches, what is left is context.
 
 **Methods.** The same scenes, bounds, margin and headings for all:
@@ -55,7 +55,8 @@ from benchmarks._placement_measures import Drift, TrueShapes, drifts, reached_po
 from benchmarks._placement_rivals import depth_first, maniskill, random_retries
 from benchmarks._placement_scenes import BenchmarkScene, Stock
 from vcage.base.errors import InfeasibleScene
-from vcage.layout.placement.place import Placement, place
+from vcage.layout.items import Placement
+from vcage.layout.placement.place import place
 from vcage.stages.select_place import MARGIN
 
 logger = logging.getLogger(__name__)

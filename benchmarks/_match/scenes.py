@@ -12,7 +12,8 @@ from shapely import affinity
 from benchmarks._match.views import Look, alike, library
 from vcage.base.errors import InfeasibleScene
 from vcage.base.geometry import Pose
-from vcage.layout.placement.place import PlaceItem, Placement, place
+from vcage.layout.items import Placement, TableItem
+from vcage.layout.placement.place import place
 from vcage.objects.asset import Asset
 from vcage.schema.scene import Table, Workspace
 
@@ -112,7 +113,7 @@ def scatter(
         centre, size = _rectangle(cluster, by_id)
         local[name] = {member: Pose([*-centre, 0.0]) * pose for member, pose in cluster.items()}
         yaws = tuple(float(yaw) for yaw in rng.uniform(-np.pi, np.pi, YAWS))
-        items.append(PlaceItem(name, (float(size[0]), float(size[1])), yaws))
+        items.append(TableItem(name, (float(size[0]), float(size[1]), 1.0), yaws))
     spots = place(items, np.array([workspace.lower, workspace.upper]), rng, margin=MARGIN)
     poses = {
         member: _standing(spots[name], table) * pose

@@ -9,8 +9,10 @@ from benchmarks._placement_measures import Drift, TrueShapes
 from benchmarks._placement_rivals import depth_first, maniskill, random_retries
 from benchmarks._placement_scenes import FILL, BenchmarkScene, Stock, cut
 from benchmarks.placement import Answer, Measured, measure, row
+from tests.layout.items import unplaced
 from vcage.base.geometry import Pose, boxes_overlap, footprint_half_size
-from vcage.layout.placement.place import PlaceItem, Placement, place
+from vcage.layout.items import Placement
+from vcage.layout.placement.place import place
 from vcage.stages.select_place import MARGIN
 
 # The import of ManiSkill's environments takes seconds.
@@ -19,7 +21,7 @@ RIVALS = pytest.mark.parametrize(
 )
 TABLE = np.array([[-0.4, -0.2], [0.4, 0.2]])
 EVERYWHERE = np.array([[[-5.0, -5.0], [5.0, 5.0]]])
-BLOCKS = [PlaceItem(f"block-{i}", (0.06, 0.04), tuple(np.radians((0, 45, 90)))) for i in range(6)]
+BLOCKS = [unplaced(f"block-{i}", (0.06, 0.04), tuple(np.radians((0, 45, 90)))) for i in range(6)]
 
 
 @pytest.fixture(scope="module")
@@ -46,7 +48,7 @@ def test_scenes_are_as_full_as_the_range_says(stock: Stock) -> None:
     fills = []
     for seed in range(10):
         scene = stock.scene(10, seed)
-        needed = sum(np.prod(thing.room.size + MARGIN) for thing in scene.things)
+        needed = sum(np.prod(np.add(thing.room.size[:2], MARGIN)) for thing in scene.things)
         fills.append(needed / np.prod(scene.workspace[1] - scene.workspace[0]))
     assert FILL[0] <= min(fills) < 0.35 < max(fills) <= FILL[1] + 1e-9
 
@@ -79,7 +81,7 @@ def test_reach_is_cut_to_the_workspace() -> None:
 def test_a_rival_places_a_few_objects_with_margin_and_within_the_workspace(method) -> None:
     placed = method(BLOCKS, TABLE, 0, MARGIN)
     assert sorted(placed) == [item.id for item in BLOCKS]
-    places = [(placed[item.id], footprint_half_size(item.size, placed[item.id].yaw)) for item in BLOCKS]
+    places = [(placed[item.id], footprint_half_size(item.size[:2], placed[item.id].yaw)) for item in BLOCKS]
     boxes = [np.array([at.x, at.y]) + np.array([-half, half]) for at, half in places]
     for i, box in enumerate(boxes):
         assert np.all(box[0] >= TABLE[0] - 1e-6) and np.all(box[1] <= TABLE[1] + 1e-6)
@@ -92,24 +94,24 @@ def test_a_rival_answers_a_seed_the_same_again(method) -> None:
 
 
 def test_random_retries_leave_out_what_finds_no_place() -> None:
-    large = PlaceItem("large", (0.7, 0.35))
-    placed = random_retries([large, PlaceItem("too much", (0.3, 0.3)), BLOCKS[0]], TABLE, 0, MARGIN)
+    large = unplaced("large", (0.7, 0.35))
+    placed = random_retries([large, unplaced("too much", (0.3, 0.3)), BLOCKS[0]], TABLE, 0, MARGIN)
     assert "large" in placed and "too much" not in placed
 
 
 @pytest.mark.slow
 def test_maniskill_leaves_what_finds_no_place_at_the_origin() -> None:
-    placed = maniskill([PlaceItem("large", (0.7, 0.35)), PlaceItem("too much", (0.3, 0.3))], TABLE + 1, 0, MARGIN)
+    placed = maniskill([unplaced("large", (0.7, 0.35)), unplaced("too much", (0.3, 0.3))], TABLE + 1, 0, MARGIN)
     assert (placed["too much"].x, placed["too much"].y) == pytest.approx((1, 1))
 
 
 def test_depth_first_keeps_the_fullest_partial_solution() -> None:
-    items = [PlaceItem(f"half-{i}", (0.38, 0.38)) for i in range(3)]
+    items = [unplaced(f"half-{i}", (0.38, 0.38)) for i in range(3)]
     assert len(depth_first(items, TABLE, 0, 0.0)) == 2
 
 
 def test_depth_first_keeps_to_the_headings_that_are_allowed() -> None:
-    front = PlaceItem("front", (0.3, 0.1), tuple(np.radians((-15, 0, 15))))
+    front = unplaced("front", (0.3, 0.1), tuple(np.radians((-15, 0, 15))))
     assert {depth_first([front], TABLE, seed, MARGIN)["front"].yaw for seed in range(5)} == {0.0}
 
 

@@ -3,20 +3,24 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from tests.layout.items import standing_at
 from vcage.base.errors import UnknownName, UsageError
-from vcage.layout.containers import LayoutItem, assign_containers, validate_items
+from vcage.layout.containers import assign_containers, validate_items
+from vcage.layout.items import TableItem
 from vcage.objects.openings import Opening
 
 TRAY = Opening(centre=(0.0, 0.0), size=(0.26, 0.16), floor=0.01, rim=np.inf)
 CUP = Opening(centre=(0.0, 0.0), size=(0.06, 0.06), floor=0.005, rim=0.105)
 
 
-def tray(name: str = "tray", **fields) -> LayoutItem:
-    return LayoutItem(**{"id": name, "size": (0.3, 0.2, 0.03), "yaw": 0.0, "target": (0, 0), "opening": TRAY, **fields})
+def tray(name: str = "tray", **fields) -> TableItem:
+    return standing_at(
+        **{"id": name, "size": (0.3, 0.2, 0.03), "yaw": 0.0, "target": (0, 0), "opening": TRAY, **fields}
+    )
 
 
-def roll(name: str = "roll", **fields) -> LayoutItem:
-    return LayoutItem(
+def roll(name: str = "roll", **fields) -> TableItem:
+    return standing_at(
         **{"id": name, "size": (0.1, 0.06, 0.05), "yaw": 0.0, "target": (0.02, 0), "inside": "tray", **fields}
     )
 
@@ -49,9 +53,9 @@ def test_a_full_container_takes_no_more():
 
 
 def test_volume_counts_in_deep_containers():
-    cup = LayoutItem("cup", (0.07, 0.07, 0.1), 0.0, (0, 0), CUP)
-    tall = LayoutItem("tall", (0.05, 0.05, 0.2), 0.0, (0, 0), inside="cup")
-    low = LayoutItem("low", (0.05, 0.05, 0.08), 0.0, (0, 0), inside="cup")
+    cup = standing_at("cup", (0.07, 0.07, 0.1), 0.0, (0, 0), CUP)
+    tall = standing_at("tall", (0.05, 0.05, 0.2), 0.0, (0, 0), inside="cup")
+    low = standing_at("low", (0.05, 0.05, 0.08), 0.0, (0, 0), inside="cup")
     assert assign_containers([cup, tall])["tall"] is None
     assert assign_containers([cup, low])["low"] == "cup"
 
@@ -106,9 +110,9 @@ def test_what_the_plan_demands_is_assigned_wherever_its_target_is():
     assert assign_containers(items, demanded=["roll"])["roll"] == "tray"
 
 
-def block(name: str, **fields) -> LayoutItem:
+def block(name: str, **fields) -> TableItem:
     top = Opening(centre=(0.0, 0.0), size=(0.05, 0.05), floor=0.05, rim=np.inf)
-    return LayoutItem(
+    return standing_at(
         **{"id": name, "size": (0.05, 0.05, 0.05), "yaw": 0.0, "target": (0, 0), "opening": top, **fields}
     )
 

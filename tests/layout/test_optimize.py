@@ -9,12 +9,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from tests.layout.items import standing_at
 from vcage.base.errors import InfeasibleScene, UnknownName, UsageError
 from vcage.base.geometry import Pose, boxes_overlap, world_aabb
 from vcage.layout.check import require_exact
-from vcage.layout.containers import LayoutItem
 from vcage.layout.cost import Weights
 from vcage.layout.groups import Groups
+from vcage.layout.items import TableItem
 from vcage.layout.optimize import LayoutResult, displacement_summary, optimize_layout
 from vcage.objects.openings import Opening
 from vcage.plans.kept import relations_kept
@@ -25,20 +26,20 @@ WORKSPACE = np.array([[-0.5, -0.3], [0.5, 0.3]])
 HEIGHT = 0.74
 
 
-def solve(items: list[LayoutItem], seed: int = 0, **options) -> LayoutResult:
+def solve(items: list[TableItem], seed: int = 0, **options) -> LayoutResult:
     return optimize_layout(items, WORKSPACE, np.random.default_rng(seed), table_height=HEIGHT, **options)
 
 
-def box_of(item: LayoutItem, result: LayoutResult, frame: Pose | None = None) -> np.ndarray:
+def box_of(item: TableItem, result: LayoutResult, frame: Pose | None = None) -> np.ndarray:
     """(2, 3) true AABB in the world or in another frame."""
     x, y, z = np.array(item.size) / 2
     pose = Pose.from_yaw(result.positions[item.id], item.yaw)
     return world_aabb([[-x, -y, 0], [x, y, 2 * z]], frame.inverse() * pose if frame else pose)
 
 
-def random_items(rng: np.random.Generator, count: int) -> list[LayoutItem]:
+def random_items(rng: np.random.Generator, count: int) -> list[TableItem]:
     return [
-        LayoutItem(
+        standing_at(
             f"o{k}",
             tuple(rng.uniform(0.02, 0.14, 3)),
             float(rng.uniform(-np.pi, np.pi)),
@@ -48,11 +49,11 @@ def random_items(rng: np.random.Generator, count: int) -> list[LayoutItem]:
     ]
 
 
-def tray_with_rolls(count: int = 3, yaw: float = 0.4) -> list[LayoutItem]:
+def tray_with_rolls(count: int = 3, yaw: float = 0.4) -> list[TableItem]:
     opening = Opening(centre=(0.01, 0.0), size=(0.26, 0.16), floor=0.012, rim=np.inf)
-    tray = LayoutItem("tray", (0.3, 0.2, 0.03), yaw, (0.1, 0.05), opening)
+    tray = standing_at("tray", (0.3, 0.2, 0.03), yaw, (0.1, 0.05), opening)
     rolls = [
-        LayoutItem(f"roll{k}", (0.08, 0.05, 0.05), yaw + 0.1 * k, (0.1 + 0.02 * k, 0.05), inside="tray")
+        standing_at(f"roll{k}", (0.08, 0.05, 0.05), yaw + 0.1 * k, (0.1 + 0.02 * k, 0.05), inside="tray")
         for k in range(count)
     ]
     return [tray, *rolls]
@@ -76,20 +77,20 @@ def test_the_same_seed_gives_the_same_layout():
 
 
 def test_a_layout_without_collisions_is_not_touched():
-    items = [LayoutItem("a", (0.1, 0.1, 0.1), 0.0, (0, 0)), LayoutItem("b", (0.1, 0.1, 0.1), 0.0, (0.2, 0))]
+    items = [standing_at("a", (0.1, 0.1, 0.1), 0.0, (0, 0)), standing_at("b", (0.1, 0.1, 0.1), 0.0, (0.2, 0))]
     result = solve(items)
     assert result.positions == {"a": (0, 0, HEIGHT), "b": (0.2, 0, HEIGHT)}
     assert result.starts == 0
 
 
 def test_the_cost_after_has_no_collisions_and_the_cost_before_has():
-    result = solve([LayoutItem(name, (0.1, 0.1, 0.1), 0.0, (0.0, 0.0)) for name in "abc"])
+    result = solve([standing_at(name, (0.1, 0.1, 0.1), 0.0, (0.0, 0.0)) for name in "abc"])
     assert result.cost_before.collision > 1e-3
     assert result.cost_after.collision < 1e-12
 
 
 def test_the_larger_of_two_moves_less():
-    items = [LayoutItem("big", (0.3, 0.3, 0.1), 0.0, (0, 0)), LayoutItem("small", (0.05, 0.05, 0.1), 0.0, (0.15, 0))]
+    items = [standing_at("big", (0.3, 0.3, 0.1), 0.0, (0, 0)), standing_at("small", (0.05, 0.05, 0.1), 0.0, (0.15, 0))]
     result = solve(items)
     assert result.displaced["big"] < 0.1 * result.displaced["small"]
 
@@ -115,7 +116,7 @@ def test_contents_end_inside_from_any_target(seed, count):
     rng = np.random.default_rng(seed)
     tray, *_ = tray_with_rolls(0, yaw=float(rng.uniform(-np.pi, np.pi)))
     rolls = [
-        LayoutItem(
+        standing_at(
             f"roll{k}",
             (*rng.uniform(0.02, 0.06, 2), 0.05),
             float(rng.uniform(-np.pi, np.pi)),
@@ -143,7 +144,7 @@ def test_contents_stand_on_the_floor_of_their_container():
 
 def test_contents_move_with_their_container():
     alone = solve(tray_with_rolls())
-    pushed = solve([*tray_with_rolls(), LayoutItem("crate", (0.4, 0.4, 0.2), 0.0, (-0.1, 0.0))])
+    pushed = solve([*tray_with_rolls(), standing_at("crate", (0.4, 0.4, 0.2), 0.0, (-0.1, 0.0))])
     assert pushed.positions["tray"] != alone.positions["tray"]
     for roll in ("roll0", "roll1", "roll2"):
         offsets = [np.subtract(r.positions[roll], r.positions["tray"]) for r in (alone, pushed)]
@@ -153,8 +154,8 @@ def test_contents_move_with_their_container():
 def test_containers_nest():
     opening = Opening(centre=(0, 0), size=(0.12, 0.12), floor=0.01, rim=0.07)
     items = tray_with_rolls(0)
-    items.append(LayoutItem("bowl", (0.14, 0.14, 0.07), 0.4, (0.1, 0.05), opening, inside="tray"))
-    items.append(LayoutItem("egg", (0.04, 0.04, 0.05), 0.0, (0.12, 0.05), inside="bowl"))
+    items.append(standing_at("bowl", (0.14, 0.14, 0.07), 0.4, (0.1, 0.05), opening, inside="tray"))
+    items.append(standing_at("egg", (0.04, 0.04, 0.05), 0.0, (0.12, 0.05), inside="bowl"))
     result = solve(items)
     assert result.containers == {"tray": None, "bowl": "tray", "egg": "bowl"}
     assert result.positions["egg"][2] == pytest.approx(HEIGHT + 0.012 + 0.01)
@@ -162,7 +163,7 @@ def test_containers_nest():
 
 def test_overlap_without_permission_is_resolved():
     items = tray_with_rolls(1)
-    items[1] = LayoutItem("roll0", items[1].size, 0.4, items[1].target)
+    items[1] = standing_at("roll0", items[1].size, 0.4, items[1].target)
     result = solve(items)
     assert result.containers["roll0"] is None
     assert not boxes_overlap(box_of(items[0], result)[:, :2], box_of(items[1], result)[:, :2], 0.01 - 1e-6)
@@ -170,7 +171,7 @@ def test_overlap_without_permission_is_resolved():
 
 def test_contents_without_room_are_released_and_reported():
     items = tray_with_rolls(0)
-    items += [LayoutItem(f"bar{k}", (0.14, 0.09, 0.03), 0.4, (0.1, 0.05), inside="tray") for k in range(2)]
+    items += [standing_at(f"bar{k}", (0.14, 0.09, 0.03), 0.4, (0.1, 0.05), inside="tray") for k in range(2)]
     result = solve(items)
     assert result.released == ["bar0"]
     assert result.containers == {"tray": None, "bar0": None, "bar1": "tray"}
@@ -178,18 +179,18 @@ def test_contents_without_room_are_released_and_reported():
 
 def test_too_many_objects_are_infeasible_with_names_and_area():
     with pytest.raises(InfeasibleScene, match="m² are missing") as caught:
-        solve([LayoutItem(f"crate{k}", (0.34, 0.34, 0.1), 0.0, (0, 0)) for k in range(3)], restarts=1)
+        solve([standing_at(f"crate{k}", (0.34, 0.34, 0.1), 0.0, (0, 0)) for k in range(3)], restarts=1)
     assert caught.value.details["objects"]
 
 
 def test_an_object_larger_than_the_table_is_named():
     with pytest.raises(InfeasibleScene, match="sofa"):
-        solve([LayoutItem("sofa", (2.0, 0.8, 0.8), 0.0, (0, 0)), LayoutItem("mug", (0.1, 0.1, 0.1), 0.0, (0, 0))])
+        solve([standing_at("sofa", (2.0, 0.8, 0.8), 0.0, (0, 0)), standing_at("mug", (0.1, 0.1, 0.1), 0.0, (0, 0))])
 
 
 def test_a_pose_that_is_not_finite_is_refused():
     with pytest.raises(UsageError, match="mug"):
-        solve([LayoutItem("mug", (0.1, 0.1, 0.1), 0.0, (np.nan, 0.0))])
+        solve([standing_at("mug", (0.1, 0.1, 0.1), 0.0, (np.nan, 0.0))])
 
 
 def test_the_summary_has_mean_percentile_and_maximum():
@@ -206,17 +207,17 @@ def relation(subject: str, word: str, reference: str) -> Relation:
     return Relation(subject=subject, relation=word, reference=reference)
 
 
-def kept(items: list[LayoutItem], result: LayoutResult, *relations: Relation) -> float:
+def kept(items: list[TableItem], result: LayoutResult, *relations: Relation) -> float:
     boxes = {item.id: box_of(item, result) for item in items}
     return relations_kept(relations, boxes, Table()).share
 
 
-def noisy_row(seed: int, count: int) -> tuple[list[LayoutItem], list[Relation]]:
+def noisy_row(seed: int, count: int) -> tuple[list[TableItem], list[Relation]]:
     """Objects in a row from left to right, with 3 cm of noise, and the plan that they stand so."""
     rng = np.random.default_rng(seed)
     spots = np.stack([np.linspace(-0.4, 0.4, count), rng.uniform(-0.05, 0.05, count)], axis=1)
     items = [
-        LayoutItem(f"o{k}", tuple(rng.uniform(0.03, 0.08, 3)), 0.0, tuple(spot + rng.normal(0, 0.03, 2)))
+        standing_at(f"o{k}", tuple(rng.uniform(0.03, 0.08, 3)), 0.0, tuple(spot + rng.normal(0, 0.03, 2)))
         for k, spot in enumerate(spots)
     ]
     return items, [relation(f"o{k}", "left_of", f"o{k + 1}") for k in range(count - 1)]
@@ -242,7 +243,7 @@ def test_no_plan_brings_a_collision(seed, count):
 
 
 def test_the_centre_is_that_of_the_table():
-    item = LayoutItem("vase", (0.1, 0.1, 0.2), 0.0, (0.4, 0.1))
+    item = standing_at("vase", (0.1, 0.1, 0.2), 0.0, (0.4, 0.1))
     plan = relation("vase", "center", "table")
     result = solve([item], relations=[plan], table=Table())
     assert kept([item], result, plan) == 1
@@ -250,7 +251,7 @@ def test_the_centre_is_that_of_the_table():
 
 def test_relations_hold_for_what_lies_in_a_container():
     tray, *rolls = tray_with_rolls(1)
-    mug = LayoutItem("mug", (0.08, 0.08, 0.1), 0.0, (-0.1, 0.05))
+    mug = standing_at("mug", (0.08, 0.08, 0.1), 0.0, (-0.1, 0.05))
     plan = relation("mug", "right_of", "roll0")
     items = [tray, *rolls, mug]
     result = solve(items, relations=[plan])
@@ -266,7 +267,7 @@ def test_contents_are_ordered_in_their_turned_container():
 
 def test_what_belongs_inside_comes_inside_from_anywhere():
     items = tray_with_rolls(1)
-    items[1] = LayoutItem("roll0", (0.08, 0.05, 0.05), 0.4, (-0.3, -0.2), inside="tray")
+    items[1] = standing_at("roll0", (0.08, 0.05, 0.05), 0.4, (-0.3, -0.2), inside="tray")
     assert solve(items).containers["roll0"] is None
     demanded = [relation("roll0", "inside", "tray")]
     assert solve(items, relations=demanded).containers["roll0"] == "tray"
@@ -275,15 +276,15 @@ def test_what_belongs_inside_comes_inside_from_anywhere():
 
 def test_a_relation_of_an_unknown_object_is_refused():
     with pytest.raises(UnknownName, match="sofa"):
-        solve([LayoutItem("a", (0.1, 0.1, 0.1), 0.0, (0, 0))], relations=[relation("a", "near", "sofa")])
+        solve([standing_at("a", (0.1, 0.1, 0.1), 0.0, (0, 0))], relations=[relation("a", "near", "sofa")])
 
 
 # --- stacks, moving parts and reach --------------------------------------------------------------------
 
 
-def block(name: str, yaw: float = 0.0, on: str | None = None, edge: float = 0.05) -> LayoutItem:
+def block(name: str, yaw: float = 0.0, on: str | None = None, edge: float = 0.05) -> TableItem:
     top = Opening(centre=(0.0, 0.0), size=(edge, edge), floor=edge, rim=np.inf)
-    return LayoutItem(name, (edge, edge, edge), yaw, (0.1, 0.1), top, inside=on)
+    return standing_at(name, (edge, edge, edge), yaw, (0.1, 0.1), top, inside=on)
 
 
 def test_a_stack_rises_by_every_level():
@@ -292,16 +293,16 @@ def test_a_stack_rises_by_every_level():
 
 
 def test_what_sticks_out_of_a_stack_keeps_others_away():
-    board = LayoutItem("board", (0.3, 0.2, 0.02), 0.0, (0.1, 0.1), inside="base")
-    items = [block("base"), board, LayoutItem("mug", (0.08, 0.08, 0.1), 0.0, (0.2, 0.1))]
+    board = standing_at("board", (0.3, 0.2, 0.02), 0.0, (0.1, 0.1), inside="base")
+    items = [block("base"), board, standing_at("mug", (0.08, 0.08, 0.1), 0.0, (0.2, 0.1))]
     result = solve(items)
     assert result.containers["board"] == "base"
     assert not boxes_overlap(box_of(board, result)[:, :2], box_of(items[2], result)[:, :2], 0.01 - 1e-6)
 
 
 def test_a_rectangle_beside_its_origin_is_kept_clear():
-    oven = LayoutItem("oven", (0.3, 0.4, 0.3), 0.0, (0.0, 0.2), centre=(0.0, -0.1))  # with the sweep of its door
-    mug = LayoutItem("mug", (0.08, 0.08, 0.1), 0.0, (0.0, -0.02))
+    oven = standing_at("oven", (0.3, 0.4, 0.3), 0.0, (0.0, 0.2), centre=(0.0, -0.1))  # with the sweep of its door
+    mug = standing_at("mug", (0.08, 0.08, 0.1), 0.0, (0.0, -0.02))
     result = solve([oven, mug])
     room = oven.rectangle() + result.positions["oven"][:2]
     assert not boxes_overlap(room, box_of(mug, result)[:, :2], 0.01 - 1e-6)
@@ -310,7 +311,7 @@ def test_a_rectangle_beside_its_origin_is_kept_clear():
 
 def test_the_middle_of_a_rectangle_ends_where_it_is_allowed():
     allowed = [[[0.1, -0.1], [0.3, 0.1]]]
-    item = LayoutItem("oven", (0.2, 0.2, 0.3), np.pi / 2, (-0.2, 0.0), centre=(0.0, -0.1), allowed=allowed)
+    item = standing_at("oven", (0.2, 0.2, 0.3), np.pi / 2, (-0.2, 0.0), centre=(0.0, -0.1), allowed=allowed)
     result = solve([item])
     middle = item.rectangle().mean(axis=0) + result.positions["oven"][:2]
     assert middle == pytest.approx([0.1, 0.0], abs=0.005)
@@ -318,13 +319,13 @@ def test_the_middle_of_a_rectangle_ends_where_it_is_allowed():
 
 def test_contents_bring_their_container_within_reach():
     tray, roll = tray_with_rolls(1, yaw=0.0)
-    roll = LayoutItem("roll0", roll.size, 0.0, roll.target, inside="tray", allowed=[[[-0.3, -0.1], [-0.1, 0.1]]])
+    roll = standing_at("roll0", roll.size, 0.0, roll.target, inside="tray", allowed=[[[-0.3, -0.1], [-0.1, 0.1]]])
     result = solve([tray, roll])
     assert result.containers["roll0"] == "tray"
     assert -0.12 < result.positions["roll0"][0] <= -0.1 + 1e-6
 
 
-def out_of_reach_together() -> list[LayoutItem]:
+def out_of_reach_together() -> list[TableItem]:
     """A roll in the middle of a tray, allowed on the right of the table; its tray on the left."""
     tray, roll = tray_with_rolls(1, yaw=0.0)
     tray = replace(tray, allowed=[[[-0.2, -0.1], [-0.1, 0.1]]])
@@ -353,20 +354,20 @@ def test_a_content_that_leaves_its_opening_is_found():
 
 @pytest.mark.parametrize(("second", "words"), [((0.105, 0.0), "touch"), ((0.5, 0.0), "sticks out")])
 def test_what_touches_or_sticks_out_is_found(second, words):
-    items = [LayoutItem(name, (0.1, 0.1, 0.1), 0.0, (0.0, 0.0)) for name in "ab"]
+    items = [standing_at(name, (0.1, 0.1, 0.1), 0.0, (0.0, 0.0)) for name in "ab"]
     with pytest.raises(InfeasibleScene, match=words):
         require_exact(Groups(items), {"a": (0.0, 0.0, HEIGHT), "b": (*second, HEIGHT)}, WORKSPACE, 0.01)
 
 
 @pytest.mark.parametrize("position", [(np.nan, 0.0, HEIGHT), (0.0, np.inf, HEIGHT), (0.0, 0.0, np.nan)])
 def test_a_position_that_is_not_finite_is_found(position):
-    items = [LayoutItem("a", (0.1, 0.1, 0.1), 0.0, (0.0, 0.0))]
+    items = [standing_at("a", (0.1, 0.1, 0.1), 0.0, (0.0, 0.0))]
     with pytest.raises(InfeasibleScene, match="a has no finite position"):
         require_exact(Groups(items), {"a": position}, WORKSPACE, 0.01)
 
 
 def test_what_is_not_where_it_is_allowed_is_found():
-    items = [LayoutItem("oven", (0.2, 0.2, 0.3), 0.0, (0.0, 0.0), centre=(0.0, -0.1), allowed=[[[0, 0], [0.1, 0.1]]])]
+    items = [standing_at("oven", (0.2, 0.2, 0.3), 0.0, (0.0, 0.0), centre=(0.0, -0.1), allowed=[[[0, 0], [0.1, 0.1]]])]
     require_exact(Groups(items), {"oven": (0.05, 0.15, HEIGHT)}, WORKSPACE, 0.01)
     with pytest.raises(InfeasibleScene, match="oven is not where it is allowed") as caught:
         require_exact(Groups(items), {"oven": (0.05, 0.05, HEIGHT)}, WORKSPACE, 0.01)
@@ -376,8 +377,8 @@ def test_what_is_not_where_it_is_allowed_is_found():
 def test_the_check_believes_the_positions_and_not_the_groups():
     opening = Opening(centre=(0, 0), size=(0.12, 0.12), floor=0.01, rim=0.07)
     tray = tray_with_rolls(0)[0]
-    bowl = LayoutItem("bowl", (0.14, 0.14, 0.07), 0.4, (0.1, 0.05), opening, inside="tray")
-    items = [tray, bowl, LayoutItem("egg", (0.04, 0.04, 0.05), 0.0, (0.12, 0.05), inside="bowl")]
+    bowl = standing_at("bowl", (0.14, 0.14, 0.07), 0.4, (0.1, 0.05), opening, inside="tray")
+    items = [tray, bowl, standing_at("egg", (0.04, 0.04, 0.05), 0.0, (0.12, 0.05), inside="bowl")]
     positions = solve(items).positions
     groups = Groups(items)  # that has laid nothing out
     require_exact(groups, positions, WORKSPACE, 0.01)
@@ -392,6 +393,6 @@ def test_the_check_believes_the_positions_and_not_the_groups():
     ids=["no inside", "nan", "negative margin", "negative restarts"],
 )
 def test_bounds_and_options_that_make_no_sense_are_refused(workspace, options):
-    items = [LayoutItem("a", (0.1, 0.1, 0.1), 0.0, (0, 0))]
+    items = [standing_at("a", (0.1, 0.1, 0.1), 0.0, (0, 0))]
     with pytest.raises(UsageError):
         optimize_layout(items, workspace, np.random.default_rng(0), table_height=HEIGHT, **options)

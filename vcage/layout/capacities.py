@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from vcage.layout.containers import BARE
+from vcage.layout.items import BARE
 from vcage.objects.asset import Asset
 from vcage.objects.openings import Opening
 from vcage.plans.check import Capacity

@@ -11,10 +11,9 @@ import numpy as np
 
 from vcage.base.errors import InfeasibleScene
 from vcage.base.geometry import rotation_2d
-from vcage.layout.containers import LayoutItem
 from vcage.layout.groups import Groups
+from vcage.layout.items import TableItem, as_rectangles
 from vcage.layout.placement.contents import CONTENT_MARGIN
-from vcage.layout.placement.place_item import as_rectangles
 
 TOLERANCE = 1e-6
 """Metres that a gap or a limit may be missed by: the rounding of poses in the plane."""
@@ -43,7 +42,7 @@ def require_exact(
             _require_allowed(item, positions[item.id])
 
 
-def _require_allowed(item: LayoutItem, position: Sequence[float]) -> None:
+def _require_allowed(item: TableItem, position: Sequence[float]) -> None:
     middle = item.rectangle().mean(axis=0) + position[:2]
     rectangles = as_rectangles(item.allowed, f"where {item.id} may stand")
     within = (middle >= rectangles[:, 0] - TOLERANCE) & (middle <= rectangles[:, 1] + TOLERANCE)
@@ -51,7 +50,7 @@ def _require_allowed(item: LayoutItem, position: Sequence[float]) -> None:
         raise _not_exact(f"{item.id} is not where it is allowed", item.id)
 
 
-def _require_inside(groups: Groups, container: LayoutItem, positions: Mapping[str, Sequence[float]]) -> None:
+def _require_inside(groups: Groups, container: TableItem, positions: Mapping[str, Sequence[float]]) -> None:
     contents = groups.contents(container)
     boxes = np.array([_box_in(container, groups, item, positions) for item in contents])
     bounds = groups.inner_bounds(container, (boxes[:, 1] - boxes[:, 0]) / 2)
@@ -60,7 +59,7 @@ def _require_inside(groups: Groups, container: LayoutItem, positions: Mapping[st
 
 
 def _box_in(
-    container: LayoutItem, groups: Groups, item: LayoutItem, positions: Mapping[str, Sequence[float]]
+    container: TableItem, groups: Groups, item: TableItem, positions: Mapping[str, Sequence[float]]
 ) -> np.ndarray:
     """(2, 2) rectangle of a content and all that lies in it, in the frame of its container."""
     offset = np.subtract(positions[item.id][:2], positions[container.id][:2]) @ rotation_2d(container.yaw)

@@ -8,10 +8,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from vcage.base.geometry import rotation_2d
-from vcage.layout.containers import OVERHANG, LayoutItem, assign_containers, fits, is_bare
+from vcage.layout.containers import OVERHANG, assign_containers, fits
 from vcage.layout.cost import LayoutProblem
+from vcage.layout.items import TableItem, as_rectangles
 from vcage.layout.placement.contents import CONTENT_MARGIN
-from vcage.layout.placement.place_item import as_rectangles
 from vcage.layout.relation_cost import Spot, relation_terms
 from vcage.schema.plan import TABLE, Relation
 
@@ -36,7 +36,7 @@ class Groups:
             :meth:`table_problem`.
     """
 
-    def __init__(self, items: Sequence[LayoutItem], relations: Sequence[Relation] = ()):
+    def __init__(self, items: Sequence[TableItem], relations: Sequence[Relation] = ()):
         self.items = {item.id: item for item in items}
         self.relations = relations
         lying = {(r.subject, r.reference) for r in relations if r.relation in ("inside", "on")}
@@ -44,47 +44,47 @@ class Groups:
         self.container = assign_containers(items, demanded)
         self.local: dict[str, np.ndarray] = {}
         self.out_of_reach: list[str] = []
-        self._carried: dict[str, list[LayoutItem]] = {item.id: [] for item in items}
+        self._carried: dict[str, list[TableItem]] = {item.id: [] for item in items}
         for item in items:
             if self.container[item.id] is not None:
                 self._carried[self.container[item.id]].append(item)
 
     @property
-    def roots(self) -> list[LayoutItem]:
+    def roots(self) -> list[TableItem]:
         """What stands on the table."""
         return [item for item in self.items.values() if self.container[item.id] is None]
 
-    def root(self, item: LayoutItem) -> LayoutItem:
+    def root(self, item: TableItem) -> TableItem:
         """What carries it on the table; itself where nothing does."""
         outer = self.container[item.id]
         return item if outer is None else self.root(self.items[outer])
 
-    def contents(self, container: LayoutItem) -> list[LayoutItem]:
+    def contents(self, container: TableItem) -> list[TableItem]:
         """What lies in or on it, not what lies in those."""
         return self._carried[container.id]
 
-    def innermost_first(self) -> list[LayoutItem]:
+    def innermost_first(self) -> list[TableItem]:
         """The containers that hold something; every one after those that lie in it."""
         holding = [item for item in self.items.values() if self.contents(item)]
         return sorted(holding, key=lambda item: -self._depth(item))
 
-    def _depth(self, item: LayoutItem) -> int:
+    def _depth(self, item: TableItem) -> int:
         outer = self.container[item.id]
         return 0 if outer is None else 1 + self._depth(self.items[outer])
 
-    def release(self, item: LayoutItem) -> None:
+    def release(self, item: TableItem) -> None:
         """Take a content out of its container, onto the table."""
         self._carried[self.container[item.id]].remove(item)
         self.container[item.id] = None
 
-    def extent(self, item: LayoutItem, frame_yaw: float = 0.0) -> np.ndarray:
+    def extent(self, item: TableItem, frame_yaw: float = 0.0) -> np.ndarray:
         """(2, 2) rectangle of an object and all that it carries, around its origin, in a frame turned by a yaw."""
         corners = [item.rectangle(frame_yaw)]
         for content in self.contents(item):
             corners.append(self.extent(content, frame_yaw) + rotation_2d(item.yaw - frame_yaw) @ self.local[content.id])
         return np.stack([np.min(corners, axis=(0, 1)), np.max(corners, axis=(0, 1))])
 
-    def carried(self, item: LayoutItem) -> list[tuple[LayoutItem, np.ndarray]]:
+    def carried(self, item: TableItem) -> list[tuple[TableItem, np.ndarray]]:
         """The object itself and all that it carries, each with the (2,) way to its origin in the world's axes."""
         found = [(item, np.zeros(2))]
         for content in self.contents(item):
@@ -110,7 +110,7 @@ class Groups:
             relations=relation_terms(self.relations, spots, len(roots)),
         )
 
-    def container_problem(self, container: LayoutItem) -> LayoutProblem:
+    def container_problem(self, container: TableItem) -> LayoutProblem:
         """The problem of its contents in the container's own frame, where its walls are axis-aligned at any heading."""
         contents = self.contents(container)
         extents = np.array([self.extent(item, container.yaw) for item in contents])
@@ -130,23 +130,23 @@ class Groups:
             relations=relation_terms(centred, spots, len(contents), rotation_2d(container.yaw)),
         )
 
-    def settle(self, container: LayoutItem, centres: np.ndarray) -> None:
+    def settle(self, container: TableItem, centres: np.ndarray) -> None:
         """Keep the solution (n, 2) of a container's problem as the local places of its contents."""
         for item, centre in zip(self.contents(container), centres, strict=True):
             self.local[item.id] = centre - self.extent(item, container.yaw).mean(axis=0)
 
-    def inner_bounds(self, container: LayoutItem, half: np.ndarray) -> np.ndarray:
+    def inner_bounds(self, container: TableItem, half: np.ndarray) -> np.ndarray:
         """(2, 2) what contents of half size (n, 2) stay within, in the container's frame.
 
         The opening; on a bare top, widened by as much as a single content may stick out.
         """
         contents = self.contents(container)
         centre, room = np.array(container.opening.centre), np.array(container.opening.size) / 2
-        if len(contents) == 1 and is_bare(container) and not fits(contents[0], container):
+        if len(contents) == 1 and container.bare and not fits(contents[0], container):
             room = np.where(half[0] > room, half[0] + OVERHANG * room, room)
         return np.stack([centre - room, centre + room])
 
-    def _spots(self, members: Sequence[LayoutItem], middles: np.ndarray) -> dict[str, Spot]:
+    def _spots(self, members: Sequence[TableItem], middles: np.ndarray) -> dict[str, Spot]:
         """Where relations find the boxes of what the members carry; (n, 2) middles in the world's axes."""
         spots = {}
         for k, (member, middle) in enumerate(zip(members, middles, strict=True)):
@@ -155,7 +155,7 @@ class Groups:
                 spots[item.id] = Spot(k, way + body.mean(axis=0) - middle, (body[1] - body[0]) / 2)
         return spots
 
-    def _allowed(self, root: LayoutItem, middle: np.ndarray) -> np.ndarray | None:
+    def _allowed(self, root: TableItem, middle: np.ndarray) -> np.ndarray | None:
         """(m, 2, 2) rectangles for the middle of a group, from which all that it carries is where it is allowed.
 
         What cannot be where it is allowed together with what carries it gives way, and is told in ``out_of_reach``.
@@ -175,7 +175,7 @@ class Groups:
         return meet
 
     def positions(
-        self, roots: Sequence[LayoutItem], origins: np.ndarray, height: float
+        self, roots: Sequence[TableItem], origins: np.ndarray, height: float
     ) -> dict[str, tuple[float, float, float]]:
         """(x, y, z) of every object when the roots' origins (n, 2) are on a table of that height, by id."""
         found: dict[str, tuple[float, float, float]] = {}
@@ -183,13 +183,13 @@ class Groups:
             self._stand(root, np.array([*origin, height]), found)
         return {name: found[name] for name in self.items}
 
-    def _stand(self, item: LayoutItem, at: np.ndarray, found: dict[str, tuple[float, float, float]]) -> None:
+    def _stand(self, item: TableItem, at: np.ndarray, found: dict[str, tuple[float, float, float]]) -> None:
         found[item.id] = tuple(float(v) for v in at)
         for content in self.contents(item):
             self._stand(content, at + [*(rotation_2d(item.yaw) @ self.local[content.id]), item.opening.floor], found)
 
 
-def _hand_room(items: Sequence[LayoutItem], margin: float) -> np.ndarray | None:
+def _hand_room(items: Sequence[TableItem], margin: float) -> np.ndarray | None:
     """(n, n) wider gaps between what is grasped and what is so high that the palm would touch it; None for no such."""
     grasped = np.array([item.grasped for item in items])
     high = np.array([item.size[2] > PALM_ABOVE for item in items])

@@ -15,10 +15,10 @@ from numpy.typing import ArrayLike
 
 from vcage.base.errors import InfeasibleScene, UnknownName, UsageError
 from vcage.layout.check import require_exact
-from vcage.layout.containers import LayoutItem, validate_items
+from vcage.layout.containers import validate_items
 from vcage.layout.cost import Cost, LayoutProblem, Weights, evaluate
 from vcage.layout.groups import Groups
-from vcage.layout.placement.place_item import as_workspace, check_margin
+from vcage.layout.items import TableItem, as_workspace, check_margin
 from vcage.layout.solver import Solution, solve
 from vcage.schema.plan import TABLE, Relation
 from vcage.schema.scene import Table
@@ -55,7 +55,7 @@ class LayoutResult:
 
 
 def optimize_layout(
-    items: Sequence[LayoutItem],
+    items: Sequence[TableItem],
     workspace: ArrayLike,
     rng: np.random.Generator,
     *,
@@ -141,7 +141,7 @@ def _fill_containers(
 
 def _solve(
     problem: LayoutProblem,
-    items: Sequence[LayoutItem],
+    items: Sequence[TableItem],
     weights: Weights,
     rng: np.random.Generator,
     restarts: int,
@@ -152,7 +152,7 @@ def _solve(
     return solution
 
 
-def _require_known(relations: Sequence[Relation], items: Sequence[LayoutItem]) -> None:
+def _require_known(relations: Sequence[Relation], items: Sequence[TableItem]) -> None:
     known = {TABLE, *(item.id for item in items)}
     for name in (name for r in relations for name in (r.subject, r.reference)):
         if name not in known:

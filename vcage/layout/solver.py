@@ -17,7 +17,8 @@ import numpy as np
 from vcage.base.workers import one_blas_thread
 from vcage.layout.cost import LayoutProblem, Weights
 from vcage.layout.descent import STAGES, descend, tightened
-from vcage.layout.placement.place import PlaceItem, place, require_possible
+from vcage.layout.items import TableItem
+from vcage.layout.placement.place import place, require_possible
 from vcage.layout.repair import is_feasible, repair
 
 SPREAD = 0.01
@@ -64,7 +65,7 @@ def solve(
         InfeasibleScene: none was found; names the objects and the area that is missing.
     """
     if _is_hopeless(problem):
-        require_possible(_as_place_items(problem, names), problem.bounds, problem.margin)
+        require_possible(_as_items(problem, names), problem.bounds, problem.margin)
     if weights.relation == 0:
         problem = replace(problem, relations=None)
     if is_feasible(problem, problem.target) and not _broken(problem, problem.target):
@@ -166,7 +167,7 @@ class _Search:
         Raises:
             InfeasibleScene: there is none.
         """
-        items = _as_place_items(self._problem, names)
+        items = _as_items(self._problem, names)
         placed = place(items, self._problem.bounds, self._rng, self._problem.margin)
         packed = np.array([[placed[name].x, placed[name].y] for name in names])
         self._offer((packed, tuple(range(len(packed)))))
@@ -189,8 +190,8 @@ def _is_hopeless(problem: LayoutProblem) -> bool:
     return bool(too_large) or any(allowed is not None and not len(allowed) for allowed in problem.allowed)
 
 
-def _as_place_items(problem: LayoutProblem, names: Sequence[str]) -> list[PlaceItem]:
+def _as_items(problem: LayoutProblem, names: Sequence[str]) -> list[TableItem]:
     return [
-        PlaceItem(name, (float(2 * half[0]), float(2 * half[1])), allowed=allowed)
+        TableItem(name, (float(2 * half[0]), float(2 * half[1]), 1.0), allowed=allowed)  # no height matters in a plane
         for name, half, allowed in zip(names, problem.half, problem.allowed, strict=True)
     ]

@@ -16,11 +16,10 @@ from vcage.base.geometry import Pose, wrap_angle
 from vcage.base.pictures import write_picture
 from vcage.base.progress import Progress, silent
 from vcage.layout.capacities import opening_for
-from vcage.layout.containers import LayoutItem
+from vcage.layout.items import FRONT_YAWS, TableItem, table_item
 from vcage.layout.optimize import LayoutResult, displacement_summary, optimize_layout
 from vcage.layout.picture import Footprint, draw_layout
 from vcage.layout.placement.reach import reach_for
-from vcage.layout.placement.standing import standing
 from vcage.plans.kept import relations_kept_in
 from vcage.schema.base import PoseRecord, Provenance, box_record
 from vcage.schema.matches import Matches
@@ -110,8 +109,7 @@ def _heading(record: ObjectRecord, yaw: float, bench: Workbench) -> float:
     asset = bench.asset(record)
     if not asset.articulated:
         return yaw
-    yaws = standing(asset).yaws
-    turned = float(np.clip(wrap_angle(yaw), min(yaws), max(yaws)))
+    turned = float(np.clip(wrap_angle(yaw), min(FRONT_YAWS), max(FRONT_YAWS)))
     if abs(wrap_angle(turned - yaw)) > 1e-6:
         logger.warning("%s is turned by %.0f°, so that its front faces the robot", record.id, np.degrees(turned - yaw))
     return turned
@@ -119,26 +117,23 @@ def _heading(record: ObjectRecord, yaw: float, bench: Workbench) -> float:
 
 def _items(
     objects: list[SceneObject], matches: Matches, yaws: Mapping[str, float], plan: Plan, reach: np.ndarray
-) -> list[LayoutItem]:
+) -> list[TableItem]:
     """What the optimisation needs of each object."""
     places = {m.object: m.position for m in matches.matches}
     inside = {r.subject: r.reference for r in plan.relations if r.relation in ("inside", "on") and r.reference != TABLE}
     items = []
     for o in objects:
-        room = standing(o.asset)
         contents = [other.asset for other in objects if inside.get(other.id) == o.id]
         items.append(
-            LayoutItem(
-                id=o.id,
-                size=(float(room.size[0]), float(room.size[1]), float(o.asset.size[2])),
-                yaw=yaws[o.id],
+            table_item(
+                o.id,
+                o.asset,
+                yaws=(yaws[o.id],),
                 target=places[o.id],
                 opening=opening_for(o.asset, contents),
                 inside=inside.get(o.id),
                 allowed=reach_for(o.asset, o.record.role, reach),
                 grasped=o.record.role == "content",
-                centre=(float(room.centre[0]), float(room.centre[1])),
-                body=o.asset.bounds[:, :2],
             )
         )
     return items

@@ -18,9 +18,9 @@ from vcage.base.geometry import Pose
 from vcage.base.pictures import write_labels, write_picture
 from vcage.base.progress import Progress, silent
 from vcage.layout.capacities import opening_for, room_of
-from vcage.layout.placement.place import PlaceItem, place
+from vcage.layout.items import TableItem, table_item
+from vcage.layout.placement.place import place
 from vcage.layout.placement.reach import reach_for
-from vcage.layout.placement.standing import standing
 from vcage.layout.placement.view import view_rectangles
 from vcage.models.selection_check import NamedObject, name_objects, validate_selection, with_room
 from vcage.objects.asset import Asset
@@ -136,7 +136,7 @@ def _place_until_stable(
     worst: list[str] = []
     for attempt in range(1, TRIES + 1):
         spots = place(items, workspace, rng, margin=MARGIN)
-        poses = {o.id: standing(_asset(o, bench)).pose(spots[o.id], height + spots[o.id].z) for o in objects}
+        poses = {item.id: item.pose(spots[item.id], height + spots[item.id].z) for item in items}
         scene = Scene(**fields, objects=[_record(o, poses[o.id], bench) for o in objects])
         world = World.of_scene(scene, bench.physical_models(scene))
         report = world.settle()
@@ -152,7 +152,7 @@ def _place_until_stable(
     )
 
 
-def _place_items(objects: list[NamedObject], template: SceneTemplate, bench: Workbench) -> list[PlaceItem]:
+def _place_items(objects: list[NamedObject], template: SceneTemplate, bench: Workbench) -> list[TableItem]:
     """What the placement needs of each object; what a task carries or fills must be where an arm reaches."""
     reach = bench.reach(template.robot, template.workspace, template.table)
     openings = _openings(objects, bench)
@@ -182,20 +182,18 @@ def _place_item(
     template: SceneTemplate,
     reach: np.ndarray,
     bench: Workbench,
-) -> PlaceItem:
+) -> TableItem:
     asset = _asset(o, bench)
-    room = standing(asset)
     bounds = np.array([template.workspace.lower, template.workspace.upper])
     support = template.table.height + _lift(o, objects, openings)
     seen = view_rectangles(template.top_camera.camera(), support, float(asset.size[2]), bounds, BORDER)
-    return PlaceItem(
-        id=o.id,
-        size=tuple(float(x) for x in room.size),
-        yaws=tuple(room.yaws),
+    return table_item(
+        o.id,
+        asset,
         allowed=reach_for(asset, o.role, reach),
         within=seen,
         inside=o.starts_in,
-        opening=room.local(openings[o.id]) if o.id in openings else None,
+        opening=openings.get(o.id),
     )
 
 

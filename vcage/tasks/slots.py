@@ -11,7 +11,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from vcage.base.geometry import Pose, world_aabb
-from vcage.layout.placement.place import PlaceItem, place
+from vcage.layout.items import TableItem
+from vcage.layout.placement.place import place
 from vcage.tasks.scene_objects import SceneObject
 
 GAP = 0.006
@@ -39,6 +40,6 @@ def allocate(
     inside = np.stack([centre - half, centre + half])
     to_receptacle = receptacle.pose.inverse()
     taken = [world_aabb(o.asset.bounds, to_receptacle * o.pose)[:, :2] for o in present]
-    items = [PlaceItem(id=o.id, size=tuple(o.asset.size[:2]), yaws=(0.0, np.pi / 2)) for o in contents]
+    items = [TableItem(id=o.id, size=tuple(o.asset.size), yaws=(0.0, np.pi / 2)) for o in contents]
     spots = place(items, inside, rng, margin=GAP, obstacles=taken)
     return {key: Pose.from_yaw([spot.x, spot.y, opening.floor], spot.yaw) for key, spot in spots.items()}

@@ -7,8 +7,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from tests.layout.items import unplaced
 from vcage.base.errors import InfeasibleScene
-from vcage.layout.placement.place import PlaceItem, place
+from vcage.layout.items import TableItem
+from vcage.layout.placement.place import place
 
 WORKSPACE = np.array([[-0.5, -0.3], [0.5, 0.3]])
 YAWS = (0.0, np.pi / 4, np.pi / 2)
@@ -20,9 +22,9 @@ def refusal(items, workspace=WORKSPACE, **options) -> InfeasibleScene:
     return caught.value
 
 
-def crowd(seed: int, count: int) -> list[PlaceItem]:
+def crowd(seed: int, count: int) -> list[TableItem]:
     rng = np.random.default_rng(seed)
-    return [PlaceItem(f"o{k}", tuple(rng.uniform(0.15, 0.4, 2)), YAWS) for k in range(count)]
+    return [unplaced(f"o{k}", tuple(rng.uniform(0.15, 0.4, 2)), YAWS) for k in range(count)]
 
 
 @settings(max_examples=6, deadline=None, derandomize=True)
@@ -52,14 +54,14 @@ def test_the_same_scene_gets_the_same_answer():
 
 def test_the_hint_names_what_to_drop_and_how_much_larger_the_workspace_must_be():
     # Three squares of more than half the depth fit side by side only, and need 1.04 m for that.
-    error = refusal([PlaceItem(f"crate{k}", (0.34, 0.34)) for k in range(3)])
+    error = refusal([unplaced(f"crate{k}", (0.34, 0.34)) for k in range(3)])
     assert error.details["drop"] == ["crate2"]
     assert 0.04 <= error.details["enlarge_m"][0] <= 0.08
     assert "drop crate2 (the other 2 fit)" in error.hint and "larger (then all fit)" in error.hint
 
 
 def test_an_object_too_long_by_a_millimetre_is_told_so():
-    error = refusal([PlaceItem("rod", (1.001, 0.02))])
+    error = refusal([unplaced("rod", (1.001, 0.02))])
     assert "too large by 0.001 m along x" in error.message
     assert error.details["missing_area_m2"] == pytest.approx(0.001 * 0.02)
     assert error.details["enlarge_m"][0] >= 0.001
@@ -68,9 +70,9 @@ def test_an_object_too_long_by_a_millimetre_is_told_so():
 @pytest.mark.parametrize(
     ("item", "reason"),
     [
-        (PlaceItem("cup", (0.1, 0.1), allowed=[]), "where an arm reaches it"),
-        (PlaceItem("cup", (0.1, 0.1), within=[[[0, 0], [0.09, 1]]]), "where all of it is seen"),
-        (PlaceItem("cup", (0.1, 0.1), allowed=[[[2, 2], [3, 3]]], within=[]), "reaches it and where all of it is seen"),
+        (unplaced("cup", (0.1, 0.1), allowed=[]), "where an arm reaches it"),
+        (unplaced("cup", (0.1, 0.1), within=[[[0, 0], [0.09, 1]]]), "where all of it is seen"),
+        (unplaced("cup", (0.1, 0.1), allowed=[[[2, 2], [3, 3]]], within=[]), "reaches it and where all of it is seen"),
     ],
     ids=["reach", "view", "both"],
 )
@@ -81,5 +83,5 @@ def test_a_limit_that_leaves_nothing_is_named_and_growing_is_not_advised(item, r
 
 
 def test_what_stands_there_already_is_named():
-    error = refusal([PlaceItem("cup", (0.1, 0.1))], obstacles=[WORKSPACE])
+    error = refusal([unplaced("cup", (0.1, 0.1))], obstacles=[WORKSPACE])
     assert "beside what stands there already" in error.message

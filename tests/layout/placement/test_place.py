@@ -8,23 +8,25 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from tests.layout.items import unplaced
 from vcage.base.errors import InfeasibleScene, UsageError
 from vcage.base.geometry import Pose, boxes_overlap, world_aabb
-from vcage.layout.placement.place import PlaceItem, place, require_possible
+from vcage.layout.items import TableItem
+from vcage.layout.placement.place import place, require_possible
 
 WORKSPACE = np.array([[-0.5, -0.3], [0.5, 0.3]])
 YAWS = (0.0, np.pi / 2, np.pi / 4)
 
 
-def random_items(rng: np.random.Generator, count: int) -> list[PlaceItem]:
-    return [PlaceItem(f"o{k}", tuple(rng.uniform(0.02, 0.16, 2)), YAWS) for k in range(count)]
+def random_items(rng: np.random.Generator, count: int) -> list[TableItem]:
+    return [unplaced(f"o{k}", tuple(rng.uniform(0.02, 0.16, 2)), YAWS) for k in range(count)]
 
 
 def true_boxes(items, placed) -> dict[str, np.ndarray]:
     """AABBs from rotated corners, as the paper computes them."""
     found = {}
     for item in items:
-        x, y = np.array(item.size) / 2
+        x, y = np.array(item.size[:2]) / 2
         at = placed[item.id]
         found[item.id] = world_aabb([[-x, -y, 0], [x, y, 0.1]], Pose.from_yaw((at.x, at.y, 0), at.yaw))[:, :2]
     return found
@@ -57,24 +59,24 @@ def test_placements_come_in_the_order_of_the_items():
 
 def test_a_scene_that_fits_only_tightly_is_packed():
     # Six 0.3 x 0.28 rectangles with gaps of 0.01 leave 3 cm of 1.0 and 1 cm of 0.6 to spare.
-    items = [PlaceItem(f"book{k}", (0.3, 0.28)) for k in range(6)]
+    items = [unplaced(f"book{k}", (0.3, 0.28)) for k in range(6)]
     for seed in range(5):
         assert len(place(items, WORKSPACE, np.random.default_rng(seed))) == 6
 
 
 def test_an_exact_fit_is_found():
-    items = [PlaceItem("a", (0.5, 0.6)), PlaceItem("b", (0.5, 0.6))]
+    items = [unplaced("a", (0.5, 0.6)), unplaced("b", (0.5, 0.6))]
     placed = place(items, WORKSPACE, np.random.default_rng(0), margin=0.0)
     assert sorted(round(p.x, 6) for p in placed.values()) == [-0.25, 0.25]
 
 
 def test_objects_that_fit_only_turned_are_turned():
-    placed = place([PlaceItem("tray", (0.2, 0.9), (0.0, np.pi / 2))], WORKSPACE, np.random.default_rng(0))
+    placed = place([unplaced("tray", (0.2, 0.9), (0.0, np.pi / 2))], WORKSPACE, np.random.default_rng(0))
     assert placed["tray"].yaw == np.pi / 2
 
 
 def test_more_area_than_the_workspace_has_is_refused_with_the_area_missing():
-    items = [PlaceItem(f"book{k}", (0.3, 0.3)) for k in range(8)]
+    items = [unplaced(f"book{k}", (0.3, 0.3)) for k in range(8)]
     with pytest.raises(InfeasibleScene) as caught:
         place(items, WORKSPACE, np.random.default_rng(0), margin=0.0)
     assert caught.value.details["missing_area_m2"] == pytest.approx(8 * 0.09 - 0.6, abs=1e-4)
@@ -83,7 +85,7 @@ def test_more_area_than_the_workspace_has_is_refused_with_the_area_missing():
 
 def test_an_infeasible_scene_names_the_objects_without_a_place():
     # The area suffices, but three squares of more than half the depth fit side by side only.
-    items = [PlaceItem(f"crate{k}", (0.34, 0.34)) for k in range(3)]
+    items = [unplaced(f"crate{k}", (0.34, 0.34)) for k in range(3)]
     with pytest.raises(InfeasibleScene) as caught:
         place(items, WORKSPACE, np.random.default_rng(0))
     assert caught.value.details["objects"] == ["crate2"]
@@ -93,24 +95,24 @@ def test_an_infeasible_scene_names_the_objects_without_a_place():
 
 def test_an_object_larger_than_the_workspace_is_named():
     with pytest.raises(InfeasibleScene, match=r"sofa .* fits nowhere"):
-        require_possible([PlaceItem("mug", (0.1, 0.1)), PlaceItem("sofa", (1.2, 0.2))], WORKSPACE)
+        require_possible([unplaced("mug", (0.1, 0.1)), unplaced("sofa", (1.2, 0.2))], WORKSPACE)
 
 
 def test_an_object_out_of_reach_is_named():
-    far = PlaceItem("mug", (0.1, 0.1), allowed=[[[2, 2], [3, 3]]])
+    far = unplaced("mug", (0.1, 0.1), allowed=[[[2, 2], [3, 3]]])
     with pytest.raises(InfeasibleScene, match=r"mug .* where an arm reaches it"):
         place([far], WORKSPACE, np.random.default_rng(0))
 
 
 def test_objects_stay_where_they_are_reachable():
     allowed = [[[0.2, -0.2], [0.3, 0.2]]]
-    items = [PlaceItem(f"o{k}", (0.05, 0.05), allowed=allowed) for k in range(5)]
+    items = [unplaced(f"o{k}", (0.05, 0.05), allowed=allowed) for k in range(5)]
     placed = place(items, WORKSPACE, np.random.default_rng(3))
     assert all(0.2 - 1e-8 <= p.x <= 0.3 + 1e-8 for p in placed.values())
 
 
 def test_clearance_keeps_others_away():
-    items = [PlaceItem("pen", (0.1, 0.02), clearance=0.1), *random_items(np.random.default_rng(2), 6)]
+    items = [unplaced("pen", (0.1, 0.02), clearance=0.1), *random_items(np.random.default_rng(2), 6)]
     boxes = true_boxes(items, place(items, WORKSPACE, np.random.default_rng(0)))
     for name, box in boxes.items():
         assert name == "pen" or not boxes_overlap(boxes["pen"], box, 0.1 - 1e-7)
@@ -119,19 +121,19 @@ def test_clearance_keeps_others_away():
 @pytest.mark.parametrize(
     ("items", "message"),
     [
-        ([PlaceItem("cup", (0.1, 0.1)), PlaceItem("cup", (0.1, 0.1))], "two objects are called 'cup'"),
-        ([PlaceItem("cup", (0.0, 0.1))], "cup has the footprint"),
-        ([PlaceItem("cup", (np.nan, 0.1))], "cup has the footprint"),
-        ([PlaceItem("cup", (0.1, 0.1), yaws=())], "cup has the headings"),
-        ([PlaceItem("cup", (0.1, 0.1), yaws=(np.inf,))], "cup has the headings"),
-        ([PlaceItem("cup", (-0.1, 0.1))], "cup has the footprint"),
-        ([PlaceItem("cup", (0.1, 0.1, 0.1))], "cup has the footprint"),
-        ([PlaceItem("cup", ("wide", 0.1))], "cup has the footprint"),
-        ([PlaceItem("cup", (0.1, 0.1), clearance=np.nan)], "cup has the clearance"),
-        ([PlaceItem("cup", (0.1, 0.1), clearance=-0.1)], "cup has the clearance"),
-        ([PlaceItem("cup", (0.1, 0.1), allowed=[[[0, 0], [np.nan, 1]]])], "not finite: where cup may stand"),
-        ([PlaceItem("cup", (0.1, 0.1), within=[[[1, 1], [0, 0]]])], "inverted: where cup is seen"),
-        ([PlaceItem("cup", (0.1, 0.1), allowed=[1, 2, 3])], "no rectangles .* where cup may stand"),
+        ([unplaced("cup", (0.1, 0.1)), unplaced("cup", (0.1, 0.1))], "two objects are called 'cup'"),
+        ([unplaced("cup", (0.0, 0.1))], "cup has the footprint"),
+        ([unplaced("cup", (np.nan, 0.1))], "cup has the footprint"),
+        ([unplaced("cup", (0.1, 0.1), yaws=())], "cup has the headings"),
+        ([unplaced("cup", (0.1, 0.1), yaws=(np.inf,))], "cup has the headings"),
+        ([unplaced("cup", (-0.1, 0.1))], "cup has the footprint"),
+        ([unplaced("cup", (0.1, 0.1, 0.1))], "cup has the footprint"),
+        ([unplaced("cup", ("wide", 0.1))], "cup has the footprint"),
+        ([unplaced("cup", (0.1, 0.1), clearance=np.nan)], "cup has the clearance"),
+        ([unplaced("cup", (0.1, 0.1), clearance=-0.1)], "cup has the clearance"),
+        ([unplaced("cup", (0.1, 0.1), allowed=[[[0, 0], [np.nan, 1]]])], "not finite: where cup may stand"),
+        ([unplaced("cup", (0.1, 0.1), within=[[[1, 1], [0, 0]]])], "inverted: where cup is seen"),
+        ([unplaced("cup", (0.1, 0.1), allowed=[1, 2, 3])], "no rectangles .* where cup may stand"),
     ],
     ids=[
         "id twice",
@@ -169,7 +171,7 @@ def test_items_that_make_no_sense_are_refused(items, message):
 )
 def test_a_room_that_makes_no_sense_is_refused(changed, message):
     with pytest.raises(UsageError, match=message):
-        place([PlaceItem("a", (0.1, 0.1))], **{"workspace": WORKSPACE, "rng": np.random.default_rng(0), **changed})
+        place([unplaced("a", (0.1, 0.1))], **{"workspace": WORKSPACE, "rng": np.random.default_rng(0), **changed})
 
 
 def test_no_items_have_no_places():
@@ -180,7 +182,7 @@ def test_a_thousand_obstacles_are_kept_clear_of():
     rng = np.random.default_rng(0)
     lower = rng.uniform(*WORKSPACE, (1000, 2))
     obstacles = np.stack([lower, lower + 0.002], axis=1)
-    items = [PlaceItem(f"o{k}", (0.02, 0.01), YAWS) for k in range(3)]
+    items = [unplaced(f"o{k}", (0.02, 0.01), YAWS) for k in range(3)]
     for box in true_boxes(items, place(items, WORKSPACE, rng, margin=0.002, obstacles=obstacles)).values():
         assert not any(boxes_overlap(box, obstacle, 0.002 - 1e-7) for obstacle in obstacles)
 
@@ -199,8 +201,8 @@ def test_the_whole_footprint_stays_within_what_is_seen(seed):
 def test_many_objects_at_any_heading_find_places_on_a_full_table(count: int):
     rng = np.random.default_rng(count)
     yaws = tuple(np.radians(range(-180, 180, 15)))
-    items = [PlaceItem(f"o{k}", tuple(rng.uniform(0.03, 0.2, 2)), yaws) for k in range(count)]
-    filled = sum(np.prod(item.size) for item in items)
+    items = [unplaced(f"o{k}", tuple(rng.uniform(0.03, 0.2, 2)), yaws) for k in range(count)]
+    filled = sum(np.prod(item.size[:2]) for item in items)
     half = np.sqrt(filled / 0.6) / 2 * np.array([np.sqrt(2), np.sqrt(0.5)])
     boxes = true_boxes(items, place(items, np.stack([-half, half]), rng, margin=0.01))
     for a, b in combinations(boxes.values(), 2):

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from tests.layout.items import unplaced
 from vcage.base.errors import UsageError
 from vcage.base.geometry import Camera, box_corners, footprint_half_size, look_at
-from vcage.layout.placement.place import PlaceItem, Placement, place
+from vcage.layout.items import Placement, TableItem
+from vcage.layout.placement.place import place
 from vcage.layout.placement.view import view_rectangles
 
 TABLE = 0.74
@@ -64,9 +68,9 @@ def test_the_view_of_a_tilted_camera_is_filled_up_to_a_strip():
     assert np.mean(seen & ~covered) < 0.02 < np.mean(seen)
 
 
-def footprint(item: PlaceItem, at: Placement) -> np.ndarray:
+def footprint(item: TableItem, at: Placement) -> np.ndarray:
     """(2, 2) the axis-aligned rectangle that a placed item covers."""
-    half = footprint_half_size(item.size, at.yaw)
+    half = footprint_half_size(item.size[:2], at.yaw)
     return np.array([at.x, at.y]) + np.array([-half, half])
 
 
@@ -77,8 +81,8 @@ def test_what_is_as_high_as_the_camera_is_seen_nowhere():
 def test_a_tall_object_is_placed_where_all_of_it_is_seen():
     workspace, height = BOUNDS, 0.4
     within = view_rectangles(ABOVE, TABLE, height, workspace)
-    item = PlaceItem("bottle", (0.3, 0.1), (0.0, 0.6, 1.2), within=within)
-    cut_off = PlaceItem("bottle", item.size, item.yaws)
+    item = unplaced("bottle", (0.3, 0.1), (0.0, 0.6, 1.2), within=within)
+    cut_off = replace(item, within=None)
     rng = np.random.default_rng(0)
     seen, free = (
         [margin(ABOVE, footprint(i, place([i], workspace, rng)["bottle"]), height) for _ in range(40)]

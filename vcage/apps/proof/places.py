@@ -9,9 +9,9 @@ import numpy as np
 
 from vcage.base.errors import InfeasibleScene
 from vcage.base.geometry import Pose
-from vcage.layout.placement.place import PlaceItem, Placement, place
+from vcage.layout.items import Placement, TableItem, table_item
+from vcage.layout.placement.place import place
 from vcage.layout.placement.reach import GRASP_HEIGHTS, robot_reach
-from vcage.layout.placement.standing import standing
 from vcage.objects.asset import Asset
 from vcage.schema.asset import ContactPoint
 from vcage.schema.robot import Robot
@@ -89,21 +89,19 @@ class Places:
         x, y, z = contact.approach
         if -z < SIDEWAYS:
             yaw = float(np.pi / 2 - np.arctan2(y, x) + rng.uniform(-FACING, FACING))
-        size = tuple(float(s) for s in asset.footprint)
         straight = round(yaw / (np.pi / 2)) * np.pi / 2
-        item = PlaceItem(asset.name, size, (yaw,), allowed=self._reach)
+        item = table_item(asset.name, asset, yaws=(yaw,), allowed=self._reach)
         spot = self._spot(item, (straight, straight + np.pi) if -z >= SIDEWAYS else (straight,), rng)
         return Pose.from_yaw([spot.x, spot.y, self.template.table.height], spot.yaw)
 
     def for_operating(self, asset: Asset, rng: np.random.Generator) -> Pose:
         """A pose on the table where the asset's moving parts have room and its front faces the robot."""
-        room = standing(asset)
-        yaw = float(rng.uniform(min(room.yaws), max(room.yaws)))
-        size = tuple(float(s) for s in room.size)
-        spot = self._spot(PlaceItem(asset.name, size, (yaw,)), (0.0,), rng)
-        return room.pose(spot, self.template.table.height)
+        item = table_item(asset.name, asset)
+        yaw = float(rng.uniform(min(item.yaws), max(item.yaws)))
+        spot = self._spot(replace(item, yaws=(yaw,)), (0.0,), rng)
+        return item.pose(spot, self.template.table.height)
 
-    def _spot(self, item: PlaceItem, straight: tuple[float, ...], rng: np.random.Generator) -> Placement:
+    def _spot(self, item: TableItem, straight: tuple[float, ...], rng: np.random.Generator) -> Placement:
         """A place at the item's heading, or at one of ``straight`` where it is too large for that."""
         try:
             return place([item], self._workspace, rng)[item.id]

@@ -13,8 +13,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from vcage.base.geometry import footprint_half_size, rotation_2d, wrap_angle
-from vcage.layout.placement.place_item import PlaceItem, Placement, as_rectangles, centres_within
+from vcage.layout.items import Placement, TableItem, as_rectangles, centres_within
 from vcage.layout.placement.plane import Plane, make_plane
+from vcage.objects.openings import Opening
 
 CONTENT_MARGIN = 0.003
 """Smallest gap between two objects in one container, and to its walls, metres."""
@@ -28,18 +29,25 @@ class Local:
     yaw: float
 
 
-def contents_of(items: Sequence[PlaceItem], container: str | None) -> list[PlaceItem]:
+def contents_of(items: Sequence[TableItem], container: str | None) -> list[TableItem]:
     """What lies directly in a container, or on the table."""
     return [item for item in items if item.inside == container]
 
 
-def content_plane(container: PlaceItem, contents: Sequence[PlaceItem]) -> Plane:
+def content_plane(container: TableItem, contents: Sequence[TableItem]) -> Plane:
     """The opening of a container, in the frame of its footprint."""
-    centre, half = np.array(container.opening.centre), np.array(container.opening.size) / 2 - CONTENT_MARGIN
+    opening = _opening_of(container)
+    centre, half = np.subtract(opening.centre, container.centre), np.array(opening.size) / 2 - CONTENT_MARGIN
     # Reach and view are the world's: they are asked of the container, see unions_of.
     plain = [replace(item, clearance=0.0, allowed=None, within=None) for item in contents]
     bounds = np.stack([centre - half, centre + half])
     return make_plane(plain, bounds, CONTENT_MARGIN, np.empty((0, 2, 2)), lambda _item, _yaw: ())
+
+
+def _opening_of(container: TableItem) -> Opening:
+    """The opening of what holds something, which has one (:func:`vcage.layout.items.check_containers`)."""
+    assert container.opening is not None, container.id
+    return container.opening
 
 
 class Carried:
@@ -50,7 +58,7 @@ class Carried:
         local: where every content lies, by id.
     """
 
-    def __init__(self, items: Sequence[PlaceItem], local: Mapping[str, Local]):
+    def __init__(self, items: Sequence[TableItem], local: Mapping[str, Local]):
         self._items, self._local = items, local
         self._containers = {item.inside for item in items}
         self._allowed = {
@@ -62,7 +70,7 @@ class Carried:
             item.id: as_rectangles(item.within, f"where {item.id} is seen") for item in items if item.within is not None
         }
 
-    def unions(self, item: PlaceItem, yaw: float) -> list[np.ndarray]:
+    def unions(self, item: TableItem, yaw: float) -> list[np.ndarray]:
         """Unions of rectangles (m, 2, 2); the item's centre at ``yaw`` must lie in one rectangle of each."""
         found = [self._allowed[item.id]] if item.id in self._allowed else []
         if item.id not in self._containers:
@@ -71,21 +79,21 @@ class Carried:
             if content.id in self._allowed:
                 found.append(self._allowed[content.id] - at.centre)
             if content.id in self._within:
-                half = footprint_half_size(content.size, at.yaw)
+                half = footprint_half_size(content.size[:2], at.yaw)
                 found.append(centres_within(self._within[content.id] - at.centre, half))
         return found
 
-    def stand(self, item: PlaceItem, at: Placement) -> dict[str, Placement]:
+    def stand(self, item: TableItem, at: Placement) -> dict[str, Placement]:
         """Places in the world of an item at ``at`` and of all that it carries."""
         found = {item.id: at}
         for content in contents_of(self._items, item.id):
             local = self._local[content.id]
             x, y = np.array([at.x, at.y]) + rotation_2d(at.yaw) @ local.centre
             yaw = float(wrap_angle(at.yaw + local.yaw))
-            found |= self.stand(content, Placement(float(x), float(y), yaw, at.z + item.opening.floor))
+            found |= self.stand(content, Placement(float(x), float(y), yaw, at.z + _opening_of(item).floor))
         return found
 
-    def _below(self, item: PlaceItem, at: Local) -> list[tuple[PlaceItem, Local]]:
+    def _below(self, item: TableItem, at: Local) -> list[tuple[TableItem, Local]]:
         """All that an item carries, with (2,) offset from the item's centre and heading, both along world axes."""
         found = []
         for content in contents_of(self._items, item.id):

@@ -13,8 +13,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from vcage.base.errors import InfeasibleScene
+from vcage.layout.items import TableItem
 from vcage.layout.placement.free_region import TOLERANCE
-from vcage.layout.placement.place_item import PlaceItem
 from vcage.layout.placement.plane import Plane, Stance
 from vcage.layout.placement.search import Outcome, pack
 
@@ -34,7 +34,7 @@ AREA_TOLERANCE = 1e-6
 """Area that may be missing by rounding, m²."""
 
 
-def require_room(plane: Plane, container: PlaceItem | None = None) -> None:
+def require_room(plane: Plane, container: TableItem | None = None) -> None:
     """Refuse an item that fits nowhere even alone, and more area than there is.
 
     Args:
@@ -55,7 +55,7 @@ def require_room(plane: Plane, container: PlaceItem | None = None) -> None:
         raise _infeasible(plane, message, plane.order, missing, container)
 
 
-def no_place(plane: Plane, outcome: Outcome, container: PlaceItem | None = None) -> InfeasibleScene:
+def no_place(plane: Plane, outcome: Outcome, container: TableItem | None = None) -> InfeasibleScene:
     """The error for what a search left over."""
     names = ", ".join(plane.items[k].id for k in outcome.left)
     where = f"in the opening of {container.id}" if container else "on the table"
@@ -64,7 +64,7 @@ def no_place(plane: Plane, outcome: Outcome, container: PlaceItem | None = None)
     return _infeasible(plane, message, outcome.left, missing, container, drop=outcome.left)
 
 
-def _fits_nowhere(plane: Plane, k: int, container: PlaceItem | None) -> InfeasibleScene:
+def _fits_nowhere(plane: Plane, k: int, container: TableItem | None) -> InfeasibleScene:
     item, room = plane.items[k], plane.bounds[1] - plane.bounds[0]
     excess, stance = min(((_excess(s, room), s) for s in plane.stances[k]), key=lambda pair: pair[0].sum())
     size, too_long = 2 * stance.half, excess.max() > 2 * TOLERANCE
@@ -104,7 +104,7 @@ def _infeasible(
     message: str,
     left: Sequence[int],
     missing: float,
-    container: PlaceItem | None,
+    container: TableItem | None,
     drop: Sequence[int] = (),
 ) -> InfeasibleScene:
     dropped, enlarge = [plane.items[k].id for k in _drop(plane, drop)], _growth(plane)
@@ -123,7 +123,7 @@ def _infeasible(
     )
 
 
-def _hint(dropped: Sequence[str], enlarge: np.ndarray | None, container: PlaceItem | None, count: int) -> str:
+def _hint(dropped: Sequence[str], enlarge: np.ndarray | None, container: TableItem | None, count: int) -> str:
     rest = count - len(dropped)
     proof = {0: "", 1: " (the other one fits)"}.get(rest, f" (the other {rest} fit)")
     ways = [f"drop {', '.join(dropped)}{proof}"]

@@ -12,24 +12,22 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from vcage.layout.placement.arrangement import Spot
-from vcage.layout.placement.contents import Carried, Local, content_plane, contents_of
-from vcage.layout.placement.infeasible import no_place, require_room
-from vcage.layout.placement.place_item import (
-    PlaceItem,
+from vcage.layout.items import (
     Placement,
+    TableItem,
     as_rectangles,
     as_workspace,
     check_items,
 )
+from vcage.layout.placement.arrangement import Spot
+from vcage.layout.placement.contents import Carried, Local, content_plane, contents_of
+from vcage.layout.placement.infeasible import no_place, require_room
 from vcage.layout.placement.plane import Plane, make_plane
 from vcage.layout.placement.search import solve
 
-__all__ = ["PlaceItem", "Placement", "place", "require_possible"]
-
 
 def place(
-    items: Sequence[PlaceItem],
+    items: Sequence[TableItem],
     workspace: ArrayLike,
     rng: np.random.Generator,
     margin: float = 0.01,
@@ -68,7 +66,7 @@ def place(
 
 
 def require_possible(
-    items: Sequence[PlaceItem], workspace: ArrayLike, margin: float = 0.01, obstacles: ArrayLike = ()
+    items: Sequence[TableItem], workspace: ArrayLike, margin: float = 0.01, obstacles: ArrayLike = ()
 ) -> None:
     """Refuse at once what cannot work: an object that fits nowhere even alone, or more area than there is.
 
@@ -82,7 +80,7 @@ def require_possible(
     require_room(_table(on_table, workspace, margin, obstacles, Carried(on_table, {})))
 
 
-def _openings(items: Sequence[PlaceItem]) -> Iterator[tuple[PlaceItem, Plane]]:
+def _openings(items: Sequence[TableItem]) -> Iterator[tuple[TableItem, Plane]]:
     """Every container that something lies in, and the plane of its contents."""
     for container in items:
         if contents := contents_of(items, container.id):
@@ -90,13 +88,13 @@ def _openings(items: Sequence[PlaceItem]) -> Iterator[tuple[PlaceItem, Plane]]:
 
 
 def _table(
-    items: Sequence[PlaceItem], workspace: ArrayLike, margin: float, obstacles: ArrayLike, carried: Carried
+    items: Sequence[TableItem], workspace: ArrayLike, margin: float, obstacles: ArrayLike, carried: Carried
 ) -> Plane:
     taken = as_rectangles(obstacles, "the obstacles")
     return make_plane(items, as_workspace(workspace), margin, taken, carried.unions)
 
 
-def _solved(plane: Plane, rng: np.random.Generator, container: PlaceItem | None = None) -> dict[int, Spot]:
+def _solved(plane: Plane, rng: np.random.Generator, container: TableItem | None = None) -> dict[int, Spot]:
     """Spots of all items of a plane, or why there are none."""
     require_room(plane, container)
     outcome = solve(plane, rng)

@@ -14,10 +14,10 @@ from itertools import islice
 import numpy as np
 
 from vcage.base.geometry import footprint_half_size
+from vcage.layout.items import TableItem, as_rectangles, centres_within
 from vcage.layout.placement.free_region import TOLERANCE, FreeRegion, free_region
-from vcage.layout.placement.place_item import PlaceItem, as_rectangles, centres_within
 
-Unions = Callable[[PlaceItem, float], Sequence[np.ndarray]]
+Unions = Callable[[TableItem, float], Sequence[np.ndarray]]
 """(m, 2, 2) unions of rectangles, one of each of which must hold an item's centre at a yaw."""
 
 
@@ -53,7 +53,7 @@ class Plane:
         obstacles: (m, 2, 2) rectangles that are taken.
     """
 
-    items: Sequence[PlaceItem]
+    items: Sequence[TableItem]
     stances: Sequence[Sequence[Stance]]
     bounds: np.ndarray
     margin: float
@@ -111,16 +111,16 @@ class Plane:
 
 
 def make_plane(
-    items: Sequence[PlaceItem], bounds: np.ndarray, margin: float, obstacles: np.ndarray, unions: Unions
+    items: Sequence[TableItem], bounds: np.ndarray, margin: float, obstacles: np.ndarray, unions: Unions
 ) -> Plane:
     """The plane of ``items``; ``unions`` says where a centre may be, besides the item's own ``within``."""
     return Plane(items, [_stances(item, unions) for item in items], bounds, margin, obstacles)
 
 
-def _stances(item: PlaceItem, unions: Unions) -> list[Stance]:
+def _stances(item: TableItem, unions: Unions) -> list[Stance]:
     """Stances of an item, the smallest rectangle first."""
     found: dict[tuple, tuple[np.ndarray, list[float], Sequence[np.ndarray]]] = {}
-    halves = footprint_half_size(item.size, np.array(item.yaws))  # (yaws, 2)
+    halves = footprint_half_size(item.size[:2], np.array(item.yaws))  # (yaws, 2)
     equal = np.round(halves / TOLERANCE).tolist()
     for half, yaw, (x, y) in zip(halves, item.yaws, equal, strict=True):
         where = unions(item, yaw)
@@ -129,7 +129,7 @@ def _stances(item: PlaceItem, unions: Unions) -> list[Stance]:
     return sorted(stances, key=lambda stance: stance.area)
 
 
-def _seen(item: PlaceItem, half: np.ndarray) -> tuple[np.ndarray, ...]:
+def _seen(item: TableItem, half: np.ndarray) -> tuple[np.ndarray, ...]:
     """Where the centre must be for the whole rectangle to lie in one of the item's ``within``."""
     if item.within is None:
         return ()

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from vcage.base.geometry import Pose, world_aabb
-from vcage.layout.placement.place import PlaceItem, Placement, place
-from vcage.layout.placement.standing import ANY_YAW, FRONT_YAWS, standing
+from vcage.layout.items import ANY_YAW, FRONT_YAWS, Placement, table_item
+from vcage.layout.placement.contents import content_plane
+from vcage.layout.placement.place import place
 from vcage.objects.library import Library
 from vcage.objects.openings import Opening
 from vcage.sim.joints import link_poses
@@ -21,14 +22,14 @@ def cabinet():
 
 def test_a_rigid_object_needs_its_footprint_any_way_round() -> None:
     mug = Library.load().asset("mug")
-    room = standing(mug)
-    np.testing.assert_allclose(room.size, mug.footprint)
+    room = table_item("mug", mug)
+    np.testing.assert_allclose(room.size, mug.size)
     np.testing.assert_allclose(room.centre, 0)
     assert room.yaws == ANY_YAW
 
 
 def test_a_cabinet_faces_the_robot_and_has_room_for_its_drawers(cabinet) -> None:
-    room = standing(cabinet)
+    room = table_item("cabinet", cabinet)
     assert room.yaws == FRONT_YAWS
     travel = max(link.joint.upper for link in cabinet.model.links)
     assert room.size[1] == pytest.approx(cabinet.footprint[1] + travel, abs=0.002)
@@ -37,13 +38,13 @@ def test_a_cabinet_faces_the_robot_and_has_room_for_its_drawers(cabinet) -> None
 
 @pytest.mark.parametrize("yaw", FRONT_YAWS)
 def test_an_opened_cabinet_lies_within_its_rectangle(cabinet, yaw: float) -> None:
-    room, spot = standing(cabinet), Placement(0.1, 0.05, yaw)
+    room, spot = table_item("cabinet", cabinet), Placement(0.1, 0.05, yaw)
     pose = room.pose(spot, 0.74)
     corners = []
     joints = [link.joint.upper for link in cabinet.model.links]
     for link, local in link_poses(cabinet.model, joints).items():
         corners += [pose.apply(local.apply(piece.vertices)) for piece in cabinet.pieces_of(link)]
-    half = np.array([*room.size / 2, 1.0])
+    half = np.array([*np.array(room.size[:2]) / 2, 1.0])
     turned = world_aabb(np.stack([-half, half]), room.pose(spot, 0.0) * Pose([*room.centre, 0.0]))
     points = np.concatenate(corners)
     assert np.all(points[:, :2] >= turned[0, :2] - 1e-6) and np.all(points[:, :2] <= turned[1, :2] + 1e-6)
@@ -53,14 +54,12 @@ def test_every_object_finds_a_place_on_the_table_alone() -> None:
     library, template = Library.load(), load_template("table")
     workspace = np.array([template.workspace.lower, template.workspace.upper])
     for name in library.names:
-        room = standing(library.asset(name))
-        item = PlaceItem(name, tuple(room.size), tuple(room.yaws))
-        assert place([item], workspace, np.random.default_rng(0))[name]
+        assert place([table_item(name, library.asset(name))], workspace, np.random.default_rng(0))[name]
 
 
 def test_an_opening_is_told_from_the_middle_of_the_rectangle(cabinet) -> None:
-    room, spot = standing(cabinet), Placement(0.1, 0.05, 0.4)
-    opening = room.local(Opening((0.02, 0.03), (0.1, 0.1), 0.2, 0.3))
-    in_world = Pose.from_yaw([spot.x, spot.y, 0.0], spot.yaw).apply([*opening.centre, 0.0])
+    room = table_item("cabinet", cabinet, opening=Opening((0.02, 0.03), (0.1, 0.1), 0.2, 0.3))
+    spot = Placement(0.1, 0.05, 0.4)
+    middle = content_plane(room, []).bounds.mean(axis=0)
+    in_world = Pose.from_yaw([spot.x, spot.y, 0.0], spot.yaw).apply([*middle, 0.0])
     np.testing.assert_allclose(in_world, room.pose(spot, 0.0).apply([0.02, 0.03, 0.0]), atol=1e-12)
-    assert (opening.size, opening.floor) == ((0.1, 0.1), 0.2)

@@ -1,0 +1,291 @@
+"""One object of a table: what placing, optimising and checks of sizes need of it, and what of that makes no sense."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from vcage.base.errors import UnknownName, UsageError
+from vcage.base.geometry import Pose, footprint_half_size
+from vcage.layout.placement.free_region import TOLERANCE
+from vcage.objects.asset import Asset
+from vcage.objects.openings import Opening
+from vcage.sim.joints import link_poses
+
+ANY_YAW = tuple(float(yaw) for yaw in np.radians(range(-180, 180, 15)))
+"""Headings of an object that can be used from all sides, radians."""
+
+FRONT_YAWS = tuple(float(yaw) for yaw in np.radians((-15, 0, 15)))
+"""Headings of an object with moving parts: its front faces the robot."""
+
+SWEEP_STEPS = 5
+"""Positions of each joint that the swept room is measured at."""
+
+BARE = 0.002
+"""A surface so little below its object's top is bare: what stands on it may stick out on all sides, metres."""
+
+
+@dataclass(frozen=True)
+class TableItem:
+    """An object that stands on a table, or in or on another one. Its rectangle is what it needs of the table.
+
+    Args:
+        id: its name in the result and in errors.
+        size: (x, y, z) of the box that it needs at yaw 0, with the room that moving parts sweep, metres.
+        yaws: headings that are allowed, radians; of a content that is placed, relative to its container. Optimising
+            turns nothing: the first is the heading that it has.
+        target: (x, y) where its origin should stand in the world, when it is optimised.
+        opening: what makes it a container, in its own frame, or None; its rim is infinitely high where things stand on
+            it, not in it.
+        inside: id of the container that it lies in or on; when it is optimised, that it may lie in or on by the plan.
+        allowed: (m, 2, 2) rectangles that the middle of its own rectangle must lie in one of (where an arm reaches it),
+            None for anywhere; in a container they hold the container back.
+        within: (m, 2, 2) rectangles that its whole rectangle must lie in one of when it is placed (what a camera sees,
+            see :func:`~vcage.layout.placement.view.view_rectangles`), None for anywhere. Where they make up a larger
+            region they should be its maximal rectangles, so that what lies across two of them is found to be inside.
+        clearance: free space around it when it is placed, where more than the margin of all; not used in a container.
+        grasped: whether a hand will reach for it, and needs room beside it above what is low.
+        fixed: whether it stays at its target, whatever it touches of what stays too.
+        centre: (x, y) of the rectangle's middle in the object's frame, metres.
+        body: (2, 2) lower and upper corner of the object itself in its frame, by which relations are judged; the whole
+            rectangle when left out.
+        ceiling: height over the floor of its opening that contents may have, metres; None without a roof.
+    """
+
+    id: str
+    size: tuple[float, float, float]
+    yaws: tuple[float, ...] = (0.0,)
+    target: tuple[float, float] = (0.0, 0.0)
+    opening: Opening | None = None
+    inside: str | None = None
+    allowed: ArrayLike | None = None
+    within: ArrayLike | None = None
+    clearance: float = 0.0
+    grasped: bool = False
+    fixed: bool = False
+    centre: tuple[float, float] = (0.0, 0.0)
+    body: ArrayLike | None = None
+    ceiling: float | None = None
+
+    @property
+    def yaw(self) -> float:
+        """The heading that it has, radians."""
+        return self.yaws[0]
+
+    @property
+    def body_size(self) -> np.ndarray:
+        """(3,) of the object itself, metres."""
+        if self.body is None:
+            return np.array(self.size)
+        return np.append(np.diff(np.asarray(self.body, dtype=np.float64), axis=0)[0], self.size[2])
+
+    @property
+    def bare(self) -> bool:
+        """Whether things stand on top of it, and nothing stands around them."""
+        opening = self.opening
+        return opening is not None and math.isinf(opening.rim) and opening.floor >= self.size[2] - BARE
+
+    def half_size(self, frame_yaw: float = 0.0) -> np.ndarray:
+        """(2,) half size of its axis-aligned rectangle in a frame turned by ``frame_yaw``."""
+        return footprint_half_size(self.size[:2], self.yaw - frame_yaw)
+
+    def rectangle(self, frame_yaw: float = 0.0) -> np.ndarray:
+        """(2, 2) its axis-aligned rectangle around its origin, in a frame turned by ``frame_yaw``."""
+        return _rectangle(self.size[:2], self.centre, self.yaw - frame_yaw)
+
+    def body_rectangle(self) -> np.ndarray:
+        """(2, 2) the axis-aligned rectangle of the object itself around its origin, in the world's axes."""
+        if self.body is None:
+            return self.rectangle()
+        lower, upper = np.asarray(self.body, dtype=np.float64)
+        return _rectangle(upper - lower, (lower + upper) / 2, self.yaw)
+
+    def pose(self, place: Placement, height: float) -> Pose:
+        """Pose of the object whose rectangle lies at ``place`` on a support of that height, metres."""
+        turned = Pose.from_yaw([place.x, place.y, height], place.yaw)
+        return turned * Pose([-self.centre[0], -self.centre[1], 0.0])
+
+
+@dataclass(frozen=True)
+class Placement:
+    """Where an object stands in the world.
+
+    Args:
+        x, y: its centre in the plane, metres.
+        yaw: its heading, radians.
+        z: height of its support above the table, metres; the floors of the containers that it lies in.
+    """
+
+    x: float
+    y: float
+    yaw: float
+    z: float = 0.0
+
+
+def _rectangle(size: Sequence[float], middle: Sequence[float], yaw: float) -> np.ndarray:
+    """(2, 2) the axis-aligned rectangle around one of that size and middle, turned about the origin."""
+    c, s = math.cos(yaw), math.sin(yaw)  # numbers, as arrays of two are slow and this is asked often
+    (w, d), (x, y) = size, middle
+    half_x, half_y = (abs(c) * w + abs(s) * d) / 2, (abs(s) * w + abs(c) * d) / 2
+    x, y = c * x - s * y, s * x + c * y
+    return np.array([[x - half_x, y - half_y], [x + half_x, y + half_y]])
+
+
+def table_item(name: str, asset: Asset, **fields: Any) -> TableItem:
+    """The room that an asset needs: its footprint, or with moving parts the footprint of all that they sweep.
+
+    Args:
+        name: id of the item.
+        asset: what stands there.
+        **fields: all else that is known of it, as :class:`TableItem` names it.
+    """
+    lower, upper = asset.bounds[:, :2]
+    if asset.articulated:
+        points = np.concatenate([asset.bounds[:, :2], *_swept(asset)])
+        lower, upper = points.min(axis=0), points.max(axis=0)
+    width, depth = (float(v) for v in upper - lower)
+    known = {
+        "size": (width, depth, float(asset.size[2])),
+        "yaws": FRONT_YAWS if asset.articulated else ANY_YAW,
+        "centre": tuple(float(v) for v in (lower + upper) / 2) if asset.articulated else (0.0, 0.0),
+        "body": asset.bounds[:, :2],
+    }
+    return TableItem(name, **(known | fields))
+
+
+def _swept(asset: Asset) -> list[np.ndarray]:
+    """(n, 2) corners of the moving parts, seen from above, while each joint goes through its range."""
+    links = asset.model.links
+    shares = np.linspace(0, 1, SWEEP_STEPS)
+    corners = []
+    for share in shares:
+        joints = [(1 - share) * link.joint.lower + share * link.joint.upper for link in links]
+        poses = link_poses(asset.model, joints)
+        for link in links:
+            corners += [poses[link.name].apply(piece.vertices)[:, :2] for piece in asset.pieces_of(link.name)]
+    return corners
+
+
+def centres_within(rectangles: np.ndarray, half: np.ndarray) -> np.ndarray:
+    """(k, 2, 2) where the centre of a footprint of half size (2,) is when it lies in one of (m, 2, 2) rectangles."""
+    found = np.stack([rectangles[:, 0] + half, rectangles[:, 1] - half], axis=1)
+    found = found[np.all(found[:, 0] <= found[:, 1] + 2 * TOLERANCE, axis=1)]
+    return np.stack([found.min(axis=1), found.max(axis=1)], axis=1)  # an exact fit may be inverted by the last bit
+
+
+def as_rectangles(rectangles: ArrayLike, what: str) -> np.ndarray:
+    """(m, 2, 2) float64 lower and upper corners.
+
+    Raises:
+        UsageError: another shape, a number that is not finite, or a lower corner above the upper one; names ``what``.
+    """
+    try:
+        found = np.asarray(rectangles, dtype=np.float64).reshape(-1, 2, 2)
+    except (TypeError, ValueError) as error:
+        raise UsageError(f"no rectangles (m, 2, 2): {what}", hint="give lower and upper corners") from error
+    if not np.all(np.isfinite(found)):
+        raise UsageError(f"not finite: {what}", hint="give lower and upper corners in metres")
+    if np.any(found[:, 0] > found[:, 1]):
+        first = found[np.any(found[:, 0] > found[:, 1], axis=1)][0]
+        raise UsageError(f"inverted: {what}, {first.tolist()}", hint="give the lower corner first")
+    return found
+
+
+def as_workspace(workspace: ArrayLike) -> np.ndarray:
+    """(2, 2) float64 lower and upper corner of the workspace.
+
+    Raises:
+        UsageError: it is no rectangle with an inside.
+    """
+    found = as_rectangles(workspace, "the workspace")
+    if len(found) != 1 or np.any(found[0, 0] >= found[0, 1]):
+        raise UsageError(f"the workspace {found.tolist()} has no inside", hint="its upper corner must be the larger")
+    return found[0]
+
+
+def check_margin(margin: float) -> None:
+    """Refuse a gap that makes no sense.
+
+    Raises:
+        UsageError: it is not a finite number, or negative.
+    """
+    if not (_finite([margin]) and margin >= 0):
+        raise UsageError(f"the margin is {margin}", hint="give the smallest gap in metres, 0 or more")
+
+
+def check_containers(items: Sequence[TableItem]) -> None:
+    """Refuse names, openings and containers that make no sense.
+
+    Raises:
+        UsageError: an id twice; an opening that is not finite or has no inside (a rim may be infinitely high); a
+            container without an opening, or inside itself.
+        UnknownName: a container that is none of the items.
+    """
+    twice = [name for name, count in Counter(item.id for item in items).items() if count > 1]
+    if twice:
+        raise UsageError(f"two objects are called {twice[0]!r}", hint="give every object an id of its own")
+    by_id = {item.id: item for item in items}
+    for item in items:
+        _check_opening(item)
+        _check_chain(item, by_id)
+
+
+def check_items(items: Sequence[TableItem], margin: float) -> None:
+    """Refuse items that make no sense.
+
+    Raises:
+        UsageError: no yaw, a number that is not finite, a size that is not positive, a negative gap.
+        UsageError, UnknownName: see :func:`check_containers`.
+    """
+    check_margin(margin)
+    for item in items:
+        _check_item(item)
+    check_containers(items)
+
+
+def _check_item(item: TableItem) -> None:
+    if not (len(item.size) == 3 and _finite(item.size) and min(item.size) > 0):
+        raise UsageError(f"{item.id} has the footprint {item.size}", hint="sizes are positive metres; check its mesh")
+    if not len(item.yaws) or not _finite(item.yaws):
+        raise UsageError(f"{item.id} has the headings {item.yaws}", hint="give at least one finite yaw")
+    if not (_finite([item.clearance]) and item.clearance >= 0):
+        raise UsageError(f"{item.id} has the clearance {item.clearance}", hint="clearances are metres, 0 or more")
+
+
+def _finite(values: Sequence[float]) -> bool:
+    try:
+        return all(math.isfinite(value) for value in values)
+    except TypeError:  # not even a number
+        return False
+
+
+def _check_opening(item: TableItem) -> None:
+    opening = item.opening
+    if opening is None:
+        return
+    numbers = [*opening.centre, *opening.size, opening.floor]
+    if not (_finite(numbers) and min(opening.size) > 0) or math.isnan(opening.rim):
+        raise UsageError(f"{item.id} has the opening {opening}", hint="check the container's mesh")
+
+
+def _check_chain(item: TableItem, by_id: Mapping[str, TableItem]) -> None:
+    chain = [item.id]
+    while (name := by_id[chain[-1]].inside) is not None:
+        if name not in by_id:
+            raise UnknownName("container", name, [other.id for other in by_id.values() if other.opening is not None])
+        if name in chain:
+            raise UsageError(
+                f"containers in a circle: {' in '.join([*chain, name])}",
+                hint="a container cannot lie inside itself; mend the plan",
+            )
+        if by_id[name].opening is None:
+            raise UsageError(
+                f"{chain[-1]} lies in {name}, which has no room for contents", hint="give the container an opening"
+            )
+        chain.append(name)
