@@ -20,7 +20,7 @@ from vcage.schema.scene import ObjectRecord
 from vcage.vision.protocols import Detection, Detector, Embedder
 
 THRESHOLD = 0.6
-"""τ, which the paper does not give; the same as ours."""
+"""τ, for which the paper gives no value."""
 
 NAME_THRESHOLD = 0.5
 """Least mean of name and feature similarity in the fallback."""

@@ -10,7 +10,7 @@ from benchmarks._match.cases import Case
 from benchmarks._match.paper import match_plainly
 from benchmarks._match.scoring import Score, score
 from vcage.base.errors import NoRenderer, UnknownName, UsageError
-from vcage.matching.match import ScenePictures, match_picture
+from vcage.matching.match import Looks, Recogniser, ScenePictures, match_picture
 from vcage.models.registry import build_detector, build_embedder, split_weights
 from vcage.objects.library import Library
 from vcage.schema.matches import Match
@@ -41,10 +41,8 @@ def build(stack: str) -> Matcher:
 
     def match(case: Case) -> list[Match]:
         pictures = ScenePictures(case.source, case.segmentation, case.background)
-        orders = symmetries(case)
-        return match_picture(
-            case.scene, case.plan, pictures, case.target, *found, symmetry=orders, drawer=drawer(case)
-        ).matches
+        looks = Looks(symmetries(case), drawer(case))
+        return match_picture(case.scene, case.plan, pictures, case.target, Recogniser(*found), looks).matches
 
     return match
 
@@ -77,7 +75,7 @@ def drawer(case: Case) -> ModelDrawer | None:
         try:
             models[record.id] = library.asset(record.asset, record.variant).model
         except UnknownName:
-            continue  # a case made elsewhere: its heading is settled by its crop
+            continue  # a case made elsewhere: it keeps the heading at which it was found
     return ModelDrawer(models)
 
 

@@ -249,13 +249,13 @@ def test_a_damaged_episode_is_named(finished, stage, damage, capsys, tmp_path):
 
 def test_a_stale_stage_is_refused_until_force(run, capsys):
     files = digests(run.root)
-    line = ["match", "--run", run, "--models", "offline", "--threshold", "0.5"]
+    line = ["match", "--run", run, "--models", "offline", "--threshold", "0.7"]
     answer = command(capsys, *line)
     assert (answer.code, answer.error["code"]) == (3, "stale_stage")
     assert "option threshold" in answer.error["message"] and "--force" in answer.error["hint"]
     assert digests(run.root) == files
     assert command(capsys, *line, "--force").code == 0
-    assert read_json(run.matches)["provenance"]["options"] == {"threshold": 0.5}
+    assert read_json(run.matches)["provenance"]["options"] == {"threshold": 0.7}
 
 
 def test_another_instruction_does_not_overwrite_a_run(run, capsys):

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from vcage.base.geometry import Camera, Pose
-from vcage.matching.heading_by_render import FARTHEST, settle_drawn
+from vcage.matching.heading_by_render import FARTHEST, settle_heading
 from vcage.schema.asset import PhysicalModel
 from vcage.sim.drawer import Drawing, Window
-from vcage.vision.object_templates import View
+from vcage.vision.colour import LabImage
 
 MOVED = np.array([-0.2, 0.1, 1.3, 0.0])
 
@@ -42,15 +42,15 @@ def block(things):
     return replace(things[0], size=(0.09, 0.09, 0.04), xy=(0.1, 0.05))
 
 
-def target(block, paint, slope: float = 1.0) -> View:
+def target(block, paint, slope: float = 1.0) -> LabImage:
     picture, segmentation = paint([replace(block, xy=(MOVED[0], MOVED[1]), yaw=MOVED[2])])
     lit = np.clip(picture * np.linspace(1 / slope, slope, picture.shape[1])[None, :, None], 0, 255).astype(np.uint8)
-    return View.of(lit, (segmentation > 0).astype(np.float32))
+    return LabImage.of(lit, (segmentation > 0).astype(np.float32))
 
 
-def settled(block, paint, make_scene, camera, view: View, start: np.ndarray, order: int = 1) -> np.ndarray:
+def settled(block, paint, make_scene, camera, image: LabImage, start: np.ndarray, order: int = 1) -> np.ndarray:
     record = make_scene([block]).objects[0]
-    return settle_drawn(view, record, camera, start, PaintedDrawer(block, paint), order)
+    return settle_heading(image, record, camera, start, PaintedDrawer(block, paint), order)
 
 
 @pytest.mark.parametrize("away", [np.pi, -1.1, 0.0])
@@ -75,7 +75,7 @@ def test_of_headings_that_look_the_same_the_smallest_turn_is_taken(block, paint,
 
 
 def test_where_nothing_is_to_be_seen_the_object_stays_near(block, paint, make_scene, camera):
-    empty = View(np.full((480, 640, 3), 50, np.float32), np.zeros((480, 640), np.float32))
+    empty = LabImage(np.full((480, 640, 3), 50, np.float32), np.zeros((480, 640), np.float32))
     pose = settled(block, paint, make_scene, camera, empty, MOVED)
     assert np.all(np.isfinite(pose))
     assert np.hypot(*(pose[:2] - MOVED[:2])) <= FARTHEST + 1e-9

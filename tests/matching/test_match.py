@@ -8,7 +8,7 @@ import pytest
 
 from vcage.base.errors import InputFileError
 from vcage.base.geometry import wrap_angle
-from vcage.matching.match import ScenePictures, match_picture
+from vcage.matching.match import Looks, Recogniser, ScenePictures, match_picture
 from vcage.schema.plan import LayoutPlan, Relation
 from vcage.vision.detector import BackgroundDetector
 from vcage.vision.embedder import ClassicalEmbedder
@@ -33,11 +33,10 @@ def table(things, paint, make_scene, background):
     source, segmentation = paint(things)
     scene = make_scene(things)
 
-    def match(target, plan=None, detector=None, segmentation=segmentation, **options):
+    def match(target, plan=None, detector=None, segmentation=segmentation, threshold=0.5, symmetry=None):
         pictures = ScenePictures(source, segmentation, background)
-        return match_picture(
-            scene, plan, pictures, target, detector or BackgroundDetector(), ClassicalEmbedder(), **options
-        )
+        recogniser = Recogniser(detector or BackgroundDetector(), ClassicalEmbedder(), threshold)
+        return match_picture(scene, plan, pictures, target, recogniser, Looks(symmetry or {}))
 
     return match
 
@@ -168,8 +167,10 @@ def test_a_known_symmetry_gives_the_smallest_turn(table, target):
     assert turned[0] == 0
 
 
-def test_below_the_threshold_a_match_says_that_its_picture_found_it(table, target):
-    assert {m.method for m in table(target, threshold=0.9999).matches} == {"picture"}
+def test_below_the_threshold_nothing_is_matched_by_features(table, target):
+    matches = table(target, threshold=0.9999).matches
+    assert {m.method for m in matches} == {"kept"}
+    assert all(m.note.startswith("too unlike") for m in matches)
 
 
 def test_a_label_of_the_detector_names_the_method_below_the_threshold(table, target, moved, paint, detect, things):
@@ -191,4 +192,4 @@ def test_pictures_of_a_scene_that_differ_in_size_are_refused(things, paint, make
     source, segmentation = paint(things)
     pictures = ScenePictures(source[:100], segmentation, background)
     with pytest.raises(ValueError, match="differ in size"):
-        match_picture(make_scene(things), None, pictures, target, Fixed(), ClassicalEmbedder())
+        match_picture(make_scene(things), None, pictures, target, Recogniser(Fixed(), ClassicalEmbedder()), Looks())

@@ -3,12 +3,12 @@ from __future__ import annotations
 import numpy as np
 
 from vcage.sim.drawer import Drawing
-from vcage.vision.photometric_alignment import explain
+from vcage.vision.photometric_alignment import align
 
 
 def test_a_drawing_that_shows_nothing_explains_nothing():
     nothing = Drawing(np.zeros((8, 8, 3), np.uint8), np.zeros((8, 8), bool), np.zeros((8, 8), np.float32))
-    left, motion = explain(nothing, np.zeros((8, 8, 4), np.float32), np.zeros((8, 8, 2, 3), np.float32), 1, 500.0)
+    left, motion = align(nothing, np.zeros((8, 8, 4), np.float32), np.zeros((8, 8, 2, 3), np.float32), 1, 500.0)
     assert left == 1.0 and not motion.any()
 
 
@@ -22,6 +22,6 @@ def test_light_from_one_side_is_explained_by_the_way_surfaces_face():
     target[:, :16, 0], target[:, 16:, 0] = 64, 44
     motions = np.zeros((32, 32, 2, 3), np.float32)
     faced, flat = (
-        explain(Drawing(grey, covered, depth), target, motions, 1, 500.0)[0] for depth in (roof, np.ones_like(roof))
+        align(Drawing(grey, covered, depth), target, motions, 1, 500.0)[0] for depth in (roof, np.ones_like(roof))
     )
     assert faced < 0.7 * flat

@@ -8,96 +8,53 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
-from vcage.matching.proposals import propose
-from vcage.vision.object_templates import Crop, View
-from vcage.vision.photometry import pairs_of, recolour, refit
-from vcage.vision.pose_score import Fit, fit, refine
-
-PLACES, HEADINGS = 14, 3
-"""Places that are proposed for an object, and headings at each."""
-
-STARTS, KEPT = 8, 4
-"""Poses that are refined roughly, and of those finely."""
-
-ROUGH_STEPS, FINE_STEPS = np.array([3.0, 3.0, 0.12, 0.03]), np.array([1.0, 1.0, 0.05, 0.015])
-"""First steps along x, y (pixels of the compared size), angle (radians) and log scale."""
-
-ROUGH_ROUNDS, FINE_ROUNDS = 5, 7
-
-FLIPS = np.array([np.pi / 2, np.pi, -np.pi / 2])
-"""Turns of the best pose that are tried as well: objects are most alike to themselves half and quarter turned."""
+from vcage.vision.colour import LabImage, transfer_pixelwise, transfer_statistics
+from vcage.vision.object_templates import ObjectTemplate
+from vcage.vision.pose_score import Fit, pixels_of, placed, turned_towards
+from vcage.vision.pose_search import search_finely, search_roughly
 
 TRUSTED = 0.74
 """Goodness of fit of an object whose colours say how the picture's colours changed."""
 
 
-def find_candidates(target: View, source: View, crops: Sequence[Crop], also: np.ndarray) -> tuple[View, list[Fit]]:
+def find_candidates(
+    target: LabImage, source: LabImage, templates: Sequence[ObjectTemplate], also: np.ndarray
+) -> tuple[LabImage, list[Fit]]:
     """Where each of the objects may be, the best first.
 
     Args:
         target, source: the pictures.
-        crops: the objects, of the source.
+        templates: the objects, of the source.
         also: (n, 2) pixels where something was detected.
 
     Returns:
-        (view, fits): the target in the colours of the source, and per object at most :data:`KEPT` poses.
+        (image, fits): the target in the colours of the source, and per object a few poses.
     """
     covered = np.zeros(source.lab.shape[:2], bool)
-    for crop in crops:
-        covered |= crop.mask
-    target = recolour(target, source, covered)
+    for template in templates:
+        covered |= template.mask
+    target = transfer_statistics(target, source, covered)
     # Objects are looked for beside each other: what takes the time lets go of the interpreter.
-    with ThreadPoolExecutor(max(1, min(os.cpu_count() or 1, len(crops)))) as pool:
-        rough = list(pool.map(lambda crop: _rough(target, source, crop, also), crops))
-        again = _recoloured_by_matches(target, crops, rough)
-        return again, list(pool.map(lambda crop, found: _fine(again, crop, found), crops, rough))
+    with ThreadPoolExecutor(max(1, min(os.cpu_count() or 1, len(templates)))) as pool:
+        rough = list(pool.map(lambda template: search_roughly(target, template, also), templates))
+        again = _recoloured_by_matches(target, templates, rough)
+        return again, list(pool.map(lambda template, found: search_finely(again, template, found), templates, rough))
 
 
-def _rough(target: View, source: View, crop: Crop, also: np.ndarray) -> Fit:
-    first = fit(target, crop, propose(target, source, crop, PLACES, HEADINGS, also))
-    best = np.argsort(-first.goodness, kind="stable")[:STARTS]
-    return ranked(refine(target, crop, first.poses[best], _steps(crop, ROUGH_STEPS), ROUGH_ROUNDS))
-
-
-def _recoloured_by_matches(target: View, crops: Sequence[Crop], found: Sequence[Fit]) -> View:
+def _recoloured_by_matches(target: LabImage, templates: Sequence[ObjectTemplate], found: Sequence[Fit]) -> LabImage:
     pairs = [
-        pairs_of(target, crop, fits.poses[0])
-        for crop, fits in zip(crops, found, strict=True)
+        _pairs(target, template, fits.poses[0])
+        for template, fits in zip(templates, found, strict=True)
         if len(fits.poses) and fits.goodness[0] >= TRUSTED
     ]
     if not pairs:
         return target
     known, seen = (np.concatenate(part) for part in zip(*pairs, strict=True))
-    return refit(target, known, seen)
+    return transfer_pixelwise(target, known, seen)
 
 
-def _fine(target: View, crop: Crop, found: Fit) -> Fit:
-    if not len(found.poses):
-        return found
-    again = ranked(fit(target, crop, found.poses))
-    apart = _distinct(again, crop)[:KEPT]
-    flipped = np.repeat(again.poses[:1], len(FLIPS), axis=0)
-    flipped[:, 2] += FLIPS
-    fine = refine(target, crop, np.concatenate([again.poses[apart], flipped]), _steps(crop, FINE_STEPS), FINE_ROUNDS)
-    return ranked(fine)
-
-
-def _steps(crop: Crop, steps: np.ndarray) -> np.ndarray:
-    return steps * [crop.step * crop.pixel, crop.step * crop.pixel, 1, 1]
-
-
-def ranked(found: Fit) -> Fit:
-    """The poses in the order of their goodness, the best first."""
-    order = np.argsort(-found.goodness, kind="stable")
-    return Fit(found.poses[order], found.terms[order])
-
-
-def _distinct(found: Fit, crop: Crop) -> list[int]:
-    """Indices of poses that are not nearly the same as a better one."""
-    kept: list[int] = []
-    for k, pose in enumerate(found.poses):
-        away = found.poses[kept] - pose
-        turned = np.abs((away[:, 2] + np.pi) % (2 * np.pi) - np.pi)
-        if not np.any((np.hypot(away[:, 0], away[:, 1]) < 0.15 * np.sqrt(crop.area) * crop.pixel) & (turned < 0.25)):
-            kept.append(k)
-    return kept
+def _pairs(image: LabImage, template: ObjectTemplate, pose: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """(n, 3) Lab of the points of a template that show at a pose (4,), and of the target where they are."""
+    at = placed(template, pose[None], template.points)
+    shown = turned_towards(template, pose[None], at, template.facing)[0] >= 0
+    return template.colours[shown], image.sample(pixels_of(template.camera, at), template.step)[0, shown, :3]

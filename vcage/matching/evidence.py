@@ -5,10 +5,9 @@ from __future__ import annotations
 import difflib
 from collections.abc import Sequence
 
-import cv2
 import numpy as np
 
-from vcage.vision.object_templates import Crop, View
+from vcage.matching.detections import region_of
 from vcage.vision.pose_score import TERMS, Fit
 from vcage.vision.protocols import Detection, Embedder
 
@@ -23,29 +22,27 @@ SMALLEST_MASK = 12
 """Pixels below which a mask says nothing."""
 
 
-def region_of(mask: np.ndarray, label: str | None = None) -> Detection:
-    """A mask (H, W), not empty, as a region for the embedder."""
-    u, v, width, height = cv2.boundingRect(mask.astype(np.uint8))
-    return Detection((float(u), float(v), float(u + width), float(v + height)), mask, 1.0, label)
-
-
 def similarities(
     embedder: Embedder,
     source: np.ndarray,
     target: np.ndarray,
-    crops: Sequence[Crop],
+    known: Sequence[np.ndarray],
     masks: Sequence[Sequence[np.ndarray]],
 ) -> list[np.ndarray]:
-    """Per object (k,) cosine similarities of its crop and the target in each of its candidates' masks (H, W).
+    """Per object (k,) cosine similarities of the features where it is in the source and may be in the target.
 
-    -1 where a mask lies outside the picture.
+    Args:
+        embedder: makes the features.
+        source, target: (H, W, 3) uint8.
+        known: per object its mask (H, W) in the source.
+        masks: per object those of its candidates in the target; the cosine is -1 where one lies outside the picture.
     """
-    known = embedder.embed(source, [region_of(crop.mask) for crop in crops])
+    features = embedder.embed(source, [region_of(mask) for mask in known])
     flat = [region_of(m) for of_one in masks for m in of_one if m.sum() >= SMALLEST_MASK]
     found = iter(embedder.embed(target, flat) if flat else ())
     return [
         np.array([float(np.clip(next(found) @ row, -1, 1)) if m.sum() >= SMALLEST_MASK else -1.0 for m in of_one])
-        for of_one, row in zip(masks, known, strict=True)
+        for of_one, row in zip(masks, features, strict=True)
     ]
 
 
@@ -60,7 +57,7 @@ def log_odds(fit: Fit, similarity: np.ndarray, name: np.ndarray) -> np.ndarray:
     return BIAS + fit.terms @ weights + SIMILARITY_WEIGHT * similarity + NAME_WEIGHT * name
 
 
-def name_similarity(a: str, b: str) -> float:
+def _name_likeness(a: str, b: str) -> float:
     """How alike two names are, in [0, 1]: the larger of shared words (Dice) and shared letters in order."""
     a, b = " ".join(a.lower().split()), " ".join(b.lower().split())
     words_a, words_b = set(a.split()), set(b.split())
@@ -70,7 +67,7 @@ def name_similarity(a: str, b: str) -> float:
     return max(dice, difflib.SequenceMatcher(None, a, b).ratio())
 
 
-def name_evidence(phrase: str, middles: np.ndarray, detections: Sequence[Detection]) -> np.ndarray:
+def label_evidence(phrase: str, middles: np.ndarray, detections: Sequence[Detection]) -> np.ndarray:
     """(k,) in [-1, 1]: what the labels of the detections around pixels (k, 2) say about the object's name."""
     evidence = np.zeros(len(middles))
     labelled = [d for d in detections if d.label]
@@ -78,10 +75,5 @@ def name_evidence(phrase: str, middles: np.ndarray, detections: Sequence[Detecti
         here = [d for d in labelled if d.box[0] <= u < d.box[2] and d.box[1] <= v < d.box[3]]
         if here:
             nearest = min(here, key=lambda d: np.hypot(u - (d.box[0] + d.box[2]) / 2, v - (d.box[1] + d.box[3]) / 2))
-            evidence[k] = nearest.score * (2 * name_similarity(nearest.label or "", phrase) - 1)
+            evidence[k] = nearest.score * (2 * _name_likeness(nearest.label or "", phrase) - 1)
     return evidence
-
-
-def recoloured(view: View) -> np.ndarray:
-    """(H, W, 3) uint8 picture of a view, in the colours that it was brought to."""
-    return np.clip(cv2.cvtColor(view.lab, cv2.COLOR_LAB2RGB) * 255 + 0.5, 0, 255).astype(np.uint8)

@@ -1,9 +1,9 @@
 """Which way an object that was found faces, when its model can be drawn: drawings all around it, compared with the
 target.
 
-The crop of an object lies on a prism, and what is tall, round or lying is none: turned, its picture is wrong, and the
-heading with it. A drawing of the model has no such error: its difference to the target (``explained``) says how far to
-move, and what that leaves says how well the heading fits.
+The template of an object lies on a prism, and what is tall, round or lying is none: turned, its picture is wrong, and
+the heading with it. A drawing of the model has no such error: its photometric alignment with the target says how far
+to move, and what that leaves says how well the heading fits.
 """
 
 from __future__ import annotations
@@ -17,9 +17,9 @@ from vcage.base.geometry import Camera, Pose, box_corners, wrap_angle
 from vcage.schema.asset import PhysicalModel
 from vcage.schema.scene import ObjectRecord
 from vcage.sim.drawer import Drawer, Window
-from vcage.vision.object_templates import View
-from vcage.vision.photometric_alignment import MOTION_PRIOR, explain
-from vcage.vision.recover import smallest_turn
+from vcage.vision.colour import LabImage
+from vcage.vision.photometric_alignment import MOTION_PRIOR, align
+from vcage.vision.symmetry import smallest_turn
 
 HEADINGS = 12
 """Headings around the circle that are drawn first, small."""
@@ -28,11 +28,12 @@ SMALL, LARGE = 64, 96
 """Largest side of these drawings, and of those that decide, pixels."""
 
 STARTS, SMALL_ROUNDS, SMALL_SPREAD = 5, 2, 1.1
-"""Of these so many follow where the target asks them to move, for so many drawings, while they leave no more than this
-times what the best leaves: the true heading may begin behind others."""
+"""Of the small drawings so many follow where the target asks them to move, for so many rounds, while they leave no more
+than this times what the best leaves: the true heading may begin behind others."""
 
 LARGE_STARTS, ROUNDS, SPREAD = 3, 2, 1.05
-"""The same for the best of them, drawn large."""
+"""Of these so many are drawn large and follow on, for so many rounds, while they leave no more than this times what the
+best leaves."""
 
 PROBE = 0.15
 """Turn to either side that is tried at the end, radians: slopes of colours see no farther than a few pixels."""
@@ -44,7 +45,7 @@ TELLING = 5e-4
 """How much less than another heading the best leaves, if it is no mere symmetry of it."""
 
 HELPED = 0.999
-"""Share of what a pose leaves, above which a motion did not help."""
+"""A motion that leaves more than this share of what was left before did not help."""
 
 FARTHEST = 0.03
 """How far an object may be moved from where it was found, metres."""
@@ -81,15 +82,15 @@ class Comparison:
     """A target picture and one object that is drawn over it.
 
     Args:
-        view: the target in the colours of the source.
+        image: the target in the colours of the source.
         record: the object; where and how it stood in the source.
         camera: took the source.
         drawer: draws it.
         place: (2,) where it was found, metres.
     """
 
-    def __init__(self, view: View, record: ObjectRecord, camera: Camera, drawer: Drawer, place: np.ndarray):
-        self._view, self._record, self._camera, self._drawer = view, record, camera, drawer
+    def __init__(self, image: LabImage, record: ObjectRecord, camera: Camera, drawer: Drawer, place: np.ndarray):
+        self._view, self._record, self._camera, self._drawer = image, record, camera, drawer
         standing = record.pose.pose()
         self._attitude, self._height = Pose(q=standing.q), float(standing.p[2])
         model = drawer.model(record.id)
@@ -113,7 +114,7 @@ class Comparison:
         drawing = self._drawer.draw(self._record.id, standing, self._camera, part.window)
         motions = part.motions.copy()
         motions[..., 2] += self._turning @ self._along @ (self._place - pose[:2]) / step
-        left, motion = explain(drawing, part.target, motions, step, self._camera.focal)
+        left, motion = align(drawing, part.target, motions, step, self._camera.focal)
         return _Compared(pose, left, motion)
 
     def moved(self, compared: _Compared) -> np.ndarray:
@@ -152,20 +153,20 @@ def reach(model: PhysicalModel | None, standing: Pose, camera: Camera, place: np
     return (low + high - side) / 2, side
 
 
-def settle_drawn(
-    view: View, record: ObjectRecord, camera: Camera, pose: np.ndarray, drawer: Drawer, order: int
+def settle_heading(
+    image: LabImage, record: ObjectRecord, camera: Camera, pose: np.ndarray, drawer: Drawer, order: int
 ) -> np.ndarray:
     """The pose near a found one (4,), at any heading, at which the object's drawing is most like the target.
 
     Args:
-        view: the target in the colours of the source.
+        image: the target in the colours of the source.
         record: the object.
         camera: took the source.
         drawer: has a model of it.
         order: n-fold symmetry seen from above (0 round); of headings that look the same by it the smallest turn is
             taken, unless the drawings say otherwise: a reference picture from above hides what a slant shows.
     """
-    comparison = Comparison(view, record, camera, drawer, pose[:2].copy())
+    comparison = Comparison(image, record, camera, drawer, pose[:2].copy())
     small, large = comparison.step(SMALL), comparison.step(LARGE)
     turns = pose[2] + np.arange(HEADINGS) * 2 * np.pi / HEADINGS
     around = sorted((comparison.at(np.array([*pose[:2], turn]), small) for turn in turns), key=attrgetter("left"))

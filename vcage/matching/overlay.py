@@ -89,7 +89,7 @@ def _label_box(match: Match, places: np.ndarray, scale: float) -> np.ndarray:
 def _words(record: ObjectRecord, match: Match) -> str:
     if match.method == "kept":
         return f"{record.phrase}: kept ({match.note.partition(' in ')[0].partition(';')[0]})"
-    how = {"name": " by name", "picture": " by picture"}.get(match.method, "")
+    how = " by name" if match.method == "name" else ""
     doubt = "?" if match.confidence < DOUBTFUL else ""
     return f"{record.phrase}{doubt} {match.confidence:.2f}{how}, {np.rad2deg(match.turned):+.0f}°"
 

@@ -8,9 +8,8 @@ from pydantic import Field
 
 from vcage.schema.base import Finite, Identifier, Record, StageDocument, Vec2
 
-MatchMethod = Literal["feature", "name", "picture", "kept"]
-"""By cosine similarity above τ; by the name that the detector gave; by its own crop laid over the target, though
-neither speaks for it; not found or in doubt, so kept."""
+MatchMethod = Literal["feature", "name", "kept"]
+"""By cosine similarity above τ; below it, by the name that the detector gave; not found or in doubt, so kept."""
 
 
 class Match(Record):

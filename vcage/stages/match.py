@@ -10,7 +10,7 @@ from vcage.base.files import RunFolder
 from vcage.base.geometry import Pose
 from vcage.base.pictures import read_picture, write_picture
 from vcage.base.progress import Progress, silent
-from vcage.matching.match import match_picture
+from vcage.matching.match import Looks, Recogniser, match_picture
 from vcage.matching.overlay import draw_overlay
 from vcage.plans.kept import Kept, relations_kept
 from vcage.schema.base import Box, Provenance, box_record
@@ -69,11 +69,8 @@ def execute(run: RunFolder, settings: Settings, bench: Workbench, progress: Prog
             plan,
             read_pictures(run, scene),
             read_picture(run.root / plan.target),
-            bench.models.detector,
-            bench.models.embedder,
-            threshold=settings.threshold,
-            symmetry={o.id: bench.symmetry(o) for o in scene.objects},
-            drawer=ModelDrawer(bench.physical_models(scene)),
+            Recogniser(bench.models.detector, bench.models.embedder, settings.threshold),
+            Looks({o.id: bench.symmetry(o) for o in scene.objects}, ModelDrawer(bench.physical_models(scene))),
         )
         shown = relations_kept(plan.relations, _boxes(scene, found.matches, bench), scene.table)
         notes = found.notes + _doubts(found.matches, shown)

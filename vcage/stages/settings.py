@@ -8,7 +8,7 @@ from typing import Literal
 from vcage.datasets.lerobot.formats import FORMATS
 from vcage.datasets.packing.settings import CompressionSettings
 from vcage.layout.cost import Weights
-from vcage.models.registry import DETECTORS, EMBEDDERS
+from vcage.models.registry import DETECTORS, EMBEDDERS, THRESHOLD
 
 OnFailure = Literal["resample", "abort"]
 
@@ -46,7 +46,7 @@ class Settings:
         detector, embedder: what finds and tells apart the objects of the target picture; ``name`` or ``name:weights``
             (see :mod:`vcage.models.registry`).
         force: make a finished stage again.
-        threshold: the paper's τ, smallest cosine similarity of a match.
+        threshold: the paper's τ, smallest cosine similarity of a match that no label of the detector speaks for.
         margin: the paper's δ, smallest gap between two objects, metres: room for an open finger between any two, and a
             little for what settles.
         restarts: random restarts of the layout optimisation.
@@ -67,7 +67,7 @@ class Settings:
     detector: str = DETECTORS[0]
     embedder: str = EMBEDDERS[0]
     force: bool = False
-    threshold: float = 0.6
+    threshold: float = THRESHOLD
     margin: float = 0.045
     restarts: int = 6
     weights: Weights = field(default_factory=Weights)

@@ -1,12 +1,78 @@
-"""Colours in CIELAB, and how far pictures and palettes are from each other in it."""
+"""Colours in CIELAB: distances, palettes, pictures that are sampled at any scale, and colour transfer between them.
+
+An image model recolours what it redraws. Its table cannot tell how, as it may be painted anew; the objects can, as they
+are the same: first by their colours as a whole, then pixel by pixel once some are found.
+"""
 
 from __future__ import annotations
+
+from dataclasses import dataclass, field
 
 import cv2
 import numpy as np
 
 LIGHTNESS_WEIGHT = 0.5
 """Lightness counts less than hue and chroma: shade changes it, and nothing else."""
+
+
+GAINS = (0.7, 1.5)
+"""Smallest and largest factor of a colour channel."""
+
+SURE = 0.6
+"""Salience of a pixel that belongs to an object."""
+
+LEAST = 60
+"""Fewer pixels say nothing about colours."""
+
+STIFFNESS = 0.05
+"""Weight of "the colours are right already" in the fit, as a share of the pixels'."""
+
+
+@dataclass(frozen=True)
+class LabImage:
+    """A picture as it is compared.
+
+    Args:
+        lab: (H, W, 3) float32 CIELAB.
+        salience: (H, W) float32 in [0, 1], how surely a pixel is no table.
+    """
+
+    lab: np.ndarray
+    salience: np.ndarray
+    _levels: dict[float, np.ndarray] = field(default_factory=dict, repr=False)
+
+    @classmethod
+    def of(cls, picture: np.ndarray, salience: np.ndarray) -> LabImage:
+        """From an (H, W, 3) uint8 picture."""
+        return cls(to_lab(picture), salience)
+
+    def level(self, step: float) -> np.ndarray:
+        """(h, w, 4) Lab and salience, ``step`` times smaller."""
+        if step not in self._levels:
+            if step == 1:
+                self._levels[step] = np.dstack([self.lab, self.salience])
+            else:
+                height, width = self.salience.shape
+                size = (max(1, round(width / step)), max(1, round(height / step)))
+                self._levels[step] = cv2.resize(self.level(1), size, interpolation=cv2.INTER_AREA)
+        return self._levels[step]
+
+    def sample(self, pixels: np.ndarray, step: float) -> np.ndarray:
+        """(..., 4) Lab and salience at pixels (..., 2) of the full picture, taken ``step`` times smaller."""
+        flat = np.asarray(pixels, np.float32).reshape(len(pixels), -1, 2)
+        level = self.level(step)
+        u = flat[..., 0] * np.float32(level.shape[1] / self.lab.shape[1]) - np.float32(0.5)
+        v = flat[..., 1] * np.float32(level.shape[0] / self.lab.shape[0]) - np.float32(0.5)
+        taken = cv2.remap(level, u, v, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+        return taken.reshape(*np.shape(pixels)[:-1], 4)
+
+    def scaled(self, gain: np.ndarray, offset: np.ndarray) -> LabImage:
+        """With each channel times its gain (3,) plus its offset (3,)."""
+        return LabImage(self.lab * gain.astype(np.float32) + offset.astype(np.float32), self.salience)
+
+    def rgb(self) -> np.ndarray:
+        """(H, W, 3) uint8 picture."""
+        return np.clip(cv2.cvtColor(self.lab, cv2.COLOR_LAB2RGB) * 255 + 0.5, 0, 255).astype(np.uint8)
 
 
 def to_lab(picture: np.ndarray) -> np.ndarray:
@@ -41,3 +107,52 @@ def palette(colours: np.ndarray, count: int = 4) -> tuple[np.ndarray, np.ndarray
 def palette_distance(lab: np.ndarray, centres: np.ndarray) -> np.ndarray:
     """(H, W) distance of each pixel to the nearest palette colour."""
     return np.min([distance(lab, centre) for centre in centres.astype(np.float32)], axis=0)
+
+
+def transfer_statistics(image: LabImage, source: LabImage, masks: np.ndarray) -> LabImage:
+    """The picture with the mean and deviation of what stands out made those of the objects of the source.
+
+    E. Reinhard et al., Color Transfer between Images, IEEE CG&A 2001.
+
+    Args:
+        image: the picture whose colours change.
+        source: the picture that has the colours wanted.
+        masks: (H, W) bool, where objects are in the source.
+    """
+    known = source.lab[masks]
+    standing = cv2.erode((image.salience > SURE).astype(np.uint8), np.ones((3, 3), np.uint8)) > 0
+    found = image.lab[standing]
+    if min(len(known), len(found)) < LEAST:
+        return image
+    gain = np.clip(known.std(axis=0) / np.maximum(found.std(axis=0), 1e-3), *GAINS)
+    return image.scaled(gain, known.mean(axis=0) - gain * found.mean(axis=0))
+
+
+def transfer_pixelwise(image: LabImage, known: np.ndarray, found: np.ndarray) -> LabImage:
+    """The picture with gain and offset of each channel fitted to pairs of pixels, (n, 3) Lab.
+
+    Ridge regression by iteratively reweighted least squares (Cauchy weights): outliers (highlights, shadows, wrong
+    matches) lose their weight.
+
+    Args:
+        image: the picture whose colours change.
+        known: what the pixels should be.
+        found: what they are in the picture.
+    """
+    if len(known) < LEAST:
+        return image
+    gain, offset = np.ones(3), np.zeros(3)
+    for channel in range(3):
+        x, y = found[:, channel].astype(np.float64), known[:, channel].astype(np.float64)
+        middle = float(np.median(x))
+        design = np.stack([x - middle, np.ones_like(x)], axis=1)
+        prior = np.diag([STIFFNESS * 100.0, STIFFNESS]) * len(x)
+        answer = np.array([1.0, middle])
+        for _ in range(5):
+            left = y - design @ answer
+            weight = 1 / (1 + (left / max(1.4826 * np.median(np.abs(left)), 1.0)) ** 2)
+            matrix = (design * weight[:, None]).T @ design + prior
+            answer = np.linalg.solve(matrix, (design * weight[:, None]).T @ y + prior @ [1.0, middle])
+        gain[channel] = np.clip(answer[0], *GAINS)
+        offset[channel] = answer[1] - gain[channel] * middle
+    return image.scaled(gain, offset)

@@ -1,21 +1,23 @@
-"""What is compared when a known object is looked for: points of its crop in one picture, samples of another."""
+"""What is compared when a known object is looked for: points on a proxy of its shape, coloured by a picture of it.
+
+The picture is either the scene's own source picture, in which the object's mask is known, or the library's reference
+picture of the object from straight above.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import cv2
 import numpy as np
 
-from vcage.base.geometry import Camera
-from vcage.schema.scene import ObjectRecord
-from vcage.vision.colour import to_lab
+from vcage.base.errors import InputFileError
+from vcage.base.geometry import Camera, look_at
+from vcage.vision.colour import LabImage
+from vcage.vision.protocols import Reference
 
 POINTS = 220
 """Points inside an object that are compared."""
-
-DENSE_POINTS = 700
-"""Points that are compared once an object is found."""
 
 RIM_POINTS = 80
 """Points along its outline."""
@@ -26,7 +28,6 @@ FINE_EXTENT = 44.0
 RIM_OUT, RIM_IN = 2.5, 2.0
 """How far from the outline the pixels beside it are taken, outwards and inwards, in pixels of the compared size."""
 
-
 LEAST_TOP = 0.25
 """An object of whose silhouette less is its top is no upright prism; it is taken as flat, at half its height."""
 
@@ -36,59 +37,26 @@ LAYERS = 3
 RAY_STEPS = 9
 """Heights at which a ray is tested for meeting the proxy."""
 
-
-@dataclass(frozen=True)
-class View:
-    """A picture as it is compared.
-
-    Args:
-        lab: (H, W, 3) float32 CIELAB.
-        salience: (H, W) float32 in [0, 1], how surely a pixel is no table.
-    """
-
-    lab: np.ndarray
-    salience: np.ndarray
-    _levels: dict[float, np.ndarray] = field(default_factory=dict, repr=False)
-
-    @classmethod
-    def of(cls, picture: np.ndarray, salience: np.ndarray) -> View:
-        """From an (H, W, 3) uint8 picture."""
-        return cls(to_lab(picture), salience)
-
-    def level(self, step: float) -> np.ndarray:
-        """(h, w, 4) Lab and salience, ``step`` times smaller."""
-        if step not in self._levels:
-            if step == 1:
-                self._levels[step] = np.dstack([self.lab, self.salience])
-            else:
-                height, width = self.salience.shape
-                size = (max(1, round(width / step)), max(1, round(height / step)))
-                self._levels[step] = cv2.resize(self.level(1), size, interpolation=cv2.INTER_AREA)
-        return self._levels[step]
-
-    def sample(self, pixels: np.ndarray, step: float) -> np.ndarray:
-        """(..., 4) Lab and salience at pixels (..., 2) of the full picture, taken ``step`` times smaller."""
-        flat = np.asarray(pixels, np.float32).reshape(len(pixels), -1, 2)
-        level = self.level(step)
-        u = flat[..., 0] * np.float32(level.shape[1] / self.lab.shape[1]) - np.float32(0.5)
-        v = flat[..., 1] * np.float32(level.shape[0] / self.lab.shape[0]) - np.float32(0.5)
-        taken = cv2.remap(level, u, v, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
-        return taken.reshape(*np.shape(pixels)[:-1], 4)
+REFERENCE_DISTANCE = 15.0
+"""Metres from the camera of a reference picture to the object's base: the view is parallel to half a percent."""
 
 
 @dataclass(frozen=True)
-class Crop:
+class ObjectTemplate:
     """A known object as it is looked for: its picture on a proxy of its shape.
 
-    The proxy is the object's footprint drawn up to its height. It says where each pixel of the crop goes when the
+    The proxy is the object's footprint drawn up to its height. It says where each pixel of the picture goes when the
     object moves to where the camera sees it from another side, and which are hidden there.
 
     Args:
-        record: the object.
-        camera: took the source picture.
-        centre: (2,) u, v of the middle of its mask, pixels.
-        mask: (H, W) bool, where it is in the source picture.
+        source: the picture of the object.
+        source_camera: took it; one of its pixels covers as much of the object as one of ``camera``'s.
+        camera: takes the pictures in which the object is looked for.
+        mask: (H, W) bool, where the object is in the source.
         top: (H, W) bool, pixels of its top face; all of them when the shape is not known.
+        centre: (2,) u, v of the middle of its mask, pixels.
+        box: (2, 3) its bounding box when the source was taken, world, metres.
+        origin: (3,) its origin then; z is the bottom of the box.
         layers: heights above its base at which the top face is drawn to get its outline, metres.
         points: (n, 3) seen points of it, relative to its origin, world axes of the source, metres.
         facing: (n, 2) horizontal directions out of it there; 0 on top.
@@ -101,11 +69,14 @@ class Crop:
         pixel: metres that a pixel covers at half its height.
     """
 
-    record: ObjectRecord
+    source: LabImage
+    source_camera: Camera
     camera: Camera
-    centre: np.ndarray
     mask: np.ndarray
     top: np.ndarray
+    centre: np.ndarray
+    box: np.ndarray
+    origin: np.ndarray
     layers: np.ndarray
     points: np.ndarray
     facing: np.ndarray
@@ -123,41 +94,63 @@ class Crop:
         return int(self.mask.sum())
 
 
-def crop_of(view: View, mask: np.ndarray, camera: Camera, record: ObjectRecord) -> Crop:
-    """The crop of the object with this mask (H, W), not empty, in the view of the source picture."""
+def template_of(
+    source: LabImage,
+    mask: np.ndarray,
+    source_camera: Camera,
+    box: np.ndarray,
+    origin: np.ndarray,
+    *,
+    camera: Camera | None = None,
+    shell: float = 1.0,
+) -> ObjectTemplate:
+    """The template of an object that a picture shows.
+
+    Args:
+        source: the picture.
+        mask: (H, W) bool, not empty, where it shows the object.
+        source_camera: took the picture.
+        box: (2, 3) the object's world box there, metres.
+        origin: (2,) x, y of its origin there.
+        camera: takes the pictures in which it is looked for; None for the same.
+        shell: points that lie deeper inside the mask than this share of the deepest are not compared.
+    """
     v, u = np.nonzero(mask)
     pixels = np.stack([u, v], axis=1) + 0.5
     centre = pixels.mean(axis=0)
     _, sides, _ = cv2.minAreaRect(pixels.astype(np.float32))
     extent = float(max(sides)) + 1
     step = max(1.0, extent / FINE_EXTENT)
-    low, high = record.aabb[0][2], record.aabb[1][2]
-    origin = np.array([*record.pose.position[:2], low])
-    top = _top_face(mask, camera, low, high)
+    low, high = float(box[0, 2]), float(box[1, 2])
+    base = np.array([*origin, low])
+    top = _top_face(mask, source_camera, low, high)
     prism = top.sum() >= LEAST_TOP * mask.sum()
     if not prism:
         top, low, high = mask, (low + high) / 2, (low + high) / 2
-    inner = _spread_out(_inner(mask, u, v, step), POINTS)
-    points, facing = _on_proxy(inner, mask, camera, low, high)
+    inner = _spread_out(_inner(mask, step, shell), POINTS)
+    points, facing = _on_proxy(inner, mask, source_camera, low, high)
     edge, normals = _outline(top)
     chosen = np.linspace(0, len(edge) - 1, min(RIM_POINTS // 2, len(edge))).astype(int)
-    pixel = float(np.linalg.norm(np.diff(camera.unproject([centre, centre + [1, 0]], (low + high) / 2), axis=0)))
-    around = camera.unproject(edge[chosen], high)
-    out = camera.unproject(edge[chosen] + normals[chosen], high) - around
+    pixel = float(np.linalg.norm(np.diff(source_camera.unproject([centre, centre + [1, 0]], (low + high) / 2), axis=0)))
+    around = source_camera.unproject(edge[chosen], high)
+    out = source_camera.unproject(edge[chosen] + normals[chosen], high) - around
     out = out[:, :2] / (np.linalg.norm(out[:, :2], axis=1, keepdims=True) + 1e-9)
     heights = (high, low) if prism else (high,)
     rim = np.concatenate([np.column_stack([around[:, :2], np.full(len(around), z)]) for z in heights])
-    return Crop(
-        record=record,
-        camera=camera,
-        centre=centre,
+    return ObjectTemplate(
+        source=source,
+        source_camera=source_camera,
+        camera=camera or source_camera,
         mask=mask,
         top=top,
-        layers=np.linspace(low, high, LAYERS if prism else 1) - origin[2],
-        points=points - origin,
+        centre=centre,
+        box=box,
+        origin=base,
+        layers=np.linspace(low, high, LAYERS if prism else 1) - base[2],
+        points=points - base,
         facing=facing,
-        colours=view.sample(inner[None], step)[0, :, :3],
-        rim=rim - origin,
+        colours=source.sample(inner[None], step)[0, :, :3],
+        rim=rim - base,
         normals=np.tile(out, (len(heights), 1)),
         upper=np.repeat([1.0, -1.0], len(around)) if prism else np.zeros(len(around)),
         extent=extent,
@@ -166,13 +159,37 @@ def crop_of(view: View, mask: np.ndarray, camera: Camera, record: ObjectRecord) 
     )
 
 
-def dense_points(crop: Crop) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """(n, 2) source pixels of an object, (n, 3) its points there and (n, 2) directions, as in :class:`Crop`."""
-    v, u = np.nonzero(crop.mask)
-    base = crop.record.aabb[0][2]
-    pixels = _spread_out(_inner(crop.mask, u, v, 1.0), DENSE_POINTS)
-    points, facing = _on_proxy(pixels, crop.mask, crop.camera, base + crop.layers[0], base + crop.layers[-1])
-    return pixels, points - [*crop.record.pose.position[:2], base], facing
+def template_from_reference(
+    reference: Reference, camera: Camera, height: float, *, shell: float = 1.0
+) -> ObjectTemplate:
+    """The template of an object that is known by its look from above; a pose's angle is the object's heading then.
+
+    Args:
+        reference: how it looks.
+        camera: takes the pictures in which it is looked for.
+        height: of the table that it stands on, metres.
+        shell: see :func:`template_of`.
+
+    Raises:
+        InputFileError: the reference picture shows nothing.
+    """
+    size = np.array(reference.size)
+    middle = np.array([camera.width / 2, camera.height / 2])
+    pixel = float(np.linalg.norm(np.diff(camera.unproject([middle, middle + [1, 0]], height + size[2] / 2), axis=0)))
+    zoom = reference.metres_per_pixel / pixel
+    width, tall = (max(1, round(zoom * n)) for n in reference.picture.shape[1::-1])
+    solid = reference.picture[..., 3] > 127
+    if not solid.any():
+        raise InputFileError(f"the reference picture of {reference.phrase!r} shows nothing", hint="render it anew")
+    # Around the object lies its own mean colour: what is mixed in at its edge changes nothing.
+    alone = np.where(solid[..., None], reference.picture[..., :3], reference.picture[solid][:, :3].mean(axis=0))
+    scaled = cv2.resize(alone.astype(np.uint8), (width, tall), interpolation=cv2.INTER_AREA)
+    mask = cv2.resize(solid.astype(np.float32), (width, tall), interpolation=cv2.INTER_AREA) > 0.5
+    fovy = 2 * np.arctan(tall * pixel / 2 / REFERENCE_DISTANCE)
+    above = look_at([0, 0, height + REFERENCE_DISTANCE], [0, 0, height], up=(0, 1, 0))
+    box = np.array([[*-size[:2] / 2, height], [*size[:2] / 2, height + size[2]]])
+    source = LabImage.of(scaled, np.zeros(mask.shape, np.float32))
+    return template_of(source, mask, Camera(width, tall, fovy, above), box, np.zeros(2), camera=camera, shell=shell)
 
 
 def _inside(mask: np.ndarray, camera: Camera, points: np.ndarray) -> np.ndarray:
@@ -212,13 +229,15 @@ def _on_proxy(
     return points, np.where((first == 0)[:, None], 0.0, away)
 
 
-def _inner(mask: np.ndarray, u: np.ndarray, v: np.ndarray, step: float) -> np.ndarray:
-    """(n, 2) pixels of a mask that lie deep enough not to mix with what is around; all when it is thin."""
-    window = np.s_[v.min() : v.max() + 1, u.min() : u.max() + 1]
+def _inner(mask: np.ndarray, step: float, shell: float) -> np.ndarray:
+    """(n, 2) pixels of a mask that lie deep enough not to mix with what is around, and no deeper than the shell; all
+    when it is thin."""
+    u, v, width, height = cv2.boundingRect(mask.astype(np.uint8))
+    window = np.s_[v : v + height, u : u + width]
     depth = cv2.distanceTransform(np.pad(mask[window].astype(np.uint8), 1), cv2.DIST_L2, 5)[1:-1, 1:-1]
-    deep = depth >= min(step, 0.5 * depth.max())
+    deep = (depth >= min(step, 0.5 * depth.max())) & (depth <= shell * depth.max())
     rows, columns = np.nonzero(deep)
-    return np.stack([columns + u.min(), rows + v.min()], axis=1) + 0.5
+    return np.stack([columns + u, rows + v], axis=1) + 0.5
 
 
 def _spread_out(points: np.ndarray, count: int) -> np.ndarray:

@@ -1,6 +1,9 @@
-"""How a drawing of an object differs from the target: what light, colour and a small motion explain, and what is left.
+"""Photometric alignment of a drawing of an object with the target: light, colour and a small motion that explain the
+difference, and what they leave of it.
 
-All three are linear in the difference, so one robust regression takes them away.
+Gauss-Newton on the motion of the drawing (B. Lucas and T. Kanade, IJCAI 1981) together with an affine model of light,
+all with Gaussian priors: they are linear in the difference, so a step is one ridge regression, made robust by iterative
+reweighting (Cauchy weights). How well a pose fits is the Geman-McClure loss of what is left.
 """
 
 from __future__ import annotations
@@ -22,7 +25,7 @@ COVER = 20.0
 """Colour distance, weighted Lab units, between what is table and what is object."""
 
 SCALE = 15.0
-"""Colour distance beyond which a pixel loses its weight."""
+"""Scale of the Geman-McClure loss: colour distance, weighted Lab units, at which a pixel counts one half."""
 
 LIGHT_PRIOR = np.array([30.0, 0.3, 20.0, 20.0, 20.0, 8.0, 8.0])
 """Standard deviations of what light may do: lightness (offset, factor, along the normal's three parts), the two other
@@ -35,7 +38,7 @@ PRIOR = 360.0 / np.concatenate([LIGHT_PRIOR, MOTION_PRIOR]) ** 2
 """What each costs in the regression, in squared colour distances: a standard deviation little more than a far pixel."""
 
 PASSES = 2
-"""Rounds of the regression; each weighs the pixels anew."""
+"""Rounds of reweighted least squares."""
 
 INNER = 0.9
 """Coverage of a pixel that is far enough from the outline for its colours to have slopes."""
@@ -44,10 +47,10 @@ BEYOND = 6
 """Pixels of a drawing around the object that its blurred outline reaches at most."""
 
 
-def explain(
+def align(
     drawing: Drawing, target: np.ndarray, motions: np.ndarray, step: int, focal: float
 ) -> tuple[float, np.ndarray]:
-    """What light, colour and a small motion leave of the difference between a drawing and the target.
+    """One Gauss-Newton step: the motion that the target asks of a drawing, and what it and light leave unexplained.
 
     Args:
         drawing: of side n.
@@ -57,11 +60,11 @@ def explain(
         focal: of the camera, pixels.
 
     Returns:
-        (robust mean over the window in [0, 1], (3,) motion in metres and radians).
+        (mean Geman-McClure loss over the window in [0, 1], (3,) motion in metres and radians).
     """
     if not drawing.covered.any():
         return 1.0, np.zeros(3)
-    empty = _share((COVER * target[..., 3]) ** 2)
+    empty = _loss((COVER * target[..., 3]) ** 2)
     # Beyond the blur of its outline, the object changes nothing.
     u, v, width, height = cv2.boundingRect(drawing.covered.astype(np.uint8))
     near = slice(max(0, v - BEYOND), v + height + BEYOND), slice(max(0, u - BEYOND), u + width + BEYOND)
@@ -88,11 +91,11 @@ def explain(
     squares = beside**2
     squares[inside] += (left**2).sum(axis=1)
     strain = float(answer**2 @ PRIOR) / SCALE**2
-    return (float(_share(squares).sum()) + beyond + strain) / empty.size, answer[7:]
+    return (float(_loss(squares).sum()) + beyond + strain) / empty.size, answer[7:]
 
 
-def _share(squares: np.ndarray) -> np.ndarray:
-    """In [0, 1] what a squared colour distance counts."""
+def _loss(squares: np.ndarray) -> np.ndarray:
+    """In [0, 1] the Geman-McClure loss of squared colour distances."""
     return squares / (squares + SCALE**2)
 
 
@@ -127,7 +130,8 @@ def _regress(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """What explains the difference of colours (n, 3) and of coverage (m,), and what it leaves of both.
 
-    Pixels that stay far off, like those hidden by another object, lose their weight.
+    Pixels that stay far off, like those hidden by another object, lose their weight: iteratively reweighted least
+    squares with Cauchy weights.
     """
     flat, wanted = design.reshape(-1, len(PRIOR)), difference.ravel()
     left, rim = np.zeros_like(difference), np.zeros_like(beside)

@@ -12,7 +12,8 @@ import cv2
 import numpy as np
 
 from vcage.base.geometry import Camera
-from vcage.vision.object_templates import RIM_IN, RIM_OUT, Crop, View
+from vcage.vision.colour import LabImage
+from vcage.vision.object_templates import RIM_IN, RIM_OUT, ObjectTemplate
 
 LIGHTNESS = 0.6
 """Weight of lightness beside hue and chroma: shading changes it when an object turns."""
@@ -72,36 +73,38 @@ def pixels_of(camera: Camera, points: np.ndarray) -> np.ndarray:
     return seen[..., :2] / np.maximum(seen[..., 2:], np.float32(1e-6))
 
 
-def placed(crop: Crop, poses: np.ndarray, points: np.ndarray) -> np.ndarray:
-    """(b, n, 3) float32 world points of a crop's own points (n, 3) at poses (b, 4)."""
+def placed(template: ObjectTemplate, poses: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """(b, n, 3) float32 world points of a template's own points (n, 3) at poses (b, 4)."""
     poses = np.asarray(poses, np.float32)
     scale = np.exp(poses[:, 3])[:, None, None]
     flat = points[:, :2].astype(np.float32) @ np.swapaxes(about_vertical(poses[:, 2]), -1, -2) * scale
     up = np.broadcast_to(points[:, 2].astype(np.float32), flat.shape[:2])[..., None] * scale
-    return np.concatenate([flat + poses[:, None, :2], up + np.float32(crop.record.aabb[0][2])], axis=-1)
+    return np.concatenate([flat + poses[:, None, :2], up + np.float32(template.origin[2])], axis=-1)
 
 
-def turned_towards(crop: Crop, poses: np.ndarray, at: np.ndarray, directions: np.ndarray) -> np.ndarray:
-    """(b, n) how directions (n, 2) of the crop at world points (b, n, 3) lie to the way to the camera."""
+def turned_towards(template: ObjectTemplate, poses: np.ndarray, at: np.ndarray, directions: np.ndarray) -> np.ndarray:
+    """(b, n) how directions (n, 2) of the template at world points (b, n, 3) lie to the way to the camera."""
     turned = directions.astype(np.float32) @ np.swapaxes(about_vertical(np.asarray(poses[:, 2], np.float32)), -1, -2)
-    return np.einsum("bnk,bnk->bn", turned, crop.camera.pose.p[:2].astype(np.float32) - at[..., :2])
+    return np.einsum("bnk,bnk->bn", turned, template.camera.pose.p[:2].astype(np.float32) - at[..., :2])
 
 
-def fit(view: View, crop: Crop, poses: np.ndarray) -> Fit:
+def fit(image: LabImage, template: ObjectTemplate, poses: np.ndarray) -> Fit:
     """How well the object fits at each of the poses (b, 4)."""
     poses = np.asarray(poses, np.float64).reshape(-1, 4)
     if not len(poses):
         return Fit(poses, np.zeros((0, len(TERMS))))
-    count, edge = len(crop.points), len(crop.rim)
-    beside = np.column_stack([crop.normals, np.zeros(edge)]) * (crop.step * crop.pixel)
-    points = placed(crop, poses, np.concatenate([crop.points, crop.rim + RIM_OUT * beside, crop.rim - RIM_IN * beside]))
-    seen = view.sample(pixels_of(crop.camera, points), crop.step)
+    count, edge = len(template.points), len(template.rim)
+    beside = np.column_stack([template.normals, np.zeros(edge)]) * (template.step * template.pixel)
+    around = [template.rim + RIM_OUT * beside, template.rim - RIM_IN * beside]
+    points = placed(template, poses, np.concatenate([template.points, *around]))
+    seen = image.sample(pixels_of(template.camera, points), template.step)
     inside, outer, inner = seen[:, :count], seen[:, count : count + edge], seen[:, count + edge :]
     # What turned away from the camera is hidden; top and bottom make the silhouette where they end it.
-    shown = _shares(turned_towards(crop, poses, points[:, :count], crop.facing) >= 0)
-    outline = _shares(turned_towards(crop, poses, points[:, count : count + edge], crop.normals) * crop.upper <= 0)
+    shown = _shares(turned_towards(template, poses, points[:, :count], template.facing) >= 0)
+    facing = turned_towards(template, poses, points[:, count : count + edge], template.normals)
+    outline = _shares(facing * template.upper <= 0)
     weights = np.float32([LIGHTNESS, 1, 1])
-    known, found = crop.colours.astype(np.float32) * weights, inside[..., :3] * weights
+    known, found = template.colours.astype(np.float32) * weights, inside[..., :3] * weights
     away = found - known
     squares = _squares(away)
     colour = 1 - _mean(np.minimum(np.sqrt(squares), CAP), shown) / CAP
@@ -137,7 +140,7 @@ def _shares(counted: np.ndarray) -> np.ndarray:
 _DIRECTIONS = np.concatenate([np.eye(4), -np.eye(4)])
 
 
-def refine(view: View, crop: Crop, poses: np.ndarray, steps: np.ndarray, rounds: int) -> Fit:
+def refine(image: LabImage, template: ObjectTemplate, poses: np.ndarray, steps: np.ndarray, rounds: int) -> Fit:
     """Each of the poses moved to where the object fits best nearby (pattern search, all poses at once).
 
     Args:
@@ -145,7 +148,7 @@ def refine(view: View, crop: Crop, poses: np.ndarray, steps: np.ndarray, rounds:
         steps: (4,) first steps along x, y (metres), angle and log scale; halved where nothing nearby is better.
         rounds: how many times all eight neighbours are looked at.
     """
-    best = fit(view, crop, poses)
+    best = fit(image, template, poses)
     if not len(best.poses):
         return best
     poses, terms, goodness = best.poses.copy(), best.terms.copy(), best.goodness.copy()
@@ -153,7 +156,7 @@ def refine(view: View, crop: Crop, poses: np.ndarray, steps: np.ndarray, rounds:
     for _ in range(rounds):
         tried = poses[:, None] + _DIRECTIONS[None] * (steps * scale[:, None])[:, None]
         tried[..., 3] = np.clip(tried[..., 3], -SCALE_LIMIT, SCALE_LIMIT)
-        around = fit(view, crop, tried.reshape(-1, 4))
+        around = fit(image, template, tried.reshape(-1, 4))
         scores = around.goodness.reshape(len(poses), -1)
         k = scores.argmax(axis=1)
         rows = np.arange(len(poses))
@@ -165,19 +168,18 @@ def refine(view: View, crop: Crop, poses: np.ndarray, steps: np.ndarray, rounds:
     return Fit(poses, terms)
 
 
-def mask_at(crop: Crop, pose: np.ndarray) -> np.ndarray:
+def mask_at(template: ObjectTemplate, pose: np.ndarray) -> np.ndarray:
     """(H, W) bool: the outline of the proxy in the target picture at a pose (4,)."""
-    height, width = crop.mask.shape
-    origin = np.array([*crop.record.pose.position[:2], crop.record.aabb[0][2]])
+    height, width = template.camera.height, template.camera.width
     # The proxy's top face was seen at its height; each layer of it is that picture moved.
-    corners = crop.centre + crop.extent * np.array([[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5]])
-    flat = crop.camera.unproject(corners, origin[2] + crop.layers[-1]) - origin
-    drawn, top = np.zeros((height, width), np.uint8), crop.top.astype(np.uint8)
+    corners = template.centre + template.extent * np.array([[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5]])
+    flat = template.source_camera.unproject(corners, template.origin[2] + template.layers[-1]) - template.origin
+    drawn, top = np.zeros((height, width), np.uint8), template.top.astype(np.uint8)
     u, v, w, h = cv2.boundingRect(top)
     ends = np.array([[u, v, 1], [u + w, v, 1], [u, v + h, 1], [u + w, v + h, 1]])
-    for layer in crop.layers:
+    for layer in template.layers:
         flat[:, 2] = layer
-        moved = pixels_of(crop.camera, placed(crop, pose[None], flat))[0]
+        moved = pixels_of(template.camera, placed(template, pose[None], flat))[0]
         matrix = cv2.getAffineTransform((corners - 0.5).astype(np.float32), (moved - 0.5).astype(np.float32))
         at = ends @ matrix.T
         u0, v0 = np.clip(at.min(axis=0) - 1, 0, [width, height]).astype(int)
@@ -189,21 +191,20 @@ def mask_at(crop: Crop, pose: np.ndarray) -> np.ndarray:
     return drawn > 0
 
 
-def from_pixels(crop: Crop, poses: np.ndarray) -> np.ndarray:
-    """(k, 4) poses from (k, 4) where the crop's centre goes (u, v, pixels), turn and log scale.
+def from_pixels(template: ObjectTemplate, poses: np.ndarray) -> np.ndarray:
+    """(k, 4) poses from (k, 4) where the template's centre goes (u, v, pixels), turn and log scale.
 
     A silhouette's centroid is close to the picture of the object's middle, so rays are met at half its height; the
     rest of the way from there to the object's origin is measured in the source and turns with the object.
     """
-    record, poses = crop.record, np.reshape(poses, (-1, 4))
-    middle = (record.aabb[0][2] + record.aabb[1][2]) / 2
-    offset = np.array(record.pose.position[:2]) - crop.camera.unproject(crop.centre, middle)[:2]
-    places = crop.camera.unproject(poses[:, :2], middle)[:, :2]
+    poses = np.reshape(poses, (-1, 4))
+    middle = (template.box[0, 2] + template.box[1, 2]) / 2
+    offset = template.origin[:2] - template.source_camera.unproject(template.centre, middle)[:2]
+    places = template.camera.unproject(poses[:, :2], middle)[:, :2]
     return np.column_stack([places + about_vertical(poses[:, 2]) @ offset, poses[:, 2:]])
 
 
-def middles(crop: Crop, poses: np.ndarray) -> np.ndarray:
+def middles(template: ObjectTemplate, poses: np.ndarray) -> np.ndarray:
     """(b, 2) pixels of the middle of the object at poses (b, 4)."""
-    box = np.array(crop.record.aabb)
-    middle = box.mean(axis=0) - [*crop.record.pose.position[:2], box[0, 2]]
-    return pixels_of(crop.camera, placed(crop, poses, middle[None]))[:, 0]
+    middle = template.box.mean(axis=0) - template.origin
+    return pixels_of(template.camera, placed(template, poses, middle[None]))[:, 0]

@@ -63,6 +63,14 @@ def yaw_error(a: float, b: float, order: int) -> float:
     return float(abs((a - b + period / 2) % period - period / 2))
 
 
+def smallest_turn(angle: float, order: int) -> float:
+    """The smallest of the turns that look the same on an object of n-fold symmetry (0: round), radians."""
+    if order == 0:
+        return 0.0
+    period = 2 * np.pi / max(order, 1)
+    return float((angle + period / 2) % period - period / 2)
+
+
 def _centred(reference: np.ndarray) -> np.ndarray:
     """(n, n, 4) float32 blurred look with premultiplied colours in [0, 1], the middle of its outline in the middle."""
     solid = (reference[..., 3] > 127).astype(np.float32)

@@ -15,6 +15,8 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
+from vcage.base.geometry import Camera
+from vcage.schema.scene import Table
 from vcage.vision.colour import to_lab
 
 STRIDE = 6
@@ -31,6 +33,9 @@ STRONG = 4.0
 
 SHADOW_SHARE = 0.35
 """What darkening alone counts: a shadow darkens as well."""
+
+TABLE_EDGE = 4
+"""Pixels along the table's edge that are left out: an edited picture may bend it."""
 
 
 @dataclass(frozen=True)
@@ -70,6 +75,17 @@ def fit_table(
         if better.sum() < 0.9 * grain.sum():
             plain, grain, known = informed, better, True
     return TableModel(_salience(plain, grain) * region, grain, known)
+
+
+def table_region(camera: Camera, table: Table) -> np.ndarray:
+    """(H, W) bool: where the camera sees the table's top, less a little along its edge."""
+    corners = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * np.array(table.size) / 2 + table.centre
+    pixels = camera.project(np.column_stack([corners, np.full(4, table.height)]))
+    drawn = np.zeros((camera.height, camera.width), np.uint8)
+    if not np.all(np.isfinite(pixels)):
+        return ~drawn.astype(bool)
+    cv2.fillConvexPoly(drawn, np.round(np.clip(pixels, -1e4, 1e4)).astype(np.int32), 1)
+    return cv2.erode(drawn, np.ones((2 * TABLE_EDGE + 1,) * 2, np.uint8), borderValue=1) > 0
 
 
 def _shifted_lab(picture: np.ndarray) -> np.ndarray:

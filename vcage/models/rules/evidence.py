@@ -10,8 +10,7 @@ import numpy as np
 
 from vcage.base.geometry import Camera
 from vcage.vision.colour import distance, palette, palette_distance, to_lab
-from vcage.vision.detector import MIN_AREA, components
-from vcage.vision.foreground import foreground
+from vcage.vision.detector import MIN_AREA, components, foreground
 from vcage.vision.locate import (
     FINALISTS,
     FINE_HEADINGS,

@@ -5,8 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from vcage.vision.networks.boxes import clipped, distinct, overlaps
-from vcage.vision.networks.grounding_dino import corners, phrase, prompt_of
+from vcage.vision.networks.grounding_dino import clipped, corners, distinct, overlaps, phrase, prompt_of
 from vcage.vision.protocols import Detection
 
 SHAPE = (480, 640, 3)

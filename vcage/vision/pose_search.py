@@ -1,8 +1,9 @@
-"""Where a known object may be in the target picture: all positions and headings at once, in a small picture.
+"""Looks for a known object in a whole picture: proposes poses by exhaustive template matching, then refines the best.
 
-The squared colour distance inside the turned mask, what of the inside is table and what of the surroundings is not are
-all linear in (Lab, |Lab|², salience) of the patch around a position, so one matrix product compares every position
-with every heading.
+Template matching compares all positions and headings at once, in a small picture: the squared colour distance inside
+the turned mask, what of the inside is table and what of the surroundings is not are all linear in (Lab, |Lab|²,
+salience) of the patch around a position, so one matrix product compares every position with every heading. The best
+are refined by the pose score (:mod:`vcage.vision.pose_score`).
 """
 
 from __future__ import annotations
@@ -10,8 +11,27 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
-from vcage.vision.object_templates import Crop, View
-from vcage.vision.pose_score import LIGHTNESS, from_pixels, rotation
+from vcage.base.geometry import wrap_angle
+from vcage.vision.colour import LabImage
+from vcage.vision.object_templates import ObjectTemplate
+from vcage.vision.pose_score import LIGHTNESS, Fit, fit, from_pixels, refine, rotation
+
+PLACES, HEADINGS = 14, 3
+"""Places that are proposed for an object, and headings at each."""
+
+STARTS, KEPT = 8, 4
+"""Poses that are refined roughly, and of those finely."""
+
+ROUGH_STEPS, FINE_STEPS = np.array([3.0, 3.0, 0.12, 0.03]), np.array([1.0, 1.0, 0.05, 0.015])
+"""First steps along x, y (pixels of the compared size), angle (radians) and log scale."""
+
+ROUGH_ROUNDS, FINE_ROUNDS = 5, 7
+
+FLIPS = np.array([np.pi / 2, np.pi, -np.pi / 2])
+"""Turns of the best pose that are tried as well: objects are most alike to themselves half and quarter turned."""
+
+SAME_PLACE, SAME_HEADING = 0.15, 0.25
+"""Poses nearer to each other than this, in square roots of the object's area and in radians, are nearly the same."""
 
 EXTENT, LONG_EXTENT = 14.0, 26.0
 """Longest side of a compact and of a very long object in the picture in which it is looked for, pixels."""
@@ -19,7 +39,7 @@ EXTENT, LONG_EXTENT = 14.0, 26.0
 MARGIN = 5
 """The patches that are compared are wider than the object by this, pixels."""
 
-HEADINGS, LONG_HEADINGS = 24, 40
+ANGLES, LONG_ANGLES = 24, 40
 """Headings around the circle; the ends of a long object move faster."""
 
 CHUNK = 1024
@@ -38,36 +58,83 @@ LEAST_SALIENCE = 0.25
 """A place of which less stands out of the table is not looked at."""
 
 
-def propose(view: View, source: View, crop: Crop, count: int, headings: int, also: np.ndarray) -> np.ndarray:
+def search_roughly(target: LabImage, template: ObjectTemplate, also: np.ndarray) -> Fit:
+    """Poses at which the object may be in a picture, the best first.
+
+    Args:
+        target: the picture.
+        template: the object.
+        also: (n, 2) pixels where something was detected; looked at as well.
+    """
+    first = fit(target, template, propose(target, template, PLACES, HEADINGS, also))
+    best = np.argsort(-first.goodness, kind="stable")[:STARTS]
+    return _ranked(refine(target, template, first.poses[best], _steps(template, ROUGH_STEPS), ROUGH_ROUNDS))
+
+
+def search_finely(target: LabImage, template: ObjectTemplate, found: Fit) -> Fit:
+    """At most :data:`KEPT` of the poses that were found roughly and turns of the best, refined, the best first."""
+    if not len(found.poses):
+        return found
+    again = _ranked(fit(target, template, found.poses))
+    apart = _distinct(again, template)[:KEPT]
+    flipped = np.repeat(again.poses[:1], len(FLIPS), axis=0)
+    flipped[:, 2] += FLIPS
+    starts = np.concatenate([again.poses[apart], flipped])
+    return _ranked(refine(target, template, starts, _steps(template, FINE_STEPS), FINE_ROUNDS))
+
+
+def _steps(template: ObjectTemplate, steps: np.ndarray) -> np.ndarray:
+    return steps * [template.step * template.pixel, template.step * template.pixel, 1, 1]
+
+
+def _ranked(found: Fit) -> Fit:
+    """The poses in the order of their goodness, the best first."""
+    order = np.argsort(-found.goodness, kind="stable")
+    return Fit(found.poses[order], found.terms[order])
+
+
+def _distinct(found: Fit, template: ObjectTemplate) -> list[int]:
+    """Indices of poses that are not nearly the same as a better one."""
+    kept: list[int] = []
+    near = SAME_PLACE * np.sqrt(template.area) * template.pixel
+    for k, pose in enumerate(found.poses):
+        away = found.poses[kept] - pose
+        turned = np.abs(wrap_angle(away[:, 2]))
+        if not np.any((np.hypot(away[:, 0], away[:, 1]) < near) & (turned < SAME_HEADING)):
+            kept.append(k)
+    return kept
+
+
+def propose(image: LabImage, template: ObjectTemplate, count: int, headings: int, also: np.ndarray) -> np.ndarray:
     """(k, 4) poses to refine: the ``headings`` best headings at each of the ``count`` best places.
 
     Args:
-        view, source: the target and the source picture.
-        crop: the object, of the source.
+        image: the picture.
+        template: the object.
         also: (n, 2) pixels where something was detected; looked at as well.
     """
     # Few sizes, so that objects share the smaller pictures.
-    long = crop.extent * crop.extent > 2.5 * crop.area
-    wanted = float(np.clip(EXTENT * np.sqrt(crop.extent**2 / crop.area), EXTENT, LONG_EXTENT))
-    step = 2 ** (np.ceil(2 * np.log2(max(crop.extent / wanted, 1.0))) / 2)
-    turns = LONG_HEADINGS if long else HEADINGS
+    long = template.extent * template.extent > 2.5 * template.area
+    wanted = float(np.clip(EXTENT * np.sqrt(template.extent**2 / template.area), EXTENT, LONG_EXTENT))
+    step = 2 ** (np.ceil(2 * np.log2(max(template.extent / wanted, 1.0))) / 2)
+    turns = LONG_ANGLES if long else ANGLES
     angles = np.arange(turns) * 2 * np.pi / turns
-    side = 2 * int(np.ceil((crop.extent / step + MARGIN) / 2)) + 1
-    weights, constant = _templates(source, crop, step, side, angles)
-    level = view.level(step)
-    size = np.array([level.shape[1], level.shape[0]]) / [view.lab.shape[1], view.lab.shape[0]]
-    places = _places(level, crop.area / step**2, np.floor(also * size).astype(int))
+    side = 2 * int(np.ceil((template.extent / step + MARGIN) / 2)) + 1
+    weights, constant = _templates(template, step, side, angles)
+    level = image.level(step)
+    size = np.array([level.shape[1], level.shape[0]]) / [image.lab.shape[1], image.lab.shape[0]]
+    places = _places(level, template.area / step**2, np.floor(also * size).astype(int))
     if not len(places):
         return np.zeros((0, 4))
     misfit = _misfits(_features(level), places, weights, side) + constant
-    found = _apart(places, misfit.min(axis=1), count, max(1.5, APART * np.sqrt(crop.area) / step))
+    found = _apart(places, misfit.min(axis=1), count, max(1.5, APART * np.sqrt(template.area) / step))
     poses = []
     for k in found:
-        ranked = misfit[k]
-        peaks = (ranked <= np.roll(ranked, 1)) & (ranked <= np.roll(ranked, -1))
-        order = np.argsort(np.where(peaks, ranked, np.inf), kind="stable")[: min(headings, int(peaks.sum()))]
+        by_angle = misfit[k]
+        peaks = (by_angle <= np.roll(by_angle, 1)) & (by_angle <= np.roll(by_angle, -1))
+        order = np.argsort(np.where(peaks, by_angle, np.inf), kind="stable")[: min(headings, int(peaks.sum()))]
         poses += [(*((places[k] + 0.5) / size), angles[a], 0.0) for a in order]
-    return from_pixels(crop, np.array(poses))
+    return from_pixels(template, np.array(poses))
 
 
 def _features(level: np.ndarray) -> np.ndarray:
@@ -76,11 +143,11 @@ def _features(level: np.ndarray) -> np.ndarray:
     return np.dstack([lab, (lab * lab).sum(axis=-1), level[..., 3]])
 
 
-def _templates(source: View, crop: Crop, step: float, side: int, angles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _templates(template: ObjectTemplate, step: float, side: int, angles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """(5 side², headings) weights and (headings,) constants of the misfit."""
-    level = np.dstack([source.level(step)[..., :3], _shrunk(crop.mask, source.level(step).shape)])
-    size = np.array([level.shape[1], level.shape[0]]) / [crop.mask.shape[1], crop.mask.shape[0]]
-    centre = crop.centre * size - 0.5
+    level = np.dstack([template.source.level(step)[..., :3], _shrunk(template.mask, template.source.level(step).shape)])
+    size = np.array([level.shape[1], level.shape[0]]) / [template.mask.shape[1], template.mask.shape[0]]
+    centre = template.centre * size - 0.5
     columns, constants = [], []
     kernel = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (5, 5))
     for angle in angles:
