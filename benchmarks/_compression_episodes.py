@@ -19,7 +19,7 @@ import numpy as np
 from vcage.base.errors import PartlyDone
 from vcage.base.files import RunFolder, cache_dir
 from vcage.datasets.hdf5 import write_episode
-from vcage.objects.textures.tables import TABLES, table_texture
+from vcage.objects.table_tops import TABLES, table_texture
 from vcage.schema.base import PoseRecord
 from vcage.schema.episodes import Verdict
 from vcage.schema.robot import Robot

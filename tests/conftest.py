@@ -46,4 +46,5 @@ def nothing_imported(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]
     """Tests see the project's own library and robots, not what the user of this machine has imported."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("VCAGE_DATA", str(tmp_path_factory.mktemp("data")))
+        patch.delenv("VCAGE_ASSETS", raising=False)
         yield

@@ -12,7 +12,7 @@ import numpy as np
 from benchmarks._match.levels import Level
 from benchmarks._match.scenes import Thing
 from vcage.base.geometry import Pose
-from vcage.objects.textures.tables import TABLES, table_texture
+from vcage.objects.table_tops import TABLES, table_texture
 from vcage.schema.scene import SceneTemplate
 from vcage.sim.appearance import Appearance
 from vcage.sim.bodies import Body

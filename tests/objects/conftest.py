@@ -1,25 +1,25 @@
-"""Fixtures: the library, and every variant as a pair of names."""
+"""Fixtures: the library, and its models, each loaded once."""
 
 from __future__ import annotations
 
 import pytest
 
+from vcage.objects.asset import Asset
 from vcage.objects.library import Library
-
-LIBRARY = Library.load()
-VARIANTS = [(name, v.id) for name in LIBRARY.names for v in LIBRARY.annotation(name).variants]
 
 
 @pytest.fixture(scope="session")
 def library() -> Library:
-    return LIBRARY
+    return Library.load()
 
 
-@pytest.fixture(params=VARIANTS, ids="/".join)
-def asset(request: pytest.FixtureRequest, library: Library):
-    return library.asset(*request.param)
+@pytest.fixture(scope="session")
+def variants(library: Library) -> list[Asset]:
+    """Every variant of every kind."""
+    return [library.asset(*names) for names in library.variants()]
 
 
-@pytest.fixture(params=LIBRARY.names)
-def first_variant(request: pytest.FixtureRequest, library: Library):
-    return library.asset(request.param)
+@pytest.fixture(scope="session")
+def kinds(library: Library) -> list[Asset]:
+    """The first variant of every kind."""
+    return [library.asset(name) for name in library.names]

@@ -10,9 +10,9 @@ import pytest
 import trimesh
 
 from vcage.base.errors import DamagedFile, MissingStage, SchemaMismatch
-from vcage.objects.builders.mappings import tiled
-from vcage.objects.builders.parts import BuiltObject, MovingPart, paint
 from vcage.objects.model import DESCRIPTION, read_model, write_model
+from vcage.objects.modelling.mappings import tiled
+from vcage.objects.modelling.parts import BuiltObject, MovingPart, paint
 from vcage.schema.asset import Joint
 
 

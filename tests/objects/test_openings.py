@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from vcage.base.geometry import box_corners
-from vcage.objects.builders import pieces
 from vcage.objects.convex import Convex
+from vcage.objects.modelling import pieces
 from vcage.objects.openings import (
     grasped_width,
     largest_rectangle,

@@ -25,10 +25,6 @@ def block(library: Library):
     return library.asset("block")
 
 
-def test_every_asset_of_the_library_passes(asset) -> None:
-    check_points(asset, Path("asset.json"))
-
-
 def test_a_contact_point_outside_the_object_is_named_with_value_and_range(block) -> None:
     asset = _with(block, contact_points=[GRASP, {**GRASP, "id": 1, "position": (0, 0, 0.5)}])
     with pytest.raises(

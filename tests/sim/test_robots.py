@@ -3,7 +3,7 @@ from __future__ import annotations
 import pytest
 
 from vcage.base.errors import DamagedFile, MissingDependency, UnknownName
-from vcage.objects.textures.tables import TABLES
+from vcage.objects.table_tops import TABLES
 from vcage.sim.robots import available, load_robot, load_template, package_file
 
 

@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 import trimesh
 import vhacdx
-from scipy.spatial import ConvexHull, cKDTree
+from scipy.spatial import ConvexHull, KDTree
 
 from vcage.base.files import atomic_path, cache_path
 from vcage.objects.convex import Convex
@@ -141,7 +141,7 @@ def _is_nearly_convex(corners: np.ndarray) -> bool:
     hull = trimesh.convex.convex_hull(_thickened(points))
     spacing = NEARLY_CONVEX / 2
     samples = _samples(_welded(corners), spacing)
-    away = cKDTree(samples).query(_samples(hull, 2 * spacing))[0]
+    away = KDTree(samples).query(_samples(hull, 2 * spacing))[0]
     return float(np.percentile(away, 99)) <= NEARLY_CONVEX + spacing
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Iterable
 from pathlib import Path
 
@@ -32,17 +33,17 @@ class Library:
 
     @classmethod
     def load(cls, root: Path | None = None) -> Library:
-        """Read every ``<root>/<name>/asset.json``; the project's own and the imported ones by default.
+        """Read every ``<root>/<name>/asset.json``; those of :func:`object_folders` by default.
 
         Kinds whose package was not fetched are left out (:attr:`left_out` says so).
 
         Raises:
             DamagedFile, SchemaMismatch: an annotation is damaged, or a name occurs twice; names file and field.
-            InputFileError: there is no annotation at all.
+            InputFileError: there is no annotation at all, or ``VCAGE_ASSETS`` names a folder without any.
         """
-        roots = [Path(root)] if root is not None else [resource("assets", "objects"), imported_objects()]
+        roots = [Path(root)] if root is not None else object_folders()
         annotations, folders, left_out = {}, {}, {}
-        for path in (path for folder in roots for path in sorted(folder.glob("*/asset.json")) if whole(path.parent)):
+        for path in _annotation_files(roots):
             annotation = _read(path)
             if annotation.name in folders:
                 raise _named_twice(path, folders[annotation.name])
@@ -146,18 +147,39 @@ def package_models() -> dict[str, list[str]]:
         DamagedFile, SchemaMismatch: an annotation is damaged; names file and field.
     """
     wanted: dict[str, set[str]] = {}
-    for folder in (resource("assets", "objects"), imported_objects()):
-        for path in filter(lambda p: whole(p.parent), sorted(folder.glob("*/asset.json"))):
-            annotation = _read(path)
-            models = {variant.package.model for variant in annotation.variants if variant.package is not None}
-            if models:
-                wanted.setdefault(annotation.source, set()).update(models)
+    for annotation in map(_read, _annotation_files(object_folders())):
+        models = {variant.package.model for variant in annotation.variants if variant.package is not None}
+        if models:
+            wanted.setdefault(annotation.source, set()).update(models)
     return {source: sorted(models) for source, models in wanted.items()}
+
+
+def object_folders() -> list[Path]:
+    """The folders that hold objects: the project's own, the imported ones, and those that ``$VCAGE_ASSETS`` names.
+
+    Raises:
+        InputFileError: ``VCAGE_ASSETS`` names what is no folder, or a folder without an object.
+    """
+    named = [Path(name).expanduser() for name in os.environ.get("VCAGE_ASSETS", "").split(os.pathsep) if name]
+    for folder in named:
+        if not any(folder.glob("*/asset.json")):
+            why = f"no asset.json under {folder}" if folder.is_dir() else f"{folder} is not a folder"
+            raise InputFileError(
+                f"VCAGE_ASSETS: {why}",
+                hint=f"give folders that hold one folder per object, with {os.pathsep!r} between them",
+                details={"path": str(folder)},
+            )
+    return [resource("assets", "objects"), imported_objects(), *named]
 
 
 def imported_objects() -> Path:
     """Where the importers put objects: one folder per object, with ``asset.json`` and its models."""
     return data_path("objects")
+
+
+def _annotation_files(folders: Iterable[Path]) -> list[Path]:
+    """The annotations of all objects in the folders; what is just being written or replaced is left out."""
+    return [path for folder in folders for path in sorted(folder.glob("*/asset.json")) if whole(path.parent)]
 
 
 def _read(path: Path) -> Annotation:

@@ -19,7 +19,7 @@ from pydantic import Field, ValidationError
 
 from vcage.base.errors import SchemaMismatch
 from vcage.base.files import read_json, write_bytes, write_json, write_text
-from vcage.objects.builders.parts import BuiltObject, MovingPart, Part
+from vcage.objects.modelling.parts import BuiltObject, MovingPart, Part
 from vcage.schema.asset import Joint, MovingLink, PhysicalModel
 from vcage.schema.base import Finite, Identifier, Record, Vec3
 

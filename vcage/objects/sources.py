@@ -1,4 +1,4 @@
-"""Where models come from: built by our builders, converted from a fetched package, or lying in an imported folder.
+"""Where models come from: built by a ``model.py``, converted from a fetched package, or lying in an imported folder.
 
 Built and converted models lie in the user's cache, in a folder whose name changes with everything that decides what
 is in it. An imported object has its model beside its annotation.
@@ -15,7 +15,7 @@ from pathlib import Path
 
 from vcage.base.errors import InputFileError
 from vcage.base.files import atomic_folder, cache_dir, cache_path
-from vcage.objects.builders.parts import BuiltObject
+from vcage.objects import parametric
 from vcage.objects.model import DESCRIPTION, read_model, write_model
 from vcage.schema.asset import FETCHED, IMPORTED, Annotation, PhysicalModel, Variant
 
@@ -43,7 +43,7 @@ def model(annotation: Annotation, variant: Variant, folder: Path) -> PhysicalMod
         folder: of the annotation.
 
     Raises:
-        InputFileError: no builder has that name, or a file of the package or the import is not what it should be.
+        InputFileError: the object has no builder, or a file of the package or the import is not what it should be.
     """
     made = model_folder(annotation, variant, folder)
     if annotation.source in IMPORTED:
@@ -57,7 +57,7 @@ def model(annotation: Annotation, variant: Variant, folder: Path) -> PhysicalMod
     if not made.is_dir():
         with _only_one(made):
             if not made.is_dir():
-                _make(annotation, variant, made)
+                _make(annotation, variant, folder, made)
     return read_model(made)
 
 
@@ -70,45 +70,26 @@ def model_folder(annotation: Annotation, variant: Variant, folder: Path) -> Path
     if annotation.source in IMPORTED:
         return folder / variant.id
     if variant.package is None:
-        recipe = f"{_builder_hash(annotation.name)}/{annotation.name}/{variant.id}"
+        recipe = f"{parametric.sources_hash(folder)}/{annotation.name}/{variant.id}"
     else:
         recipe = f"{_converter_hash()}/{annotation.source}/{variant.package.model_dump_json()}"
     digest = hashlib.sha256(recipe.encode()).hexdigest()[:16]
     return cache_path("assets", f"{annotation.name}-{variant.id}-{digest}")
 
 
-def _make(annotation: Annotation, variant: Variant, folder: Path) -> None:
+def _make(annotation: Annotation, variant: Variant, folder: Path, made: Path) -> None:
     if variant.package is None:
-        with atomic_folder(folder) as part:
-            write_model(_built(annotation.name, variant.id), part)
+        built = parametric.build(folder, variant.id)
+        with atomic_folder(made) as part:
+            write_model(built, part)
         return
     from vcage.objects.packages import package_of
 
     package = package_of(annotation.source)
     built = package.built(variant.package)
-    with atomic_folder(folder) as part:
+    with atomic_folder(made) as part:
         write_model(built, part)
         package.write_attribution(variant.package, part)
-
-
-def _built(name: str, variant: str) -> BuiltObject:
-    from vcage.objects.builders import BUILDERS  # imported late: a full cache needs no builders
-
-    if name not in BUILDERS:
-        raise InputFileError(
-            f"asset {name!r} has an annotation but no builder",
-            hint=f"add {name!r} to a BUILDERS table of vcage/assets/builders, or remove its annotation",
-            details={"name": name, "builders": sorted(BUILDERS)},
-        )
-    try:
-        return BUILDERS[name](variant)
-    except KeyError as error:
-        if error.args != (variant,):
-            raise
-        raise InputFileError(
-            f"the builder of asset {name!r} knows no variant {variant!r}",
-            hint=f"mend the variants in the asset.json of {name!r}, or its builder in vcage/assets/builders",
-        ) from error
 
 
 @contextlib.contextmanager
@@ -123,21 +104,10 @@ def _only_one(folder: Path) -> Iterator[None]:
 
 
 @functools.cache
-def _builder_hash(name: str) -> str:
-    """Hash of the sources that decide what a builder makes: its own module, and what all builders share."""
-    here = Path(__file__).parent
-    modules = {path: path.read_text(encoding="utf-8") for path in sorted(here.glob("builders/*.py"))}
-    families = {path: text for path, text in modules.items() if "\nBUILDERS = {" in text}
-    shared = [path for path in modules if path not in families and path.stem != "__init__"]
-    own = [path for path, text in families.items() if f'"{name}": ' in text]
-    return _hash_of([here / "model.py", *shared, *sorted(here.glob("textures/*.py")), *own])
-
-
-@functools.cache
 def _converter_hash() -> str:
     """Hash of the sources that decide what becomes of a package's model."""
     here = Path(__file__).parent
-    shared = [here / "model.py", here / "hulls.py", here / "builders" / "parts.py"]
+    shared = [here / "model.py", here / "hulls.py", here / "modelling" / "parts.py"]
     return _hash_of([*shared, *sorted(here.glob("packages/*.py"))])
 
 

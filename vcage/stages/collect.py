@@ -22,7 +22,7 @@ from vcage.base.geometry import Pose
 from vcage.base.pictures import write_picture
 from vcage.base.progress import Progress, silent
 from vcage.datasets.hdf5 import write_episode
-from vcage.objects.textures.tables import TABLES, table_texture
+from vcage.objects.table_tops import TABLES, table_texture
 from vcage.schema.base import PoseRecord
 from vcage.schema.episodes import Attempt, Episode, Episodes, Verdict
 from vcage.schema.scene import Scene

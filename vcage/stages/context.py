@@ -13,7 +13,7 @@ from vcage.models.protocols import Models
 from vcage.models.registry import DETECTORS, EMBEDDERS, build_models
 from vcage.objects.asset import Asset
 from vcage.objects.library import Library
-from vcage.objects.textures.tables import table_texture
+from vcage.objects.table_tops import table_texture
 from vcage.schema.asset import CatalogueEntry, PhysicalModel
 from vcage.schema.scene import ObjectRecord, Scene, Table, Workspace
 from vcage.sim.appearance import Appearance

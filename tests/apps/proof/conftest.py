@@ -11,9 +11,9 @@ import trimesh
 
 from vcage.apps.proof.places import Places
 from vcage.objects.asset import Asset
-from vcage.objects.builders.mappings import tiled
-from vcage.objects.builders.parts import BuiltObject, paint
 from vcage.objects.model import read_model, write_model
+from vcage.objects.modelling.mappings import tiled
+from vcage.objects.modelling.parts import BuiltObject, paint
 from vcage.schema.asset import Annotation, ContactPoint, FunctionalPoint, Variant, Words
 from vcage.sim.robots import load_robot, load_template
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from vcage.base.errors import FetchFailed, InputFileError, UnknownName
-from vcage.objects.builders.parts import BuiltObject
+from vcage.objects.modelling.parts import BuiltObject
 from vcage.objects.packages import PACKAGES, package_of
 from vcage.objects.packages.package import Package
 from vcage.objects.packages.robosuite import Robosuite

@@ -11,10 +11,10 @@ from vcage.apps.proof.tally import Tally
 from vcage.base.files import atomic_folder, cache_path
 from vcage.base.geometry import Pose
 from vcage.objects.asset import Asset
-from vcage.objects.builders import solids
-from vcage.objects.builders.mappings import tiled
-from vcage.objects.builders.parts import BuiltObject, paint
 from vcage.objects.model import read_model, write_model
+from vcage.objects.modelling import solids
+from vcage.objects.modelling.mappings import tiled
+from vcage.objects.modelling.parts import BuiltObject, paint
 from vcage.objects.openings import Opening
 from vcage.schema.asset import Annotation, FunctionalPoint, Variant, Words
 from vcage.schema.proof import Check

@@ -9,10 +9,10 @@ from pathlib import Path
 import numpy as np
 import trimesh
 
-from vcage.objects.builders.parts import BuiltObject, MovingPart, Part
 from vcage.objects.convex import Convex
 from vcage.objects.importers.robotwin_data import mismatch
 from vcage.objects.importers.solids import half_spaces
+from vcage.objects.modelling.parts import BuiltObject, MovingPart, Part
 from vcage.schema.asset import ContactPoint, FunctionalPoint, Variant
 
 DENSITY = 400.0

@@ -12,7 +12,7 @@ import trimesh
 from PIL import Image
 
 from vcage.base.errors import DamagedFile
-from vcage.objects.builders.parts import Part, paint
+from vcage.objects.modelling.parts import Part, paint
 
 GREY = (178, 178, 178)
 """Paints what has neither picture nor colour, sRGB."""
@@ -21,7 +21,7 @@ NORMALS = "normals"
 """Attribute of a mesh's vertices: the normals that its file gives, in the mesh's frame; any length."""
 
 LEAST_AREA = 1e-13
-"""Smaller triangles are not seen, square metres; :func:`vcage.objects.builders.parts.paint` leaves them out too."""
+"""Smaller triangles are not seen, square metres; :func:`vcage.objects.modelling.parts.paint` leaves them out too."""
 
 PALETTE_STEPS = 32
 """Colours of single faces are rounded to so many steps per channel where there are very many."""

@@ -17,7 +17,6 @@ import numpy as np
 import trimesh
 from scipy.spatial.transform import Rotation
 
-from vcage.objects.builders.parts import BuiltObject, MovingPart, Part
 from vcage.objects.importers.converted import (
     Converted,
     bounds_of,
@@ -31,6 +30,7 @@ from vcage.objects.importers.robotwin_data import ModelData, RawPoint, mismatch,
 from vcage.objects.importers.robotwin_points import Placed, contact_points, functional_points, placed
 from vcage.objects.importers.solids import component_hulls, hulls_of_surface, joined
 from vcage.objects.importers.urdf import Shape, Urdf, UrdfJoint, read_urdf
+from vcage.objects.modelling.parts import BuiltObject, MovingPart, Part
 from vcage.schema.asset import Joint, Variant
 
 FACING_US = Rotation.from_euler("z", 90, degrees=True).as_matrix()

@@ -14,7 +14,6 @@ import numpy as np
 import trimesh
 
 from vcage.base.errors import DamagedFile, InputFileError
-from vcage.objects.builders.parts import BuiltObject
 from vcage.objects.importers.converted import (
     Converted,
     bounds_of,
@@ -27,6 +26,7 @@ from vcage.objects.importers.looks import colour_word, load_surfaces, parts_of
 from vcage.objects.importers.robotwin_data import ModelData, read_model_data
 from vcage.objects.importers.robotwin_points import contact_points, functional_points, placed
 from vcage.objects.importers.solids import MANY, component_hulls, hulls_of_surface, joined
+from vcage.objects.modelling.parts import BuiltObject
 from vcage.schema.asset import Variant
 
 UPRIGHT = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])

@@ -13,11 +13,11 @@ import numpy as np
 
 from vcage.base.errors import UnknownName, UsageError, VcageError
 from vcage.base.progress import Progress, silent
-from vcage.objects.builders.parts import BuiltObject
 from vcage.objects.convex import Convex
 from vcage.objects.importers import Imported
 from vcage.objects.importers.grasps import THINNEST, WIDEST, contact_points
 from vcage.objects.library import imported_objects
+from vcage.objects.modelling.parts import BuiltObject
 from vcage.objects.packages.ycb import Ycb
 from vcage.schema.asset import Annotation, PackageModel, Variant, Words
 

@@ -14,7 +14,7 @@ import numpy as np
 import trimesh
 from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import connected_components
-from scipy.spatial import cKDTree
+from scipy.spatial import KDTree
 
 from vcage.objects.packages.surfaces import Surface, welded
 
@@ -69,14 +69,14 @@ def transferred(old: np.ndarray, uv: np.ndarray, new: np.ndarray) -> np.ndarray:
     samples = np.einsum("kc,mcx->mkx", share, old).reshape(-1, 3)
     owner = np.repeat(np.arange(len(old)), len(share))
     sided = np.hstack([samples, _normals(old)[owner] * SIDE_WEIGHT])
-    nearest = cKDTree(sided).query(np.hstack([new.mean(axis=1), _normals(new) * SIDE_WEIGHT]))[1]
+    nearest = KDTree(sided).query(np.hstack([new.mean(axis=1), _normals(new) * SIDE_WEIGHT]))[1]
     chart = _charts(old, uv)
     wanted = chart[owner[nearest]]
     out = np.empty((len(new), 3, 2))
     for number in np.unique(wanted):
         rows, own = np.flatnonzero(wanted == number), np.flatnonzero(chart[owner] == number)
         points = new[rows].reshape(-1, 3)
-        faces = owner[own[cKDTree(samples[own]).query(points)[1]]]
+        faces = owner[own[KDTree(samples[own]).query(points)[1]]]
         closest = trimesh.triangles.closest_point(old[faces], points)
         weights = trimesh.triangles.points_to_barycentric(old[faces], closest)
         out[rows] = np.einsum("pc,pcx->px", weights, uv[faces]).reshape(-1, 3, 2)

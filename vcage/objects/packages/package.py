@@ -12,8 +12,8 @@ import numpy as np
 
 from vcage.base import files
 from vcage.base.errors import InputFileError
-from vcage.objects.builders.parts import BuiltObject
 from vcage.objects.hulls import convex_pieces
+from vcage.objects.modelling.parts import BuiltObject
 from vcage.objects.packages.decimation import decimated
 from vcage.objects.packages.surfaces import Surface, fitted, part_of, rotation, turned
 from vcage.schema.asset import PackageModel

@@ -15,7 +15,7 @@ import trimesh
 from PIL import Image
 
 from vcage.base.errors import DamagedFile
-from vcage.objects.builders.parts import Part, paint
+from vcage.objects.modelling.parts import Part, paint
 
 LARGEST_PICTURE = 512
 """Pixels: larger textures are scaled down; objects of a table scene are seen at a few hundred pixels."""

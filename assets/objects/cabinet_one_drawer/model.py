@@ -1,0 +1,10 @@
+"""A low cabinet with one drawer."""
+
+from __future__ import annotations
+
+from assets.shapes.cabinet import with_drawers
+from vcage.objects.modelling.parts import BuiltObject
+
+
+def build(variant: str) -> BuiltObject:
+    return with_drawers("cabinet_one_drawer", variant, 1, mass=3.2)

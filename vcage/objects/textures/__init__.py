@@ -1,1 +1,0 @@
-"""Painted textures: functions from a seeded generator to (H, W, 3) uint8 pictures."""
