@@ -111,7 +111,7 @@ def test_after_other_episodes_a_run_makes_again_what_follows_from_them(run, caps
     def stop(*_: object, **__: object) -> None:
         raise PartlyDone("far enough")
 
-    monkeypatch.setattr(compress, "campaign", stop)
+    monkeypatch.setattr(compress, "search_data_set", stop)
     write_json(run.episodes, {**read_json(run.episodes), "attempts": 9})
     assert command(capsys, "verify", "--run", run, "--models", "offline").error["code"] == "stale_stage"
     answer = command(capsys, *RUN, "--out", run)

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from tests.recordings import CAMERAS, FPS, clip, episode
-from vcage.datasets.lerobot.episode import LeRobotEpisode, episode_of
+from vcage.datasets.episode import EpisodeData
+from vcage.datasets.lerobot.episode import LeRobotEpisode, SubtaskSpan
 from vcage.datasets.lerobot.formats import open_writer
 from vcage.datasets.lerobot.statistics import picture_histogram
 from vcage.video.codec import EncoderSettings, encode
@@ -31,6 +34,25 @@ def _episode(folder: Path, index: int, length: int) -> LeRobotEpisode:
         videos[camera].write_bytes(encode(clip(length, number), FPS, EncoderSettings(), 10))
     histograms = {camera: picture_histogram(clip(length, number)) for number, camera in enumerate(CAMERAS)}
     return episode_of(episode(length), videos, histograms, length)
+
+
+def episode_of(
+    data: EpisodeData, videos: Mapping[str, Path], histograms: Mapping[str, NDArray[np.int64]], sampled: int
+) -> LeRobotEpisode:
+    """One of our episodes, with its videos and the histograms of ``sampled`` pictures of each."""
+    return LeRobotEpisode(
+        fps=data.fps,
+        robot=str(data.meta["robot"]),
+        task=data.instruction,
+        videos=videos,
+        histograms=histograms,
+        sampled=sampled,
+        subtasks=[SubtaskSpan(segment.text, segment.start, segment.end) for segment in data.segments],
+        state=data.qpos,
+        state_names=data.state_names,
+        action=data.action,
+        action_names=data.state_names,
+    )
 
 
 def write(version: str, out: Path, episodes: Iterable[LeRobotEpisode], **options: Any) -> Path:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from vcage.datasets.packed import Stream, write_packed
-from vcage.datasets.recordings.hdf5_layouts import open_hdf5
+from vcage.datasets.recordings.opening import open_hdf5
 from vcage.video.codec import EncoderSettings, encode
 
 

@@ -15,7 +15,7 @@ from tests.recordings import FPS, INSTRUCTION, clip, episode, written
 from vcage.base.errors import DamagedFile, InputFileError, UsageError
 from vcage.datasets.packed import Stream, unpack, write_packed
 from vcage.datasets.reader import EpisodeReader
-from vcage.datasets.recordings.hdf5_layouts import open_hdf5
+from vcage.datasets.recordings.opening import open_hdf5
 from vcage.video.codec import EncoderSettings, encode
 
 LAYOUTS = {

@@ -78,7 +78,7 @@ def test_the_episodes_of_two_runs_are_one_data_set(runs, out, version):
         sets = append_to(out, run)
     assert sets[version] == out / version
     assert (info(out, version)["total_episodes"], info(out, version)["total_frames"]) == (3, 18)
-    assert [recording.index for recording in open_recordings(sets[version])] == [0, 1, 2]
+    assert [recording.number for recording in open_recordings(sets[version])] == [0, 1, 2]
 
 
 def test_a_run_is_added_once(runs, out):
@@ -90,7 +90,7 @@ def test_a_run_is_added_once(runs, out):
 def test_a_run_that_has_grown_adds_its_new_episodes(tmp_path, out):
     append_to(out, exported(tmp_path / "run", 1))
     append_to(out, exported(tmp_path / "run", 2))
-    assert [recording.index for recording in open_recordings(out / V3)] == [0, 1]
+    assert [recording.number for recording in open_recordings(out / V3)] == [0, 1]
 
 
 def test_an_interrupted_addition_is_made_up_for(runs, out, monkeypatch):
@@ -143,7 +143,7 @@ def test_notes_that_cannot_be_read_stop_the_addition(runs, out):
 
 def test_videos_are_those_of_the_export_and_searched_no_second_time(tmp_path, out, monkeypatch):
     run = exported(tmp_path / "run", codec="h264")
-    monkeypatch.setattr(export, "campaign", lambda *_, **__: pytest.fail("encoded again"))
+    monkeypatch.setattr(export, "search_data_set", lambda *_, **__: pytest.fail("encoded again"))
     append_to(out, run)
     video = f"{V3}/videos/observation.images.cam_high/chunk-000/file-000.mp4"
     assert (out / video).read_bytes() == (run.export.parent / video).read_bytes()

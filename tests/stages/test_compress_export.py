@@ -257,5 +257,5 @@ def test_robotwin_files_hold_the_episodes_in_the_layout_of_its_readers(run, tmp_
 
 
 def test_videos_that_no_data_set_takes_are_not_made(short, monkeypatch):
-    monkeypatch.setattr(export, "campaign", lambda *_, **__: pytest.fail("encoded"))
+    monkeypatch.setattr(export, "search_data_set", lambda *_, **__: pytest.fail("encoded"))
     assert [dataset.format for dataset in exported(short, formats=("robotwin",), codec="h264").datasets] == ["robotwin"]

@@ -17,8 +17,7 @@ from tests.recordings import FPS, clip
 from vcage.base.errors import MissingDependency, UsageError
 from vcage.base.videos import decode
 from vcage.video.codec import EncoderSettings, encode, only_converted
-from vcage.video.encoders import CODECS, kept_priority
-from vcage.video.versions import encoder_version
+from vcage.video.encoders import CODECS, encoder_version, kept_priority
 
 SETTINGS = EncoderSettings()
 FORMATS = CODECS["hevc"].pixel_formats

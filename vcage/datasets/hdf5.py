@@ -28,7 +28,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vcage.datasets.episode import EpisodeData
-from vcage.datasets.hdf5_output import new_hdf5
+from vcage.datasets.hdf5_files import new_hdf5
 
 SCHEMA = "vcage.episode/1"
 GZIP_LEVEL = 1

@@ -23,11 +23,9 @@ from vcage.base.progress import Progress, silent
 from vcage.base.videos import pictures
 from vcage.datasets.hdf5 import GZIP_LEVEL
 from vcage.datasets.hdf5_copy import Replacement, copy_attributes, copy_file
-from vcage.datasets.hdf5_output import new_hdf5
-from vcage.datasets.picture_datasets import ARRAY, FIXED, VLEN
+from vcage.datasets.hdf5_files import damage, new_hdf5, spooled
 from vcage.datasets.picture_links import OURS, Link, Original, Stream, find_links, read_link, write_link
-from vcage.datasets.recordings.hdf5_layouts import damage
-from vcage.datasets.spool import spooled
+from vcage.datasets.stored_pictures import ARRAY, FIXED, VLEN
 
 
 def write_packed(source: Path, target: Path, streams: Sequence[Stream]) -> Path:

@@ -16,7 +16,7 @@ import numpy as np
 
 from vcage.base.errors import DamagedFile
 from vcage.base.videos import frame_count
-from vcage.datasets.picture_datasets import picture_channels, picture_kind
+from vcage.datasets.stored_pictures import picture_channels, picture_kind
 
 LINK_SCHEMA = "vcage.pictures_in_video/1"
 
@@ -62,7 +62,7 @@ class Original:
     """The dataset that held the pictures, as far as it takes to make it again.
 
     Args:
-        kind: see :func:`vcage.datasets.picture_datasets.picture_kind`.
+        kind: see :func:`vcage.datasets.stored_pictures.picture_kind`.
         shape, maxshape: as h5py gives them.
         channels: of a picture.
         chunks, compression, compression_opts, shuffle, fletcher32: as h5py gives them.

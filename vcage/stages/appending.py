@@ -12,10 +12,9 @@ from pydantic import TypeAdapter, ValidationError
 from vcage.base.errors import DamagedFile, StaleStage, UsageError
 from vcage.base.files import RunFolder, read_json, recover, sha256_file, write_json
 from vcage.base.progress import Progress, silent
-from vcage.datasets.lerobot.append import read_info
 from vcage.datasets.lerobot.features import CAMERA, ENCODER
 from vcage.datasets.lerobot.formats import FORMATS, open_writer
-from vcage.datasets.lerobot.info import INFO
+from vcage.datasets.lerobot.meta import INFO, appendable_info
 from vcage.schema.export import Export
 from vcage.stages.compress import accepted_episodes
 from vcage.stages.export import Footage, lerobot_episodes
@@ -68,7 +67,7 @@ def _append(
 ) -> None:
     """Add those of the episodes, file → SHA-256, that a data set does not hold."""
     recover(root / name)
-    count = read_info(root / name, {})["total_episodes"] if (root / name / INFO).is_file() else 0
+    count = appendable_info(root / name, {})["total_episodes"] if (root / name / INFO).is_file() else 0
     added = _read_added(root / ADDED)
     held = {digest: number for digest, number in added.get(name, {}).items() if number < count}
     new = [file for file, digest in episodes.items() if digest not in held]

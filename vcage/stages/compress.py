@@ -10,9 +10,9 @@ from vcage.base.errors import MissingStage
 from vcage.base.files import RunFolder
 from vcage.base.progress import Progress, silent
 from vcage.datasets.packing.clips import Clip
-from vcage.datasets.packing.dataset_search import campaign, stream_of
+from vcage.datasets.packing.dataset_search import search_data_set, stream_of
 from vcage.datasets.packing.records import compression_record
-from vcage.datasets.recordings.hdf5_layouts import open_hdf5
+from vcage.datasets.recordings.opening import open_hdf5
 from vcage.schema.base import Provenance
 from vcage.schema.compression import Compression
 from vcage.schema.episodes import Episode, Episodes
@@ -69,7 +69,9 @@ def execute(
 
     def make(folder: Path, provenance: Provenance) -> Compression:
         clips, files = clips_of(run)
-        videos = campaign(clips, settings.compression, run.root / WORKING, workers=settings.workers, progress=progress)
+        videos = search_data_set(
+            clips, settings.compression, run.root / WORKING, workers=settings.workers, progress=progress
+        )
         streams = []
         for (name, _), video in videos.items():
             stream = stream_of(video)

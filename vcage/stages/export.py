@@ -16,13 +16,14 @@ from vcage.base.errors import MissingStage, UsageError
 from vcage.base.files import RunFolder
 from vcage.base.progress import Progress, silent
 from vcage.datasets.lerobot.episode import LeRobotEpisode
+from vcage.datasets.lerobot.features import encodings
 from vcage.datasets.lerobot.formats import FORMATS, open_writer
-from vcage.datasets.packing.dataset_search import campaign, stream_of
-from vcage.datasets.packing.lerobot_episodes import encodings, lerobot_episode
+from vcage.datasets.packing.dataset_search import search_data_set, stream_of
+from vcage.datasets.packing.output import OutputSpec
 from vcage.datasets.packing.settings import AUTO, CompressionSettings
-from vcage.datasets.packing.targets import Wanted
+from vcage.datasets.packing.writing import lerobot_episode
 from vcage.datasets.reader import EpisodeReader
-from vcage.datasets.recordings.hdf5_layouts import open_hdf5
+from vcage.datasets.recordings.opening import open_hdf5
 from vcage.datasets.robotwin import export_robotwin
 from vcage.schema.base import Provenance
 from vcage.schema.compression import Compression
@@ -109,7 +110,7 @@ def find_footage(run: RunFolder, settings: Settings, progress: Progress = silent
         files = {(stream.episode, stream.camera): run.root / stream.file for stream in compression.streams}
         return Footage(files, encodings(compression.streams, compression.encoding.preset))
     clips, names = clips_of(run)
-    videos = campaign(clips, wanted, run.root / WORKING, workers=settings.workers, progress=progress)
+    videos = search_data_set(clips, wanted, run.root / WORKING, workers=settings.workers, progress=progress)
     streams = [stream_of(video) for video in videos.values()]
     files = {(names[name], camera): video for (name, camera), video in videos.items()}
     return Footage(files, encodings(streams, wanted.choices().settings().preset))
@@ -166,7 +167,7 @@ def lerobot_episodes(
             raise MissingStage(
                 f"{file} has no compressed video of {', '.join(missing)}", hint="run compress with --force first"
             )
-        yield lerobot_episode(recording, {camera: footage.files[file, camera] for camera in cameras}, Wanted())
+        yield lerobot_episode(recording, {camera: footage.files[file, camera] for camera in cameras}, OutputSpec())
 
 
 def _write_lerobot(run: RunFolder, versions: Sequence[str], folder: Path, footage: Footage, progress: Progress) -> None:

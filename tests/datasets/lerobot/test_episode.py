@@ -8,8 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.recordings import CAMERAS, INSTRUCTION, STATE_NAMES, episode
-from vcage.datasets.lerobot.episode import LeRobotEpisode, SubtaskSpan, episode_of
+from vcage.datasets.lerobot.episode import LeRobotEpisode, SubtaskSpan
 
 HISTOGRAM = np.ones((3, 256), np.int64)
 
@@ -27,16 +26,6 @@ def foreign() -> LeRobotEpisode:
         action=np.zeros((5, 2)),
         action_names=["x", "y"],
     )
-
-
-def test_our_own_episodes_have_nothing_to_complain_of():
-    data = episode(12)
-    one = episode_of(data, dict.fromkeys(CAMERAS, Path("a.mp4")), dict.fromkeys(CAMERAS, HISTOGRAM), 1)
-    assert list(one.complaints()) == []
-    assert (one.length, one.robot, one.task, one.fps) == (12, "dual_panda", INSTRUCTION, data.fps)
-    assert one.vector_names == {"observation.state": STATE_NAMES, "action": STATE_NAMES}
-    np.testing.assert_allclose(one.vectors["observation.state"], data.qpos, atol=1e-6)
-    assert one.subtasks == [SubtaskSpan("lift block", 0, 6), SubtaskSpan("place block", 6, 12)]
 
 
 def test_the_number_of_frames_comes_from_what_was_recorded(foreign):

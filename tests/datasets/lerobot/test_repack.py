@@ -17,7 +17,8 @@ from tests.recordings import CAMERAS, FPS, clip
 from vcage.base.errors import DamagedFile, DiskFull, UsageError
 from vcage.base.files import sha256_file
 from vcage.base.videos import codec_name, decode
-from vcage.datasets.lerobot.repack import repack, require_colour, require_whole
+from vcage.datasets.lerobot.features import CAMERA
+from vcage.datasets.lerobot.repack import repack, require_whole
 from vcage.datasets.recordings.opening import open_recordings
 from vcage.video.codec import EncoderSettings, encode
 
@@ -146,7 +147,7 @@ def only(films, *keys):
 
 
 def near(recording, camera: str, number: int) -> bool:
-    true = clip(LENGTHS[recording.index], number).astype(int)
+    true = clip(LENGTHS[recording.number], number).astype(int)
     return bool(np.abs(recording.pictures(camera) - true).mean() < 6)
 
 
@@ -223,11 +224,11 @@ def test_facts_stay_where_older_sets_have_them(source, films, tmp_path):
 def test_every_episode_shows_the_new_videos(source, films, tmp_path):
     repack(source, tmp_path / "out", films, ENCODINGS)
     recordings = open_recordings(tmp_path / "out")
-    assert [recording.index for recording in recordings] == [0, 1]
+    assert [recording.number for recording in recordings] == [0, 1]
     for recording in recordings:
         for camera, key in zip(CAMERAS, KEYS, strict=True):
             assert recording.camera(camera).storage == "h264"
-            assert np.array_equal(recording.pictures(camera), decode(films[key][recording.index]))
+            assert np.array_equal(recording.pictures(camera), decode(films[key][recording.number]))
 
 
 def test_the_old_videos_are_gone(source, films, tmp_path):
@@ -269,7 +270,7 @@ def test_episodes_go_on_in_the_next_folder_when_one_is_full(source, films, tmp_p
             file.rename((source / "data/chunk-001").mkdir() or source / "data/chunk-001" / file.name)
     repack(source, tmp_path / "out", films, ENCODINGS)
     for recording in open_recordings(tmp_path / "out"):
-        assert np.array_equal(recording.pictures("cam_high"), decode(films[CAM][recording.index]))
+        assert np.array_equal(recording.pictures("cam_high"), decode(films[CAM][recording.number]))
     assert len(list((tmp_path / "out/videos").rglob("chunk-001/**/*.mp4"))) == len(KEYS)
 
 
@@ -284,8 +285,8 @@ def test_pictures_leave_the_tables_and_become_videos(with_pictures, films, tmp_p
         assert before.schema.remove(before.schema.get_field_index(CAM)) == after.schema
     for recording in open_recordings(tmp_path / "out"):
         assert recording.camera("cam_high").storage == "h264"
-        assert np.array_equal(recording.pictures("cam_high"), decode(films[CAM][recording.index]))
-        assert recording.motion.action.shape == (LENGTHS[recording.index], 6)
+        assert np.array_equal(recording.pictures("cam_high"), decode(films[CAM][recording.number]))
+        assert recording.motion.action.shape == (LENGTHS[recording.number], 6)
 
 
 def test_info_says_that_pictures_became_videos(with_pictures, films, tmp_path):
@@ -322,7 +323,7 @@ def test_a_data_set_without_any_video_gets_a_place_for_them(with_pictures, films
     shutil.rmtree(with_pictures / "videos")
     repack(with_pictures, tmp_path / "out", only(films, CAM), ENCODINGS)
     for recording in open_recordings(tmp_path / "out"):
-        assert np.array_equal(recording.pictures("cam_high"), decode(films[CAM][recording.index]))
+        assert np.array_equal(recording.pictures("cam_high"), decode(films[CAM][recording.number]))
 
 
 def test_picture_files_that_became_videos_are_not_copied(with_picture_files, films, tmp_path):
@@ -336,7 +337,7 @@ def test_pictures_of_a_camera_that_is_not_named_stay(with_picture_files, films, 
     for file in frame_tables(with_picture_files):
         assert file.read_bytes() == (tmp_path / "out" / file.relative_to(with_picture_files)).read_bytes()
     for recording in open_recordings(tmp_path / "out"):
-        assert np.array_equal(recording.pictures("cam_high"), clip(LENGTHS[recording.index]))
+        assert np.array_equal(recording.pictures("cam_high"), clip(LENGTHS[recording.number]))
 
 
 def test_folders_that_are_links_are_followed(source, films, tmp_path):
@@ -381,8 +382,8 @@ def test_what_an_rgb_video_cannot_keep_is_refused(source, films, tmp_path, chang
     with pytest.raises(UsageError, match=f"cam_high shows {what}, which an RGB video cannot keep"):
         repack(source, tmp_path / "out", films, ENCODINGS)
     with pytest.raises(UsageError, match=f"cam_high shows {what}"):
-        require_colour(source, films)
-    require_colour(source, [OTHER])
+        open_recordings(source)[0].require_rgb(["cam_high"])
+    open_recordings(source)[0].require_rgb([OTHER.removeprefix(CAMERA)])
     assert repack(source, tmp_path / "out", only(films, OTHER), ENCODINGS).is_dir()
 
 

@@ -2,14 +2,23 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+from unittest.mock import Mock
+
 import numpy as np
-from hypothesis import given
+import pyarrow as pa
+import pyarrow.parquet as pq
+import pytest
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 from tests.recordings import clip
+from vcage.datasets.lerobot import statistics
 from vcage.datasets.lerobot.statistics import (
+    QUANTILES,
     Moments,
+    column_quantiles,
     picture_histogram,
     picture_statistics,
     vector_statistics,
@@ -65,3 +74,51 @@ def test_moments_of_pictures_keep_their_shape():
     whole = picture_statistics(picture_histogram(first) + picture_histogram(second), 12)
     for name in ("min", "max", "mean", "std", "count"):
         np.testing.assert_allclose(moments.statistics()[name], whole[name], atol=1e-12)
+
+
+FLOATS = st.floats(width=32, allow_nan=False, allow_infinity=False)
+SHAPES = st.tuples(st.integers(1, 60), st.integers(1, 3))
+
+
+def quantiles(folder: Path, values: np.ndarray, dtype: str, per_file: int = 25) -> np.ndarray:
+    """Those of a column of several files."""
+    files = []
+    for start in range(0, len(values), per_file):
+        rows = pa.array(list(values[start : start + per_file]), pa.list_(pa.from_numpy_dtype(values.dtype)))
+        files.append(folder / f"{start}.parquet")
+        pq.write_table(pa.table({"x": rows}), files[-1])
+    return column_quantiles(files, "x", {"dtype": dtype, "shape": [values.shape[1]]})
+
+
+def expected(values: np.ndarray) -> np.ndarray:
+    return np.quantile(values.astype(np.float64), list(QUANTILES.values()), axis=0)
+
+
+@settings(deadline=None, max_examples=40)
+@given(hnp.arrays(np.float32, SHAPES, elements=FLOATS))
+def test_quantiles_of_any_floats_are_exact(tmp_path_factory, values):
+    found = quantiles(tmp_path_factory.mktemp("q"), values, "float32")
+    np.testing.assert_allclose(found, expected(values), rtol=1e-12)
+
+
+@settings(deadline=None, max_examples=40)
+@given(hnp.arrays(np.int64, SHAPES, elements=st.integers(-(2**40), 2**40)))
+def test_quantiles_of_any_integers_are_exact(tmp_path_factory, values):
+    found = quantiles(tmp_path_factory.mktemp("q"), values, "int64")
+    np.testing.assert_allclose(found, expected(values), rtol=1e-12)
+
+
+@pytest.mark.parametrize(("room", "readings"), [(2**28, 1), (2 * 4 * 100, 3), (1, 5)])
+def test_what_does_not_fit_into_memory_at_once_is_read_again(tmp_path, monkeypatch, room, readings):
+    values = np.random.default_rng(0).normal(size=(100, 5)).astype(np.float32)
+    read = Mock(wraps=statistics.read_batches)
+    monkeypatch.setattr(statistics, "read_batches", read)
+    monkeypatch.setattr(statistics, "IN_MEMORY", room)
+    np.testing.assert_allclose(quantiles(tmp_path, values, "float32"), expected(values), rtol=1e-12)
+    assert read.call_count == readings
+
+
+@pytest.mark.parametrize("count", [1, 2, 3])
+def test_few_rows_have_quantiles_too(tmp_path, count):
+    values = np.arange(count, dtype=np.float32)[:, None] - 1
+    np.testing.assert_allclose(quantiles(tmp_path, values, "float32"), expected(values))

@@ -9,9 +9,9 @@ import h5py
 import numpy as np
 
 from tests.datasets.recordings.layouts import FRAMES, act, robotwin, rooms
+from vcage.datasets.packing.output import OutputSpec
 from vcage.datasets.packing.pack import Order, Packed, pack
 from vcage.datasets.packing.settings import CompressionSettings
-from vcage.datasets.packing.targets import Wanted
 
 FPS = 16.67
 
@@ -23,7 +23,7 @@ def settings(**changes: Any) -> CompressionSettings:
 def order(root: Path, out: Path, *, target: str | None = None, task: str | None = None, **changes: Any) -> Order:
     """An order of recordings that do not say their frame rate; ``changes`` are the order's or the settings'."""
     own = {name: changes.pop(name) for name in ("cameras", "skip_damaged") if name in changes}
-    return Order(root, out, settings(**changes), Wanted(target, FPS, task), **own)
+    return Order(root, out, settings(**changes), OutputSpec(target, FPS, task), **own)
 
 
 def packed(root: Path, out: Path, **changes: Any) -> Packed:

@@ -6,7 +6,7 @@ import pytest
 
 from tests.datasets.recordings.layouts import act, jpeg, robotwin, robotwin_vision, room
 from vcage.base.errors import InputFileError
-from vcage.datasets.recordings.hdf5_layouts import COLOURS
+from vcage.datasets.recordings.hdf5_recording import COLOURS
 from vcage.datasets.recordings.opening import open_recordings
 
 

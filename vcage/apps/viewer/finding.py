@@ -9,8 +9,8 @@ import h5py
 from vcage.base.errors import MissingStage, UnknownName
 from vcage.base.files import RunFolder
 from vcage.datasets.hdf5 import SCHEMA
+from vcage.datasets.hdf5_files import damage
 from vcage.datasets.picture_links import read_link
-from vcage.datasets.recordings.hdf5_layouts import damage
 from vcage.datasets.recordings.opening import open_recordings
 from vcage.datasets.recordings.recording import Recording
 from vcage.schema.episodes import Episodes

@@ -38,8 +38,8 @@ from vcage.cli.progress import progress
 from vcage.cli.stages.common import add_common, execute_stage, number, positive
 from vcage.datasets.packing.estimating import estimate, estimate_clips
 from vcage.datasets.packing.inspecting import describe, inspect, totals
+from vcage.datasets.packing.output import TARGETS, OutputSpec
 from vcage.datasets.packing.pack import Order, pack
-from vcage.datasets.packing.targets import TARGETS, Wanted
 from vcage.stages.compress import clips_of, summary
 
 OF_RECORDINGS = ("out", "to", "fps", "task", "robot", "cameras", "skip_damaged", "inspect")
@@ -119,7 +119,7 @@ def _pack(args: argparse.Namespace) -> Result:
 
 def _order(args: argparse.Namespace) -> Order:
     out = args.out if args.out is not None else _beside(args.input)
-    wanted = Wanted(args.to, args.fps, args.task, args.robot)
+    wanted = OutputSpec(args.to, args.fps, args.task, args.robot)
     return Order(args.input, out, args.compression, wanted, tuple(args.cameras), args.skip_damaged)
 
 

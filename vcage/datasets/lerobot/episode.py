@@ -10,8 +10,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vcage.datasets.episode import EpisodeData
-
 STATE, ACTION = "observation.state", "action"
 
 
@@ -120,22 +118,3 @@ def _vector_complaints(name: str, values: NDArray[np.float32], frames: int, name
     if len(bad):
         frame, column = bad[0]
         yield f"{name} of frame {frame} holds NaN or infinity ({names[column]})"
-
-
-def episode_of(
-    data: EpisodeData, videos: Mapping[str, Path], histograms: Mapping[str, NDArray[np.int64]], sampled: int
-) -> LeRobotEpisode:
-    """One of our episodes, with its videos and the histograms of ``sampled`` pictures of each."""
-    return LeRobotEpisode(
-        fps=data.fps,
-        robot=str(data.meta["robot"]),
-        task=data.instruction,
-        videos=videos,
-        histograms=histograms,
-        sampled=sampled,
-        subtasks=[SubtaskSpan(segment.text, segment.start, segment.end) for segment in data.segments],
-        state=data.qpos,
-        state_names=data.state_names,
-        action=data.action,
-        action_names=data.state_names,
-    )

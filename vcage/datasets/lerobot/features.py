@@ -1,14 +1,19 @@
-"""What ``meta/info.json`` says of a data set's frames, and whether another episode agrees with it."""
+"""What ``meta/info.json`` says of a data set's frames and videos, and whether another episode agrees with it."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
-from vcage.base.errors import UsageError
+import av
+import av.container
+import numpy as np
+
+from vcage.base.errors import DamagedFile, UsageError
+from vcage.base.videos import frame_times
 from vcage.datasets.lerobot.episode import ACTION, STATE, LeRobotEpisode
-from vcage.datasets.lerobot.names import number_names
-from vcage.datasets.lerobot.video import as_int, video_info
+from vcage.schema.compression import VideoStream
 
 SUBTASK = "subtask_index"
 """The one column that is not LeRobot's own; a data set that has none is added to without."""
@@ -19,6 +24,11 @@ CAMERA = "observation.images."
 
 ENCODER = ("video.crf", "video.g", "video.lossless", "video.pix_fmt", "video.preset")
 """Facts of a video in which those that are added to a data set may differ from those that are there."""
+
+TIME_TOLERANCE = 1e-4
+"""Seconds by which LeRobot lets a picture's time differ from its frame's, as its ``tolerance_s`` has it."""
+
+ENCODE_AGAIN = "encode it again (in a run: compress with --force)"
 
 
 def video_key(camera: str) -> str:
@@ -129,3 +139,95 @@ def _facts(info: Mapping[str, Any], but: Sequence[str]) -> dict[str, Any]:
             facts[f"size of {key}"] = list(feature["shape"])
             facts[f"names of {key}"] = number_names(feature.get("names")) or None
     return facts
+
+
+def number_names(names: Any) -> list[str]:
+    """The names as a list: they also come in groups, ``{"motors": […]}``, or numbered, ``{"x": 0}``; none for None."""
+    if isinstance(names, Mapping):
+        names = [one for name, group in names.items() for one in (group if isinstance(group, list) else [name])]
+    return [str(name) for name in names or ()]
+
+
+# --- videos --------------------------------------------------------------------------------------------
+
+
+def video_info(path: Path, frames: int, fps: float) -> dict[str, Any]:
+    """The ``info`` of a video feature, as in ``meta/info.json``.
+
+    All packets are read, none is decoded: a file that is cut off is found, and one whose pictures come at other times.
+
+    Args:
+        path: an MP4 file.
+        frames: how many pictures it must show.
+        fps: one every ``1 / fps`` seconds, the first at 0.
+
+    Raises:
+        DamagedFile: it is no MP4 video, is cut off, or shows other frames; says which.
+    """
+    times = np.array(frame_times(path))
+    with av.open(str(path)) as container:
+        info = _stream_info(container, path)
+    if len(times) != frames:
+        raise DamagedFile(f"{path} has {len(times)} frames, its episode {frames}", hint=ENCODE_AGAIN)
+    late = np.abs(times - np.arange(frames) / fps)
+    if late.max() > TIME_TOLERANCE:
+        worst = int(np.argmax(late > TIME_TOLERANCE))
+        raise DamagedFile(
+            f"{path} shows frame {worst} at {times[worst]:.4f} s, its episode has {fps} frames per second, "
+            f"which is {worst / fps:.4f} s",
+            hint=ENCODE_AGAIN,
+        )
+    return {**info, "video.fps": as_int(fps), "video.is_depth_map": False}
+
+
+def as_int(number: float) -> int | float:
+    """An int where the number is one, as LeRobot writes frame rates."""
+    return int(number) if float(number).is_integer() else number
+
+
+def _stream_info(container: av.container.InputContainer, path: Path) -> dict[str, Any]:
+    if "mp4" not in container.format.name.split(","):
+        raise DamagedFile(
+            f"{path} is {container.format.long_name}, LeRobot's videos are MP4",
+            hint="put the stream into an MP4 file: ffmpeg -i IN -c copy OUT.mp4",
+        )
+    context = container.streams.video[0].codec_context
+    return {
+        "video.height": context.height,
+        "video.width": context.width,
+        "video.channels": 3,
+        "video.codec": context.codec.canonical_name,
+        "video.pix_fmt": context.pix_fmt,
+        "has_audio": bool(container.streams.audio),
+    }
+
+
+def require_rgb(key: str, feature: Mapping[str, Any]) -> None:
+    """Raise UsageError where a camera's feature says that it shows depth or grey, which a video in RGB cannot keep."""
+    told = {**(feature.get("video_info") or {}), **(feature.get("info") or {})}
+    depth = told.get("video.is_depth_map") or told.get("is_depth_map")
+    shape = feature["shape"]
+    if depth or 3 not in (shape[0], shape[-1]):
+        what = "depth" if depth else f"pictures of the shape {list(shape)}"
+        raise UsageError(
+            f"{key} shows {what}, which an RGB video cannot keep",
+            hint="name the other cameras with --cameras",
+        )
+
+
+def encodings(streams: Sequence[VideoStream], preset: str) -> dict[str, dict[str, Any]]:
+    """Camera → what ``info.json`` says of its encoding beyond the stream itself, if all its streams have it alike.
+
+    Args:
+        streams: of all cameras.
+        preset: of the encoder, for all.
+    """
+    told: dict[str, dict[str, Any]] = {}
+    for camera in sorted({stream.camera for stream in streams}):
+        own = [stream for stream in streams if stream.camera == camera]
+        facts: dict[str, Any] = {"video.g": own[0].gop, "video.crf": own[0].crf}
+        if own[0].lossless:
+            facts = {"video.g": own[0].gop, "video.lossless": True}
+        alike = all((s.pixel_format, s.gop, s.crf) == (own[0].pixel_format, own[0].gop, own[0].crf) for s in own)
+        told[camera] = {**(facts if alike else {"video.pix_fmt": None}), "video.preset": preset}
+    return told

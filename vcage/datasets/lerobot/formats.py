@@ -9,7 +9,7 @@ from typing import Any
 
 from vcage.base.errors import OutputFolderError, UnknownName, UsageError
 from vcage.base.files import atomic_folder, recover
-from vcage.datasets.lerobot.info import INFO
+from vcage.datasets.lerobot.meta import INFO
 from vcage.datasets.lerobot.v3 import WriterV30
 from vcage.datasets.lerobot.v21 import WriterV21
 from vcage.datasets.lerobot.writer import LeRobotWriter

@@ -17,15 +17,15 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+import pyarrow as pa
+
 from vcage.base.errors import DamagedFile, UsageError
 from vcage.base.files import atomic_folder, write_json
 from vcage.base.progress import Progress, silent
 from vcage.datasets.lerobot import v3, v21
-from vcage.datasets.lerobot.episode_list import episode_lengths, episode_tables, place_videos
-from vcage.datasets.lerobot.info import INFO, data_set_info
-from vcage.datasets.lerobot.video import video_info
-from vcage.datasets.parquet_files import MEND, numbered
-from vcage.datasets.parquet_rewrite import rewrite, texts_of
+from vcage.datasets.lerobot.features import require_rgb, video_info
+from vcage.datasets.lerobot.meta import INFO, data_set_info, episode_lengths, episode_tables
+from vcage.datasets.lerobot.parquet import MEND, numbered, rewrite, texts_of
 
 OF_TOOLS = (".git", ".cache")
 """Folders in which tools note what they fetched; a copy with other videos is not that."""
@@ -48,18 +48,6 @@ def require_whole(root: Path, episodes: Collection[int]) -> None:
     """
     info = data_set_info(root)
     _require_all(root, info, episode_lengths(root, info), episodes)
-
-
-def require_colour(root: Path, keys: Collection[str]) -> None:
-    """Raise UsageError where a camera shows depth or grey, which a video in RGB cannot keep; names it.
-
-    Args:
-        root: the data set.
-        keys: of the cameras' features.
-    """
-    features = data_set_info(root)["features"]
-    for key in keys:
-        _require_colour(key, features[key])
 
 
 def repack(
@@ -109,7 +97,7 @@ class _Repacking:
         lengths = episode_lengths(self.root, self.info)
         for key, own in self.videos.items():
             _require_all(self.root, self.info, lengths, own)
-            _require_colour(key, features[key])
+            require_rgb(key, features[key])
             told = [video_info(own[episode], frames, float(self.info["fps"])) for episode, frames in lengths.items()]
             facts = {**told[0], **encodings.get(key, {})}
             features[key] = _video_feature(features[key], {name: one for name, one in facts.items() if one is not None})
@@ -199,18 +187,6 @@ def _video_feature(feature: Mapping[str, Any], told: Mapping[str, Any]) -> dict[
     return {**rest, "dtype": "video", where: {**told, **kept}}
 
 
-def _require_colour(key: str, feature: Mapping[str, Any]) -> None:
-    told = {**(feature.get("video_info") or {}), **(feature.get("info") or {})}
-    depth = told.get("video.is_depth_map") or told.get("is_depth_map")
-    shape = feature["shape"]
-    if depth or 3 not in (shape[0], shape[-1]):
-        what = "depth" if depth else f"pictures of the shape {list(shape)}"
-        raise UsageError(
-            f"{key} shows {what}, which an RGB video cannot keep",
-            hint="name the other cameras with --cameras",
-        )
-
-
 def _files(root: Path) -> Iterator[Path]:
     """All files below a folder, relative to it, links followed; what tools noted for themselves is passed over."""
     for folder, folders, files in os.walk(root, followlinks=True):
@@ -231,3 +207,33 @@ def _made(path: Path) -> Path:
     """The path, once the folder for it is there."""
     path.parent.mkdir(parents=True, exist_ok=True)
     return path
+
+
+def place_videos(rows: pa.Table, info: Mapping[str, Any], keys: Collection[str]) -> pa.Table:
+    """Rows of a v3.0 list in which each episode has a video of its own, numbered like the episode.
+
+    Args:
+        rows: with ``episode_index`` and ``length``; columns ``videos/<key>/…`` keep their types, or come.
+        info: ``meta/info.json``.
+        keys: features of the cameras whose videos are placed.
+    """
+    places = [numbered(episode, int(info["chunks_size"])) for episode in rows["episode_index"].to_pylist()]
+    lengths = rows["length"].to_pylist()
+    columns = {
+        "chunk_index": pa.array([place["chunk_index"] for place in places], pa.int64()),
+        "file_index": pa.array([place["file_index"] for place in places], pa.int64()),
+        "from_timestamp": pa.array([0.0] * len(lengths), pa.float64()),
+        "to_timestamp": pa.array([length / float(info["fps"]) for length in lengths], pa.float64()),
+    }
+    for key in keys:
+        for name, values in columns.items():
+            rows = _with_column(rows, f"videos/{key}/{name}", values)
+    return rows
+
+
+def _with_column(rows: pa.Table, name: str, values: pa.Array) -> pa.Table:
+    index = rows.schema.get_field_index(name)
+    if index < 0:
+        return rows.append_column(name, values)
+    field = rows.schema.field(index)
+    return rows.set_column(index, field, values.cast(field.type))

@@ -1,14 +1,30 @@
-"""Statistics of a LeRobot data set: of vectors over frames, and of pictures over pixels."""
+"""Statistics of LeRobot data sets: of vectors over frames, of pictures over pixels, and of all episodes together."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from vcage.base.errors import DamagedFile
+from vcage.base.files import read_json, write_json
+from vcage.datasets.lerobot.features import video_key
+from vcage.datasets.lerobot.parquet import MEND, read_batches, row_count
+
 QUANTILES = {"q01": 0.01, "q10": 0.10, "q50": 0.50, "q90": 0.90, "q99": 0.99}
 LEVELS = 256
+
+STATS = Path("meta/stats.json")
+
+LEVEL_COUNTS = Path("meta/picture_levels.json")
+"""How often each level occurs in the pictures of each camera: what the quantiles of a set that is added to are
+made of. LeRobot does not read it."""
+
+IN_MEMORY = 2**28
+"""Bytes of a column's numbers that quantiles are taken of at once."""
 
 Statistics = dict[str, Any]
 """``min, max, mean, std, count`` and the :data:`QUANTILES` of one feature, as nested lists."""
@@ -92,3 +108,126 @@ def picture_statistics(histogram: NDArray[np.int64], frames: int) -> Statistics:
         **{name: [levels[np.searchsorted(c, q - 1e-12)] for c in below] for name, q in QUANTILES.items()},
     }
     return {**{name: [[[float(x)]] for x in column] for name, column in columns.items()}, "count": [frames]}
+
+
+# --- a whole data set ----------------------------------------------------------------------------------
+
+
+class Totals:
+    """``min, max, mean, std, count`` by merging those of the episodes; quantiles by counting.
+
+    The quantiles of columns are exact: the written files are read again when the set is finished. Those of pictures
+    come from the added histograms.
+    """
+
+    def __init__(self) -> None:
+        self._moments: dict[str, Moments] = {}
+        self._levels: dict[str, NDArray[np.int64]] = {}
+        self._uncounted: dict[str, Statistics] = {}
+
+    def add(self, statistics: Mapping[str, Statistics], histograms: Mapping[str, NDArray[np.int64]]) -> None:
+        """Take in an episode: feature → statistics, and camera → (3, 256) counts of levels."""
+        for feature, entry in statistics.items():
+            self._moments.setdefault(feature, Moments()).add(entry)
+        for camera, histogram in histograms.items():
+            key = video_key(camera)
+            self._levels[key] = self._levels.get(key, 0) + np.asarray(histogram, np.int64)
+
+    def resume(self, root: Path, features: Mapping[str, Any]) -> None:
+        """Take in a finished data set.
+
+        A set that was not written here has no counts of levels, or old ones: the quantiles of its pictures are then
+        averaged with those of the new ones, weighted by numbers of pictures, as LeRobot does.
+
+        Raises:
+            DamagedFile: its statistics are missing or incomplete.
+        """
+        if not (root / STATS).is_file():
+            raise DamagedFile(f"{root / STATS} is missing", hint=MEND)
+        try:
+            stats = read_json(root / STATS)
+            for feature in features:
+                self._moments[feature] = Moments()
+                self._moments[feature].add(stats[feature])
+            counted = read_json(root / LEVEL_COUNTS) if (root / LEVEL_COUNTS).exists() else {}
+            for key in (key for key, feature in features.items() if feature["dtype"] == "video"):
+                if counted.get(key, {}).get("count") == stats[key]["count"]:
+                    self._levels[key] = np.array(counted[key]["levels"], np.int64).reshape(3, LEVELS)
+                else:
+                    self._uncounted[key] = stats[key]
+        except (KeyError, TypeError, ValueError, AttributeError) as error:
+            raise DamagedFile(f"{root / STATS} does not describe all features: {error!r}", hint=MEND) from error
+
+    def write(self, folder: Path, data: Sequence[Path], features: Mapping[str, Any]) -> None:
+        """Write ``meta/stats.json`` and the counts of levels.
+
+        Args:
+            folder: of the data set.
+            data: all its tables of frames.
+            features: as in ``info.json``.
+        """
+        stats = {name: self._moments[name].statistics() for name in features}
+        for name, entry in stats.items():
+            if name in self._levels:
+                entry |= self._picture_quantiles(name)
+            else:
+                values = column_quantiles(data, name, features[name])
+                entry |= dict(zip(QUANTILES, values.tolist(), strict=True))
+        write_json(folder / STATS, stats)
+        counted = {
+            key: {"count": stats[key]["count"], "levels": levels.tolist()}
+            for key, levels in self._levels.items()
+            if key not in self._uncounted
+        }
+        if counted:
+            write_json(folder / LEVEL_COUNTS, counted)
+
+    def _picture_quantiles(self, key: str) -> Statistics:
+        old = self._uncounted.get(key)
+        count = self._moments[key].count
+        new = count - (old["count"][0] if old else 0)
+        found = picture_statistics(self._levels[key], new)
+        if old is None:
+            return {name: found[name] for name in QUANTILES}
+        return {
+            name: (np.array(found[name]) + (np.array(old[name]) - found[name]) * (1 - new / count)).tolist()
+            for name in QUANTILES
+            if name in old
+        }
+
+
+def column_quantiles(files: Sequence[Path], name: str, feature: Mapping[str, Any]) -> NDArray[np.float64]:
+    """Exact :data:`QUANTILES` of a column, as ``numpy.quantile`` finds them over all rows.
+
+    In memory are as many numbers of each row as :data:`IN_MEMORY` allows, at least one; for the others the files are
+    read again.
+
+    Args:
+        files: Parquet files, with at least one row.
+        name: of the column.
+        feature: what ``info.json`` says of it.
+
+    Returns:
+        (Q, D).
+
+    Raises:
+        DamagedFile: a file cannot be read.
+    """
+    dtype, width = np.dtype(feature["dtype"]), int(np.prod(feature["shape"]))
+    rows = sum(row_count(file) for file in files)
+    at_once = max(1, IN_MEMORY // (rows * dtype.itemsize))
+    found = []
+    for first in range(0, width, at_once):
+        parts = [batch[name][:, first : first + at_once].astype(dtype) for batch in read_batches(files, [name])]
+        found.append(_quantiles(np.concatenate(parts)))
+    return np.concatenate(found, axis=1)
+
+
+def _quantiles(values: NDArray[Any]) -> NDArray[np.float64]:
+    """(Q, D) of (N, D): between the two numbers whose ranks are nearest, in double precision whatever their type."""
+    places = np.array(list(QUANTILES.values())) * (len(values) - 1)
+    below = np.floor(places).astype(np.int64)
+    above = np.minimum(below + 1, len(values) - 1)
+    values.partition(np.unique([below, above]), axis=0)
+    low, high = values[below].astype(np.float64), values[above].astype(np.float64)
+    return low + (high - low) * (places - below)[:, None]

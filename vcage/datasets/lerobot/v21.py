@@ -15,20 +15,18 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from vcage.base.errors import DamagedFile
-from vcage.datasets.lerobot.append import link_files, read_info
 from vcage.datasets.lerobot.episode import LeRobotEpisode
 from vcage.datasets.lerobot.features import video_key
-from vcage.datasets.lerobot.info import INFO
-from vcage.datasets.lerobot.json_lines import read_lines
+from vcage.datasets.lerobot.meta import EPISODES, INFO, appendable_info, read_lines
+from vcage.datasets.lerobot.parquet import COMPRESSION, MEND
 from vcage.datasets.lerobot.statistics import QUANTILES, Statistics
-from vcage.datasets.lerobot.writer import CHUNK, LeRobotWriter, in_order
-from vcage.datasets.parquet_files import COMPRESSION, MEND
+from vcage.datasets.lerobot.writer import CHUNK, LeRobotWriter, in_order, link_files
 
 DATA_PATH = "data/chunk-{episode_chunk:03d}/episode_{episode_index:06d}.parquet"
 VIDEO_PATH = "videos/chunk-{episode_chunk:03d}/{video_key}/episode_{episode_index:06d}.mp4"
 
 TASKS, SUBTASKS = Path("meta/tasks.jsonl"), Path("meta/subtasks.jsonl")
-EPISODES, EPISODE_STATS = Path("meta/episodes.jsonl"), Path("meta/episodes_stats.jsonl")
+EPISODE_STATS = Path("meta/episodes_stats.jsonl")
 
 
 class WriterV21(LeRobotWriter):
@@ -42,7 +40,7 @@ class WriterV21(LeRobotWriter):
     }
 
     def resume(self, root: Path) -> None:
-        info = read_info(root, self.LAYOUT)
+        info = appendable_info(root, self.LAYOUT)
         link_files(root, self._folder, but={INFO, TASKS, SUBTASKS, EPISODES, EPISODE_STATS})
         for lines in (EPISODES, EPISODE_STATS):
             if [row.get("episode_index") for row in read_lines(root / lines)] != list(range(info["total_episodes"])):

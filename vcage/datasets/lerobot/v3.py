@@ -13,19 +13,17 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, ClassVar
 
+import numpy as np
 import pyarrow as pa
-import pyarrow.compute as pc
 import pyarrow.parquet as pq
 
 from vcage.base.errors import DamagedFile
-from vcage.datasets.lerobot.append import link_files, read_info
 from vcage.datasets.lerobot.episode import LeRobotEpisode
 from vcage.datasets.lerobot.features import video_key
-from vcage.datasets.lerobot.info import INFO
-from vcage.datasets.lerobot.statistics import Statistics
-from vcage.datasets.lerobot.totals import LEVEL_COUNTS, STATS, Totals
-from vcage.datasets.lerobot.writer import CHUNK, LeRobotWriter, in_order
-from vcage.datasets.parquet_files import COMPRESSION, MEND, ParquetSeries, numbered, read_table
+from vcage.datasets.lerobot.meta import EPISODE_TABLES, INFO, appendable_info, episode_tables
+from vcage.datasets.lerobot.parquet import COMPRESSION, MEND, ParquetSeries, numbered, read_table
+from vcage.datasets.lerobot.statistics import LEVEL_COUNTS, STATS, Statistics, Totals
+from vcage.datasets.lerobot.writer import CHUNK, LeRobotWriter, in_order, link_files
 
 FILE = "chunk-{chunk_index:03d}/file-{file_index:03d}"
 DATA_PATH = f"data/{FILE}.parquet"
@@ -63,7 +61,7 @@ class WriterV30(LeRobotWriter):
         self._row_files = self._series(EPISODES_PATH, 0)
 
     def resume(self, root: Path) -> None:
-        info = read_info(root, {name: value for name, value in self.LAYOUT.items() if name not in SIZES})
+        info = appendable_info(root, {name: value for name, value in self.LAYOUT.items() if name not in SIZES})
         features = info["features"]
         link_files(root, self._folder, but={INFO, STATS, LEVEL_COUNTS, TASKS, SUBTASKS})
         subtasks = _read_names(root / SUBTASKS, "subtask") if "subtask_index" in features else []
@@ -73,24 +71,21 @@ class WriterV30(LeRobotWriter):
 
     def _continue_rows(self, root: Path) -> None:
         """Go on behind the last files that the episodes of a finished data set name."""
-        paths = sorted((root / "meta/episodes").rglob("*.parquet"))
+        where, paths = root / EPISODE_TABLES, [root / file for file in episode_tables(root)]
         if not paths:
-            raise DamagedFile(f"{root / 'meta/episodes'} holds no list of episodes", hint=MEND)
+            raise DamagedFile(f"{where} holds no list of episodes", hint=MEND)
         prefixes = ["data", "meta/episodes", *(f"videos/{key}" for key in self._video_keys)]
         places = [f"{prefix}/{name}" for prefix in prefixes for name in ("chunk_index", "file_index")]
         tables = [read_table(path, ["episode_index", "length", *places]) for path in paths]
         rows = pa.concat_tables(tables, promote_options="permissive")
         if rows["episode_index"].to_pylist() != list(range(self.episodes)):
-            raise DamagedFile(f"{root / 'meta/episodes'} does not list all episodes in order", hint=MEND)
-        if (pc.sum(rows["length"]).as_py() or 0) != self.frames:
-            raise DamagedFile(f"{root / 'meta/episodes'} lists other frames than {root / INFO}", hint=MEND)
-        after = {
-            prefix: pc.max(
-                pc.add(pc.multiply(rows[f"{prefix}/chunk_index"], CHUNK), rows[f"{prefix}/file_index"])
-            ).as_py()
-            + 1
-            for prefix in prefixes
-        }
+            raise DamagedFile(f"{where} does not list all episodes in order", hint=MEND)
+        if rows["length"].to_numpy().sum() != self.frames:
+            raise DamagedFile(f"{where} lists other frames than {root / INFO}", hint=MEND)
+        after = {}
+        for prefix in prefixes:
+            chunks, files = (rows[f"{prefix}/{name}"].to_numpy() for name in ("chunk_index", "file_index"))
+            after[prefix] = int(np.nanmax(chunks * CHUNK + files)) + 1
         self._row_schema = pq.read_schema(paths[-1]).remove_metadata()
         self._first_video = max((after[f"videos/{key}"] for key in self._video_keys), default=0) - self.episodes
         self._data_files = self._series(DATA_PATH, after["data"])

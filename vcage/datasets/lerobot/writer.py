@@ -6,8 +6,10 @@ trained on the sub-task in hand as well as on the instruction.
 
 from __future__ import annotations
 
+import os
+import shutil
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -19,7 +21,7 @@ from vcage.base.errors import DamagedFile, UsageError
 from vcage.base.files import write_json
 from vcage.datasets.lerobot.episode import LeRobotEpisode, SubtaskSpan
 from vcage.datasets.lerobot.features import admit, describe, video_key
-from vcage.datasets.lerobot.info import INFO
+from vcage.datasets.lerobot.meta import INFO
 from vcage.datasets.lerobot.statistics import Statistics, picture_statistics, vector_statistics
 
 CHUNK = 1000
@@ -193,3 +195,23 @@ def in_order(rows: Iterable[tuple[int, str]], where: Path) -> list[str]:
     if [number for number, _ in ordered] != list(range(len(ordered))):
         raise DamagedFile(f"{where} does not number its texts from 0", hint="fetch or export the data set again")
     return [text for _, text in ordered]
+
+
+def link_files(source: Path, target: Path, but: Collection[Path]) -> None:
+    """Give all files of a folder a second place in another one, without copying them where the disk allows it.
+
+    Args:
+        source: the folder; it is left as it is.
+        target: the other folder.
+        but: what is left out, relative to ``source``. Whatever is written to later belongs here, as a linked file
+            would change in both places.
+    """
+    for file in sorted(source.rglob("*")):
+        inside = file.relative_to(source)
+        if inside in but or not file.is_file():
+            continue
+        (target / inside).parent.mkdir(parents=True, exist_ok=True)
+        try:
+            os.link(file.resolve(), target / inside)
+        except OSError:  # another disk, or one that knows no links
+            shutil.copy2(file, target / inside)

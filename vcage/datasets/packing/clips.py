@@ -19,10 +19,10 @@ from vcage.base.keeper import Keeper
 from vcage.datasets.recordings.recording import Recording
 from vcage.schema.compression import ClipRecord, VideoStream
 from vcage.video.choices import Choices, Criterion
+from vcage.video.encoders import encoder_version
 from vcage.video.jod import JodMetric, metric_version
 from vcage.video.keyframes import keyframes, picture_keyframes
 from vcage.video.search import SearchResult, search_clip
-from vcage.video.versions import encoder_version
 
 JPEG_QUALITY = 95
 
@@ -36,17 +36,31 @@ class Clip:
         recording: where the pictures are.
         camera: its name.
         fps: frames per second.
+        window: the frames that count; None for all.
     """
 
     name: str
     recording: Recording
     camera: str
     fps: float
+    window: range | None = None
 
     @property
     def video(self) -> str:
         """Name of the encoded video."""
         return f"{self.name}.{self.camera}.mp4"
+
+    def pictures(self) -> NDArray[np.uint8]:
+        """(T, H, W, 3) uint8 RGB."""
+        return self.recording.pictures(self.camera, self.window)
+
+    def keyframes(self, pictures: NDArray[np.uint8], count: int) -> list[int]:
+        """About ``count`` of the ``pictures``, by the commands to the robot where these are known."""
+        motion = self.recording.motion
+        if motion is None:
+            return picture_keyframes(pictures, count)
+        action = motion.action if self.window is None else motion.action[self.window]
+        return keyframes(action, motion.grippers, count)
 
 
 @dataclass(frozen=True)
@@ -80,6 +94,7 @@ class Task:
             str(recording),
             [(stat.st_size, stat.st_mtime_ns) for stat in (file.stat() for file in recording.files)],
             self.clip.fps,
+            self.clip.window,
             self.choices,
             self.criterion,
             self.display,
@@ -126,8 +141,8 @@ def perform(task: Task) -> tuple[Clip, VideoStream]:
         return task.clip, done
     clip = task.clip
     try:
-        frames = clip.recording.pictures(clip.camera)
-        scored = _keyframes(clip.recording, frames, task.keyframes)
+        frames = clip.pictures()
+        scored = clip.keyframes(frames, task.keyframes)
     except DamagedFile as error:
         error.details["recording"] = clip.name
         raise
@@ -142,13 +157,6 @@ def perform(task: Task) -> tuple[Clip, VideoStream]:
 def _metric(display: str) -> JodMetric:
     """The metric, made once for each process, in whose main thread alone it is used."""
     return JodMetric(display)
-
-
-def _keyframes(recording: Recording, frames: NDArray[np.uint8], count: int) -> list[int]:
-    motion = recording.motion
-    if motion is None:
-        return picture_keyframes(frames, count)
-    return keyframes(motion.action, motion.grippers, count)
 
 
 def _stream(clip: Clip, frames: NDArray[np.uint8], scored: Sequence[int], result: SearchResult) -> VideoStream:

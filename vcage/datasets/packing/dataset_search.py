@@ -60,7 +60,7 @@ class Bound:
         return (stream.pixel_format, stream.gop, stream.crf) == (self.pixel_format, self.gop, self.crf)
 
 
-def campaign(
+def search_data_set(
     clips: Sequence[Clip],
     settings: CompressionSettings,
     folder: Path,
@@ -89,11 +89,11 @@ def campaign(
     """
     require_tools(settings)
     workers = workers_for(clips, workers)
-    return _Campaign(list(clips), settings, folder, workers, threads or encoder_threads(workers), progress).run()
+    return _DataSetSearch(list(clips), settings, folder, workers, threads or encoder_threads(workers), progress).run()
 
 
 def require_tools(settings: CompressionSettings) -> None:
-    """Nothing, if this machine has what a campaign needs.
+    """Nothing, if this machine has what the search needs.
 
     Raises:
         UnknownName, MissingDependency: there is no such display model, or the metric or encoder is not installed.
@@ -136,7 +136,7 @@ def sample_of(clips: Sequence[Clip]) -> list[Clip]:
 
 
 @dataclass
-class _Campaign:
+class _DataSetSearch:
     clips: list[Clip]
     settings: CompressionSettings
     folder: Path
@@ -253,7 +253,7 @@ def _quality(stream: VideoStream) -> str:
 
 
 def stream_of(video: Path) -> VideoStream:
-    """What is known of a video that :func:`campaign` left in its folder."""
+    """What is known of a video that :func:`search_data_set` left in its folder."""
     return ClipRecord.read(video.with_suffix(".json")).stream
 
 

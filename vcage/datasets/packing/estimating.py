@@ -9,25 +9,18 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from vcage.base.progress import Progress, silent
 from vcage.datasets.packing.clips import Clip
 from vcage.datasets.packing.dataset_search import (
     cameras_of,
-    campaign,
     encoder_threads,
-    require_tools,
     sample_of,
+    search_data_set,
     stream_of,
     workers_for,
 )
-from vcage.datasets.packing.pack import Order, without_damaged
+from vcage.datasets.packing.pack import Order, prepare
 from vcage.datasets.packing.settings import CompressionSettings
-from vcage.datasets.packing.sources import find_sources, require_apart
-from vcage.datasets.packing.targets import require_alike, suited
-from vcage.datasets.recordings.recording import Camera, Columns, Motion, Recording
 from vcage.schema.compression import VideoStream
 
 WINDOW = 60
@@ -48,13 +41,8 @@ def estimate(order: Order, *, workers: int | None = None, progress: Progress = s
     Raises:
         VcageError: see :func:`vcage.datasets.packing.pack.pack`.
     """
-    require_apart(order.root, order.out)
-    require_tools(order.settings)
-    sources = find_sources(order.root, order.settings, skip_damaged=order.skip_damaged)
-    wanted = suited(order.wanted, sources.sources)
-    require_alike(sources.clips(order.cameras, wanted.fps), wanted)
-    sources, told = without_damaged(
-        order, sources, wanted, lambda clips: estimate_clips(clips, order.settings, workers=workers, progress=progress)
+    sources, told = prepare(order).without_damaged(
+        lambda clips: estimate_clips(clips, order.settings, workers=workers, progress=progress)
     )
     return {"would": "write", "out": str(order.out), "recordings": len(sources.sources), **told}
 
@@ -62,7 +50,7 @@ def estimate(order: Order, *, workers: int | None = None, progress: Progress = s
 def estimate_clips(
     clips: Sequence[Clip], settings: CompressionSettings, *, workers: int | None = None, progress: Progress = silent
 ) -> dict[str, Any]:
-    """What a campaign would make of clips, from one over the middles of a few of them.
+    """What the search would make of clips, from one over the middles of a few of them.
 
     Args:
         clips: all of them.
@@ -74,13 +62,13 @@ def estimate_clips(
         JSON-serialisable: per camera the CRFs of the sample, and bytes of all frames; the sums of these, and seconds.
 
     Raises:
-        VcageError: see :func:`vcage.datasets.packing.dataset_search.campaign`.
+        VcageError: see :func:`vcage.datasets.packing.dataset_search.search_data_set`.
     """
     workers = workers_for(clips, workers)
-    sample = [replace(clip, recording=_Middle(clip.recording, clip.camera)) for clip in sample_of(clips)]
+    sample = [_middle(clip) for clip in sample_of(clips)]
     begun = time.perf_counter()
     with tempfile.TemporaryDirectory() as folder:
-        videos = campaign(
+        videos = search_data_set(
             sample, settings, Path(folder), workers=1, threads=encoder_threads(workers), progress=progress
         )
         streams = [stream_of(video) for video in videos.values()]
@@ -115,35 +103,8 @@ def _camera(clips: Sequence[Clip], streams: Sequence[VideoStream]) -> dict[str, 
     }
 
 
-class _Middle(Recording):
-    """One camera of a recording, as if no more had been recorded than the frames in its middle."""
-
-    def __init__(self, recording: Recording, camera: str):
-        super().__init__(recording.path)
-        self._recording = recording
-        self._camera = recording.camera(camera)
-        first = max(0, (self._camera.frames - WINDOW) // 2)
-        self._frames = range(first, min(self._camera.frames, first + WINDOW))
-
-    def __str__(self) -> str:
-        return str(self._recording)
-
-    @property
-    def files(self) -> list[Path]:
-        return self._recording.files
-
-    @property
-    def cameras(self) -> list[Camera]:
-        return [replace(self._camera, frames=len(self._frames))]
-
-    @property
-    def motion(self) -> Motion | None:
-        motion = self._recording.motion
-        return motion and replace(motion, action=motion.action[self._frames])
-
-    def pictures(self, camera: str, indices: Sequence[int] | None = None) -> NDArray[np.uint8]:
-        chosen = self._frames if indices is None else [self._frames[index] for index in indices]
-        return self._recording.pictures(camera, chosen)
-
-    def _read_commands(self) -> Columns | None:
-        raise NotImplementedError  # motion is the recording's own
+def _middle(clip: Clip) -> Clip:
+    """The clip, as if no more had been recorded than the frames in its middle."""
+    frames = clip.recording.camera(clip.camera).frames
+    first = max(0, (frames - WINDOW) // 2)
+    return replace(clip, window=range(first, min(frames, first + WINDOW)))

@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from vcage.base.errors import DamagedFile
-from vcage.datasets.packing.sources import require_sound
-from vcage.datasets.recordings.opening import open_recordings
+from vcage.datasets.packing.sources import sound_notes
+from vcage.datasets.recordings.opening import open_all
 from vcage.datasets.recordings.recording import Camera, Recording
 
 MIB = 2**20
@@ -23,11 +23,13 @@ class Found:
         name: the path, and the episode where a path holds several.
         recording: None where the file is damaged.
         damage: what is wrong; empty where nothing is.
+        notes: what a user must know about how it was understood.
     """
 
     name: str
     recording: Recording | None
     damage: str = ""
+    notes: tuple[str, ...] = ()
 
     @property
     def cameras(self) -> Sequence[Camera]:
@@ -41,17 +43,16 @@ def inspect(root: Path) -> list[Found]:
     Raises:
         InputFileError: there is nothing at the path, or nothing that is known.
     """
-    damaged: dict[Path, DamagedFile] = {}
-    found = [_look(recording) for recording in open_recordings(Path(root), damaged)]
-    return found + [Found(str(path), None, error.message) for path, error in damaged.items()]
+    opened = open_all(Path(root))
+    found = [_look(recording) for recording in opened.recordings]
+    return found + [Found(str(path), None, error.message) for path, error in opened.damaged.items()]
 
 
 def _look(recording: Recording) -> Found:
     try:
-        require_sound(recording)
+        return Found(str(recording), recording, notes=tuple(sound_notes(recording)))
     except DamagedFile as error:
         return Found(str(recording), None, error.message)
-    return Found(str(recording), recording)
 
 
 def describe(found: Sequence[Found]) -> str:
@@ -68,7 +69,7 @@ def _lines(found: Found) -> list[str]:
     numbers = f"{motion.action.shape[1]} numbers in a command" if motion is not None else "no commands"
     lines = [f"{found.name}: {recording.LAYOUT}, {rate}, {numbers}"]
     lines += [f"  {_camera(camera)}" for camera in recording.cameras]
-    return lines + [f"  note: {note}" for note in recording.notes]
+    return lines + [f"  note: {note}" for note in found.notes]
 
 
 def _camera(camera: Camera) -> str:
@@ -90,5 +91,5 @@ def totals(found: Sequence[Found]) -> dict[str, Any]:
         "raw_bytes": sum(camera.raw_bytes for camera in cameras),
         "stored_bytes": sum(camera.stored_bytes for camera in cameras),
         "damaged": {one.name: one.damage for one in found if one.recording is None},
-        "notes": {one.name: one.recording.notes for one in found if one.recording is not None and one.recording.notes},
+        "notes": {one.name: list(one.notes) for one in found if one.notes},
     }

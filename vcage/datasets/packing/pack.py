@@ -11,19 +11,19 @@ from contextlib import suppress
 from dataclasses import asdict, dataclass
 from itertools import chain
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TypeVar
 
 from vcage.base.errors import DamagedFile, InputFileError, OutputFolderError, StaleStage
 from vcage.base.files import RunFolder, atomic_folder, held
 from vcage.base.keeper import Keeper
 from vcage.base.progress import Progress, silent
 from vcage.datasets.packing.clips import Clip
-from vcage.datasets.packing.dataset_search import campaign, require_tools, stream_of
+from vcage.datasets.packing.dataset_search import require_tools, search_data_set, stream_of
+from vcage.datasets.packing.output import OutputSpec, output_notes, require_alike, resolve_output
 from vcage.datasets.packing.records import compression_record
 from vcage.datasets.packing.settings import CompressionSettings
 from vcage.datasets.packing.sources import Sources, find_sources, require_apart
-from vcage.datasets.packing.targets import Wanted, require_alike, suited
-from vcage.datasets.packing.writing import Compressed, write_target
+from vcage.datasets.packing.writing import Compressed, write_output
 from vcage.schema.base import Provenance
 from vcage.schema.compression import Compression
 
@@ -52,9 +52,49 @@ class Order:
     root: Path
     out: Path
     settings: CompressionSettings
-    wanted: Wanted
+    wanted: OutputSpec
     cameras: tuple[str, ...] = ()
     skip_damaged: bool = False
+
+
+@dataclass(frozen=True)
+class Prepared:
+    """An order that can be carried out, as far as that is seen without decoding.
+
+    Args:
+        order: the order.
+        sources: its recordings.
+        output: what is written of them.
+    """
+
+    order: Order
+    sources: Sources
+    output: OutputSpec
+
+    def without_damaged(self, work: Callable[[list[Clip]], T]) -> tuple[Sources, T]:
+        """What some work makes of the clips of the sources, and the sources that these are of.
+
+        Sources that only decoding shows to be damaged are left out if the order allows it, and the work is done again.
+
+        Raises:
+            DamagedFile: the order does not allow it, or none is left.
+            UsageError: what is left cannot be written as is wanted.
+        """
+        sources = self.sources
+        while True:
+            try:
+                return sources, work(sources.clips(self.order.cameras, self.output.fps))
+            except DamagedFile as error:
+                if not self.order.skip_damaged or "recording" not in error.details:
+                    more = "; or go on without it: --skip-damaged" if len(sources.sources) > 1 else ""
+                    raise DamagedFile(error.message, hint=error.hint + more, details=error.details) from error
+                sources = sources.without(error.details["recording"], error.message)
+                resolve_output(self.output, sources.sources)
+
+    def provenance(self) -> Provenance:
+        """Of what is made: the options, and the recordings as they are."""
+        options = {**self.order.settings.options(), **asdict(self.output), "cameras": list(self.order.cameras)}
+        return Provenance(producer="compress", seed=0, options=options, inputs=self.sources.hashes())
 
 
 @dataclass(frozen=True)
@@ -64,6 +104,23 @@ class Packed:
     record: Compression
     path: Path
     fresh: bool
+
+
+def prepare(order: Order) -> Prepared:
+    """Look at all that an order asks for, before any work.
+
+    Raises:
+        InputFileError: there is nothing to compress, or it is damaged.
+        UsageError: the recordings cannot be written so, or an option is missing.
+        OutputFolderError: the output lies in the input, or the other way round.
+        UnknownName, MissingDependency: there is no such camera or display, or this machine lacks a tool.
+    """
+    require_apart(order.root, order.out)
+    require_tools(order.settings)
+    sources = find_sources(order.root, order.settings, skip_damaged=order.skip_damaged)
+    output = resolve_output(order.wanted, sources.sources)
+    require_alike(sources.clips(order.cameras, output.fps), output)
+    return Prepared(order, sources, output)
 
 
 def pack(order: Order, *, workers: int | None = None, force: bool = False, progress: Progress = silent) -> Packed:
@@ -78,19 +135,14 @@ def pack(order: Order, *, workers: int | None = None, force: bool = False, progr
         progress: told of every step.
 
     Raises:
-        InputFileError: there is nothing to compress, or it is damaged.
-        UsageError: the recordings cannot be written so, or an option is missing.
+        InputFileError, UsageError, UnknownName, MissingDependency: see :func:`prepare`.
         StaleStage: the output is there, made from other recordings or with other settings, and ``force`` is not set.
         OutputFolderError: the output is in the way, lies in the input, is being written, or cannot be.
         DiskFull: see :mod:`vcage.base.files`; what is finished is kept beside the output.
     """
     out = order.out.expanduser().resolve()
-    require_apart(order.root, order.out)
-    require_tools(order.settings)
-    sources = find_sources(order.root, order.settings, skip_damaged=order.skip_damaged)
-    wanted = suited(order.wanted, sources.sources)
-    require_alike(sources.clips(order.cameras, wanted.fps), wanted)
-    provenance = Provenance(producer="compress", seed=0, options=_options(order, wanted), inputs=sources.hashes())
+    work = prepare(order)
+    provenance = work.provenance()
     working = out.with_name(out.name + WORKING)
     done = _finished(out, provenance, force=force)
     if done is not None:
@@ -98,18 +150,16 @@ def pack(order: Order, *, workers: int | None = None, force: bool = False, progr
         return done
     RunFolder(working).make()
     with held(working):
-        sources, videos = without_damaged(
-            order,
-            sources,
-            wanted,
-            lambda clips: campaign(clips, order.settings, working / "videos", workers=workers, progress=progress),
+        sources, videos = work.without_damaged(
+            lambda clips: search_data_set(clips, order.settings, working / "videos", workers=workers, progress=progress)
         )
         streams = {key: stream_of(video) for key, video in videos.items()}
-        notes = _notes(sources)
+        notes = _notes(sources, work.output)
         record = compression_record(provenance, order.settings, list(streams.values()), notes)
         whole = working / "whole"
         shutil.rmtree(whole, ignore_errors=True)
-        write_target(Compressed(sources.sources, streams, videos, record.encoding.preset), wanted, whole, progress)
+        compressed = Compressed(sources.sources, streams, videos, record.encoding.preset)
+        write_output(compressed, work.output, whole, progress)
         record.write(whole / RECORD)
         with atomic_folder(out) as folder:
             for child in whole.iterdir():
@@ -124,32 +174,6 @@ def _clear(working: Path) -> None:
     if working.exists():
         with suppress(OutputFolderError), held(working):
             shutil.rmtree(working)
-
-
-def without_damaged(
-    order: Order, sources: Sources, wanted: Wanted, work: Callable[[list[Clip]], T]
-) -> tuple[Sources, T]:
-    """What some work makes of the clips of sources, and the sources that these are of.
-
-    Sources that only decoding shows to be damaged are left out if the order allows it, and the work is done again.
-
-    Raises:
-        DamagedFile: the order does not allow it, or none is left.
-        UsageError: what is left cannot be written as is wanted.
-    """
-    while True:
-        try:
-            return sources, work(sources.clips(order.cameras, wanted.fps))
-        except DamagedFile as error:
-            if not order.skip_damaged or "recording" not in error.details:
-                more = "; or go on without it: --skip-damaged" if len(sources.sources) > 1 else ""
-                raise DamagedFile(error.message, hint=error.hint + more, details=error.details) from error
-            sources = sources.without(error.details["recording"], error.message)
-            suited(wanted, sources.sources)
-
-
-def _options(order: Order, wanted: Wanted) -> dict[str, Any]:
-    return {**order.settings.options(), **asdict(wanted), "cameras": list(order.cameras)}
 
 
 def _finished(out: Path, provenance: Provenance, *, force: bool) -> Packed | None:
@@ -176,8 +200,9 @@ def _finished(out: Path, provenance: Provenance, *, force: bool) -> Packed | Non
     )
 
 
-def _notes(sources: Sources) -> dict[str, list[str]]:
-    notes = {source.name: list(source.recording.notes) for source in sources.sources}
+def _notes(sources: Sources, output: OutputSpec) -> dict[str, list[str]]:
+    """Recording → what a user must know of it, those that were left out as damaged too."""
+    notes = {one.name: [*one.notes, *output_notes(one, sources.sources, output)] for one in sources.sources}
     for name, cameras in sources.missing_cameras().items():
         notes[name].append(f"it lacks {', '.join(cameras)}, which others have")
     return {**notes, **{name: [f"left out: {text}"] for name, text in sources.damaged.items()}}

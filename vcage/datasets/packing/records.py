@@ -1,4 +1,4 @@
-"""What a campaign found, as the record that is left beside the videos."""
+"""What the search over a data set found, as the record that is left beside the videos."""
 
 from __future__ import annotations
 
@@ -9,9 +9,8 @@ from vcage.datasets.packing.settings import CompressionSettings
 from vcage.schema.base import Provenance
 from vcage.schema.compression import CameraCompression, Compression, Encoding, VideoStream
 from vcage.video.codec import is_rgb
-from vcage.video.encoders import CODECS
+from vcage.video.encoders import CODECS, encoder_version
 from vcage.video.jod import metric_version
-from vcage.video.versions import encoder_version
 
 T = TypeVar("T")
 

@@ -12,10 +12,8 @@ from vcage.base.errors import DamagedFile, OutputFolderError, UnknownName, Usage
 from vcage.base.files import sha256_file
 from vcage.datasets.packing.clips import Clip
 from vcage.datasets.packing.settings import CompressionSettings
-from vcage.datasets.recordings.lerobot_layouts import LeRobotRecording
-from vcage.datasets.recordings.opening import open_recordings
-from vcage.datasets.recordings.recording import Recording
-from vcage.datasets.recordings.robomimic import RobomimicDemo
+from vcage.datasets.recordings.opening import open_all
+from vcage.datasets.recordings.recording import Recording, relative_name
 from vcage.video.codec import formats_for
 
 LISTED = 5
@@ -30,11 +28,13 @@ class Source:
         name: unique among them; the file's, and the demonstration where the file holds several, or the episode.
         file: the recording's path without suffix, relative to what was given; shared by the demonstrations of a file.
         recording: the recording.
+        notes: what a user must know about how it was understood.
     """
 
     name: str
     file: str
     recording: Recording
+    notes: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -121,13 +121,12 @@ def find_sources(root: Path, settings: CompressionSettings, *, skip_damaged: boo
             recordings would be written under one name.
     """
     root = Path(root)
-    damaged: dict[Path, DamagedFile] = {}
-    opened = open_recordings(root, damaged)
-    complaints = {_name(path, root): error for path, error in damaged.items()}
+    opened = open_all(root)
+    complaints = {relative_name(path, root): error for path, error in opened.damaged.items()}
     sources: dict[str, Source] = {}
     taken: dict[str, Recording] = {}
-    for recording in opened:
-        file, name = _name(recording.path, root), _name_of(recording, root)
+    for recording in opened.recordings:
+        file, name = relative_name(recording.path, root), recording.name(root)
         for written in (file, name):
             first = taken.setdefault(written, recording)
             if first.path != recording.path:
@@ -135,12 +134,12 @@ def find_sources(root: Path, settings: CompressionSettings, *, skip_damaged: boo
                     f"{first} and {recording} would both be written as {written}", hint="rename one of them"
                 )
         try:
-            require_sound(recording)
+            notes = sound_notes(recording)
             _require_encodable(recording, settings)
         except DamagedFile as error:
             complaints[name] = error
         else:
-            sources[name] = Source(name, file, recording)
+            sources[name] = Source(name, file, recording, tuple(notes))
     if complaints and not (skip_damaged and sources):
         raise _refusal(complaints, left=len(sources))
     return Sources(root, list(sources.values()), {name: error.message for name, error in complaints.items()})
@@ -160,17 +159,18 @@ def require_apart(root: Path, out: Path) -> None:
         )
 
 
-def require_sound(recording: Recording) -> None:
-    """Nothing, if a recording has pictures and its commands are finite numbers, one row for each picture.
+def sound_notes(recording: Recording) -> list[str]:
+    """What a user must know about how a recording was understood, once it is sure that its commands are finite numbers,
+    one row for each picture, and that no camera is without a picture.
 
     Raises:
-        DamagedFile: it has not.
+        DamagedFile: they are not, or one is.
     """
-    recording.motion  # noqa: B018  reading checks it
+    notes = recording.notes
     for camera in recording.cameras:
         if camera.frames == 0:
             raise DamagedFile(f"{recording}: {camera.name} holds no frame", hint="leave the episode out")
-        recording.swapped(camera.name)  # notes it
+    return notes
 
 
 def _require_encodable(recording: Recording, settings: CompressionSettings) -> None:
@@ -192,16 +192,3 @@ def _refusal(complaints: dict[str, DamagedFile], left: int) -> DamagedFile:
     if left:
         hint = f"mend or remove what is damaged, or go on without it: --skip-damaged (sound: {left})"
     return DamagedFile(f"{shown}{more}", hint=hint, details={"damaged": messages})
-
-
-def _name_of(recording: Recording, root: Path) -> str:
-    if isinstance(recording, LeRobotRecording):
-        return f"episode_{recording.index:06d}"
-    if isinstance(recording, RobomimicDemo):
-        return f"{_name(recording.path, root)}.{recording.demo}"
-    return _name(recording.path, root)
-
-
-def _name(path: Path, root: Path) -> str:
-    """The path without suffix, relative to what was given."""
-    return path.stem if path == root else path.relative_to(root).with_suffix("").as_posix()

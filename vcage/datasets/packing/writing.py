@@ -3,33 +3,39 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeVar
 
 import h5py
+import numpy as np
 
 from vcage.base.files import atomic_path
 from vcage.base.progress import Progress
+from vcage.datasets.hdf5_files import damage
+from vcage.datasets.lerobot.episode import LeRobotEpisode
+from vcage.datasets.lerobot.features import encodings
 from vcage.datasets.lerobot.formats import open_writer
 from vcage.datasets.lerobot.repack import repack
+from vcage.datasets.lerobot.statistics import picture_histogram
 from vcage.datasets.packed import write_packed
 from vcage.datasets.packing.dataset_search import Key
-from vcage.datasets.packing.lerobot_episodes import encodings, lerobot_episode
+from vcage.datasets.packing.output import OutputSpec, keeps_version
 from vcage.datasets.packing.sources import Source
-from vcage.datasets.packing.targets import HDF5, VIDEOS, Wanted, episode_names, keeps_format
 from vcage.datasets.picture_links import Stream, find_links
-from vcage.datasets.recordings.hdf5_layouts import damage
-from vcage.datasets.recordings.recording import Recording
+from vcage.datasets.recordings.recording import HDF5, Recording
 from vcage.schema.compression import VideoStream
+
+SAMPLES = 50
+"""Pictures per episode and camera, evenly spaced, for the statistics of pixels."""
 
 T = TypeVar("T")
 
 
 @dataclass(frozen=True)
 class Compressed:
-    """Recordings, and what a campaign made of them.
+    """Recordings, and what the search made of them.
 
     Args:
         sources: the recordings.
@@ -44,21 +50,29 @@ class Compressed:
     preset: str
 
 
-def write_target(compressed: Compressed, wanted: Wanted, out: Path, progress: Progress) -> None:
+def write_output(compressed: Compressed, output: OutputSpec, out: Path, progress: Progress) -> None:
     """Write recordings with their videos into the folder ``out``, which is new.
+
+    Args:
+        compressed: what is written.
+        output: as what.
+        out: the folder.
+        progress: told of every file or episode.
 
     Raises:
         UsageError: recordings do not fit into one LeRobot data set.
         DamagedFile: a recording cannot be read.
         DiskFull, OutputFolderError: the folder cannot be written.
     """
-    writer: Callable[..., None] = {HDF5: _write_hdf5, VIDEOS: _write_videos}.get(str(wanted.target), _write_lerobot)
-    writer(compressed, wanted, out, progress)
-
-
-def _write_videos(compressed: Compressed, _wanted: Wanted, out: Path, _progress: Progress) -> None:
-    for key, stream in compressed.streams.items():
-        _copy(compressed.videos[key], out / stream.file)
+    if output.lerobot and keeps_version(compressed.sources, output):
+        _repack_lerobot(compressed, out, progress)
+    elif output.lerobot:
+        _write_lerobot(compressed, output, out, progress)
+    else:
+        for key, stream in compressed.streams.items():
+            _copy(compressed.videos[key], out / stream.file)
+        if output.target == HDF5:
+            _write_hdf5(compressed, out, progress)
 
 
 def _copy(file: Path, target: Path) -> None:
@@ -66,8 +80,8 @@ def _copy(file: Path, target: Path) -> None:
         shutil.copyfile(file, part)
 
 
-def _write_hdf5(compressed: Compressed, wanted: Wanted, out: Path, progress: Progress) -> None:
-    _write_videos(compressed, wanted, out, progress)
+def _write_hdf5(compressed: Compressed, out: Path, progress: Progress) -> None:
+    """The files, with links to the videos that lie there."""
     streams_of = _by_recording(compressed.streams)
     links: dict[str, list[Stream]] = {}
     for source in compressed.sources:
@@ -116,28 +130,52 @@ def _link(recording: Recording, stream: VideoStream) -> Stream:
 # --- LeRobot -------------------------------------------------------------------------------------------
 
 
-def _write_lerobot(compressed: Compressed, wanted: Wanted, out: Path, progress: Progress) -> None:
-    if keeps_format(compressed.sources, wanted):
-        _repack_lerobot(compressed, out, progress)
-        return
+def _write_lerobot(compressed: Compressed, output: OutputSpec, out: Path, progress: Progress) -> None:
     videos_of = _by_recording(compressed.videos)
-    with open_writer(
-        str(wanted.target), out, encodings(list(compressed.streams.values()), compressed.preset)
-    ) as writer:
+    told = encodings(list(compressed.streams.values()), compressed.preset)
+    with open_writer(str(output.target), out, told) as writer:
         for number, source in enumerate(compressed.sources):
             progress(f"writing {source.name}", number, len(compressed.sources))
-            writer.add(lerobot_episode(source.recording, videos_of[source.name], wanted))
+            writer.add(lerobot_episode(source.recording, videos_of[source.name], output))
 
 
 def _repack_lerobot(compressed: Compressed, out: Path, progress: Progress) -> None:
     """All stays as it is but the videos of the cameras that were compressed."""
     recording = compressed.sources[0].recording
-    told = {
-        recording.camera(camera).key: facts
-        for camera, facts in encodings(list(compressed.streams.values()), compressed.preset).items()
+    told = encodings(list(compressed.streams.values()), compressed.preset)
+    keys = {camera: recording.camera(camera).key for camera in told}
+    new = {
+        key: {source.recording.number: compressed.videos[source.name, camera] for source in compressed.sources}
+        for camera, key in keys.items()
     }
-    new: dict[str, dict[int, Path]] = {key: {} for key in told}
-    for episode, name in episode_names(compressed.sources).items():
-        for camera in {camera for _, camera in compressed.videos}:
-            new[recording.camera(camera).key][episode] = compressed.videos[name, camera]
-    repack(recording.path, out, new, told, progress)
+    repack(recording.path, out, new, {keys[camera]: facts for camera, facts in told.items()}, progress)
+
+
+def lerobot_episode(recording: Recording, videos: Mapping[str, Path], output: OutputSpec) -> LeRobotEpisode:
+    """A recording as an episode of a LeRobot data set.
+
+    Args:
+        recording: the recording.
+        videos: camera → its video.
+        output: says what the recording does not.
+
+    Raises:
+        DamagedFile: the recording cannot be read.
+    """
+    subtasks, motion = recording.subtasks, recording.motion
+    frames = recording.camera(next(iter(videos))).frames
+    sample = np.unique(np.linspace(0, frames - 1, SAMPLES).astype(int)).tolist()
+    return LeRobotEpisode(
+        fps=recording.fps or output.fps or 0.0,
+        robot=recording.robot or output.robot or "unknown",
+        task=recording.task or output.task or "",
+        videos=videos,
+        histograms={camera: picture_histogram(recording.pictures(camera, sample)) for camera in videos},
+        sampled=len(sample),
+        subtasks=subtasks,
+        state=recording.state,
+        state_names=recording.state_names,
+        action=None if motion is None else motion.action,
+        action_names=recording.action_names,
+        frames=frames,
+    )

@@ -1,72 +1,151 @@
-"""Which recordings a path holds."""
+"""Which recordings a path holds, whatever their layout."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
 from pathlib import Path
 
+import h5py
+import numpy as np
+
 from vcage.base.errors import DamagedFile, InputFileError
-from vcage.datasets.lerobot.info import INFO
-from vcage.datasets.recordings.colours import agree_on_colours
-from vcage.datasets.recordings.folder import PictureFolder, pictures_in
-from vcage.datasets.recordings.hdf5_layouts import open_hdf5
-from vcage.datasets.recordings.lerobot_layouts import open_lerobot
+from vcage.datasets.hdf5_files import damage
+from vcage.datasets.lerobot.meta import INFO
+from vcage.datasets.recordings.act import ActEpisode, VcageEpisode
+from vcage.datasets.recordings.hdf5_recording import Hdf5Recording
+from vcage.datasets.recordings.lerobot import open_lerobot
+from vcage.datasets.recordings.picture_folder import PictureFolder, pictures_in
 from vcage.datasets.recordings.recording import Recording
-from vcage.datasets.recordings.robomimic import open_robomimic
+from vcage.datasets.recordings.robomimic import RobomimicDemo
+from vcage.datasets.recordings.robotwin import RoboTwinEpisode, RoboTwinVisionEpisode
 
-HDF5 = (".hdf5", ".h5")
+SUFFIXES = (".hdf5", ".h5")
+
+HDF5_LAYOUTS: tuple[type[Hdf5Recording], ...] = (
+    RobomimicDemo,
+    VcageEpisode,
+    RoboTwinEpisode,
+    RoboTwinVisionEpisode,
+    ActEpisode,
+)
+"""In this order a file is taken for the first that it fits."""
+
+VOTERS = 20
+"""Recordings that are asked for their colours when many must agree."""
 
 
-def open_recordings(path: Path, damaged: dict[Path, DamagedFile] | None = None) -> list[Recording]:
-    """The recordings in a file or a folder, sorted by name: an HDF5 file or the demonstrations in it, the episodes of a
-    LeRobot data set, all HDF5 files below a folder, or the pictures of a folder or of its folders.
+@dataclass(frozen=True)
+class Opened:
+    """What a path holds.
 
     Args:
-        path: the file or the folder.
-        damaged: where given, damaged files of a folder are noted here instead of raised.
+        recordings: sorted by name.
+        damaged: file of a folder → what is wrong with it.
+    """
+
+    recordings: Sequence[Recording]
+    damaged: Mapping[Path, DamagedFile]
+
+
+def open_recordings(path: Path) -> list[Recording]:
+    """As :func:`open_all`, where nothing is damaged.
 
     Raises:
         InputFileError: there is nothing at the path, or nothing that is known.
         DamagedFile: a file is damaged, or in no layout that is known; names it.
     """
+    opened = open_all(path)
+    for error in opened.damaged.values():
+        raise error
+    return list(opened.recordings)
+
+
+def open_all(path: Path) -> Opened:
+    """The recordings in a file or a folder: an HDF5 file or the demonstrations in it, the episodes of a LeRobot data
+    set, all HDF5 files below a folder, or the pictures of a folder or of its folders.
+
+    Raises:
+        InputFileError: there is nothing at the path, or nothing that is known.
+        DamagedFile: the file is damaged, or in no layout that is known; or what describes the data set is.
+    """
     path = Path(path)
     if path.is_file():
-        return _open_file(path)
+        return Opened(_recordings_in(path), {})
     if not path.is_dir():
         raise InputFileError(
             f"{path} does not exist",
             hint="give an HDF5 file, or a folder of them or of pictures, or a LeRobot data set",
         )
     if (path / INFO).is_file():
-        return list(open_lerobot(path))
+        return Opened(open_lerobot(path), {})
     files = hdf5_files(path)
     if files:
-        return _open_all(files, damaged)
+        return _open_files(files)
     if pictures_in(path) or any(pictures_in(folder) for folder in path.iterdir() if folder.is_dir()):
-        return [PictureFolder(path)]
+        return Opened([PictureFolder(path)], {})
     raise InputFileError(
         f"{path} holds no recording",
-        hint=f"known are {', '.join(HDF5)} files, LeRobot data sets, and folders of PNG or JPEG pictures",
+        hint=f"known are {', '.join(SUFFIXES)} files, LeRobot data sets, and folders of PNG or JPEG pictures",
     )
+
+
+def open_hdf5(path: Path) -> Hdf5Recording:
+    """The recording in an HDF5 file that holds one, or the first.
+
+    Raises:
+        DamagedFile: it is no HDF5, is cut off, or holds no pictures in a layout that is known.
+    """
+    return _recordings_in(path)[0]
 
 
 def hdf5_files(folder: Path) -> list[Path]:
     """All HDF5 files below a folder, sorted."""
-    return sorted(file for file in folder.rglob("*") if file.suffix in HDF5 and file.is_file())
+    return sorted(file for file in folder.rglob("*") if file.suffix in SUFFIXES and file.is_file())
 
 
-def _open_all(files: list[Path], damaged: dict[Path, DamagedFile] | None) -> list[Recording]:
-    opened: list[Recording] = []
+def _open_files(files: Sequence[Path]) -> Opened:
+    found: list[Hdf5Recording] = []
+    damaged: dict[Path, DamagedFile] = {}
     for file in files:
         try:
-            opened += _open_file(file)
+            found += _recordings_in(file)
         except DamagedFile as error:
-            if damaged is None:
-                raise
             damaged[file] = error
-    agree_on_colours(opened)
-    return opened
+    return Opened(_with_colours_agreed(found), damaged)
 
 
-def _open_file(path: Path) -> list[Recording]:
-    """The recordings in an HDF5 file; at least one."""
-    return [*open_robomimic(path)] or [open_hdf5(path)]
+def _recordings_in(path: Path) -> list[Hdf5Recording]:
+    """The recordings in an HDF5 file, at least one, by what the file holds."""
+    with damage(path), h5py.File(path) as file:
+        keys: list[str] = []
+        file.visit(keys.append)
+        for layout in HDF5_LAYOUTS:
+            if found := layout.found_in(path, file, keys):
+                return list(found)
+    raise DamagedFile(
+        f"{path} holds no pictures where a known layout has them (it has: {', '.join(keys[:8]) or 'nothing'})",
+        hint="known are RoboTwin's observation/<camera>/rgb and vision/<camera>/colors, ACT's "
+        "observations/images/<camera>, and robomimic's data/demo_<number>/obs/<camera>_image",
+    )
+
+
+def _with_colours_agreed(recordings: Sequence[Hdf5Recording]) -> list[Hdf5Recording]:
+    """Recordings of one layout that lie together are taken for made alike: whether red and blue are swapped in most of
+    them holds for all. Only some are looked at, and those that say themselves how their colours are, are believed."""
+    agreed: dict[type[Hdf5Recording], bool] = {}
+    for layout in {type(recording) for recording in recordings}:
+        own = [one for one in recordings if type(one) is layout]
+        some = np.unique(np.linspace(0, len(own) - 1, min(len(own), VOTERS)).astype(int))
+        votes = [vote for index in some if (vote := _colour_vote(own[index])) is not None]
+        if votes:
+            agreed[layout] = 2 * sum(votes) > len(votes)
+    return [one.with_colours(agreed[type(one)]) if type(one) in agreed else one for one in recordings]
+
+
+def _colour_vote(recording: Hdf5Recording) -> bool | None:
+    with suppress(DamagedFile):  # which is complained of where the recording is read
+        if not recording.says_colours:
+            return recording.looks_swapped()
+    return None

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -13,9 +13,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vcage.base.errors import DamagedFile, UnknownName
+from vcage.datasets.lerobot.episode import SubtaskSpan
 
 ARM_JOINTS = 6
 """Joints of an arm in ACT's 7- and 14-number commands; each arm's gripper follows them."""
+
+
+HDF5, VIDEOS = "hdf5", "videos"
+"""What recordings are packed as, besides LeRobot data sets: HDF5 files with videos beside them, or videos alone."""
 
 
 @dataclass(frozen=True)
@@ -46,6 +51,13 @@ class Camera:
         """Size of the pictures as uint8 RGB."""
         return self.frames * self.width * self.height * 3
 
+    @property
+    def notes(self) -> list[str]:
+        """What a user must know where the pictures are not RGB in the file."""
+        if self.channels == 1:
+            return [f"{self.name} is grey; it is read as RGB"]
+        return [f"{self.name} has an alpha channel; it is laid over white"] if self.channels == 4 else []
+
 
 @dataclass(frozen=True)
 class Columns:
@@ -54,10 +66,12 @@ class Columns:
     Args:
         values: (T, D).
         names: of the D numbers; none where nobody says.
+        notes: what a user must know about how they were understood.
     """
 
     values: NDArray[np.float64]
     names: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
 
     def all_names(self) -> list[str]:
         """Names of the D numbers: ``joint_0``… where nobody says."""
@@ -74,11 +88,18 @@ class Motion:
         action: (T, D) commands: joint positions, or poses.
         grippers: columns of ``action`` that open and close a gripper.
         names: of the D numbers; none where nobody says.
+        notes: what a user must know about how they were understood.
     """
 
     action: NDArray[np.float64]
     grippers: tuple[int, ...] = ()
     names: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
+
+
+def relative_name(path: Path, root: Path) -> str:
+    """A path without suffix, relative to the file or the folder ``root``."""
+    return path.stem if path == root else path.relative_to(root).with_suffix("").as_posix()
 
 
 def act_grippers(numbers: int) -> tuple[int, ...]:
@@ -94,19 +115,42 @@ class Recording(ABC):
 
     Attributes:
         path: the file or the folder.
-        notes: what a user must know about how it was understood, such as colours that were swapped back.
+        number: of the recording in its file or data set.
     """
 
     LAYOUT: ClassVar[str]
     """Name of the layout, for people."""
 
-    def __init__(self, path: Path):
+    TARGET: ClassVar[str] = VIDEOS
+    """What recordings of the kind are packed as unless something else is asked for: their own kind of files."""
+
+    def __init__(self, path: Path, number: int = 0):
         self.path = Path(path)
-        self.notes: list[str] = []
+        self.number = number
 
     def __str__(self) -> str:
         """How messages name it."""
         return str(self.path)
+
+    def name(self, root: Path) -> str:
+        """Its name among the recordings found at ``root``: the path from there, without suffix."""
+        return relative_name(self.path, root)
+
+    @property
+    def notes(self) -> list[str]:
+        """What a user must know about how commands, cameras and times were understood, which are read for it.
+
+        Raises:
+            DamagedFile: as :attr:`motion` and :attr:`cameras`.
+        """
+        motion = self.motion
+        return [*(() if motion is None else motion.notes), *self._camera_notes()]
+
+    @property
+    def state_notes(self) -> list[str]:
+        """What a user must know about how the state was understood, which is read for it."""
+        found = self._checked_state()
+        return [] if found is None else list(found.notes)
 
     @property
     @abstractmethod
@@ -131,7 +175,7 @@ class Recording(ABC):
             return None
         self._check("action", found.values)
         grippers = tuple(column for column, name in enumerate(found.names) if "gripper" in name)
-        return Motion(found.values, grippers or act_grippers(found.values.shape[1]), found.names)
+        return Motion(found.values, grippers or act_grippers(found.values.shape[1]), found.names, found.notes)
 
     @property
     def state(self) -> NDArray[np.float64] | None:
@@ -176,6 +220,25 @@ class Recording(ABC):
         """Name of the robot; None where the recording does not say."""
         return None
 
+    @property
+    def subtasks(self) -> list[SubtaskSpan]:
+        """Parts of the task in order; none where the recording does not say."""
+        return []
+
+    def left_out(self) -> list[str]:
+        """Numbers of each frame, by name, that a LeRobot data set of another version does not take over."""
+        return []
+
+    def require_rgb(self, cameras: Collection[str]) -> None:
+        """Nothing, if a video in RGB keeps what these cameras show.
+
+        Raises:
+            UnknownName: there is no such camera.
+            UsageError: one shows depth or grey, and the layout says so.
+        """
+        for name in cameras:
+            self.camera(name)
+
     @abstractmethod
     def pictures(self, camera: str, indices: Sequence[int] | None = None) -> NDArray[np.uint8]:
         """(N, H, W, 3) uint8 RGB at increasing ``indices`` (None: all), whatever way they are stored.
@@ -205,6 +268,9 @@ class Recording(ABC):
                 return one
         raise UnknownName("camera", name, [one.name for one in self.cameras])
 
+    def _camera_notes(self) -> list[str]:
+        return [note for camera in self.cameras for note in camera.notes]
+
     @abstractmethod
     def _read_commands(self) -> Columns | None:
         """What the robot was told, unchecked."""
@@ -233,19 +299,3 @@ class Recording(ABC):
                     f"{self}: {camera.name} has {camera.frames} pictures, the {what} {len(values)} rows",
                     hint="frames are missing; leave the episode out",
                 )
-
-
-def stacked(pictures: Sequence[NDArray[np.uint8]], what: str) -> NDArray[np.uint8]:
-    """(N, H, W, 3) of pictures that must be of one size.
-
-    Raises:
-        DamagedFile: they are not; names the first that differs.
-    """
-    for index, picture in enumerate(pictures):
-        if picture.shape != pictures[0].shape:
-            (h, w), (first_h, first_w) = picture.shape[:2], pictures[0].shape[:2]
-            raise DamagedFile(
-                f"{what}: picture {index} is {w}x{h}, the first {first_w}x{first_h}",
-                hint="a video has one size: resize the pictures, or split the recording where the size changes",
-            )
-    return np.stack(pictures)

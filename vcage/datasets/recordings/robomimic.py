@@ -10,17 +10,17 @@ from __future__ import annotations
 import json
 import math
 import re
+from collections.abc import Collection
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 import h5py
 import numpy as np
 
 from vcage.base.errors import DamagedFile
 from vcage.datasets.picture_links import read_link
-from vcage.datasets.recordings.hdf5_columns import columns, table
-from vcage.datasets.recordings.hdf5_layouts import Hdf5Recording, damage
+from vcage.datasets.recordings.hdf5_recording import Hdf5Recording, columns, table
 from vcage.datasets.recordings.recording import Columns, act_grippers
 
 DATA = "data"
@@ -45,23 +45,45 @@ class RobomimicDemo(Hdf5Recording):
     LAYOUT = "robomimic"
 
     def __init__(self, path: Path, demo: str):
-        super().__init__(path)
+        super().__init__(path, int(demo.removeprefix("demo_")))
         self.demo = demo
 
     def __str__(self) -> str:
         return f"{self.path}:{self.demo}"
 
+    @classmethod
+    def found_in(cls, path: Path, file: h5py.File, keys: Collection[str]) -> list[Self]:
+        """The demonstrations by their numbers; none where none has pictures."""
+        data = file.get(DATA)
+        if not isinstance(data, h5py.Group):
+            return []
+        matches = [match for name in data if (match := re.fullmatch(DEMO, name))]
+        demos = [match[0] for match in sorted(matches, key=lambda match: int(match[1]))]
+        seen = any(_pictures_in(data.get(f"{demo}/obs")) for demo in demos)
+        return [cls(path, demo) for demo in demos] if seen else []
+
+    def name(self, root: Path) -> str:
+        return f"{super().name(root)}.{self.demo}"
+
     @property
     def fps(self) -> float | None:
         return self._control_rate or super().fps
 
+    @property
+    def notes(self) -> list[str]:
+        rate = self._control_rate
+        told = [] if rate is None else [f"its frame rate is the control_freq of env_args, {rate:g} Hz"]
+        return super().notes + told
+
     @cached_property
     def _control_rate(self) -> float | None:
+        """How often the robot was told something, and a picture taken, Hz; None where nothing says."""
         with self._file() as file:
-            rate = _control_rate(file[DATA])
-        if rate is not None:
-            self.notes.append(f"its frame rate is the control_freq of env_args, {rate:g} Hz")
-        return rate
+            try:
+                rate = json.loads(file[DATA].attrs["env_args"])["env_kwargs"]["control_freq"]
+            except (KeyError, TypeError, ValueError):
+                return None
+        return float(rate) if isinstance(rate, (int, float)) and 0 < rate < math.inf else None
 
     def _part(self, file: h5py.File) -> h5py.Group:
         return file[f"{DATA}/{self.demo}"]
@@ -70,10 +92,14 @@ class RobomimicDemo(Hdf5Recording):
         found = _pictures_in(part.get("obs"))
         if not found:
             raise DamagedFile(f"{self} holds no pictures in obs", hint="leave the demonstration out")
-        if _pictures_in(part.get("next_obs")):
-            self.notes.append("the pictures of next_obs, which are those of obs one step later, stay as they are")
         short = {name: name.removesuffix(SUFFIX) for name in found}
         return {name if short[name] in found else short[name]: found[name] for name in found}
+
+    def _camera_notes(self) -> list[str]:
+        with self._file() as file:
+            repeated = bool(_pictures_in(self._part(file).get("next_obs")))
+        note = "the pictures of next_obs, which are those of obs one step later, stay as they are"
+        return [note] * repeated + super()._camera_notes()
 
     def _commands(self, part: h5py.Group) -> Columns | None:
         found = table(part, "actions")
@@ -84,31 +110,13 @@ class RobomimicDemo(Hdf5Recording):
         note = f"of the {numbers} numbers of a command none is known to move a gripper"
         if grippers:
             note = f"of the {numbers} numbers of a command, counted from 0, {grippers} is taken for a gripper's"
-        self.notes += [note] if note not in self.notes else []
-        return Columns(found.values, tuple(f"action_{column}" for column in range(numbers)))
+        return Columns(found.values, tuple(f"action_{column}" for column in range(numbers)), (note,))
 
     def _measured(self, part: h5py.Group) -> Columns | None:
         obs = part["obs"]
         robots = [match for name in obs if (match := re.fullmatch(STATE, name))]
         robots.sort(key=lambda match: (int(match[1]), match[2] != "joint_pos"))
         return columns(obs, [match[0] for match in robots])
-
-
-def open_robomimic(path: Path) -> list[RobomimicDemo]:
-    """The demonstrations of an HDF5 file by their numbers; none where it has another layout, or none has pictures.
-
-    Raises:
-        DamagedFile: it is no HDF5, or is cut off.
-    """
-    with damage(path), h5py.File(path) as file:
-        data = file.get(DATA)
-        if not isinstance(data, h5py.Group):
-            return []
-        matches = [match for name in data if (match := re.fullmatch(DEMO, name))]
-        demos = [match[0] for match in sorted(matches, key=lambda match: int(match[1]))]
-        if not any(_pictures_in(data.get(f"{demo}/obs")) for demo in demos):
-            return []
-    return [RobomimicDemo(path, demo) for demo in demos]
 
 
 def _pictures_in(group: Any) -> dict[str, h5py.Dataset]:
@@ -119,12 +127,3 @@ def _pictures_in(group: Any) -> dict[str, h5py.Dataset]:
 
 def _are_pictures(dataset: h5py.Dataset) -> bool:
     return read_link(dataset) is not None or (dataset.ndim == 4 and dataset.dtype == np.uint8)
-
-
-def _control_rate(data: h5py.Group) -> float | None:
-    """How often the robot was told something, and a picture taken, Hz; None where nothing says."""
-    try:
-        rate = json.loads(data.attrs["env_args"])["env_kwargs"]["control_freq"]
-    except (KeyError, TypeError, ValueError):
-        return None
-    return float(rate) if isinstance(rate, (int, float)) and 0 < rate < math.inf else None

@@ -6,7 +6,7 @@ import pytest
 
 from tests.datasets.recordings.layouts import FRAMES, jpeg, room, rooms
 from vcage.base.errors import DamagedFile
-from vcage.datasets.recordings.folder import PictureFolder
+from vcage.datasets.recordings.picture_folder import PictureFolder
 
 
 def test_pictures_come_in_the_order_of_their_numbers(tmp_path):

@@ -12,10 +12,10 @@ from tests.datasets.recordings.layouts import FRAMES
 from tests.recordings import INSTRUCTION, written
 from vcage.base.errors import DamagedFile, UsageError
 from vcage.base.videos import decode, frame_count
+from vcage.datasets.lerobot.features import encodings
 from vcage.datasets.lerobot.formats import FORMATS
-from vcage.datasets.packing.lerobot_episodes import encodings
+from vcage.datasets.packing.output import HDF5, VIDEOS, OutputSpec, require_alike, resolve_output
 from vcage.datasets.packing.sources import find_sources
-from vcage.datasets.packing.targets import HDF5, VIDEOS, Wanted, require_alike, suited
 from vcage.datasets.recordings.opening import open_recordings
 from vcage.video.choices import LOSSLESS
 
@@ -27,7 +27,7 @@ def source(tmp_path):
 
 def require(folder, target: str, cameras: tuple[str, ...] = ()) -> None:
     found = find_sources(folder, settings())
-    require_alike(found.clips(cameras, FPS), Wanted(target, task="open the jar"))
+    require_alike(found.clips(cameras, FPS), OutputSpec(target, task="open the jar"))
 
 
 # --- what suits ----------------------------------------------------------------------------------------
@@ -35,16 +35,16 @@ def require(folder, target: str, cameras: tuple[str, ...] = ()) -> None:
 
 def test_hdf5_files_become_hdf5_files_unless_something_else_is_wanted(source):
     sources = find_sources(source, settings()).sources
-    assert suited(Wanted(), sources).target == HDF5
-    assert suited(Wanted(VIDEOS), sources).target == VIDEOS
+    assert resolve_output(OutputSpec(), sources).target == HDF5
+    assert resolve_output(OutputSpec(VIDEOS), sources).target == VIDEOS
 
 
 def test_a_data_set_of_recordings_that_do_not_say_what_the_task_was_asks_for_it(source):
     sources = find_sources(source, settings()).sources
     with pytest.raises(UsageError, match="was told") as refused:
-        suited(Wanted("lerobot-v2.1"), sources)
+        resolve_output(OutputSpec("lerobot-v2.1"), sources)
     assert "--task" in refused.value.hint
-    assert suited(Wanted("lerobot-v2.1", task="open the jar"), sources)
+    assert resolve_output(OutputSpec("lerobot-v2.1", task="open the jar"), sources)
 
 
 @pytest.mark.parametrize("target", FORMATS)

@@ -1,10 +1,11 @@
-"""Pictures that a file holds as JPEG or PNG, and whether their red and blue are swapped."""
+"""Pictures as files hold them: JPEG or PNG, or arrays of pixels, one by one or in datasets of HDF5; read as RGB."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
 import cv2
+import h5py
 import numpy as np
 from numpy.typing import NDArray
 
@@ -63,12 +64,6 @@ def channels_of(data: bytes, what: str) -> int:
     return 1 if picture.ndim == 2 else picture.shape[2]
 
 
-def told_of_channels(channels: int, camera: str) -> list[str]:
-    """What a user must know of a camera whose pictures are not RGB in the file."""
-    known = {1: f"{camera} is grey; it is read as RGB", 4: f"{camera} has an alpha channel; it is laid over white"}
-    return [known[channels]] if channels in known else []
-
-
 def _decode(raw: NDArray[np.uint8], flags: int, what: str) -> NDArray[np.uint8]:
     picture = cv2.imdecode(raw, flags) if len(raw) else None
     if picture is None:
@@ -91,6 +86,22 @@ def to_rgb(picture: NDArray[np.uint8], what: str) -> NDArray[np.uint8]:
     return three_channels(picture)
 
 
+def stacked(pictures: Sequence[NDArray[np.uint8]], what: str) -> NDArray[np.uint8]:
+    """(N, H, W, 3) of pictures that must be of one size.
+
+    Raises:
+        DamagedFile: they are not; names the first that differs.
+    """
+    for index, picture in enumerate(pictures):
+        if picture.shape != pictures[0].shape:
+            (h, w), (first_h, first_w) = picture.shape[:2], pictures[0].shape[:2]
+            raise DamagedFile(
+                f"{what}: picture {index} is {w}x{h}, the first {first_w}x{first_h}",
+                hint="a video has one size: resize the pictures, or split the recording where the size changes",
+            )
+    return np.stack(pictures)
+
+
 def looks_swapped(pictures: Sequence[NDArray[np.uint8]]) -> bool | None:
     """Whether red and blue changed places in RGB pictures of rooms and tables; None where the colours do not say.
 
@@ -104,3 +115,62 @@ def looks_swapped(pictures: Sequence[NDArray[np.uint8]]) -> bool | None:
     if max(warm, 1 - warm) < CLEARLY:
         return None
     return warm < 0.5
+
+
+# --- datasets of HDF5 ----------------------------------------------------------------------------------
+
+ARRAY = "array"
+"""(T, H, W) or (T, H, W, C) pixels."""
+
+FIXED = "fixed"
+"""(T,) strings of one length, padded with NUL."""
+
+PADDED = "padded"
+"""(T, N) bytes, padded with 0."""
+
+VLEN = "vlen"
+"""(T,) lists of bytes."""
+
+
+def picture_kind(dataset: h5py.Dataset) -> str:
+    """How a dataset holds pictures: :data:`ARRAY`, :data:`FIXED`, :data:`PADDED` or :data:`VLEN`."""
+    if dataset.dtype.kind in "SO":
+        return FIXED if dataset.dtype.kind == "S" else VLEN
+    return PADDED if dataset.dtype == np.uint8 and dataset.ndim == 2 else ARRAY
+
+
+def picture_storage(dataset: h5py.Dataset, what: str) -> str:
+    """``raw``, ``jpeg`` or ``png``, as the first picture is.
+
+    Raises:
+        DamagedFile: it is neither; ``what`` names the dataset.
+    """
+    return "raw" if picture_kind(dataset) == ARRAY else storage_of(encoded_bytes(dataset, 0), f"{what}[0]")
+
+
+def picture_channels(dataset: h5py.Dataset, what: str) -> int:
+    """Channels of the pictures, as the first has them.
+
+    Raises:
+        DamagedFile: that is encoded and damaged; ``what`` names the dataset.
+    """
+    if picture_kind(dataset) == ARRAY:
+        return dataset.shape[3] if dataset.ndim == 4 else 1
+    return channels_of(encoded_bytes(dataset, 0), f"{what}[0]")
+
+
+def encoded_bytes(dataset: h5py.Dataset, index: int) -> bytes:
+    """The file of an encoded picture, perhaps with padding behind it."""
+    value = dataset[index]
+    return value if isinstance(value, bytes) else np.asarray(value, np.uint8).tobytes()
+
+
+def stored_picture(dataset: h5py.Dataset, index: int, what: str) -> NDArray[np.uint8]:
+    """(H, W, 3) as stored: encoded pictures as a reader of picture files shows them.
+
+    Raises:
+        DamagedFile: it cannot be decoded, or is no picture; ``what`` names the dataset.
+    """
+    if picture_kind(dataset) == ARRAY:
+        return to_rgb(dataset[index], f"{what}[{index}]")
+    return decode_picture(encoded_bytes(dataset, index), f"{what}[{index}]")

@@ -10,16 +10,16 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
+from tests.datasets.conftest import episode_of
 from tests.recordings import CAMERAS, FPS, clip, episode
 from vcage.base.errors import UsageError
 from vcage.base.files import sha256_file
-from vcage.datasets.lerobot.episode import episode_of
 from vcage.datasets.lerobot.formats import open_writer
 from vcage.datasets.lerobot.statistics import picture_histogram
+from vcage.datasets.packing.output import OutputSpec, output_notes, require_alike, resolve_output
 from vcage.datasets.packing.pack import Order, pack
 from vcage.datasets.packing.settings import CompressionSettings
 from vcage.datasets.packing.sources import find_sources
-from vcage.datasets.packing.targets import Wanted, require_alike, suited
 from vcage.datasets.recordings.opening import open_recordings
 from vcage.video.codec import EncoderSettings, encode
 
@@ -60,7 +60,7 @@ def hashes(root: Path) -> dict[str, str]:
 
 def compressed(root: Path, target: str | None = None, cameras: tuple[str, ...] = ()) -> Path:
     out = root.parent / "out"
-    pack(Order(root, out, SETTINGS, Wanted(target), cameras), workers=1)
+    pack(Order(root, out, SETTINGS, OutputSpec(target), cameras), workers=1)
     return out
 
 
@@ -96,24 +96,18 @@ def test_another_version_says_what_it_left_out(dataset):
     assert notes == {"episode_000000": [left_out], "episode_000001": [left_out]}
 
 
-def test_what_is_left_out_is_said_once(dataset):
-    sources = find_sources(dataset, SETTINGS)
-    for _ in range(2):
-        suited(Wanted(OTHER[version_of(dataset)]), sources.sources)
-    assert len(sources.sources[0].recording.notes) == 1
-
-
 def test_the_same_version_says_of_nothing_that_it_is_left_out(dataset):
-    sources = find_sources(dataset, SETTINGS)
-    assert suited(Wanted(), sources.sources).target == version_of(dataset)
-    assert sources.sources[0].recording.notes == []
+    sources = find_sources(dataset, SETTINGS).sources
+    output = resolve_output(OutputSpec(), sources)
+    assert output.target == version_of(dataset)
+    assert [*sources[0].notes, *output_notes(sources[0], sources, output)] == []
 
 
 def test_the_same_version_needs_all_episodes(dataset):
     sources = find_sources(dataset, SETTINGS).sources[1:]
     with pytest.raises(UsageError, match="none can be left out; missing: 0"):
-        suited(Wanted(), sources)
-    assert suited(Wanted(OTHER[version_of(dataset)]), sources).target == OTHER[version_of(dataset)]
+        resolve_output(OutputSpec(), sources)
+    assert resolve_output(OutputSpec(OTHER[version_of(dataset)]), sources).target == OTHER[version_of(dataset)]
 
 
 def test_depth_is_refused_before_anything_is_searched(dataset):
@@ -121,7 +115,7 @@ def test_depth_is_refused_before_anything_is_searched(dataset):
     info["features"]["observation.images.cam_high"]["info"]["video.is_depth_map"] = True
     (dataset / "meta/info.json").write_text(json.dumps(info))
     sources = find_sources(dataset, SETTINGS)
-    wanted = suited(Wanted(), sources.sources)
+    wanted = resolve_output(OutputSpec(), sources.sources)
     with pytest.raises(UsageError, match="cam_high shows depth"):
         require_alike(sources.clips(), wanted)
     require_alike(sources.clips(["cam_left_wrist"]), wanted)

@@ -1,23 +1,19 @@
-"""HDF5 files that hold one recording: RoboTwin's two layouts, that of ACT, and our own episodes.
+"""HDF5 files that hold recordings: what their layouts have in common, and numbers over time in their datasets.
 
-RoboTwin's first layout: ``observation/<camera>/rgb`` holds JPEG as fixed-length bytes, made with OpenCV from RGB arrays
-and so with red and blue swapped (https://github.com/robotwin-Platform/RoboTwin/issues/438); ``joint_action`` the
-commands, which it takes for the state too. Its second: ``vision/<camera>/colors`` and the groups ``state`` and
-``action``. ACT's: ``/action``, ``/observations/qpos`` and ``/observations/images/<camera>``, arrays or JPEG.
-
-Any of them may be packed: its pictures lie in videos beside the file (:mod:`vcage.datasets.packed`).
+A layout says where its pictures, its commands and its state are. Any of them may be packed: its pictures lie in videos
+beside the file (:mod:`vcage.datasets.packed`).
 """
 
 from __future__ import annotations
 
-import json
 import re
 from abc import abstractmethod
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from contextlib import contextmanager
+from copy import copy
 from functools import cached_property
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Self
 
 import h5py
 import numpy as np
@@ -25,18 +21,18 @@ from numpy.typing import NDArray
 
 from vcage.base.errors import DamagedFile
 from vcage.base.videos import codec_name, decode, frame_rate
-from vcage.datasets.hdf5 import SCHEMA
-from vcage.datasets.picture_datasets import (
+from vcage.datasets.hdf5_files import damage
+from vcage.datasets.picture_links import Link, find_links, read_link
+from vcage.datasets.recordings.recording import HDF5, Camera, Columns, Recording
+from vcage.datasets.stored_pictures import (
     VLEN,
+    looks_swapped,
     picture_channels,
     picture_kind,
     picture_storage,
+    stacked,
     stored_picture,
 )
-from vcage.datasets.picture_links import Link, find_links, read_link
-from vcage.datasets.recordings.encoded import looks_swapped, told_of_channels
-from vcage.datasets.recordings.hdf5_columns import columns, table
-from vcage.datasets.recordings.recording import Camera, Columns, Recording, stacked
 
 LOOKED_AT = 5
 """Pictures of a camera that say whether colours are swapped."""
@@ -46,31 +42,10 @@ CHUNK_CACHE = 64 << 20
 
 ENCODED = ("jpeg", "png")
 
-ARM_PARTS = ("left_arm", "left_gripper", "right_arm", "right_gripper")
-"""RoboTwin's datasets of a robot's joints, in the order of its ``vector``, which holds them all."""
-
 COLOURS = "jpeg_colours"
 """Attribute of files that say whether red and blue are ``swapped`` in their encoded pictures, or ``true``."""
 
 ATTRIBUTES = ("fps", "instruction", "robot", "state_names", COLOURS)
-
-
-@contextmanager
-def damage(path: Path, *, writing: bool = False) -> Iterator[None]:
-    """Turn what a broken file makes h5py raise into :class:`DamagedFile`.
-
-    Args:
-        path: the file that is read.
-        writing: whether another is written meanwhile; what the system refuses, which has a number, may be its fault.
-    """
-    try:
-        yield
-    except (OSError, KeyError, RuntimeError) as error:
-        if writing and isinstance(error, OSError) and error.errno:
-            raise
-        raise DamagedFile(
-            f"{path} is damaged: {error}", hint="it may be cut off: copy or record it again, or leave it out"
-        ) from error
 
 
 class Hdf5Recording(Recording):
@@ -83,8 +58,27 @@ class Hdf5Recording(Recording):
     """Whether red and blue of encoded pictures are swapped where neither the file nor the colours say; None does not
     know either, and False does not ask them."""
 
-    agreed: bool | None = None
-    """Whether colours are swapped in the recordings that lie beside it, see :func:`agree_on_colours`."""
+    TARGET = HDF5
+
+    _agreed: bool | None = None
+    """Whether colours are swapped in the recordings that lie beside it."""
+
+    @classmethod
+    def found_in(cls, path: Path, file: h5py.File, keys: Collection[str]) -> list[Self]:
+        """The recordings of this layout in a file; none where it has another.
+
+        Args:
+            path: the file.
+            file: the same, open.
+            keys: of all that it holds.
+        """
+        return [cls(path)] if any(re.fullmatch(cls.PICTURES, key) for key in keys) else []
+
+    def with_colours(self, swapped: bool) -> Self:
+        """The same, taken for made like those beside it, whose red and blue are swapped or not."""
+        other = copy(self)
+        other._agreed = swapped
+        return other
 
     @cached_property
     def cameras(self) -> list[Camera]:
@@ -126,9 +120,8 @@ class Hdf5Recording(Recording):
             if link is None:
                 wanted = range(len(file[key])) if indices is None else indices
                 found = stacked([stored_picture(file[key], index, what) for index in wanted], what)
-        if link is not None:
-            return decode(link.video(self.path), indices)
-        return found[..., ::-1] if self.swapped(camera) else found
+                return found[..., ::-1] if self.swapped(camera) else found
+        return decode(link.video(self.path), indices)
 
     def swapped(self, camera: str) -> bool:
         return self.camera(camera).storage in ENCODED and self._swapped
@@ -159,7 +152,6 @@ class Hdf5Recording(Recording):
             raise DamagedFile(f"{what} holds no frame", hint="leave the episode out")
         height, width = stored_picture(dataset, 0, what).shape[:2]
         channels = picture_channels(dataset, what)
-        self.notes += told_of_channels(channels, name)
         size = dataset.id.get_storage_size()
         if picture_kind(dataset) == VLEN:
             size = sum(len(dataset[index]) for index in range(len(dataset)))
@@ -192,13 +184,14 @@ class Hdf5Recording(Recording):
         if self.SWAPPED is False:
             return False
         said = self._attributes.get(COLOURS)
-        swapped = said == "swapped"
-        if said is None:
-            seen = self.looks_swapped() if self.agreed is None else self.agreed
-            swapped = bool(self.SWAPPED) if seen is None else seen
-        if swapped:
-            self.notes.append("red and blue were swapped in its JPEGs and are put back")
-        return swapped
+        if said is not None:
+            return said == "swapped"
+        seen = self.looks_swapped() if self._agreed is None else self._agreed
+        return bool(self.SWAPPED) if seen is None else seen
+
+    def _camera_notes(self) -> list[str]:
+        swapped = any(self.swapped(camera.name) for camera in self.cameras)
+        return super()._camera_notes() + ["red and blue were swapped in its JPEGs and are put back"] * swapped
 
     def looks_swapped(self) -> bool | None:
         """What the colours of the first camera with encoded pictures say; None where they do not."""
@@ -225,99 +218,79 @@ class Hdf5Recording(Recording):
         """What was measured of the robot, as the recording's part of the open file says."""
 
 
-class ActEpisode(Hdf5Recording):
-    """A file in the layout of ACT."""
-
-    LAYOUT = "act"
-    PICTURES = r"observations/images/([^/]+)"
-    SWAPPED = None
-
-    def _commands(self, part: h5py.Group) -> Columns | None:
-        return table(part, "action", self._names)
-
-    def _measured(self, part: h5py.Group) -> Columns | None:
-        return table(part, "observations/qpos", self._names)
-
-    @property
-    def _names(self) -> tuple[str, ...]:
-        return ()
-
-
-class VcageEpisode(ActEpisode):
-    """An episode of ours."""
-
-    LAYOUT = "vcage"
-    SWAPPED = False
-
-    @property
-    def _names(self) -> tuple[str, ...]:
-        return tuple(json.loads(self._attributes["state_names"]))
-
-
-class RoboTwinEpisode(Hdf5Recording):
-    """RoboTwin's first layout; ``joint_state`` beside ``joint_action`` is ours (:mod:`vcage.datasets.robotwin`)."""
-
-    LAYOUT = "robotwin"
-    PICTURES = r"observation/([^/]+)/rgb"
-    SWAPPED = True
-
-    def _commands(self, part: h5py.Group) -> Columns | None:
-        return _joints(part.get("joint_action"))
-
-    def _measured(self, part: h5py.Group) -> Columns | None:
-        if "joint_state" in part:
-            return _joints(part["joint_state"])
-        found = _joints(part.get("joint_action"))
-        if found is not None:
-            note = "it holds no measured state; its commands are taken for it, as RoboTwin does"
-            self.notes += [note] if note not in self.notes else []
-        return found
-
-
-class RoboTwinVisionEpisode(Hdf5Recording):
-    """RoboTwin's second layout."""
-
-    LAYOUT = "robotwin-1.0"
-    PICTURES = r"vision/([^/]+)/colors"
-    SWAPPED = None
-
-    def _commands(self, part: h5py.Group) -> Columns | None:
-        return columns(part.get("action", part.get("state")))
-
-    def _measured(self, part: h5py.Group) -> Columns | None:
-        return columns(part.get("state"))
-
-
-LAYOUTS: tuple[type[Hdf5Recording], ...] = (RoboTwinEpisode, RoboTwinVisionEpisode, ActEpisode)
-
-
-def open_hdf5(path: Path) -> Hdf5Recording:
-    """The recording in an HDF5 file that holds one, by what the file holds.
-
-    Raises:
-        DamagedFile: it is no HDF5, is cut off, or holds no pictures in a layout that is known.
-    """
-    with damage(path), h5py.File(path) as file:
-        ours = file.attrs.get("schema") == SCHEMA
-        keys: list[str] = []
-        file.visit(keys.append)
-    layouts = (VcageEpisode,) if ours else LAYOUTS
-    for layout in layouts:
-        if any(re.fullmatch(layout.PICTURES, key) for key in keys):
-            return layout(path)
-    raise DamagedFile(
-        f"{path} holds no pictures where a known layout has them (it has: {', '.join(keys[:8]) or 'nothing'})",
-        hint="known are RoboTwin's observation/<camera>/rgb and vision/<camera>/colors, ACT's "
-        "observations/images/<camera>, and robomimic's data/demo_<number>/obs/<camera>_image",
-    )
-
-
 def _packed_camera(name: str, key: str, link: Link, path: Path) -> Camera:
     """The camera of pictures that lie in a video."""
     video, stream = link.whole_video(path), link.stream
     return Camera(name, key, stream.frames, stream.width, stream.height, codec_name(video), video.stat().st_size)
 
 
-def _joints(group: h5py.Group | None) -> Columns | None:
-    """RoboTwin's numbers of a robot's joints."""
-    return columns(group, ARM_PARTS) or columns(group, ("vector",))
+# --- numbers: a row for each point in time, from one dataset or from several side by side --------------
+
+
+def table(part: h5py.Group, key: str, names: tuple[str, ...] = ()) -> Columns | None:
+    """The numbers of a dataset, or of all in a group; None where there is none.
+
+    Args:
+        part: of a file.
+        key: of the dataset or the group in it.
+        names: of the columns of the dataset.
+
+    Raises:
+        DamagedFile: it holds no row of numbers for each point in time.
+    """
+    found = part.get(key)
+    if not isinstance(found, h5py.Dataset):
+        return columns(found)
+    if not _are_numbers(found):
+        raise DamagedFile(
+            f"{found.file.filename}:{found.name} is {found.shape} {found.dtype}, no row of numbers for each picture",
+            hint="leave the episode out, or mend it",
+        )
+    return Columns(_rows(found), names)
+
+
+def columns(group: h5py.Group | None, wanted: Sequence[str] | None = None) -> Columns | None:
+    """The numbers of several datasets of a group side by side, named after them; None where there is none.
+
+    Args:
+        group: the group, if it is there.
+        wanted: names of the datasets; None takes all below the group, by name.
+
+    Raises:
+        DamagedFile: they are not of one length.
+    """
+    if group is None:
+        return None
+    keys: list[str] = []
+    group.visititems(lambda key, item: keys.append(key) if isinstance(item, h5py.Dataset) else None)
+    parts: list[NDArray[np.float64]] = []
+    names: list[str] = []
+    for key in sorted(keys) if wanted is None else [key for key in wanted if key in keys]:
+        if not _are_numbers(group[key]):
+            continue
+        values = _rows(group[key])
+        if parts and len(values) != len(parts[0]):
+            raise DamagedFile(
+                f"{group.file.filename}:{group.name}/{key} has {len(values)} rows, those before it {len(parts[0])}",
+                hint="frames are missing; leave the episode out",
+            )
+        parts.append(values)
+        width = values.shape[1]
+        names += [key.replace("/", "_")] if width == 1 else [f"{key.replace('/', '_')}_{i}" for i in range(width)]
+    return Columns(np.concatenate(parts, axis=1), tuple(names)) if parts else None
+
+
+def _are_numbers(dataset: h5py.Dataset) -> bool:
+    """Whether it holds a number or a row of numbers for each point in time."""
+    return dataset.dtype.kind in "fiu" and dataset.ndim in (1, 2)
+
+
+def _rows(dataset: h5py.Dataset) -> NDArray[np.float64]:
+    """(T, D) numbers, D = 1 where there is one for each point in time.
+
+    Raises:
+        DamagedFile: T is 0.
+    """
+    if len(dataset) == 0:
+        raise DamagedFile(f"{dataset.file.filename}:{dataset.name} holds no frame", hint="leave the episode out")
+    return dataset[()].reshape(len(dataset), -1).astype(np.float64)

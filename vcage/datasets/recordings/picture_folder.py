@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from vcage.base.errors import DamagedFile
-from vcage.datasets.recordings.encoded import channels_of, decode_picture, storage_of, told_of_channels
-from vcage.datasets.recordings.recording import Camera, Columns, Recording, stacked
+from vcage.datasets.recordings.recording import Camera, Columns, Recording
+from vcage.datasets.stored_pictures import channels_of, decode_picture, stacked, storage_of
 
 SUFFIXES = (".png", ".jpg", ".jpeg")
 LEAVE_OUT = "remove it, or leave the recording out"
@@ -62,7 +62,6 @@ class PictureFolder(Recording):
         for file in files:
             _require_size(file, (width, height))
         channels = channels_of(first, str(files[0]))
-        self.notes += told_of_channels(channels, name)
         return Camera(name, key, len(files), width, height, storage_of(first, str(files[0])), size, channels)
 
 

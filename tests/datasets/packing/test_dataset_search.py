@@ -12,7 +12,7 @@ from tests.runs import digests
 from vcage.base.errors import DamagedFile, MissingDependency, UnknownName
 from vcage.datasets.packing import clips as clip_module
 from vcage.datasets.packing.clips import Clip, perform
-from vcage.datasets.packing.dataset_search import campaign, stream_of, workers_for
+from vcage.datasets.packing.dataset_search import search_data_set, stream_of, workers_for
 from vcage.datasets.packing.settings import CompressionSettings
 from vcage.datasets.packing.sources import find_sources
 from vcage.schema.compression import VideoStream
@@ -39,7 +39,7 @@ def episodes(folder: Path, **cameras: list) -> list[Clip]:
 
 
 def streams(clips: list[Clip], folder: Path, chosen: CompressionSettings = SEARCHED, **options) -> list[VideoStream]:
-    return [stream_of(video) for video in campaign(clips, chosen, folder, workers=1, **options).values()]
+    return [stream_of(video) for video in search_data_set(clips, chosen, folder, workers=1, **options).values()]
 
 
 # --- what shares a CRF ---------------------------------------------------------------------------------
@@ -124,7 +124,7 @@ def test_videos_come_in_the_order_of_the_clips_however_they_were_finished(tmp_pa
     monkeypatch.setattr(
         "vcage.datasets.packing.dataset_search.in_processes", lambda work, tasks, _n: map(work, reversed(tasks))
     )
-    assert list(campaign(clips, SEARCHED, tmp_path / "work")) == [(clip.name, clip.camera) for clip in clips]
+    assert list(search_data_set(clips, SEARCHED, tmp_path / "work")) == [(clip.name, clip.camera) for clip in clips]
 
 
 def test_progress_never_claims_more_clips_than_there_are(tmp_path, searches):
@@ -153,16 +153,19 @@ def test_a_single_clip_gets_all_cores_for_its_encoder(tmp_path, searches, monkey
     monkeypatch.setattr(
         "vcage.datasets.packing.dataset_search.perform", lambda task: (threads.append(task.threads), perform(task))[1]
     )
-    campaign(clips, SEARCHED, tmp_path / "work", workers=8)
+    search_data_set(clips, SEARCHED, tmp_path / "work", workers=8)
     assert threads == [16]
 
 
 # --- taken up again ------------------------------------------------------------------------------------
 
 
-def test_a_campaign_that_broke_off_goes_on_and_ends_with_the_same_bytes(tmp_path, searches, monkeypatch):
+def test_a_search_that_broke_off_goes_on_and_ends_with_the_same_bytes(tmp_path, searches, monkeypatch):
     clips = episodes(tmp_path / "in", high=[24, 20, 22, 18, 25, 21], low=[30, 30, 29, 31, 30, 28])
-    whole = {key: video.read_bytes() for key, video in campaign(clips, SEARCHED, tmp_path / "whole", workers=1).items()}
+    whole = {
+        key: video.read_bytes()
+        for key, video in search_data_set(clips, SEARCHED, tmp_path / "whole", workers=1).items()
+    }
     needed = len(searches.calls)
     for stop in (1, 4, 8, needed - 1):
         folder = tmp_path / f"broken{stop}"
@@ -170,8 +173,8 @@ def test_a_campaign_that_broke_off_goes_on_and_ends_with_the_same_bytes(tmp_path
         perform = _stopping(stop)
         with monkeypatch.context() as patch, pytest.raises(KeyboardInterrupt):
             patch.setattr("vcage.datasets.packing.dataset_search.perform", perform)
-            campaign(clips, SEARCHED, folder, workers=1)
-        again = {key: video.read_bytes() for key, video in campaign(clips, SEARCHED, folder, workers=1).items()}
+            search_data_set(clips, SEARCHED, folder, workers=1)
+        again = {key: video.read_bytes() for key, video in search_data_set(clips, SEARCHED, folder, workers=1).items()}
         assert again == whole
         assert len(searches.calls) == needed
 
@@ -189,18 +192,18 @@ def _stopping(after: int):
     return perform
 
 
-def test_a_finished_campaign_searches_nothing_again(tmp_path, searches):
+def test_a_finished_search_searches_nothing_again(tmp_path, searches):
     clips = episodes(tmp_path / "in", high=[24, 20, 22, 18])
-    campaign(clips, SEARCHED, tmp_path / "work", workers=1)
+    search_data_set(clips, SEARCHED, tmp_path / "work", workers=1)
     searches.calls.clear()
-    campaign(clips, SEARCHED, tmp_path / "work", workers=1)
+    search_data_set(clips, SEARCHED, tmp_path / "work", workers=1)
     assert searches.calls == []
 
 
 @pytest.mark.parametrize("what", ["the input", "the settings"])
 def test_what_was_made_of_another_input_or_otherwise_is_not_taken(tmp_path, searches, what):
     clips = episodes(tmp_path / "in", high=[24, 20])
-    campaign(clips, SEARCHED, tmp_path / "work", workers=1)
+    search_data_set(clips, SEARCHED, tmp_path / "work", workers=1)
     chosen = SEARCHED
     if what == "the input":
         clips = episodes(tmp_path / "in", high=[12, 11])
@@ -213,19 +216,19 @@ def test_what_was_made_of_another_input_or_otherwise_is_not_taken(tmp_path, sear
 
 def test_a_video_that_was_cut_off_is_made_again(tmp_path, searches):
     clips = episodes(tmp_path / "in", high=[24, 24])
-    video = next(iter(campaign(clips, SEARCHED, tmp_path / "work", workers=1).values()))
+    video = next(iter(search_data_set(clips, SEARCHED, tmp_path / "work", workers=1).values()))
     content = video.read_bytes()
     video.write_bytes(content[:3])
-    campaign(clips, SEARCHED, tmp_path / "work", workers=1)
+    search_data_set(clips, SEARCHED, tmp_path / "work", workers=1)
     assert video.read_bytes() == content
 
 
 def test_a_record_that_was_cut_off_is_made_again(tmp_path, searches):
     clips = episodes(tmp_path / "in", high=[24, 24])
-    record = next(iter(campaign(clips, SEARCHED, tmp_path / "work", workers=1).values())).with_suffix(".json")
+    record = next(iter(search_data_set(clips, SEARCHED, tmp_path / "work", workers=1).values())).with_suffix(".json")
     content = record.read_bytes()
     record.write_bytes(content[:30])
-    campaign(clips, SEARCHED, tmp_path / "work", workers=1)
+    search_data_set(clips, SEARCHED, tmp_path / "work", workers=1)
     assert record.read_bytes() == content
 
 
@@ -235,7 +238,7 @@ def test_a_record_that_was_cut_off_is_made_again(tmp_path, searches):
 def test_a_display_that_nobody_knows_is_refused_before_any_work(tmp_path):
     clips = episodes(tmp_path / "in", high=[24])
     with pytest.raises(UnknownName, match="display 'cinema'"):
-        campaign(clips, CompressionSettings(display="cinema"), tmp_path / "work")
+        search_data_set(clips, CompressionSettings(display="cinema"), tmp_path / "work")
     assert not (tmp_path / "work").exists()
 
 
@@ -243,7 +246,7 @@ def test_an_encoder_that_the_build_lacks_is_named_before_any_work(tmp_path, monk
     clips = episodes(tmp_path / "in", high=[24])
     monkeypatch.setattr(av, "codecs_available", av.codecs_available - {"libx265"})
     with pytest.raises(MissingDependency, match="libx265"):
-        campaign(clips, CompressionSettings(), tmp_path / "work")
+        search_data_set(clips, CompressionSettings(), tmp_path / "work")
     assert not (tmp_path / "work").exists()
 
 
@@ -252,12 +255,12 @@ def test_a_recording_that_only_decoding_shows_to_be_damaged_is_named(tmp_path, s
     with open(clips[1].recording.path, "r+b") as handle:
         handle.truncate(100)
     with pytest.raises(DamagedFile, match=r"1\.hdf5") as damaged:
-        campaign(clips, SEARCHED, tmp_path / "work", workers=1)
+        search_data_set(clips, SEARCHED, tmp_path / "work", workers=1)
     assert damaged.value.details["recording"] == "1"
 
 
 def test_two_processes_find_what_one_finds(tmp_path):
     add_camera(act_folder(tmp_path / "in", "a") / "a.hdf5", "cam_low")
     for workers in (1, 2):
-        campaign(clips_of(tmp_path / "in"), settings(), tmp_path / str(workers), workers=workers)
+        search_data_set(clips_of(tmp_path / "in"), settings(), tmp_path / str(workers), workers=workers)
     assert digests(tmp_path / "1") == digests(tmp_path / "2")

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any
 
 import av
 import numpy as np
@@ -18,13 +18,11 @@ from numpy.typing import NDArray
 from vcage.base.errors import DamagedFile, UsageError
 from vcage.base.videos import decode
 from vcage.datasets.lerobot.episode import ACTION, STATE
-from vcage.datasets.lerobot.episode_list import episode_rows
-from vcage.datasets.lerobot.features import CAMERA
-from vcage.datasets.lerobot.info import data_set_info
-from vcage.datasets.lerobot.names import number_names
-from vcage.datasets.parquet_files import MEND, read_table
-from vcage.datasets.recordings.encoded import channels_of, decode_picture, storage_of, told_of_channels
-from vcage.datasets.recordings.recording import Camera, Columns, Recording, stacked
+from vcage.datasets.lerobot.features import CAMERA, SUBTASK, number_names, other_columns, require_rgb
+from vcage.datasets.lerobot.meta import data_set_info, episode_rows
+from vcage.datasets.lerobot.parquet import MEND, read_table
+from vcage.datasets.recordings.recording import Camera, Columns, Recording
+from vcage.datasets.stored_pictures import channels_of, decode_picture, stacked, storage_of
 
 CHANNELS = (1, 3, 4)
 """Of a picture; what tells them from its height and width."""
@@ -48,12 +46,14 @@ class LeRobotRecording(Recording):
     """
 
     def __init__(self, root: Path, info: Mapping[str, Any], row: Mapping[str, Any]):
-        super().__init__(root)
+        super().__init__(root, int(row["episode_index"]))
         self._info, self._row = info, row
-        self.index = int(row["episode_index"])
 
     def __str__(self) -> str:
-        return f"{self.path} episode {self.index}"
+        return f"{self.path} episode {self.number}"
+
+    def name(self, root: Path) -> str:
+        return f"episode_{self.number:06d}"
 
     @property
     def fps(self) -> float | None:
@@ -70,6 +70,16 @@ class LeRobotRecording(Recording):
     @property
     def frames(self) -> int:
         return int(self._row["length"])
+
+    def left_out(self) -> list[str]:
+        features = self._info["features"]
+        names = [name for name in other_columns(features) if features[name]["dtype"] != "image"]
+        return names + [SUBTASK] * (SUBTASK in features)
+
+    def require_rgb(self, cameras: Collection[str]) -> None:
+        for camera in cameras:
+            key = self.camera(camera).key
+            require_rgb(key, self._info["features"][key])
 
     @cached_property
     def cameras(self) -> list[Camera]:
@@ -115,7 +125,7 @@ class LeRobotRecording(Recording):
 
     def _column(self, key: str) -> pa.ChunkedArray:
         """A column of the episode's frames, of at least one."""
-        found = read_table(self._data_file, [key], pc.field("episode_index") == self.index)[key]
+        found = read_table(self._data_file, [key], pc.field("episode_index") == self.number)[key]
         if len(found) == 0:
             raise DamagedFile(f"{self} holds no frame", hint="leave the episode out")
         if len(found) != self.frames:
@@ -133,7 +143,6 @@ class LeRobotRecording(Recording):
         stored = self._column(key)
         first = self._stored(stored[0].as_py())
         storage, channels = storage_of(first, f"{self} {key}[0]"), channels_of(first, f"{self} {key}[0]")
-        self.notes += told_of_channels(channels, name)
         size = sum(len(self._stored(value.as_py())) for value in stored)
         return Camera(name, key, frames, width, height, storage, size, channels)
 
@@ -164,7 +173,7 @@ class LeRobotRecording(Recording):
 class LeRobotV21(LeRobotRecording):
     """A file per episode and camera."""
 
-    LAYOUT: ClassVar[str] = "lerobot-v2.1"
+    LAYOUT = TARGET = "lerobot-v2.1"
 
     @property
     def _data_file(self) -> Path:
@@ -177,14 +186,14 @@ class LeRobotV21(LeRobotRecording):
         return _size(self._clip(key).file)
 
     def _file(self, pattern: str, **names: str) -> Path:
-        chunk = self.index // int(self._info["chunks_size"])
-        return self.path / str(self._info[pattern]).format(episode_chunk=chunk, episode_index=self.index, **names)
+        chunk = self.number // int(self._info["chunks_size"])
+        return self.path / str(self._info[pattern]).format(episode_chunk=chunk, episode_index=self.number, **names)
 
 
 class LeRobotV30(LeRobotRecording):
     """Many episodes in a file."""
 
-    LAYOUT: ClassVar[str] = "lerobot-v3.0"
+    LAYOUT = TARGET = "lerobot-v3.0"
 
     @property
     def _data_file(self) -> Path:
@@ -206,7 +215,7 @@ class LeRobotV30(LeRobotRecording):
     def _said(self, name: str) -> Any:
         """What the list of episodes says of the episode."""
         if self._row.get(name) is None:
-            raise DamagedFile(f"the list of episodes of {self.path} does not say {name} of {self.index}", hint=MEND)
+            raise DamagedFile(f"the list of episodes of {self.path} does not say {name} of {self.number}", hint=MEND)
         return self._row[name]
 
 

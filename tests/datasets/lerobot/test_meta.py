@@ -11,7 +11,8 @@ import pytest
 
 from tests.datasets.conftest import LENGTHS
 from vcage.base.errors import DamagedFile
-from vcage.datasets.lerobot.episode_list import episode_lengths, episode_rows, episode_tables, place_videos
+from vcage.datasets.lerobot.meta import episode_lengths, episode_rows, episode_tables
+from vcage.datasets.lerobot.repack import place_videos
 
 INFO = {"chunks_size": 3, "fps": 10}
 PLACES = ("chunk_index", "file_index", "from_timestamp", "to_timestamp")

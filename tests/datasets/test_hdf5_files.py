@@ -8,9 +8,11 @@ import sys
 import h5py
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from vcage.base.errors import OutputFolderError
-from vcage.datasets.hdf5_output import new_hdf5
+from vcage.datasets.hdf5_files import new_hdf5, spooled
 
 
 def fill(file: h5py.File) -> None:
@@ -63,8 +65,8 @@ LIMITED = """
 import errno, resource, signal, sys
 from pathlib import Path
 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)  # a write beyond the limit is then refused
-from tests.datasets.test_hdf5_output import fill
-from vcage.datasets.hdf5_output import new_hdf5
+from tests.datasets.test_hdf5_files import fill
+from vcage.datasets.hdf5_files import new_hdf5
 from vcage.base.errors import DiskFull
 for space in range(500, 200_000, 7_000):
     resource.setrlimit(resource.RLIMIT_FSIZE, (space, resource.RLIM_INFINITY))
@@ -83,3 +85,16 @@ def test_wherever_a_write_is_refused_the_process_goes_on_and_nothing_is_left(tmp
     program = [sys.executable, "-c", LIMITED, tmp_path / "a.hdf5"]
     done = subprocess.run(program, capture_output=True, text=True, env={"PYTHONPATH": ":".join(sys.path)})
     assert (done.returncode, done.stderr) == (0, "")
+
+
+@given(pieces=st.lists(st.binary(), min_size=1))
+def test_pieces_come_back_in_order_as_often_as_they_are_asked_for(tmp_path_factory, pieces):
+    with spooled(iter(pieces), tmp_path_factory.getbasetemp()) as spool:
+        assert (len(spool), spool.longest) == (len(pieces), max(map(len, pieces)))
+        assert list(spool) == list(spool) == pieces
+
+
+def test_nothing_is_left_in_the_folder(tmp_path):
+    with spooled([b"piece"], tmp_path):
+        assert list(tmp_path.iterdir()) == []
+    assert list(tmp_path.iterdir()) == []

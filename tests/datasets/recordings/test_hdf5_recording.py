@@ -9,7 +9,7 @@ import pytest
 from tests.datasets.recordings.layouts import FRAMES, HEIGHT, WIDTH, act, jpeg, robotwin, robotwin_vision, room, rooms
 from tests.recordings import FPS, INSTRUCTION, STATE_NAMES, episode, written
 from vcage.base.errors import DamagedFile, UnknownName
-from vcage.datasets.recordings.hdf5_layouts import open_hdf5
+from vcage.datasets.recordings.opening import open_hdf5
 
 
 def far(pictures: np.ndarray) -> float:
@@ -28,8 +28,7 @@ def test_robotwins_pictures_come_in_their_true_colours_however_they_were_written
 def test_where_colours_do_not_say_robotwins_first_layout_counts_as_swapped(tmp_path):
     grey = np.full((FRAMES, HEIGHT, WIDTH, 3), 120, np.uint8)
     recording = open_hdf5(robotwin(tmp_path / "a.hdf5", pictures=grey))
-    recording.pictures("head_camera")
-    assert recording.notes
+    assert recording.swapped("head_camera") and recording.notes
 
 
 @pytest.mark.parametrize("swapped", [True, False])
@@ -115,7 +114,7 @@ def test_robotwin_knows_no_state_but_its_commands_and_says_so(tmp_path):
     recording = open_hdf5(robotwin(tmp_path / "a.hdf5"))
     assert np.array_equal(recording.state, recording.motion.action)
     assert recording.state_names[5:8] == ["left_arm_5", "left_gripper", "right_arm_0"]
-    assert any("measured" in note for note in recording.notes)
+    assert len(recording.state_notes) == 1 and "measured" in recording.state_notes[0]
 
 
 def test_robotwins_vector_alone_is_enough(tmp_path):

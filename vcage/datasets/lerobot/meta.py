@@ -1,0 +1,168 @@
+"""What the folder ``meta`` says of a LeRobot data set: ``info.json``, and the list of its episodes."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+from vcage.base.errors import DamagedFile, UsageError
+from vcage.datasets.lerobot.features import other_columns
+from vcage.datasets.lerobot.parquet import MEND, column_names, read_table
+
+INFO = Path("meta/info.json")
+
+EPISODES = Path("meta/episodes.jsonl")
+"""The list of episodes in v2.1."""
+
+EPISODE_TABLES = Path("meta/episodes")
+"""Folder of the list of episodes in v3.0: their lengths, statistics, and where their frames and videos are."""
+
+NEW_SET = "write a new data set, or convert this one with lerobot's own tools first"
+
+VERSIONS = ("v2.1", "v3.0")
+
+NEEDED = ("chunks_size", "fps", "data_path", "features")
+
+
+def data_set_info(root: Path) -> dict[str, Any]:
+    """``meta/info.json`` of a data set of one of the :data:`VERSIONS`, with all that its episodes are read by.
+
+    Raises:
+        DamagedFile: it cannot be read, does not say all, or is of another version.
+    """
+    path = root / INFO
+    try:
+        info = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        raise DamagedFile(f"{path} cannot be read: {error}", hint=MEND) from error
+    version = info.get("codebase_version") if isinstance(info, dict) else None
+    if version is None:
+        raise DamagedFile(f"{path} does not say codebase_version", hint=MEND)
+    if version not in VERSIONS:
+        raise DamagedFile(
+            f"{root} is a LeRobot data set of version {version}; {' and '.join(VERSIONS)} are known",
+            hint="convert it with lerobot's own converter first",
+        )
+    _require_described(path, info)
+    return info
+
+
+def _require_described(path: Path, info: Mapping[str, Any]) -> None:
+    missing = sorted(name for name in NEEDED if info.get(name) is None)
+    if missing:
+        raise DamagedFile(f"{path} does not say {', '.join(missing)}", hint=MEND)
+    if not (_is_positive(info["fps"]) and _is_positive(info["chunks_size"])):
+        raise DamagedFile(f"{path}: fps and chunks_size are not positive numbers", hint=MEND)
+    if not isinstance(info["features"], dict):
+        raise DamagedFile(f"{path} does not name its features", hint=MEND)
+    for name, feature in info["features"].items():
+        if not (isinstance(feature, dict) and isinstance(feature.get("dtype"), str) and _is_shape(feature)):
+            raise DamagedFile(f"{path} does not say what {name} is", hint=MEND)
+        if feature["dtype"] == "video" and not info.get("video_path"):
+            raise DamagedFile(f"{path} does not say video_path", hint=MEND)
+
+
+def _is_positive(number: Any) -> bool:
+    return isinstance(number, int | float) and number > 0
+
+
+def _is_shape(feature: Mapping[str, Any]) -> bool:
+    """Whether it has a shape: of pictures two or three numbers, of all others any."""
+    shape = feature.get("shape")
+    if not (isinstance(shape, list) and all(isinstance(length, int) for length in shape)):
+        return False
+    return feature["dtype"] not in ("video", "image") or len(shape) in (2, 3)
+
+
+def appendable_info(root: Path, expected: dict[str, Any]) -> dict[str, Any]:
+    """``meta/info.json`` of a data set that can be added to.
+
+    Args:
+        root: folder of the data set.
+        expected: entries of ``info.json``, such as ``codebase_version``, that may only be missing or the same.
+
+    Raises:
+        DamagedFile: it lacks what any data set has.
+        UsageError: it is laid out in another way than new episodes would be; names the difference.
+    """
+    info = data_set_info(root)
+    for name in ("total_episodes", "total_frames"):
+        if not (isinstance(info.get(name), int) and info[name] >= 0):
+            raise DamagedFile(f"{root / INFO} does not count its {name.removeprefix('total_')}", hint=MEND)
+    if info["total_episodes"] == 0:
+        raise UsageError(f"{root} holds no episode yet", hint="write a new data set in its place")
+    if strange := other_columns(info["features"]):
+        raise UsageError(
+            f"{root} cannot be added to: its frames have {', '.join(strange)}, which new episodes do not tell",
+            hint=NEW_SET,
+        )
+    for name, value in {**expected, "splits": {"train": f"0:{info['total_episodes']}"}}.items():
+        if info.get(name) not in (None, value):
+            raise UsageError(
+                f"{root} cannot be added to: its {name} is {json.dumps(info.get(name))}, not {json.dumps(value)}",
+                hint=NEW_SET,
+                details={"what": name, "found": info.get(name), "expected": value},
+            )
+    return info
+
+
+# --- the list of episodes ------------------------------------------------------------------------------
+
+
+def episode_rows(root: Path, info: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """What a data set says of each of its episodes, of at least one, but for their statistics; each has an
+    ``episode_index`` and a ``length``, integers.
+
+    Args:
+        root: folder of the data set, v2.1 or v3.0.
+        info: its ``meta/info.json``.
+
+    Raises:
+        DamagedFile: the list cannot be read, is empty, or does not say so much.
+    """
+    old = info["codebase_version"] == "v2.1"
+    where = root / (EPISODES if old else EPISODE_TABLES)
+    rows = list(read_lines(where)) if old else [row for file in episode_tables(root) for row in _rows(root / file)]
+    if not rows:
+        raise DamagedFile(f"{where} lists no episode", hint=MEND)
+    for row in rows:
+        for name in ("episode_index", "length"):
+            if not isinstance(row.get(name), int):
+                raise DamagedFile(f"{where} has an episode whose {name} is {row.get(name)!r}", hint=MEND)
+    return rows
+
+
+def episode_lengths(root: Path, info: Mapping[str, Any]) -> dict[int, int]:
+    """Number of an episode → its frames; see :func:`episode_rows`."""
+    return {row["episode_index"]: row["length"] for row in episode_rows(root, info)}
+
+
+def episode_tables(root: Path) -> list[Path]:
+    """The files of a v3.0 list, relative to the data set."""
+    return sorted(file.relative_to(root) for file in (root / EPISODE_TABLES).rglob("*.parquet"))
+
+
+def read_lines(path: Path) -> Iterator[dict[str, Any]]:
+    """The objects of a file; only a line feed ends a line, whatever else Unicode breaks lines at.
+
+    Raises:
+        DamagedFile: it cannot be read, or a line is no JSON object; names the line.
+    """
+    try:
+        with open(path, encoding="utf-8") as handle:
+            for number, line in enumerate(handle, start=1):
+                if not line.strip():
+                    continue
+                row = json.loads(line)
+                if not isinstance(row, dict):
+                    raise DamagedFile(f"{path} line {number} is no JSON object", hint=MEND)
+                yield row
+    except (OSError, ValueError) as error:
+        raise DamagedFile(f"{path} cannot be read: {error}", hint=MEND) from error
+
+
+def _rows(file: Path) -> list[dict[str, Any]]:
+    """The rows of a table; statistics of all episodes would fill the memory."""
+    return read_table(file, [name for name in column_names(file) if not name.startswith("stats/")]).to_pylist()

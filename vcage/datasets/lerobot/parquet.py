@@ -1,0 +1,219 @@
+"""Parquet files of a LeRobot data set: written one after the other, read in batches, rewritten with other columns."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+import pyarrow as pa
+import pyarrow.compute as pc
+import pyarrow.parquet as pq
+from numpy.typing import NDArray
+
+from vcage.base.errors import DamagedFile
+
+COMPRESSION = "snappy"
+
+ROWS_AT_ONCE = 16384
+
+MEND = "the data set is damaged or not complete: fetch or export it again"
+
+
+class ParquetSeries:
+    """Writes tables of one schema, one row group each; a new file is begun when one is full.
+
+    Args:
+        pattern: path with the fields ``chunk_index`` and ``file_index``.
+        per_chunk: files in a folder.
+        full: size in bytes from which a file takes no more.
+        first: number of the first file, counted over all chunks.
+    """
+
+    def __init__(self, pattern: str, per_chunk: int, full: int, first: int = 0):
+        self._pattern, self._per_chunk, self._full = pattern, per_chunk, full
+        self._number = first
+        self._writer: pq.ParquetWriter | None = None
+
+    def place(self) -> dict[str, int]:
+        """``chunk_index`` and ``file_index`` of the file that takes the next table; a full one is closed."""
+        if self._writer is not None and self._path.stat().st_size >= self._full:
+            self.close()
+            self._number += 1
+        return numbered(self._number, self._per_chunk)
+
+    def write(self, table: pa.Table) -> None:
+        """Add a table to the file of :meth:`place`."""
+        self.place()
+        if self._writer is None:
+            self._path.parent.mkdir(parents=True, exist_ok=True)
+            self._writer = pq.ParquetWriter(self._path, table.schema, compression=COMPRESSION)
+        self._writer.write_table(table)
+
+    def close(self) -> None:
+        """Make the file that is open readable."""
+        if self._writer is not None:
+            self._writer.close()
+            self._writer = None
+
+    @property
+    def _path(self) -> Path:
+        return Path(self._pattern.format(**numbered(self._number, self._per_chunk)))
+
+
+def numbered(number: int, per_chunk: int) -> dict[str, int]:
+    """The fields ``chunk_index`` and ``file_index`` of the file of that number."""
+    return {"chunk_index": number // per_chunk, "file_index": number % per_chunk}
+
+
+def column_names(path: Path) -> list[str]:
+    """The columns of a table, without reading it.
+
+    Raises:
+        DamagedFile: it cannot be read.
+    """
+    try:
+        return pq.read_schema(path).names
+    except (OSError, pa.ArrowException) as error:
+        raise DamagedFile(f"{path} cannot be read: {error}", hint=MEND) from error
+
+
+def row_count(path: Path) -> int:
+    """The rows of a table, without reading them.
+
+    Raises:
+        DamagedFile: it cannot be read.
+    """
+    with _opened(path) as file:
+        return file.metadata.num_rows
+
+
+def read_table(path: Path, columns: Sequence[str] | None = None, rows: pc.Expression | None = None) -> pa.Table:
+    """A table, or some of its columns and rows.
+
+    Raises:
+        DamagedFile: it cannot be read, or lacks a column.
+    """
+    try:
+        table = pq.read_table(path, columns=columns, filters=rows)
+    except (OSError, pa.ArrowException) as error:
+        raise DamagedFile(f"{path} cannot be read: {error}", hint=MEND) from error
+    missing = set(columns or ()) - set(table.column_names)
+    if missing:
+        raise DamagedFile(f"{path} lacks the columns {sorted(missing)}", hint=MEND)
+    return table
+
+
+def read_batches(paths: Iterable[Path], columns: Sequence[str]) -> Iterator[dict[str, NDArray[Any]]]:
+    """The rows of all files, :data:`ROWS_AT_ONCE` at most: name → (n, D), of numbers or of lists of D numbers.
+
+    Raises:
+        DamagedFile: a file cannot be read.
+    """
+    for path in paths:
+        try:
+            with pq.ParquetFile(path) as file:
+                for batch in file.iter_batches(ROWS_AT_ONCE, columns=list(columns)):
+                    yield {name: _rows(batch.column(name)) for name in columns}
+        except (OSError, KeyError, pa.ArrowException) as error:
+            raise DamagedFile(f"{path} cannot be read: {error}", hint=MEND) from error
+
+
+def _rows(column: pa.Array) -> NDArray[Any]:
+    values = column.flatten() if pa.types.is_nested(column.type) else column
+    return values.to_numpy(zero_copy_only=False).reshape(len(column), -1)
+
+
+# --- a file written again, row group by row group, so memory is that of one ----------------------------
+
+Change = Callable[[pa.Table], pa.Table]
+
+
+def rewrite(source: Path, target: Path, *, without: Collection[str] = (), change: Change = lambda table: table) -> None:
+    """Copy a table; row groups, and the values and types of columns that nobody changes, stay as they are.
+
+    Args:
+        source: a Parquet file.
+        target: the file to write, in a folder that is there.
+        without: columns that are left out, and not even read.
+        change: what becomes of the rows; also called with an empty table, which tells the types of its columns.
+
+    Raises:
+        DamagedFile: ``source`` cannot be read.
+    """
+    with _opened(source) as file:
+        names = [name for name in file.schema_arrow.names if name not in without]
+        changed = change(file.schema_arrow.empty_table().select(names)).schema
+        schema = changed.with_metadata(_described(changed.metadata, changed.names))
+        with pq.ParquetWriter(target, schema, compression=COMPRESSION) as writer:
+            for table in _row_groups(file, names, source):
+                rows = change(table).replace_schema_metadata(schema.metadata)
+                writer.write_table(rows, row_group_size=max(1, rows.num_rows))
+
+
+def texts_of(source: Path, column: str, field: str) -> set[str]:
+    """The different texts in one field of a column of structures; none where it has no such field.
+
+    Raises:
+        DamagedFile: the file cannot be read.
+    """
+    found: set[str] = set()
+    with _opened(source) as file:
+        if not _has_field(file.schema_arrow, column, field):
+            return found
+        for table in _row_groups(file, [column], source, [f"{column}.{field}"]):
+            found.update(row[field] for row in table[column].to_pylist() if row and row[field])
+    return found
+
+
+def _opened(source: Path) -> pq.ParquetFile:
+    try:
+        return pq.ParquetFile(source)
+    except (OSError, pa.ArrowException) as error:
+        raise DamagedFile(f"{source} cannot be read: {error}", hint=MEND) from error
+
+
+def _row_groups(
+    file: pq.ParquetFile, names: list[str], source: Path, leaves: list[str] | None = None
+) -> Iterator[pa.Table]:
+    """The columns ``names`` of each row group, or only those ``leaves`` of them that are named."""
+    for number in range(file.num_row_groups):
+        try:
+            # a name also stands for columns that begin with it and a dot
+            yield file.read_row_group(number, columns=leaves or names).select(names)
+        except (OSError, pa.ArrowException) as error:
+            raise DamagedFile(f"{source} cannot be read: {error}", hint=MEND) from error
+
+
+def _has_field(schema: pa.Schema, column: str, field: str) -> bool:
+    if column not in schema.names:
+        return False
+    kind = schema.field(column).type
+    return pa.types.is_struct(kind) and kind.get_field_index(field) >= 0
+
+
+def _described(metadata: dict[bytes, bytes] | None, names: Collection[str]) -> dict[bytes, bytes] | None:
+    """What ``datasets`` and pandas noted of a table's columns, without those that are gone.
+
+    https://huggingface.co/docs/datasets/about_dataset_features, https://pandas.pydata.org/docs/development/developer.html
+    """
+    kept = dict(metadata or {})
+    for key, forget in ((b"huggingface", _forget_features), (b"pandas", _forget_columns)):
+        if key in kept:
+            kept[key] = json.dumps(forget(json.loads(kept[key]), names)).encode()
+    return kept or None
+
+
+def _forget_features(noted: dict[str, Any], names: Collection[str]) -> dict[str, Any]:
+    features = noted.get("info", {}).get("features")
+    if features is None:
+        return noted
+    kept = {name: feature for name, feature in features.items() if name in names}
+    return {**noted, "info": {**noted["info"], "features": kept}}
+
+
+def _forget_columns(noted: dict[str, Any], names: Collection[str]) -> dict[str, Any]:
+    # an index without a name has a column named after its place
+    kept = [column for column in noted.get("columns", []) if (column.get("field_name") or column["name"]) in names]
+    return {**noted, "columns": kept}

@@ -1,0 +1,57 @@
+"""HDF5 in the layout of ACT: ``/action``, ``/observations/qpos``, ``/observations/images/<camera>``; and our episodes.
+
+Pictures are arrays of pixels, or JPEG. Ours say more: the frame rate, names of the joints, sub-tasks.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Collection
+from pathlib import Path
+from typing import Self
+
+import h5py
+
+from vcage.datasets.hdf5 import SCHEMA
+from vcage.datasets.lerobot.episode import SubtaskSpan
+from vcage.datasets.reader import EpisodeReader
+from vcage.datasets.recordings.hdf5_recording import Hdf5Recording, table
+from vcage.datasets.recordings.recording import Columns
+
+
+class ActEpisode(Hdf5Recording):
+    """A file in the layout of ACT."""
+
+    LAYOUT = "act"
+    PICTURES = r"observations/images/([^/]+)"
+    SWAPPED = None
+
+    def _commands(self, part: h5py.Group) -> Columns | None:
+        return table(part, "action", self._names)
+
+    def _measured(self, part: h5py.Group) -> Columns | None:
+        return table(part, "observations/qpos", self._names)
+
+    @property
+    def _names(self) -> tuple[str, ...]:
+        return ()
+
+
+class VcageEpisode(ActEpisode):
+    """An episode of ours."""
+
+    LAYOUT = "vcage"
+    SWAPPED = False
+
+    @classmethod
+    def found_in(cls, path: Path, file: h5py.File, keys: Collection[str]) -> list[Self]:
+        return super().found_in(path, file, keys) if file.attrs.get("schema") == SCHEMA else []
+
+    @property
+    def subtasks(self) -> list[SubtaskSpan]:
+        with EpisodeReader(self.path) as reader:
+            return [SubtaskSpan(segment.text, segment.start, segment.end) for segment in reader.episode.segments]
+
+    @property
+    def _names(self) -> tuple[str, ...]:
+        return tuple(json.loads(self._attributes["state_names"]))
