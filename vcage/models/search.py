@@ -11,7 +11,7 @@ from typing import Protocol
 import numpy as np
 
 from vcage.models.rules import PROVIDER
-from vcage.models.rules.matching import names_of
+from vcage.models.rules.catalogue_match import names_of
 from vcage.models.rules.words import (
     CATEGORIES,
     DETERMINERS,
@@ -140,12 +140,12 @@ def _words_of(entry: CatalogueEntry) -> dict[str, float]:
     words = entry.words
     names = names_of(entry)
     category = words.category.lower()
-    kinds = [kind for name in (names[0], names[2]) for kind in kinds_of(name[-1], category)]
+    kinds = [kind for name in (names.words, names.own) for kind in kinds_of(name[-1], category)]
     kinds += [word for word, members in CATEGORIES.items() if category in members]
     worth = {word: _DESCRIBED for word in lemmas(words.description) if word not in _FILLERS}
     worth |= {lemma(word): _OF_KIND for text in (category, *words.scene_tags) for word in lemmas(text)}
     worth |= dict.fromkeys(kinds, _OF_KIND)
-    return worth | {word: _NAMED for name in names for word in name}
+    return worth | {word: _NAMED for name in names.all for word in name}
 
 
 def _shared(weights: dict[str, float], worth: dict[str, float]) -> float:

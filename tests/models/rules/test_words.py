@@ -1,11 +1,11 @@
 from __future__ import annotations
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from vcage.models.rules.instruction import parse_instruction
-from vcage.models.rules.words import is_plural, lemma, name_similarity
+from vcage.models.rules.words import is_plural, lemma
 
 
 @pytest.mark.parametrize(
@@ -28,10 +28,6 @@ def test_what_only_ends_like_a_plural_is_none(word: str) -> None:
     assert not is_plural(word)
 
 
-def test_a_shared_head_counts_more_than_a_shared_qualifier() -> None:
-    assert name_similarity(["box"], ["bread", "box"]) > name_similarity(["bread"], ["bread", "box"])
-
-
 def test_one_instruction_may_hold_several_clauses() -> None:
     text = "Please put two apples in the bowl and the stapler into the box, then move the red block onto the plate."
     found = [(r.contents[0].text, r.contents[0].count, r.receptacle.text) for r in parse_instruction(text)]
@@ -47,6 +43,10 @@ def test_a_colour_word_that_is_the_noun_stays_a_noun() -> None:
     assert parse_instruction("Put the orange in the bowl")[0].contents[0].head == "orange"
 
 
-@given(st.text(max_size=200))
+WORDS = "put fill empty open pull the it two red of in into from with using and then there its drawer pens : , . - é 7"
+
+
+@settings(max_examples=60)
+@given(st.lists(st.sampled_from(WORDS.split()) | st.text(max_size=6), max_size=24).map(" ".join))
 def test_any_text_can_be_parsed(text: str) -> None:
     parse_instruction(text)

@@ -6,8 +6,8 @@ import logging
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+from vcage.models.rules.catalogue_match import Occasion, Places, scene_tags, things_meant, variants_of
 from vcage.models.rules.instruction import Request, parse_instruction
-from vcage.models.rules.matching import Occasion, Places, scene_tags, things_meant, variants_of
 from vcage.models.rules.phrases import Phrase
 from vcage.schema.asset import CatalogueEntry
 from vcage.schema.subtasks import ChainOption
@@ -69,7 +69,7 @@ class _Chooser:
     def _kinds(self, move: _Move) -> set[str]:
         """Names of the kinds that the phrase means; the place's own only when no other answers it."""
         place = self._places.of(move.request, self._things)
-        taken = [] if place is None else [place.entry.name]
+        taken = [] if place is None else [place.name]
         found = things_meant(move.phrase, self._things, self._occasion, taken)
         return {kind.name for kind in found or things_meant(move.phrase, self._things, self._occasion)}
 
@@ -77,7 +77,7 @@ class _Chooser:
         if move.request.receptacle is None:
             return True
         place = self._places.of(move.request, self._things)
-        return place is not None and _is_one(option.receptacle_kind, {place.entry.name}, move.request.receptacle)
+        return place is not None and _is_one(option.receptacle_kind, {place.name}, move.request.receptacle)
 
 
 def _is_one(kind: CatalogueEntry, names: set[str], phrase: Phrase) -> bool:

@@ -1,9 +1,10 @@
-"""An instruction in clauses, each of which begins with its verb."""
+"""An instruction in clauses, each of them a command: verb, object, and what its prepositions lead to."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
+from dataclasses import dataclass
 
 INTO = (
     "on top of", "inside of", "into", "inside", "onto", "upon", "in", "on", "to", "beside", "near", "next to", "there",
@@ -16,7 +17,7 @@ SOURCES = ("from", "off", "out of")
 FROM = (*SOURCES, "with", "for", "using", "so that", "at", "by")
 """Before what is no place where things go."""
 
-PREPOSITION = re.compile(r"\b(" + "|".join(sorted(INTO + FROM, key=len, reverse=True)) + r")\b")
+_PREPOSITION = re.compile(r"\b(" + "|".join(sorted(INTO + FROM, key=len, reverse=True)) + r")\b")
 
 FILLING = frozenset(["fill", "load", "stock", "pack", "stuff"])
 """Verbs whose object is the place: 'fill the bowl with apples'."""
@@ -74,14 +75,44 @@ _PULLING = re.compile(r"^(?:pull|slide|swing|push|flip)\s+(?P<how>open|shut|clos
 _VERBS = frozenset((*_PLACING, *_OTHER_VERBS, *FILLING, *OPENING, *GATHERING, *TOOL_VERBS))
 
 
-def _gerunds(verb: str) -> tuple[str, str]:
-    """How the gerund may be spelled: 'placing'; 'putting', besides 'puting'."""
-    stem = verb.removesuffix("e")
-    return f"{stem}ing", f"{stem}{stem[-1]}ing"
+_STEMS = {verb.removesuffix("e"): verb for verb in sorted(_VERBS)}
+_GERUNDS = {gerund: verb for stem, verb in _STEMS.items() for gerund in (f"{stem}ing", f"{stem}{stem[-1]}ing")}
+"""'placing' → 'place'; 'putting', and 'puting', → 'put'."""
 
-
-_GERUNDS = {gerund: verb for verb in sorted(_VERBS) for gerund in _gerunds(verb)}
 _BY_DOING = re.compile(rf"\s*\b(?P<how>by|after|mind)\s+(?P<verb>{'|'.join(_GERUNDS)})\b", re.IGNORECASE)
+
+
+@dataclass(frozen=True)
+class Clause:
+    """'put the apple in the bowl': ``put``, ``the apple``, ``(("in", "the bowl"),)``.
+
+    Args:
+        adjuncts: (preposition, the words up to the next one), as they follow the object.
+        announces: a colon follows, so that it says in general what the next clause details.
+    """
+
+    verb: str
+    object: str
+    adjuncts: tuple[tuple[str, str], ...]
+    announces: bool
+
+    def after(self, prepositions: Collection[str]) -> str | None:
+        """The words after the first of these prepositions; None where none of them stands."""
+        return next((words for preposition, words in self.adjuncts if preposition in prepositions), None)
+
+
+def clauses(instruction: str) -> Iterator[Clause]:
+    """The clauses of an instruction that hold more than a verb."""
+    announced = _as_commands(instruction).split(":")
+    for index, part in enumerate(announced):
+        pieces = [piece for piece in _CLAUSE.split(part) if piece and piece.strip(" ,")]
+        more = any(rest.strip() for rest in announced[index + 1 :])
+        for number, piece in enumerate(pieces):
+            verb, _, rest = _command(piece).partition(" ")
+            if rest:
+                thing, *adjuncts = _PREPOSITION.split(rest)
+                pairs = zip(adjuncts[::2], adjuncts[1::2], strict=True)
+                yield Clause(verb, thing, tuple(pairs), more and number == len(pieces) - 1)
 
 
 def _as_commands(instruction: str) -> str:
@@ -94,17 +125,7 @@ def _as_commands(instruction: str) -> str:
     return _BY_DOING.sub(command, instruction)
 
 
-def clauses(instruction: str) -> Iterator[tuple[str, bool]]:
-    """(text, whether a colon follows it) of each clause; empty ones are left out."""
-    announced = _as_commands(instruction).split(":")
-    for index, part in enumerate(announced):
-        pieces = [piece for piece in _CLAUSE.split(part) if piece and piece.strip(" ,")]
-        more = any(rest.strip() for rest in announced[index + 1 :])
-        for number, piece in enumerate(pieces):
-            yield piece, more and number == len(pieces) - 1
-
-
-def plain_clause(text: str) -> str:
+def _command(text: str) -> str:
     """The clause in lower case, without punctuation and particles, as a command: 'put … into …'."""
     text = re.sub(r"[^\w\s,&'-]", " ", text.lower())
     text = re.sub(r"\bas well\b(?! as\b)", " ", text)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass, replace
+from itertools import chain
 
 from vcage.models.rules.clauses import (
     EMPTYING,
@@ -12,11 +13,10 @@ from vcage.models.rules.clauses import (
     GATHERING,
     INTO,
     OPENING,
-    PREPOSITION,
     SOURCES,
     TOOL_VERBS,
+    Clause,
     clauses,
-    plain_clause,
 )
 from vcage.models.rules.phrases import Phrase, is_pronoun, parse_phrases, parse_place, points_back
 
@@ -43,12 +43,22 @@ class Request:
     tools: tuple[Phrase, ...] = ()
     sources: tuple[tuple[Phrase, Phrase], ...] = ()
 
+    def joined(self, other: Request) -> Request:
+        """With all that another request moves, and its tools before the own ones."""
+        return replace(
+            self,
+            contents=(*self.contents, *other.contents),
+            again=(*self.again, *other.again),
+            tools=(*other.tools, *self.tools),
+            sources=(*self.sources, *other.sources),
+        )
+
 
 def parse_instruction(instruction: str) -> list[Request]:
     """The clauses of an instruction that ask for something to be moved, in order; pronouns are resolved."""
     reader = _Reader()
-    for text, announces in clauses(instruction):
-        reader.read(plain_clause(text), announces)
+    for clause in clauses(instruction):
+        reader.read(clause)
     return reader.finish()
 
 
@@ -62,29 +72,21 @@ class _Reader:
         self._idle: list[Request] = []
         """Clauses that move nothing, asked for only when there are no others: 'Open the drawer'."""
 
-    def read(self, text: str, announces: bool) -> None:
-        """Read one clause; ``announces``: a colon follows, so that it says in general what the next one details."""
-        verb, _, rest = text.partition(" ")
-        if not rest:
-            return
-        pieces = PREPOSITION.split(rest)
-        filled = verb in FILLING and "with" in pieces[1::2] and not set(pieces[1::2]) & set(INTO)
-        if filled:
-            at = pieces.index("with", 1)
-            self._add(verb, pieces[at + 1], parse_place(pieces[0]), ())
-        elif verb in EMPTYING and not set(pieces[1::2]) & set(SOURCES) and (place := _place_off_table(pieces[0])):
-            goal = next((p for w, p in zip(pieces[1::2], pieces[2::2], strict=True) if w in INTO), "")
-            self._requests.append(
-                Request(verb, (_WHATEVER,), self._read_place(goal, "into")[0], sources=((_WHATEVER, place),))
-            )
-        elif verb in OPENING or _pulls_a_part(verb, pieces[0]):
-            if not is_pronoun(pieces[0]):
-                self._place = parse_place(pieces[0]) or self._place
-                self._idle.append(Request(verb, parse_phrases(pieces[0]), None))
-        elif announces and not set(pieces[1::2]) & set(INTO):
-            self._announced = _movable(parse_phrases(pieces[0]))
+    def read(self, clause: Clause) -> None:
+        """Take in one clause, as the first of these that it is: filling, emptying, opening, an announcement, a move."""
+        goal = clause.after(INTO)
+        filler = clause.after(("with",))
+        if clause.verb in FILLING and filler is not None and goal is None:
+            self._add(Request(clause.verb, (), parse_place(clause.object)), filler)
+        elif clause.verb in EMPTYING and clause.after(SOURCES) is None and (place := _off_table(clause.object)):
+            receptacle, _ = self._read_place(goal or "", "into")
+            self._requests.append(Request(clause.verb, (_WHATEVER,), receptacle, sources=((_WHATEVER, place),)))
+        elif _opens(clause):
+            self._read_opening(clause)
+        elif clause.announces and goal is None:
+            self._announced = _movable(parse_phrases(clause.object))
         else:
-            self._read_moves(verb, pieces)
+            self._read_moves(clause)
 
     def finish(self) -> list[Request]:
         """All requests, with every place that has parts ('the upper drawer') big enough for all that name it."""
@@ -102,86 +104,93 @@ class _Reader:
             for r in found
         ]  # fmt: skip
 
-    def _read_moves(self, verb: str, pieces: list[str]) -> None:
+    def _read_opening(self, clause: Clause) -> None:
+        """What is opened is the place that later clauses mean by 'inside'."""
+        if not is_pronoun(clause.object):
+            self._place = parse_place(clause.object) or self._place
+            self._idle.append(Request(clause.verb, parse_phrases(clause.object), None))
+
+    def _read_moves(self, clause: Clause) -> None:
         """'the apple in the bowl and the pen in the box' are two requests with one verb."""
-        contents = pieces[0]
+        contents = clause.object
         tools: tuple[Phrase, ...] = ()
         source: Phrase | None = None
-        for preposition, piece in zip(pieces[1::2], pieces[2::2], strict=True):
-            if preposition == "using" or (preposition == "with" and verb in TOOL_VERBS):
-                tools += tuple(phrase for phrase in parse_phrases(piece) if not is_pronoun(phrase.text))
+        for preposition, words in clause.adjuncts:
+            tools += _tools(clause.verb, preposition, words)
+            place_words, following = _first_part(words)
             if preposition in SOURCES:
-                source = _place_off_table(_first_part(piece)[0]) or source
+                source = _off_table(place_words) or source
             if preposition in FROM or not contents:
                 continue
-            place_text, following = _first_part(piece)
-            place, on_table = self._read_place(place_text, preposition)
-            if place is None and not on_table:
-                continue
-            self._add(verb, contents, place, tools, source)
-            contents, tools, source = following, (), None
+            place, on_table = self._read_place(place_words, preposition)
+            if place is not None or on_table:
+                self._add(Request(clause.verb, (), place, tools=tools), contents, source)
+                contents, tools, source = following, (), None
         if contents:
-            self._add(verb, contents, None, tools, source)
+            self._add(Request(clause.verb, (), None, tools=tools), contents, source)
 
     def _read_place(self, text: str, preposition: str) -> tuple[Phrase | None, bool]:
         """The place, and whether it is the table itself, which is no place to plan for."""
-        if not text.strip() or is_pronoun(text) or points_back(text):
+        if _names_no_place(text):
             return (self._place, False) if self._place else (None, preposition == "there")
         owned = parse_place(text, self._place)
         if owned is not None and owned.head in _SURFACES and preposition in ("on", "onto", "to"):
             return None, True
         return owned, False
 
-    def _add(
-        self,
-        verb: str,
-        contents: str,
-        place: Phrase | None,
-        tools: tuple[Phrase, ...],
-        source: Phrase | None = None,
-    ) -> None:
-        """Note a request; a pronoun takes over what was named before and has no place yet."""
-        sources: tuple[tuple[Phrase, Phrase], ...] = ()
-        fresh: tuple[Phrase, ...] = ()
-        again: tuple[Phrase, ...] = ()
+    def _add(self, request: Request, contents: str, source: Phrase | None = None) -> None:
+        """Note a request for what ``contents`` says; a pronoun takes over what was named before and has no place yet.
+
+        Args:
+            request: verb, place and tools.
+            source: where the contents are at the start.
+        """
         for part in _parts(contents):
             if is_pronoun(part) and (self._requests or self._announced):
-                taken, more_tools, moved, started = self._take_over()
-                sources += started
-                fresh, again, tools = (*fresh, *taken), (*again, *moved), (*more_tools, *tools)
+                request = request.joined(self._take_over())
             else:
-                named = _movable(parse_phrases(part)) if verb in GATHERING else parse_phrases(part)
-                fresh += named
-                sources += tuple((phrase, source) for phrase in named if source is not None)
-        if place is not None:
-            self._place = place
-        if fresh or again:
-            self._requests.append(Request(verb, fresh, place, again, tools, sources))
+                named = parse_phrases(part)
+                named = _movable(named) if request.verb in GATHERING else named
+                started = () if source is None else tuple((phrase, source) for phrase in named)
+                request = request.joined(Request(request.verb, named, None, sources=started))
+        self._place = request.receptacle or self._place
+        if request.contents or request.again:
+            self._requests.append(request)
 
-    def _take_over(
-        self,
-    ) -> tuple[tuple[Phrase, ...], tuple[Phrase, ...], tuple[Phrase, ...], tuple[tuple[Phrase, Phrase], ...]]:
-        """(things without a place so far, their tools, things that were moved before, where things start)."""
+    def _take_over(self) -> Request:
+        """What a pronoun stands for: what is waiting for a place, which waits no longer, and what was moved last."""
         waiting = [r for r in self._requests if r.receptacle is None]
-        last = self._requests[-1] if self._requests else None
-        fresh = tuple(phrase for r in waiting for phrase in r.contents)
-        tools = tuple(phrase for r in waiting for phrase in r.tools)
-        sources = tuple(pair for r in waiting for pair in r.sources)
-        again = (*last.contents, *last.again) if last is not None and last.receptacle is not None else ()
+        last = [r for r in self._requests[-1:] if r.receptacle is not None]
         self._requests = [r for r in self._requests if r.receptacle is not None]
-        if not fresh and not again:
-            fresh, self._announced = self._announced, ()
-        return fresh, tools, again, sources
+        contents = tuple(chain.from_iterable(r.contents for r in waiting))
+        again = tuple(chain.from_iterable((*r.contents, *r.again) for r in last))
+        if not contents and not again:
+            contents, self._announced = self._announced, ()
+        tools = tuple(chain.from_iterable(r.tools for r in waiting))
+        return Request("move", contents, None, again, tools, tuple(chain.from_iterable(r.sources for r in waiting)))
 
 
-def _pulls_a_part(verb: str, text: str) -> bool:
-    place = parse_place(text) if verb in ("pull", "push") else None
-    return place is not None and place.part is not None
+def _opens(clause: Clause) -> bool:
+    """Whether a place is opened or closed: 'shut the box', 'pull the drawer'."""
+    place = parse_place(clause.object) if clause.verb in ("pull", "push") else None
+    return clause.verb in OPENING or (place is not None and place.part is not None)
 
 
-def _place_off_table(text: str) -> Phrase | None:
+def _tools(verb: str, preposition: str, words: str) -> tuple[Phrase, ...]:
+    """What is named as a tool: 'scan it with the scanner', but not 'put it with the pens'."""
+    if preposition == "using" or (preposition == "with" and verb in TOOL_VERBS):
+        return tuple(phrase for phrase in parse_phrases(words) if not is_pronoun(phrase.text))
+    return ()
+
+
+def _names_no_place(text: str) -> bool:
+    """Whether the words say nothing, or only point back at what was named before."""
+    return not text.strip() or is_pronoun(text) or points_back(text)
+
+
+def _off_table(text: str) -> Phrase | None:
     """The place that a text names, if it is not the table itself, where everything is anyway."""
-    place = None if not text.strip() or is_pronoun(text) or points_back(text) else parse_place(text)
+    place = None if _names_no_place(text) else parse_place(text)
     return None if place is None or place.head in _SURFACES else place
 
 

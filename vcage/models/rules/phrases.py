@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import functools
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from vcage.models.rules.words import (
@@ -59,30 +61,40 @@ class Phrase:
 
 def parse_phrase(text: str) -> Phrase | None:
     """Read one noun phrase; ``None`` when it holds no word that carries meaning."""
-    count: int | None = 1
-    counted = False
+    numbers: list[int | None] = []
     content: list[str] = []
-    counts_for: str | None = None
+    counted: str | None = None
     for word, compound in _words(text):
-        number = word in NUMBERS or word.isdigit()
-        if number and not compound:
-            value = int(word) if word.isdigit() else NUMBERS[word]
-            count, counted = _with_number(count if counted else None, value), True
-        elif word == "of" and content and counts_for is None:
-            counts_for = content[-1]
+        if not compound and _is_number(word):
+            numbers.append(NUMBERS[word] if word in NUMBERS else int(word))
+        elif word == "of" and content and counted is None:
+            counted = content[-1]
         elif word not in DETERMINERS:
             content.append(word)
     if not content:
         return None
-    head = content[-1]
-    counts_for = counts_for or head
-    if not counted and (is_plural(counts_for) or lemma(head) in MASS_KINDS):
-        count = None
-    if counted and count == 1 and is_plural(counts_for):
-        count = None
-    colours = [word for word in content[:-1] if word in COLOURS]
-    kept = [lemma(word) for word in content[:-1] if word not in COLOURS] + [lemma(head)]
-    return Phrase(" ".join(content), tuple(kept), colour_of(colours[0]) if colours else None, count)
+    *qualifiers, head = content
+    kept = (*(lemma(word) for word in qualifiers if word not in COLOURS), lemma(head))
+    count = _count(numbers, counted or head, kept[-1])
+    return Phrase(" ".join(content), kept, colour_of(" ".join(qualifiers)), count)
+
+
+def _count(numbers: Sequence[int | None], counted: str, head: str) -> int | None:
+    """How many things a phrase asks for; None for several.
+
+    Args:
+        numbers: the numbers that it names.
+        counted: what they count: 'slices' in 'two slices of toast'.
+        head: lemma of what these are: 'toast'.
+    """
+    if not numbers:
+        return None if is_plural(counted) or head in MASS_KINDS else 1
+    count = functools.reduce(_with_number, numbers, None)
+    return None if count == 1 and is_plural(counted) else count
+
+
+def _is_number(word: str) -> bool:
+    return word in NUMBERS or word.isdigit()
 
 
 def _words(text: str) -> list[tuple[str, bool]]:
@@ -90,7 +102,7 @@ def _words(text: str) -> list[tuple[str, bool]]:
     found = []
     for chunk in text.lower().split():
         words = tokens(chunk)
-        compound = len(words) > 1 and not all(word in NUMBERS or word.isdigit() for word in words)
+        compound = len(words) > 1 and not all(map(_is_number, words))
         found += [(word, compound) for word in words]
     return found
 

@@ -1,10 +1,9 @@
-"""Words: lemmas, number words, colours, kinds of kinds, and how alike two names are."""
+"""Words: lemmas, number words, colours, kinds of kinds, and how alike two words are spelled."""
 
 from __future__ import annotations
 
 import difflib
 import re
-from collections.abc import Sequence
 
 IRREGULAR = {
     "loaves": "loaf", "knives": "knife", "shelves": "shelf", "leaves": "leaf", "halves": "half", "mice": "mouse",
@@ -14,21 +13,9 @@ IRREGULAR = {
 """Plural → singular where the rules below would go wrong."""
 
 NO_PLURAL = frozenset(
-    [
-        "scissors",
-        "pliers",
-        "tongs",
-        "tweezers",
-        "headphones",
-        "glasses",
-        "cutlery",
-        "stationery",
-        "bus",
-        "gas",
-        "chess",
-        "electronics",
-    ]
-)
+    ["scissors", "pliers", "tongs", "tweezers", "headphones", "glasses", "cutlery", "stationery", "bus", "gas",
+     "chess", "electronics"]
+)  # fmt: skip
 """Words that end like a plural and are none."""
 
 NUMBERS = {
@@ -40,56 +27,14 @@ NUMBERS = {
 }  # fmt: skip
 
 DETERMINERS = frozenset(
-    [
-        "the",
-        "of",
-        "this",
-        "that",
-        "these",
-        "those",
-        "my",
-        "your",
-        "our",
-        "its",
-        "his",
-        "her",
-        "all",
-        "every",
-        "each",
-        "of",
-        "any",
-        "other",
-    ]
-)
+    ["the", "of", "this", "that", "these", "those", "my", "your", "our", "its", "his", "her", "all", "every", "each",
+     "any", "other"]
+)  # fmt: skip
 
 COLOURS = frozenset(
-    [
-        "red",
-        "green",
-        "blue",
-        "yellow",
-        "orange",
-        "purple",
-        "violet",
-        "pink",
-        "brown",
-        "black",
-        "white",
-        "grey",
-        "gray",
-        "silver",
-        "gold",
-        "golden",
-        "beige",
-        "cyan",
-        "teal",
-        "turquoise",
-        "navy",
-        "cream",
-        "tan",
-        "magenta",
-    ]
-)
+    ["red", "green", "blue", "yellow", "orange", "purple", "violet", "pink", "brown", "black", "white", "grey",
+     "gray", "silver", "gold", "golden", "beige", "cyan", "teal", "turquoise", "navy", "cream", "tan", "magenta"]
+)  # fmt: skip
 
 _SAME_COLOUR = {"gray": "grey", "violet": "purple", "golden": "gold"}
 
@@ -199,21 +144,6 @@ def same_word(a: str, b: str) -> bool:
     if min(len(a), len(b)) < 5:
         return False
     return spelling_similarity(a, b) >= 0.86
-
-
-def name_similarity(phrase: Sequence[str], name: Sequence[str]) -> float:
-    """How well a name answers a phrase, in [0, 1]; both are lemmas, the head last.
-
-    1 for equal names; at least 0.6 when the heads agree (``box`` and ``bread box``); 0.45 when the phrase is
-    only a qualifier of the name (``marker`` and ``marker pen``); else 0.
-    """
-    if not phrase or not name:
-        return 0.0
-    shared = sum(any(same_word(word, other) for other in name) for word in phrase)
-    union = len(phrase) + len(name) - shared
-    if same_word(phrase[-1], name[-1]):
-        return 0.6 + 0.4 * shared / union
-    return 0.45 if shared == len(phrase) else 0.0
 
 
 def spelling_similarity(a: str, b: str) -> float:

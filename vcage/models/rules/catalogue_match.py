@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 from vcage.models.rules.instruction import Request
 from vcage.models.rules.phrases import Phrase
@@ -17,7 +18,6 @@ from vcage.models.rules.words import (
     kinds_of,
     lemma,
     lemmas,
-    name_similarity,
     same_word,
 )
 from vcage.schema.asset import CatalogueEntry, Variant
@@ -51,40 +51,67 @@ class Candidate:
     """Whether the phrase names a kind of things (bread, fruit) that this entry is one of."""
 
 
-def names_of(entry: CatalogueEntry) -> list[list[str]]:
-    """Lemmas of everything that an entry is called: words, plural and name of the entry, then its synonyms.
+class Names(NamedTuple):
+    """Lemmas of what an entry is called, the head of each name last. No name is empty: what has no Latin word gives
+    way to the entry's own name, and as a synonym it is dropped."""
 
-    None is empty: what has no Latin word gives way to the entry's name, and as a synonym it is dropped.
-    """
+    words: list[str]
+    plural: list[str]
+    own: list[str]
+    synonyms: list[list[str]]
+
+    @property
+    def all(self) -> list[list[str]]:
+        return [self.words, self.plural, self.own, *self.synonyms]
+
+
+def names_of(entry: CatalogueEntry) -> Names:
+    """What an entry is called, by its annotation and in the catalogue."""
     words, own = entry.words, lemmas(entry.name) or [entry.name]
-    synonyms = [lemmas(text) for text in words.synonyms]
-    return [lemmas(words.name) or own, lemmas(words.plural) or own, own, *(name for name in synonyms if name)]
+    synonyms = [name for name in map(lemmas, words.synonyms) if name]
+    return Names(lemmas(words.name) or own, lemmas(words.plural) or own, own, synonyms)
 
 
 def score_entry(phrase: Phrase, entry: CatalogueEntry) -> Candidate:
     """How well an entry answers a phrase, by its names, its synonyms, and the kind of thing it is."""
     names = names_of(entry)
     score = max(
-        name_similarity(phrase.lemmas, name) * (1.0 if index < 3 else _SYNONYM) for index, name in enumerate(names)
+        *(score_name(phrase.lemmas, name) for name in names[:3]),
+        *(_SYNONYM * score_name(phrase.lemmas, name) for name in names.synonyms),
     )
     kind = len(phrase.lemmas) == 1 and _is_of_kind(phrase.head, entry, names)
     return Candidate(entry, max(score, _KIND) if kind else score, kind)
 
 
-def _is_of_kind(word: str, entry: CatalogueEntry, names: Sequence[Sequence[str]]) -> bool:
+def score_name(phrase: Sequence[str], name: Sequence[str]) -> float:
+    """How well a name answers a phrase, in [0, 1]; both are lemmas, the head last.
+
+    1 for equal names; at least 0.6 when the heads agree (``box`` and ``bread box``); 0.45 when the phrase is
+    only a qualifier of the name (``marker`` and ``marker pen``); else 0.
+    """
+    if not phrase or not name:
+        return 0.0
+    shared = sum(any(same_word(word, other) for other in name) for word in phrase)
+    union = len(phrase) + len(name) - shared
+    if same_word(phrase[-1], name[-1]):
+        return 0.6 + 0.4 * shared / union
+    return 0.45 if shared == len(phrase) else 0.0
+
+
+def _is_of_kind(word: str, entry: CatalogueEntry, names: Names) -> bool:
     """Whether a word for a kind of things covers the entry; a word for its very self does not count."""
     category = entry.words.category.lower()
     if word in ANYTHING:
         return bool(entry.contact_points) and not entry.moving_parts and category not in _PLACE_CATEGORIES
-    head = names[0][-1]
+    head = names.words[-1]
     if same_word(head, word):
         return word in KINDS
-    heads = {head, *(name[-1] for name in names[3:] if len(name) == 1)}
+    plain = {name[0] for name in names.synonyms if len(name) == 1}
     return (
-        any(word in kinds_of(other, category) for other in heads)
+        word in plain
         or word == lemma(category)
         or category in CATEGORIES.get(word, ())
-        or any(list(name) == [word] for name in names[3:])
+        or any(word in kinds_of(other, category) for other in {head, *plain})
     )
 
 
@@ -104,20 +131,28 @@ def places(phrase: Phrase, catalogue: Sequence[CatalogueEntry], moved: Iterable[
     if phrase.part is None:
         found = [c for c in named if c.entry.functional_points] or named
     else:
-        found = list(named)
-        if phrase.head == phrase.part:
-            known = {c.entry.name for c in named}
-            found += [Candidate(entry, _KIND, True) for entry in catalogue if entry.name not in known]
-        found = [c for c in found if count_parts(c.entry, phrase.part)] or named
-        found = [c for c in found if count_parts(c.entry, phrase.part) >= phrase.least_parts] or found
+        found = _with_part(phrase.part, phrase, named, catalogue) or named
     words = {word for thing in moved for word in thing.lemmas}
     found = [replace(c, score=c.score + _MADE_FOR) if _made_for(c.entry, phrase, words) else c for c in found]
     return sorted(found, key=lambda c: (-c.score, c.entry.name))
 
 
+def _with_part(
+    part: str, phrase: Phrase, named: Sequence[Candidate], catalogue: Sequence[CatalogueEntry]
+) -> list[Candidate]:
+    """The entries that have the part, as many of it as the phrase needs if there are such; 'a drawer' is anyone's."""
+    found = list(named)
+    if phrase.head == part:
+        known = {c.entry.name for c in named}
+        found += [Candidate(entry, _KIND, True) for entry in catalogue if entry.name not in known]
+    counts = [(c, count_parts(c.entry, part)) for c in found]
+    enough = max(phrase.least_parts, 1)
+    return [c for c, count in counts if count >= enough] or [c for c, count in counts if count]
+
+
 def _made_for(entry: CatalogueEntry, phrase: Phrase, words: set[str]) -> bool:
     """Whether the place's name is the phrase and what is put there: 'dish', 'soap' and 'soap dish'."""
-    *qualifiers, head = names_of(entry)[0]
+    *qualifiers, head = names_of(entry).words
     return head == phrase.head and bool(qualifiers) and set(qualifiers) <= words | set(phrase.lemmas)
 
 
@@ -144,7 +179,7 @@ def scene_tags(phrases: Iterable[Phrase], catalogue: Sequence[CatalogueEntry]) -
 
 def confusable(entry: CatalogueEntry, other: CatalogueEntry) -> bool:
     """Whether the two are called alike or are foods of one kind, which look alike."""
-    a, b = names_of(entry)[0][-1], names_of(other)[0][-1]
+    a, b = names_of(entry).words[-1], names_of(other).words[-1]
     kinds = kinds_of(a, entry.words.category) & kinds_of(b, other.words.category)
     return a == b or bool(kinds & LOOK_ALIKE)
 
@@ -163,7 +198,7 @@ class Occasion:
 
     def fit(self, entry: CatalogueEntry) -> float:
         """Larger for entries whose words and scene tags go with the instruction."""
-        names = {word for name in names_of(entry) for word in name}
+        names = {word for name in names_of(entry).all for word in name}
         named = sum(any(n.startswith(w) or w.startswith(n) for n in names if len(n) > 3) for w in self.words)
         described = sum(word in lemmas(entry.words.description) for word in self.words)
         return named + 0.25 * described + 0.5 * len(self.tags & set(entry.words.scene_tags))
@@ -204,9 +239,9 @@ class Places:
 
     def __init__(self, catalogue: Sequence[CatalogueEntry]):
         self._catalogue = catalogue
-        self._chosen: dict[tuple[object, ...], Candidate | None] = {}
+        self._chosen: dict[tuple[object, ...], CatalogueEntry | None] = {}
 
-    def of(self, request: Request, things: Sequence[CatalogueEntry]) -> Candidate | None:
+    def of(self, request: Request, things: Sequence[CatalogueEntry]) -> CatalogueEntry | None:
         """The entry that a clause means by its place; ``None`` when it names none, or nothing answers it.
 
         Args:
@@ -220,5 +255,5 @@ class Places:
             moved = (*request.contents, *request.again)
             words = " ".join([request.verb, *(p.text for p in moved), place.text])
             found = [c for c in places(place, self._catalogue, moved) if variants_of(c.entry, place)]
-            self._chosen[key] = Occasion(words, scene_tags(moved, things)).best(found) if found else None
+            self._chosen[key] = Occasion(words, scene_tags(moved, things)).best(found).entry if found else None
         return self._chosen[key]
