@@ -7,7 +7,8 @@ from collections.abc import Iterator
 import pytest
 
 from tests.standin import StandIn
-from vcage.models.keys import OWN_VARIABLES, variables
+from vcage.models.keys import variables
+from vcage.models.registry import PROVIDERS
 
 
 @pytest.fixture
@@ -19,9 +20,9 @@ def server() -> Iterator[StandIn]:
 @pytest.fixture(autouse=True)
 def no_keys(monkeypatch: pytest.MonkeyPatch, tmp_path_factory: pytest.TempPathFactory) -> None:
     """No key and no setting of the machine reaches a test."""
-    for provider in OWN_VARIABLES:
+    for provider in PROVIDERS.values():
         for name in variables(provider):
             monkeypatch.delenv(name, raising=False)
         for what in ("BASE_URL", "TEXT_MODEL", "IMAGE_MODEL"):
-            monkeypatch.delenv(f"VCAGE_{provider.upper()}_{what}", raising=False)
+            monkeypatch.delenv(f"VCAGE_{provider.name.upper()}_{what}", raising=False)
     monkeypatch.setenv("VCAGE_KEY_FILE", str(tmp_path_factory.mktemp("keys") / "keys.json"))

@@ -5,23 +5,26 @@ import json
 import pytest
 
 from vcage.base.errors import ConfigurationError, MissingKey
-from vcage.models.keys import find_key, found_keys, key_file, require_key
+from vcage.models.gemini import GEMINI
+from vcage.models.keys import find_key, key_file, require_key
+from vcage.models.openai import OPENAI
+from vcage.models.registry import found_keys
 
 
 def test_the_projects_own_variable_comes_before_the_providers(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("GEMINI_API_KEY", "theirs")
     monkeypatch.setenv("VCAGE_GEMINI_API_KEY", "ours")
-    assert find_key("gemini") == ("ours", "VCAGE_GEMINI_API_KEY")
+    assert find_key(GEMINI) == ("ours", "VCAGE_GEMINI_API_KEY")
 
 
 def test_googles_other_variable_is_read_too(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("GOOGLE_API_KEY", "key")
-    assert find_key("gemini") == ("key", "GOOGLE_API_KEY")
+    assert find_key(GEMINI) == ("key", "GOOGLE_API_KEY")
 
 
 def test_the_key_file_is_read_last() -> None:
     key_file().write_text(json.dumps({"openai": "from-file"}))
-    assert find_key("openai") == ("from-file", str(key_file()))
+    assert find_key(OPENAI) == ("from-file", str(key_file()))
 
 
 def test_found_keys_names_places_and_never_a_key(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -31,7 +34,7 @@ def test_found_keys_names_places_and_never_a_key(monkeypatch: pytest.MonkeyPatch
 
 def test_a_missing_key_says_where_to_put_it() -> None:
     with pytest.raises(MissingKey) as caught:
-        require_key("openai")
+        require_key(OPENAI)
     assert "VCAGE_OPENAI_API_KEY" in caught.value.hint and str(key_file()) in caught.value.hint
 
 
@@ -39,4 +42,4 @@ def test_a_missing_key_says_where_to_put_it() -> None:
 def test_a_damaged_key_file_is_named(text: str) -> None:
     key_file().write_text(text)
     with pytest.raises(ConfigurationError, match=str(key_file())):
-        find_key("openai")
+        find_key(OPENAI)

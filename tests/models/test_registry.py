@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -14,6 +16,12 @@ from vcage.vision.networks import loading
 def test_the_defaults_need_no_weights() -> None:
     models = build_models("offline")
     assert isinstance(models.detector, BackgroundDetector) and isinstance(models.embedder, ClassicalEmbedder)
+
+
+def test_keys_are_looked_for_where_opencv_is_not_installed() -> None:
+    asked = "import sys; sys.modules['cv2'] = None; from vcage.models.registry import found_keys; print(found_keys())"
+    found = subprocess.run([sys.executable, "-c", asked], capture_output=True, text=True)
+    assert found.stdout == "{}\n", found.stderr
 
 
 @pytest.mark.parametrize(

@@ -7,8 +7,15 @@ import pytest
 
 from tests.models.catalogue import CATALOGUE, KITCHEN, entry
 from vcage.models import search as module
-from vcage.models.llm import MOST_CATALOGUE_TEXT, MOST_KINDS, narrow
-from vcage.models.search import EmbeddingSearch, LexicalSearch, best_search, shortlist
+from vcage.models.search import (
+    MOST_CATALOGUE_TEXT,
+    MOST_KINDS,
+    EmbeddingSearch,
+    LexicalSearch,
+    best_search,
+    narrow,
+    shortlist,
+)
 from vcage.objects.catalogue import catalogue_text
 
 MEANINGS = {"drink": (1, 0), "mug": (0.9, 0.1), "bowl": (0.5, 0.5), "book": (0, 1)}

@@ -136,7 +136,7 @@ def cvvdp() -> Finding:
 
 
 def keys() -> Finding:
-    from vcage.models.keys import found_keys
+    from vcage.models.registry import found_keys
 
     try:
         names = [f"{provider} in {source}" for provider, source in found_keys().items()]

@@ -15,11 +15,7 @@ from vcage.models import prompts
 from vcage.models.chat import Message
 from vcage.models.pictures import decode_base64, encode_base64
 from vcage.models.protocols import EditRequest
-from vcage.models.transport import Transport
-
-BASE_URL = "https://generativelanguage.googleapis.com"
-TEXT_MODEL = "gemini-3-pro-preview"
-IMAGE_MODEL = "gemini-3-pro-image"
+from vcage.models.provider import Client, Provider
 
 PICTURE_ROUNDS = 3
 """How often a picture is asked for: an answer without one is normal and passes."""
@@ -30,13 +26,8 @@ _PASSING = frozenset(("NO_IMAGE", "STOP", "MAX_TOKENS", "OTHER", "IMAGE_OTHER", 
 _RATIOS = ("1:1", "2:3", "3:2", "3:4", "4:3", "4:5", "5:4", "9:16", "16:9", "21:9")
 
 
-class GeminiChat:
+class GeminiChat(Client):
     """Implements :class:`vcage.models.chat.Chat`."""
-
-    def __init__(self, transport: Transport, model: str = TEXT_MODEL):
-        self._transport = transport
-        self._model = model
-        self.provider = f"gemini:{model}"
 
     def complete(self, messages: Sequence[Message], schema: dict[str, Any]) -> str:
         """See :class:`vcage.models.chat.Chat`."""
@@ -44,7 +35,7 @@ class GeminiChat:
             "contents": [{"role": m.role, "parts": _parts(m.text, m.pictures)} for m in messages],
             "generationConfig": {"responseMimeType": "application/json", "responseJsonSchema": schema},
         }
-        parts, reason = _generate(self._transport, self._model, body)
+        parts, reason = _generate(self, body)
         text = "".join(part["text"] for part in parts if isinstance(part.get("text"), str) and not part.get("thought"))
         if not text or reason not in ("STOP", ""):
             raise ModelRefused(
@@ -55,13 +46,8 @@ class GeminiChat:
         return text
 
 
-class GeminiEditor:
+class GeminiEditor(Client):
     """Implements :class:`vcage.models.protocols.ImageEditor` (the paper's Nano Banana)."""
-
-    def __init__(self, transport: Transport, model: str = IMAGE_MODEL):
-        self._transport = transport
-        self._model = model
-        self.provider = f"gemini:{model}"
 
     def rearrange(self, request: EditRequest) -> np.ndarray:
         """The edited picture, in whatever size the model gives.
@@ -72,12 +58,12 @@ class GeminiEditor:
         """
         ratio = _nearest_ratio(request.picture.shape)
         body = {
-            "contents": [{"role": "user", "parts": _parts(edit_prompt(request), (request.picture,))}],
+            "contents": [{"role": "user", "parts": _parts(prompts.edit_prompt(request), (request.picture,))}],
             "generationConfig": {"responseModalities": ["TEXT", "IMAGE"], "imageConfig": {"aspectRatio": ratio}},
         }
         reason = ""
         for _ in range(PICTURE_ROUNDS):
-            parts, reason = _generate(self._transport, self._model, body)
+            parts, reason = _generate(self, body)
             pictures = [part.get("inlineData") or part.get("inline_data") for part in parts if not part.get("thought")]
             data = next((p["data"] for p in pictures if isinstance(p, dict) and p.get("data")), None)
             if data is not None:
@@ -91,39 +77,46 @@ class GeminiEditor:
         )
 
 
-def edit_prompt(request: EditRequest) -> str:
-    """The text that goes with the picture to any image editor."""
-    return prompts.fill("rearrange", scene=request.scene, plan=request.plan)
-
-
 def _parts(text: str, pictures: Sequence[np.ndarray]) -> list[dict[str, Any]]:
     data = [{"inlineData": {"mimeType": "image/png", "data": encode_base64(picture)}} for picture in pictures]
     return [{"text": text}, *data]
 
 
-def _generate(transport: Transport, model: str, body: Mapping[str, Any]) -> tuple[list[dict[str, Any]], str]:
+def _generate(client: Client, body: Mapping[str, Any]) -> tuple[list[dict[str, Any]], str]:
     """Parts of the first candidate, and why it ended.
 
     Raises:
         ModelRefused: the prompt itself was blocked.
         EndpointFailed: the answer is of another shape.
     """
-    version = "" if transport.base_url.endswith(("/v1", "/v1beta")) else "v1beta/"
-    data = transport.post_json(f"{version}models/{model}:generateContent", body)
+    version = "" if client.transport.base_url.endswith(("/v1", "/v1beta")) else "v1beta/"
+    data = client.transport.post_json(f"{version}models/{client.model}:generateContent", body)
     feedback = data.get("promptFeedback") or {}
     candidates = data.get("candidates") or []
     if feedback.get("blockReason") and not candidates:
         raise ModelRefused(
-            f"gemini:{model} blocked the request: {feedback['blockReason']}", hint="change the instruction"
+            f"{client.provider} blocked the request: {feedback['blockReason']}", hint="change the instruction"
         )
     try:
         candidate = candidates[0] if candidates else {}
         parts = (candidate.get("content") or {}).get("parts") or []
         return [part for part in parts if isinstance(part, dict)], str(candidate.get("finishReason") or "")
     except (AttributeError, TypeError, KeyError) as error:
-        raise EndpointFailed(f"gemini:{model} answered in an unknown shape", hint="check the base URL") from error
+        raise EndpointFailed(f"{client.provider} answered in an unknown shape", hint="check the base URL") from error
 
 
 def _nearest_ratio(shape: tuple[int, ...]) -> str:
     wanted = shape[1] / shape[0]
     return min(_RATIOS, key=lambda text: abs(int(text.split(":")[0]) / int(text.split(":")[1]) - wanted))
+
+
+GEMINI = Provider(
+    name="gemini",
+    key_variables=("GEMINI_API_KEY", "GOOGLE_API_KEY"),
+    headers=lambda key: {"x-goog-api-key": key},
+    base_url="https://generativelanguage.googleapis.com",
+    text_model="gemini-3-pro-preview",
+    image_model="gemini-3-pro-image",
+    chat=GeminiChat,
+    editor=GeminiEditor,
+)

@@ -6,27 +6,16 @@ import json
 import os
 from pathlib import Path
 
-from vcage.base.errors import ConfigurationError, MissingKey, UnknownName
-
-OWN_VARIABLES: dict[str, tuple[str, ...]] = {
-    "gemini": ("GEMINI_API_KEY", "GOOGLE_API_KEY"),
-    "openai": ("OPENAI_API_KEY",),
-    "openrouter": ("OPENROUTER_API_KEY",),
-}
-"""Provider → the variables that its own tools read."""
+from vcage.base.errors import ConfigurationError, MissingKey
+from vcage.models.provider import Provider
 
 
-def variables(provider: str) -> tuple[str, ...]:
+def variables(provider: Provider) -> tuple[str, ...]:
     """The environment variables that may hold the provider's key, in the order in which they are read.
 
     The project's own name comes first: agents strip the well-known names from the commands that they run.
-
-    Raises:
-        UnknownName: there is no such provider.
     """
-    if provider not in OWN_VARIABLES:
-        raise UnknownName("provider", provider, OWN_VARIABLES)
-    return (f"VCAGE_{provider.upper()}_API_KEY", *OWN_VARIABLES[provider])
+    return (f"VCAGE_{provider.name.upper()}_API_KEY", *provider.key_variables)
 
 
 def key_file() -> Path:
@@ -34,7 +23,7 @@ def key_file() -> Path:
     return Path(os.environ.get("VCAGE_KEY_FILE") or Path.home() / ".config" / "vcage" / "keys.json")
 
 
-def find_key(provider: str) -> tuple[str, str] | None:
+def find_key(provider: Provider) -> tuple[str, str] | None:
     """The provider's key and the name of the place where it was found; None when there is none.
 
     Raises:
@@ -43,12 +32,12 @@ def find_key(provider: str) -> tuple[str, str] | None:
     for name in variables(provider):
         if value := os.environ.get(name, "").strip():
             return value, name
-    if value := _read_key_file().get(provider, "").strip():
+    if value := _read_key_file().get(provider.name, "").strip():
         return value, str(key_file())
     return None
 
 
-def require_key(provider: str) -> str:
+def require_key(provider: Provider) -> str:
     """The provider's key.
 
     Raises:
@@ -58,16 +47,11 @@ def require_key(provider: str) -> str:
     if found is None:
         names = " or ".join(variables(provider))
         raise MissingKey(
-            f"no key for {provider}",
-            hint=f'set {names}, or write {{"{provider}": "<key>"}} to {key_file()}, or use --models offline',
-            details={"provider": provider, "variables": list(variables(provider)), "file": str(key_file())},
+            f"no key for {provider.name}",
+            hint=f'set {names}, or write {{"{provider.name}": "<key>"}} to {key_file()}, or use --models offline',
+            details={"provider": provider.name, "variables": list(variables(provider)), "file": str(key_file())},
         )
     return found[0]
-
-
-def found_keys() -> dict[str, str]:
-    """Provider → the name of the variable or file that holds its key, for those that have one; never the key."""
-    return {provider: found[1] for provider in OWN_VARIABLES if (found := find_key(provider)) is not None}
 
 
 def _read_key_file() -> dict[str, str]:

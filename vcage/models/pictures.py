@@ -1,11 +1,13 @@
-"""Pictures on the wire: PNG and base64 in, whatever a server sends out."""
+"""Pictures on the wire: PNG and base64 in, whatever a server sends out.
+
+OpenCV is imported when a picture is there: ``vcage doctor`` looks for the providers' keys before it is installed.
+"""
 
 from __future__ import annotations
 
 import base64
 import binascii
 
-import cv2
 import numpy as np
 
 from vcage.base.errors import EndpointFailed
@@ -13,6 +15,8 @@ from vcage.base.errors import EndpointFailed
 
 def encode_png(picture: np.ndarray) -> bytes:
     """PNG of an (H, W, 3) RGB picture."""
+    import cv2
+
     _, data = cv2.imencode(".png", cv2.cvtColor(picture, cv2.COLOR_RGB2BGR))
     return data.tobytes()
 
@@ -30,6 +34,8 @@ def decode_base64(text: str, source: str) -> np.ndarray:
     Raises:
         EndpointFailed: it is not base64, or no whole picture; names ``source``.
     """
+    import cv2
+
     if text.startswith("data:"):
         text = text.partition(",")[2]
     text = "".join(text.split()).rstrip("=").replace("-", "+").replace("_", "/")

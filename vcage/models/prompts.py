@@ -7,6 +7,7 @@ import jinja2.meta
 
 from vcage.base.errors import ConfigurationError, UnknownName
 from vcage.base.files import resource
+from vcage.models.protocols import EditRequest
 
 
 def names() -> list[str]:
@@ -36,3 +37,8 @@ def fill(name: str, **values: object) -> str:
             hint="name exactly these in the prompt",
         )
     return environment.from_string(text).render(**values).strip()
+
+
+def edit_prompt(request: EditRequest) -> str:
+    """The text that goes with the picture to any image editor; raises as :func:`fill`."""
+    return fill("rearrange", scene=request.scene, plan=request.plan)

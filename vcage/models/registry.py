@@ -8,18 +8,21 @@ it has a choice of them: ``background``, ``grounding-dino``, ``grounding-dino:ID
 
 from __future__ import annotations
 
-import os
-from collections.abc import Callable
-
 from vcage.base.errors import UnknownName, UsageError
-from vcage.models.keys import found_keys, require_key
-from vcage.models.protocols import Critic, ImageEditor, Models, Reasoner
+from vcage.models.gemini import GEMINI
+from vcage.models.keys import find_key, require_key
+from vcage.models.llm_critic import LlmCritic
+from vcage.models.llm_reasoner import LlmReasoner
+from vcage.models.openai import OPENAI
+from vcage.models.openrouter import OPENROUTER
+from vcage.models.protocols import Models
+from vcage.models.provider import Provider
 from vcage.vision.protocols import Detector, Embedder
 
-ONLINE = ("gemini", "openai", "openrouter")
+PROVIDERS: dict[str, Provider] = {provider.name: provider for provider in (GEMINI, OPENAI, OPENROUTER)}
 """Online choices, in the order in which ``auto`` takes the first one that has a key."""
 
-CHOICES = ("auto", "offline", *ONLINE)
+CHOICES = ("auto", "offline", *PROVIDERS)
 
 DETECTORS = ("background", "grounding-dino")
 EMBEDDERS = ("classical", "efficientnet", "dinov2")
@@ -29,7 +32,14 @@ THRESHOLD = 0.5
 """The paper's τ, for which it gives no value. In the benchmark's pictures right matches have cosine similarities of
 0.87 at least by the classical embedder's features, and of 0.55 by EfficientNet's."""
 
-Online = tuple[Reasoner, ImageEditor, Critic]
+
+def found_keys() -> dict[str, str]:
+    """Provider → the name of the variable or file that holds its key, for those that have one; never the key.
+
+    Raises:
+        ConfigurationError: the key file cannot be read.
+    """
+    return {name: found[1] for name, provider in PROVIDERS.items() if (found := find_key(provider)) is not None}
 
 
 def build_models(choice: str = "auto", detector: str = DETECTORS[0], embedder: str = EMBEDDERS[0]) -> Models:
@@ -51,11 +61,16 @@ def build_models(choice: str = "auto", detector: str = DETECTORS[0], embedder: s
         raise UnknownName("choice of models", choice, CHOICES)
     found = build_detector(*split_weights(detector)), build_embedder(*split_weights(embedder))
     if choice == "auto":
-        keys = found_keys()
-        choice = next((provider for provider in ONLINE if provider in keys), "offline")
-    builders: dict[str, Callable[[], Online]] = {"offline": _offline, "gemini": _gemini}
-    reasoner, editor, critic = builders[choice]() if choice in builders else _openai(choice)
-    return Models(reasoner, editor, *found, critic)
+        choice = next(iter(found_keys()), "offline")
+    if choice == "offline":
+        from vcage.models.rules.critic import OfflineCritic
+        from vcage.models.rules.editor import OfflineEditor
+        from vcage.models.rules.reasoner import OfflineReasoner
+
+        return Models(OfflineReasoner(), OfflineEditor(), *found, OfflineCritic())
+    provider = PROVIDERS[choice]
+    chat, editor = provider.connect(require_key(provider))
+    return Models(LlmReasoner(chat), editor, *found, LlmCritic(chat))
 
 
 def split_weights(spelled: str) -> tuple[str, str | None]:
@@ -109,49 +124,3 @@ def build_embedder(name: str, weights: str | None = None) -> Embedder:
 def _no_weights(role: str, name: str, weights: str | None) -> None:
     if weights is not None:
         raise UsageError(f"the {role} {name} has no weights to choose", hint=f"give it as: {name}")
-
-
-def _setting(provider: str, what: str, default: str) -> str:
-    return os.environ.get(f"VCAGE_{provider.upper()}_{what}") or default
-
-
-def _offline() -> Online:
-    from vcage.models.rules.critic import OfflineCritic
-    from vcage.models.rules.editor import OfflineEditor
-    from vcage.models.rules.reasoner import OfflineReasoner
-
-    return OfflineReasoner(), OfflineEditor(), OfflineCritic()
-
-
-def _gemini() -> Online:
-    from vcage.models.gemini import BASE_URL, IMAGE_MODEL, TEXT_MODEL, GeminiChat, GeminiEditor
-    from vcage.models.llm import LlmReasoner
-    from vcage.models.llm_critic import LlmCritic
-    from vcage.models.transport import Transport
-
-    headers = {"x-goog-api-key": require_key("gemini")}
-    transport = Transport(_setting("gemini", "BASE_URL", BASE_URL), headers)
-    chat = GeminiChat(transport, _setting("gemini", "TEXT_MODEL", TEXT_MODEL))
-    editor = GeminiEditor(transport, _setting("gemini", "IMAGE_MODEL", IMAGE_MODEL))
-    return LlmReasoner(chat), editor, LlmCritic(chat)
-
-
-def _openai(provider: str) -> Online:
-    from vcage.models.llm import LlmReasoner
-    from vcage.models.llm_critic import LlmCritic
-    from vcage.models.openai import (
-        BASE_URLS,
-        IMAGE_MODELS,
-        TEXT_MODELS,
-        OpenAiChat,
-        OpenAiEditor,
-        OpenRouterEditor,
-    )
-    from vcage.models.transport import Transport
-
-    headers = {"Authorization": f"Bearer {require_key(provider)}"}
-    transport = Transport(_setting(provider, "BASE_URL", BASE_URLS[provider]), headers)
-    chat = OpenAiChat(transport, _setting(provider, "TEXT_MODEL", TEXT_MODELS[provider]), provider)
-    editor_type = OpenAiEditor if provider == "openai" else OpenRouterEditor
-    editor = editor_type(transport, _setting(provider, "IMAGE_MODEL", IMAGE_MODELS[provider]), provider)
-    return LlmReasoner(chat), editor, LlmCritic(chat)

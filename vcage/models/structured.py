@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 from typing import Any, Literal, TypeVar
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic import BaseModel, ConfigDict, ValidationError, create_model
 
 from vcage.base.errors import ModelRefused
 from vcage.models.chat import Chat, Message
@@ -30,7 +30,13 @@ AnswerType = TypeVar("AnswerType", bound=Answer)
 
 def one_of(names: Sequence[str]) -> Any:
     """The type of a field that takes one of the names: an enumeration in the schema."""
-    return Literal[tuple(names)]
+    return Literal[tuple(names)]  # pyrefly: ignore[invalid-literal]  # known when the question is asked
+
+
+def narrowed(answer: type[AnswerType], **fields: Any) -> type[AnswerType]:
+    """An answer type with fields that take less: names of what there is."""
+    definitions: dict[str, Any] = {name: (kind, ...) for name, kind in fields.items()}
+    return create_model(answer.__name__, __base__=answer, **definitions)
 
 
 def ask(
@@ -53,6 +59,7 @@ def ask(
     schema = flat_schema(answer)
     messages = [Message("user", prompt, tuple(pictures))]
     problems: Sequence[str] = ()
+    text = ""
     for _ in range(ROUNDS):
         text = chat.complete(messages, schema)
         found, problems = _read(text, answer)

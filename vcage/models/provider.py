@@ -1,0 +1,66 @@
+"""What is particular to a provider of models online; one file each says it (``gemini``, ``openai``, ``openrouter``)."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from vcage.models.chat import Chat
+from vcage.models.protocols import ImageEditor
+from vcage.models.transport import Transport
+
+
+class Client:
+    """One model behind an endpoint.
+
+    Args:
+        model: its id, as the endpoint spells it.
+        provider: what records call it: ``openai:gpt-5``.
+    """
+
+    def __init__(self, transport: Transport, model: str, provider: str):
+        self.transport = transport
+        self.model = model
+        self.provider = provider
+
+
+@dataclass(frozen=True)
+class Provider:
+    """An endpoint, how it takes a key, and the clients that speak its language.
+
+    Args:
+        name: as ``--models`` spells it.
+        key_variables: environment variables that its own tools read the key from.
+        headers: what carries a key in a request.
+        base_url, text_model, image_model: where ``VCAGE_<NAME>_BASE_URL``, ``…_TEXT_MODEL`` and ``…_IMAGE_MODEL`` do
+            not name others.
+        chat, editor: made from transport, model and the name for records.
+    """
+
+    name: str
+    key_variables: tuple[str, ...]
+    headers: Callable[[str], dict[str, str]]
+    base_url: str
+    text_model: str
+    image_model: str
+    chat: Callable[[Transport, str, str], Chat]
+    editor: Callable[[Transport, str, str], ImageEditor]
+
+    def connect(self, key: str) -> tuple[Chat, ImageEditor]:
+        """Its clients; nothing is sent yet.
+
+        Raises:
+            ConfigurationError: the base URL that was set is none.
+        """
+        transport = Transport(self._setting("BASE_URL", self.base_url), self.headers(key))
+        text, image = self._setting("TEXT_MODEL", self.text_model), self._setting("IMAGE_MODEL", self.image_model)
+        return self.chat(transport, text, f"{self.name}:{text}"), self.editor(transport, image, f"{self.name}:{image}")
+
+    def _setting(self, what: str, default: str) -> str:
+        return os.environ.get(f"VCAGE_{self.name.upper()}_{what}") or default
+
+
+def bearer(key: str) -> dict[str, str]:
+    """The header of RFC 6750, which most endpoints take."""
+    return {"Authorization": f"Bearer {key}"}
