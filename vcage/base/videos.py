@@ -276,7 +276,7 @@ class _Source:
     def _picture(self, frame: av.VideoFrame) -> NDArray[np.uint8]:
         if frame.is_corrupt:
             raise DamagedFile(f"{self.name} is damaged {frame.time or 0:.3f} s after its start", hint=MEND)
-        return frame.to_ndarray(format="rgb24")
+        return np.asarray(frame.to_ndarray(format="rgb24"), np.uint8)
 
 
 @contextmanager

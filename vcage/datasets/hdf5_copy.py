@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping
 
 import h5py
 import numpy as np
-from h5py import h5a, h5o, h5p, h5r, h5t
+from h5py import h5a, h5o, h5p, h5r, h5t  # pyrefly: ignore[missing-module-attribute]  the stubs lack h5o
 
 Replacement = Callable[[h5py.Dataset, h5py.Group, str], None]
 """Called with a dataset of the source, and the group and the name that take what stands for it."""
@@ -120,7 +120,9 @@ def _mend_references(source: h5py.HLObject, target: h5py.HLObject) -> None:
             values = np.empty(old.shape, old.dtype)
             old.read(values)
             h5a.open(target.id, name.encode()).write(_translated(values, source.file, target.file))
-    if isinstance(source, h5py.Dataset) and source.shape and source.id.get_type().detect_class(h5t.REFERENCE):
+    if not (isinstance(source, h5py.Dataset) and isinstance(target, h5py.Dataset)):
+        return
+    if source.shape and source.id.get_type().detect_class(h5t.REFERENCE):
         target[...] = _translated(source[...], source.file, target.file)
 
 

@@ -225,4 +225,4 @@ def _pictures(link: Link, video: Path) -> Iterator[NDArray[np.uint8]]:
 
 
 def _grey(picture: NDArray[np.uint8]) -> NDArray[np.uint8]:
-    return cv2.cvtColor(picture, cv2.COLOR_RGB2GRAY)
+    return np.asarray(cv2.cvtColor(picture, cv2.COLOR_RGB2GRAY), np.uint8)

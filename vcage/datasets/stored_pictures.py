@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import cv2
 import h5py
@@ -51,7 +52,7 @@ def decode_picture(data: bytes | NDArray[np.uint8], what: str) -> NDArray[np.uin
     picture = _decode(raw, cv2.IMREAD_UNCHANGED if raw[:2].tobytes() == PNG else cv2.IMREAD_COLOR, what)
     if picture.dtype == np.uint16:
         picture = (picture // 257).astype(np.uint8)
-    return cv2.cvtColor(three_channels(picture), cv2.COLOR_BGR2RGB)
+    return np.asarray(cv2.cvtColor(three_channels(picture), cv2.COLOR_BGR2RGB), np.uint8)
 
 
 def channels_of(data: bytes, what: str) -> int:
@@ -64,7 +65,7 @@ def channels_of(data: bytes, what: str) -> int:
     return 1 if picture.ndim == 2 else picture.shape[2]
 
 
-def _decode(raw: NDArray[np.uint8], flags: int, what: str) -> NDArray[np.uint8]:
+def _decode(raw: NDArray[np.uint8], flags: int, what: str) -> NDArray[Any]:
     picture = cv2.imdecode(raw, flags) if len(raw) else None
     if picture is None:
         raise DamagedFile(f"{what} cannot be decoded", hint="the file is damaged there; leave the episode out")

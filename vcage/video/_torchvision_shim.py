@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
+from importlib import import_module
 from types import ModuleType
 
 import torch
@@ -46,7 +47,8 @@ class MLP(nn.Module):
 def _usable() -> bool:
     """Whether torchvision is there and fits torch: a wheel for another torch fails at import with RuntimeError."""
     try:
-        from torchvision import ops, transforms  # noqa: F401
+        import_module("torchvision.ops")
+        import_module("torchvision.transforms")
     except (ImportError, RuntimeError, AttributeError):
         return False
     return True

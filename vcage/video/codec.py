@@ -14,6 +14,7 @@ import os
 from collections.abc import Collection
 from dataclasses import dataclass
 from fractions import Fraction
+from typing import cast
 
 import av
 import numpy as np
@@ -108,12 +109,13 @@ def encode(
     target = io.BytesIO()
     with av.open(target, "w", format=CONTAINER, container_options={"fflags": "+bitexact"}) as container:
         encoder = codec.lossless_encoder if crf is None else codec.encoder
-        stream = container.add_stream(encoder, rate=Fraction(fps).limit_denominator(1001))
+        added = container.add_stream(encoder, rate=Fraction(fps).limit_denominator(1001))
+        stream = cast("av.VideoStream", added)  # the stub knows no stream by a name that is not written out
         stream.height, stream.width = frames.shape[1:3]
         stream.pix_fmt = pixel_format
         stream.codec_tag = codec.tag
         _tag_colour(stream.codec_context, rgb=is_rgb(pixel_format))
-        stream.options = codec.options(settings.preset, settings.gop, crf, threads)
+        stream.options = {**codec.options(settings.preset, settings.gop, crf, threads)}
         with kept_priority():
             stream.codec_context.open()
         for index, picture in enumerate(frames):
@@ -202,7 +204,8 @@ def converted(picture: NDArray[np.uint8], pixel_format: str, index: int = 0) -> 
 
 def only_converted(pictures: NDArray[np.uint8], pixel_format: str) -> NDArray[np.uint8]:
     """(N, H, W, 3) uint8 RGB as they come back from a pixel format without any codec: what no CRF can win back."""
-    return np.stack([_tagged(converted(picture, pixel_format)).to_ndarray(format="rgb24") for picture in pictures])
+    back = [_tagged(converted(picture, pixel_format)).to_ndarray(format="rgb24") for picture in pictures]
+    return np.stack(back, dtype=np.uint8)
 
 
 def _tagged(frame: av.VideoFrame) -> av.VideoFrame:

@@ -10,6 +10,7 @@ from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
+from typing import cast
 
 import av
 import numpy as np
@@ -198,7 +199,7 @@ def encoder_version(codec: str) -> str:
 def _stream_with_message(codec: Codec) -> bytes:
     target = io.BytesIO()
     with av.open(target, "w", format=codec.name) as container:  # without a container, in which nothing is searched
-        stream = container.add_stream(codec.encoder, rate=1)
+        stream = cast("av.VideoStream", container.add_stream(codec.encoder, rate=1))
         stream.height = stream.width = SIDE
         stream.pix_fmt = "yuv420p"
         stream.options = {"x265-params": "info=1:log-level=none"} if codec.name == "hevc" else {}

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 
 from vcage.apps.viewer.marks import LOG, NOW
 from vcage.apps.viewer.motion import Plot
-from vcage.apps.viewer.objects import WORLD
-from vcage.apps.viewer.sdk import rrb
+from vcage.apps.viewer.rerun_log import rrb
+from vcage.apps.viewer.scene import WORLD
 
-ABOUT = "about"
+SUMMARY = "about"
 """Entity of the text about the episode."""
 
 
@@ -56,7 +56,7 @@ def _cameras(entities: Mapping[str, str]) -> rrb.Container:
 
 
 def _words(contents: Contents) -> rrb.Container | rrb.View:
-    about = rrb.TextDocumentView(origin=ABOUT, name="Episode")
+    about = rrb.TextDocumentView(origin=SUMMARY, name="Episode")
     if not contents.segments:
         return about
     now = rrb.TextDocumentView(origin=NOW, name="Sub-task")

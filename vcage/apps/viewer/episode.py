@@ -1,25 +1,26 @@
-"""An episode of ours with everything that is inside it."""
+"""What is written of an episode: of one of ours everything that is inside it; of a recording of others what its cameras
+saw and what is known of its robot."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from functools import partial
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
-from vcage.apps.viewer.arms import log_robot
-from vcage.apps.viewer.blueprint import ABOUT, Contents
+from vcage.apps.viewer.blueprint import SUMMARY, Contents
 from vcage.apps.viewer.footage import compressed_videos, log_pictures, log_video
-from vcage.apps.viewer.log import Clock, Journal, entity
 from vcage.apps.viewer.marks import log_segments
-from vcage.apps.viewer.motion import log_joints, log_parts
-from vcage.apps.viewer.objects import WORLD, log_objects, log_table
-from vcage.apps.viewer.sdk import rr
-from vcage.apps.viewer.summary import about_episode
+from vcage.apps.viewer.motion import log_joints, log_motion, log_parts
+from vcage.apps.viewer.rerun_log import Clock, RerunLog, entity, rr
+from vcage.apps.viewer.scene import WORLD, log_objects, log_robot, log_table
 from vcage.base.geometry import Pose
 from vcage.base.progress import Progress
 from vcage.datasets.episode import CameraTrack, EpisodeData
 from vcage.datasets.reader import EpisodeReader
+from vcage.datasets.recordings.recording import Recording
 from vcage.schema.scene import Scene
 
 Footage = Literal["stored", "compressed", "none"]
@@ -29,7 +30,7 @@ IMAGE_PLANE = 0.1
 """How far from a camera its picture is drawn in the 3D scene, metres."""
 
 
-def log_episode(journal: Journal, path: Path, footage: Footage, progress: Progress) -> Contents:
+def log_episode(log: RerunLog, path: Path, footage: Footage, progress: Progress) -> Contents:
     """Write an episode file into a Rerun recording.
 
     Raises:
@@ -39,27 +40,27 @@ def log_episode(journal: Journal, path: Path, footage: Footage, progress: Progre
     with EpisodeReader(path) as reader:
         episode = reader.episode
         clock = Clock(np.arange(episode.frames), episode.timestamp)
-        journal.always(ABOUT, about_episode(path, episode))
-        _log_scene(journal, clock, episode, path)
+        log.always(SUMMARY, episode_summary(path, episode))
+        _log_scene(log, clock, episode, path)
         plots = [
-            *log_segments(journal, clock, episode),
-            *log_joints(journal, clock, episode),
-            *log_parts(journal, clock, episode),
+            *log_segments(log, clock, episode),
+            *log_joints(log, clock, episode),
+            *log_parts(log, clock, episode),
         ]
-        cameras = _log_cameras(journal, clock, episode)
+        cameras = _log_cameras(log, clock, episode)
         if footage != "none":
-            _log_footage(journal, clock, cameras, reader, footage, progress)
+            _log_footage(log, clock, cameras, reader, footage, progress)
     shown = {} if footage == "none" else cameras
     return Contents(episode.frames, shown, plots, scene=True, segments=len(episode.segments))
 
 
-def _log_scene(journal: Journal, clock: Clock, episode: EpisodeData, path: Path) -> None:
+def _log_scene(log: RerunLog, clock: Clock, episode: EpisodeData, path: Path) -> None:
     scene = _scene(episode, path)
-    journal.always(WORLD, rr.ViewCoordinates.RIGHT_HAND_Z_UP)
+    log.always(WORLD, rr.ViewCoordinates.RIGHT_HAND_Z_UP)
     if scene is not None:
-        log_table(journal, scene.table)
-    log_objects(journal, clock, episode, scene)
-    log_robot(journal, clock, episode, str(episode.meta["robot"]))
+        log_table(log, scene.table)
+    log_objects(log, clock, episode, scene)
+    log_robot(log, clock, episode, str(episode.meta["robot"]))
 
 
 def _scene(episode: EpisodeData, path: Path) -> Scene | None:
@@ -69,13 +70,13 @@ def _scene(episode: EpisodeData, path: Path) -> Scene | None:
     return Scene.parse(data, path) if ours else None
 
 
-def _log_cameras(journal: Journal, clock: Clock, episode: EpisodeData) -> dict[str, str]:
+def _log_cameras(log: RerunLog, clock: Clock, episode: EpisodeData) -> dict[str, str]:
     """Camera → entity, with its lens and its way through the scene."""
     entities = {}
     for name, camera in episode.cameras.items():
         where = entities[name] = entity(WORLD, "cameras", name)
-        journal.always(where, _lens(camera))
-        journal.path(where, clock, [Pose.from_matrix(matrix).inverse() for matrix in camera.extrinsics])
+        log.always(where, _lens(camera))
+        log.path(where, clock, [Pose.from_matrix(matrix).inverse() for matrix in camera.extrinsics])
     return entities
 
 
@@ -89,12 +90,77 @@ def _lens(camera: CameraTrack) -> rr.Pinhole:
 
 
 def _log_footage(
-    journal: Journal, clock: Clock, cameras: dict[str, str], reader: EpisodeReader, footage: Footage, progress: Progress
+    log: RerunLog, clock: Clock, cameras: dict[str, str], reader: EpisodeReader, footage: Footage, progress: Progress
 ) -> None:
     videos = compressed_videos(reader.path) if footage == "compressed" else {}
     for number, (name, where) in enumerate(cameras.items()):
         progress(name, number, len(cameras))
         if name in videos:
-            log_video(journal, where, clock, videos[name])
+            log_video(log, where, clock, videos[name])
         else:
-            log_pictures(journal, where, clock, reader.images(name).__getitem__)
+            log_pictures(log, where, clock, reader.images(name).__getitem__)
+
+
+# --- a recording of others -----------------------------------------------------------------------------
+
+CAMERAS = "cameras"
+
+
+def log_recording(
+    log: RerunLog, recording: Recording, fps: float | None, pictures: bool, progress: Progress
+) -> Contents:
+    """Write a recording into one of Rerun's.
+
+    Args:
+        fps: frames per second, for a recording that does not say; without, it has no times but only frames.
+        pictures: whether to write these too.
+
+    Raises:
+        DamagedFile: a picture or a number cannot be read.
+    """
+    cameras = recording.cameras
+    clock = Clock.steady(recording.frames, recording.fps or fps)
+    plots = log_motion(log, clock, recording)
+    shown: dict[str, str] = {}
+    for number, camera in enumerate(cameras if pictures else []):
+        progress(camera.name, number, len(cameras))
+        where = shown[camera.name] = entity(CAMERAS, camera.name)
+        log_pictures(log, where, clock.at(range(camera.frames)), partial(recording.pictures, camera.name))
+    log.always(SUMMARY, recording_summary(recording, clock))
+    return Contents(recording.frames, shown, plots)
+
+
+# --- the page beside it --------------------------------------------------------------------------------
+
+
+def episode_summary(path: Path, episode: EpisodeData) -> rr.TextDocument:
+    """The instruction, and the facts that travel in the file; the scene is left to be looked at."""
+    facts = {name: value for name, value in episode.meta.items() if name not in ("instruction", "scene")}
+    length = f"{episode.frames} frames, {episode.fps:g} a second"
+    return _page(episode.instruction, {"file": path.name, "length": length, **facts})
+
+
+def recording_summary(recording: Recording, clock: Clock) -> rr.TextDocument:
+    """What the recording is, and how it was understood."""
+    cameras = [f"{camera.name} ({camera.width}x{camera.height}, {camera.storage})" for camera in recording.cameras]
+    times = "at unknown times" if clock.seconds is None else f"{clock.seconds[-1]:g} s"
+    facts = {
+        "file": recording.path.name,
+        "layout": recording.LAYOUT,
+        "length": f"{len(clock)} frames, {times}",
+        "cameras": ", ".join(cameras),
+        "robot": recording.robot or "unknown",
+        "notes": "; ".join(recording.notes) or "none",
+    }
+    return _page(recording.task or recording.path.name, facts)
+
+
+def _page(title: str, facts: Mapping[str, Any]) -> rr.TextDocument:
+    rows = [f"| {name} | {_words(value)} |" for name, value in facts.items()]
+    return rr.TextDocument("\n".join([f"### {title}", "", "| | |", "|---|---|", *rows]), media_type="text/markdown")
+
+
+def _words(value: Any) -> str:
+    if isinstance(value, Mapping):
+        return ", ".join(f"{name} {_words(inner)}" for name, inner in value.items())
+    return str(value).replace("|", "\\|")

@@ -9,8 +9,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from vcage.apps.viewer.log import Clock, Journal
-from vcage.apps.viewer.sdk import rr
+from vcage.apps.viewer.rerun_log import Clock, RerunLog, rr
 from vcage.base.errors import DamagedFile, MissingStage
 from vcage.base.files import RunFolder
 from vcage.schema.compression import Compression
@@ -21,7 +20,7 @@ ROWS = 64
 """Pictures sent at a time: bounds the memory, and keeps the chunks small that the viewer loads."""
 
 
-def log_pictures(journal: Journal, entity: str, clock: Clock, read: Callable[[range], NDArray[np.uint8]]) -> None:
+def log_pictures(log: RerunLog, entity: str, clock: Clock, read: Callable[[range], NDArray[np.uint8]]) -> None:
     """Pictures as JPEG.
 
     Args:
@@ -31,10 +30,10 @@ def log_pictures(journal: Journal, entity: str, clock: Clock, read: Callable[[ra
         rows = range(start, min(start + ROWS, len(clock)))
         files = [_jpeg(picture) for picture in read(rows)]
         columns = rr.EncodedImage.columns(blob=files, media_type=["image/jpeg"] * len(files))
-        journal.rows(entity, clock.at(rows), columns)
+        log.rows(entity, clock.at(rows), columns)
 
 
-def log_video(journal: Journal, entity: str, clock: Clock, file: Path) -> None:
+def log_video(log: RerunLog, entity: str, clock: Clock, file: Path) -> None:
     """A video as it is, one frame of it for each row.
 
     Raises:
@@ -47,8 +46,8 @@ def log_video(journal: Journal, entity: str, clock: Clock, file: Path) -> None:
         raise _bad_video(f"{file} cannot be read: {error}") from error
     if len(shown) != len(clock):
         raise _bad_video(f"{file} has {len(shown)} frames, its episode {len(clock)}")
-    journal.always(entity, video)
-    journal.rows(entity, clock, rr.VideoFrameReference.columns_nanos(shown))
+    log.always(entity, video)
+    log.rows(entity, clock, rr.VideoFrameReference.columns_nanos(shown))
 
 
 def compressed_videos(episode: Path) -> dict[str, Path]:

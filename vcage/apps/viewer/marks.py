@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from vcage.apps.viewer.log import Clock, Journal
 from vcage.apps.viewer.motion import Plot
-from vcage.apps.viewer.sdk import rr
+from vcage.apps.viewer.rerun_log import Clock, RerunLog, rr
 from vcage.datasets.episode import EpisodeData, Segment
 
 LOG, NOW = "subtasks/log", "subtasks/now"
@@ -33,33 +32,33 @@ MARGIN = 0.5
 """Room below and above the points and the numbers."""
 
 
-def log_segments(journal: Journal, clock: Clock, episode: EpisodeData) -> list[Plot]:
+def log_segments(log: RerunLog, clock: Clock, episode: EpisodeData) -> list[Plot]:
     """The sub-tasks in all these ways."""
     if not episode.segments:
         return []
-    _log_texts(journal, clock, episode.segments)
-    journal.always(NUMBER, rr.SeriesLines(names="sub-task", colors=[(120, 120, 120)], widths=2.0))
+    _log_texts(log, clock, episode.segments)
+    log.always(NUMBER, rr.SeriesLines(names="sub-task", colors=[(120, 120, 120)], widths=2.0))
     numbers = [sum(s.start <= frame for s in episode.segments) for frame in range(len(clock))]
-    journal.numbers(NUMBER, clock, numbers)
+    log.numbers(NUMBER, clock, numbers)
     ends = clock.at([s.end - 1 for s in episode.segments])
     for entity, look in POINTS.items():
         points = rr.SeriesPoints(names=look.name, colors=[look.colour], markers="circle", marker_sizes=look.size)
-        journal.always(entity, points)
-    journal.numbers(CRITIC, ends, [s.verdict.accepted for s in episode.segments])
-    journal.numbers(TRUTH, ends, [s.truth.success for s in episode.segments])
+        log.always(entity, points)
+    log.numbers(CRITIC, ends, [s.verdict.accepted for s in episode.segments])
+    log.numbers(TRUTH, ends, [s.truth.success for s in episode.segments])
     bounds = (-MARGIN, len(episode.segments) + MARGIN)
     return [Plot("Sub-task, verdict, truth", [NUMBER, *POINTS], bounds)]
 
 
-def _log_texts(journal: Journal, clock: Clock, segments: list[Segment]) -> None:
+def _log_texts(log: RerunLog, clock: Clock, segments: list[Segment]) -> None:
     starts = clock.at([s.start for s in segments])
     ends = clock.at([s.end - 1 for s in segments])
     cards = rr.TextDocument.columns(text=[_card(s) for s in segments], media_type=["text/markdown"] * len(segments))
     begun = rr.TextLog.columns(text=[f"{s.subtask}: {s.text}" for s in segments], level=["INFO"] * len(segments))
     ended = rr.TextLog.columns(text=[_ending(s) for s in segments], level=[_level(s) for s in segments])
-    journal.rows(NOW, starts, cards)
-    journal.rows(LOG, starts, begun)
-    journal.rows(LOG, ends, ended)
+    log.rows(NOW, starts, cards)
+    log.rows(LOG, starts, begun)
+    log.rows(LOG, ends, ended)
 
 
 def _card(segment: Segment) -> str:

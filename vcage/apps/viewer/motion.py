@@ -7,8 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from vcage.apps.viewer.log import Clock, Journal, entity
-from vcage.apps.viewer.sdk import rr
+from vcage.apps.viewer.rerun_log import Clock, RerunLog, entity, rr
 from vcage.datasets.episode import EpisodeData
 from vcage.datasets.recordings.recording import Recording
 
@@ -39,23 +38,23 @@ class Plot:
     legend: bool = True
 
 
-def log_joints(journal: Journal, clock: Clock, episode: EpisodeData) -> list[Plot]:
+def log_joints(log: RerunLog, clock: Clock, episode: EpisodeData) -> list[Plot]:
     """Every number of an episode's state, measured, commanded and its velocity, by its name."""
     arms: dict[str, list[str]] = {}
     grippers, velocities = [], []
     for column, name in enumerate(episode.state_names):
         colour = _colour(column)
-        where = _log_joint(journal, clock, name, colour, episode.qpos[:, column], episode.action[:, column])
+        where = _log_joint(log, clock, name, colour, episode.qpos[:, column], episode.action[:, column])
         together = grippers if column in episode.grippers else arms.setdefault(name.partition("_")[0], [])
         together.append(where)
         velocities.append(entity("velocities", name))
-        _curve(journal, velocities[-1], clock, episode.qvel[:, column], name, colour)
+        _curve(log, velocities[-1], clock, episode.qvel[:, column], name, colour)
     plots = [Plot(f"{arm.capitalize()} arm, rad", entities, legend=False) for arm, entities in arms.items()]
     plots += [Plot("Grippers, 0 closed to 1 open", grippers)] if grippers else []
     return [*plots, Plot("Velocities, 1/s", velocities, legend=False)]
 
 
-def log_motion(journal: Journal, clock: Clock, recording: Recording) -> list[Plot]:
+def log_motion(log: RerunLog, clock: Clock, recording: Recording) -> list[Plot]:
     """What a recording of others knows of its robot: state and commands by their names, whatever their units."""
     motion, state = recording.motion, recording.state
     values = {} if state is None else dict(zip(recording.state_names, state.T, strict=True))
@@ -64,7 +63,7 @@ def log_motion(journal: Journal, clock: Clock, recording: Recording) -> list[Plo
     driven = [] if motion is None else [told[column] for column in motion.grippers]
     names = list(dict.fromkeys([*values, *commands]))
     paths = {
-        name: _log_joint(journal, clock, name, _colour(column), values.get(name), commands.get(name))
+        name: _log_joint(log, clock, name, _colour(column), values.get(name), commands.get(name))
         for column, name in enumerate(names)
     }
     grippers = [path for name, path in paths.items() if name in driven]
@@ -73,19 +72,19 @@ def log_motion(journal: Journal, clock: Clock, recording: Recording) -> list[Plo
     return [plot for plot in plots if plot.entities]
 
 
-def log_parts(journal: Journal, clock: Clock, episode: EpisodeData) -> list[Plot]:
+def log_parts(log: RerunLog, clock: Clock, episode: EpisodeData) -> list[Plot]:
     """Positions of the objects' moving parts."""
     entities = []
     for name, joints in episode.object_joints.items():
         for column in range(joints.shape[1]):
             where = entity("moving_parts", name, str(column))
-            _curve(journal, where, clock, joints[:, column], f"{name} {column}", _colour(len(entities)))
+            _curve(log, where, clock, joints[:, column], f"{name} {column}", _colour(len(entities)))
             entities.append(where)
     return [Plot("Moving parts, m or rad", entities)] if entities else []
 
 
 def _log_joint(
-    journal: Journal,
+    log: RerunLog,
     clock: Clock,
     name: str,
     colour: Colour,
@@ -95,15 +94,15 @@ def _log_joint(
     """One number (T,) of the robot, as far as it is known both ways; returns its entity."""
     where = entity("joints", name)
     if commanded is not None:
-        _curve(journal, f"{where}/commanded", clock, commanded, f"{name} commanded", _pale(colour))
+        _curve(log, f"{where}/commanded", clock, commanded, f"{name} commanded", _pale(colour))
     if measured is not None:
-        _curve(journal, f"{where}/measured", clock, measured, name, colour)
+        _curve(log, f"{where}/measured", clock, measured, name, colour)
     return where
 
 
-def _curve(journal: Journal, where: str, clock: Clock, values: NDArray[np.float64], name: str, colour: Colour) -> None:
-    journal.always(where, rr.SeriesLines(names=name, colors=[colour], widths=1.5))
-    journal.numbers(where, clock, values)
+def _curve(log: RerunLog, where: str, clock: Clock, values: NDArray[np.float64], name: str, colour: Colour) -> None:
+    log.always(where, rr.SeriesLines(names=name, colors=[colour], widths=1.5))
+    log.numbers(where, clock, values)
 
 
 def _colour(number: int) -> Colour:

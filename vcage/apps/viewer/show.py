@@ -11,11 +11,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from vcage.apps.viewer.blueprint import Contents, blueprint
-from vcage.apps.viewer.episode import Footage, log_episode
+from vcage.apps.viewer.episode import Footage, log_episode, log_recording
 from vcage.apps.viewer.finding import choose, find_episodes
-from vcage.apps.viewer.log import Journal
-from vcage.apps.viewer.recording import log_recording
-from vcage.apps.viewer.sdk import rr
+from vcage.apps.viewer.rerun_log import RerunLog, rr
 from vcage.base.errors import ConfigurationError, UsageError
 from vcage.base.files import RunFolder, write_bytes
 from vcage.base.progress import Progress, silent
@@ -80,21 +78,26 @@ def view(
         _require_viewer(footage)
     found = find_episodes(path)
     number = choose(found, number, path)
-    one = found[number]
-    if isinstance(one, Recording) and footage == "compressed":
-        raise UsageError(f"{path} is no episode of a run, and has no compressed videos", hint="leave out --pictures")
+    contents_of = _writer(found[number], path, footage, fps, progress)
 
     def write(stream: rr.RecordingStream) -> Contents:
         stream.send_recording_name(f"{path.name} {number}" if len(found) > 1 else path.name)
-        journal = Journal(stream)
-        if isinstance(one, Recording):
-            contents = log_recording(journal, one, fps, footage != "none", progress)
-        else:
-            contents = log_episode(journal, one, footage, progress)
+        contents = contents_of(RerunLog(stream))
         stream.send_blueprint(blueprint(contents))
         return contents
 
     return Shown(number, len(found), _to_viewer(write) if save is None else _to_file(write, save))
+
+
+def _writer(
+    one: Path | Recording, path: Path, footage: Footage, fps: float | None, progress: Progress
+) -> Callable[[RerunLog], Contents]:
+    """What writes an episode of ours, or a recording of others that was found at ``path``."""
+    if not isinstance(one, Recording):
+        return lambda log: log_episode(log, one, footage, progress)
+    if footage == "compressed":
+        raise UsageError(f"{path} is no episode of a run, and has no compressed videos", hint="leave out --pictures")
+    return lambda log: log_recording(log, one, fps, footage != "none", progress)
 
 
 @contextmanager

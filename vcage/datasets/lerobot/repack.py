@@ -101,7 +101,7 @@ class _Repacking:
             told = [video_info(own[episode], frames, float(self.info["fps"])) for episode, frames in lengths.items()]
             facts = {**told[0], **encodings.get(key, {})}
             features[key] = _video_feature(features[key], {name: one for name, one in facts.items() if one is not None})
-        info = {**self.info, "video_path": self._video_pattern, "features": features}
+        info: dict[str, Any] = {**self.info, "video_path": self._video_pattern, "features": features}
         if "total_videos" in info:
             info["total_videos"] += len(self._in_tables) * len(lengths)
         return info

@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from vcage.apps.viewer.log import Clock, entity, xyzw
+from vcage.apps.viewer.rerun_log import Clock, entity, xyzw
 
 
 def test_times_are_rounded_to_the_nearest_nanosecond():

@@ -1,4 +1,4 @@
-"""Rows on two timelines, seconds and indices of frames, in one Rerun recording."""
+"""Rows on two timelines, seconds and indices of frames, in one Rerun recording. The one place that imports Rerun."""
 
 from __future__ import annotations
 
@@ -8,8 +8,19 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from vcage.apps.viewer.sdk import rr
+from vcage.base.errors import MissingDependency
 from vcage.base.geometry import Pose
+
+try:
+    import rerun as rr
+    import rerun.blueprint as rrb
+except ImportError as error:
+    raise MissingDependency(f"Rerun cannot be imported: {error}", hint="pip install 'vcage[view]'") from error
+
+# Otherwise a mistake of ours would be a warning, and a hole in the recording.
+rr.set_strict_mode(True)
+
+__all__ = ["Clock", "RerunLog", "entity", "rr", "rrb", "xyzw"]
 
 TIME, STEP = "time", "timestep"
 """Names of the timelines: seconds, and indices of frames. The viewer begins with the first by name."""
@@ -49,7 +60,7 @@ class Clock:
         return columns
 
 
-class Journal:
+class RerunLog:
     """Writes into one Rerun recording.
 
     Args:

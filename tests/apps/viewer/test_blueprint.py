@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 from vcage.apps.viewer.blueprint import Contents, blueprint
 from vcage.apps.viewer.motion import Plot
-from vcage.apps.viewer.sdk import rrb
+from vcage.apps.viewer.rerun_log import rrb
 
 PLOTS = [Plot("Left arm, rad", ["/joints/left_joint_1"], legend=False), Plot("Marks", ["/marks/truth"], (0, 2))]
 
