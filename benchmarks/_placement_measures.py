@@ -15,9 +15,8 @@ from vcage.schema.asset import ContactPoint, FunctionalPoint
 from vcage.sim.bodies import Body
 from vcage.sim.kinematics import ArmKinematics
 from vcage.sim.world import PHYSICS_HZ, World
-from vcage.tasks.access import carrying_points
+from vcage.tasks.feasibility import carrying_points
 from vcage.tasks.grasps import grasp_poses
-from vcage.tasks.waypoints import APPROACH
 
 SECONDS = 2.0
 """How long the physics runs."""
@@ -126,7 +125,7 @@ def reached_points(
 def _grasped(pose: Pose, contact: ContactPoint, arms: Iterable[ArmKinematics], support: float) -> bool:
     """Whether an arm reaches a grasp of the contact point and the pose before it."""
     return any(
-        _follows(arm, [_drawn_back(grasp.pose), grasp.pose])
+        _follows(arm, [grasp.pose * Pose([0, 0, -arm.arm.gripper.approach]), grasp.pose])
         for arm in arms
         for grasp in grasp_poses(pose, contact, arm.arm.gripper, support)
     )
@@ -134,9 +133,12 @@ def _grasped(pose: Pose, contact: ContactPoint, arms: Iterable[ArmKinematics], s
 
 def _come_down_on(pose: Pose, point: FunctionalPoint, arms: Iterable[ArmKinematics]) -> bool:
     """Whether an arm reaches straight down to above the functional point, at any heading."""
-    above = pose.apply(point.position) + [0, 0, APPROACH]
-    down = Pose(q=[0, 1, 0, 0])
-    return any(arm.reachable(Pose.from_yaw(above, heading) * down) for arm in arms for heading in HEADINGS)
+    place, down = pose.apply(point.position), Pose(q=[0, 1, 0, 0])
+    return any(
+        arm.reachable(Pose.from_yaw(place + [0, 0, arm.arm.gripper.approach], heading) * down)
+        for arm in arms
+        for heading in HEADINGS
+    )
 
 
 def _follows(arm: ArmKinematics, way: list[Pose]) -> bool:
@@ -146,7 +148,3 @@ def _follows(arm: ArmKinematics, way: list[Pose]) -> bool:
         if q is None:
             return False
     return True
-
-
-def _drawn_back(pose: Pose) -> Pose:
-    return Pose(pose.p - APPROACH * pose.rotation()[:, 2], pose.q)

@@ -32,7 +32,8 @@ from vcage.sim.robots import load_robot, load_template
 from vcage.sim.world import World
 from vcage.tasks.loop import EpisodeRun, Pictures, Setting, run_episode
 from vcage.tasks.scene_objects import SceneObject
-from vcage.tasks.search import search, slots_for_chain
+from vcage.tasks.search import search
+from vcage.tasks.slots import slots_for_chain
 from vcage.tasks.synthesis import Script, load_script, write_script
 from vcage.tasks.task import Asked
 from vcage.tasks.variation import shifted_poses

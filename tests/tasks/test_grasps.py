@@ -77,3 +77,11 @@ def test_the_open_fingers_leave_the_material_between_them_free(width: float):
     material = np.array([[-0.01, -width / 2, -0.05], [0.01, width / 2, 0.0]])
     fingers = hand_boxes(GRIPPER, approach_opening(width, GRIPPER))[:2]
     assert not any(oriented_boxes_overlap(finger, Pose(), material, Pose()) for finger in fingers)
+
+
+def test_the_hand_that_must_stay_free_is_that_of_the_robot():
+    slim = GRIPPER.model_copy(update={"finger_width": 0.01, "finger_thickness": 0.008, "palm_height": 0.05})
+    left, right, palm = hand_boxes(slim, 0.04)
+    np.testing.assert_allclose((left[1] - left[0])[:2], [0.01, 0.008])
+    np.testing.assert_allclose(left[:, 1], -right[::-1, 1])
+    assert palm[1, 2] - palm[0, 2] == pytest.approx(0.05)

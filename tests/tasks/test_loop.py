@@ -11,7 +11,7 @@ from vcage.schema.subtasks import Grasp
 from vcage.sim.recording import StateLog
 from vcage.stages.episode_store import confusion
 from vcage.tasks.loop import EpisodeRun, run_episode
-from vcage.tasks.search import slots_for_chain
+from vcage.tasks.slots import slots_for_chain
 from vcage.tasks.task import Task
 
 FAR = Pose([0.3, 0.1, TABLE_TOP])

@@ -7,12 +7,11 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
-from tests.scenes import TABLE_TOP, block_and_plate, kinematics, sensible, subtask, thing
-from vcage.base.errors import InfeasibleScene, NoFeasibleTask
-from vcage.base.geometry import boxes_overlap, world_aabb
+from tests.scenes import TABLE_TOP, block_and_plate, kinematics, sensible, thing
+from vcage.base.errors import NoFeasibleTask
 from vcage.schema.subtasks import ChainOption, PairAnswer, PairQuestion
 from vcage.tasks.scene_objects import SceneObject
-from vcage.tasks.search import SearchResult, compose, search, slots_for_chain
+from vcage.tasks.search import SearchResult, compose, search
 
 
 def found_in(objects: Sequence[SceneObject], judge=sensible, seed: int = 0) -> SearchResult:
@@ -160,19 +159,3 @@ def test_a_chain_that_forgets_a_content_is_refused():
     result = found_in(objects)
     with pytest.raises(NoFeasibleTask, match="whiteboard eraser"):
         compose("pack it", result.kept, result.refused, objects, lambda _i, options: [options[0].id])
-
-
-@pytest.mark.parametrize("seed", range(5))
-def test_the_slots_of_a_chain_do_not_overlap(seed: int):
-    objects = stationery()
-    chain = [subtask(o.id, "packaging_box", "inside") for o in objects[:2]]
-    slots = slots_for_chain(chain, objects, np.random.default_rng(seed))
-    a, b = (world_aabb(o.asset.bounds, slots[o.id]) for o in objects[:2])
-    assert not boxes_overlap(a, b)
-
-
-def test_a_chain_whose_contents_do_not_fit_together_is_refused():
-    box = thing("packaging_box", (0.0, 0.05))
-    pens = [thing("marker", (-0.3 + 0.02 * i, 0.0), id=f"marker-{i}") for i in range(30)]
-    with pytest.raises(InfeasibleScene):
-        slots_for_chain([subtask(p.id, box.id, "inside") for p in pens], [*pens, box], np.random.default_rng(0))

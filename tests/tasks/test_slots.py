@@ -9,11 +9,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tests.scenes import thing
+from tests.scenes import subtask, thing
 from vcage.base.errors import InfeasibleScene
 from vcage.base.geometry import Pose, boxes_overlap, world_aabb
 from vcage.tasks.scene_objects import SceneObject
-from vcage.tasks.slots import GAP, allocate
+from vcage.tasks.slots import GAP, allocate, slots_for_chain
 
 CONTENTS = ["marker", "marker", "marker", "whiteboard_eraser", "block", "rubber_eraser"]
 seeds = st.integers(0, 2**32 - 1)
@@ -71,3 +71,19 @@ def test_what_does_not_fit_together_is_refused_by_name():
     with pytest.raises(InfeasibleScene) as caught:
         allocate(thing("packaging_box"), 0, pens, np.random.default_rng(0))
     assert set(caught.value.details["objects"]) <= {o.id for o in pens}
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_the_slots_of_a_chain_do_not_overlap(seed: int):
+    objects = [thing("marker", (-0.2, 0.0)), thing("whiteboard_eraser", (0.22, 0.0)), thing("packaging_box", (0, 0.05))]
+    chain = [subtask(o.id, "packaging_box", "inside") for o in objects[:2]]
+    slots = slots_for_chain(chain, objects, np.random.default_rng(seed))
+    a, b = (world_aabb(o.asset.bounds, slots[o.id]) for o in objects[:2])
+    assert not boxes_overlap(a, b)
+
+
+def test_a_chain_whose_contents_do_not_fit_together_is_refused():
+    box = thing("packaging_box", (0.0, 0.05))
+    pens = [thing("marker", (-0.3 + 0.02 * i, 0.0), id=f"marker-{i}") for i in range(30)]
+    with pytest.raises(InfeasibleScene):
+        slots_for_chain([subtask(p.id, box.id, "inside") for p in pens], [*pens, box], np.random.default_rng(0))

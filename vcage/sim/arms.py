@@ -178,6 +178,11 @@ class ArmControl:
         return self.opening * self.arm.gripper.max_width
 
     @property
+    def empty(self) -> bool:
+        """Whether the fingers are so close that nothing is between them."""
+        return self.finger_width < self.arm.gripper.empty_width
+
+    @property
     def qpos(self) -> np.ndarray:
         """(n + 1,) measured joints and gripper opening."""
         return np.append(self.joints, self.opening)

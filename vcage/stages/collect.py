@@ -40,7 +40,7 @@ from vcage.stages.settings import Settings
 from vcage.stages.stage import Job, StageResult, stage_seed
 from vcage.tasks.assemble import episode_data
 from vcage.tasks.loop import EpisodeRun, Setting, run_episode
-from vcage.tasks.search import slots_for_chain
+from vcage.tasks.slots import slots_for_chain
 from vcage.tasks.synthesis import Script, load_script
 from vcage.tasks.task import Asked
 from vcage.tasks.variation import shifted_poses

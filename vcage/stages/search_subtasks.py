@@ -13,7 +13,8 @@ from vcage.schema.subtasks import Subtasks
 from vcage.stages.context import Workbench
 from vcage.stages.settings import Settings
 from vcage.stages.stage import Job, StageResult, stage_seed
-from vcage.tasks.search import compose, search, slots_for_chain
+from vcage.tasks.search import compose, search
+from vcage.tasks.slots import slots_for_chain
 from vcage.tasks.synthesis import write_script
 
 

@@ -13,19 +13,23 @@ from itertools import pairwise
 import numpy as np
 
 from vcage.base.geometry import Pose, oriented_boxes_overlap
-from vcage.schema.asset import ContactPoint, FunctionalPoint
+from vcage.schema.asset import Annotation, ContactPoint, FunctionalPoint
 from vcage.schema.subtasks import Check, Grasp
+from vcage.sim.joints import link_poses
 from vcage.sim.kinematics import ArmKinematics
-from vcage.tasks.access import access
 from vcage.tasks.grasps import GraspPose, approach_opening, grasp_poses, hand_boxes
+from vcage.tasks.primitives.pick import pick_way, transfer_height
+from vcage.tasks.primitives.place import MAX_DROP, goals_in_slot, place_way
 from vcage.tasks.scene_objects import SceneObject
-from vcage.tasks.waypoints import MAX_DROP, pick_way, place_way, transfer_height
 
 GRIP_ROOM = 0.006
 """The gripper must open this much wider than the material, metres."""
 
-TURNS = (0.0, np.pi)
-"""Headings that an object may take in its slot, relative to it: both fill the same rectangle."""
+UPRIGHT = 0.7
+"""Least share of a functional point's axis that points up: things are put there from above."""
+
+COVER = 0.01
+"""What is nearer above a functional point than this belongs to its floor, metres."""
 
 
 @dataclass(frozen=True)
@@ -54,6 +58,44 @@ class Finding:
     def reason(self) -> str:
         """Why it is not feasible; empty when it is."""
         return "" if self.feasible else next(c.message for c in reversed(self.checks) if not c.passed)
+
+
+def carrying_points(annotation: Annotation) -> list[ContactPoint]:
+    """The contact points by which the object is carried: handles and buttons of moving parts are not among them."""
+    return [point for point in annotation.contact_points if point.link is None and point.use == "grasp"]
+
+
+def access(receptacle: SceneObject, point: FunctionalPoint) -> Check:
+    """Whether a functional point is reached from above: it faces up, and no closed drawer or lid keeps it in."""
+    poses = link_poses(receptacle.asset.model, receptacle.joints)
+    part = receptacle.pose * poses[point.link]
+    upright = float((part.rotation() @ np.asarray(point.axis))[2])
+    where = f"{point.name!r} of {receptacle.record.phrase}"
+    if upright < UPRIGHT:
+        message = f"{where} can only be reached from the side"
+        return Check(name="way_free", passed=False, value=upright, limit=UPRIGHT, message=message)
+    lid = _closed_part(receptacle, point)
+    if lid is not None:
+        message = f"the {lid.replace('_', ' ')} of {receptacle.record.phrase} is closed"
+        return Check(name="way_free", passed=False, message=message)
+    return Check(name="way_free", passed=True, message=f"{where} is open at the top")
+
+
+def _closed_part(receptacle: SceneObject, point: FunctionalPoint) -> str | None:
+    """The moving part that must be opened first, or None: the point's own, or the one that lies over it."""
+    model = receptacle.asset.model
+    poses = link_poses(model, receptacle.joints)
+    origin = (receptacle.pose * poses[point.link]).apply(point.position)
+    for name, local in poses.items():
+        if name == point.link:
+            continue  # its own ceiling is the opening's business
+        to_part = (receptacle.pose * local).inverse()
+        start, up = to_part.apply(origin), to_part.rotation() @ [0.0, 0.0, 1.0]
+        for piece in receptacle.asset.pieces_of(name):
+            stretch = piece.interval(start, up)
+            if stretch is not None and stretch[1] > COVER:
+                return point.link or name
+    return None
 
 
 def fits(target: SceneObject, receptacle: SceneObject, point: FunctionalPoint) -> Check:
@@ -150,7 +192,7 @@ def _examine_pose(
         return checks, None
 
     height = transfer_height([*candidate.others, candidate.receptacle], table_height)
-    pick = pick_way(target, grasp, height)
+    pick = pick_way(target, grasp, kinematics.arm.gripper, height)
     picked = _follow(kinematics, [pick.before, pick.grasp, pick.lifted], kinematics.home)
     checks.append(_reach_check("reach_grasp", f"{contact!r} of {phrase}", picked is not None, arm))
     if picked is None:
@@ -180,8 +222,7 @@ def _best_place(
     obstacles = [*receptacle.walls(candidate.point.id), *(o.box for o in candidate.others)]
     width = candidate.target.asset.grasp_width(candidate.contact)
     drops = []
-    for turn in TURNS:
-        goal = receptacle.pose * slot * Pose.from_yaw([0, 0, 0], turn)
+    for goal in goals_in_slot(receptacle, slot):
         way = place_way(grasp.in_object, goal, obstacles, kinematics.arm.gripper, width, height)
         drops.append(way.drop)
         poses = [way.above, way.release, way.after]

@@ -23,15 +23,6 @@ TIP_CLEARANCE = 0.002
 GRASP_ROOM = 0.024
 """How much wider than the material the fingers open before they close on it, or let it go, metres."""
 
-FINGER_THICKNESS = 0.022
-"""Extent of one finger along the closing axis, metres; taken generously."""
-
-FINGER_WIDTH = 0.022
-"""Extent of a finger across the closing axis, metres."""
-
-PALM_HEIGHT = 0.12
-"""Extent of hand and flange above the fingers that must stay free, metres."""
-
 
 @dataclass(frozen=True)
 class GraspPose:
@@ -71,7 +62,7 @@ def grasp_poses(
 
 def _above_support(pose: Pose, gripper: Gripper, support: float) -> Pose:
     down = -pose.rotation()[2, 2]  # how much of the approach points down
-    sideways = np.abs(pose.rotation()[2, 0]) * FINGER_WIDTH / 2  # a tilted finger's corner hangs lower
+    sideways = np.abs(pose.rotation()[2, 0]) * gripper.finger_width / 2  # a tilted finger's corner hangs lower
     lowest = pose.p[2] - max(down, 0.0) * gripper.tip_depth - sideways
     rise = max(0.0, support + TIP_CLEARANCE - lowest)
     return Pose(pose.p + [0, 0, rise], pose.q)
@@ -82,23 +73,21 @@ def approach_opening(width: float, gripper: Gripper) -> float:
     return min(gripper.max_width, width + GRASP_ROOM)
 
 
+def command_of(width: float, gripper: Gripper) -> float:
+    """The gripper's command, 0 closed to 1 open, for fingers ``width`` metres apart."""
+    return width / gripper.max_width
+
+
 def hand_boxes(gripper: Gripper, opening: float) -> list[np.ndarray]:
-    """Boxes (2, 3) in the gripper frame that the hand fills when its fingers are ``opening`` metres apart."""
-    half = opening / 2
-    fingers = [
-        np.array(
-            [
-                [-FINGER_WIDTH / 2, min(side * half, side * (half + FINGER_THICKNESS)), -gripper.finger_length],
-                [FINGER_WIDTH / 2, max(side * half, side * (half + FINGER_THICKNESS)), gripper.tip_depth],
-            ]
-        )
-        for side in (1.0, -1.0)
+    """Boxes (2, 3) in the gripper frame that the hand fills when its fingers are ``opening`` metres apart.
+
+    The fingers come first, then the palm with what must stay free above it.
+    """
+    x, inner, outer = gripper.finger_width / 2, opening / 2, opening / 2 + gripper.finger_thickness
+    palm_x, palm_y = (size / 2 for size in gripper.palm_size)
+    bottom, top = gripper.tip_depth, -gripper.finger_length
+    return [
+        np.array([[-x, inner, top], [x, outer, bottom]]),
+        np.array([[-x, -outer, top], [x, -inner, bottom]]),
+        np.array([[-palm_x, -palm_y, top - gripper.palm_height], [palm_x, palm_y, top]]),
     ]
-    palm_x, palm_y = gripper.palm_size
-    palm = np.array(
-        [
-            [-palm_x / 2, -palm_y / 2, -gripper.finger_length - PALM_HEIGHT],
-            [palm_x / 2, palm_y / 2, -gripper.finger_length],
-        ]
-    )
-    return [*fingers, palm]

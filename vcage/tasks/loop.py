@@ -57,7 +57,7 @@ class Setting:
     fps: int
 
 
-@dataclass
+@dataclass(frozen=True)
 class EpisodeRun:
     """What came of an episode: the recording of what was verified, and every attempt with its pictures.
 
@@ -66,13 +66,14 @@ class EpisodeRun:
         segments: the accepted sub-tasks.
         attempts: all tries, in order.
         pictures: file name → picture that a verdict looked at.
+        accepted: whether every sub-task was.
     """
 
     log: StateLog
-    segments: list[Segment] = field(default_factory=list)
-    attempts: list[Attempt] = field(default_factory=list)
-    pictures: dict[str, np.ndarray] = field(default_factory=dict)
-    accepted: bool = False
+    segments: list[Segment]
+    attempts: list[Attempt]
+    pictures: dict[str, np.ndarray]
+    accepted: bool
 
     @property
     def reason(self) -> str:
@@ -84,91 +85,126 @@ class EpisodeRun:
 
 
 def run_episode(setting: Setting, chain: Sequence[tuple[Subtask, Script]], index: int) -> EpisodeRun:
-    """Carry out a chain of sub-tasks, verifying each."""
-    run = EpisodeRun(StateLog(setting.fps))
-    world = setting.build()
+    """Carry out a chain of sub-tasks, verifying each.
+
+    Args:
+        setting: where, and who looks at it.
+        chain: the sub-tasks with their scripts, in order.
+        index: number of the episode, for names and messages.
+    """
+    world, recording = setting.build(), StateLog(setting.fps)
     world.settle()
-    run.log.record(world)
-    for step, (subtask, script) in enumerate(chain):
-        after = _StepRun(setting, run, index, step, subtask, script).until_verified(world)
-        if after is None:
-            return run
-        world = after
-    run.accepted = True
-    return run
+    recording.record(world)
+    trials: list[_Trial] = []
+    accepted = True
+    for number, (subtask, script) in enumerate(chain):
+        step = _Step(setting, recording, index, number, subtask, script)
+        world, tried = step.until_verified(world)
+        trials += tried
+        accepted = tried[-1].attempt.accepted
+        if not accepted:
+            break
+    return EpisodeRun(
+        log=recording,
+        segments=[trial.segment for trial in trials if trial.segment is not None],
+        attempts=[trial.attempt for trial in trials],
+        pictures={name: picture for trial in trials for name, picture in trial.pictures.items()},
+        accepted=accepted,
+    )
 
 
-class _StepRun:
-    """The attempts at one sub-task."""
+@dataclass(frozen=True)
+class _Trial:
+    """What came of one attempt at a sub-task.
 
-    def __init__(self, setting: Setting, run: EpisodeRun, index: int, step: int, subtask: Subtask, script: Script):
-        self._setting, self._run = setting, run
-        self._index, self._step = index, step
-        self._subtask, self._script = subtask, script
+    Args:
+        attempt: its record.
+        pictures: file name → picture that the verdict looked at.
+        segment: of the recording, if it was accepted.
+    """
 
-    def until_verified(self, world: World) -> World | None:
-        """The world after the first attempt that the critic accepts, or None when none is."""
+    attempt: Attempt
+    pictures: Mapping[str, np.ndarray] = field(default_factory=dict)
+    segment: Segment | None = None
+
+
+@dataclass(frozen=True)
+class _Step:
+    """One sub-task of an episode.
+
+    Args:
+        setting: of the episode.
+        recording: of the episode.
+        episode: its number.
+        number: of the sub-task in the chain.
+        subtask, script: what is to be done.
+    """
+
+    setting: Setting
+    recording: StateLog
+    episode: int
+    number: int
+    subtask: Subtask
+    script: Script
+
+    def until_verified(self, world: World) -> tuple[World, list[_Trial]]:
+        """The attempts up to the first that the critic accepts, or all there may be; and the world after the last."""
         snapshot, start = world.snapshot(), world.steps
-        before = self._setting.photograph(world.state())
-        tries = 1 + (self._setting.retries if self._setting.on_failure == "resample" else 0)
-        for attempt in range(tries):
+        before = self.setting.photograph(world.state())
+        trials: list[_Trial] = []
+        for attempt in range(1 + (self.setting.retries if self.setting.on_failure == "resample" else 0)):
             if attempt > 0:
-                world = self._setting.build()
+                world = self.setting.build()
                 world.restore(snapshot)
-                self._run.log.record(world)
-            if self._attempt(world, attempt, start, before):
-                return world
-        return None
+                self.recording.record(world)
+            trials.append(self._try(world, attempt, start, before))
+            if trials[-1].attempt.accepted:
+                break
+        return world, trials
 
-    def _attempt(self, world: World, attempt: int, start: int, before: Pictures) -> bool:
-        task = Task(world, self._setting.objects, self._setting.slots, attempt)
+    def _try(self, world: World, attempt: int, start: int, before: Pictures) -> _Trial:
+        task = Task(world, self.setting.objects, self.setting.slots, attempt)
         try:
-            self._script.play(task)
-            asked = self._script.verify(task)
+            self.script.play(task)
+            asked = self.script.verify(task)
         except TaskFailed as error:
-            self._note(task, attempt, error.stage, error.message, world.steps - start)
-            return False
-        after = self._setting.photograph(world.state())
-        verdict = self._setting.judge(asked, before, after)
-        verdict = verdict.model_copy(update={"pictures": self._keep(attempt, before, after)})
+            return _Trial(self._attempt(task, attempt, error.stage, error.message, world.steps - start))
+        after = self.setting.photograph(world.state())
+        pictures = self._named(attempt, before, after)
+        verdict = self.setting.judge(asked, before, after).model_copy(update={"pictures": list(pictures)})
         truth = self._truth(asked, world)
         stage: AttemptStage = "done" if verdict.accepted else "verify"
-        self._note(task, attempt, stage, verdict.reason, world.steps - start, verdict, truth)
-        if verdict.accepted:
-            self._commit(task, attempt, start, world.steps, verdict, truth)
-        return verdict.accepted
-
-    def _truth(self, asked: Asked, world: World) -> Truth:
-        poses = world.object_poses()
-        objects = {key: o.moved(poses[key]) for key, o in self._setting.objects.items()}
-        return goals_hold(asked.goals, objects, {self._subtask.receptacle: self._subtask.functional_point})
-
-    def _keep(self, attempt: int, before: Pictures, after: Pictures) -> list[str]:
-        """Remember the pictures of a verdict under names that say what they show."""
-        names = []
-        for moment, pictures in (("before", before), ("after", after)):
-            for camera, picture in pictures.items():
-                name = f"critic/e{self._index:06d}-s{self._step}-a{attempt}-{moment}-{camera}.png"
-                self._run.pictures[name] = picture
-                names.append(name)
-        return names
-
-    def _commit(self, task: Task, attempt: int, start: int, end: int, verdict: Verdict, truth: Truth) -> None:
-        frames = self._run.log
+        record = self._attempt(task, attempt, stage, verdict.reason, world.steps - start, verdict, truth)
+        if not verdict.accepted:
+            return _Trial(record, pictures)
         segment = Segment(
-            subtask=self._subtask.id,
-            text=self._subtask.text,
-            start=frames.frame_at(start),
-            end=frames.frame_at(end),
+            subtask=self.subtask.id,
+            text=self.subtask.text,
+            start=self.recording.frame_at(start),
+            end=self.recording.frame_at(world.steps),
             arm=task.arm or "",
             contact=-1 if task.contact is None else task.contact,
             attempts=attempt + 1,
             verdict=verdict,
             truth=truth,
         )
-        self._run.segments.append(segment)
+        return _Trial(record, pictures, segment)
 
-    def _note(
+    def _truth(self, asked: Asked, world: World) -> Truth:
+        poses = world.object_poses()
+        objects = {key: o.moved(poses[key]) for key, o in self.setting.objects.items()}
+        return goals_hold(asked.goals, objects, {self.subtask.receptacle: self.subtask.functional_point})
+
+    def _named(self, attempt: int, before: Pictures, after: Pictures) -> dict[str, np.ndarray]:
+        """The pictures of a verdict under names that say what they show."""
+        prefix = f"critic/e{self.episode:06d}-s{self.number}-a{attempt}"
+        return {
+            f"{prefix}-{moment}-{camera}.png": picture
+            for moment, pictures in (("before", before), ("after", after))
+            for camera, picture in pictures.items()
+        }
+
+    def _attempt(
         self,
         task: Task,
         attempt: int,
@@ -177,27 +213,25 @@ class _StepRun:
         steps: int,
         verdict: Verdict | None = None,
         truth: Truth | None = None,
-    ) -> None:
-        record = self._setting.objects[self._subtask.object].record
+    ) -> Attempt:
+        record = self.setting.objects[self.subtask.object].record
         accepted = verdict is not None and verdict.accepted
         if not accepted:
-            log.info("episode %d, %s, attempt %d: %s: %s", self._index, self._subtask.id, attempt + 1, stage, reason)
-        self._run.attempts.append(
-            Attempt(
-                episode=self._index,
-                step=self._step,
-                attempt=attempt,
-                subtask=self._subtask.id,
-                object=self._subtask.object,
-                asset=record.asset,
-                variant=record.variant,
-                arm=task.arm,
-                contact=task.contact,
-                stage=stage,
-                reason=reason,
-                accepted=accepted,
-                verdict=verdict,
-                truth=truth,
-                steps=steps,
-            )
+            log.info("episode %d, %s, attempt %d: %s: %s", self.episode, self.subtask.id, attempt + 1, stage, reason)
+        return Attempt(
+            episode=self.episode,
+            step=self.number,
+            attempt=attempt,
+            subtask=self.subtask.id,
+            object=self.subtask.object,
+            asset=record.asset,
+            variant=record.variant,
+            arm=task.arm,
+            contact=task.contact,
+            stage=stage,
+            reason=reason,
+            accepted=accepted,
+            verdict=verdict,
+            truth=truth,
+            steps=steps,
         )

@@ -20,11 +20,12 @@ from vcage.base.errors import DamagedFile, MissingStage
 from vcage.base.files import write_text
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Subtask
+from vcage.tasks.templates import TEMPLATES
 
 
 def render_script(subtask: Subtask, scene: Scene) -> str:
     """The script's source."""
-    text = _template().render(subtask=subtask, scene=scene)
+    text = _page().render(subtask=subtask, scene=scene, calls=TEMPLATES[subtask.template].calls(subtask))
     ast.parse(text)
     return text
 
@@ -83,7 +84,7 @@ def _for_docstring(text: str) -> str:
 
 
 @functools.cache
-def _template() -> jinja2.Template:
+def _page() -> jinja2.Template:
     environment = jinja2.Environment(
         loader=jinja2.PackageLoader("vcage.tasks", package_path=""),
         undefined=jinja2.StrictUndefined,

@@ -20,9 +20,9 @@ from vcage.sim.collision import CollisionScene, Held
 from vcage.sim.motion import Load, MotionFailed, MotionPlanner
 from vcage.sim.trajectory import timed
 from vcage.sim.world import PHYSICS_HZ, World
-from vcage.tasks.failures import TaskFailed
 from vcage.tasks.feasibility import GRIP_ROOM
 from vcage.tasks.task import Task
+from vcage.tasks.workcell import TaskFailed
 
 HOLD_STEPS = PHYSICS_HZ
 """How long it is held still, physics steps."""

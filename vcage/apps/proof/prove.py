@@ -21,11 +21,20 @@ from vcage.objects.asset import Asset
 from vcage.objects.library import Library
 from vcage.schema.proof import Check, ObjectProof, VariantProof
 from vcage.sim.robots import load_robot, load_template
-from vcage.tasks.access import carrying_points
+from vcage.tasks.feasibility import carrying_points
 
 TRIES, QUICK_TRIES = 10, 3
 
-METHOD = ("apps/proof", "sim", "tasks", "layout", "layout/placement", "objects")
+METHOD = (
+    "apps/proof",
+    "sim",
+    "tasks",
+    "tasks/primitives",
+    "tasks/templates",
+    "layout",
+    "layout/placement",
+    "objects",
+)
 """Packages whose modules decide how things are measured and tried; builders decide what, and have files of theirs."""
 
 

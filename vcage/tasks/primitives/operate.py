@@ -1,4 +1,4 @@
-"""Operating a moving part of an object: plan its ways, carry out the first that is free, feel whether it moved."""
+"""Operate: open, close or press a moving part: plan its ways, take the first that is free, feel whether it moved."""
 
 from __future__ import annotations
 
@@ -13,19 +13,13 @@ from vcage.sim.collision import CollisionScene
 from vcage.sim.joints import carried_by, part_name
 from vcage.sim.motion import Load, MotionFailed, MotionPlanner
 from vcage.sim.trajectory import Trajectory
-from vcage.sim.world import World
-from vcage.tasks.failures import TaskFailed, joined
-from vcage.tasks.handles import Handle, OperatingWay, operating_ways
+from vcage.tasks.grasps import command_of
+from vcage.tasks.primitives.handles import Handle, OperatingWay, operating_ways
 from vcage.tasks.scene_objects import SceneObject
+from vcage.tasks.workcell import CAREFUL, TaskFailed, Workcell, joined
 
 SLOW = 0.4
 """Share of the speed limit while a part is moved."""
-
-CAREFUL = 0.85
-"""Share of the speed limit next to the handle."""
-
-EMPTY = 0.0015
-"""Fingers closer than this hold nothing, metres."""
 
 REACHED = 0.1
 """A joint has reached its target when it is nearer than this share of its range."""
@@ -56,7 +50,7 @@ class Operation:
     """One moving part that is to be brought to a position.
 
     Args:
-        world: as it is now.
+        cell: as it stands.
         thing: the object at its present pose.
         contact: where to take hold of the part; its ``link`` is the part.
         target: position that its joint shall have, metres or radians.
@@ -65,7 +59,8 @@ class Operation:
         TaskFailed: the contact point sits on no moving part, or the target is outside the joint's range.
     """
 
-    def __init__(self, world: World, thing: SceneObject, contact: ContactPoint, target: float):
+    def __init__(self, cell: Workcell, thing: SceneObject, contact: ContactPoint, target: float):
+        world = cell.world
         model = world.bodies[thing.id].model
         if contact.link is None:
             raise TaskFailed("plan", f"{contact.name!r} of {thing.record.phrase} is on no moving part")
@@ -73,6 +68,7 @@ class Operation:
         if not joint.lower <= target <= joint.upper:
             allowed = f"{joint.lower:.3f} to {joint.upper:.3f}"
             raise TaskFailed("plan", f"{contact.link} of {thing.record.phrase} moves from {allowed}, not to {target}")
+        self._cell = cell
         self._world = world
         self._thing = thing
         self._contact = contact
@@ -94,7 +90,7 @@ class Operation:
         """
         plan = self._choose(arms, attempt)
         control = self._world.arms[plan.arm]
-        control.command_gripper(_command(plan.way.opening, control))
+        control.command_gripper(command_of(plan.way.opening, control.arm.gripper))
         control.move(plan.reach)
         control.move(plan.down)
         if self._contact.use == "grasp":
@@ -124,7 +120,10 @@ class Operation:
     def _choose(self, arms: Sequence[str], attempt: int) -> _Plan:
         reasons: list[str] = []
         clear, others = [], []
-        for plan in self._plans(arms, reasons):
+        for plan in self._plans(arms):
+            if not isinstance(plan, _Plan):
+                reasons.append(plan)
+                continue
             (clear if plan.clear else others).append(plan)
             if len(clear) > attempt:
                 break
@@ -134,54 +133,57 @@ class Operation:
             raise TaskFailed("plan", f"no way to operate {named} can be planned: {joined(reasons)}")
         return plans[attempt % len(plans)]
 
-    def _plans(self, arms: Sequence[str], reasons: list[str]) -> Iterator[_Plan]:
+    def _plans(self, arms: Sequence[str]) -> Iterator[_Plan | str]:
+        """For each way of each arm: a plan, or why there is none."""
         for arm in arms:
-            control = self._world.arms[arm]
-            now = MotionPlanner(CollisionScene.of_world(self._world, arm))
+            joints, where = self._cell.joints(arm), f"{arm} arm at {self._contact.name!r}"
+            now = self._cell.planner(arm)
             then = now if self._contact.use == "press" else MotionPlanner(self._scene_at_target(arm))
-            for way in operating_ways(self._handle, self._target, control.arm.gripper, self._thing.box.bottom):
-                starts = now.kinematics.ik_all(way.before, self._joints(arm))
+            gripper = self._world.arms[arm].arm.gripper
+            for way in operating_ways(self._handle, self._target, gripper, self._thing.box.bottom):
+                starts = now.kinematics.ik_all(way.before, joints)
                 if not starts:
-                    reasons.append(f"{arm} arm at {self._contact.name!r}: out of reach")
-                for start in sorted(starts, key=lambda q, arm=arm: float(np.abs(q - self._joints(arm)).max())):
+                    yield f"{where}: out of reach"
+                for start in sorted(starts, key=lambda q, joints=joints: float(np.abs(q - joints).max())):
                     try:
                         yield self._plan(arm, way, start, now, then)
                     except MotionFailed as error:
-                        reasons.append(f"{arm} arm at {self._contact.name!r}: {error.message}")
+                        yield f"{where}: {error.message}"
 
     def _plan(self, arm: str, way: OperatingWay, start: np.ndarray, now: MotionPlanner, then: MotionPlanner) -> _Plan:
         """Every motion of a way with the arm at ``start`` before it, the narrow ones first.
 
         Args:
+            arm: that takes it.
+            way: poses of the gripper.
+            start: (n,) joints before it, rad.
             now, then: planners around everything as it is, and as it shall be.
 
         Raises:
             MotionFailed: one of them is not free.
         """
-        control = self._world.arms[arm]
-        opening = _command(way.opening, control)
+        record = self._world.arms[arm].arm
+        opening = command_of(way.opening, record.gripper)
         near = Load(opening, fingers_may_touch=self._own, speed=CAREFUL)
         down = now.line(start, way.grasp, near)
-        held = _command(self._handle.width if way.opening else 0.0, control)
+        held = command_of(self._handle.width if way.opening else 0.0, record.gripper)
         moving = Load(held, ignore=self._own, speed=SLOW)
         push = now.follow(down.end, way.motion[: way.pushed], moving)
         rest = way.motion[way.pushed :]
         back = now.follow(push.end, rest, moving) if rest else None
         away = then.line((back or push).end, way.after, near)
         # The hand must get there, and home again: that it does is worth nothing if it then stands in a corner.
-        reach = now.move(self._joints(arm), start, Load(opening))
-        then.move(away.end, np.array(control.arm.home), Load(opening))
+        reach = now.move(self._cell.joints(arm), start, Load(opening))
+        then.move(away.end, np.array(record.home), Load(opening))
         touched = self._own if self._contact.use == "press" else ()
         clear = now.scene.first_contact(down.end, opening, ignore=touched) is None
         return _Plan(arm, way, reach, down, push, back, clear)
 
-    def _joints(self, arm: str) -> np.ndarray:
-        """Joints that the arm was last told to take."""
-        return self._world.arms[arm].command[:-1]
-
     def _scene_at_target(self, arm: str) -> CollisionScene:
         """The surroundings of an arm when the part is where it shall be."""
         world = self._world
+        if world.robot is None:
+            raise ValueError("this world has no robot")
         bodies = {name: world.body(name) for name in world.object_ids}
         joints = tuple(self._handle.joints_at(self._target).tolist())
         bodies[self._thing.id] = replace(bodies[self._thing.id], joints=joints)
@@ -192,18 +194,18 @@ class Operation:
 
     def _close(self, control: ArmControl) -> None:
         control.grip(0.0)
-        if control.finger_width < EMPTY:
+        if control.empty:
             where = f"{self._contact.name!r} of {self._thing.record.phrase}"
             raise TaskFailed("grasp", f"the fingers closed on nothing where {where} should be")
 
     def _let_go(self, plan: _Plan, control: ArmControl) -> None:
         """Open the fingers and draw the hand back from where it stands."""
-        opened = _command(plan.way.opening, control)
+        opened = command_of(plan.way.opening, control.arm.gripper)
         control.grip(opened)
-        planner = MotionPlanner(CollisionScene.of_world(self._world, plan.arm))
+        planner = self._cell.planner(plan.arm)
         away = Load(opened, fingers_may_touch=[self._thing.id, *self._own], speed=CAREFUL)
         try:
-            control.move(planner.line(control.command[:-1], plan.way.after, away))
+            control.move(planner.line(self._cell.joints(plan.arm), plan.way.after, away))
         except MotionFailed as error:
             raise TaskFailed("place", f"the hand cannot be drawn back: {error.message}") from error
 
@@ -215,8 +217,3 @@ class Operation:
         if abs(position - self._target) > self._tolerance:
             named = f"{self._part.partition('/')[2]} of {self._thing.record.phrase}"
             raise TaskFailed("place", f"{named} came to {position:.3f} instead of {self._target:.3f}")
-
-
-def _command(width: float, control: ArmControl) -> float:
-    """The gripper command, 0 closed to 1 open, for an opening in metres."""
-    return width / control.arm.gripper.max_width

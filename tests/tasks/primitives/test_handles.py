@@ -20,7 +20,7 @@ from tests.articulated import (
 from tests.scenes import TABLE_TOP, robot
 from vcage.base.geometry import Pose
 from vcage.tasks.grasps import GRASP_ROOM
-from vcage.tasks.handles import STEP, TURNS_ALONG, Handle, held_frame, operating_ways
+from vcage.tasks.primitives.handles import STEP, TURNS_ALONG, Handle, held_frame, operating_ways
 
 GRIPPER = robot().arms["left"].gripper
 PLACE = Pose.from_yaw([0.1, 0.05, TABLE_TOP], 0.3)

@@ -1,4 +1,4 @@
-"""The gripper's way in a pick and a place."""
+"""The gripper's way in a place."""
 
 from __future__ import annotations
 
@@ -10,16 +10,8 @@ from hypothesis import strategies as st
 from tests.scenes import TABLE_TOP, robot, thing
 from vcage.base.geometry import Pose, oriented_boxes_overlap
 from vcage.tasks.grasps import GraspPose, approach_opening, grasp_poses, hand_boxes
+from vcage.tasks.primitives.place import SET_DOWN, PlaceWay, place_way
 from vcage.tasks.scene_objects import SceneObject, SolidBox
-from vcage.tasks.waypoints import (
-    APPROACH,
-    CLEARANCE,
-    SET_DOWN,
-    PlaceWay,
-    pick_way,
-    place_way,
-    transfer_height,
-)
 
 GRIPPER = robot().arms["left"].gripper
 GOAL = Pose([0.0, 0.0, TABLE_TOP])
@@ -84,28 +76,3 @@ def test_without_obstacles_an_object_is_set_down_gently():
 def test_an_obstacle_beside_the_hand_costs_no_height():
     far = SolidBox(np.array([[-0.02, -0.02, 0.0], [0.02, 0.02, 0.2]]), Pose([0.5, 0.0, TABLE_TOP]))
     assert place_block(0, [far]).drop == SET_DOWN
-
-
-def test_an_object_is_carried_over_the_highest_thing_on_the_table():
-    bottle, block = thing("lotion_bottle", (0.2, 0.1)), thing("block")
-    assert transfer_height([block, bottle], TABLE_TOP) == pytest.approx(bottle.box.top + CLEARANCE)
-
-
-def test_an_empty_table_asks_for_the_clearance_alone():
-    assert transfer_height([], TABLE_TOP) == TABLE_TOP + CLEARANCE
-
-
-@given(grasp_numbers)
-def test_a_pick_comes_along_the_approach_and_lifts_straight_up(number: int):
-    block = thing("block", (0.3, 0.0))
-    grasp = grasps_of(block)[number]
-    way = pick_way(block, grasp, TABLE_TOP + 0.2)
-    approach = grasp.pose.rotation()[:, 2]
-    np.testing.assert_allclose(way.grasp.p - way.before.p, APPROACH * approach, atol=1e-9)
-    np.testing.assert_allclose(way.lifted.p - way.grasp.p, [0, 0, 0.2], atol=1e-9)
-
-
-def test_a_lift_is_never_shorter_than_the_approach():
-    block = thing("block", (0.3, 0.0))
-    grasp = grasps_of(block)[0]
-    assert pick_way(block, grasp, TABLE_TOP).lifted.p[2] - grasp.pose.p[2] == pytest.approx(APPROACH)

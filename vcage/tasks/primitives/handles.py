@@ -16,7 +16,6 @@ from vcage.schema.asset import ContactPoint, MovingLink, PhysicalModel
 from vcage.schema.robot import Gripper
 from vcage.sim.joints import joint_index, joint_motion, link_poses
 from vcage.tasks.grasps import TILTS, approach_opening, grasp_poses
-from vcage.tasks.waypoints import APPROACH
 
 STEP, STEP_TURN = 0.01, np.radians(4.0)
 """Largest distance between neighbouring poses along a joint's motion: metres, radians."""
@@ -129,11 +128,11 @@ def held_frame(handle: Handle, position: float, share: float = 1.0) -> Pose:
 def _grasp_way(handle: Handle, in_frame: Pose, target: float, share: float, gripper: Gripper) -> OperatingWay:
     grasp, *motion = _along(handle, in_frame, target, share)
     return OperatingWay(
-        before=_drawn_back(grasp, APPROACH),
+        before=_drawn_back(grasp, gripper.approach),
         grasp=grasp,
         motion=motion,
         pushed=len(motion),
-        after=_drawn_back(motion[-1], APPROACH),
+        after=_drawn_back(motion[-1], gripper.approach),
         opening=approach_opening(handle.width, gripper),
     )
 
@@ -142,11 +141,11 @@ def _press_way(handle: Handle, in_frame: Pose, target: float, share: float, grip
     # The tips, not the frame between them, meet the part.
     touch, *push = _along(handle, _drawn_back(in_frame, gripper.tip_depth), target, share)
     return OperatingWay(
-        before=_drawn_back(touch, APPROACH),
+        before=_drawn_back(touch, gripper.approach),
         grasp=touch,
         motion=[*push, *push[-2::-1], touch],
         pushed=len(push),
-        after=_drawn_back(touch, APPROACH),
+        after=_drawn_back(touch, gripper.approach),
         opening=0.0,
     )
 

@@ -1,0 +1,45 @@
+"""The gripper's way in a pick."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tests.scenes import TABLE_TOP, robot, thing
+from vcage.tasks.grasps import GraspPose, grasp_poses
+from vcage.tasks.primitives.pick import CLEARANCE, pick_way, transfer_height
+from vcage.tasks.scene_objects import SceneObject
+
+GRIPPER = robot().arms["left"].gripper
+
+
+def grasps_of(target: SceneObject) -> list[GraspPose]:
+    contact = target.asset.annotation.contact_point(0)
+    return list(grasp_poses(target.pose, contact, GRIPPER, target.box.bottom))
+
+
+def test_an_object_is_carried_over_the_highest_thing_on_the_table():
+    bottle, block = thing("lotion_bottle", (0.2, 0.1)), thing("block")
+    assert transfer_height([block, bottle], TABLE_TOP) == pytest.approx(bottle.box.top + CLEARANCE)
+
+
+def test_an_empty_table_asks_for_the_clearance_alone():
+    assert transfer_height([], TABLE_TOP) == TABLE_TOP + CLEARANCE
+
+
+@given(st.integers(0, 9))
+def test_a_pick_comes_along_the_approach_and_lifts_straight_up(number: int):
+    block = thing("block", (0.3, 0.0))
+    grasp = grasps_of(block)[number]
+    way = pick_way(block, grasp, GRIPPER, TABLE_TOP + 0.2)
+    approach = grasp.pose.rotation()[:, 2]
+    np.testing.assert_allclose(way.grasp.p - way.before.p, GRIPPER.approach * approach, atol=1e-9)
+    np.testing.assert_allclose(way.lifted.p - way.grasp.p, [0, 0, 0.2], atol=1e-9)
+
+
+def test_a_lift_is_never_shorter_than_the_approach():
+    block = thing("block", (0.3, 0.0))
+    grasp = grasps_of(block)[0]
+    assert pick_way(block, grasp, GRIPPER, TABLE_TOP).lifted.p[2] - grasp.pose.p[2] == pytest.approx(GRIPPER.approach)

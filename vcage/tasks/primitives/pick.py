@@ -1,0 +1,154 @@
+"""Pick: take hold of an object at a contact point, and lift it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from vcage.base.errors import UnknownName
+from vcage.base.geometry import Pose
+from vcage.schema.robot import Gripper
+from vcage.sim.collision import Held
+from vcage.sim.motion import Load, MotionFailed
+from vcage.sim.trajectory import Trajectory
+from vcage.tasks.grasps import GraspPose, approach_opening, command_of, grasp_poses
+from vcage.tasks.scene_objects import SceneObject
+from vcage.tasks.workcell import CAREFUL, TaskFailed, Workcell, failing_at, joined
+
+CLEARANCE = 0.03
+"""Metres between what is carried and the highest thing on the table."""
+
+
+@dataclass(frozen=True)
+class PickWay:
+    """Gripper poses of a pick, in order."""
+
+    before: Pose
+    grasp: Pose
+    lifted: Pose
+
+
+@dataclass(frozen=True)
+class PickPlan:
+    """A pick that an arm can do.
+
+    Args:
+        target: what is picked, where it stands.
+        contact: id of the contact point.
+        arm: that takes it.
+        opening: command of the gripper on the way, 0 closed to 1 open.
+        way: poses of the gripper.
+        reach, down: to the first pose, and from there to the grasp.
+    """
+
+    target: SceneObject
+    contact: int
+    arm: str
+    opening: float
+    way: PickWay
+    reach: Trajectory
+    down: Trajectory
+
+
+@dataclass(frozen=True)
+class Grip:
+    """What is in which hand, and how it moves with it."""
+
+    arm: str
+    object_id: str
+    load: Load
+
+
+def transfer_height(others: Sequence[SceneObject], table_height: float) -> float:
+    """z that the bottom of a carried object must keep, metres."""
+    return max([table_height, *(o.box.top for o in others)]) + CLEARANCE
+
+
+def pick_way(target: SceneObject, grasp: GraspPose, gripper: Gripper, height: float) -> PickWay:
+    """From above the contact point down to it, and straight up until the object's bottom is at ``height``.
+
+    Args:
+        target: what is picked.
+        grasp: where it is held.
+        gripper: how far from the grasp its approach begins.
+        height: z, metres.
+    """
+    rise = max(height - target.box.bottom, gripper.approach)
+    return PickWay(
+        before=Pose(grasp.pose.p - gripper.approach * grasp.pose.rotation()[:, 2], grasp.pose.q),
+        grasp=grasp.pose,
+        lifted=Pose(grasp.pose.p + [0, 0, rise], grasp.pose.q),
+    )
+
+
+def plan_pick(cell: Workcell, target: SceneObject, grasps: Sequence[tuple[int, str]]) -> PickPlan:
+    """The first of ``grasps`` (contact point, arm) that has a free way.
+
+    Raises:
+        TaskFailed: none has.
+        UnknownName: there is no such contact point or arm.
+    """
+    reasons: list[str] = []
+    for contact, arm in grasps:
+        for plan in _plans(cell, target, contact, arm):
+            if isinstance(plan, PickPlan):
+                return plan
+            reasons.append(plan)
+    raise TaskFailed("plan", f"no grasp of {target.record.phrase} can be planned: {joined(reasons)}")
+
+
+def _plans(cell: Workcell, target: SceneObject, contact_id: int, arm: str) -> Iterator[PickPlan | str]:
+    """For each pose of the hand at a contact point, the straightest first: a plan, or why there is none."""
+    contact = target.asset.annotation.contact_point(contact_id)
+    if arm not in cell.world.arms:
+        raise UnknownName("arm", arm, cell.world.arms)
+    if contact.link is not None:
+        yield f"{contact.name!r} is on a moving part: {target.record.phrase} is not carried by it"
+        return
+    gripper = cell.world.arms[arm].arm.gripper
+    height = transfer_height(cell.objects_but(target.id), cell.world.table.height)
+    planner = cell.planner(arm)
+    opening = command_of(approach_opening(target.asset.grasp_width(contact), gripper), gripper)
+    closing = Load(opening, ignore=cell.parts(target.id), speed=CAREFUL)
+    for grasp in grasp_poses(target.pose, contact, gripper, target.box.bottom):
+        way = pick_way(target, grasp, gripper, height)
+        try:
+            reach = planner.move(cell.joints(arm), way.before, then=[way.grasp, way.lifted])
+            down = planner.line(reach.end, way.grasp, closing)
+        except MotionFailed as error:
+            yield f"{arm} arm at {contact.name!r}: {error.message}"
+        else:
+            yield PickPlan(target, contact_id, arm, opening, way, reach, down)
+
+
+def carry_out_pick(cell: Workcell, plan: PickPlan) -> Grip:
+    """Reach, close the fingers, and lift.
+
+    Raises:
+        TaskFailed: the fingers closed on nothing, lost the object, or cannot lift it.
+    """
+    control, target = cell.world.arms[plan.arm], plan.target
+    control.command_gripper(plan.opening)
+    control.move(plan.reach)
+    control.move(plan.down)
+    control.grip(0.0)
+    if control.empty:
+        raise TaskFailed("grasp", f"the fingers closed on nothing where {target.record.phrase} should be")
+    now = cell.object(target.id)
+    held = Held(target.id, target.asset.model, control.tool_pose.inverse() * now.pose, now.joints)
+    lift = Load(opening=control.opening, ignore=[*cell.parts(target.id), "table"], speed=CAREFUL)
+    grip = Grip(plan.arm, target.id, Load(opening=control.opening, held=held))
+    with failing_at("grasp"):
+        control.move(cell.planner(plan.arm).line(cell.joints(plan.arm), plan.way.lifted, lift))
+    feel(cell, grip)
+    return grip
+
+
+def feel(cell: Workcell, grip: Grip) -> None:
+    """Check that the fingers still hold something.
+
+    Raises:
+        TaskFailed: they do not.
+    """
+    if cell.world.arms[grip.arm].empty:
+        raise TaskFailed("grasp", f"{grip.object_id} slipped out of the fingers")

@@ -1,0 +1,74 @@
+"""Templates of sub-tasks, one file each: what it pairs, what it asks the reasoner, what makes it feasible, its script.
+
+A new template is a file here, and its name in :data:`TEMPLATES`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Protocol
+
+import numpy as np
+
+from vcage.schema.subtasks import PairAnswer, PairQuestion, Refusal, Subtask, TemplateName
+from vcage.sim.kinematics import ArmKinematics
+from vcage.tasks.scene_objects import SceneObject
+from vcage.tasks.templates.pick_and_place import PickAndPlace
+
+
+class Proposal(Protocol):
+    """Objects of a scene in the slots of a template: what the search looks into as one."""
+
+    @property
+    def candidates(self) -> int:
+        """How many ways there are to try it."""
+        ...
+
+    def impossible(self) -> Refusal | None:
+        """The refusal of what can be ruled out without asking anyone; None for what cannot."""
+        ...
+
+    def question(self) -> PairQuestion:
+        """What the reasoner is asked about it."""
+        ...
+
+    def senseless(self, reason: str) -> Refusal:
+        """The refusal of what the reasoner finds not sensible."""
+        ...
+
+    def examine(
+        self,
+        answer: PairAnswer,
+        objects: Sequence[SceneObject],
+        kinematics: Mapping[str, ArmKinematics],
+        table_height: float,
+        rng: np.random.Generator,
+    ) -> tuple[Subtask | None, list[Refusal]]:
+        """The sub-task if a candidate is feasible, and a refusal for each that is not.
+
+        Args:
+            answer: of the reasoner, who finds it sensible.
+            objects: all of the scene.
+            kinematics: by arm.
+            table_height: z of the table top, metres.
+            rng: of all choices.
+        """
+        ...
+
+
+class Template(Protocol):
+    """A kind of sub-task."""
+
+    name: TemplateName
+
+    def proposals(self, objects: Sequence[SceneObject]) -> tuple[list[Proposal], list[Refusal]]:
+        """What the template can be tried on in a scene, and what its preconditions exclude."""
+        ...
+
+    def calls(self, subtask: Subtask) -> list[str]:
+        """The lines of the script's ``play``: calls of the task API (:class:`vcage.tasks.task.Task`)."""
+        ...
+
+
+TEMPLATES: Mapping[TemplateName, Template] = {template.name: template for template in (PickAndPlace(),)}
+"""By name, in the order in which the search goes through them."""

@@ -1,0 +1,146 @@
+"""Pick and place: an object that can be carried is put in or on another that has a place for it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import permutations
+
+import numpy as np
+
+from vcage.base.errors import InfeasibleScene
+from vcage.schema.asset import FunctionalPoint
+from vcage.schema.subtasks import Check, Goal, PairAnswer, PairQuestion, Refusal, Subtask, TemplateName
+from vcage.sim.kinematics import ArmKinematics
+from vcage.tasks.feasibility import Candidate, Finding, access, carrying_points, examine, fits
+from vcage.tasks.scene_objects import SceneObject
+from vcage.tasks.slots import GAP, allocate, lying_in
+
+NAME: TemplateName = "pick_and_place"
+
+
+class PickAndPlace:
+    """The template: every ordered pair of objects, every contact point of one and functional point of the other."""
+
+    name = NAME
+
+    def proposals(self, objects: Sequence[SceneObject]) -> tuple[list[Pair], list[Refusal]]:
+        """Pairs with one functional point each, and those that lack the points for it."""
+        pairs, refused = [], []
+        for target, receptacle in permutations(objects, 2):
+            points = receptacle.asset.annotation.functional_points
+            if not carrying_points(target.asset.annotation):
+                reason = f"{target.record.phrase} has no contact point to carry it by"
+            elif not points:
+                reason = f"{receptacle.record.phrase} has no functional point"
+            else:
+                pairs += [Pair(target, receptacle, point) for point in points]
+                continue
+            refused.append(Refusal(template=NAME, object=target.id, receptacle=receptacle.id, reason=reason))
+        return pairs, refused
+
+    def calls(self, subtask: Subtask) -> list[str]:
+        """The lines of the script's ``play``; GRASPS and POINT are constants of the script."""
+        return [
+            f"task.pick({subtask.object!r}, grasps=[(contact, arm) for contact, arm, _ in GRASPS])",
+            f"task.place({subtask.receptacle!r}, point=POINT)",
+            "task.home()",
+        ]
+
+
+@dataclass(frozen=True)
+class Pair:
+    """An ordered pair with one functional point: all contact points of ``target`` are candidates."""
+
+    target: SceneObject
+    receptacle: SceneObject
+    point: FunctionalPoint
+
+    @property
+    def candidates(self) -> int:
+        return len(carrying_points(self.target.asset.annotation))
+
+    def impossible(self) -> Refusal | None:
+        """A place that is not open to above, or too small."""
+        check = access(self.receptacle, self.point)
+        if check.passed:
+            check = fits(self.target, self.receptacle, self.point)
+        return None if check.passed else self._refusal(check.message, checks=[check])
+
+    def question(self) -> PairQuestion:
+        """Whether the receptacle can sensibly hold the object."""
+        opening = self.receptacle.asset.opening(self.point)
+        x, y, z = self.target.asset.size.tolist()
+        return PairQuestion(
+            object=self.target.id,
+            object_words=f"{self.target.record.phrase}: {self.target.asset.annotation.words.description}",
+            receptacle=self.receptacle.id,
+            receptacle_words=f"{self.receptacle.record.phrase}: {self.receptacle.asset.annotation.words.description}",
+            holds=self.point.holds,
+            object_size=(x, y, z),
+            opening_size=(float(opening.size[0]), float(opening.size[1]), float(opening.depth)),
+        )
+
+    def senseless(self, reason: str) -> Refusal:
+        return self._refusal(f"not sensible: {reason}")
+
+    def examine(
+        self,
+        answer: PairAnswer,
+        objects: Sequence[SceneObject],
+        kinematics: Mapping[str, ArmKinematics],
+        table_height: float,
+        rng: np.random.Generator,
+    ) -> tuple[Subtask | None, list[Refusal]]:
+        """The sub-task of a sensible pair, and a refusal for each contact point that no arm can use."""
+        others = [o for o in objects if o.id not in (self.target.id, self.receptacle.id)]
+        present = lying_in(self.receptacle, others)
+        try:
+            slot = allocate(self.receptacle, self.point.id, [self.target], rng, present)[self.target.id]
+        except InfeasibleScene as error:
+            return None, [self._refusal(error.message if present else self._no_room())]
+        findings, refused = [], []
+        for contact in carrying_points(self.target.asset.annotation):
+            candidate = Candidate(self.target, contact, self.receptacle, self.point, others)
+            finding = examine(candidate, kinematics, slot, table_height)
+            if finding.feasible:
+                findings.append(finding)
+            else:
+                refused.append(self._refusal(finding.reason, contact.id, finding.checks))
+        return (self._subtask(answer, findings) if findings else None), refused
+
+    def _no_room(self) -> str:
+        """Why the object, which fits by its size alone, gets no place."""
+        fit = fits(self.target, self.receptacle, self.point)
+        return f"{fit.message}, but with less than the {GAP * 1000:.0f} mm on each side that the robot needs"
+
+    def _subtask(self, answer: PairAnswer, findings: Sequence[Finding]) -> Subtask:
+        grasps = [grasp for finding in findings for grasp in finding.grasps]
+        grasps.sort(key=lambda grasp: (-grasp.score, grasp.contact, grasp.arm))
+        best = next(f for f in findings if grasps[0] in f.grasps)
+        word = "into" if self.point.holds == "in" else "onto"
+        suffix = f"-{self.point.id}" if len(self.receptacle.asset.annotation.functional_points) > 1 else ""
+        identifier = f"{self.target.id}-{word}-{self.receptacle.id}{suffix}"
+        return Subtask(
+            id=identifier,
+            template=NAME,
+            text=answer.text,
+            object=self.target.id,
+            receptacle=self.receptacle.id,
+            functional_point=self.point.id,
+            grasps=grasps,
+            goals=[Goal(subject=self.target.id, relation=answer.relation, reference=self.receptacle.id)],
+            script=f"subtasks/{identifier}.py",
+            checks=best.checks,
+        )
+
+    def _refusal(self, reason: str, contact: int | None = None, checks: Sequence[Check] = ()) -> Refusal:
+        return Refusal(
+            template=NAME,
+            object=self.target.id,
+            contact=contact,
+            receptacle=self.receptacle.id,
+            functional_point=self.point.id,
+            reason=reason,
+            checks=list(checks),
+        )

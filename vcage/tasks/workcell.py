@@ -1,0 +1,89 @@
+"""What every primitive plans with: a world and the geometry of its objects, and failures that say how far it came."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+
+import numpy as np
+
+from vcage.base.errors import UnknownName, VcageError
+from vcage.schema.episodes import AttemptStage
+from vcage.sim.collision import CollisionScene
+from vcage.sim.joints import part_names
+from vcage.sim.motion import MotionFailed, MotionPlanner
+from vcage.sim.world import World
+from vcage.tasks.scene_objects import SceneObject
+
+CAREFUL = 0.85
+"""Share of the speed limit near things that are to be touched."""
+
+
+class TaskFailed(VcageError):
+    """A step could not be planned, or the hand felt that it failed; ends the attempt.
+
+    Args:
+        stage: how far the attempt came.
+    """
+
+    code = "task_failed"
+
+    def __init__(self, stage: AttemptStage, message: str):
+        super().__init__(message)
+        self.stage = stage
+
+
+@contextmanager
+def failing_at(stage: AttemptStage) -> Iterator[None]:
+    """A motion inside that finds no way ends the attempt at ``stage``."""
+    try:
+        yield
+    except MotionFailed as error:
+        raise TaskFailed(stage, error.message) from error
+
+
+def joined(reasons: Sequence[str]) -> str:
+    """The first three different reasons in one sentence, and how many more there are."""
+    told = list(dict.fromkeys(reasons))
+    more = f"; and {len(told) - 3} more" if len(told) > 3 else ""
+    return ("; ".join(told[:3]) or "nothing to try") + more
+
+
+class Workcell:
+    """A world, and the geometry of the objects in it.
+
+    Args:
+        world: where everything stands.
+        objects: by id; their poses are read from the world.
+    """
+
+    def __init__(self, world: World, objects: Mapping[str, SceneObject]):
+        self.world = world
+        self._objects = objects
+
+    def object(self, object_id: str) -> SceneObject:
+        """An object as it stands now.
+
+        Raises:
+            UnknownName: there is no such object.
+        """
+        if object_id not in self._objects:
+            raise UnknownName("object", object_id, self._objects)
+        body = self.world.body(object_id)
+        return self._objects[object_id].moved(body.pose, body.joints)
+
+    def objects_but(self, *object_ids: str) -> list[SceneObject]:
+        """All other objects as they stand now."""
+        return [self.object(key) for key in self._objects if key not in object_ids]
+
+    def parts(self, *object_ids: str) -> list[str]:
+        """The names of all parts of objects, as the planner's obstacles are called."""
+        return [name for key in object_ids for name in part_names(key, self.world.bodies[key].model)]
+
+    def joints(self, arm: str) -> np.ndarray:
+        """(n,) joints that the arm was last told to take, rad: plans go on from there without a jump."""
+        return self.world.arms[arm].command[:-1]
+
+    def planner(self, arm: str) -> MotionPlanner:
+        """A planner around everything as it stands now."""
+        return MotionPlanner(CollisionScene.of_world(self.world, arm))
