@@ -12,7 +12,7 @@ from vcage.schema.base import Document, Finite, Identifier, Record
 CheckName = Literal["mesh", "rest", "contact_point", "functional_point", "joint"]
 
 
-class Check(Record):
+class ProofCheck(Record):
     """One check of one variant."""
 
     check: CheckName
@@ -33,7 +33,7 @@ class VariantProof(Record):
     same_as: Identifier | None = Field(
         default=None, description="the variant of the same shape, mass and friction whose tries count for this one too"
     )
-    checks: list[Check]
+    checks: list[ProofCheck]
 
     @property
     def failed(self) -> list[str]:

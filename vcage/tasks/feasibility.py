@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Literal
 
 import numpy as np
 
@@ -266,6 +267,6 @@ def _drop_check(phrase: str, where: str, drop: float) -> Check:
     return Check(name="drop", passed=passed, value=drop, limit=MAX_DROP, message=message)
 
 
-def _reach_check(name: str, where: str, reached: bool, arm: str) -> Check:
+def _reach_check(name: Literal["reach_grasp", "reach_place"], where: str, reached: bool, arm: str) -> Check:
     verb = "reaches" if reached else "does not reach"
     return Check(name=name, passed=reached, message=f"the {arm} arm {verb} {where}")

@@ -6,7 +6,8 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from shapely.geometry import MultiPoint, Polygon
+from shapely.geometry import MultiPoint
+from shapely.geometry.base import BaseGeometry
 
 from vcage.base.geometry import Pose, box_corners, world_aabb
 from vcage.objects.asset import Asset
@@ -27,7 +28,7 @@ class SolidBox:
         return self.pose.apply(box_corners(self.bounds[0], self.bounds[1]))
 
     @cached_property
-    def outline(self) -> Polygon:
+    def outline(self) -> BaseGeometry:
         """The box seen from straight above."""
         return MultiPoint(self.corners[:, :2]).convex_hull
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from vcage.apps.proof.places import Places
+from vcage.apps.proof.trials import Places
 from vcage.objects.asset import Asset
 from vcage.objects.model import read_model, write_model
 from vcage.objects.modelling.mappings import tiled

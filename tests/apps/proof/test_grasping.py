@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from tests.apps.proof.conftest import CUBE, contact
 from vcage.apps.proof.grasping import check_contact
 
@@ -43,11 +41,3 @@ def test_tries_are_the_same_for_the_same_seed(make, places) -> None:
         check_contact(make(CUBE, contacts=[contact()]), contact(), places, tries=2, seed=4) for _ in range(2)
     )
     assert first == second
-
-
-def test_places_for_an_approach_from_the_side_face_the_robot(make, places) -> None:
-    asset, rng = make(CUBE), np.random.default_rng(0)
-    side = contact(approach=(1, 0, 0), closing=(0, 1, 0))
-    for _ in range(20):
-        pose = places.for_carrying(asset, side, rng)
-        assert pose.rotation()[:, 0] @ (0, 1, 0) > np.cos(np.radians(31))

@@ -1,9 +1,11 @@
-"""Check 4: a probe stays where it can, and the check says where it went when it cannot."""
+"""Checks 2 and 4 find what does not stand; a probe stays where it can, and the check says where it went."""
 
 from __future__ import annotations
 
+import numpy as np
+
 from tests.apps.proof.conftest import CUBE, TRAY, inside
-from vcage.apps.proof.releasing import check_functional, probe
+from vcage.apps.proof.releasing import check_functional, check_rest, probe
 from vcage.schema.scene import Table
 
 
@@ -34,3 +36,19 @@ def test_a_point_inside_the_material_is_refused(make) -> None:
 def test_a_probe_is_made_once() -> None:
     assert probe(0.03) is probe(0.03)
     assert probe(0.03).size.round(4).tolist() == [0.03, 0.03, 0.03]
+
+
+def test_a_cube_stands(make) -> None:
+    check = check_rest(make(CUBE), Table(), yaw=0.3)
+    assert check.passed and check.measured["seconds"] < 0.5
+
+
+def test_a_tray_stands(make) -> None:
+    assert check_rest(make(TRAY), Table(), yaw=1.0).passed
+
+
+def test_a_thing_that_tips_over_fails(make) -> None:
+    leaning = [[(-0.005, -0.01, 0), (0.005, 0.01, 0.05)], [(0.005, -0.01, 0.05), (0.08, 0.01, 0.06)]]
+    check = check_rest(make(leaning), Table(), yaw=0.0)
+    assert not check.passed
+    assert check.measured["tilt_deg"] > np.degrees(0.1)

@@ -7,7 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from vcage.apps.proof.prove import Prover, Trial
+import vcage
+from vcage.apps.proof.prove import METHOD, Prover, Trial
 from vcage.apps.proof.validate import prove_or_refuse, validate
 from vcage.base.errors import InputFileError, UnknownName
 from vcage.objects.library import Library
@@ -59,6 +60,14 @@ def test_the_key_of_a_proof_holds_how_it_was_tried(trial: Trial) -> None:
     library = Library.load()
     assert Prover(library, trial).key("block") != Prover(library, QUICK).key("block")
     assert Prover(library, QUICK).key("block") == Prover(library, QUICK).key("block")
+
+
+def test_the_key_of_a_proof_holds_every_module_that_tries_an_object() -> None:
+    package = Path(vcage.__file__).parent
+    assert all(list((package / folder).glob("*.py")) for folder in METHOD)
+    deciding = {path.parent for room in ("apps/proof", "sim", "tasks") for path in (package / room).rglob("*.py")}
+    robots_of_others = package / "sim" / "robotwin"
+    assert deciding - {robots_of_others} <= {package / folder for folder in METHOD}
 
 
 def test_two_processes_find_the_same(proven, tmp_path: Path) -> None:

@@ -4,25 +4,33 @@ from __future__ import annotations
 
 import itertools
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vcage.apps.proof.approach import blocked_parts
-from vcage.apps.proof.places import LIFT, Places
-from vcage.apps.proof.scene import OBJECT, scene_object, world_with
-from vcage.apps.proof.tally import Tally
+from vcage.apps.proof.trials import LIFT, OBJECT, Places, Tally, scene_object, world_with
 from vcage.base.errors import InfeasibleScene
 from vcage.base.geometry import Pose
 from vcage.objects.asset import Asset
 from vcage.schema.asset import ContactPoint
-from vcage.schema.proof import Check
-from vcage.sim.collision import CollisionScene, Held
+from vcage.schema.proof import ProofCheck
+from vcage.schema.robot import Gripper
+from vcage.sim.collision import TOLERANCE, CollisionScene, Held
 from vcage.sim.motion import Load, MotionFailed, MotionPlanner
+from vcage.sim.poses import to_sapien
+from vcage.sim.shapes import Shape, box_shape, model_shapes
 from vcage.sim.trajectory import timed
 from vcage.sim.world import PHYSICS_HZ, World
 from vcage.tasks.feasibility import GRIP_ROOM
-from vcage.tasks.task import Task
-from vcage.tasks.workcell import TaskFailed
+from vcage.tasks.grasps import approach_opening, grasp_poses, hand_boxes
+from vcage.tasks.task import Task, TaskFailed
+
+if TYPE_CHECKING:
+    import sapien
+    from mplib.pymp.collision_detection import fcl
+
+WAY_STEP = 0.01
+"""Spacing of the hand's poses on its way to a grasp, metres."""
 
 HOLD_STEPS = PHYSICS_HZ
 """How long it is held still, physics steps."""
@@ -37,18 +45,28 @@ SLIP = 0.02
 """The place that is grasped may move in the hand by so much, metres; the object may swing about it."""
 
 
-def check_contact(asset: Asset, contact: ContactPoint, places: Places, tries: int, seed: int) -> Check:
-    """Try one contact point of the body at random places of the table."""
+def check_contact(asset: Asset, contact: ContactPoint, places: Places, tries: int, seed: int) -> ProofCheck:
+    """Try one contact point of the body at random places of the table.
+
+    Args:
+        asset: what is tried.
+        contact: of its body.
+        places: table and robot.
+        tries: how often.
+        seed: of the places.
+    """
     rng = np.random.default_rng([seed, contact.id])
     subject = f"{contact.id} {contact.name}"
     width = asset.grasp_width(contact)
     limit = max(arm.gripper.max_width for arm in places.robot.arms.values()) - GRIP_ROOM
     measured = {"width_mm": round(1000 * width, 2)}
-    reason = blocked_parts(asset, contact, next(iter(places.robot.arms.values())).gripper)
+    reason = _blocked_part(asset, contact, next(iter(places.robot.arms.values())).gripper)
     if not 0 < width <= limit:
         reason = f"the material is {100 * width:.1f} cm wide, expected more than 0 and at most {100 * limit:.1f} cm"
     if reason is not None:
-        return Check(check="contact_point", subject=subject, passed=False, tries=0, measured=measured, reasons=[reason])
+        return ProofCheck(
+            check="contact_point", subject=subject, passed=False, tries=0, measured=measured, reasons=[reason]
+        )
     tally = Tally(tries)
     for _ in range(tries):
         try:
@@ -56,6 +74,37 @@ def check_contact(asset: Asset, contact: ContactPoint, places: Places, tries: in
         except InfeasibleScene as error:
             tally.add(error.message)
     return tally.check("contact_point", subject, measured)
+
+
+def _blocked_part(asset: Asset, contact: ContactPoint, gripper: Gripper) -> str | None:
+    """What of the hand would touch the object on its straight way to the grasp, or None.
+
+    Fingers and palm are the boxes that the planner of sub-tasks uses (:func:`vcage.tasks.grasps.hand_boxes`).
+    """
+    from mplib.pymp.collision_detection import fcl
+
+    request = fcl.CollisionRequest(num_max_contacts=1, enable_contact=True)
+    solids = [_placed(shape, pose) for _, shape, pose in model_shapes(asset.model)]
+    grasp = next(grasp_poses(Pose(), contact, gripper, support=0.0)).pose
+    boxes = hand_boxes(gripper, approach_opening(asset.grasp_width(contact), gripper))
+    for back in np.arange(0.0, gripper.approach + 1e-9, WAY_STEP):
+        pose = grasp * Pose([0.0, 0.0, -back])
+        for name, bounds in zip(("a finger", "a finger", "the palm"), boxes, strict=True):
+            part = _placed(box_shape(bounds[1] - bounds[0]), to_sapien(pose * Pose(bounds.mean(axis=0))))
+            if any(_overlap(fcl.collide(part, solid, request)) for solid in solids):
+                return f"{name} would touch the object {100 * back:.0f} cm before the grasp"
+    return None
+
+
+def _placed(shape: Shape, pose: sapien.Pose) -> fcl.CollisionObject:
+    from mplib.pymp.collision_detection import fcl
+
+    placed = pose * shape.local
+    return fcl.CollisionObject(shape.geometry, placed.p.astype(float), placed.q.astype(float))
+
+
+def _overlap(result: fcl.CollisionResult) -> bool:
+    return result.is_collision() and abs(result.get_contact(0).penetration_depth) > TOLERANCE
 
 
 def _try(asset: Asset, contact: ContactPoint, pose: Pose, places: Places) -> str | None:

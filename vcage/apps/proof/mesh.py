@@ -10,7 +10,7 @@ import trimesh
 from vcage.base.errors import DamagedFile
 from vcage.objects.asset import Asset
 from vcage.objects.convex import Convex
-from vcage.schema.proof import Check
+from vcage.schema.proof import ProofCheck
 
 MOST_FACES = 6000
 SAMPLES = 3000
@@ -29,7 +29,7 @@ LEAST_DEPTH, LEAST_ROOM = 0.008, 0.02
 """Smallest depth and width of a container's inside, metres."""
 
 
-def check_mesh(asset: Asset, seed: int) -> Check:
+def check_mesh(asset: Asset, seed: int) -> ProofCheck:
     """Measure the meshes of an asset."""
     meshes = {None: _load(asset.model.visual), **{link.name: _load(link.visual) for link in asset.model.links}}
     faces = sum(len(mesh.faces) for mesh in meshes.values())
@@ -48,7 +48,7 @@ def check_mesh(asset: Asset, seed: int) -> Check:
     reasons += _closed_containers(asset, meshes)
     measured = {"faces": faces, "cover_mm": 1000 * cover, "density": density, "mass_kg": asset.model.total_mass}
     measured |= {"hulls": len(asset.pieces), "volume_cm3": 1e6 * asset.volume}
-    return Check(
+    return ProofCheck(
         check="mesh",
         passed=not reasons,
         succeeded=int(not reasons),
@@ -59,7 +59,7 @@ def check_mesh(asset: Asset, seed: int) -> Check:
 
 def _load(path: str) -> trimesh.Trimesh:
     try:
-        return trimesh.load(Path(path), force="mesh", process=False)
+        return trimesh.load_mesh(Path(path), process=False)
     except Exception as error:  # trimesh raises whatever the parser of the format raises
         raise DamagedFile(
             f"{path} is not a mesh that can be read: {error}",

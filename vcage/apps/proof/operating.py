@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from vcage.apps.proof.places import Places
-from vcage.apps.proof.scene import OBJECT, scene_object, world_with
-from vcage.apps.proof.tally import Tally
+from vcage.apps.proof.trials import OBJECT, Places, Tally, scene_object, world_with
 from vcage.base.errors import InfeasibleScene, VcageError
 from vcage.base.geometry import Pose
 from vcage.objects.asset import Asset
 from vcage.schema.asset import ContactPoint, MovingLink
-from vcage.schema.proof import Check
+from vcage.schema.proof import ProofCheck
 from vcage.sim.world import PHYSICS_HZ, World
 from vcage.tasks.task import Task
 
@@ -19,14 +17,22 @@ OPENED, CLOSED = 0.8, 0.12
 """Share of the range beyond which a joint counts as opened, and below which as closed."""
 
 
-def check_joint(asset: Asset, link: MovingLink, places: Places, tries: int, seed: int) -> Check:
-    """Try one joint at random places of the table."""
+def check_joint(asset: Asset, link: MovingLink, places: Places, tries: int, seed: int) -> ProofCheck:
+    """Try one joint at random places of the table.
+
+    Args:
+        asset: what is tried.
+        link: the part that the joint moves.
+        places: table and robot.
+        tries: how often.
+        seed: of the places.
+    """
     index = [other.name for other in asset.model.links].index(link.name)
     rng = np.random.default_rng([seed, 2000 + index])
     contacts = [contact for contact in asset.annotation.contact_points if contact.link == link.name]
     if not contacts:
         reason = f"no contact point is on {link.name}: nothing to operate it by"
-        return Check(check="joint", subject=link.name, passed=False, tries=0, reasons=[reason])
+        return ProofCheck(check="joint", subject=link.name, passed=False, tries=0, reasons=[reason])
     tally = Tally(tries)
     for number in range(tries):
         contact = contacts[number % len(contacts)]

@@ -13,13 +13,12 @@ import numpy as np
 from vcage.apps.proof.grasping import check_contact
 from vcage.apps.proof.mesh import check_mesh
 from vcage.apps.proof.operating import check_joint
-from vcage.apps.proof.places import Places
-from vcage.apps.proof.releasing import check_functional
-from vcage.apps.proof.rest import check_rest
+from vcage.apps.proof.releasing import check_functional, check_rest
+from vcage.apps.proof.trials import Places
 from vcage.base.files import sha256_file
 from vcage.objects.asset import Asset
 from vcage.objects.library import Library
-from vcage.schema.proof import Check, ObjectProof, VariantProof
+from vcage.schema.proof import ObjectProof, ProofCheck, VariantProof
 from vcage.sim.robots import load_robot, load_template
 from vcage.tasks.feasibility import carrying_points
 
@@ -102,7 +101,7 @@ class Prover:
             checks=checks + (same.checks[1:] if same else self._used(asset)),
         )
 
-    def _used(self, asset: Asset) -> list[Check]:
+    def _used(self, asset: Asset) -> list[ProofCheck]:
         """The checks in the simulator."""
         places, tries, seed = self.places, self.trial.tries, self.trial.seed
         table = places.template.table

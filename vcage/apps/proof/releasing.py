@@ -1,4 +1,4 @@
-"""Check 4: a probe that is released over a functional point ends in or on the object, and stays."""
+"""Checks 2 and 4, without a robot: an object stays where it stands, and a probe stays where it is released."""
 
 from __future__ import annotations
 
@@ -6,8 +6,7 @@ import functools
 
 import numpy as np
 
-from vcage.apps.proof.scene import OBJECT, scene_object
-from vcage.apps.proof.tally import Tally
+from vcage.apps.proof.trials import OBJECT, Tally, scene_object
 from vcage.base.files import atomic_folder, cache_path
 from vcage.base.geometry import Pose
 from vcage.objects.asset import Asset
@@ -17,13 +16,22 @@ from vcage.objects.modelling.mappings import tiled
 from vcage.objects.modelling.parts import BuiltObject, paint
 from vcage.objects.openings import Opening
 from vcage.schema.asset import Annotation, FunctionalPoint, Variant, Words
-from vcage.schema.proof import Check
+from vcage.schema.proof import ProofCheck
 from vcage.schema.scene import Table
 from vcage.schema.subtasks import Goal
 from vcage.sim.bodies import Body
 from vcage.sim.joints import link_poses
 from vcage.sim.world import PHYSICS_HZ, World
 from vcage.tasks.truth import goals_hold
+
+SETTLE_STEPS = PHYSICS_HZ // 2
+"""In which an object must come to rest, physics steps."""
+
+WATCH_STEPS = PHYSICS_HZ
+"""How long it is watched after it settled, physics steps."""
+
+DRIFT, TILT = 0.002, np.radians(2)
+"""Allowed movement meanwhile: metres, radians."""
 
 PROBE = "probe"
 
@@ -43,13 +51,54 @@ TIPPED = np.radians(5)
 """The object may tilt by so much, radians."""
 
 
-def check_functional(asset: Asset, point: FunctionalPoint, table: Table, tries: int, seed: int) -> Check:
-    """Release probes over a functional point; the parts that cover it are opened first."""
+def check_rest(asset: Asset, table: Table, yaw: float) -> ProofCheck:
+    """Stand an asset on the table and watch it.
+
+    Args:
+        asset: what is tried.
+        table: that it stands on.
+        yaw: its heading, radians.
+    """
+    placed = Pose.from_yaw([*table.centre, table.height], yaw)
+    world = World(table, {OBJECT: Body(asset.model, placed)})
+    report = world.settle(max_steps=SETTLE_STEPS)
+    world.step(WATCH_STEPS)
+    pose, joints = world.object_pose(OBJECT), world.object_joints(OBJECT)
+    drift = float(np.linalg.norm(pose.p - placed.p))
+    tilt = float(np.arccos(np.clip(pose.rotation()[:, 2] @ placed.rotation()[:, 2], -1, 1)))
+    reasons = []
+    if not report.settled:
+        reasons.append(f"not at rest after {SETTLE_STEPS / PHYSICS_HZ:g} s")
+    if drift > DRIFT:
+        reasons.append(f"moved {1000 * drift:.1f} mm")
+    if tilt > TILT:
+        reasons.append(f"tilted {np.degrees(tilt):.1f}°")
+    for link, q in zip(asset.model.links, joints, strict=True):
+        if abs(q) > 0.03 * (link.joint.upper - link.joint.lower):
+            reasons.append(f"{link.name} moved by itself to {q:.3f}")
+    measured = {
+        "seconds": report.steps / PHYSICS_HZ,
+        "drift_mm": round(1000 * drift, 3),
+        "tilt_deg": round(np.degrees(tilt), 3),
+    }
+    return ProofCheck(check="rest", passed=not reasons, succeeded=int(not reasons), measured=measured, reasons=reasons)
+
+
+def check_functional(asset: Asset, point: FunctionalPoint, table: Table, tries: int, seed: int) -> ProofCheck:
+    """Release probes over a functional point; the parts that cover it are opened first.
+
+    Args:
+        asset: what is tried.
+        point: of the asset.
+        table: that it stands on.
+        tries: how often.
+        seed: of all places.
+    """
     subject = f"{point.id} {point.name}"
     try:
         opening = asset.opening(point)
     except ValueError as error:
-        return Check(check="functional_point", subject=subject, passed=False, tries=0, reasons=[str(error)])
+        return ProofCheck(check="functional_point", subject=subject, passed=False, tries=0, reasons=[str(error)])
     rng = np.random.default_rng([seed, 1000 + point.id])
     edge = float(np.clip(SHARE * min(opening.size), SMALLEST_PROBE, LARGEST_PROBE))
     tally = Tally(tries)

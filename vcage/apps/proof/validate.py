@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
@@ -13,7 +14,7 @@ from vcage.base.keeper import Keeper
 from vcage.base.progress import Progress, silent
 from vcage.base.workers import in_processes
 from vcage.objects.library import Library
-from vcage.schema.proof import Check, ObjectProof, Proof, VariantProof
+from vcage.schema.proof import ObjectProof, Proof, ProofCheck, VariantProof
 
 PROOF = "proof.json"
 
@@ -62,6 +63,8 @@ def validate(
 def summed_up(results: list[VariantProof], prover: Prover) -> Proof:
     """The counts over all variants; what a variant shares with another is counted once where it was simulated."""
     checks = [check for result in results for check in result.checks]
+    counts = Counter(check.check for check in checks)
+    handles = sum(int(check.measured.get("handles", 0)) for check in checks)
     simulated = [check for result in results if result.same_as is None for check in result.checks]
     return Proof(
         robot=prover.places.template.robot,
@@ -69,10 +72,9 @@ def summed_up(results: list[VariantProof], prover: Prover) -> Proof:
         quick=prover.trial.quick,
         objects=len({result.asset for result in results}),
         variants=len(results),
-        contact_points=sum(check.check == "contact_point" for check in checks)
-        + sum(int(check.measured.get("handles", 0)) for check in checks),
-        functional_points=sum(check.check == "functional_point" for check in checks),
-        joints=sum(check.check == "joint" for check in checks),
+        contact_points=counts["contact_point"] + handles,
+        functional_points=counts["functional_point"],
+        joints=counts["joint"],
         tries=sum(check.tries for check in simulated if check.check not in ("mesh", "rest")),
         failed=[failure for result in results for failure in result.failed],
         results=results,
@@ -104,7 +106,7 @@ def prove_or_refuse(prover: Prover, name: str) -> ObjectProof:
         return prover.prove(name)
     except VcageError as error:
         annotation = prover.library.annotation(name)
-        check = Check(check="mesh", passed=False, reasons=[error.message])
+        check = ProofCheck(check="mesh", passed=False, reasons=[error.message])
         variants = [
             VariantProof(asset=name, variant=v.id, source=annotation.source, checks=[check])
             for v in annotation.variants
@@ -112,7 +114,7 @@ def prove_or_refuse(prover: Prover, name: str) -> ObjectProof:
         return ObjectProof(key="", variants=variants)
 
 
-_prover: Prover | None = None
+_prover: Prover
 """Of a worker process."""
 
 

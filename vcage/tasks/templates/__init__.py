@@ -59,9 +59,12 @@ class Proposal(Protocol):
 class Template(Protocol):
     """A kind of sub-task."""
 
-    name: TemplateName
+    @property
+    def name(self) -> TemplateName:
+        """What records call it."""
+        ...
 
-    def proposals(self, objects: Sequence[SceneObject]) -> tuple[list[Proposal], list[Refusal]]:
+    def proposals(self, objects: Sequence[SceneObject]) -> tuple[Sequence[Proposal], list[Refusal]]:
         """What the template can be tried on in a scene, and what its preconditions exclude."""
         ...
 

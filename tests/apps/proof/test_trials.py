@@ -1,10 +1,12 @@
-"""Nine of ten."""
+"""Places and tries of a single object: nine of ten must succeed."""
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
-from vcage.apps.proof.tally import Tally
+from tests.apps.proof.conftest import CUBE, contact
+from vcage.apps.proof.trials import Tally
 
 
 @pytest.mark.parametrize(("tries", "failures", "passed"), [(10, 0, True), (10, 1, True), (10, 2, False), (3, 1, True)])
@@ -28,3 +30,11 @@ def test_a_reason_is_told_once() -> None:
     for reason in ("slipped", "slipped", "tipped"):
         tally.add(reason)
     assert tally.check("joint", "lid").reasons == ["slipped", "tipped"]
+
+
+def test_places_for_an_approach_from_the_side_face_the_robot(make, places) -> None:
+    asset, rng = make(CUBE), np.random.default_rng(0)
+    side = contact(approach=(1, 0, 0), closing=(0, 1, 0))
+    for _ in range(20):
+        pose = places.for_carrying(asset, side, rng)
+        assert pose.rotation()[:, 0] @ (0, 1, 0) > np.cos(np.radians(31))

@@ -1,8 +1,8 @@
-"""Where on the table an object is tried: at random, where the robot may be asked to use it."""
+"""What the checks by use try: a single object before the robot, at random places where it may be asked to use it."""
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -14,11 +14,21 @@ from vcage.layout.placement.place import place
 from vcage.layout.placement.reach import GRASP_HEIGHTS, robot_reach
 from vcage.objects.asset import Asset
 from vcage.schema.asset import ContactPoint
+from vcage.schema.base import PoseRecord, box_record
+from vcage.schema.proof import CheckName, ProofCheck
 from vcage.schema.robot import Robot
-from vcage.schema.scene import SceneTemplate
+from vcage.schema.scene import ObjectRecord, Role, SceneTemplate
+from vcage.sim.bodies import Body
 from vcage.sim.kinematics import ArmKinematics, kinematics_of
+from vcage.sim.world import World
 from vcage.tasks.grasps import grasp_poses
-from vcage.tasks.waypoints import APPROACH
+from vcage.tasks.scene_objects import SceneObject
+
+OBJECT = "object"
+"""Id of the object that is tried."""
+
+ALLOWED_FAILURES = 1
+"""Nine of ten."""
 
 LIFT = 0.15
 """How high an object is lifted, metres."""
@@ -78,7 +88,7 @@ class Places:
     def _reached(self, pose: Pose, contact: ContactPoint) -> bool:
         for arm in self.kinematics.values():
             for grasp in grasp_poses(pose, contact, arm.arm.gripper, pose.p[2]):
-                before = grasp.pose * Pose([0.0, 0.0, -APPROACH])
+                before = grasp.pose * Pose([0.0, 0.0, -arm.arm.gripper.approach])
                 lifted = Pose(grasp.pose.p + [0.0, 0.0, LIFT], grasp.pose.q)
                 if all(arm.reachable(p) for p in (grasp.pose, before, lifted)):
                     return True
@@ -107,3 +117,55 @@ class Places:
             return place([item], self._workspace, rng)[item.id]
         except InfeasibleScene:
             return place([replace(item, yaws=straight)], self._workspace, rng)[item.id]
+
+
+def scene_object(asset: Asset, pose: Pose, object_id: str = OBJECT, role: Role = "content") -> SceneObject:
+    """An asset as the planner sees it."""
+    record = ObjectRecord(
+        id=object_id,
+        asset=asset.name,
+        variant=asset.variant.id,
+        phrase=asset.annotation.words.name,
+        role=role,
+        pose=PoseRecord.of(pose),
+        aabb=box_record(asset.bounds, pose),
+    )
+    return SceneObject(record, asset, pose)
+
+
+def world_with(asset: Asset, pose: Pose, places: Places) -> World:
+    """The table with the robot and the asset, for physics only."""
+    return World(places.template.table, {OBJECT: Body(asset.model, pose)}, places.robot)
+
+
+@dataclass
+class Tally:
+    """Tries of one point or joint.
+
+    Args:
+        tries: how many there will be.
+    """
+
+    tries: int
+    succeeded: int = 0
+    reasons: list[str] = field(default_factory=list)
+
+    def add(self, reason: str | None) -> None:
+        """Count a try: None for a success, or why it failed."""
+        if reason is None:
+            self.succeeded += 1
+        elif reason not in self.reasons:
+            self.reasons.append(reason)
+
+    def check(self, name: CheckName, subject: str, measured: dict[str, float] | None = None) -> ProofCheck:
+        """The tries as a record."""
+        passed = self.succeeded >= max(1, self.tries - ALLOWED_FAILURES)
+        return ProofCheck(
+            check=name,
+            subject=subject,
+            passed=passed,
+            tries=self.tries,
+            succeeded=self.succeeded,
+            measured=measured or {},
+            reasons=self.reasons,
+        )
