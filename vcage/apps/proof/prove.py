@@ -34,7 +34,7 @@ METHOD = (
     "layout/placement",
     "objects",
 )
-"""Packages whose modules decide how things are measured and tried; builders decide what, and have files of theirs."""
+"""Packages whose modules decide how things are measured and tried; the models of objects have hashes of their own."""
 
 
 @dataclass(frozen=True)
