@@ -29,9 +29,8 @@ from vcage.sim.appearance import Appearance
 from vcage.sim.replay import camera_paths, render_log
 from vcage.sim.robots import load_robot
 from vcage.sim.world import World
-from vcage.stages.chain import run_stage
-from vcage.stages.context import Workbench
-from vcage.stages.settings import Settings
+from vcage.stages import chain, collect, inpaint_plan, match, optimize, search_subtasks, select_place
+from vcage.stages.context import StageContext
 from vcage.tasks.assemble import episode_data
 from vcage.tasks.loop import EpisodeRun, Pictures, Setting, run_episode
 from vcage.tasks.scene_objects import SceneObject
@@ -51,7 +50,7 @@ SIZE = (640, 480)
 FPS = 25
 """Frames per second: the fewest that are usual with real arms (LeRobot's data sets have 30, ALOHA's 50)."""
 
-SPARSE_FPS = Settings().fps
+SPARSE_FPS = collect.Options().fps
 """Frames per second of a collection unless more are asked for; more changes from one to the next."""
 
 SUBTASKS = 2
@@ -60,7 +59,7 @@ SUBTASKS = 2
 FRAMES = 120
 """An episode is cut after so many frames."""
 
-STAGES = ("select_place", "inpaint_plan", "match", "optimize", "search_subtasks")
+STAGES = (select_place, inpaint_plan, match, optimize, search_subtasks)
 
 TRIES = 4
 """Simulations of an episode, each from its own seed, until one succeeds."""
@@ -120,19 +119,19 @@ class _Making:
 
     def __init__(self, recipe: Recipe):
         self._recipe = recipe
-        bench = Workbench("offline")
+        context = StageContext("offline")
         with tempfile.TemporaryDirectory() as folder:
             run = RunFolder(folder)
-            settings = Settings(
+            options = chain.Options(
                 instruction=recipe.instruction, template=recipe.template, seed=recipe.seed, models="offline"
             )
             for stage in STAGES:
-                run_stage(stage, run, settings, bench)
+                stage.execute(run, options, context)
             self._scene = Scene.read(run.layout)
             self._chain = _chain(run)
-        self._models = bench.physical_models(self._scene)
+        self._models = context.physical_models(self._scene)
         self._robot = sharp(load_robot(self._scene.robot))
-        self._objects = bench.objects(self._scene)
+        self._objects = context.objects(self._scene)
 
     def write(self, path: Path) -> int:
         """Simulate until an episode succeeds, draw it, and return how many frames it has."""

@@ -18,7 +18,7 @@ from vcage.base.geometry import Pose
 from vcage.layout.items import TableItem
 from vcage.layout.placement.place import place
 from vcage.schema.plan import Relation
-from vcage.stages.settings import Settings
+from vcage.stages.optimize import Options
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ class Setting:
 
 PLAIN = Setting("plain", 0.01, hands=False)
 """Boxes a centimetre apart, as others measure."""
-STAGE = Setting("stage", Settings().margin, hands=True)
+STAGE = Setting("stage", Options().margin, hands=True)
 """What the pipeline's own stage asks for: its margin, and hand room around its contents."""
 FILL = (0.1, 0.6)
 """Least and largest share of the workspace that is covered by the rooms of what stands on the table."""

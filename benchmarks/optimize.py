@@ -32,7 +32,7 @@ from vcage.layout.optimize import LayoutResult, optimize_layout
 from vcage.objects.library import Library
 from vcage.plans.kept import relations_kept
 from vcage.schema.scene import Table
-from vcage.stages.settings import Settings
+from vcage.stages.optimize import Options
 
 logger = logging.getLogger(__name__)
 
@@ -57,7 +57,7 @@ GRID = (
     *(Cell(PLAIN, n, c, (0.01, 0.03, 0.06)) for n in (5, 10, 20, 30, 40) for c in (0, 2, 5) if 2 * c <= n),
     *(Cell(STAGE, n, 2, (0.03,)) for n in (5, 10, 20)),
 )
-RESTARTS = Settings().restarts
+RESTARTS = Options().restarts
 """As the stage has it."""
 LONGER = 10
 """Times as many restarts for scenes that were declared infeasible."""

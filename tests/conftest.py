@@ -11,7 +11,7 @@ from filelock import FileLock
 
 from tests.runs import Finished, finished_run
 from vcage.base.files import RunFolder
-from vcage.stages.context import Workbench
+from vcage.stages.context import StageContext
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
@@ -32,7 +32,7 @@ def finished(tmp_path_factory: pytest.TempPathFactory) -> Finished:
     with FileLock(f"{folder}.lock"):
         if not (folder / "report.html").exists():
             return finished_run(folder)
-    return Finished(RunFolder(folder), Workbench("offline"))
+    return Finished(RunFolder(folder), StageContext("offline"))
 
 
 def _of_all_workers(tmp_path_factory: pytest.TempPathFactory) -> Path:

@@ -17,9 +17,8 @@ from vcage.apps.report.page import write_report
 from vcage.base.files import RunFolder, sha256_file
 from vcage.cli.main import main
 from vcage.datasets.packing.settings import CompressionSettings
-from vcage.stages.chain import STAGES, run_stage
-from vcage.stages.context import Workbench
-from vcage.stages.settings import Settings
+from vcage.stages import chain
+from vcage.stages.context import StageContext
 from vcage.stages.stage import PRODUCERS
 
 REPOSITORY = Path(__file__).resolve().parents[1]
@@ -29,7 +28,7 @@ VIDEOS = CompressionSettings(preset="ultrafast", pixel_format="yuv444p10le")
 QUICK_VIDEOS = ["--preset", VIDEOS.preset, "--pixel-format", VIDEOS.pixel_format]
 """The same as options."""
 
-SETTINGS = Settings(
+OPTIONS = chain.Options(
     instruction=INSTRUCTION,
     models="offline",
     episodes=1,
@@ -38,6 +37,7 @@ SETTINGS = Settings(
 )
 """A chain as quick as it gets with every stage at work."""
 
+STAGES = list(chain.STAGES)
 FOLDERS = {stage: folder for folder, stage in PRODUCERS.items()}
 BY_PRODUCTS = {"timings.json", "report.html"}
 """Files of a run that hold wall times."""
@@ -48,16 +48,15 @@ class Finished:
     """A run and what made it; its folder is shared, so copy before changing anything."""
 
     run: RunFolder
-    bench: Workbench
+    context: StageContext
 
 
 def finished_run(folder: Path) -> Finished:
     """One episode through the whole chain, in this process."""
-    run, bench = RunFolder(folder), Workbench("offline")
-    for stage in STAGES:
-        run_stage(stage, run, SETTINGS, bench)
+    run, context = RunFolder(folder), StageContext("offline")
+    chain.run_chain(run, OPTIONS, context)
     write_report(run)
-    return Finished(run, bench)
+    return Finished(run, context)
 
 
 def copied(run: RunFolder, folder: Path, *, before: str | None = None) -> RunFolder:

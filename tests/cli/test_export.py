@@ -12,15 +12,14 @@ from tests.runs import Answer, command, digests
 from vcage.base.files import RunFolder
 from vcage.datasets.packing.settings import CompressionSettings
 from vcage.stages import compress
-from vcage.stages.context import Workbench
-from vcage.stages.settings import Settings
+from vcage.stages.context import StageContext
 
 
 @pytest.fixture
 def run(tmp_path) -> RunFolder:
     run = collected(tmp_path / "run", count=1, frames=6)
-    settings = Settings(seed=7, workers=1, compression=CompressionSettings(crf=20, preset="ultrafast"))
-    compress.execute(run, settings, Workbench("offline"))
+    options = compress.Options(seed=7, workers=1, compression=CompressionSettings(crf=20, preset="ultrafast"))
+    compress.execute(run, options, StageContext())
     return run
 
 

@@ -14,13 +14,12 @@ import pytest
 from tests.runs import FPS, INSTRUCTION, QUICK_VIDEOS, Finished, command, copied, digests
 from vcage.base.errors import EndpointFailed, PartlyDone
 from vcage.base.files import RunFolder, read_json, sha256_file, write_json
-from vcage.cli.stages.common import SCRIPTS
 from vcage.schema.episodes import Episodes
 from vcage.stages import collect, compress, optimize
 from vcage.stages.chain import STAGES
 
 RUN = ["run", INSTRUCTION, "--models", "offline", "--episodes", "1", "--fps", str(FPS), *QUICK_VIDEOS]
-LATER = [SCRIPTS[stage] for stage in STAGES[1:]]
+LATER = [name.replace("_", "-") for name in list(STAGES)[1:]]
 DOCUMENTS = {
     "select-place": "place/scene.json",
     "inpaint-plan": "inpaint/plan.json",

@@ -17,8 +17,7 @@ from vcage.base.files import RunFolder
 from vcage.datasets.packing.settings import CompressionSettings
 from vcage.schema.episodes import Episodes
 from vcage.stages import compress, export
-from vcage.stages.context import Workbench
-from vcage.stages.settings import Settings
+from vcage.stages.context import StageContext
 from vcage.video.choices import LOSSLESS
 
 LENGTHS = (24, 13, 18, 9)
@@ -40,10 +39,8 @@ def make_run(root: Path, kind: str) -> RunFolder:
         written(run.root / file, frames, seed=10 * index, **_of_its_own(index, frames))
         record.episodes[index] = record.episodes[index].model_copy(update={"frames": frames})
     record.write(run.episodes)
-    settings = Settings(seed=7, models="offline", compression=KINDS[kind])
-    bench = Workbench("offline")
-    compress.execute(run, settings, bench)
-    export.execute(run, settings, bench)
+    compress.execute(run, compress.Options(seed=7, compression=KINDS[kind]), StageContext())
+    export.execute(run, export.Options(seed=7), StageContext())
     return run
 
 

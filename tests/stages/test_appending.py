@@ -18,8 +18,7 @@ from vcage.datasets.packing.settings import CompressionSettings
 from vcage.datasets.recordings.opening import open_recordings
 from vcage.stages import appending, compress, export
 from vcage.stages.appending import ADDED, append_to
-from vcage.stages.context import Workbench
-from vcage.stages.settings import ExportSettings, Settings
+from vcage.stages.context import StageContext
 
 V3 = "lerobot-v3.0"
 
@@ -36,16 +35,11 @@ def exported(
     run = collected(root, count=count, frames=6)
     for index in range(count):
         written(run.root / f"episodes/episode_{index:06d}.hdf5", 6, seed=seed + 10 * index)
-    settings = Settings(
-        seed=7,
-        models="offline",
-        workers=1,
-        force=True,
-        compression=CompressionSettings(**{"crf": 8, "preset": "ultrafast", **changes}),
-        export=ExportSettings(formats, codec, None if codec is None else 30),
-    )
-    compress.execute(run, settings, Workbench("offline"))
-    export.execute(run, settings, Workbench("offline"))
+    compression = CompressionSettings(**{"crf": 8, "preset": "ultrafast", **changes})
+    redone = {"seed": 7, "workers": 1, "force": True}
+    compress.execute(run, compress.Options(compression=compression, **redone), StageContext())
+    crf = None if codec is None else 30
+    export.execute(run, export.Options(formats=formats, codec=codec, crf=crf, **redone), StageContext())
     return run
 
 

@@ -18,15 +18,13 @@ from vcage.datasets.reader import EpisodeReader
 from vcage.schema.episodes import Attempt, Episode, Episodes, Truth, Verdict
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Subtasks
-from vcage.stages import collect
-from vcage.stages import episode_store as gathering
-from vcage.stages.settings import Settings
+from vcage.stages import collect, episode_store
 
 CAMERAS = ["cam_high", "cam_left_wrist", "cam_right_wrist"]
 
 
-def settings(**changes: Any) -> Settings:
-    return Settings(**{"instruction": INSTRUCTION, "models": "offline", "episodes": 1, "fps": FPS, **changes})
+def options(**changes: Any) -> collect.Options:
+    return collect.Options(**{"models": "offline", "episodes": 1, "fps": FPS, **changes})
 
 
 # --- what a real episode holds -------------------------------------------------------------------------
@@ -101,7 +99,7 @@ def test_the_scenes_of_two_episodes_differ(finished, more):
 
 def test_acceptance_and_the_critic_s_confusion_follow_from_the_log(finished):
     record = Episodes.read(finished.run.episodes)
-    attempts = gathering.read_log(finished.run.episodes.parent)
+    attempts = episode_store.read_log(finished.run.episodes.parent)
     assert record.attempts == len(attempts)
     assert sum(entry["attempts"] for entry in record.acceptance.values()) == len(attempts)
     assert sum(entry["accepted"] for entry in record.acceptance.values()) == sum(a.accepted for a in attempts)
@@ -124,7 +122,7 @@ def test_the_pictures_of_every_verdict_are_kept(finished):
 def more(finished: Finished, tmp_path_factory) -> RunFolder:
     """The finished run, of which a second episode was asked later."""
     run = copied(finished.run, tmp_path_factory.mktemp("more") / "run")
-    collect.execute(run, settings(episodes=2), finished.bench)
+    collect.execute(run, options(episodes=2), finished.context)
     return run
 
 
@@ -138,13 +136,13 @@ def test_asking_for_more_adds_to_those_there_are(finished, more):
 
 def test_asking_for_fewer_changes_nothing(finished, more):
     before = digests(more.root)
-    assert not collect.execute(more, settings(episodes=1), finished.bench).fresh
+    assert not collect.execute(more, options(episodes=1), finished.context).fresh
     assert digests(more.root) == before
 
 
 def test_another_way_of_failing_is_another_collection(finished):
     with pytest.raises(StaleStage, match="option on_failure"):
-        collect.execute(finished.run, settings(on_failure="abort"), finished.bench)
+        collect.execute(finished.run, options(on_failure="abort"), finished.context)
 
 
 # --- what stops a collection, with episodes that cost nothing ------------------------------------------
@@ -201,10 +199,10 @@ def begun(finished, tmp_path) -> RunFolder:
 def test_an_interrupted_collection_goes_on_after_its_last_whole_episode(finished, begun, cheap):
     cheap.stop_at = 2
     with pytest.raises(KeyboardInterrupt):
-        collect.execute(begun, settings(episodes=4), finished.bench)
+        collect.execute(begun, options(episodes=4), finished.context)
     assert not begun.episodes.exists()
     cheap.stop_at = None
-    record = collect.execute(begun, settings(episodes=4), finished.bench).record
+    record = collect.execute(begun, options(episodes=4), finished.context).record
     assert cheap.made == [0, 1, 2, 3] and len(record.episodes) == record.attempts == 4
     assert not [name for name in digests(begun.root) if "partial" in name]
     assert not list(begun.root.glob("episodes.*"))
@@ -213,20 +211,20 @@ def test_an_interrupted_collection_goes_on_after_its_last_whole_episode(finished
 def test_it_equals_one_that_was_not_interrupted(finished, begun, cheap, tmp_path):
     cheap.stop_at = 1
     with pytest.raises(KeyboardInterrupt):
-        collect.execute(begun, settings(episodes=2), finished.bench)
+        collect.execute(begun, options(episodes=2), finished.context)
     cheap.stop_at = None
-    collect.execute(begun, settings(episodes=2), finished.bench)
+    collect.execute(begun, options(episodes=2), finished.context)
     straight = copied(finished.run, tmp_path / "straight", before="collect")
-    collect.execute(straight, settings(episodes=2), finished.bench)
+    collect.execute(straight, options(episodes=2), finished.context)
     assert digests(begun.root) == digests(straight.root)
 
 
 def test_what_another_way_left_half_done_is_thrown_away(finished, begun, cheap):
     cheap.stop_at = 1
     with pytest.raises(KeyboardInterrupt):
-        collect.execute(begun, settings(episodes=2), finished.bench)
+        collect.execute(begun, options(episodes=2), finished.context)
     cheap.stop_at = None
-    collect.execute(begun, settings(episodes=2, on_failure="abort"), finished.bench)
+    collect.execute(begun, options(episodes=2, on_failure="abort"), finished.context)
     assert cheap.made == [0, 0, 1]
 
 
@@ -234,21 +232,21 @@ def test_what_another_way_left_half_done_is_thrown_away(finished, begun, cheap):
 def test_a_damaged_leftover_is_thrown_away(finished, begun, cheap, name):
     cheap.stop_at = 1
     with pytest.raises(KeyboardInterrupt):
-        collect.execute(begun, settings(episodes=2), finished.bench)
+        collect.execute(begun, options(episodes=2), finished.context)
     (begun.root / "episodes.collecting" / name).write_text("{")
     cheap.stop_at = None
-    collect.execute(begun, settings(episodes=2), finished.bench)
+    collect.execute(begun, options(episodes=2), finished.context)
     assert cheap.made == [0, 0, 1]
 
 
 def test_a_kill_while_earlier_episodes_are_taken_over_loses_none(finished, begun, cheap, monkeypatch):
-    collect.execute(begun, settings(episodes=2), finished.bench)
+    collect.execute(begun, options(episodes=2), finished.context)
     monkeypatch.setattr(shutil, "copytree", copy_the_index_and_die)
     with pytest.raises(KeyboardInterrupt):
-        collect.execute(begun, settings(episodes=3), finished.bench)
+        collect.execute(begun, options(episodes=3), finished.context)
     monkeypatch.undo()
     monkeypatch.setattr(collect, "_Collection", cheap)
-    record = collect.execute(begun, settings(episodes=3), finished.bench).record
+    record = collect.execute(begun, options(episodes=3), finished.context).record
     assert all((begun.root / e.file).is_file() for e in record.episodes) and len(record.episodes) == 3
 
 
@@ -259,7 +257,7 @@ def copy_the_index_and_die(source: Path, target: Path, **_: Any) -> None:
 
 def test_failed_episodes_are_made_up_for_and_counted(finished, begun, cheap):
     cheap.bad = frozenset({0, 2})
-    record = collect.execute(begun, settings(episodes=2), finished.bench).record
+    record = collect.execute(begun, options(episodes=2), finished.context).record
     assert [e.accepted for e in record.episodes] == [False, True, False, True]
     assert record.acceptance == {"block/red": {"accepted": 2, "attempts": 4}}
     assert record.critic == {
@@ -270,8 +268,8 @@ def test_failed_episodes_are_made_up_for_and_counted(finished, begun, cheap):
 def test_a_collection_without_success_ends_and_says_why(finished, begun, cheap):
     cheap.bad = frozenset(range(100))
     with pytest.raises(PartlyDone, match=r"none of 6 episodes was verified: it slipped"):
-        collect.execute(begun, settings(episodes=2), finished.bench)
-    assert len(gathering.read_log(begun.episodes.parent)) == 6
+        collect.execute(begun, options(episodes=2), finished.context)
+    assert len(episode_store.read_log(begun.episodes.parent)) == 6
 
 
 def test_a_damaged_script_is_named_before_anything_is_collected(finished, begun):
@@ -279,7 +277,7 @@ def test_a_damaged_script_is_named_before_anything_is_collected(finished, begun)
     script = begun.root / {s.id: s.script for s in record.kept}[record.chain[0]]
     script.write_text("def play(:")
     with pytest.raises(DamagedFile, match=script.name):
-        collect.execute(begun, settings(), finished.bench)
+        collect.execute(begun, options(), finished.context)
     assert not begun.episodes.exists()
 
 
@@ -289,13 +287,13 @@ def test_an_edited_script_makes_the_episodes_stale(finished, tmp_path):
     script = run.root / {s.id: s.script for s in record.kept}[record.chain[0]]
     script.write_text(script.read_text() + "\n# edited by hand\n")
     with pytest.raises(StaleStage, match=f"input subtasks/{script.name}"):
-        collect.execute(run, settings(), finished.bench)
+        collect.execute(run, options(), finished.context)
 
 
 def test_force_makes_a_damaged_collection_again(finished, begun, cheap):
-    collect.execute(begun, settings(), finished.bench)
+    collect.execute(begun, options(), finished.context)
     write_json(begun.episodes, {**read_json(begun.episodes), "attempts": -1})
     with pytest.raises(Exception, match="attempts") as caught:
-        collect.execute(begun, settings(), finished.bench)
+        collect.execute(begun, options(), finished.context)
     assert "--force" in caught.value.hint
-    assert collect.execute(begun, settings(force=True), finished.bench).fresh
+    assert collect.execute(begun, options(force=True), finished.context).fresh

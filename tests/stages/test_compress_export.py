@@ -22,8 +22,7 @@ from vcage.datasets.recordings.opening import open_recordings
 from vcage.schema.compression import Compression
 from vcage.schema.export import Export
 from vcage.stages import compress, export
-from vcage.stages.context import Workbench
-from vcage.stages.settings import ExportSettings, Settings
+from vcage.stages.context import StageContext
 from vcage.video.choices import LOSSLESS
 from vcage.video.jod import JodMetric
 
@@ -31,21 +30,20 @@ FRAMES = 12
 QUICK = {"preset": "ultrafast", "pixel_format": "yuv444p10le"}
 
 
-def settings_with(**changes: Any) -> Settings:
+def options_with(**changes: Any) -> compress.Options:
     """One process, which need not import everything again, and what is asked for of the compression."""
-    return Settings(seed=7, models="offline", workers=1, compression=CompressionSettings(**{**QUICK, **changes}))
+    return compress.Options(seed=7, workers=1, compression=CompressionSettings(**{**QUICK, **changes}))
 
 
-SETTINGS = settings_with()
+OPTIONS = options_with()
 
 
 def compressed(run: RunFolder, **changes: Any) -> Compression:
-    return compress.execute(run, settings_with(**changes), Workbench("offline")).record
+    return compress.execute(run, options_with(**changes), StageContext("offline")).record
 
 
 def exported(run: RunFolder, **changes: Any) -> Export:
-    settings = Settings(seed=7, models="offline", workers=1, export=ExportSettings(**changes))
-    return export.execute(run, settings, Workbench("offline")).record
+    return export.execute(run, export.Options(seed=7, workers=1, **changes), StageContext("offline")).record
 
 
 @pytest.fixture(scope="module")
@@ -134,7 +132,7 @@ def test_where_nothing_passes_all_videos_of_the_camera_are_lossless(fresh):
 
 
 def test_a_finished_compression_is_left_alone(run):
-    assert not compress.execute(run, SETTINGS, Workbench("offline")).fresh
+    assert not compress.execute(run, OPTIONS, StageContext("offline")).fresh
 
 
 def test_no_accepted_episode_is_said(tmp_path):

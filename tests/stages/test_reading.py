@@ -30,7 +30,7 @@ def edit(path: Path, change: Callable[[Any], None]) -> None:
 def test_what_the_stages_wrote_is_accepted(finished):
     scene = Scene.read(finished.run.scene)
     assert len(read_matches(finished.run, scene).matches) == len(scene.objects)
-    assert read_plan(finished.run, scene, finished.bench).relations
+    assert read_plan(finished.run, scene, finished.context).relations
     assert read_pictures(finished.run, scene).source.shape[2] == 3
 
 
@@ -41,7 +41,7 @@ def test_a_plan_that_was_made_contradictory_is_refused(run, finished):
 
     edit(run.plan, swap)
     with pytest.raises(InputFileError, match=r"plan\.json is not possible"):
-        read_plan(run, Scene.read(run.scene), finished.bench)
+        read_plan(run, Scene.read(run.scene), finished.context)
 
 
 def test_matches_that_lack_an_object_are_refused_with_its_name(run):

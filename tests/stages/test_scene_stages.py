@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.runs import INSTRUCTION, SETTINGS, Finished, copied, digests
+from tests.runs import INSTRUCTION, OPTIONS, Finished, copied, digests
 from vcage.base.errors import (
     InfeasibleScene,
     MissingStage,
@@ -27,7 +27,6 @@ from vcage.schema.matches import Matches
 from vcage.schema.plan import LayoutPlan, Plan, Relation, SelectedAsset, Selection
 from vcage.schema.scene import Scene
 from vcage.stages import inpaint_plan, match, optimize, select_place
-from vcage.stages.settings import Settings
 
 
 def aabbs(scene: Scene) -> dict[str, np.ndarray]:
@@ -87,7 +86,7 @@ def test_the_three_pictures_have_the_camera_s_size_and_differ_where_objects_are(
 def test_the_same_seed_gives_the_same_bytes_and_another_seed_another_scene(finished, tmp_path):
     runs = [RunFolder(tmp_path / name) for name in ("same", "other")]
     for run, seed in zip(runs, (None, 1)):
-        select_place.execute(run, Settings(instruction=INSTRUCTION, seed=seed), finished.bench)
+        select_place.execute(run, select_place.Options(instruction=INSTRUCTION, seed=seed), finished.context)
     same, other = (digests(run.root / "place") for run in runs)
     assert same == digests(finished.run.root / "place")
     assert same["source.png"] != other["source.png"]
@@ -95,21 +94,23 @@ def test_the_same_seed_gives_the_same_bytes_and_another_seed_another_scene(finis
 
 def test_an_instruction_without_words_is_refused_before_anything_is_written(finished, tmp_path):
     with pytest.raises(UsageError, match="empty"):
-        select_place.execute(RunFolder(tmp_path / "run"), Settings(instruction=" \n "), finished.bench)
+        select_place.execute(RunFolder(tmp_path / "run"), select_place.Options(instruction=" \n "), finished.context)
     assert not (tmp_path / "run").exists()
 
 
 def test_what_no_asset_fits_is_named(finished, tmp_path):
     with pytest.raises(NoAssetFits, match="submarine"):
         select_place.execute(
-            RunFolder(tmp_path), Settings(instruction="Put the submarine on the plate"), finished.bench
+            RunFolder(tmp_path), select_place.Options(instruction="Put the submarine on the plate"), finished.context
         )
     assert not digests(tmp_path)
 
 
 def test_an_unknown_scene_lists_those_there_are(finished, tmp_path):
     with pytest.raises(UnknownName, match=r"available: .*table"):
-        select_place.execute(RunFolder(tmp_path), Settings(instruction=INSTRUCTION, template="nowhere"), finished.bench)
+        select_place.execute(
+            RunFolder(tmp_path), select_place.Options(instruction=INSTRUCTION, template="nowhere"), finished.context
+        )
     assert not digests(tmp_path)
 
 
@@ -122,7 +123,7 @@ def test_more_than_the_table_holds_is_refused_with_names_and_area(finished, tmp_
 
     monkeypatch.setattr(select_place, "name_objects", many)
     with pytest.raises(InfeasibleScene, match="m² are missing") as caught:
-        select_place.execute(RunFolder(tmp_path), Settings(instruction=INSTRUCTION), finished.bench)
+        select_place.execute(RunFolder(tmp_path), select_place.Options(instruction=INSTRUCTION), finished.context)
     assert "plate_59" in caught.value.details["objects"]
     assert not digests(tmp_path)
 
@@ -145,8 +146,10 @@ class Chooser:
 
 
 def chosen(finished: Finished, folder: Path, chooser: Chooser, monkeypatch: pytest.MonkeyPatch) -> Scene:
-    monkeypatch.setattr(finished.bench, "models", replace(finished.bench.models, reasoner=chooser))
-    return select_place.execute(RunFolder(folder / "run"), Settings(instruction="x"), finished.bench).record
+    monkeypatch.setattr(finished.context, "models", replace(finished.context.models, reasoner=chooser))
+    return select_place.execute(
+        RunFolder(folder / "run"), select_place.Options(instruction="x"), finished.context
+    ).record
 
 
 def test_the_reasoner_hears_what_is_wrong_with_its_selection(finished, tmp_path, monkeypatch):
@@ -158,8 +161,8 @@ def test_the_reasoner_hears_what_is_wrong_with_its_selection(finished, tmp_path,
 
 
 def test_what_is_too_large_for_where_it_starts_is_said_in_the_summary(finished, tmp_path, monkeypatch):
-    bench = finished.bench
-    variants = {name: bench.library.entry(name).variants[0].id for name in ("plate", "mug")}
+    context = finished.context
+    variants = {name: context.library.entry(name).variants[0].id for name in ("plate", "mug")}
     chooser = Chooser(("plate", variants["plate"], "mug"), ("mug", variants["mug"], None), notes=("a note",))
     scene = chosen(finished, tmp_path, chooser, monkeypatch)
     notes = select_place.summary(scene)["notes"]
@@ -175,12 +178,12 @@ def test_what_starts_in_a_box_must_be_seen_above_the_box_s_floor(finished, tmp_p
         return seen(camera, support, *rest)
 
     monkeypatch.setattr(select_place, "view_rectangles", noted)
-    first = {name: finished.bench.library.entry(name).variants[0].id for name in ("block", "packaging_box")}
+    first = {name: finished.context.library.entry(name).variants[0].id for name in ("block", "packaging_box")}
     chooser = Chooser(("block", first["block"], "packaging_box"), ("packaging_box", first["packaging_box"], None))
     scene = chosen(finished, tmp_path, chooser, monkeypatch)
     block, box = scene.objects
     assert block.container == box.id and select_place.summary(scene)["notes"] == []
-    floor = finished.bench.asset(box).opening(finished.bench.asset(box).annotation.functional_points[0]).floor
+    floor = finished.context.asset(box).opening(finished.context.asset(box).annotation.functional_points[0]).floor
     assert supports == pytest.approx([scene.table.height + floor, scene.table.height])
 
 
@@ -223,8 +226,8 @@ class Planner:
 
 def planned(finished: Finished, folder: Path, planner: Planner, monkeypatch: pytest.MonkeyPatch) -> Plan:
     run = copy_of(finished, folder, "inpaint_plan")
-    monkeypatch.setattr(finished.bench, "models", replace(finished.bench.models, reasoner=planner))
-    return inpaint_plan.execute(run, SETTINGS, finished.bench).record
+    monkeypatch.setattr(finished.context, "models", replace(finished.context.models, reasoner=planner))
+    return inpaint_plan.execute(run, OPTIONS, finished.context).record
 
 
 def around_the_plate(finished: Finished) -> tuple[str, str, list[tuple[str, str, str]]]:
@@ -262,7 +265,7 @@ def test_a_plan_that_stays_impossible_is_refused_with_every_complaint(finished, 
 
 def test_planning_without_a_scene_names_the_first_stage(finished, tmp_path):
     with pytest.raises(MissingStage, match="holds no run") as caught:
-        inpaint_plan.execute(RunFolder(tmp_path), SETTINGS, finished.bench)
+        inpaint_plan.execute(RunFolder(tmp_path), OPTIONS, finished.context)
     assert "select_place" in caught.value.hint
 
 
@@ -279,7 +282,7 @@ def test_every_object_is_matched_once(finished):
 
 def test_an_impossible_threshold_leaves_the_matches_to_names(finished, tmp_path):
     run = copy_of(finished, tmp_path, "match")
-    record = match.execute(run, Settings(threshold=1.0), finished.bench).record
+    record = match.execute(run, match.Options(threshold=1.0), finished.context).record
     assert {m.method for m in record.matches} <= {"name", "kept"}
     assert (run.root / record.overlay).is_file()
 
@@ -289,7 +292,7 @@ def test_another_picture_of_the_empty_table_makes_the_match_stale(finished, tmp_
     background = run.root / "place" / "background.png"
     background.write_bytes(background.read_bytes() + b" ")
     with pytest.raises(StaleStage, match=r"place/background\.png"):
-        match.execute(run, SETTINGS, finished.bench)
+        match.execute(run, OPTIONS, finished.context)
 
 
 # --- optimize ------------------------------------------------------------------------------------------
@@ -315,5 +318,5 @@ def test_a_layout_with_no_room_for_the_margin_is_refused_and_the_old_one_stays(f
     run = copied(finished.run, tmp_path / "run")
     before = digests(run.root)
     with pytest.raises(InfeasibleScene):
-        optimize.execute(run, Settings(margin=0.5, restarts=0, force=True), finished.bench)
+        optimize.execute(run, match.Options(margin=0.5, restarts=0, force=True), finished.context)
     assert digests(run.root) == before

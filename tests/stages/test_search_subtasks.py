@@ -6,7 +6,7 @@ import ast
 
 import pytest
 
-from tests.runs import SETTINGS, copied
+from tests.runs import OPTIONS, copied
 from vcage.base.errors import NoFeasibleTask, SchemaMismatch
 from vcage.base.files import read_json, write_json
 from vcage.schema.scene import Scene
@@ -45,7 +45,7 @@ def test_where_the_receptacle_is_out_of_reach_nothing_is_chained_and_nothing_wri
         record["pose"]["position"][1] += 5.0
     write_json(run.layout, scene)
     with pytest.raises(NoFeasibleTask, match="block"):
-        search_subtasks.execute(run, SETTINGS, finished.bench)
+        search_subtasks.execute(run, OPTIONS, finished.context)
     assert not run.subtasks.parent.exists()
 
 
@@ -53,4 +53,4 @@ def test_a_layout_of_another_version_is_refused_by_name(finished, tmp_path):
     run = copied(finished.run, tmp_path / "run", before="search_subtasks")
     write_json(run.layout, {**read_json(run.layout), "schema": "vcage.scene/0"})
     with pytest.raises(SchemaMismatch, match=r"vcage\.scene/0.*expected 'vcage\.scene/1'"):
-        search_subtasks.execute(run, SETTINGS, finished.bench)
+        search_subtasks.execute(run, OPTIONS, finished.context)

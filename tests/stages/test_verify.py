@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.runs import SETTINGS, copied
+from tests.runs import OPTIONS, copied
 from vcage.base.errors import DamagedFile, InputFileError, MissingStage, StaleStage, UnknownName
 from vcage.base.files import read_json, write_json
 from vcage.base.pictures import read_picture, write_picture
@@ -29,8 +29,8 @@ def test_the_same_critic_says_the_same_again(finished):
 
 def test_a_pair_is_judged_by_what_it_shows(finished):
     subtask, before, after = pair(finished)
-    done = verify.judge_pair(finished.run, finished.bench, subtask, before, after)
-    idle = verify.judge_pair(finished.run, finished.bench, subtask, before, before)
+    done = verify.judge_pair(finished.run, finished.context, subtask, before, after)
+    idle = verify.judge_pair(finished.run, finished.context, subtask, before, before)
     assert isinstance(done, SingleVerdict) and done.verdict.accepted
     assert not idle.verdict.accepted and idle.verdict.reason
 
@@ -38,31 +38,31 @@ def test_a_pair_is_judged_by_what_it_shows(finished):
 def test_an_unknown_subtask_lists_those_there_are(finished):
     subtask, before, after = pair(finished)
     with pytest.raises(UnknownName, match=subtask):
-        verify.judge_pair(finished.run, finished.bench, "fly-to-the-moon", before, after)
+        verify.judge_pair(finished.run, finished.context, "fly-to-the-moon", before, after)
 
 
 def test_a_missing_picture_is_named(finished, tmp_path):
     subtask, before, _ = pair(finished)
     with pytest.raises(MissingStage, match=r"nowhere\.png"):
-        verify.judge_pair(finished.run, finished.bench, subtask, before, tmp_path / "nowhere.png")
+        verify.judge_pair(finished.run, finished.context, subtask, before, tmp_path / "nowhere.png")
 
 
 def test_what_is_no_picture_is_named(finished, tmp_path):
     subtask, before, _ = pair(finished)
     (tmp_path / "text.png").write_text("not a picture")
     with pytest.raises(DamagedFile, match=r"text\.png"):
-        verify.judge_pair(finished.run, finished.bench, subtask, before, tmp_path / "text.png")
+        verify.judge_pair(finished.run, finished.context, subtask, before, tmp_path / "text.png")
 
 
 def test_pictures_of_another_camera_s_size_are_refused(finished, tmp_path):
     subtask, before, after = pair(finished)
     small = write_picture(tmp_path / "small.png", np.ascontiguousarray(read_picture(after)[::2, ::2]))
     with pytest.raises(InputFileError, match=r"small\.png"):
-        verify.judge_pair(finished.run, finished.bench, subtask, before, small)
+        verify.judge_pair(finished.run, finished.context, subtask, before, small)
 
 
 def test_other_episodes_make_the_verdicts_stale(finished, tmp_path):
     run = copied(finished.run, tmp_path / "run")
     write_json(run.episodes, {**read_json(run.episodes), "instruction": "something else"})
     with pytest.raises(StaleStage, match=r"episodes/episodes\.json"):
-        verify.execute(run, SETTINGS, finished.bench)
+        verify.execute(run, OPTIONS, finished.context)

@@ -1,31 +1,77 @@
-"""Command-line parsing whose errors are errors of ours: exit code 2, and a JSON line like any other."""
+"""Commands as dataclasses: tyro parses them, and its errors are errors of ours: exit code 2, and a JSON line."""
 
 from __future__ import annotations
 
-import argparse
-from pathlib import Path
-from typing import NoReturn
+import contextlib
+import io
+import re
+import sys
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Annotated, TypeVar
+
+import tyro
+from tyro.conf import arg
 
 from vcage.base.errors import UsageError
+from vcage.base.options import Flag
+from vcage.cli.output import Result
+
+T = TypeVar("T")
 
 
-class Parser(argparse.ArgumentParser):
-    """An ``ArgumentParser`` that raises :class:`UsageError` and prints descriptions as they are written."""
+@dataclass(frozen=True, kw_only=True)
+class Options:
+    """What every command takes."""
 
-    def __init__(self, prog: str, description: str):
-        super().__init__(
-            prog=prog,
-            description=description,
-            formatter_class=argparse.RawDescriptionHelpFormatter,
-            allow_abbrev=False,
-        )
-
-    def error(self, message: str) -> NoReturn:
-        raise UsageError(f"{self.prog}: {message}", hint=f"see: {self.prog} --help")
+    verbose: Annotated[Flag, arg(aliases=("-v",))] = False
+    """say more on stderr"""
 
 
-def folder(text: str) -> Path:
-    """A folder's path, for ``type=`` of an option; an empty text would mean the working directory."""
-    if not text.strip():
-        raise argparse.ArgumentTypeError("the folder has no name")
-    return Path(text)
+@dataclass(frozen=True, kw_only=True)
+class Command(Options, ABC):
+    """A command: its docstring is the help, its fields are the options."""
+
+    @abstractmethod
+    def execute(self) -> Result:
+        """Do it."""
+
+
+def parse(options: type[T], arguments: Sequence[str], *, prog: str, text: str) -> T | None:
+    """The options on a command line; None when help was asked for, which is printed.
+
+    Args:
+        options: a dataclass, whose fields' docstrings are the help.
+        arguments: the words after the command's name.
+        prog: the command's name in the help.
+        text: what the help says between usage and options, as it is written.
+
+    Raises:
+        UsageError: the command line is not one of these options; says what is wrong with it.
+    """
+    printed, complaint = io.StringIO(), io.StringIO()
+    try:
+        with contextlib.redirect_stdout(printed), contextlib.redirect_stderr(complaint):
+            return tyro.cli(options, prog=prog, description="", args=arguments)
+    except SystemExit as end:
+        if end.code:
+            raise UsageError(f"{prog}: {_in_one_line(complaint.getvalue())}", hint=f"see: {prog} --help") from None
+    usage, _, boxes = printed.getvalue().partition("\n\n")
+    sys.stdout.write(f"{usage}\n\n{text}\n\n{_without_frames(boxes)}\n")
+    return None
+
+
+# tyro frames what it says; where stdout is no terminal (here it is a buffer), with rules of hyphens alone.
+
+
+def _without_frames(help_text: str) -> str:
+    """tyro's lists of options, each under its title."""
+    titled = re.sub(r"^ ?(\S.*?) *\n *-+ *$", r"\1:", help_text, flags=re.MULTILINE)
+    return re.sub(r"^ *-{3,} *\n| +$", "", titled, flags=re.MULTILINE).strip()
+
+
+def _in_one_line(complaint: str) -> str:
+    """What is wrong: what stands between the title's rule and the next, below which tyro repeats the help."""
+    parts = re.split(r"\n *-{3,} *\n", complaint)
+    return " ".join(parts[min(1, len(parts) - 1)].split())

@@ -5,53 +5,86 @@ from __future__ import annotations
 import importlib
 import inspect
 import sys
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from vcage import __version__
 from vcage.base.errors import UnknownName, UsageError
-from vcage.cli.arguments import Parser
 from vcage.cli.output import Result, end_process, run_cli, stray_output_on_stderr
 from vcage.cli.progress import set_up_logging
 
+if TYPE_CHECKING:
+    from vcage.cli.arguments import Command, Options
+
 COMMANDS: dict[str, tuple[str, str]] = {
-    "run": ("vcage.cli.run", "the whole chain: from an instruction to a data set and its report"),
-    "select-place": ("vcage.cli.stages.select_place", "1. choose the objects and place them"),
-    "inpaint-plan": ("vcage.cli.stages.inpaint_plan", "2. plan the layout and draw it"),
-    "match": ("vcage.cli.stages.match", "3. find the objects in the drawn layout"),
-    "optimize": ("vcage.cli.stages.optimize", "4. make the layout collision-free"),
-    "search-subtasks": ("vcage.cli.stages.search_subtasks", "5. find feasible sub-tasks and chain them"),
-    "collect": ("vcage.cli.stages.collect", "6. let the robot do it, verified step by step"),
-    "verify": ("vcage.cli.stages.verify", "7. judge episodes or pictures again"),
-    "compress": ("vcage.cli.stages.compress", "8. compress videos of a run, or any recordings"),
-    "export": ("vcage.cli.stages.export", "9. write LeRobot data sets"),
-    "decompress": ("vcage.cli.decompress", "put the pictures of compressed recordings back"),
-    "report": ("vcage.cli.report", "write the HTML page of a run"),
-    "view": ("vcage.cli.view", "look at an episode in the viewer Rerun"),
-    "assets list": ("vcage.cli.assets.listing", "list the objects of the library"),
-    "assets search": ("vcage.cli.assets.search", "find objects by what they are called or mean"),
-    "assets validate": ("vcage.cli.assets.validate", "prove the objects by use: stand, grasp, fill, open"),
-    "assets gallery": ("vcage.cli.assets.gallery", "draw every object on one page"),
-    "assets import": ("vcage.cli.assets.importing", "bring in objects of RoboTwin or YCB"),
-    "robots list": ("vcage.cli.robots.listing", "list the robots"),
-    "robots import": ("vcage.cli.robots.importing", "bring in a robot of RoboTwin"),
-    "doctor": ("vcage.cli.doctor", "say what this machine has, and how to mend what it lacks"),
-    "setup": ("vcage.cli.setup", "fetch or build what a run needs: vulkan, assets, cvvdp, opencv, all"),
+    "run": ("vcage.cli.run.Run", "the whole chain: from an instruction to a data set and its report"),
+    "select-place": ("vcage.stages.select_place", "1. choose the objects and place them"),
+    "inpaint-plan": ("vcage.stages.inpaint_plan", "2. plan the layout and draw it"),
+    "match": ("vcage.stages.match", "3. find the objects in the drawn layout"),
+    "optimize": ("vcage.stages.optimize", "4. make the layout collision-free"),
+    "search-subtasks": ("vcage.stages.search_subtasks", "5. find feasible sub-tasks and chain them"),
+    "collect": ("vcage.stages.collect", "6. let the robot do it, verified step by step"),
+    "verify": ("vcage.cli.verify.Verify", "7. judge episodes or pictures again"),
+    "compress": ("vcage.cli.compress.Compress", "8. compress videos of a run, or any recordings"),
+    "export": ("vcage.cli.export.Export", "9. write LeRobot data sets"),
+    "decompress": ("vcage.cli.decompress.Decompress", "put the pictures of compressed recordings back"),
+    "report": ("vcage.cli.report.Report", "write the HTML page of a run"),
+    "view": ("vcage.cli.view.View", "look at an episode in the viewer Rerun"),
+    "assets list": ("vcage.cli.assets.ListAssets", "list the objects of the library"),
+    "assets search": ("vcage.cli.assets.SearchAssets", "find objects by what they are called or mean"),
+    "assets validate": ("vcage.cli.assets.ValidateAssets", "prove the objects by use: stand, grasp, fill, open"),
+    "assets gallery": ("vcage.cli.assets.DrawGallery", "draw every object on one page"),
+    "assets import": ("vcage.cli.assets.ImportAssets", "bring in objects of RoboTwin or YCB"),
+    "robots list": ("vcage.cli.robots.ListRobots", "list the robots"),
+    "robots import": ("vcage.cli.robots.ImportRobot", "bring in a robot of RoboTwin"),
+    "doctor": ("vcage.cli.doctor.Doctor", "say what this machine has, and how to mend what it lacks"),
+    "setup": ("vcage.cli.setup.Setup", "fetch or build what a run needs: vulkan, assets, cvvdp, opencv, all"),
 }
-"""Name of one or two words → (module, one line of help). A module offers ``add_arguments(parser)`` and
-``execute(args) -> Result``, and its docstring is the command's help."""
+"""Name of one or two words → (the class of the command, or the module of the stage; one line of help)."""
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A command that was imported.
+
+    Args:
+        options: what tyro parses.
+        text: the help, but for the options.
+        execute: does what the options say.
+    """
+
+    options: type[Options]
+    text: str
+    execute: Callable[[Any], Result]
+
+
+def load(name: str) -> Entry:
+    """Import a command."""
+    place = COMMANDS[name][0]
+    if place.startswith("vcage.stages."):
+        from vcage.cli.stage import execute_stage, options_of
+
+        module, stage = importlib.import_module(place), place.removeprefix("vcage.stages.")
+        return Entry(options_of(stage), inspect.getdoc(module) or "", partial(execute_stage, stage))
+    module_name, _, class_name = place.rpartition(".")
+    command: type[Command] = getattr(importlib.import_module(module_name), class_name)
+    return Entry(command, inspect.getdoc(command) or "", command.execute)
 
 
 def main(argv: list[str] | None = None) -> int:
     """Entry of the ``vcage`` command; returns the exit code."""
     arguments = sys.argv[1:] if argv is None else argv
-    code = run_cli(lambda: _dispatch(arguments))
+    code = run_cli(_dispatch, arguments)
     return end_process(code) if argv is None else code
 
 
 def script_main(command: str, argv: list[str] | None = None) -> int:
     """Entry of a script that is one sub-command; its help shows the script's own name."""
     arguments = sys.argv[1:] if argv is None else argv
-    code = run_cli(lambda: _run(command, arguments, prog=Path(sys.argv[0]).name))
+    code = run_cli(_run, command, arguments, Path(sys.argv[0]).name)
     return end_process(code) if argv is None else code
 
 
@@ -72,27 +105,19 @@ def _dispatch(arguments: list[str]) -> Result | None:
     command, *rest = arguments
     if command not in COMMANDS:
         raise UnknownName("command", command, COMMANDS)
-    return _run(command, rest, prog=f"vcage {command}")
+    return _run(command, rest, f"vcage {command}")
 
 
-def _run(command: str, arguments: list[str], prog: str) -> Result | None:
-    module = importlib.import_module(COMMANDS[command][0])
-    try:
-        options = parser_of(command, prog).parse_args(arguments)
-    except SystemExit:  # after --help
+def _run(name: str, arguments: Sequence[str], prog: str) -> Result | None:
+    from vcage.cli.arguments import parse
+
+    command = load(name)
+    options = parse(command.options, arguments, prog=prog, text=command.text)
+    if options is None:
         return None
     set_up_logging(options.verbose)
     with stray_output_on_stderr():
-        return module.execute(options)
-
-
-def parser_of(command: str, prog: str) -> Parser:
-    """The parser of a sub-command, whose help shows ``prog`` as its name."""
-    module = importlib.import_module(COMMANDS[command][0])
-    parser = Parser(prog, inspect.getdoc(module) or "")
-    module.add_arguments(parser)
-    parser.add_argument("-v", "--verbose", action="store_true", help="say more on stderr")
-    return parser
+        return command.execute(options)
 
 
 def help_text(group: str = "") -> str:

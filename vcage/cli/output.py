@@ -19,12 +19,14 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import FrameType
-from typing import Any
+from typing import Any, ParamSpec
 
 from vcage.base.errors import DiskFull, OutputFolderError, VcageError
 from vcage.base.files import NO_ROOM
 
 logger = logging.getLogger(__name__)
+
+P = ParamSpec("P")
 
 INTERRUPTED = 130
 """Exit code after Ctrl-C, as shells have it (128 + SIGINT)."""
@@ -66,18 +68,19 @@ class Result:
         }
 
 
-def run_cli(function: Callable[[], Result | None]) -> int:
+def run_cli(function: Callable[P, Result | None], *arguments: P.args, **options: P.kwargs) -> int:
     """Run a command and report on it.
 
     Args:
         function: does the work; None means that nothing is to be reported (``--help``).
+        arguments, options: its own.
 
     Returns:
         The exit code for ``sys.exit``.
     """
     try:
         with _noting_interrupts():
-            result = function()
+            result = function(*arguments, **options)
     except VcageError as error:
         return _report_error(error)
     except KeyboardInterrupt as error:

@@ -8,7 +8,6 @@ import math
 import sys
 import time
 from collections.abc import Iterator
-from typing import TextIO
 
 from vcage.base.progress import Progress
 
@@ -21,12 +20,9 @@ WORTH_TELLING = 10.0
 class _Stderr(logging.StreamHandler):
     """Writes to whatever ``sys.stderr`` is at the time, as a progress bar puts itself in its place."""
 
-    def __init__(self) -> None:
-        logging.Handler.__init__(self)
-
-    @property
-    def stream(self) -> TextIO:
-        return sys.stderr
+    def emit(self, record: logging.LogRecord) -> None:
+        self.stream = sys.stderr
+        super().emit(record)
 
 
 class _Formatter(logging.Formatter):

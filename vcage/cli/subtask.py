@@ -2,44 +2,46 @@
 
 from __future__ import annotations
 
-import argparse
-import inspect
 import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Annotated
 
-from vcage.cli.arguments import Parser, folder
+from tyro.conf import arg
+
+from vcage.base.options import FOLDER
+from vcage.cli.arguments import parse
 from vcage.cli.output import Result, end_process, run_cli, stray_output_on_stderr
 from vcage.cli.progress import set_up_logging
-from vcage.cli.stages import collect
-from vcage.cli.stages.common import execute_stage
+from vcage.cli.stage import StageCommand, execute_stage
+from vcage.stages import collect
+
+
+@dataclass(frozen=True, kw_only=True)
+class ScriptCommand(StageCommand[collect.Options]):
+    """What a script takes."""
+
+    run: Annotated[Path, FOLDER, arg(name="out")]
+    """the run folder"""
 
 
 def run_script(path: str, argv: list[str] | None = None) -> int:
     """Collect episodes of one sub-task script into a run folder of its own; returns the exit code."""
-    code = run_cli(lambda: _run(Path(path).resolve(), sys.argv[1:] if argv is None else argv))
+    code = run_cli(_run, Path(path).resolve(), sys.argv[1:] if argv is None else argv)
     return end_process(code) if argv is None else code
 
 
-def _run(path: Path, argv: list[str]) -> Result | None:
-    from vcage.tasks.synthesis import load_script
-
-    script = load_script(path)
-    parser = Parser(path.name, f"{script.values['TEXT']}\n\n{inspect.cleandoc(collect.__doc__ or '').splitlines()[0]}")
-    parser.add_argument("--out", required=True, type=folder, metavar="DIR", help="the run folder")
-    collect.add_arguments(parser, run=False)
-    parser.add_argument("-v", "--verbose", action="store_true", help="say more on stderr")
-    try:
-        args = parser.parse_args(argv)
-    except SystemExit:  # after --help
-        return None
-    set_up_logging(args.verbose)
-    with stray_output_on_stderr():
-        return _collect(path, args)
-
-
-def _collect(path: Path, args: argparse.Namespace) -> Result:
+def _run(path: Path, arguments: Sequence[str]) -> Result | None:
     from vcage.base.files import RunFolder
     from vcage.stages.script_run import prepare_run
+    from vcage.tasks.synthesis import load_script
 
-    prepare_run(RunFolder(args.out), path, seed=args.seed or 0, force=args.force)
-    return execute_stage("collect", args, args.out)
+    text = f"{load_script(path).values['TEXT']}\n\n{(collect.__doc__ or '').splitlines()[0]}"
+    command = parse(ScriptCommand, arguments, prog=path.name, text=text)
+    if command is None:
+        return None
+    set_up_logging(command.verbose)
+    with stray_output_on_stderr():
+        prepare_run(RunFolder(command.run), path, seed=command.stage.seed or 0, force=command.stage.force)
+        return execute_stage("collect", command)

@@ -1,29 +1,117 @@
-"""The stages in order, and the whole chain in one process."""
+"""The whole chain in one process: every stage with its share of the same options, on the files of the one before."""
 
 from __future__ import annotations
 
-import importlib
-from types import ModuleType
+import contextlib
+import logging
+from collections.abc import Callable
+from contextlib import AbstractContextManager
+from dataclasses import dataclass, replace
+from typing import Any, Protocol
 
+from vcage.base.errors import StaleStage
 from vcage.base.files import RunFolder
 from vcage.base.progress import Progress, silent
-from vcage.stages.context import Workbench
-from vcage.stages.settings import Settings
-from vcage.stages.stage import PRODUCERS, StageResult
-from vcage.stages.timings import timed
+from vcage.stages import (
+    collect,
+    compress,
+    export,
+    inpaint_plan,
+    match,
+    optimize,
+    search_subtasks,
+    select_place,
+    verify,
+)
+from vcage.stages.context import StageContext
+from vcage.stages.stage import Job, StageResult, timed
 
-STAGES = tuple(PRODUCERS.values())
-"""Names of the nine stages, in the order in which they run."""
+logger = logging.getLogger(__name__)
 
 
-def stage_module(name: str) -> ModuleType:
-    """The module of a stage: ``job(run, settings, bench)`` and ``execute(run, settings, bench, progress)``."""
-    return importlib.import_module(f"vcage.stages.{name}")
+class Stage(Protocol):
+    """What a module of a stage offers."""
+
+    @property
+    def Options(self) -> type[Any]: ...
+
+    def job(self, run: RunFolder, options: Any, context: StageContext, /) -> Job:
+        """What the stage has to do."""
+        ...
+
+    def execute(self, run: RunFolder, options: Any, context: StageContext, progress: Progress, /) -> StageResult[Any]:
+        """Do it, unless it is done."""
+        ...
+
+    def summary(self, record: Any, /) -> dict[str, Any]:
+        """A few facts for whoever ran the stage."""
+        ...
 
 
-def run_stage(
-    name: str, run: RunFolder, settings: Settings, bench: Workbench, progress: Progress = silent
-) -> StageResult:
-    """Run one stage and note how long it took; raises what the stage raises."""
-    with timed(run, name):
-        return stage_module(name).execute(run, settings, bench, progress)
+STAGES: dict[str, Stage] = {
+    "select_place": select_place,
+    "inpaint_plan": inpaint_plan,
+    "match": match,
+    "optimize": optimize,
+    "search_subtasks": search_subtasks,
+    "collect": collect,
+    "verify": verify,
+    "compress": compress,
+    "export": export,
+}
+"""The nine stages, in the order in which they run."""
+
+OF_THE_EPISODES = ("verify", "compress", "export")
+"""Stages whose files can be had again from the episodes."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Options(select_place.Options, match.Options, optimize.Options, collect.Options, compress.Options):
+    """Options of every stage at once but export, whose codec would have the name of the compression's."""
+
+
+def run_chain(
+    run: RunFolder,
+    options: Options,
+    context: StageContext | None = None,
+    show: Callable[[str], AbstractContextManager[Progress]] = lambda _: contextlib.nullcontext(silent),
+) -> dict[str, StageResult[Any]]:
+    """Run all stages; what is finished is left alone.
+
+    Args:
+        run: the run folder.
+        options: of all stages.
+        context: what the stages share; None for what the options choose.
+        show: entered with the name of each stage while it runs.
+
+    Returns:
+        Stage → its result, in order.
+
+    Raises:
+        VcageError: what a stage raises; those before it are finished.
+    """
+    context = context or options.context()
+    done = {}
+    for name, stage in STAGES.items():
+        with show(name) as progress, timed(run, name):
+            own = export.Options(seed=options.seed, force=options.force) if name == "export" else options
+            done[name] = _up_to_date(name, stage, run, own, context, progress)
+    return done
+
+
+def _up_to_date(
+    name: str,
+    stage: Stage,
+    run: RunFolder,
+    options: Options | export.Options,
+    context: StageContext,
+    progress: Progress,
+) -> StageResult[Any]:
+    """Run a stage; what was made from fewer episodes than there are now is made again without being asked."""
+    try:
+        return stage.execute(run, options, context, progress)
+    except StaleStage as error:
+        if name not in OF_THE_EPISODES or not all(what.startswith("input ") for what in error.details["changed"]):
+            raise
+        logger.info("%s: made again, as the episodes are others than before", name)
+        return stage.execute(run, replace(options, force=True), context, progress)

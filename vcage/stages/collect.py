@@ -1,7 +1,11 @@
-"""Stage 6: let the robot carry out the chain, verify every step, record what was accepted.
+"""Let the robot do the task, check every sub-task by looking, keep what is verified, record it.
 
-Episodes gather in ``episodes.collecting/`` and become ``episodes/`` when there are enough; after each one the
-folder is complete as far as it goes, so a killed collection goes on with the next episode.
+Reads optimize/ and subtasks/. Writes episodes/*.hdf5, episodes/log.jsonl (every attempt) and episodes/rejected/.
+Takes about 20 s per episode without a GPU; goes on where it stopped when run again.
+
+examples:
+  vcage collect --run runs/stationery --episodes 10
+  vcage collect --run runs/stationery --episodes 10 --on-failure abort --force
 """
 
 from __future__ import annotations
@@ -9,9 +13,10 @@ from __future__ import annotations
 import logging
 import platform
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from importlib import metadata
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any, Literal
 
 import numpy as np
 
@@ -19,6 +24,7 @@ from vcage import __version__
 from vcage.base.errors import PartlyDone
 from vcage.base.files import RunFolder
 from vcage.base.geometry import Pose
+from vcage.base.options import NATURAL, POSITIVE, UNSAID
 from vcage.base.pictures import write_picture
 from vcage.base.progress import Progress, silent
 from vcage.datasets.hdf5 import write_episode
@@ -33,10 +39,9 @@ from vcage.sim.replay import camera_paths, render_log
 from vcage.sim.robots import load_robot
 from vcage.sim.state import WorldState
 from vcage.sim.world import World
-from vcage.stages.context import Workbench
-from vcage.stages.critic_question import TOP, background_name, critic_question
-from vcage.stages.episode_store import Gathering
-from vcage.stages.settings import Settings
+from vcage.stages.context import TOP, StageContext
+from vcage.stages.episode_store import EpisodeStore, background_name
+from vcage.stages.options import ModelOptions
 from vcage.stages.stage import Job, StageResult, stage_seed
 from vcage.tasks.assemble import episode_data
 from vcage.tasks.loop import EpisodeRun, Setting, run_episode
@@ -47,11 +52,27 @@ from vcage.tasks.variation import shifted_poses
 
 log = logging.getLogger(__name__)
 
+OnFailure = Literal["resample", "abort"]
+
 RUNS_PER_EPISODE = 3
 """Episodes that are tried for each that is wanted, before the collection gives up."""
 
 
-def job(run: RunFolder, settings: Settings, bench: Workbench) -> Job:
+@dataclass(frozen=True, kw_only=True)
+class Options(ModelOptions):
+    """How many episodes are collected, and how."""
+
+    episodes: Annotated[int, POSITIVE] = 3
+    """accepted episodes to collect"""
+    on_failure: Annotated[OnFailure, UNSAID] = "resample"
+    """after a failed sub-task: try it again from the verified state before it, or give the episode up"""
+    retries: Annotated[int, NATURAL] = 3
+    """further attempts per sub-task, when resampling"""
+    fps: Literal[5, 10, 25, 50] = 10
+    """frames per second of the recording"""
+
+
+def job(run: RunFolder, options: Options, context: StageContext) -> Job:
     """What the stage has to do; the number of episodes is left out, as more can be added later."""
     scripts = []
     if run.subtasks.exists():
@@ -61,9 +82,9 @@ def job(run: RunFolder, settings: Settings, bench: Workbench) -> Job:
         run=run,
         output=run.episodes,
         inputs=[run.layout, run.subtasks, *scripts],
-        seed=stage_seed(run, settings.seed),
-        options={"on_failure": settings.on_failure, "retries": settings.retries, "fps": settings.fps},
-        providers=bench.models.providers("critic"),
+        seed=stage_seed(run, options.seed),
+        options={"on_failure": options.on_failure, "retries": options.retries, "fps": options.fps},
+        providers=context.models.providers("critic"),
     )
 
 
@@ -77,34 +98,36 @@ def summary(record: Episodes) -> dict[str, Any]:
     }
 
 
-def execute(run: RunFolder, settings: Settings, bench: Workbench, progress: Progress = silent) -> StageResult[Episodes]:
+def execute(
+    run: RunFolder, options: Options, context: StageContext, progress: Progress = silent
+) -> StageResult[Episodes]:
     """Write ``episodes/``: one HDF5 per accepted episode, the log of all attempts, the rejected ones as states.
 
     Raises:
         MissingStage, StaleStage: see :class:`vcage.stages.stage.Job`.
         PartlyDone: no episode was accepted.
     """
-    stage = job(run, settings, bench)
+    stage = job(run, options, context)
     stage.provenance()
-    done = stage.finished(Episodes, force=settings.force)
-    if done is not None and _accepted(done.record.episodes) >= settings.episodes:
+    done = stage.finished(Episodes, force=options.force)
+    if done is not None and _accepted(done.record.episodes) >= options.episodes:
         return done
-    gathering = Gathering(stage, Path(f"{run.episodes.parent}.collecting"))
-    gathering.begin(done)
-    collection = _Collection(stage, settings, bench)
-    limit = RUNS_PER_EPISODE * settings.episodes
-    while (have := _accepted(gathering.episodes)) < settings.episodes and len(gathering.episodes) < limit:
-        progress(f"episode {len(gathering.episodes)}", have, settings.episodes)
-        gathering.add(*collection.one(len(gathering.episodes), gathering.folder))
-    record = gathering.finish()
+    store = EpisodeStore(stage, Path(f"{run.episodes.parent}.collecting"))
+    store.begin(done)
+    collection = _Collection(stage, options, context)
+    limit = RUNS_PER_EPISODE * options.episodes
+    while (have := _accepted(store.episodes)) < options.episodes and len(store.episodes) < limit:
+        progress(f"episode {len(store.episodes)}", have, options.episodes)
+        store.add(*collection.one(len(store.episodes), store.folder))
+    record = store.finish()
     accepted = _accepted(record.episodes)
     if accepted == 0:
         raise PartlyDone(
             f"none of {len(record.episodes)} episodes was verified: {record.episodes[-1].reason}",
             hint=f"see {run.episodes.parent / 'log.jsonl'}; another --seed gives another layout",
         )
-    if accepted < settings.episodes:
-        log.warning("only %d of %d episodes were verified in %d runs", accepted, settings.episodes, limit)
+    if accepted < options.episodes:
+        log.warning("only %d of %d episodes were verified in %d runs", accepted, options.episodes, limit)
     return StageResult(record, run.episodes, fresh=True)
 
 
@@ -118,12 +141,12 @@ def _accepted(episodes: Sequence[Episode]) -> int:
 class _Collection:
     """What all episodes of a collection share."""
 
-    def __init__(self, stage: Job, settings: Settings, bench: Workbench):
+    def __init__(self, stage: Job, options: Options, context: StageContext):
         run = stage.run
-        self._stage, self._settings, self._bench = stage, settings, bench
+        self._stage, self._options, self._context = stage, options, context
         self._scene = Scene.read(run.layout)
         self._robot = load_robot(self._scene.robot)
-        self._models = bench.physical_models(self._scene)
+        self._models = context.physical_models(self._scene)
         subtasks = Subtasks.read(run.subtasks)
         kept = {s.id: s for s in subtasks.kept}
         self._chain: list[tuple[Subtask, Script]] = [
@@ -133,7 +156,7 @@ class _Collection:
     def one(self, index: int, folder: Path) -> tuple[Episode, list[Attempt]]:
         """Run an episode and write its files."""
         rng = np.random.default_rng([self._stage.seed, index])
-        objects = self._bench.objects(self._scene)
+        objects = self._context.objects(self._scene)
         objects = [o.moved(pose) for o, pose in zip(objects, shifted_poses(objects, rng).values(), strict=True)]
         look = Appearance.random(rng, [table_texture(name) for name in TABLES])
         scene = self._scene.model_copy(
@@ -147,10 +170,10 @@ class _Collection:
             objects={o.id: o for o in objects},
             slots=slots_for_chain([subtask for subtask, _ in self._chain], objects, rng),
             photograph=lambda state: self._photograph(drawn, state),
-            judge=lambda *asked: self._judge(*asked, background),
-            on_failure=self._settings.on_failure,
-            retries=self._settings.retries,
-            fps=self._settings.fps,
+            judge=lambda asked, before, after: self._judge(asked, before, after, background),
+            on_failure=self._options.on_failure,
+            retries=self._options.retries,
+            fps=self._options.fps,
         )
         done = run_episode(setting, self._chain, index)
         for name, picture in done.pictures.items():
@@ -172,8 +195,10 @@ class _Collection:
     def _judge(
         self, asked: Asked, before: Mapping[str, np.ndarray], after: Mapping[str, np.ndarray], background: np.ndarray
     ) -> Verdict:
-        question = critic_question(self._scene, self._bench, asked.text, asked.goals, before, after, background)
-        return self._bench.models.critic.judge(question)
+        question = self._context.critic_question(
+            self._scene, asked.text, asked.goals, before[TOP], after[TOP], background
+        )
+        return self._context.models.critic.judge(question)
 
     def _write(self, done: EpisodeRun, index: int, drawn: World, folder: Path) -> Episode:
         """Write the HDF5: with pictures when accepted, states alone when not."""
@@ -193,7 +218,7 @@ class _Collection:
             reason=done.reason,
             file=self._stage.inside(name) if frames else None,
             frames=frames,
-            fps=self._settings.fps,
+            fps=self._options.fps,
             subtasks=[segment.subtask for segment in done.segments],
             verdicts=[segment.verdict for segment in done.segments],
             attempts=len(done.attempts),
@@ -209,7 +234,7 @@ class _Collection:
             "reason": done.reason,
             "robot": self._scene.robot,
             "scene": self._scene.model_dump(mode="json", by_alias=True),
-            "providers": self._bench.models.providers("reasoner", "editor", "detector", "embedder", "critic"),
+            "providers": self._context.models.providers("reasoner", "editor", "detector", "embedder", "critic"),
             "versions": versions(),
         }
 

@@ -3,21 +3,26 @@
 from __future__ import annotations
 
 import shutil
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
+
+from tyro.conf import OmitArgPrefixes, arg
 
 from vcage.base.errors import MissingStage
 from vcage.base.files import RunFolder
+from vcage.base.options import POSITIVE, UNSAID
 from vcage.base.progress import Progress, silent
 from vcage.datasets.packing.clips import Clip
 from vcage.datasets.packing.dataset_search import search_data_set, stream_of
 from vcage.datasets.packing.records import compression_record
+from vcage.datasets.packing.settings import CompressionSettings
 from vcage.datasets.recordings.opening import open_hdf5
 from vcage.schema.base import Provenance
 from vcage.schema.compression import Compression
 from vcage.schema.episodes import Episode, Episodes
-from vcage.stages.context import Workbench
-from vcage.stages.settings import Settings
+from vcage.stages.context import StageContext
+from vcage.stages.options import StageOptions
 from vcage.stages.stage import Job, StageResult, stage_seed
 
 WORKING = "compress.working"
@@ -31,14 +36,25 @@ def accepted_episodes(run: RunFolder) -> list[Episode]:
     return [e for e in Episodes.read(run.episodes).episodes if e.accepted and e.file is not None]
 
 
-def job(run: RunFolder, settings: Settings, _bench: Workbench) -> Job:
+@dataclass(frozen=True, kw_only=True)
+class Options(StageOptions):
+    """How the videos are compressed."""
+
+    compression: Annotated[CompressionSettings, OmitArgPrefixes, arg(name="encoding and judging")] = field(
+        default_factory=CompressionSettings
+    )
+    workers: Annotated[int | None, POSITIVE, UNSAID] = None
+    """processes that compress (default: as many as cores and memory allow)"""
+
+
+def job(run: RunFolder, options: Options, _context: StageContext) -> Job:
     """What the stage has to do."""
     return Job(
         run=run,
         output=run.compression,
         inputs=[run.episodes, *(run.root / str(e.file) for e in accepted_episodes(run))],
-        seed=stage_seed(run, settings.seed),
-        options=settings.compression.options(),
+        seed=stage_seed(run, options.seed),
+        options=options.compression.options(),
     )
 
 
@@ -56,7 +72,7 @@ def summary(record: Compression) -> dict[str, Any]:
 
 
 def execute(
-    run: RunFolder, settings: Settings, bench: Workbench, progress: Progress = silent
+    run: RunFolder, options: Options, context: StageContext, progress: Progress = silent
 ) -> StageResult[Compression]:
     """Write ``compress/``: an MP4 per episode and camera, and ``compression.json``.
 
@@ -65,21 +81,21 @@ def execute(
         DamagedFile, SchemaMismatch: an episode cannot be read.
         MissingDependency: ColorVideoVDP or the encoder is missing.
     """
-    stage = job(run, settings, bench)
+    stage = job(run, options, context)
 
     def make(folder: Path, provenance: Provenance) -> Compression:
         clips, files = clips_of(run)
         videos = search_data_set(
-            clips, settings.compression, run.root / WORKING, workers=settings.workers, progress=progress
+            clips, options.compression, run.root / WORKING, workers=options.workers, progress=progress
         )
         streams = []
         for (name, _), video in videos.items():
             stream = stream_of(video)
             shutil.copyfile(video, folder / stream.file)
             streams.append(stream.model_copy(update={"episode": files[name], "file": stage.inside(stream.file)}))
-        return compression_record(provenance, settings.compression, streams)
+        return compression_record(provenance, options.compression, streams)
 
-    result = stage.do(Compression, make, force=settings.force)
+    result = stage.do(Compression, make, force=options.force)
     shutil.rmtree(run.root / WORKING, ignore_errors=True)  # not before the stage is whole: a search takes long
     return result
 

@@ -2,32 +2,37 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import cached_property
 
 import numpy as np
 
 from vcage.base.geometry import Pose
 from vcage.layout.placement.reach import GRASP_HEIGHTS, robot_reach
-from vcage.models.protocols import Models
+from vcage.models.protocols import CriticQuestion, Models
 from vcage.models.registry import DETECTORS, EMBEDDERS, build_models
 from vcage.objects.asset import Asset
 from vcage.objects.library import Library
 from vcage.objects.table_tops import table_texture
 from vcage.schema.asset import CatalogueEntry, PhysicalModel
 from vcage.schema.scene import ObjectRecord, Scene, Table, Workspace
+from vcage.schema.subtasks import Goal
 from vcage.sim.appearance import Appearance
 from vcage.sim.drawer import reference_view
 from vcage.sim.kinematics import ArmKinematics, kinematics_of
 from vcage.sim.robots import load_robot
 from vcage.tasks.scene_objects import SceneObject
+from vcage.vision.protocols import Reference, View
 from vcage.vision.symmetry import rotational_symmetry
+
+TOP = "top"
+"""Name of the scene's camera among the views that a critic gets."""
 
 METRES_PER_PIXEL = 0.0015
 """Scale of the reference pictures of assets; the top camera's is about the same."""
 
 
-class Workbench:
+class StageContext:
     """Shared by the stages of one process.
 
     Args:
@@ -99,3 +104,35 @@ class Workbench:
     def appearance(self, texture: str) -> Appearance:
         """The plain look of the scene: studio light and the table's own texture."""
         return Appearance(table_texture=table_texture(texture))
+
+    def critic_question(
+        self,
+        scene: Scene,
+        text: str,
+        goals: Sequence[Goal],
+        before: np.ndarray,
+        after: np.ndarray,
+        background: np.ndarray | None = None,
+    ) -> CriticQuestion:
+        """What the critic is asked about one sub-task.
+
+        Args:
+            scene: where it was done.
+            text, goals: the sub-task in words and in the closed vocabulary.
+            before, after: (H, W, 3) uint8 RGB of the scene's top camera, whose calibration every critic may rely on.
+            background: the same of the empty table.
+        """
+        camera = scene.top_camera.camera()
+        references = {}
+        for record in scene.objects:
+            x, y, z = (float(length) for length in self.asset(record).size)
+            references[record.id] = Reference(record.phrase, *self.reference(record), (x, y, z))
+        return CriticQuestion(
+            text=text,
+            goals=list(goals),
+            before={TOP: View(before, camera)},
+            after={TOP: View(after, camera)},
+            references=references,
+            table_height=scene.table.height,
+            background=background,
+        )

@@ -19,7 +19,7 @@ from vcage.stages.stage import Job, StageResult
 log = logging.getLogger(__name__)
 
 
-class Gathering:
+class EpisodeStore:
     """The folder in which episodes gather; whole after every episode.
 
     Args:
@@ -102,6 +102,11 @@ class Gathering:
             acceptance=acceptance(self._attempts),
             critic=confusion(self._attempts),
         )
+
+
+def background_name(episode: int) -> str:
+    """File, in the folder of the episodes, of an episode's picture of the empty table."""
+    return f"critic/e{episode:06d}-background-top.png"
 
 
 def read_log(folder: Path) -> list[Attempt]:

@@ -8,19 +8,20 @@ from __future__ import annotations
 import shutil
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 from vcage.base.errors import MissingStage, UsageError
 from vcage.base.files import RunFolder
+from vcage.base.options import POSITIVE, UNSAID, choice, several
 from vcage.base.progress import Progress, silent
 from vcage.datasets.lerobot.episode import LeRobotEpisode
 from vcage.datasets.lerobot.features import encodings
 from vcage.datasets.lerobot.formats import FORMATS, open_writer
 from vcage.datasets.packing.dataset_search import search_data_set, stream_of
 from vcage.datasets.packing.output import OutputSpec
-from vcage.datasets.packing.settings import AUTO, CompressionSettings
+from vcage.datasets.packing.settings import AUTO, CRF, CompressionSettings
 from vcage.datasets.packing.writing import lerobot_episode
 from vcage.datasets.reader import EpisodeReader
 from vcage.datasets.recordings.opening import open_hdf5
@@ -29,11 +30,16 @@ from vcage.schema.base import Provenance
 from vcage.schema.compression import Compression
 from vcage.schema.export import Export, ExportedDataset
 from vcage.stages.compress import accepted_episodes, clips_of
-from vcage.stages.context import Workbench
-from vcage.stages.settings import ROBOTWIN, Settings
+from vcage.stages.context import StageContext
+from vcage.stages.options import StageOptions
 from vcage.stages.stage import Job, StageResult, stage_seed
 from vcage.video.choices import LOSSLESS
 from vcage.video.encoders import CODECS
+
+ROBOTWIN = "robotwin"
+
+EXPORTS = (*FORMATS, ROBOTWIN)
+"""Formats that the stage writes."""
 
 WORKING = "export.working"
 """Folder of the run in which videos of another codec gather; an interrupted stage goes on there."""
@@ -52,7 +58,21 @@ class Footage:
     facts: Mapping[str, Mapping[str, Any]]
 
 
-def job(run: RunFolder, settings: Settings, _bench: Workbench) -> Job:
+@dataclass(frozen=True, kw_only=True)
+class Options(StageOptions):
+    """What is written."""
+
+    formats: Annotated[tuple[str, ...], several("{" + ",".join(EXPORTS) + "} ...", choices=EXPORTS)] = tuple(FORMATS)
+    """what to write"""
+    codec: Annotated[str | None, choice(tuple(CODECS)), UNSAID] = None
+    """of LeRobot's videos (default: as compressed)"""
+    crf: Annotated[int | None, CRF, UNSAID] = None
+    """of LeRobot's videos, instead of the one searched; or 'lossless'"""
+    workers: Annotated[int | None, POSITIVE, UNSAID] = None
+    """processes that encode (default: as cores and memory allow)"""
+
+
+def job(run: RunFolder, options: Options, _context: StageContext) -> Job:
     """What the stage has to do."""
     videos = []
     if run.compression.exists():
@@ -62,8 +82,8 @@ def job(run: RunFolder, settings: Settings, _bench: Workbench) -> Job:
         run=run,
         output=run.export,
         inputs=[run.episodes, run.compression, *episodes, *videos],
-        seed=stage_seed(run, settings.seed),
-        options={**asdict(settings.export), "formats": list(settings.export.formats)},  # as JSON has it
+        seed=stage_seed(run, options.seed),
+        options={"formats": list(options.formats), "codec": options.codec, "crf": options.crf},
     )
 
 
@@ -72,7 +92,9 @@ def summary(record: Export) -> dict[str, Any]:
     return {dataset.format: dataset.model_dump(exclude={"format"}) for dataset in record.datasets}
 
 
-def execute(run: RunFolder, settings: Settings, bench: Workbench, progress: Progress = silent) -> StageResult[Export]:
+def execute(
+    run: RunFolder, options: Options, context: StageContext, progress: Progress = silent
+) -> StageResult[Export]:
     """Write a folder for each format into ``export/``, and ``export/export.json``.
 
     Raises:
@@ -80,23 +102,23 @@ def execute(run: RunFolder, settings: Settings, bench: Workbench, progress: Prog
         DamagedFile, SchemaMismatch: an episode or a video cannot be read.
         UsageError: the codec asked for cannot stay under the loss that the compression allowed, or needs a CRF.
     """
-    stage = job(run, settings, bench)
+    stage = job(run, options, context)
 
     def make(folder: Path, provenance: Provenance) -> Export:
-        versions = [name for name in settings.export.formats if name in FORMATS]
+        versions = [name for name in options.formats if name in FORMATS]
         if versions:
-            _write_lerobot(run, versions, folder, find_footage(run, settings, progress), progress)
-        if ROBOTWIN in settings.export.formats:
+            _write_lerobot(run, versions, folder, find_footage(run, options, progress), progress)
+        if ROBOTWIN in options.formats:
             _write_robotwin(run, folder / ROBOTWIN, progress)
-        datasets = [_describe(run, name, folder / name, stage.inside(name)) for name in settings.export.formats]
+        datasets = [_describe(run, name, folder / name, stage.inside(name)) for name in options.formats]
         return Export(provenance=provenance, datasets=datasets)
 
-    result = stage.do(Export, make, force=settings.force)
+    result = stage.do(Export, make, force=options.force)
     shutil.rmtree(run.root / WORKING, ignore_errors=True)  # not before the stage is whole: a search takes long
     return result
 
 
-def find_footage(run: RunFolder, settings: Settings, progress: Progress = silent) -> Footage:
+def find_footage(run: RunFolder, options: Options, progress: Progress = silent) -> Footage:
     """The compressed videos; where another codec or CRF is asked for, others that are made now.
 
     Raises:
@@ -105,20 +127,20 @@ def find_footage(run: RunFolder, settings: Settings, progress: Progress = silent
             given, which tells nothing to another codec.
     """
     compression = Compression.read(run.compression)
-    wanted = _other_encoding(CompressionSettings(**compression.provenance.options), settings)
+    wanted = _other_encoding(CompressionSettings(**compression.provenance.options), options)
     if wanted is None:
         files = {(stream.episode, stream.camera): run.root / stream.file for stream in compression.streams}
         return Footage(files, encodings(compression.streams, compression.encoding.preset))
     clips, names = clips_of(run)
-    videos = search_data_set(clips, wanted, run.root / WORKING, workers=settings.workers, progress=progress)
+    videos = search_data_set(clips, wanted, run.root / WORKING, workers=options.workers, progress=progress)
     streams = [stream_of(video) for video in videos.values()]
     files = {(names[name], camera): video for (name, camera), video in videos.items()}
     return Footage(files, encodings(streams, wanted.choices().settings().preset))
 
 
-def _other_encoding(compressed: CompressionSettings, settings: Settings) -> CompressionSettings | None:
+def _other_encoding(compressed: CompressionSettings, options: Options) -> CompressionSettings | None:
     """How to encode again, or None where the compressed videos are what is asked for."""
-    codec, crf = settings.export.codec or compressed.codec, settings.export.crf
+    codec, crf = options.codec or compressed.codec, options.crf
     if codec == compressed.codec:
         return None if crf in (None, compressed.crf) else replace(compressed, crf=crf)
     if crf is None:

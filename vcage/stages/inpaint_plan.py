@@ -1,4 +1,11 @@
-"""Stage 2: plan the layout in words and relations, and draw it (paper, section III-A2)."""
+"""Plan the layout in words and relations, and draw it as a target picture.
+
+Reads place/. Writes inpaint/plan.json and inpaint/target.png.
+
+examples:
+  vcage inpaint-plan --run runs/stationery
+  vcage inpaint-plan --run runs/stationery --models gemini --force
+"""
 
 from __future__ import annotations
 
@@ -19,21 +26,24 @@ from vcage.plans.kept import relations_kept
 from vcage.schema.base import Provenance
 from vcage.schema.plan import Plan
 from vcage.schema.scene import Scene
-from vcage.stages.context import Workbench
+from vcage.stages.context import StageContext
 from vcage.stages.inputs import read_pictures
-from vcage.stages.settings import Settings
+from vcage.stages.options import ModelOptions
 from vcage.stages.stage import Job, StageResult, stage_seed
 
+Options = ModelOptions
+"""The stage has no options of its own."""
 
-def job(run: RunFolder, settings: Settings, bench: Workbench) -> Job:
+
+def job(run: RunFolder, options: Options, context: StageContext) -> Job:
     """What the stage has to do."""
     folder = run.scene.parent
     return Job(
         run=run,
         output=run.plan,
         inputs=[run.scene, folder / "source.png", folder / "background.png", folder / "segmentation.png"],
-        seed=stage_seed(run, settings.seed),
-        providers=bench.models.providers("reasoner", "editor"),
+        seed=stage_seed(run, options.seed),
+        providers=context.models.providers("reasoner", "editor"),
     )
 
 
@@ -42,7 +52,7 @@ def summary(record: Plan) -> dict[str, Any]:
     return {"text": record.text, "relations": len(record.relations), **record.checks, "notes": record.notes}
 
 
-def execute(run: RunFolder, settings: Settings, bench: Workbench, progress: Progress = silent) -> StageResult[Plan]:
+def execute(run: RunFolder, options: Options, context: StageContext, progress: Progress = silent) -> StageResult[Plan]:
     """Write ``inpaint/``: the plan L and the target picture.
 
     Raises:
@@ -50,14 +60,14 @@ def execute(run: RunFolder, settings: Settings, bench: Workbench, progress: Prog
             message lists the complaints), or the editor refuses.
         InfeasibleScene: the offline editor cannot show every object in the planned layout.
     """
-    stage = job(run, settings, bench)
+    stage = job(run, options, context)
 
     def make(folder: Path, provenance: Provenance) -> Plan:
         scene = Scene.read(run.scene)
         pictures = read_pictures(run, scene)
-        rooms = {o.id: room_of(bench.asset(o)) for o in scene.objects}
+        rooms = {o.id: room_of(context.asset(o)) for o in scene.objects}
         check = partial(plan_complaints, scene=scene, rooms=rooms)
-        plan = bench.models.reasoner.plan_layout(scene, bench.catalogue, stage.rng(), check)
+        plan = context.models.reasoner.plan_layout(scene, context.catalogue, stage.rng(), check)
         request = EditRequest(
             picture=pictures.source,
             background=pictures.background,
@@ -66,7 +76,7 @@ def execute(run: RunFolder, settings: Settings, bench: Workbench, progress: Prog
             plan=plan,
             rooms=rooms,
         )
-        write_picture(folder / "target.png", bench.models.editor.rearrange(request))
+        write_picture(folder / "target.png", context.models.editor.rearrange(request))
         return Plan(
             provenance=provenance,
             instruction=scene.instruction,
@@ -77,7 +87,7 @@ def execute(run: RunFolder, settings: Settings, bench: Workbench, progress: Prog
             notes=_notes(request),
         )
 
-    return stage.do(Plan, make, force=settings.force)
+    return stage.do(Plan, make, force=options.force)
 
 
 def _solvable(request: EditRequest) -> dict[str, Any]:

@@ -13,20 +13,20 @@ from vcage.plans.check import plan_complaints
 from vcage.schema.matches import Matches
 from vcage.schema.plan import LayoutPlan, Plan
 from vcage.schema.scene import Scene
-from vcage.stages.context import Workbench
+from vcage.stages.context import StageContext
 
 FARTHEST = 0.5
 """Metres beyond the table's edge up to which a matched position is one to be optimised, and not a damaged file."""
 
 
-def read_plan(run: RunFolder, scene: Scene, bench: Workbench) -> Plan:
+def read_plan(run: RunFolder, scene: Scene, context: StageContext) -> Plan:
     """``inpaint/plan.json``, which may have been edited since it was checked.
 
     Raises:
         InputFileError: it is not possible for the scene; lists the complaints.
     """
     plan = Plan.read(run.plan)
-    rooms = {o.id: room_of(bench.asset(o)) for o in scene.objects}
+    rooms = {o.id: room_of(context.asset(o)) for o in scene.objects}
     complaints = plan_complaints(LayoutPlan(text=plan.text, relations=plan.relations), scene, rooms)
     if complaints:
         raise InputFileError(

@@ -1,25 +1,39 @@
-"""Stage 3: find each object again in the target picture, and where that is in the world (paper, section III-A3)."""
+"""Find each object again in the target picture: position and rotation in the world.
+
+Reads place/ and inpaint/. Writes match/matches.json and match/overlay.png.
+
+examples:
+  vcage match --run runs/stationery
+  vcage match --run runs/stationery --threshold 0.7 --force
+  vcage match --run runs/stationery --detector grounding-dino --embedder dinov2:~/models/dinov2-small --force
+"""
 
 from __future__ import annotations
 
 import logging
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
+
+from tyro.conf import arg
 
 from vcage.base.files import RunFolder
 from vcage.base.geometry import Pose
+from vcage.base.options import between, value
 from vcage.base.pictures import read_picture, write_picture
 from vcage.base.progress import Progress, silent
 from vcage.matching.match import Looks, Recogniser, match_picture
 from vcage.matching.overlay import draw_overlay
+from vcage.models.registry import DETECTORS, EMBEDDERS, THRESHOLD, split_weights
 from vcage.plans.kept import Kept, relations_kept
 from vcage.schema.base import Box, Provenance, box_record
 from vcage.schema.matches import Match, Matches
 from vcage.schema.scene import Scene
 from vcage.sim.drawer import ModelDrawer
-from vcage.stages.context import Workbench
+from vcage.stages.context import StageContext
 from vcage.stages.inputs import read_pictures, read_plan
-from vcage.stages.settings import Settings
+from vcage.stages.options import ModelOptions
 from vcage.stages.stage import Job, StageResult, stage_seed
 
 logger = logging.getLogger(__name__)
@@ -28,7 +42,39 @@ PLAN_SHOWN = 0.7
 """A picture that shows less of the plan than this share does not look like a drawing of it."""
 
 
-def job(run: RunFolder, settings: Settings, bench: Workbench) -> Job:
+def one_of(role: str, names: Sequence[str]) -> Callable[[str], str]:
+    """A parser of one of the names with what comes after a colon; raises ValueError that lists the names."""
+
+    def parse(text: str) -> str:
+        if split_weights(text)[0] not in names:
+            raise ValueError(f"no {role} is called {text!r}; there are: {', '.join(names)}")
+        return text
+
+    return parse
+
+
+@dataclass(frozen=True, kw_only=True)
+class Options(ModelOptions):
+    """How objects are found and told apart."""
+
+    detector: Annotated[
+        str,
+        value(one_of("detector", DETECTORS), "NAME[:WEIGHTS]"),
+        arg(help=f"what finds objects in the target picture: {', '.join(DETECTORS)}; weights are a hub id or a folder"),
+    ] = DETECTORS[0]
+    embedder: Annotated[
+        str,
+        value(one_of("embedder", EMBEDDERS), "NAME[:WEIGHTS]"),
+        arg(help=f"what tells them apart: {', '.join(EMBEDDERS)}"),
+    ] = EMBEDDERS[0]
+    threshold: Annotated[float, between(0, 1, "τ")] = THRESHOLD
+    """smallest cosine similarity of a match that no label of the detector speaks for"""
+
+    def context(self) -> StageContext:
+        return StageContext(self.models, self.detector, self.embedder)
+
+
+def job(run: RunFolder, options: Options, context: StageContext) -> Job:
     """What the stage has to do."""
     return Job(
         run=run,
@@ -39,9 +85,9 @@ def job(run: RunFolder, settings: Settings, bench: Workbench) -> Job:
             run.plan,
             run.plan.parent / "target.png",
         ],
-        seed=stage_seed(run, settings.seed),
-        options={"threshold": settings.threshold},
-        providers=bench.models.providers("detector", "embedder"),
+        seed=stage_seed(run, options.seed),
+        options={"threshold": options.threshold},
+        providers=context.models.providers("detector", "embedder"),
     )
 
 
@@ -57,29 +103,31 @@ def summary(record: Matches) -> dict[str, Any]:
     }
 
 
-def execute(run: RunFolder, settings: Settings, bench: Workbench, progress: Progress = silent) -> StageResult[Matches]:
-    """Write ``match/``: the matches and an overlay picture."""
-    stage = job(run, settings, bench)
+def execute(
+    run: RunFolder, options: Options, context: StageContext, progress: Progress = silent
+) -> StageResult[Matches]:
+    """Write ``match/``: the matches and an overlay picture (paper, section III-A3)."""
+    stage = job(run, options, context)
 
     def make(folder: Path, provenance: Provenance) -> Matches:
         scene = Scene.read(run.scene)
-        plan = read_plan(run, scene, bench)
+        plan = read_plan(run, scene, context)
         found = match_picture(
             scene,
             plan,
             read_pictures(run, scene),
             read_picture(run.root / plan.target),
-            Recogniser(bench.models.detector, bench.models.embedder, settings.threshold),
-            Looks({o.id: bench.symmetry(o) for o in scene.objects}, ModelDrawer(bench.physical_models(scene))),
+            Recogniser(context.models.detector, context.models.embedder, options.threshold),
+            Looks({o.id: context.symmetry(o) for o in scene.objects}, ModelDrawer(context.physical_models(scene))),
         )
-        shown = relations_kept(plan.relations, _boxes(scene, found.matches, bench), scene.table)
+        shown = relations_kept(plan.relations, _boxes(scene, found.matches, context), scene.table)
         notes = found.notes + _doubts(found.matches, shown)
         for note in notes:
             logger.warning("%s", note)
         write_picture(folder / "overlay.png", draw_overlay(found.picture, scene, found.matches, found.unclaimed))
         return Matches(
             provenance=provenance,
-            threshold=settings.threshold,
+            threshold=options.threshold,
             matches=found.matches,
             unclaimed=found.unclaimed,
             overlay=stage.inside("overlay.png"),
@@ -87,16 +135,16 @@ def execute(run: RunFolder, settings: Settings, bench: Workbench, progress: Prog
             checks={"relations_shown": round(shown.share, 4), "relations_not_shown": shown.sentences},
         )
 
-    return stage.do(Matches, make, force=settings.force)
+    return stage.do(Matches, make, force=options.force)
 
 
-def _boxes(scene: Scene, matches: list[Match], bench: Workbench) -> dict[str, Box]:
+def _boxes(scene: Scene, matches: list[Match], context: StageContext) -> dict[str, Box]:
     """World boxes of the objects where they were matched, by id."""
     boxes = {}
     for m in matches:
         record = scene.object(m.object)
         pose = Pose.from_yaw([*m.position, record.pose.position[2]], m.yaw)
-        boxes[m.object] = box_record(bench.asset(record).bounds, pose)
+        boxes[m.object] = box_record(context.asset(record).bounds, pose)
     return boxes
 
 

@@ -1,21 +1,31 @@
-"""Stage 4: the nearest collision-free layout, rebuilt in the simulator (paper, section III-A4)."""
+"""Find the nearest layout without collisions, rebuild it in the simulator and let it settle.
+
+Reads place/, inpaint/ and match/. Writes optimize/scene.json and optimize/layout.png.
+
+examples:
+  vcage optimize --run runs/stationery
+  vcage optimize --run runs/stationery --margin 0.05 --force
+  vcage optimize --run runs/stationery --weights displacement=5,relation=0 --force
+"""
 
 from __future__ import annotations
 
 import logging
 from collections.abc import Mapping
-from dataclasses import asdict
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 
 from vcage.base.errors import InfeasibleScene
 from vcage.base.files import RunFolder
 from vcage.base.geometry import Pose, wrap_angle
+from vcage.base.options import NATURAL, between, number_between, value
 from vcage.base.pictures import write_picture
 from vcage.base.progress import Progress, silent
 from vcage.layout.capacities import opening_for
+from vcage.layout.cost import Weights
 from vcage.layout.items import FRONT_YAWS, TableItem, table_item
 from vcage.layout.optimize import LayoutResult, displacement_summary, optimize_layout
 from vcage.layout.picture import Footprint, draw_layout
@@ -27,9 +37,9 @@ from vcage.schema.plan import TABLE, Plan
 from vcage.schema.scene import ObjectRecord, Scene
 from vcage.sim.cameras import shoot
 from vcage.sim.world import World
-from vcage.stages.context import Workbench
+from vcage.stages.context import StageContext
 from vcage.stages.inputs import read_matches, read_plan
-from vcage.stages.settings import Settings
+from vcage.stages.options import StageOptions
 from vcage.stages.stability import moved_objects, settle_checks
 from vcage.stages.stage import Job, StageResult, stage_seed
 from vcage.tasks.scene_objects import SceneObject
@@ -37,14 +47,51 @@ from vcage.tasks.scene_objects import SceneObject
 logger = logging.getLogger(__name__)
 
 
-def job(run: RunFolder, settings: Settings, _bench: Workbench) -> Job:
+MOST_WEIGHT = 1e6
+"""Beyond it the optimiser's own precision would be the result."""
+
+
+def layout_weights(text: str) -> Weights:
+    """``collision=1000,relation=0`` as weights; a term that is not named keeps its default.
+
+    Raises:
+        ValueError: there is no such term, or its weight is no number from 0 to :data:`MOST_WEIGHT`.
+    """
+    known = asdict(Weights())
+    chosen: dict[str, float] = {}
+    for part in text.split(","):
+        name, _, weight = part.strip().partition("=")
+        if name not in known:
+            raise ValueError(f"no term is called {name!r}; there are: {', '.join(known)}")
+        chosen[name] = number_between(0, MOST_WEIGHT)(weight)
+    return replace(Weights(), **chosen)
+
+
+def spelled(weights: Weights) -> str:
+    """Weights as :func:`layout_weights` reads them."""
+    return ",".join(f"{name}={weight:g}" for name, weight in asdict(weights).items())
+
+
+@dataclass(frozen=True, kw_only=True)
+class Options(StageOptions):
+    """How the layout is optimised."""
+
+    margin: Annotated[float, between(0, 0.5, "δ")] = 0.045
+    """gap between two objects, metres: room for an open finger between any two, and a little for what settles"""
+    restarts: Annotated[int, NATURAL] = 6
+    """random restarts of the optimiser"""
+    weights: Annotated[Weights, value(layout_weights, "TERM=λ,…", show=spelled)] = field(default_factory=Weights)
+    """weights of the cost's terms; only their ratios matter, and a term that is not named keeps its default"""
+
+
+def job(run: RunFolder, options: Options, _context: StageContext) -> Job:
     """What the stage has to do."""
     return Job(
         run=run,
         output=run.layout,
         inputs=[run.scene, run.plan, run.matches],
-        seed=stage_seed(run, settings.seed),
-        options={"margin": settings.margin, "restarts": settings.restarts, "weights": asdict(settings.weights)},
+        seed=stage_seed(run, options.seed),
+        options={"margin": options.margin, "restarts": options.restarts, "weights": asdict(options.weights)},
     )
 
 
@@ -53,34 +100,36 @@ def summary(record: Scene) -> dict[str, Any]:
     return dict(record.checks)
 
 
-def execute(run: RunFolder, settings: Settings, bench: Workbench, progress: Progress = silent) -> StageResult[Scene]:
+def execute(run: RunFolder, options: Options, context: StageContext, progress: Progress = silent) -> StageResult[Scene]:
     """Write ``optimize/``: S*, a plan drawing of before and after, and the settled scene from above.
+
+    Paper, section III-A4.
 
     Raises:
         InfeasibleScene: no collision-free layout was found, or the objects do not stay put in it.
     """
-    stage = job(run, settings, bench)
+    stage = job(run, options, context)
 
     def make(folder: Path, provenance: Provenance) -> Scene:
         scene = Scene.read(run.scene)
-        plan, matches = read_plan(run, scene, bench), read_matches(run, scene)
-        objects = bench.objects(scene)
-        yaws = {m.object: _heading(scene.object(m.object), m.yaw, bench) for m in matches.matches}
+        plan, matches = read_plan(run, scene, context), read_matches(run, scene)
+        objects = context.objects(scene)
+        yaws = {m.object: _heading(scene.object(m.object), m.yaw, context) for m in matches.matches}
         result = optimize_layout(
-            _items(objects, matches, yaws, plan, bench.reach(scene.robot, scene.workspace, scene.table)),
+            _items(objects, matches, yaws, plan, context.reach(scene.robot, scene.workspace, scene.table)),
             np.array([scene.workspace.lower, scene.workspace.upper]),
             stage.rng(),
             table_height=scene.table.height,
-            weights=settings.weights,
-            margin=settings.margin,
-            restarts=settings.restarts,
+            weights=options.weights,
+            margin=options.margin,
+            restarts=options.restarts,
             relations=plan.relations,
             table=scene.table,
         )
         poses = {key: Pose.from_yaw(position, yaws[key]) for key, position in result.positions.items()}
         targets = {m.object: Pose.from_yaw([*m.position, scene.table.height], m.yaw) for m in matches.matches}
-        write_picture(folder / "layout.png", _drawing(scene, bench, targets, poses))
-        settled = _rebuild(_with_poses(scene, bench, poses, result), bench, folder)
+        write_picture(folder / "layout.png", _drawing(scene, context, targets, poses))
+        settled = _rebuild(_with_poses(scene, context, poses, result), context, folder)
         kept = relations_kept_in(settled, plan.relations)
         if kept.broken:
             logger.warning("the layout keeps %.0f %% of the plan: not %s", 100 * kept.share, ", ".join(kept.sentences))
@@ -101,12 +150,12 @@ def execute(run: RunFolder, settings: Settings, bench: Workbench, progress: Prog
             update={"provenance": provenance, "checks": checks, "pictures": {"top": stage.inside("top.png")}}
         )
 
-    return stage.do(Scene, make, force=settings.force)
+    return stage.do(Scene, make, force=options.force)
 
 
-def _heading(record: ObjectRecord, yaw: float, bench: Workbench) -> float:
+def _heading(record: ObjectRecord, yaw: float, context: StageContext) -> float:
     """The heading that was matched; what opens at its front is turned back until that faces the robot."""
-    asset = bench.asset(record)
+    asset = context.asset(record)
     if not asset.articulated:
         return yaw
     turned = float(np.clip(wrap_angle(yaw), min(FRONT_YAWS), max(FRONT_YAWS)))
@@ -139,22 +188,24 @@ def _items(
     return items
 
 
-def _with_poses(scene: Scene, bench: Workbench, poses: dict[str, Pose], result: LayoutResult | None = None) -> Scene:
+def _with_poses(
+    scene: Scene, context: StageContext, poses: dict[str, Pose], result: LayoutResult | None = None
+) -> Scene:
     """The scene with its objects at other poses, and in the containers that the optimisation found."""
-    records = [_moved(o, bench, poses[o.id]) for o in scene.objects]
+    records = [_moved(o, context, poses[o.id]) for o in scene.objects]
     if result is not None:
         records = [o.model_copy(update={"container": result.containers[o.id]}) for o in records]
     return scene.model_copy(update={"objects": records, "segmentation_ids": {}, "checks": {}})
 
 
-def _moved(o: ObjectRecord, bench: Workbench, pose: Pose) -> ObjectRecord:
-    return o.model_copy(update={"pose": PoseRecord.of(pose), "aabb": box_record(bench.asset(o).bounds, pose)})
+def _moved(o: ObjectRecord, context: StageContext, pose: Pose) -> ObjectRecord:
+    return o.model_copy(update={"pose": PoseRecord.of(pose), "aabb": box_record(context.asset(o).bounds, pose)})
 
 
-def _rebuild(scene: Scene, bench: Workbench, folder: Path) -> Scene:
+def _rebuild(scene: Scene, context: StageContext, folder: Path) -> Scene:
     """Build the layout in the simulator, prove that it stays put, and photograph it."""
-    look = bench.appearance(scene.table.texture)
-    world = World.of_scene(scene, bench.physical_models(scene), appearance=look, render=True)
+    look = context.appearance(scene.table.texture)
+    world = World.of_scene(scene, context.physical_models(scene), appearance=look, render=True)
     report = world.settle()
     moved = moved_objects(report)
     if moved or not report.settled:
@@ -164,12 +215,12 @@ def _rebuild(scene: Scene, bench: Workbench, folder: Path) -> Scene:
             details={"objects": moved, "drift_mm": {k: round(1000 * v, 2) for k, v in report.drift_m.items()}},
         )
     write_picture(folder / "top.png", shoot(world, scene.top_camera))
-    return _with_poses(scene, bench, world.object_poses()).model_copy(update={"checks": settle_checks(report)})
+    return _with_poses(scene, context, world.object_poses()).model_copy(update={"checks": settle_checks(report)})
 
 
-def _drawing(scene: Scene, bench: Workbench, before: dict[str, Pose], after: dict[str, Pose]) -> np.ndarray:
-    plans = ([_footprint(o) for o in bench.objects(scene, poses)] for poses in (before, after))
-    return draw_layout(*plans, scene.workspace, scene.table)
+def _drawing(scene: Scene, context: StageContext, before: dict[str, Pose], after: dict[str, Pose]) -> np.ndarray:
+    was, becomes = ([_footprint(o) for o in context.objects(scene, poses)] for poses in (before, after))
+    return draw_layout(was, becomes, scene.workspace, scene.table)
 
 
 def _footprint(o: SceneObject) -> Footprint:

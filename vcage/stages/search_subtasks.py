@@ -1,4 +1,11 @@
-"""Stage 5: the sub-tasks that are sensible and feasible, a script for each, and the chain for the instruction."""
+"""Search for sub-tasks that are sensible and proven feasible, and chain them for the instruction.
+
+Reads optimize/scene.json. Writes subtasks/subtasks.json (kept and refused) and one script per kept sub-task.
+
+examples:
+  vcage search-subtasks --run runs/stationery
+  python runs/stationery/subtasks/marker_black-into-packaging_box.py --episodes 2 --out runs/one
+"""
 
 from __future__ import annotations
 
@@ -10,22 +17,25 @@ from vcage.base.progress import Progress, silent
 from vcage.schema.base import Provenance
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Subtasks
-from vcage.stages.context import Workbench
-from vcage.stages.settings import Settings
+from vcage.stages.context import StageContext
+from vcage.stages.options import ModelOptions
 from vcage.stages.stage import Job, StageResult, stage_seed
 from vcage.tasks.search import compose, search
 from vcage.tasks.slots import slots_for_chain
 from vcage.tasks.synthesis import write_script
 
+Options = ModelOptions
+"""The stage has no options of its own."""
 
-def job(run: RunFolder, settings: Settings, bench: Workbench) -> Job:
+
+def job(run: RunFolder, options: Options, context: StageContext) -> Job:
     """What the stage has to do."""
     return Job(
         run=run,
         output=run.subtasks,
         inputs=[run.layout],
-        seed=stage_seed(run, settings.seed),
-        providers=bench.models.providers("reasoner"),
+        seed=stage_seed(run, options.seed),
+        providers=context.models.providers("reasoner"),
     )
 
 
@@ -39,19 +49,21 @@ def summary(record: Subtasks) -> dict[str, Any]:
     }
 
 
-def execute(run: RunFolder, settings: Settings, bench: Workbench, progress: Progress = silent) -> StageResult[Subtasks]:
+def execute(
+    run: RunFolder, options: Options, context: StageContext, progress: Progress = silent
+) -> StageResult[Subtasks]:
     """Write ``subtasks/``: what was kept and refused, one runnable script per kept sub-task, the chain.
 
     Raises:
         NoFeasibleTask: no chain of kept sub-tasks fulfils the instruction; says why.
         InfeasibleScene: what the chain moves into one receptacle does not fit together.
     """
-    stage = job(run, settings, bench)
+    stage = job(run, options, context)
 
     def make(folder: Path, provenance: Provenance) -> Subtasks:
         scene, rng = Scene.read(run.layout), stage.rng()
-        objects, reasoner = bench.objects(scene), bench.models.reasoner
-        found = search(objects, bench.kinematics(scene.robot), reasoner.judge_pairs, scene.table.height, rng)
+        objects, reasoner = context.objects(scene), context.models.reasoner
+        found = search(objects, context.kinematics(scene.robot), reasoner.judge_pairs, scene.table.height, rng)
         chain = compose(scene.instruction, found.kept, found.refused, objects, reasoner.compose_chain)
         by_id = {subtask.id: subtask for subtask in found.kept}
         slots_for_chain([by_id[i] for i in chain], objects, rng)
@@ -66,4 +78,4 @@ def execute(run: RunFolder, settings: Settings, bench: Workbench, progress: Prog
             chain=chain,
         )
 
-    return stage.do(Subtasks, make, force=settings.force)
+    return stage.do(Subtasks, make, force=options.force)

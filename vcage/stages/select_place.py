@@ -1,16 +1,25 @@
-"""Stage 1: choose the objects, place them without collision, prove that they stay put, take the pictures."""
+"""Choose the objects for an instruction, and place them on the table without collision.
+
+Writes place/scene.json (objects, poses, camera), source.png, background.png and segmentation.png.
+
+examples:
+  vcage select-place "Pack the marker pens and the eraser into the box" --out runs/stationery
+  vcage select-place "Put the blocks on the plate" --out runs/blocks --seed 7 --force
+"""
 
 from __future__ import annotations
 
 import logging
 import unicodedata
 from collections.abc import Mapping
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import cv2
 import numpy as np
+from tyro.conf import Positional, arg
 
 from vcage.base.errors import InfeasibleScene, UsageError
 from vcage.base.files import RunFolder
@@ -30,8 +39,8 @@ from vcage.schema.scene import ObjectRecord, Scene, SceneTemplate
 from vcage.sim.cameras import observe, shoot
 from vcage.sim.robots import load_template
 from vcage.sim.world import World
-from vcage.stages.context import Workbench
-from vcage.stages.settings import Settings
+from vcage.stages.context import StageContext
+from vcage.stages.options import ModelOptions
 from vcage.stages.stability import moved_objects, settle_checks
 from vcage.stages.stage import Job, StageResult
 
@@ -50,13 +59,23 @@ TRIES = 5
 """Placements that are drawn before a scene whose objects do not stay put is given up."""
 
 
-def job(run: RunFolder, settings: Settings, bench: Workbench) -> Job:
+@dataclass(frozen=True, kw_only=True)
+class Options(ModelOptions):
+    """What begins a run."""
+
+    instruction: Annotated[str, Positional, arg(metavar="instruction")]
+    """the task in plain language, in quotes"""
+    template: Annotated[str, arg(name="scene", metavar="TEMPLATE")] = "table"
+    """the scene template"""
+
+
+def job(run: RunFolder, options: Options, context: StageContext) -> Job:
     """What the stage has to do.
 
     Raises:
         UsageError: there is no instruction, or it is too long or no text.
     """
-    instruction = " ".join((settings.instruction or "").split())
+    instruction = " ".join(options.instruction.split())
     if not instruction:
         raise UsageError("the instruction is empty", hint='give it in quotes: "Put the blocks on the plate"')
     if len(instruction) > LONGEST_INSTRUCTION:
@@ -72,9 +91,9 @@ def job(run: RunFolder, settings: Settings, bench: Workbench) -> Job:
     return Job(
         run=run,
         output=run.scene,
-        seed=settings.seed or 0,
-        options={"instruction": instruction, "template": settings.template},
-        providers=bench.models.providers("reasoner"),
+        seed=options.seed or 0,
+        options={"instruction": instruction, "template": options.template},
+        providers=context.models.providers("reasoner"),
     )
 
 
@@ -83,7 +102,7 @@ def summary(record: Scene) -> dict[str, Any]:
     return {"objects": [o.id for o in record.objects], **record.checks}
 
 
-def execute(run: RunFolder, settings: Settings, bench: Workbench, progress: Progress = silent) -> StageResult[Scene]:
+def execute(run: RunFolder, options: Options, context: StageContext, progress: Progress = silent) -> StageResult[Scene]:
     """Write ``place/``: M, the top view, the empty table, the segmentation.
 
     Raises:
@@ -91,25 +110,25 @@ def execute(run: RunFolder, settings: Settings, bench: Workbench, progress: Prog
         ModelRefused: the reasoner was told what is wrong with its selection and found no better one in its rounds.
         InfeasibleScene: the objects have no place, or do not stay where they are put.
     """
-    stage = job(run, settings, bench)
+    stage = job(run, options, context)
 
     def make(folder: Path, provenance: Provenance) -> Scene:
         rng = stage.rng()
-        template = load_template(settings.template)
+        template = load_template(options.template)
         instruction = stage.options["instruction"]
-        check = partial(validate_selection, entries=bench.catalogue)
-        selection = bench.models.reasoner.select_assets(instruction, bench.catalogue, rng, check)
-        objects = name_objects(selection, bench.catalogue)
-        objects, crowded = with_room(objects, {o.id: room_of(_asset(o, bench)) for o in objects})
+        check = partial(validate_selection, entries=context.catalogue)
+        selection = context.models.reasoner.select_assets(instruction, context.catalogue, rng, check)
+        objects = name_objects(selection, context.catalogue)
+        objects, crowded = with_room(objects, {o.id: room_of(_asset(o, context)) for o in objects})
         notes = [*selection.notes, *crowded]
         for note in notes:
             logger.warning("%s", note)
         scene = _empty_scene(template, instruction, provenance, stage)
-        placed = _place_until_stable(scene, objects, template, bench, rng)
+        placed = _place_until_stable(scene, objects, template, context, rng)
         noted = placed.model_copy(update={"checks": {**placed.checks, "notes": notes}})
-        return _photograph(noted, bench, folder)
+        return _photograph(noted, context, folder)
 
-    return stage.do(Scene, make, force=settings.force)
+    return stage.do(Scene, make, force=options.force)
 
 
 def _empty_scene(template: SceneTemplate, instruction: str, provenance: Provenance, stage: Job) -> dict:
@@ -127,24 +146,24 @@ def _empty_scene(template: SceneTemplate, instruction: str, provenance: Provenan
 
 
 def _place_until_stable(
-    fields: dict, objects: list[NamedObject], template: SceneTemplate, bench: Workbench, rng: np.random.Generator
+    fields: dict, objects: list[NamedObject], template: SceneTemplate, context: StageContext, rng: np.random.Generator
 ) -> Scene:
     """Draw placements until one stays put in the simulator; its settled poses are what M records."""
     workspace = np.array([template.workspace.lower, template.workspace.upper])
-    items = _place_items(objects, template, bench)
+    items = _place_items(objects, template, context)
     height = template.table.height
     worst: list[str] = []
     for attempt in range(1, TRIES + 1):
         spots = place(items, workspace, rng, margin=MARGIN)
         poses = {item.id: item.pose(spots[item.id], height + spots[item.id].z) for item in items}
-        scene = Scene(**fields, objects=[_record(o, poses[o.id], bench) for o in objects])
-        world = World.of_scene(scene, bench.physical_models(scene))
+        scene = Scene(**fields, objects=[_record(o, poses[o.id], context) for o in objects])
+        world = World.of_scene(scene, context.physical_models(scene))
         report = world.settle()
         worst = moved_objects(report)
         if report.settled and not worst:
             poses = world.object_poses()
             checks = {**settle_checks(report), "placements": attempt}
-            return Scene(**fields, objects=[_record(o, poses[o.id], bench) for o in objects], checks=checks)
+            return Scene(**fields, objects=[_record(o, poses[o.id], context) for o in objects], checks=checks)
     raise InfeasibleScene(
         f"{', '.join(worst) or 'the objects'} did not stay where they were put in {TRIES} placements",
         hint="check their collision hulls, or leave them out",
@@ -152,21 +171,21 @@ def _place_until_stable(
     )
 
 
-def _place_items(objects: list[NamedObject], template: SceneTemplate, bench: Workbench) -> list[TableItem]:
+def _place_items(objects: list[NamedObject], template: SceneTemplate, context: StageContext) -> list[TableItem]:
     """What the placement needs of each object; what a task carries or fills must be where an arm reaches."""
-    reach = bench.reach(template.robot, template.workspace, template.table)
-    openings = _openings(objects, bench)
-    return [_place_item(o, objects, openings, template, reach, bench) for o in objects]
+    reach = context.reach(template.robot, template.workspace, template.table)
+    openings = _openings(objects, context)
+    return [_place_item(o, objects, openings, template, reach, context) for o in objects]
 
 
-def _openings(objects: list[NamedObject], bench: Workbench) -> dict[str, Opening]:
+def _openings(objects: list[NamedObject], context: StageContext) -> dict[str, Opening]:
     """The room of each object that others start in, in its own frame, by its id."""
     contents: dict[str, list[Asset]] = {}
     for o in objects:
         if o.starts_in is not None:
-            contents.setdefault(o.starts_in, []).append(_asset(o, bench))
+            contents.setdefault(o.starts_in, []).append(_asset(o, context))
     holders = [o for o in objects if o.id in contents]
-    return {o.id: opening for o in holders if (opening := opening_for(_asset(o, bench), contents[o.id])) is not None}
+    return {o.id: opening for o in holders if (opening := opening_for(_asset(o, context), contents[o.id])) is not None}
 
 
 def _lift(o: NamedObject, objects: list[NamedObject], openings: Mapping[str, Opening]) -> float:
@@ -181,9 +200,9 @@ def _place_item(
     openings: Mapping[str, Opening],
     template: SceneTemplate,
     reach: np.ndarray,
-    bench: Workbench,
+    context: StageContext,
 ) -> TableItem:
-    asset = _asset(o, bench)
+    asset = _asset(o, context)
     bounds = np.array([template.workspace.lower, template.workspace.upper])
     support = template.table.height + _lift(o, objects, openings)
     seen = view_rectangles(template.top_camera.camera(), support, float(asset.size[2]), bounds, BORDER)
@@ -197,11 +216,11 @@ def _place_item(
     )
 
 
-def _asset(o: NamedObject, bench: Workbench) -> Asset:
-    return bench.library.asset(o.asset, o.variant)
+def _asset(o: NamedObject, context: StageContext) -> Asset:
+    return context.library.asset(o.asset, o.variant)
 
 
-def _record(o: NamedObject, pose: Pose, bench: Workbench) -> ObjectRecord:
+def _record(o: NamedObject, pose: Pose, context: StageContext) -> ObjectRecord:
     return ObjectRecord(
         id=o.id,
         asset=o.asset,
@@ -209,15 +228,15 @@ def _record(o: NamedObject, pose: Pose, bench: Workbench) -> ObjectRecord:
         phrase=o.phrase,
         role=o.role,
         pose=PoseRecord.of(pose),
-        aabb=box_record(_asset(o, bench).bounds, pose),
+        aabb=box_record(_asset(o, context).bounds, pose),
         container=o.starts_in,
     )
 
 
-def _photograph(scene: Scene, bench: Workbench, folder: Path) -> Scene:
+def _photograph(scene: Scene, context: StageContext, folder: Path) -> Scene:
     """Write the pictures of the scene, and note what the segmentation's values mean."""
-    look = bench.appearance(scene.table.texture)
-    world = World.of_scene(scene, bench.physical_models(scene), appearance=look, render=True)
+    look = context.appearance(scene.table.texture)
+    world = World.of_scene(scene, context.physical_models(scene), appearance=look, render=True)
     shot = observe(world, scene.top_camera)
     empty = World(scene.table, {}, appearance=look, render=True)
     write_picture(folder / "source.png", shot.picture)

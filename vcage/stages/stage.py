@@ -9,8 +9,9 @@ from __future__ import annotations
 
 import contextlib
 import logging
+import time
 import zlib
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Generic, TypeVar
@@ -18,7 +19,7 @@ from typing import Any, Generic, TypeVar
 import numpy as np
 
 from vcage.base.errors import InputFileError, MissingStage, OutputFolderError, StaleStage
-from vcage.base.files import RunFolder, atomic_folder, recover, sha256_file
+from vcage.base.files import RunFolder, atomic_folder, read_json, recover, sha256_file, write_json
 from vcage.base.keeper import Keeper
 from vcage.schema.base import Provenance, StageDocument
 from vcage.schema.scene import Scene
@@ -191,3 +192,29 @@ def stage_seed(run: RunFolder, seed: int | None) -> int:
             details={"missing": str(run.scene), "stage": "select_place"},
         )
     return Scene.read(scenes[0]).provenance.seed
+
+
+# --- how long stages took: apart from their own files, which are the same for the same seed ---------------
+
+
+@contextlib.contextmanager
+def timed(run: RunFolder, stage: str) -> Iterator[None]:
+    """Note the wall time of the block in ``timings.json``, beside those of the other stages.
+
+    Nothing is noted when the block fails or takes less than a tenth of a second (the stage was finished before).
+    """
+    start = time.perf_counter()
+    yield
+    seconds = time.perf_counter() - start
+    if seconds > 0.1 and run.root.is_dir():
+        recover(run.timings)
+        write_json(run.timings, {**read_timings(run), stage: round(seconds, 2)})
+
+
+def read_timings(run: RunFolder) -> dict[str, float]:
+    """Seconds by stage; empty when nothing was timed or the file is damaged (it is a by-product)."""
+    try:
+        timings = read_json(run.timings)
+    except InputFileError:
+        return {}
+    return timings if isinstance(timings, dict) else {}

@@ -15,20 +15,23 @@ from vcage.schema.base import Provenance
 from vcage.schema.episodes import Episode, Episodes, SingleVerdict, Verdict, Verdicts
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Subtask, Subtasks
-from vcage.stages.context import Workbench
-from vcage.stages.critic_question import TOP, background_name, critic_question
-from vcage.stages.settings import Settings
+from vcage.stages.context import StageContext
+from vcage.stages.episode_store import background_name
+from vcage.stages.options import ModelOptions
 from vcage.stages.stage import Job, StageResult, stage_seed
 
+Options = ModelOptions
+"""The stage has no options of its own."""
 
-def job(run: RunFolder, settings: Settings, bench: Workbench) -> Job:
+
+def job(run: RunFolder, options: Options, context: StageContext) -> Job:
     """What the stage has to do."""
     return Job(
         run=run,
         output=run.verdicts,
         inputs=[run.layout, run.subtasks, run.episodes],
-        seed=stage_seed(run, settings.seed),
-        providers=bench.models.providers("critic"),
+        seed=stage_seed(run, options.seed),
+        providers=context.models.providers("critic"),
     )
 
 
@@ -38,9 +41,11 @@ def summary(record: Verdicts) -> dict[str, Any]:
     return {"episodes": len(record.episodes), "verified": verified}
 
 
-def execute(run: RunFolder, settings: Settings, bench: Workbench, progress: Progress = silent) -> StageResult[Verdicts]:
+def execute(
+    run: RunFolder, options: Options, context: StageContext, progress: Progress = silent
+) -> StageResult[Verdicts]:
     """Write ``verify/verdicts.json``: one verdict per sub-task of every accepted episode, from the pictures kept."""
-    stage = job(run, settings, bench)
+    stage = job(run, options, context)
 
     def make(_folder: Path, provenance: Provenance) -> Verdicts:
         scene = Scene.read(run.layout)
@@ -49,26 +54,26 @@ def execute(run: RunFolder, settings: Settings, bench: Workbench, progress: Prog
         judged = {}
         for number, episode in enumerate(accepted):
             progress(f"episode {episode.index}", number, len(accepted))
-            judged[episode.file or f"episode {episode.index}"] = _judge_episode(run, scene, bench, episode, subtasks)
+            judged[episode.file or f"episode {episode.index}"] = _judge_episode(run, scene, context, episode, subtasks)
         return Verdicts(provenance=provenance, episodes=judged)
 
-    return stage.do(Verdicts, make, force=settings.force)
+    return stage.do(Verdicts, make, force=options.force)
 
 
 def _judge_episode(
-    run: RunFolder, scene: Scene, bench: Workbench, episode: Episode, subtasks: dict[str, Subtask]
+    run: RunFolder, scene: Scene, context: StageContext, episode: Episode, subtasks: dict[str, Subtask]
 ) -> list[Verdict]:
     verdicts = []
     for name, earlier in zip(episode.subtasks, episode.verdicts, strict=True):
         before, after = (run.episodes.parent / picture for picture in earlier.pictures[:2])
         empty = read_picture(run.episodes.parent / background_name(episode.index))
-        verdict = _judge(scene, bench, subtasks[name], before, after, empty)
+        verdict = _judge(scene, context, subtasks[name], before, after, empty)
         pictures = [f"../{run.episodes.parent.name}/{picture}" for picture in earlier.pictures]
         verdicts.append(verdict.model_copy(update={"pictures": pictures}))
     return verdicts
 
 
-def judge_pair(run: RunFolder, bench: Workbench, subtask_id: str, before: Path, after: Path) -> SingleVerdict:
+def judge_pair(run: RunFolder, context: StageContext, subtask_id: str, before: Path, after: Path) -> SingleVerdict:
     """A verdict about two pictures from the run's top camera.
 
     Raises:
@@ -83,7 +88,7 @@ def judge_pair(run: RunFolder, bench: Workbench, subtask_id: str, before: Path, 
     if subtask_id not in kept:
         raise UnknownName("sub-task", subtask_id, kept)
     subtask = kept[subtask_id]
-    verdict = _judge(Scene.read(run.layout), bench, subtask, before, after)
+    verdict = _judge(Scene.read(run.layout), context, subtask, before, after)
     pictures = [str(before), str(after)]
     return SingleVerdict(text=subtask.text, verdict=verdict.model_copy(update={"pictures": pictures}))
 
@@ -101,7 +106,14 @@ def _view(path: Path, scene: Scene) -> np.ndarray:
 
 
 def _judge(
-    scene: Scene, bench: Workbench, subtask: Subtask, before: Path, after: Path, background: np.ndarray | None = None
+    scene: Scene,
+    context: StageContext,
+    subtask: Subtask,
+    before: Path,
+    after: Path,
+    background: np.ndarray | None = None,
 ) -> Verdict:
-    views = [{TOP: _view(path, scene)} for path in (before, after)]
-    return bench.models.critic.judge(critic_question(scene, bench, subtask.text, subtask.goals, *views, background))
+    views = (_view(path, scene) for path in (before, after))
+    return context.models.critic.judge(
+        context.critic_question(scene, subtask.text, subtask.goals, *views, background=background)
+    )

@@ -29,7 +29,7 @@ from vcage.schema.plan import Plan
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Subtasks
 from vcage.stages.episode_store import read_log
-from vcage.stages.timings import read_timings
+from vcage.stages.stage import read_timings
 
 D = TypeVar("D", bound=StageDocument)
 

@@ -1,11 +1,14 @@
-"""What a user may choose about compression: one place for its defaults."""
+"""What a user may choose about compression, for every command that compresses; the fields are its options."""
 
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass
-from typing import Any
+from typing import Annotated, Any
+
+from tyro.conf import arg
 
 from vcage.base.errors import UnknownName, UsageError
+from vcage.base.options import POSITIVE, UNSAID, between, choice, positive, value
 from vcage.schema.compression import Reduce, SharedBy
 from vcage.video.choices import LOSSLESS, Choices, Criterion
 from vcage.video.encoders import CODECS
@@ -17,39 +20,57 @@ AUTO = "auto"
 GOPS = (10, 30, 120)
 """What is tried where the GOP may be chosen, the one that is searched first."""
 
+GOP_HELP = (
+    "frames from one random-access point to the next; few make random frames quick to decode, auto tries several for "
+    "the fewest bytes"
+)
+
+
+def _crf(text: str) -> int:
+    if text == "lossless":
+        return LOSSLESS
+    if text.isdecimal():
+        return int(text)
+    raise ValueError(f"{text!r} is neither a CRF, a whole number from 0 on, nor 'lossless'")
+
+
+def _gop(text: str) -> int | str:
+    return text if text == AUTO else positive(text)
+
+
+CRF = value(_crf, "N")
+"""A CRF, or "lossless"."""
+
 
 @dataclass(frozen=True)
 class CompressionSettings:
     """How videos are encoded and judged.
 
-    Args:
-        max_loss: loss that no scored frame may reach, JOD.
-        reduce: over the scored frames, 'max' or 'mean'.
-        display: ColorVideoVDP's display model.
-        guard: score held-out frames too, and search again where they fail.
-        scope: what shares a CRF: all episodes of a camera, as LeRobot can represent, or none, each episode its own.
-        crf: given instead of searched; :data:`LOSSLESS` for none.
-        codec: 'hevc', 'av1' or 'h264'.
-        preset: the encoder's; none takes the codec's usual one.
-        pixel_format: FFmpeg's name; 'auto' tries those of the codec.
-        gop: frames from one random-access point to the next; 'auto' tries several.
-        keyframes: how many frames are scored for each video.
-
     Raises:
         UsageError, UnknownName: a value is out of range or not known.
     """
 
-    max_loss: float = 0.1
+    max_loss: Annotated[float, between(0, 10, "JOD")] = 0.1
+    """loss that no scored frame reaches"""
     reduce: Reduce = "max"
-    display: str = DISPLAY
+    """what of the scored frames' losses must stay below"""
+    display: Annotated[str, arg(metavar="NAME")] = DISPLAY
+    """ColorVideoVDP's display model, which a loss depends on"""
     guard: bool = True
+    """score one in ten of the other frames too, and search again where they fail"""
     scope: SharedBy = "camera"
-    crf: int | None = None
-    codec: str = "hevc"
-    preset: str = ""
-    pixel_format: str = AUTO
-    gop: int | str = 10
-    keyframes: int = COUNT
+    """one CRF for all episodes of a camera, as LeRobot can represent, or one for each"""
+    crf: Annotated[int | None, CRF, UNSAID] = None
+    """this CRF instead of a search; or 'lossless'"""
+    codec: Annotated[str, choice(tuple(CODECS))] = "hevc"
+    """video codec"""
+    preset: Annotated[str, arg(metavar="NAME"), UNSAID] = ""
+    """the encoder's (default: the codec's usual one)"""
+    pixel_format: Annotated[str, arg(metavar="NAME")] = AUTO
+    """FFmpeg's name; auto tries those of the codec"""
+    gop: Annotated[int | str, value(_gop, "N"), arg(help=GOP_HELP)] = 10
+    keyframes: Annotated[int, POSITIVE] = COUNT
+    """frames that the search scores in each video"""
 
     def __post_init__(self) -> None:
         if self.codec not in CODECS:

@@ -1,0 +1,130 @@
+"""What options may hold: annotations for fields of the dataclasses that tyro turns into a command line.
+
+A field says once what it is, for Python and the command line alike::
+
+    episodes: Annotated[int, POSITIVE] = 3
+    \"\"\"accepted episodes to collect\"\"\"
+
+What is not allowed raises ``ValueError``, which tyro reports with the option's name.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Annotated, Any
+
+from tyro.conf import FlagCreatePairsOff, arg
+from tyro.constructors import PrimitiveConstructorSpec
+
+MOST = 2**63 - 1
+"""The largest whole number that the files can hold."""
+
+UNSAID = arg(help_behavior_hint="")
+"""No default in the help: there is none, or the option's text says it."""
+
+Flag = Annotated[bool, FlagCreatePairsOff, UNSAID]
+"""An option without a value, which is off unless it is given."""
+
+
+def value(parse: Callable[[str], Any], metavar: str, *, show: Callable[[Any], str] = str) -> PrimitiveConstructorSpec:
+    """One word.
+
+    Args:
+        parse: what it means; raises ``ValueError`` with what is wrong with it.
+        metavar: its name in the help.
+        show: a default as a user would write it.
+    """
+    return PrimitiveConstructorSpec(
+        nargs=1,
+        metavar=metavar,
+        instance_from_str=lambda words: parse(words[0]),
+        is_instance=lambda _: True,
+        str_from_instance=lambda instance: [show(instance)],
+    )
+
+
+def choice(names: Sequence[str]) -> PrimitiveConstructorSpec:
+    """One of some words that are not known before the program runs (otherwise a ``Literal`` is enough)."""
+    return PrimitiveConstructorSpec(
+        nargs=1,
+        metavar="{" + ",".join(names) + "}",
+        instance_from_str=lambda words: words[0],
+        is_instance=lambda _: True,
+        str_from_instance=lambda name: [name],
+        choices=tuple(names),
+    )
+
+
+def several(metavar: str, *, least: int = 1, choices: Sequence[str] | None = None) -> PrimitiveConstructorSpec:
+    """As many words as there are, as a tuple; of choices, a repeated one counts once."""
+
+    def parse(words: list[str]) -> tuple[str, ...]:
+        if len(words) < least:
+            raise ValueError("expected at least one value")
+        return tuple(words) if choices is None else tuple(dict.fromkeys(words))
+
+    return PrimitiveConstructorSpec(
+        nargs="*",
+        metavar=metavar,
+        instance_from_str=parse,
+        is_instance=lambda _: True,
+        str_from_instance=list,
+        choices=None if choices is None else tuple(choices),
+    )
+
+
+def _whole(text: str) -> int:
+    try:
+        number = int(text)
+    except ValueError:
+        raise ValueError(f"{text!r} is not a whole number") from None
+    if abs(number) > MOST:
+        raise ValueError(f"{text} is too large; at most {MOST}")
+    return number
+
+
+def positive(text: str) -> int:
+    """A whole number above 0."""
+    number = _whole(text)
+    if number < 1:
+        raise ValueError(f"{text} is not a positive number")
+    return number
+
+
+def natural(text: str) -> int:
+    """A whole number, 0 or more."""
+    number = _whole(text)
+    if number < 0:
+        raise ValueError(f"{text} is negative")
+    return number
+
+
+def number_between(lower: float, upper: float) -> Callable[[str], float]:
+    """A parser of numbers between two bounds, which are allowed themselves."""
+
+    def parse(text: str) -> float:
+        try:
+            number = float(text)
+        except ValueError:
+            raise ValueError(f"{text!r} is not a number") from None
+        if not lower <= number <= upper:
+            raise ValueError(f"{text} is not between {lower:g} and {upper:g}")
+        return number
+
+    return parse
+
+
+def between(lower: float, upper: float, metavar: str = "N") -> PrimitiveConstructorSpec:
+    """A number between two bounds, which are allowed themselves."""
+    return value(number_between(lower, upper), metavar)
+
+
+def folder(text: str) -> Path:
+    """A folder's path; an empty text would mean the working directory."""
+    if not text.strip():
+        raise ValueError("the folder has no name")
+    return Path(text)
+
+
+POSITIVE, NATURAL, FOLDER = value(positive, "N"), value(natural, "N"), value(folder, "DIR")

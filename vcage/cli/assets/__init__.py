@@ -1,1 +1,0 @@
-"""What can be done with the library of objects: one module per ``vcage assets …`` command."""

@@ -1,0 +1,128 @@
+"""``vcage compress``: the stage on a run, or anybody's recordings."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Annotated
+
+from tyro.conf import OmitArgPrefixes, Positional, arg
+
+from vcage.base.errors import UsageError
+from vcage.base.files import RunFolder
+from vcage.base.options import FOLDER, UNSAID, Flag, between, choice, several
+from vcage.cli.arguments import Command
+from vcage.cli.output import Result
+from vcage.cli.progress import progress
+from vcage.cli.stage import StageCommand, execute_stage
+from vcage.datasets.packing.estimating import estimate, estimate_clips
+from vcage.datasets.packing.inspecting import describe, inspect, totals
+from vcage.datasets.packing.output import TARGETS, OutputSpec
+from vcage.datasets.packing.pack import Order, pack
+from vcage.stages import compress
+
+
+@dataclass(frozen=True, kw_only=True)
+class Recordings:
+    """Options that mean nothing with --run."""
+
+    out: Annotated[Path | None, FOLDER, UNSAID] = None
+    """the folder to write"""
+    to: Annotated[str | None, choice(TARGETS), UNSAID] = None
+    """what to write (default: what the recordings are)"""
+    fps: Annotated[float | None, between(0.1, 1000), UNSAID] = None
+    """frames per second, where recordings do not say"""
+    task: Annotated[str | None, arg(metavar="TEXT"), UNSAID] = None
+    """for LeRobot: what the robot was told, where nothing says"""
+    robot: Annotated[str | None, arg(metavar="NAME"), UNSAID] = None
+    """for LeRobot: the robot's type, where nothing says"""
+    cameras: Annotated[tuple[str, ...], several("NAME ..."), UNSAID] = ()
+    """only these; in a LeRobot data set that stays one, others keep their videos (default: all)"""
+    skip_damaged: Flag = False
+    """leave out damaged recordings instead of refusing"""
+    inspect: Flag = False
+    """say what is there, and write nothing"""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Compress(Command):
+    """Compress the videos of a run's episodes, or anybody's recordings, as far as nobody sees it.
+
+    Searches the highest CRF whose loss stays under a threshold in JOD (ColorVideoVDP), through the real loop of
+    encoding and decoding, on keyframes; then looks at one in ten of the other frames.
+
+    With --run: reads episodes/ of a run; writes compress/*.mp4 and compress/compression.json.
+    With INPUT: an HDF5 file or a folder of them (this project's, RoboTwin's, ACT's, robomimic's), a LeRobot data set,
+    or a folder of pictures, which are only read. Writes a new folder: HDF5 with its videos beside it and everything
+    else as it was (`vcage decompress` puts the pictures back), a LeRobot data set, or videos; and compression.json. An
+    interrupted call goes on when started again.
+
+    A file of robomimic's stays one file, and each of its demonstrations is a recording: FILE.demo_0, FILE.demo_1, … and
+    so an episode of a LeRobot data set. One that is left out with --skip-damaged stays in the file as it was. Its frame
+    rate is the control_freq of env_args, where that is said; the last of every 7 numbers of a command is taken for a
+    gripper's.
+
+    examples:
+      vcage compress --run runs/stationery
+      vcage compress --run runs/stationery --max-loss 0.05 --force
+      vcage compress robotwin/ --inspect
+      vcage compress robotwin/ --fps 16.67 --out small --dry-run
+      vcage compress robotwin/ --fps 16.67 --out small
+      vcage compress act/ --fps 50 --to lerobot-v3.0 --task "open the jar" --out jar
+      vcage compress robomimic/lift.hdf5 --out lift
+    """
+
+    input: Annotated[Path | None, FOLDER, Positional, arg(metavar="INPUT"), UNSAID] = None
+    """recordings: a file or a folder"""
+    run: Annotated[Path | None, FOLDER, UNSAID] = None
+    """the run folder whose episodes are compressed"""
+    recordings: Annotated[Recordings, OmitArgPrefixes, arg(name="recordings")] = field(default_factory=Recordings)
+    stage: Annotated[compress.Options, OmitArgPrefixes, arg(name="")] = field(default_factory=compress.Options)
+    dry_run: Flag = False
+    """say what would be done, and do nothing"""
+
+    def execute(self) -> Result:
+        """Compress a run or recordings, or look at them."""
+        if self.run is not None and self.input is None:
+            return self._compress_run(self.run)
+        if self.input is None or self.run is not None:
+            raise UsageError("give either INPUT or --run DIR", hint="see: vcage compress --help")
+        if self.recordings.inspect:
+            found = inspect(self.input)
+            return Result(text=describe(found), summary=totals(found))
+        order, workers = self._order(self.input), self.stage.workers
+        if self.dry_run:
+            with progress("estimate") as show:
+                return Result(summary=estimate(order, workers=workers, progress=show))
+        with progress("compress") as show:
+            done = pack(order, workers=workers, force=self.stage.force, progress=show)
+        stored = {"reduction_stored": done.record.reduction_stored}
+        return Result(
+            output=done.path,
+            schema=done.record.SCHEMA,
+            summary={"fresh": done.fresh, **compress.summary(done.record), **stored},
+        )
+
+    def _compress_run(self, run: Path) -> Result:
+        for name, given in vars(self.recordings).items():
+            if given:
+                raise UsageError(f"--{name.replace('_', '-')} is for INPUT, not for --run")
+        done = execute_stage("compress", StageCommand(run=run, stage=self.stage, dry_run=self.dry_run))
+        if not self.dry_run:
+            return done
+        clips, _ = compress.clips_of(RunFolder(run))
+        with progress("estimate") as show:
+            told = estimate_clips(clips, self.stage.compression, workers=self.stage.workers, progress=show)
+        return replace(done, summary={**done.summary, **told})
+
+    def _order(self, recordings: Path) -> Order:
+        asked = self.recordings
+        beside = recordings.resolve().with_name(f"{recordings.resolve().stem}-compressed")
+        return Order(
+            recordings,
+            beside if asked.out is None else asked.out,
+            self.stage.compression,
+            OutputSpec(asked.to, asked.fps, asked.task, asked.robot),
+            asked.cameras,
+            asked.skip_damaged,
+        )

@@ -1,0 +1,64 @@
+"""``vcage export``: the stage, and data sets that grow from run to run."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Annotated
+
+from vcage.base.errors import UsageError
+from vcage.base.files import RunFolder
+from vcage.base.options import FOLDER, UNSAID
+from vcage.cli.arguments import Command
+from vcage.cli.output import Result
+from vcage.cli.progress import progress
+from vcage.cli.stage import StageCommand, execute_stage
+from vcage.datasets.lerobot.formats import FORMATS
+from vcage.stages import export
+from vcage.stages.appending import append_to
+
+
+@dataclass(frozen=True, kw_only=True)
+class Export(StageCommand[export.Options], Command):
+    """Write the accepted episodes as data sets: LeRobot v2.1 (read by openpi) and v3.0, and RoboTwin's HDF5.
+
+    LeRobot's get the compressed videos as they are; --codec or --crf encodes others from the episodes' own pictures.
+    Reads episodes/ and compress/. Writes export/<format>/ and export/export.json. With --append-to the episodes are
+    also added to data sets that grow from run to run; an episode is added once.
+
+    examples:
+      vcage export --run runs/stationery
+      vcage export --run runs/stationery --formats lerobot-v3.0 robotwin
+      vcage export --run runs/stationery --codec h264 --force
+      vcage export --run runs/blocks --append-to datasets/all
+    """
+
+    append_to: Annotated[Path | None, FOLDER, UNSAID] = None
+    """also add the episodes to DIR/<format>, for each of LeRobot's among --formats"""
+
+    def execute(self) -> Result:
+        """Run the stage, and add its episodes to other data sets if asked to."""
+        run, growing = RunFolder(self.run), self.append_to and self.append_to.expanduser()
+        _require_sense(self.stage, run, growing)
+        result = execute_stage("export", self)
+        if growing is None or self.dry_run:
+            return result
+        with progress("append") as show:
+            sets = append_to(growing, run, show)
+        appended = {name: str(path) for name, path in sets.items()}
+        return replace(result, summary={**result.summary, "appended": appended})
+
+
+def _require_sense(options: export.Options, run: RunFolder, growing: Path | None) -> None:
+    """Raise UsageError where options are of no use together, before any work is done."""
+    of_lerobot = {"--append-to": growing, "--codec": options.codec, "--crf": options.crf}
+    given = [option for option, value in of_lerobot.items() if value is not None]
+    if given and not set(options.formats) & set(FORMATS):
+        raise UsageError(
+            f"{' and '.join(given)} concern LeRobot's data sets alone",
+            hint=f"add one of them: --formats {' '.join(FORMATS)}",
+        )
+    if growing is not None and growing.resolve().is_relative_to(run.root):
+        raise UsageError(
+            f"{growing} lies in the run folder, which one run makes and replaces", hint="give a folder outside of it"
+        )

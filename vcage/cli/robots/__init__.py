@@ -1,1 +1,0 @@
-"""What can be done with robots: one module per ``vcage robots …`` command."""

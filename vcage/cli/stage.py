@@ -1,0 +1,76 @@
+"""The commands of the nine stages: a stage's own options, a run folder, and how its result is reported."""
+
+from __future__ import annotations
+
+import shutil
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Generic, TypeVar
+
+from tyro.conf import OmitArgPrefixes, arg
+
+from vcage.base.files import RunFolder
+from vcage.base.options import FOLDER, Flag
+from vcage.cli import arguments
+from vcage.cli.output import Result
+from vcage.cli.progress import progress
+from vcage.stages.chain import STAGES
+from vcage.stages.options import StageOptions
+from vcage.stages.stage import timed
+
+StageO = TypeVar("StageO", bound=StageOptions)
+
+
+@dataclass(frozen=True, kw_only=True)
+class StageCommand(arguments.Options, Generic[StageO]):
+    """What the command of a stage takes."""
+
+    run: Annotated[Path, FOLDER]
+    """the run folder"""
+    stage: Annotated[StageO, OmitArgPrefixes, arg(name="")]
+    dry_run: Flag = False
+    """say what would be done, and do nothing"""
+
+
+@dataclass(frozen=True, kw_only=True)
+class BeginCommand(StageCommand[StageO]):
+    """What a command takes that begins a run."""
+
+    run: Annotated[Path, FOLDER, arg(name="out", aliases=("--run",))]
+    """the run folder to begin"""
+
+
+def options_of(name: str) -> type[StageCommand]:
+    """What the command of a stage takes."""
+    kind = BeginCommand if name == "select_place" else StageCommand
+    return kind[STAGES[name].Options]
+
+
+def execute_stage(name: str, command: StageCommand) -> Result:
+    """Run one stage on a run folder, or with ``--dry-run`` say what it would do."""
+    stage, run, options = STAGES[name], RunFolder(command.run), command.stage
+    context = options.context()
+    if command.dry_run:
+        job = stage.job(run, options, context)
+        would = "replace" if options.force and job.output.exists() else "write"
+        return Result(output=job.output, summary={"would": would, **job.provenance().model_dump()})
+    with progress(name) as show, timed(run, name):
+        done = stage.execute(run, options, context, show)
+    return Result(
+        output=done.path,
+        schema=done.record.SCHEMA,
+        summary={"fresh": done.fresh, **stage.summary(done.record)},
+        next=following(name, run),
+    )
+
+
+def following(name: str, run: RunFolder) -> str:
+    """The command that goes on after a stage."""
+    later = list(STAGES)[list(STAGES).index(name) + 1 :]
+    return f"{vcage_command()} {later[0].replace('_', '-') if later else 'report'} --run {run}"
+
+
+def vcage_command() -> str:
+    """How to call ``vcage`` from here: by name where it is on the PATH, else by the path of this environment's."""
+    return "vcage" if shutil.which("vcage") else str(Path(sys.executable).with_name("vcage"))
