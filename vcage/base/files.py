@@ -175,7 +175,7 @@ def read_json(path: Path) -> Any:
     path = Path(path)
     try:
         return json.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError as error:
+    except (FileNotFoundError, NotADirectoryError) as error:
         raise MissingStage(
             f"{path} does not exist", hint="run the stage that writes it first, or check --out"
         ) from error

@@ -118,7 +118,7 @@ class DrawGallery(Command):
 
         library = Library.load()
         with progress("drawing") as show:
-            page = write_gallery(library, self.out, self.names, show)
+            page = write_gallery(library, self.out, list(self.names), show)
         return Result(output=page, summary={"kinds": len(set(self.names) or library.names)})
 
 
@@ -170,7 +170,7 @@ class ValidateAssets(Command):
 
         trial = Trial(seed=self.seed, quick=self.quick)
         with progress("proving") as show:
-            proof = validate(self.names, self.out, trial, workers=self.workers, force=self.force, progress=show)
+            proof = validate(list(self.names), self.out, trial, workers=self.workers, force=self.force, progress=show)
         output = self.out / PROOF
         if not self.no_page:
             try:
@@ -230,7 +230,7 @@ class ImportAssets(Command):
             )
         with progress("importing") as show:
             if self.source == "ycb":
-                entries = import_ycb(self.what, self.into, show, force=self.force)
+                entries = import_ycb(list(self.what), self.into, show, force=self.force)
             else:
                 entries = import_robotwin(folder(self.what[0]), self.into, show, force=self.force)
         return report(entries, self.into)

@@ -10,7 +10,7 @@ from pathlib import Path
 import h5py
 import pytest
 
-from tests.runs import INSTRUCTION, Finished, copied
+from tests.runs import INSTRUCTION, STAGES, Finished, copied
 from vcage.apps.report.page import write_report
 from vcage.base.errors import DamagedFile, MissingStage
 from vcage.base.files import RunFolder, read_json, write_json
@@ -18,7 +18,6 @@ from vcage.base.pictures import read_picture
 from vcage.base.videos import decode
 from vcage.schema.episodes import Episodes
 from vcage.schema.subtasks import Subtasks
-from vcage.stages.chain import STAGES
 
 
 class Page(HTMLParser):
