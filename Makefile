@@ -102,4 +102,4 @@ doctor: venv
 
 clean:
 	rm -rf .venv $(LEROBOT) build dist .pytest_cache .ruff_cache .hypothesis
-	find vcage tests benchmarks skills -name __pycache__ -prune -exec rm -rf {} +
+	find vcage assets tests benchmarks skills -name __pycache__ -prune -exec rm -rf {} +

@@ -1,12 +1,16 @@
-"""The catalogue as text for a prompt."""
+"""The catalogue as text for a prompt, and in numbers."""
 
 from __future__ import annotations
 
 import pytest
 
 from tests.models.catalogue import CATALOGUE, entry
-from vcage.objects.catalogue import catalogue_line, catalogue_text, size_class
+from vcage.objects.catalogue import catalogue_line, catalogue_text, count_kinds, size_class
+from vcage.objects.library import Library
 from vcage.schema.asset import FunctionalPoint
+
+MOST_TOKENS = 10_000
+CHARACTERS_PER_TOKEN = 4
 
 
 def test_each_kind_is_one_line_with_its_name() -> None:
@@ -44,3 +48,14 @@ def test_a_look_shows_its_colour_where_its_name_does_not() -> None:
 @pytest.mark.parametrize(("edge", "word"), [(0.06, "tiny"), (0.12, "small"), (0.2, "medium"), (0.21, "large")])
 def test_size_classes_follow_the_longest_edge(edge: float, word: str) -> None:
     assert size_class(entry("x", "x", "toy", size=(0.01, edge, 0.01))) == word
+
+
+def test_kinds_are_counted_by_scene_and_source(library: Library) -> None:
+    annotations = [library.annotation(name) for name in library.names]
+    counted = count_kinds(annotations)
+    assert counted["kinds"] == len(annotations) == sum(counted["sources"].values())
+    assert counted["scenes"]["kitchen"] == sum("kitchen" in a.words.scene_tags for a in annotations)
+
+
+def test_the_whole_library_fits_a_prompt(library: Library) -> None:
+    assert len(catalogue_text(library.entries())) / CHARACTERS_PER_TOKEN < MOST_TOKENS

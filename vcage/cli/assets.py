@@ -41,9 +41,8 @@ class ListAssets(Command):
 
     def execute(self) -> Result:
         """List."""
-        from vcage.objects.catalogue import catalogue_text
+        from vcage.objects.catalogue import catalogue_text, count_kinds
         from vcage.objects.library import Library
-        from vcage.objects.summary import count_kinds
 
         library = Library.load()
         annotations = [library.annotation(name) for name in library.names]

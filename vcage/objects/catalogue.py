@@ -1,15 +1,20 @@
-"""The catalogue as text: one compact line per kind, which a prompt and a person read."""
+"""The catalogue as text, one compact line per kind, which a prompt and a person read; and in numbers."""
 
 from __future__ import annotations
 
 import re
 from collections import Counter
 from collections.abc import Iterable
+from typing import Any
 
-from vcage.schema.asset import CatalogueEntry
+from vcage.schema.asset import Annotation, CatalogueEntry
 
 LEGEND = "name = what it is (category; scenes); size class and size in cm; what can be done with it; looks"
 """What the parts of a line are."""
+
+
+SCENES = ("kitchen", "bathroom", "office_desk", "cashier_desk", "cabinet")
+"""The scenes of the paper's experiments, as the annotations' scene tags call them."""
 
 
 def catalogue_text(entries: Iterable[CatalogueEntry]) -> str:
@@ -60,3 +65,15 @@ def _abilities(entry: CatalogueEntry) -> str:
     holds = [holds if number == 1 else f"{holds} {number}" for holds, number in places.items()]
     grasp = "graspable" if entry.contact_points else "not graspable"
     return f"{grasp}, holds {' and '.join(holds)}" if holds else grasp
+
+
+def count_kinds(annotations: Iterable[Annotation]) -> dict[str, Any]:
+    """How many kinds and variants there are, and how many kinds per scene and per source."""
+    annotations = list(annotations)
+    tags = Counter(tag for annotation in annotations for tag in set(annotation.words.scene_tags))
+    return {
+        "kinds": len(annotations),
+        "variants": sum(len(annotation.variants) for annotation in annotations),
+        "scenes": {scene: tags[scene] for scene in SCENES},
+        "sources": dict(sorted(Counter(annotation.source for annotation in annotations).items())),
+    }

@@ -168,7 +168,7 @@ def _split(corners: np.ndarray, most: int) -> list[np.ndarray]:
     """The pieces that V-HACD makes of a mesh."""
     mesh = _welded(corners)
     faces = np.hstack([np.full((len(mesh.faces), 1), 3), mesh.faces]).ravel().astype(np.uint32)
-    pieces = vhacdx.compute_vhacd(
+    pieces = vhacdx.compute_vhacd(  # pyrefly: ignore[missing-attribute]  # of a compiled module without stubs
         np.asarray(mesh.vertices, dtype=np.float64),
         faces,
         maxConvexHulls=most,

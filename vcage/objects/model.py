@@ -49,8 +49,7 @@ class _ModelFile(Record):
 
 def write_model(built: BuiltObject, folder: Path) -> None:
     """Write the files of a variant into an existing folder, with the origin moved to the centre of the bottom."""
-    lower, upper = _bounds(built)
-    origin = np.array([(lower[0] + upper[0]) / 2, (lower[1] + upper[1]) / 2, lower[2]])
+    (lower, upper), origin = built.bounds, built.bottom_centre
     _write_meshes(built.parts, built.hulls, origin, folder)
     write_json(
         folder / DESCRIPTION,
@@ -136,12 +135,6 @@ def _meshes(folder: Path, hulls: int) -> dict[str, Any]:
 
 def _hull_name(index: int) -> str:
     return f"hull-{index:02d}.obj"
-
-
-def _bounds(built: BuiltObject) -> np.ndarray:
-    bodies = [built, *built.moving]
-    points = np.concatenate([x.vertices for body in bodies for x in (*body.parts, *body.hulls)])
-    return np.stack([points.min(axis=0), points.max(axis=0)])
 
 
 def _glb(parts: Sequence[Part], origin: np.ndarray) -> bytes:

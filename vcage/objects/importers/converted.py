@@ -11,7 +11,6 @@ import trimesh
 
 from vcage.objects.convex import Convex
 from vcage.objects.importers.robotwin_data import mismatch
-from vcage.objects.importers.solids import half_spaces
 from vcage.objects.modelling.parts import BuiltObject, MovingPart, Part
 from vcage.schema.asset import ContactPoint, FunctionalPoint, Variant
 
@@ -59,7 +58,7 @@ def check_size(path: Path, built: BuiltObject, assumed: bool) -> None:
     Raises:
         SchemaMismatch: names the size.
     """
-    edges = np.ptp(bounds_of(built), axis=0)
+    edges = np.ptp(built.bounds, axis=0)
     smallest, largest = SIZES
     if not smallest <= edges.max() <= largest:
         said = "missing, and at scale 1" if assumed else "with it"
@@ -67,17 +66,9 @@ def check_size(path: Path, built: BuiltObject, assumed: bool) -> None:
         raise mismatch(path, "scale", f"{said} the object would measure {size} m; expected {smallest} … {largest} m")
 
 
-def bounds_of(built: BuiltObject) -> np.ndarray:
-    """(2, 3) lower and upper corner of all that is seen and solid."""
-    bodies = [built, *built.moving]
-    points = np.concatenate([x.vertices for body in bodies for x in (*body.parts, *body.hulls)])
-    return np.stack([points.min(axis=0), points.max(axis=0)])
-
-
 def centred(built: BuiltObject) -> tuple[BuiltObject, np.ndarray]:
     """The object with its origin at the centre of the bottom, and where that was before (3,)."""
-    lower, upper = bounds_of(built)
-    origin = np.array([(lower[0] + upper[0]) / 2, (lower[1] + upper[1]) / 2, lower[2]])
+    origin = built.bottom_centre
     moving = [_moved_part(part, origin) for part in built.moving]
     parts, hulls = _moved(built.parts, built.hulls, origin)
     return replace(built, parts=parts, hulls=hulls, moving=moving), origin
@@ -98,4 +89,8 @@ def _moved(
 
 def pieces_by_part(built: BuiltObject) -> dict[str | None, list[Convex]]:
     """The collision shape of the body (None) and of each moving part."""
-    return {None: half_spaces(built.hulls), **{part.name: half_spaces(part.hulls) for part in built.moving}}
+    return {None: _for_measuring(built.hulls), **{part.name: _for_measuring(part.hulls) for part in built.moving}}
+
+
+def _for_measuring(hulls: Sequence[trimesh.Trimesh]) -> list[Convex]:
+    return [Convex.of(hull.vertices) for hull in hulls]

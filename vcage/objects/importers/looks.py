@@ -102,7 +102,8 @@ def _look(mesh: trimesh.Trimesh) -> tuple[np.ndarray, np.ndarray, float, float]:
     if material is None:
         return *_face_colours(mesh), 0.6, 0.0
     picture, colour = _picture(material), _colour(material)
-    uv = None if visual.uv is None else np.asarray(visual.uv, dtype=np.float64)
+    said = getattr(visual, "uv", None)
+    uv = None if said is None else np.asarray(said, dtype=np.float64)
     roughness = _number(getattr(material, "roughnessFactor", None), 0.6)
     metallic = _number(getattr(material, "metallicFactor", None), 0.0)
     if picture is None or uv is None or len(uv) != len(mesh.vertices):
@@ -148,9 +149,10 @@ def _tinted(picture: np.ndarray, colour: tuple[float, ...] | None) -> np.ndarray
 
 def _face_colours(mesh: trimesh.Trimesh) -> tuple[np.ndarray, np.ndarray]:
     """A picture with one pixel for each colour of the faces, and three texture coordinates per face."""
-    if mesh.visual.kind not in ("face", "vertex"):
+    visual = mesh.visual
+    if not isinstance(visual, trimesh.visual.ColorVisuals) or visual.kind not in ("face", "vertex"):
         return _plain(None), np.full((len(mesh.vertices), 2), 0.5)
-    colours = np.asarray(mesh.visual.face_colors)[:, :3]
+    colours = np.asarray(visual.face_colors)[:, :3]
     if len(np.unique(colours, axis=0)) > PALETTE_STEPS**2:
         step = 256 // PALETTE_STEPS
         colours = colours // step * step + step // 2

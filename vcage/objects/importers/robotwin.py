@@ -51,9 +51,10 @@ def import_robotwin(
     done: list[Imported] = []
     for i, source in enumerate(folders):
         progress(source.name, i, len(folders))
-        name, warnings = identifier(source), []
+        name, warnings = identifier(source), list[str]()
         try:
-            done += _import(source, into, Names(into, done, force), warnings)
+            written = _import(source, into, Names(into, done, force), warnings.append)
+            done += [Imported(own, into / own, warnings if own == name else []) for own in written]
         except InputFileError as error:
             done.append(Imported(name, into / name, warnings, error))
     return done
@@ -90,11 +91,19 @@ def _is_object(folder: Path) -> bool:
     return bool(robotwin_rigid.variant_numbers(folder)) or any(folder.glob("*/mobility.urdf"))
 
 
-def _import(source: Path, into: Path, names: Names, warnings: list[str]) -> list[Imported]:
+def _import(source: Path, into: Path, names: Names, tell: Callable[[str], None]) -> list[str]:
+    """Write the objects that a folder becomes; returns their names.
+
+    Args:
+        source: the folder.
+        into: where the objects go.
+        names: that are taken.
+        tell: takes a sentence about what is left out or assumed.
+    """
     name = identifier(source)
     names.claim(name, source)
     named: dict[str, list[Converted]] = {}
-    for group in _by_points(_variants(source, warnings)):
+    for group in _by_points(_variants(source, tell)):
         other = f"{name}_{group[0].variant.id.removeprefix('base')}"
         named[unique(other, named) if named else name] = group
     for own in named:
@@ -105,16 +114,16 @@ def _import(source: Path, into: Path, names: Names, warnings: list[str]) -> list
     for own, group in named.items():
         if own != name:
             ids = ", ".join(one.variant.id for one in group)
-            warnings.append(f"{source}: variant {ids} has other points than the first: imported as {own}")
-    return [Imported(own, into / own, warnings if own == name else []) for own in named]
+            tell(f"{source}: variant {ids} has other points than the first: imported as {own}")
+    return list(named)
 
 
-def _variants(source: Path, warnings: list[str]) -> list[Converted]:
-    """All variants that can be used, with different ids; the others are warned of."""
-    info = _points_info(source, warnings)
+def _variants(source: Path, tell: Callable[[str], None]) -> list[Converted]:
+    """All variants that can be used, with different ids; the others are told of."""
+    info = _points_info(source, tell)
     done: dict[str, Converted] = {}
     errors = []
-    for path, convert in _converters(source, info, warnings):
+    for path, convert in _converters(source, info, tell):
         try:
             with schema_errors(path):
                 one = convert()
@@ -125,7 +134,8 @@ def _variants(source: Path, warnings: list[str]) -> list[Converted]:
             done[variant.id] = replace(one, variant=variant)
     if errors and not done:
         raise errors[0]
-    warnings += [f"{error.message}: this variant is left out" for error in errors]
+    for error in errors:
+        tell(f"{error.message}: this variant is left out")
     if not done:
         raise InputFileError(
             f"{source} is empty; expected visual/base0.glb and model_data0.json, or <id>/mobility.urdf",
@@ -135,28 +145,30 @@ def _variants(source: Path, warnings: list[str]) -> list[Converted]:
     return list(done.values())
 
 
-def _converters(source: Path, info: dict[str, Any], warnings: list[str]) -> list[tuple[Path, Callable[[], Converted]]]:
+def _converters(
+    source: Path, info: dict[str, Any], tell: Callable[[str], None]
+) -> list[tuple[Path, Callable[[], Converted]]]:
     """For each variant the file that annotates it, and what converts it."""
     folders = sorted((path.parent for path in source.glob("*/mobility.urdf")), key=lambda p: (len(p.name), p.name))
     if folders:  # base{K}.glb beside them are pictures of the same thing
         return [
-            (folder / "model_data.json", partial(robotwin_articulated.convert, folder, info, warnings))
+            (folder / "model_data.json", partial(robotwin_articulated.convert, folder, info, tell))
             for folder in folders
         ]
     return [
-        (source / f"model_data{number}.json", partial(robotwin_rigid.convert, source, number, info, warnings))
+        (source / f"model_data{number}.json", partial(robotwin_rigid.convert, source, number, info, tell))
         for number in robotwin_rigid.variant_numbers(source)
     ]
 
 
-def _points_info(source: Path, warnings: list[str]) -> dict[str, Any]:
+def _points_info(source: Path, tell: Callable[[str], None]) -> dict[str, Any]:
     path = source / "points_info.json"
     if not path.is_file():
         return {}
     try:
         return read_object(path)
     except InputFileError as error:
-        warnings.append(f"{error.message}: not used")
+        tell(f"{error.message}: not used")
         return {}
 
 

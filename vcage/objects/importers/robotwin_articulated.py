@@ -8,7 +8,7 @@ where RoboTwin starts it (``init_qpos``).
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -17,9 +17,9 @@ import numpy as np
 import trimesh
 from scipy.spatial.transform import Rotation
 
+from vcage.objects.importers.component_hulls import component_hulls, hulls_of_surface, joined
 from vcage.objects.importers.converted import (
     Converted,
-    bounds_of,
     centred,
     check_size,
     estimated_mass,
@@ -27,8 +27,8 @@ from vcage.objects.importers.converted import (
 )
 from vcage.objects.importers.looks import colour_word, parts_of
 from vcage.objects.importers.robotwin_data import ModelData, RawPoint, mismatch, read_model_data
+from vcage.objects.importers.robotwin_names import unique
 from vcage.objects.importers.robotwin_points import Placed, contact_points, functional_points, placed
-from vcage.objects.importers.solids import component_hulls, hulls_of_surface, joined
 from vcage.objects.importers.urdf import Shape, Urdf, UrdfJoint, read_urdf
 from vcage.objects.modelling.parts import BuiltObject, MovingPart, Part
 from vcage.schema.asset import Joint, Variant
@@ -51,43 +51,36 @@ class Pose:
         frames: (4, 4) of each link, scaled, in our orientation.
         rest: joint positions by joint, metres and radians.
         bodies: the link that leads the body of each link: the root, or the child of a joint that moves.
-        names: of the moving parts by leading link.
+        names: of the moving parts by leading link; the root's body has none.
     """
 
     frames: dict[str, np.ndarray]
     rest: dict[str, float]
     bodies: dict[str, str]
-    names: dict[str, str | None]
+    names: dict[str, str]
 
 
-def convert(folder: Path, info: dict[str, Any], warnings: list[str]) -> Converted:
+def convert(folder: Path, info: dict[str, Any], tell: Callable[[str], None]) -> Converted:
     """One variant of an articulated object.
 
     Args:
         folder: that holds ``mobility.urdf``.
         info: of ``points_info.json``.
-        warnings: gets what was left out or assumed.
+        tell: takes a sentence about what is left out or assumed.
 
     Raises:
         InputFileError: the URDF or a mesh cannot be used, or a field that nothing works without is wrong.
     """
-    model = read_model_data(folder / "model_data.json", info)
-    try:
-        return _converted(folder, model)
-    finally:
-        warnings.extend(model.warnings)
-
-
-def _converted(folder: Path, model: ModelData) -> Converted:
-    assumed = model.scale is None
-    model.scale = np.ones(3) if assumed else model.scale
+    model = read_model_data(folder / "model_data.json", info, tell)
     if np.ptp(model.scale) > 1e-9:
-        raise mismatch(model.path, "scale", f"got {model.scale.tolist()}; expected one scale for all axes of a URDF")
+        raise mismatch(
+            model.file.path, "scale", f"got {model.scale.tolist()}; expected one scale for all axes of a URDF"
+        )
     urdf = read_urdf(folder / "mobility.urdf")
     pose = _at_rest(urdf, model)
     built, origin = centred(_built(urdf, model, pose))
-    check_size(model.path, built, assumed)
-    bounds, pieces = bounds_of(built), pieces_by_part(built)
+    check_size(model.file.path, built, model.scale_assumed)
+    bounds, pieces = built.bounds, pieces_by_part(built)
     return Converted(
         Variant(id=_identifier(folder.name), colour=colour_word([p for b in (built, *built.moving) for p in b.parts])),
         built,
@@ -102,11 +95,11 @@ def _placed(raws: Sequence[RawPoint], model: ModelData, pose: Pose, origin: np.n
     for raw in raws:
         if raw.base not in pose.frames:
             known = ", ".join(pose.frames)
-            model.warn(raw.field, f"its base is {raw.base!r}; expected a link, one of {known}: left out")
+            model.file.warn(raw.field, f"its base is {raw.base!r}; expected a link, one of {known}: left out")
             continue
         frame = pose.frames[raw.base].copy()
         frame[:3, 3] -= origin
-        points.append(placed(model, raw, frame, pose.names[pose.bodies[raw.base]]))
+        points.append(placed(model, raw, frame, pose.names.get(pose.bodies[raw.base])))
     return points
 
 
@@ -118,13 +111,13 @@ def _at_rest(urdf: Urdf, model: ModelData) -> Pose:
     root = np.eye(4)
     root[:3, :3] = model.transform @ FACING_US
     frames, bodies = {urdf.root: root}, {urdf.root: urdf.root}
-    names: dict[str, str | None] = {urdf.root: None}
+    names: dict[str, str] = {}
     for joint in urdf.joints:
         frames[joint.child] = frames[joint.parent] @ _scaled(joint.origin, scale) @ _motion(joint, rest)
         moves = joint.name in rest
         bodies[joint.child] = joint.child if moves else bodies[joint.parent]
         if moves:
-            names[joint.child] = _new_name(joint.child, names)
+            names[joint.child] = unique(_identifier(joint.child), names.values())
     return Pose(frames, rest, bodies, names)
 
 
@@ -134,16 +127,18 @@ def _rest(urdf: Urdf, model: ModelData) -> dict[str, float]:
     if model.init_qpos and len(model.init_qpos) != len(moving):
         named = ", ".join(joint.name for joint in moving)
         raise mismatch(
-            model.path, "init_qpos", f"got {len(model.init_qpos)} numbers; expected one for each joint: {named}"
+            model.file.path, "init_qpos", f"got {len(model.init_qpos)} numbers; expected one for each joint: {named}"
         )
     rest = {}
     for joint, start in zip(moving, model.init_qpos or [0.0] * len(moving), strict=True):
         lower, upper = _limits(urdf, joint, model)
         if upper - lower < 1e-9:
-            model.warnings.append(f"{urdf.path}: field joint {joint.name}.limit: no range, the part does not move")
+            model.file.tell(f"{urdf.path}: field joint {joint.name}.limit: no range, the part does not move")
             continue
         if not lower - 1e-6 <= start <= upper + 1e-6:
-            model.warn("init_qpos", f"{start:g} for {joint.name}; expected {lower:g} … {upper:g}: taken to that range")
+            model.file.warn(
+                "init_qpos", f"{start:g} for {joint.name}; expected {lower:g} … {upper:g}: taken to that range"
+            )
         rest[joint.name] = float(np.clip(start, lower, upper))
     return rest
 
@@ -178,13 +173,6 @@ def _identifier(name: str) -> str:
     return re.sub(r"[^a-z0-9_-]", "_", name.lower()).lstrip("_-")[:70] or "part"
 
 
-def _new_name(link: str, taken: dict[str, str | None]) -> str:
-    name, number = _identifier(link), 2
-    while name in taken.values():
-        name, number = f"{_identifier(link)}_{number}", number + 1
-    return name
-
-
 # --- bodies ------------------------------------------------------------------------------------------------
 
 
@@ -196,7 +184,7 @@ def _built(urdf: Urdf, model: ModelData, pose: Pose) -> BuiltObject:
 
 def _moving(urdf: Urdf, joint: UrdfJoint, model: ModelData, pose: Pose) -> MovingPart:
     parts, hulls = _geometry(urdf, joint.child, model, pose)
-    name, parent = pose.names[joint.child], pose.names[pose.bodies[joint.parent]]
+    name, parent = pose.names[joint.child], pose.names.get(pose.bodies[joint.parent])
     mass = _mass(joint.child, hulls, model, pose)
     return MovingPart(name, parts, hulls, mass, _our_joint(urdf, joint, model, pose), parent)
 
@@ -206,7 +194,7 @@ def _our_joint(urdf: Urdf, joint: UrdfJoint, model: ModelData, pose: Pose) -> Jo
     lower, upper = _limits(urdf, joint, model)
     kind = "slide" if joint.kind == "prismatic" else "turn"
     if joint.kind == "continuous":
-        model.warnings.append(f"{urdf.path}: field joint {joint.name}: turns without end; half a turn each way is kept")
+        model.file.tell(f"{urdf.path}: field joint {joint.name}: turns without end; half a turn each way is kept")
     axis = frame[:3, :3] @ joint.axis
     return Joint(
         kind=kind,
@@ -236,12 +224,12 @@ def _geometry(urdf: Urdf, lead: str, model: ModelData, pose: Pose) -> tuple[list
             vertices, faces = joined(shape.surfaces())
             hulls += component_hulls(vertices @ linear.T + shift, faces)
     if not hulls and parts:
-        model.warnings.append(f"{urdf.path}: field link {lead}.collision: missing; it is made from what is seen")
+        model.file.tell(f"{urdf.path}: field link {lead}.collision: missing; it is made from what is seen")
         hulls = hulls_of_surface(*trimesh.util.append_faces([p.vertices for p in parts], [p.faces for p in parts]))
     if not hulls:
         raise mismatch(urdf.path, f"link {lead}", "no solid part; expected a visual or collision mesh")
     if not parts:
-        model.warnings.append(f"{urdf.path}: field link {lead}.visual: missing; the collision shape is seen")
+        model.file.tell(f"{urdf.path}: field link {lead}.visual: missing; the collision shape is seen")
         parts = parts_of(hulls, np.eye(3), np.zeros(3))
     return parts, hulls
 

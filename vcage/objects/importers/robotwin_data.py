@@ -7,8 +7,10 @@ wrong costs the variant where nothing can be made without it, and the point othe
 from __future__ import annotations
 
 import difflib
+import itertools
 import json
 import sys
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -51,34 +53,49 @@ class RawPoint:
     field: str
 
 
-@dataclass
+@dataclass(frozen=True)
+class AnnotationFile:
+    """A file of RoboTwin's, and who hears what is wrong with it.
+
+    Args:
+        path: of the file.
+        tell: takes a sentence about what is left out or assumed.
+        data: its fields; none when it is missing.
+    """
+
+    path: Path
+    tell: Callable[[str], None]
+    data: dict[str, Any] = field(default_factory=dict)
+
+    def warn(self, name: str, message: str) -> None:
+        """Tell what is wrong with a field."""
+        self.tell(f"{self.path}: field {name}: {message}")
+
+
+@dataclass(frozen=True)
 class ModelData:
     """The usable part of a ``model_data`` file.
 
     Args:
-        path: of the file.
-        scale: (3,) mesh units to metres; None when nobody says.
+        file: that it is from.
+        scale: (3,) mesh units to metres.
+        scale_assumed: whether nobody says the scale, so that it is 1.
         contacts, functionals: points.
         transform: (3, 3) extra rotation of an articulated object.
         init_qpos: joint positions to start from; empty for zeros.
         mass: kilograms by link.
         description: a sentence about the object; may be empty.
-        warnings: what was not usable.
     """
 
-    path: Path
-    scale: np.ndarray | None = None
+    file: AnnotationFile
+    scale: np.ndarray
+    scale_assumed: bool = False
     contacts: list[RawPoint] = field(default_factory=list)
     functionals: list[RawPoint] = field(default_factory=list)
     transform: np.ndarray = field(default_factory=lambda: np.eye(3))
     init_qpos: list[float] = field(default_factory=list)
     mass: dict[str, float] = field(default_factory=dict)
     description: str = ""
-    warnings: list[str] = field(default_factory=list)
-
-    def warn(self, name: str, message: str) -> None:
-        """Note what is wrong with a field of this file."""
-        self.warnings.append(f"{self.path}: field {name}: {message}")
 
 
 def mismatch(path: Path, name: str, message: str, hint: str = "mend the field") -> SchemaMismatch:
@@ -101,37 +118,39 @@ def read_object(path: Path) -> dict[str, Any]:
     return data
 
 
-def read_model_data(path: Path, info: dict[str, Any]) -> ModelData:
+def read_model_data(path: Path, info: dict[str, Any], tell: Callable[[str], None]) -> ModelData:
     """The annotation of a variant; without the file, nothing but a warning.
 
     Args:
+        path: of the file.
         info: of ``points_info.json``; its texts stand in for missing ones.
+        tell: takes a sentence about what is left out or assumed.
 
     Raises:
         DamagedFile: the file is not JSON.
         SchemaMismatch: the scale, or another field that nothing works without, is not what it should be.
     """
-    model = ModelData(path)
     if not path.is_file():
-        model.warnings.append(
-            f"{path}: missing; expected scale and points: scale 1 is assumed, and there are no points"
-        )
-        return model
+        tell(f"{path}: missing; expected scale and points: scale 1 is assumed, and there are no points")
+        return ModelData(AnnotationFile(path, tell), np.ones(3), scale_assumed=True)
     data = read_object(path)
-    _warn_about_unknown(model, data)
-    model.scale = read_scale(path, data)
+    file = AnnotationFile(path, tell, data)
+    scale, init_qpos = read_scale(path, data), _numbers(file, "init_qpos")  # what is refused comes before warnings
+    _warn_about_unknown(file)
     contacts = "contact_points_pose" if "contact_points_pose" in data else "contact_points"
     functionals = "functional_matrix" if "functional_matrix" in data else "functional_points"
-    contact_texts = point_texts("contact", data, info)
     listed = data.get(contacts)
-    hidden = _masked(model, data, len(listed) if isinstance(listed, list) else 0)
-    model.contacts = [p for p in _points(model, data, contacts, contact_texts) if p.index not in hidden]
-    model.functionals = _points(model, data, functionals, point_texts("functional", data, info))
-    model.transform = _transform(model, data)
-    model.init_qpos = _numbers(path, data, "init_qpos")
-    model.mass = _mass(model, data)
-    model.description = description(data) or description(info)
-    return model
+    hidden = _masked(file, len(listed) if isinstance(listed, list) else 0)
+    return ModelData(
+        file,
+        scale,
+        contacts=[p for p in _points(file, contacts, point_texts("contact", data, info)) if p.index not in hidden],
+        functionals=_points(file, functionals, point_texts("functional", data, info)),
+        transform=_transform(file),
+        init_qpos=init_qpos,
+        mass=_mass(file),
+        description=description(data) or description(info),
+    )
 
 
 def read_scale(path: Path, data: dict[str, Any]) -> np.ndarray:
@@ -159,20 +178,20 @@ def _is_number(value: Any) -> bool:
     return -sys.float_info.max <= value <= sys.float_info.max
 
 
-def _warn_about_unknown(model: ModelData, data: dict[str, Any]) -> None:
-    for key in data:
+def _warn_about_unknown(file: AnnotationFile) -> None:
+    for key in file.data:
         if key not in KEYS and not any(text in key for text in TEXTS):
             near = difflib.get_close_matches(key, KEYS, n=1)
-            model.warn(key, f"unknown, not read{f'; did you mean {near[0]}?' if near else ''}")
+            file.warn(key, f"unknown, not read{f'; did you mean {near[0]}?' if near else ''}")
 
 
 # --- points ------------------------------------------------------------------------------------------------
 
 
-def _points(model: ModelData, data: dict[str, Any], key: str, texts: dict[int, str]) -> list[RawPoint]:
-    values = data.get(key) or []
+def _points(file: AnnotationFile, key: str, texts: dict[int, str]) -> list[RawPoint]:
+    values = file.data.get(key) or []
     if not isinstance(values, list):
-        model.warn(key, f"got {type(values).__name__}; expected a list of 4×4 matrices: no points were read")
+        file.warn(key, f"got {type(values).__name__}; expected a list of 4×4 matrices: no points were read")
         return []
     points = []
     for i, value in enumerate(values):
@@ -180,12 +199,12 @@ def _points(model: ModelData, data: dict[str, Any], key: str, texts: dict[int, s
         if isinstance(value, dict):
             unknown = [k for k in value if k not in ("matrix", "base")]
             if unknown or "matrix" not in value or not isinstance(value.get("base"), str):
-                model.warn(name, f"got the keys {sorted(value)}; expected 'matrix' and 'base': left out")
+                file.warn(name, f"got the keys {sorted(value)}; expected 'matrix' and 'base': left out")
                 continue
             name, value, base = f"{name}.matrix", value["matrix"], value["base"]
         complaint = not_a_frame(value)
         if complaint:
-            model.warn(name, f"{complaint}: left out")
+            file.warn(name, f"{complaint}: left out")
         else:
             points.append(RawPoint(i, np.array(value, dtype=np.float64), base, texts.get(i, ""), name))
     return points
@@ -207,51 +226,55 @@ def not_a_frame(value: Any) -> str:
     return ""
 
 
-def _masked(model: ModelData, data: dict[str, Any], count: int) -> set[int]:
+def _masked(file: AnnotationFile, count: int) -> set[int]:
     """Contact points that the mask of their group keeps out; warns of indices that there are no points for."""
-    groups, mask = data.get("contact_points_group") or [], data.get("contact_points_mask") or []
+    groups, mask = file.data.get("contact_points_group") or [], file.data.get("contact_points_mask") or []
     if not isinstance(groups, list) or not isinstance(mask, list):
-        model.warn("contact_points_group", "expected a list of lists, and a mask with one entry for each: not used")
+        file.warn("contact_points_group", "expected a list of lists, and a mask with one entry for each: not used")
         return set()
     if len(mask) != len(groups):
-        model.warn("contact_points_mask", f"got {len(mask)} entries; expected one for each of {len(groups)} groups")
+        file.warn("contact_points_mask", f"got {len(mask)} entries; expected one for each of {len(groups)} groups")
     hidden: set[int] = set()
-    for i, group in enumerate(groups):
+    for i, (group, kept) in enumerate(itertools.zip_longest(groups, mask[: len(groups)])):
         members = group if isinstance(group, list) else [group]
-        wrong = [x for x in members if not isinstance(x, int) or isinstance(x, bool) or not 0 <= x < count]
+        wrong = [x for x in members if not _is_index(x, count)]
         if wrong:
-            model.warn(f"contact_points_group.{i}", f"got {wrong}; expected indices from 0 to {count - 1}: not used")
-        if i < len(mask) and mask[i] is False:
-            hidden.update(x for x in members if x not in wrong)
+            file.warn(f"contact_points_group.{i}", f"got {wrong}; expected indices from 0 to {count - 1}: not used")
+        if kept is False:
+            hidden |= {x for x in members if _is_index(x, count)}
     if hidden:
-        model.warn("contact_points_mask", f"keeps out the contact points {sorted(hidden)}")
+        file.warn("contact_points_mask", f"keeps out the contact points {sorted(hidden)}")
     return hidden
+
+
+def _is_index(value: Any, count: int) -> bool:
+    return isinstance(value, int) and not isinstance(value, bool) and 0 <= value < count
 
 
 # --- articulated objects -----------------------------------------------------------------------------------
 
 
-def _transform(model: ModelData, data: dict[str, Any]) -> np.ndarray:
-    value = data.get("transform_matrix")
+def _transform(file: AnnotationFile) -> np.ndarray:
+    value = file.data.get("transform_matrix")
     complaint = not_a_frame(value) if value is not None else ""
     if complaint:
-        model.warn("transform_matrix", f"{complaint}: not used")
+        file.warn("transform_matrix", f"{complaint}: not used")
     return np.eye(3) if value is None or complaint else np.array(value, dtype=np.float64)[:3, :3]
 
 
-def _numbers(path: Path, data: dict[str, Any], key: str) -> list[float]:
-    values = data.get(key) or []
+def _numbers(file: AnnotationFile, key: str) -> list[float]:
+    values = file.data.get(key) or []
     if not isinstance(values, list) or not all(_is_number(x) for x in values):
-        raise mismatch(path, key, f"got {values!r}; expected a list of numbers")
+        raise mismatch(file.path, key, f"got {values!r}; expected a list of numbers")
     return [float(x) for x in values]
 
 
-def _mass(model: ModelData, data: dict[str, Any]) -> dict[str, float]:
-    values = data.get("mass") or {}
+def _mass(file: AnnotationFile) -> dict[str, float]:
+    values = file.data.get("mass") or {}
     if not isinstance(values, dict):
-        model.warn("mass", f"got {type(values).__name__}; expected kilograms by link: not used")
+        file.warn("mass", f"got {type(values).__name__}; expected kilograms by link: not used")
         return {}
     for link, value in values.items():
         if not _is_number(value) or value <= 0:
-            model.warn(f"mass.{link}", f"got {value!r}; expected kilograms above 0: not used")
+            file.warn(f"mass.{link}", f"got {value!r}; expected kilograms above 0: not used")
     return {link: float(x) for link, x in values.items() if _is_number(x) and x > 0}

@@ -8,7 +8,7 @@ points out of its own object (a hammer's head, the foot of a block) is one by wh
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -74,7 +74,7 @@ def contact_points(points: Sequence[Placed], bounds: np.ndarray, model: ModelDat
     out = []
     for point in points:
         if outside_by(bounds, point.position) > OUTSIDE:
-            model.warn(point.raw.field, f"lies outside the object: {range_text(bounds, point.position)}: left out")
+            model.file.warn(point.raw.field, f"lies outside the object: {range_text(bounds, point.position)}: left out")
             continue
         out.append(
             ContactPoint(
@@ -102,7 +102,7 @@ def functional_points(
     for point in points:
         floor, complaint = _floor(point, pieces[point.link], bounds)
         if complaint:
-            model.warn(point.raw.field, f"{complaint}: left out")
+            model.file.warn(point.raw.field, f"{complaint}: left out")
             continue
         position = np.array([*point.position[:2], floor])
         holds = kind_of_room(pieces[point.link], position)
@@ -166,9 +166,9 @@ def same_points(a: Sequence[ContactPoint | FunctionalPoint], b: Sequence[Contact
 
 def _same(a: ContactPoint | FunctionalPoint, b: ContactPoint | FunctionalPoint) -> bool:
     axes = ("approach", "closing") if isinstance(a, ContactPoint) else ("axis",)
-    fixed: Callable[[ContactPoint | FunctionalPoint], tuple] = lambda p: (p.id, p.link, getattr(p, "holds", None))  # noqa: E731
+    alike = all(getattr(a, x, None) == getattr(b, x, None) for x in ("id", "link", "holds"))
     near = np.linalg.norm(np.subtract(a.position, b.position)) < 0.003
-    return fixed(a) == fixed(b) and bool(near) and all(np.dot(getattr(a, x), getattr(b, x)) > 0.996 for x in axes)
+    return alike and bool(near) and all(np.dot(getattr(a, x), getattr(b, x)) > 0.996 for x in axes)
 
 
 def _unit(vector: np.ndarray) -> np.ndarray:

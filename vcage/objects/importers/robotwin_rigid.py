@@ -7,6 +7,7 @@ which looks along its z, then looks towards the robot, as ours does.
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -14,9 +15,9 @@ import numpy as np
 import trimesh
 
 from vcage.base.errors import DamagedFile, InputFileError
+from vcage.objects.importers.component_hulls import MANY, component_hulls, hulls_of_surface, joined
 from vcage.objects.importers.converted import (
     Converted,
-    bounds_of,
     centred,
     check_size,
     estimated_mass,
@@ -25,12 +26,9 @@ from vcage.objects.importers.converted import (
 from vcage.objects.importers.looks import colour_word, load_surfaces, parts_of
 from vcage.objects.importers.robotwin_data import ModelData, read_model_data
 from vcage.objects.importers.robotwin_points import contact_points, functional_points, placed
-from vcage.objects.importers.solids import MANY, component_hulls, hulls_of_surface, joined
 from vcage.objects.modelling.parts import BuiltObject
+from vcage.objects.packages.surfaces import Y_UP_TO_Z_UP
 from vcage.schema.asset import Variant
-
-UPRIGHT = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
-"""From the mesh's frame, y up, to ours, z up."""
 
 NUMBERED = re.compile(r"(?:base(\d*)\.glb|textured(\d*)\.obj|model_data(\d*)\.json)")
 
@@ -42,36 +40,27 @@ def variant_numbers(folder: Path) -> list[str]:
     return sorted({next(g for g in m.groups() if g is not None) for m in matches}, key=lambda k: (len(k), k))
 
 
-def convert(folder: Path, number: str, info: dict[str, Any], warnings: list[str]) -> Converted:
+def convert(folder: Path, number: str, info: dict[str, Any], tell: Callable[[str], None]) -> Converted:
     """One variant of a rigid object.
 
     Args:
         number: its K.
         info: of ``points_info.json``.
-        warnings: gets what was left out or assumed.
+        tell: takes a sentence about what is left out or assumed.
 
     Raises:
         InputFileError: no mesh can be read, or a field that nothing works without is wrong.
     """
-    model = read_model_data(folder / f"model_data{number}.json", info)
-    try:
-        return _converted(folder, number, model)
-    finally:
-        warnings.extend(model.warnings)
-
-
-def _converted(folder: Path, number: str, model: ModelData) -> Converted:
-    assumed = model.scale is None
-    model.scale = np.ones(3) if assumed else model.scale
-    linear = UPRIGHT * model.scale
+    model = read_model_data(folder / f"model_data{number}.json", info, tell)
+    linear = Y_UP_TO_Z_UP * model.scale
     surfaces = load_surfaces(_visual(folder, number, model))
     parts = parts_of(surfaces, linear, np.zeros(3))
     hulls = _collision(folder, number, linear, surfaces, model)
-    check_size(model.path, BuiltObject(parts, hulls, 0.0), assumed)
+    check_size(model.file.path, BuiltObject(parts, hulls, 0.0), model.scale_assumed)
     built, origin = centred(BuiltObject(parts, hulls, estimated_mass(hulls)))
-    bounds = bounds_of(built)
+    bounds = built.bounds
     frame = np.eye(4)
-    frame[:3, :3], frame[:3, 3] = UPRIGHT, -origin
+    frame[:3, :3], frame[:3, 3] = Y_UP_TO_Z_UP, -origin
     contacts = [placed(model, raw, frame, None) for raw in model.contacts]
     functionals = [placed(model, raw, frame, None) for raw in model.functionals]
     return Converted(
@@ -101,7 +90,7 @@ def _visual(folder: Path, number: str, model: ModelData) -> Path:
             hint="download the object again",
             details={"path": str(wanted[0])},
         )
-    model.warnings.append(f"{wanted[0]}: missing; {solid} is seen in its place")
+    model.file.tell(f"{wanted[0]}: missing; {solid} is seen in its place")
     return solid
 
 
@@ -112,7 +101,7 @@ def _collision(
     found = next((path for path in wanted if path.is_file()), None)
     hulls: list[trimesh.Trimesh] = []
     if found is None:
-        model.warnings.append(f"{wanted[0]}: missing; the collision shape is made from what is seen")
+        model.file.tell(f"{wanted[0]}: missing; the collision shape is made from what is seen")
     else:
         hulls = _read_hulls(found, linear, model)
     if not hulls:
@@ -120,7 +109,7 @@ def _collision(
     if not hulls:
         raise InputFileError(f"{folder}: variant {number or 'base'} has no solid part", hint="export its mesh again")
     if len(hulls) > MANY:
-        model.warnings.append(f"{found}: {len(hulls)} convex pieces; more than {MANY} make the simulation slow")
+        model.file.tell(f"{found}: {len(hulls)} convex pieces; more than {MANY} make the simulation slow")
     return hulls
 
 
@@ -128,10 +117,10 @@ def _read_hulls(path: Path, linear: np.ndarray, model: ModelData) -> list[trimes
     try:
         hulls = component_hulls(*_in_metres(load_surfaces(path), linear))
     except DamagedFile as error:
-        model.warnings.append(f"{error.message}: the collision shape is made from what is seen")
+        model.file.tell(f"{error.message}: the collision shape is made from what is seen")
         return []
     if not hulls:
-        model.warnings.append(f"{path}: no solid component; the collision shape is made from what is seen")
+        model.file.tell(f"{path}: no solid component; the collision shape is made from what is seen")
     return hulls
 
 

@@ -21,22 +21,19 @@ def description(data: dict[str, Any]) -> str:
 
 def point_texts(kind: str, data: dict[str, Any], info: dict[str, Any]) -> dict[int, str]:
     """What is said about each point of a kind ('contact', 'functional'), by index; the variant's own words first."""
-    texts: dict[int, str] = {}
-    for entry in _entries(info, kind):
-        for index in entry["id"] if isinstance(entry.get("id"), list) else [entry.get("id")]:
-            if isinstance(index, int) and isinstance(entry.get("description"), str):
-                texts[index] = entry["description"].strip()
+    texts = dict(_of_all_variants(kind, info))
     for key, value in data.items():
         if key.startswith(kind) and any(text in key for text in TEXTS) and isinstance(value, list):
             texts.update({i: x.strip() for i, x in enumerate(value) if isinstance(x, str) and x.strip()})
     return texts
 
 
-def _entries(info: dict[str, Any], kind: str) -> Iterator[dict[str, Any]]:
-    for key, value in info.items():
-        if key.startswith(kind) and isinstance(value, list):
-            for i, entry in enumerate(value):
-                if isinstance(entry, dict):
-                    yield {"id": i, **entry}
-                elif isinstance(entry, str):
-                    yield {"id": i, "description": entry}
+def _of_all_variants(kind: str, info: dict[str, Any]) -> Iterator[tuple[int, str]]:
+    """Index and text of what ``points_info.json`` says about points of a kind."""
+    lists = [value for key, value in info.items() if key.startswith(kind) and isinstance(value, list)]
+    for i, entry in ((i, entry) for listed in lists for i, entry in enumerate(listed)):
+        said = {"description": entry} if isinstance(entry, str) else entry if isinstance(entry, dict) else {}
+        text, ids = said.get("description"), said.get("id", i)
+        for index in ids if isinstance(ids, list) else [ids]:
+            if isinstance(index, int) and isinstance(text, str):
+                yield index, text.strip()

@@ -24,19 +24,17 @@ class Shape:
 
     Args:
         origin: (4, 4) in the link's frame.
-        mesh: file, or None for a simple solid.
+        source: the file of a mesh, or a simple solid.
         scale: (3,) of the mesh.
-        solid: the simple solid.
     """
 
     origin: np.ndarray
-    mesh: Path | None
+    source: Path | trimesh.Trimesh
     scale: np.ndarray
-    solid: trimesh.Trimesh | None
 
     def surfaces(self) -> list[trimesh.Trimesh]:
         """Surfaces in the shape's own frame, before :attr:`scale`."""
-        return load_surfaces(self.mesh) if self.mesh is not None else [self.solid]
+        return load_surfaces(self.source) if isinstance(self.source, Path) else [self.source]
 
 
 @dataclass(frozen=True)
@@ -154,12 +152,12 @@ def _shape(path: Path, link: str, kind: str, element: ElementTree.Element) -> Sh
     origin, geometry = _origin(path, field, element.find("origin")), element.find("geometry")
     mesh = None if geometry is None else geometry.find("mesh")
     if mesh is None:
-        return Shape(origin, None, np.ones(3), _solid(path, field, geometry))
+        return Shape(origin, _solid(path, field, geometry), np.ones(3))
     name = mesh.get("filename", "")
     file = path.parent / name.removeprefix("package://").removeprefix("file://")
     if not file.is_file():
         raise mismatch(path, f"{field}.mesh", f"{name!r} is missing; expected the file {file}", "download it again")
-    return Shape(origin, file, _vector(path, f"{field}.mesh", mesh, "scale", (1.0, 1.0, 1.0)), None)
+    return Shape(origin, file, _vector(path, f"{field}.mesh", mesh, "scale", (1.0, 1.0, 1.0)))
 
 
 def _solid(path: Path, field: str, geometry: ElementTree.Element | None) -> trimesh.Trimesh:

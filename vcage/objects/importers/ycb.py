@@ -15,20 +15,14 @@ from vcage.base.errors import UnknownName, UsageError, VcageError
 from vcage.base.progress import Progress, silent
 from vcage.objects.convex import Convex
 from vcage.objects.importers import Imported
+from vcage.objects.importers.converted import DENSITY, LEAST_MASS, MOST_MASS
 from vcage.objects.importers.grasps import THINNEST, WIDEST, contact_points
 from vcage.objects.library import imported_objects
-from vcage.objects.modelling.parts import BuiltObject
 from vcage.objects.packages.ycb import Ycb
 from vcage.schema.asset import Annotation, PackageModel, Variant, Words
 
 PREFIX = "ycb_"
 """Begins the name of every object from the set: many of its kinds we have too."""
-
-DENSITY = 400.0
-"""Kilograms per cubic metre of the bounding box's half: household things are hollow, or of wood and plastic."""
-
-LEAST_MASS, MOST_MASS = 0.02, 1.0
-"""Limits of an estimated mass, kilograms: what an arm carries."""
 
 COLOURS: dict[str, tuple[int, int, int]] = {
     "red": (190, 50, 48),
@@ -99,10 +93,9 @@ def _import(package: Ycb, model: str, folder: Path, force: bool) -> list[str]:
     colour = list(COLOURS)[position % len(COLOURS)]
     source = PackageModel(model=model, mass=1.0, colour=COLOURS[colour])
     built = package.built(source)
-    lower, upper = _bounds(built)
-    origin = np.array([*(lower[:2] + upper[:2]) / 2, lower[2]])
-    contacts = contact_points([Convex.of(piece.vertices - origin) for piece in built.hulls])
-    mass = float(np.clip(DENSITY * np.prod(upper - lower) / 2, LEAST_MASS, MOST_MASS).round(3))
+    contacts = contact_points([Convex.of(piece.vertices - built.bottom_centre) for piece in built.hulls])
+    half_of_the_box = np.prod(np.ptp(built.bounds, axis=0)) / 2
+    mass = float(np.clip(DENSITY * half_of_the_box, LEAST_MASS, MOST_MASS).round(3))
     annotation = Annotation(
         name=identifier(model),
         source="ycb",
@@ -112,11 +105,6 @@ def _import(package: Ycb, model: str, folder: Path, force: bool) -> list[str]:
     )
     annotation.write(path)
     return _warnings(path, contacts, mass)
-
-
-def _bounds(built: BuiltObject) -> tuple[np.ndarray, np.ndarray]:
-    points = np.concatenate([*(part.vertices for part in built.parts), *(hull.vertices for hull in built.hulls)])
-    return points.min(axis=0), points.max(axis=0)
 
 
 def _words(model: str) -> Words:

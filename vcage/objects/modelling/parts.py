@@ -80,6 +80,19 @@ class BuiltObject:
     friction: float = 0.7
     moving: list[MovingPart] = field(default_factory=list)
 
+    @property
+    def bounds(self) -> np.ndarray:
+        """(2, 3) lower and upper corner of all that is seen and solid, with all joints at 0."""
+        bodies = [self, *self.moving]
+        points = np.concatenate([x.vertices for body in bodies for x in (*body.parts, *body.hulls)])
+        return np.stack([points.min(axis=0), points.max(axis=0)])
+
+    @property
+    def bottom_centre(self) -> np.ndarray:
+        """(3,) the centre of the bottom of the bounds: the origin of the object frame."""
+        lower, upper = self.bounds
+        return np.array([*(lower[:2] + upper[:2]) / 2, lower[2]])
+
 
 def variant_rng(*names: str) -> np.random.Generator:
     """The generator of a variant's texture: always the same for the same names."""

@@ -43,11 +43,6 @@ class Surface:
     texture: np.ndarray
     roughness: float = 0.6
 
-    @property
-    def area(self) -> float:
-        """Square metres."""
-        return float(trimesh.triangles.area(self.corners, sum=True))
-
 
 def read_surfaces(path: Path) -> list[Surface]:
     """The surfaces of a model's file, in its own frame and unit, one for each material.

@@ -1,15 +1,21 @@
-"""Models of the Debian package ``sweethome3d-furniture``: five libraries under Creative Commons licences."""
+"""Models of the Debian package ``sweethome3d-furniture``: five libraries under Creative Commons licences.
+
+A library is an ``.sh3f`` zip with a catalogue in Java's properties format: every model has a number, and its properties
+are lines ``key#number=value``. Lengths are in centimetres, and a model's frame is x right, y up, z towards the viewer.
+"""
 
 from __future__ import annotations
 
 import functools
+import re
 import zipfile
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
+import numpy as np
+
 from vcage.base.errors import FetchFailed
-from vcage.objects.packages import catalogue
-from vcage.objects.packages.catalogue import CatalogueModel
 from vcage.objects.packages.package import Credit, Package
 from vcage.objects.packages.surfaces import Y_UP_TO_Z_UP, Surface, fitted, read_surfaces, turned
 from vcage.schema.asset import PackageModel
@@ -18,6 +24,9 @@ from vcage.setup import apt
 DEBIAN_NAME = "sweethome3d-furniture"
 LIBRARIES = "usr/share/sweethome3d/furniture"
 LICENCE = "LICENSE.TXT"
+CATALOGUE = "PluginFurnitureCatalog.properties"
+_LINE = re.compile(r"(?P<key>[A-Za-z]+)(?:#(?P<number>\d+))?\s*=\s*(?P<value>.*)")
+_ESCAPE = re.compile(r"\\u([0-9a-fA-F]{4})")
 
 
 class SweetHome3D(Package):
@@ -76,22 +85,76 @@ def extract_library(library: Path, models: set[str], folder: Path) -> None:
         KeyError: it has no catalogue.
     """
     with zipfile.ZipFile(library) as archive:
-        entries = catalogue.parse(archive.read(catalogue.FILE).decode("latin-1"))
+        entries = read_catalogue(archive.read(CATALOGUE).decode("latin-1"))
         kept = tuple(f"{PurePosixPath(entries[model].path).parent}/" for model in models & entries.keys())
         for name in archive.namelist():
-            if name in (catalogue.FILE, LICENCE) or (kept and name.startswith(kept)):
+            if name in (CATALOGUE, LICENCE) or (kept and name.startswith(kept)):
                 archive.extract(name, folder)
 
 
 @functools.lru_cache(maxsize=4)
-def _read_catalogue(path: Path, _changed: int) -> dict[str, CatalogueModel]:
-    return catalogue.parse(path.read_text(encoding="latin-1"))
+def _catalogue_file(path: Path, _changed: int) -> dict[str, CatalogueModel]:
+    return read_catalogue(path.read_text(encoding="latin-1"))
 
 
 def _catalogue(folder: Path) -> dict[str, tuple[str, CatalogueModel]]:
     """Model id → (path of its file under the package's folder, entry), of every library that is there."""
     found = {}
-    for path in sorted(folder.glob(f"*/{catalogue.FILE}")):
-        for model, entry in _read_catalogue(path, path.stat().st_mtime_ns).items():
+    for path in sorted(folder.glob(f"*/{CATALOGUE}")):
+        for model, entry in _catalogue_file(path, path.stat().st_mtime_ns).items():
             found[model] = (f"{path.parent.name}/{entry.path}", entry)
     return found
+
+
+# --- the catalogue -------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class CatalogueModel:
+    """One model of a library.
+
+    Args:
+        id: ``Scopia#teapot``.
+        path: of its OBJ file inside the zip.
+        size: width, depth and height, metres.
+        rotation: (3, 3) that stands it upright, before it is scaled.
+        title, creator, licence: for the attribution.
+    """
+
+    id: str
+    path: str
+    size: tuple[float, float, float]
+    rotation: np.ndarray
+    title: str
+    creator: str
+    licence: str
+
+
+def read_catalogue(text: str) -> dict[str, CatalogueModel]:
+    """The models of a catalogue's text by id; those without a size or a file are left out."""
+    library: dict[str, str] = {}
+    models: dict[str, dict[str, str]] = {}
+    for line in text.splitlines():
+        match = _LINE.fullmatch(line.strip())
+        if match:
+            value = _ESCAPE.sub(lambda code: chr(int(code[1], 16)), match["value"])
+            (models.setdefault(match["number"], {}) if match["number"] else library)[match["key"]] = value
+    return {fields["id"]: _model(fields, library) for fields in models.values() if _complete(fields)}
+
+
+def _complete(fields: dict[str, str]) -> bool:
+    return all(fields.get(name) for name in ("id", "model", "width", "depth", "height"))
+
+
+def _model(fields: dict[str, str], library: dict[str, str]) -> CatalogueModel:
+    entries = fields.get("modelRotation", "1 0 0 0 1 0 0 0 1").split()
+    width, depth, height = (float(fields[name]) / 100 for name in ("width", "depth", "height"))
+    return CatalogueModel(
+        id=fields["id"],
+        path=fields["model"].lstrip("/"),
+        size=(width, depth, height),
+        rotation=np.array([float(x) for x in entries]).reshape(3, 3),
+        title=fields.get("name", fields["id"]),
+        creator=fields.get("creator", library.get("provider", "unknown")),
+        licence=fields.get("license", library.get("license", "unknown")),
+    )

@@ -40,7 +40,8 @@ class Ycb(Package):
                 shapes = [member for member in tar if member.isfile() and member.name.endswith(".stl")]
                 for member in shapes:
                     # Only the content is taken: what an archive says about paths and rights is not to be trusted.
-                    (folder / PurePosixPath(member.name).name).write_bytes(tar.extractfile(member).read())
+                    if (content := tar.extractfile(member)) is not None:
+                        (folder / PurePosixPath(member.name).name).write_bytes(content.read())
         except (tarfile.TarError, EOFError) as error:
             raise FetchFailed(f"{archive.name} is damaged: {error}") from error
         if not shapes:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from vcage.objects.importers.solids import component_hulls, convex_hull, hulls_of_surface, joined
+from vcage.objects.importers.component_hulls import component_hulls, convex_hull, hulls_of_surface, joined
 
 
 def box(*bounds) -> trimesh.Trimesh:

@@ -9,7 +9,6 @@ import trimesh
 from scipy.spatial import ConvexHull, QhullError
 
 from vcage.objects import hulls
-from vcage.objects.convex import Convex
 
 THIN = 0.0005
 """A flat component gets this thickness on either side, metres; a solid needs some."""
@@ -99,8 +98,3 @@ def convex_hull(points: np.ndarray) -> trimesh.Trimesh | None:
     solid = trimesh.Trimesh(hull.points[corners], faces, process=False)
     solid.fix_normals()
     return solid
-
-
-def half_spaces(pieces: Sequence[trimesh.Trimesh]) -> list[Convex]:
-    """The same pieces, for measuring."""
-    return [Convex.of(piece.vertices) for piece in pieces]
