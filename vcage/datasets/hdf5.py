@@ -61,7 +61,8 @@ def write_episode(path: Path, episode: EpisodeData, frames: Iterable[Mapping[str
         _write_segments(file.create_group("subtasks"), episode)
         meta = file.create_group("meta")
         for name in sorted(episode.meta):
-            _text(meta, name, json.dumps(episode.meta[name], ensure_ascii=False, sort_keys=True))
+            text = json.dumps(episode.meta[name], ensure_ascii=False, sort_keys=True)
+            meta.create_dataset(name, data=text, dtype=TEXT, track_times=False)
         _write_images(file.create_group("observations/images"), episode, frames)
     return Path(path)
 
@@ -104,10 +105,6 @@ def _write_segments(group: h5py.Group, episode: EpisodeData) -> None:
     for name in SEGMENT_NUMBERS:
         numbers = np.array([getattr(s, name) for s in episode.segments], np.int64)
         group.create_dataset(name, data=numbers, track_times=False)
-
-
-def _text(group: h5py.Group, name: str, text: str) -> None:
-    group.create_dataset(name, data=text, dtype=TEXT, track_times=False)
 
 
 def _write_images(group: h5py.Group, episode: EpisodeData, frames: Iterable[Mapping[str, NDArray[np.uint8]]]) -> None:

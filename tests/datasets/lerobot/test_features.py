@@ -12,7 +12,7 @@ import pytest
 
 from tests.recordings import clip
 from vcage.base.errors import DamagedFile, UsageError
-from vcage.datasets.lerobot.features import ENCODER, admit, video_info
+from vcage.datasets.lerobot.features import ENCODER, agreed_info, video_info
 from vcage.video.codec import EncoderSettings, encode
 
 KEY = "observation.images.cam_high"
@@ -66,7 +66,7 @@ def changed(info: dict, *path: str, to) -> dict:
     ],
 )
 def test_what_a_data_set_leaves_open_or_says_in_other_words_agrees(info, path, value):
-    admit(3, info, changed(info, *path, to=value))
+    agreed_info(3, info, changed(info, *path, to=value))
 
 
 @pytest.mark.parametrize(
@@ -86,7 +86,7 @@ def test_what_a_data_set_leaves_open_or_says_in_other_words_agrees(info, path, v
 )
 def test_what_differs_is_named(info, path, value, what):
     with pytest.raises(UsageError, match="episode 3 has other") as caught:
-        admit(3, info, changed(info, *path, to=value))
+        agreed_info(3, info, changed(info, *path, to=value))
     assert caught.value.details == {"episode": 3, "what": what}
 
 
@@ -96,33 +96,32 @@ def test_where_videos_were_compressed_by_different_degrees_the_data_set_stops_te
     described = changed(info, "features", KEY, "info", fact, to="this")
     feature = {"dtype": "video", "shape": [48, 64, 3], name: {"video.codec": "hevc", fact: "that"}}
     data_set = changed(info, "features", KEY, to=feature)
-    admit(3, described, data_set)
-    assert data_set["features"][KEY][name] == {"video.codec": "hevc"}
+    assert agreed_info(3, described, data_set)["features"][KEY][name] == {"video.codec": "hevc"}
 
 
 def test_the_videos_of_a_data_set_that_is_begun_are_compressed_alike(info):
     begun = changed(info, "total_episodes", to=...)
     with pytest.raises(UsageError, match=r"other video\.crf.*\(18\).*\(20\)"):
-        admit(3, info, changed(begun, "features", KEY, "info", "video.crf", to=20))
+        agreed_info(3, info, changed(begun, "features", KEY, "info", "video.crf", to=20))
 
 
 def test_what_is_true_of_all_videos_stays_told(info):
-    data_set = copy.deepcopy(info)
-    admit(3, info, data_set)
-    assert data_set == info
+    assert agreed_info(3, info, copy.deepcopy(info)) == info
 
 
-def test_an_episode_that_is_refused_leaves_the_description_as_it_was(info):
-    data_set = changed(changed(info, "fps", to=12.5), "features", KEY, "info", "video.crf", to=30)
+def test_a_description_is_never_changed_in_place(info):
+    data_set = changed(info, "features", KEY, "info", "video.crf", to=30)
     before = copy.deepcopy(data_set)
+    assert agreed_info(3, info, data_set) != data_set == before
+    other = changed(data_set, "fps", to=12.5)
     with pytest.raises(UsageError, match="frame rate"):
-        admit(3, info, data_set)
-    assert data_set == before
+        agreed_info(3, info, other)
+    assert other == changed(before, "fps", to=12.5)
 
 
 def test_another_codec_is_refused_with_the_option_that_mends_it(info):
     with pytest.raises(UsageError, match=r"other video\.codec") as caught:
-        admit(3, info, changed(info, "features", KEY, "info", "video.codec", to="av1"))
+        agreed_info(3, info, changed(info, "features", KEY, "info", "video.codec", to="av1"))
     assert "--codec av1" in caught.value.hint
 
 

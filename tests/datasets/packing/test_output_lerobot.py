@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -24,21 +25,22 @@ from vcage.datasets.recordings.opening import open_recordings
 from vcage.video.codec import EncoderSettings, encode
 
 LENGTHS = (6, 5)
-SETTINGS = CompressionSettings(crf=20)
+SETTINGS = CompressionSettings(crf=20, keyframes=3)
 OTHER = {"lerobot-v2.1": "lerobot-v3.0", "lerobot-v3.0": "lerobot-v2.1"}
 
 
-@pytest.fixture(params=[("lerobot-v2.1", "h264"), ("lerobot-v3.0", "av1")], ids="-".join)
-def dataset(request, tmp_path) -> Path:
+@pytest.fixture(scope="module", params=[("lerobot-v2.1", "h264"), ("lerobot-v3.0", "av1")], ids="-".join)
+def made(request, tmp_path_factory) -> Path:
     """A data set in LeRobot's usual codecs, with rewards."""
     version, codec = request.param
-    root = tmp_path / "set"
+    folder = tmp_path_factory.mktemp(version)
+    root = folder / "set"
     with open_writer(version, root) as writer:
         for index, length in enumerate(LENGTHS):
             pictures = clip(length, index)
-            videos = {camera: tmp_path / f"{index}.{camera}.mp4" for camera in CAMERAS}
-            for video in videos.values():
-                video.write_bytes(encode(pictures, FPS, EncoderSettings(codec, "yuv420p", gop=2), 12))
+            film = folder / f"{index}.mp4"
+            film.write_bytes(encode(pictures, FPS, EncoderSettings(codec, "yuv420p", gop=2), 12))
+            videos = dict.fromkeys(CAMERAS, film)
             histograms = dict.fromkeys(CAMERAS, picture_histogram(pictures))
             writer.add(episode_of(episode(length), videos, histograms, length))
     for file in (root / "data").rglob("*.parquet"):
@@ -48,6 +50,12 @@ def dataset(request, tmp_path) -> Path:
     info["features"]["next.reward"] = {"dtype": "float64", "shape": [1], "names": None}
     (root / "meta/info.json").write_text(json.dumps(info))
     return root
+
+
+@pytest.fixture
+def dataset(made, tmp_path) -> Path:
+    """A copy of it."""
+    return shutil.copytree(made, tmp_path / "set")
 
 
 def version_of(root: Path) -> str:

@@ -70,17 +70,20 @@ def describe(episode: LeRobotEpisode, encodings: Mapping[str, Mapping[str, Any]]
     return {"robot_type": episode.robot, "fps": as_int(episode.fps), "features": features}
 
 
-def admit(episode: int, described: Mapping[str, Any], data_set: Mapping[str, Any]) -> None:
-    """Raise UsageError unless all that a data set says of its episodes is true of another one too.
+def agreed_info(episode: int, described: Mapping[str, Any], data_set: Mapping[str, Any]) -> dict[str, Any]:
+    """What a data set says of its episodes, once it is sure that it is true of another one too.
 
-    A finished data set may hold videos that were compressed by another degree: of :data:`ENCODER`, ``data_set`` from
-    then on says no more than what is true of all.
+    A finished data set may hold videos that were compressed by another degree: of :data:`ENCODER` it then says no more
+    than what is true of all.
 
     Args:
         episode: its number in the data set, for the message.
         described: what :func:`describe` says of it.
         data_set: ``meta/info.json`` of a finished data set, or what :func:`describe` says of the first episode of one
             that is begun; what it does not tell (None, or no such entry) may be anything.
+
+    Raises:
+        UsageError: something else is not true of it; names what.
     """
     may_differ = ENCODER if "total_episodes" in data_set else ()
     mine, theirs = _facts(described, may_differ), _facts(data_set, may_differ)
@@ -91,22 +94,21 @@ def admit(episode: int, described: Mapping[str, Any], data_set: Mapping[str, Any
                 hint=_way_out(what, value),
                 details={"episode": episode, "what": what},
             )
-    for key, feature in data_set["features"].items():
+    features = dict(data_set["features"])
+    for key, feature in features.items():
         if feature["dtype"] == "video":
-            _leave_open(feature, described["features"][key]["info"], may_differ)
+            mine = described["features"][key]["info"]
+            told = {
+                name: {fact: one for fact, one in info.items() if fact not in may_differ or one == mine.get(fact)}
+                for name, info in _infos(feature).items()
+            }
+            features[key] = {**feature, **told}
+    return {**data_set, "features": features}
 
 
-def _leave_open(feature: Mapping[str, Any], info: Mapping[str, Any], facts: Sequence[str]) -> None:
-    """Take those facts out of a data set's video feature that are not true of a video of which ``info`` tells."""
-    for told in _infos(feature):
-        for fact in facts:
-            if told.get(fact) != info.get(fact):
-                told.pop(fact, None)
-
-
-def _infos(feature: Mapping[str, Any]) -> list[dict[str, Any]]:
+def _infos(feature: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
     """What a video feature tells of its videos; older data sets have it under another name."""
-    return [feature[name] for name in ("video_info", "info") if feature.get(name)]
+    return {name: feature[name] for name in ("video_info", "info") if feature.get(name)}
 
 
 def _way_out(what: str, value: Any) -> str:
@@ -132,7 +134,7 @@ def _facts(info: Mapping[str, Any], but: Sequence[str]) -> dict[str, Any]:
     for key, feature in features.items():
         if key in videos:
             facts[f"size of {key}"] = list(feature["shape"])
-            told = {fact: value for info in _infos(feature) for fact, value in info.items()}
+            told = {fact: value for info in _infos(feature).values() for fact, value in info.items()}
             facts |= {f"{fact} of {key}": value for fact, value in told.items() if fact not in but}
         elif key not in SCALARS:
             facts[f"type of {key}"] = feature["dtype"]

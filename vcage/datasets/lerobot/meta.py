@@ -124,7 +124,7 @@ def episode_rows(root: Path, info: Mapping[str, Any]) -> list[dict[str, Any]]:
     """
     old = info["codebase_version"] == "v2.1"
     where = root / (EPISODES if old else EPISODE_TABLES)
-    rows = list(read_lines(where)) if old else [row for file in episode_tables(root) for row in _rows(root / file)]
+    rows = list(read_lines(where)) if old else _table_rows(root)
     if not rows:
         raise DamagedFile(f"{where} lists no episode", hint=MEND)
     for row in rows:
@@ -163,6 +163,9 @@ def read_lines(path: Path) -> Iterator[dict[str, Any]]:
         raise DamagedFile(f"{path} cannot be read: {error}", hint=MEND) from error
 
 
-def _rows(file: Path) -> list[dict[str, Any]]:
-    """The rows of a table; statistics of all episodes would fill the memory."""
-    return read_table(file, [name for name in column_names(file) if not name.startswith("stats/")]).to_pylist()
+def _table_rows(root: Path) -> list[dict[str, Any]]:
+    """The rows of a v3.0 list without its statistics, which would fill the memory."""
+    rows = []
+    for file in (root / table for table in episode_tables(root)):
+        rows += read_table(file, [name for name in column_names(file) if not name.startswith("stats/")]).to_pylist()
+    return rows

@@ -23,8 +23,8 @@ LEVEL_COUNTS = Path("meta/picture_levels.json")
 """How often each level occurs in the pictures of each camera: what the quantiles of a set that is added to are
 made of. LeRobot does not read it."""
 
-IN_MEMORY = 2**28
-"""Bytes of a column's numbers that quantiles are taken of at once."""
+IN_MEMORY = 2**27
+"""Bytes of a column's numbers that quantiles are taken of at once; as many again are needed to put them in order."""
 
 Statistics = dict[str, Any]
 """``min, max, mean, std, count`` and the :data:`QUANTILES` of one feature, as nested lists."""
@@ -228,6 +228,6 @@ def _quantiles(values: NDArray[Any]) -> NDArray[np.float64]:
     places = np.array(list(QUANTILES.values())) * (len(values) - 1)
     below = np.floor(places).astype(np.int64)
     above = np.minimum(below + 1, len(values) - 1)
-    values.partition(np.unique([below, above]), axis=0)
-    low, high = values[below].astype(np.float64), values[above].astype(np.float64)
+    placed = np.partition(values, np.unique([below, above]), axis=0)
+    low, high = placed[below].astype(np.float64), placed[above].astype(np.float64)
     return low + (high - low) * (places - below)[:, None]

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from vcage.base.errors import DamagedFile, UsageError
 from vcage.base.files import write_json
 from vcage.datasets.lerobot.episode import LeRobotEpisode, SubtaskSpan
-from vcage.datasets.lerobot.features import admit, describe, video_key
+from vcage.datasets.lerobot.features import agreed_info, describe, video_key
 from vcage.datasets.lerobot.meta import INFO
 from vcage.datasets.lerobot.statistics import Statistics, picture_statistics, vector_statistics
 
@@ -66,10 +66,7 @@ class LeRobotWriter(ABC):
         for complaint in episode.complaints():
             raise UsageError(f"episode {self.episodes}: {complaint}", hint="mend the episode, or leave it out")
         described = describe(episode, self._encodings)
-        if self._info:
-            admit(self.episodes, described, self._info)
-        else:
-            self._info = described
+        self._info = agreed_info(self.episodes, described, self._info) if self._info else described
         columns = self._columns(episode)
         self._write(episode, _table(columns), _statistics(columns, episode))
         self.episodes += 1

@@ -81,20 +81,19 @@ class Columns:
 
 
 @dataclass(frozen=True)
-class Motion:
-    """What the robot was told.
+class Motion(Columns):
+    """What the robot was told: joint positions, or poses.
 
     Args:
-        action: (T, D) commands: joint positions, or poses.
-        grippers: columns of ``action`` that open and close a gripper.
-        names: of the D numbers; none where nobody says.
-        notes: what a user must know about how they were understood.
+        grippers: columns that open and close a gripper.
     """
 
-    action: NDArray[np.float64]
     grippers: tuple[int, ...] = ()
-    names: tuple[str, ...] = ()
-    notes: tuple[str, ...] = ()
+
+    @property
+    def action(self) -> NDArray[np.float64]:
+        """(T, D) commands."""
+        return self.values
 
 
 def relative_name(path: Path, root: Path) -> str:
@@ -175,7 +174,7 @@ class Recording(ABC):
             return None
         self._check("action", found.values)
         grippers = tuple(column for column, name in enumerate(found.names) if "gripper" in name)
-        return Motion(found.values, grippers or act_grippers(found.values.shape[1]), found.names, found.notes)
+        return Motion(found.values, found.names, found.notes, grippers or act_grippers(found.values.shape[1]))
 
     @property
     def state(self) -> NDArray[np.float64] | None:
@@ -198,7 +197,7 @@ class Recording(ABC):
     def action_names(self) -> list[str]:
         """Names of the numbers of a command, as :attr:`state_names`."""
         motion = self.motion
-        return [] if motion is None else Columns(motion.action, motion.names).all_names()
+        return [] if motion is None else motion.all_names()
 
     @property
     def files(self) -> list[Path]:
