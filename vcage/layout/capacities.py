@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from vcage.layout.items import BARE
+from vcage.layout.items import BARE, TableItem, table_item
 from vcage.objects.asset import Asset
 from vcage.objects.openings import Opening
 from vcage.plans.check import Capacity
@@ -29,6 +29,18 @@ def room_of(asset: Asset) -> Capacity:
         ceiling=opening.depth if point.holds == "in" and point.sideways else None,
         bare=point.holds != "in" and opening.floor >= size[2] - BARE,
     )
+
+
+def capacity_of(name: str, asset: Asset) -> TableItem:
+    """The room that an asset needs, and the widest opening or surface that layouts use of it."""
+    point = _used_point(asset)
+    if point is None:
+        return table_item(name, asset)
+    opening = asset.opening(point)
+    roof = opening.depth if point.holds == "in" and point.sideways else None
+    if point.holds != "in":
+        opening = replace(opening, rim=np.inf)
+    return table_item(name, asset, opening=opening, ceiling=roof)
 
 
 def opening_for(asset: Asset, contents: Sequence[Asset] = ()) -> Opening | None:

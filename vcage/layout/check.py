@@ -34,7 +34,9 @@ def require_exact(
     roots = {name: groups.root(item).id for name, item in groups.items.items()}
     boxes = np.array([item.rectangle() + positions[item.id][:2] for item in groups.items.values()])
     apart = np.array([[roots[a] != roots[b] for b in names] for a in names])
-    _require_free(names, boxes, apart, workspace, margin, "the workspace")
+    fixed = np.array([groups.items[roots[name]].fixed for name in names])
+    limits = np.where(fixed[:, None, None], [[-np.inf], [np.inf]], workspace)
+    _require_free(names, boxes, apart & ~np.outer(fixed, fixed), limits, margin, "the workspace")
     for container in groups.innermost_first():
         _require_inside(groups, container, positions)
     for item in groups.items.values():
@@ -71,8 +73,9 @@ def _box_in(
 def _require_free(
     names: Sequence[str], boxes: np.ndarray, apart: np.ndarray, bounds: np.ndarray, margin: float, where: str
 ) -> None:
-    """Boxes (n, 2, 2) in the bounds, and the pairs of ``apart`` (n, n) with the margin between them."""
-    out = ~np.all((boxes[:, 0] >= bounds[0] - TOLERANCE) & (boxes[:, 1] <= bounds[1] + TOLERANCE), axis=1)
+    """Boxes (n, 2, 2) in the bounds, (2, 2) or one each, and the pairs of ``apart`` (n, n) with the margin between."""
+    lower, upper = bounds[..., 0, :], bounds[..., 1, :]
+    out = ~np.all((boxes[:, 0] >= lower - TOLERANCE) & (boxes[:, 1] <= upper + TOLERANCE), axis=1)
     gaps = np.maximum(boxes[:, None, 0] - boxes[None, :, 1], boxes[None, :, 0] - boxes[:, None, 1]).max(axis=2)
     close = ~(gaps >= margin - TOLERANCE) & apart
     if not (out.any() or close.any()):

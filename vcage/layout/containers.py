@@ -59,7 +59,7 @@ def assign_containers(items: Sequence[TableItem], demanded: Collection[str] = ()
     room = {item.id: _room(item.opening) for item in items if item.opening is not None}
     bare = {item.id for item in items if item.bare}
     for item in sorted(items, key=lambda item: (-float(np.prod(item.size)), item.id)):
-        if item.inside is None:
+        if item.inside is None or item.fixed:
             continue
         container = by_id[item.inside]
         if item.id not in demanded and not boxes_overlap(_target_box(item), _target_box(container)):

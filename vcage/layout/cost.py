@@ -70,6 +70,7 @@ class LayoutProblem:
         allowed: for each footprint (m, 2, 2) rectangles for its centre, or None.
         extra: (n, n) symmetric, what a pair's gap is wider than the margin, metres; none when left out.
         relations: what the plan says of them, or None.
+        fixed: (n,) bool, footprints that stay at their targets, whatever they touch of each other; none when left out.
     """
 
     half: np.ndarray
@@ -79,6 +80,12 @@ class LayoutProblem:
     allowed: tuple[np.ndarray | None, ...]
     extra: np.ndarray | None = None
     relations: RelationTerms | None = None
+    fixed: np.ndarray | None = None
+
+    @cached_property
+    def movable(self) -> np.ndarray:
+        """(n,) bool."""
+        return np.ones(len(self.half), dtype=bool) if self.fixed is None else ~self.fixed
 
     def gaps(self, i: int, j: np.ndarray | list[int]) -> np.ndarray:
         """(len(j),) the smallest gaps of footprint i and those of j."""
@@ -92,17 +99,20 @@ class LayoutProblem:
 
     @cached_property
     def distances(self) -> np.ndarray:
-        """(2, n, n) along each axis, how far apart two centres are when their gap is just kept; −1 on the diagonal."""
+        """(2, n, n) along each axis, how far apart centres are when their gap is just kept; −1 where none is to be."""
         distances = self.half.T[:, :, None] + self.half.T[:, None, :] + self.margin
         if self.extra is not None:
             distances += self.extra
         distances[:, range(len(self.half)), range(len(self.half))] = -1.0
+        if self.fixed is not None:
+            distances[:, np.outer(self.fixed, self.fixed)] = -1.0
         return distances
 
     @cached_property
     def centre_bounds(self) -> np.ndarray:
         """(2, n, 2) lowest and highest centres that keep each footprint in the bounds."""
-        return np.stack([self.bounds[0] + self.half, self.bounds[1] - self.half])
+        within = np.stack([self.bounds[0] + self.half, self.bounds[1] - self.half])
+        return within if self.fixed is None else np.where(self.fixed[:, None], self.target, within)
 
     @cached_property
     def reachable(self) -> tuple[np.ndarray, np.ndarray]:

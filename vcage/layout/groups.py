@@ -106,8 +106,9 @@ class Groups:
             bounds=workspace,
             margin=margin,
             allowed=tuple(self._allowed(item, middle) for item, middle in zip(roots, middles, strict=True)),
-            extra=_hand_room(roots, margin),
+            extra=hand_room(roots, margin),
             relations=relation_terms(self.relations, spots, len(roots)),
+            fixed=np.array([item.fixed for item in roots]) if any(item.fixed for item in roots) else None,
         )
 
     def container_problem(self, container: TableItem) -> LayoutProblem:
@@ -162,7 +163,7 @@ class Groups:
         """
         meet = None
         for item, way in self.carried(root):
-            if item.allowed is None:
+            if item.allowed is None or root.fixed:
                 continue
             shift = middle - way - item.rectangle().mean(axis=0)
             shifted = as_rectangles(item.allowed, f"where {item.id} may stand") + shift
@@ -189,7 +190,7 @@ class Groups:
             self._stand(content, at + [*(rotation_2d(item.yaw) @ self.local[content.id]), item.opening.floor], found)
 
 
-def _hand_room(items: Sequence[TableItem], margin: float) -> np.ndarray | None:
+def hand_room(items: Sequence[TableItem], margin: float) -> np.ndarray | None:
     """(n, n) wider gaps between what is grasped and what is so high that the palm would touch it; None for no such."""
     grasped = np.array([item.grasped for item in items])
     high = np.array([item.size[2] > PALM_ABOVE for item in items])

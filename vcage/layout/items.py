@@ -12,10 +12,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from vcage.base.errors import UnknownName, UsageError
-from vcage.base.geometry import Pose, footprint_half_size
+from vcage.base.geometry import Pose, footprint_half_size, rotation_2d
 from vcage.layout.placement.free_region import TOLERANCE
 from vcage.objects.asset import Asset
 from vcage.objects.openings import Opening
+from vcage.schema.scene import ObjectRecord
 from vcage.sim.joints import link_poses
 
 ANY_YAW = tuple(float(yaw) for yaw in np.radians(range(-180, 180, 15)))
@@ -29,6 +30,9 @@ SWEEP_STEPS = 5
 
 BARE = 0.002
 """A surface so little below its object's top is bare: what stands on it may stick out on all sides, metres."""
+
+ILL_CONDITIONED = 0.25
+"""|cos 2·yaw| below which an axis-aligned box does not tell the sides of the rectangle in it."""
 
 
 @dataclass(frozen=True)
@@ -157,6 +161,24 @@ def table_item(name: str, asset: Asset, **fields: Any) -> TableItem:
         "body": asset.bounds[:, :2],
     }
     return TableItem(name, **(known | fields))
+
+
+def item_of(record: ObjectRecord) -> TableItem:
+    """What the record alone tells of an object's geometry: the sides of its rectangle, from the box around it.
+
+    At 45 degrees boxes do not tell the sides apart, which are then taken to be equal.
+    """
+    lower, upper = np.array(record.aabb)
+    yaw = record.pose.pose().yaw
+    c, s = abs(np.cos(yaw)), abs(np.sin(yaw))
+    x, y, z = upper - lower
+    sides = np.full(2, (x + y) / 2 / (c + s))
+    if abs(c * c - s * s) > ILL_CONDITIONED:
+        told = np.array([c * x - s * y, c * y - s * x]) / (c * c - s * s)
+        sides = told if told.min() > 0 else sides
+    centre = rotation_2d(-yaw) @ ((lower + upper)[:2] / 2 - record.pose.position[:2])
+    width, depth = (float(side) for side in sides)
+    return TableItem(record.id, (width, depth, float(z)), ANY_YAW, centre=(float(centre[0]), float(centre[1])))
 
 
 def _swept(asset: Asset) -> list[np.ndarray]:

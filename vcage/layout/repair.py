@@ -21,22 +21,25 @@ def is_feasible(problem: LayoutProblem, centres: np.ndarray) -> bool:
 def repair(problem: LayoutProblem, centres: np.ndarray, tries: int = 1) -> tuple[np.ndarray, tuple[int, ...]] | None:
     """Move as few and as small footprints as needed to their nearest free points, exactly.
 
-    The largest stay first; each one that is in the way of those before it moves. Where one finds no free point, it
-    goes before all others and the repair starts again, ``tries`` times in all: what is hard to place is placed early.
+    What is fixed stays, then the largest first; each one that is in the way of those before it moves. Where one finds
+    no free point, it goes before all that can move and the repair starts again, ``tries`` times in all: what is hard to
+    place is placed early.
 
     Returns:
         The repaired centres (n, 2) and the indices of those that moved; None when none of the tries found places.
     """
     order = [int(k) for k in np.argsort(-problem.half.prod(axis=1), kind="stable")]
+    order.sort(key=lambda k: problem.movable[k])
+    first = int((~problem.movable).sum())
     for _ in range(tries):
         repaired, stuck = _repair_in(order, problem, centres)
         if stuck is None:
             moved = np.flatnonzero(np.abs(repaired - centres).max(axis=1) > TOLERANCE)
             return (repaired, tuple(int(k) for k in moved)) if is_feasible(problem, repaired) else None
-        if stuck == order[0]:
+        if stuck == order[first]:
             return None
         order.remove(stuck)
-        order.insert(0, stuck)
+        order.insert(first, stuck)
     return None
 
 

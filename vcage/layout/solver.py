@@ -65,7 +65,7 @@ def solve(
         InfeasibleScene: none was found; names the objects and the area that is missing.
     """
     if _is_hopeless(problem):
-        require_possible(_as_items(problem, names), problem.bounds, problem.margin)
+        require_possible(_as_items(problem, names), problem.bounds, problem.margin, _fixed_boxes(problem))
     if weights.relation == 0:
         problem = replace(problem, relations=None)
     if is_feasible(problem, problem.target) and not _broken(problem, problem.target):
@@ -168,9 +168,12 @@ class _Search:
             InfeasibleScene: there is none.
         """
         items = _as_items(self._problem, names)
-        placed = place(items, self._problem.bounds, self._rng, self._problem.margin)
-        packed = np.array([[placed[name].x, placed[name].y] for name in names])
-        self._offer((packed, tuple(range(len(packed)))))
+        problem = self._problem
+        placed = place(items, problem.bounds, self._rng, problem.margin, _fixed_boxes(problem))
+        packed = problem.target.copy()
+        for k in np.flatnonzero(problem.movable):
+            packed[k] = placed[names[k]].x, placed[names[k]].y
+        self._offer((packed, tuple(int(k) for k in np.flatnonzero(problem.movable))))
         self._pull_back()
 
 
@@ -185,13 +188,24 @@ def _displacement(problem: LayoutProblem, centres: np.ndarray) -> float:
 def _is_hopeless(problem: LayoutProblem) -> bool:
     """Whether a footprint is larger than the bounds, has no reachable place, or all together take too much area."""
     room = problem.bounds[1] - problem.bounds[0]
-    grown = (2 * problem.half + problem.margin).prod(axis=1).sum()
-    too_large = np.any(2 * problem.half > room) or grown > (room + problem.margin).prod()
+    half = problem.half[problem.movable]
+    grown = (2 * half + problem.margin).prod(axis=1).sum()
+    too_large = np.any(2 * half > room) or grown > (room + problem.margin).prod()
     return bool(too_large) or any(allowed is not None and not len(allowed) for allowed in problem.allowed)
 
 
+def _fixed_boxes(problem: LayoutProblem) -> np.ndarray:
+    """(k, 2, 2) rectangles that what is fixed takes."""
+    at, half = problem.target[~problem.movable], problem.half[~problem.movable]
+    return np.stack([at - half, at + half], axis=1)
+
+
 def _as_items(problem: LayoutProblem, names: Sequence[str]) -> list[TableItem]:
+    """What can be moved, to be placed."""
+    # No height matters in a plane.
     return [
-        TableItem(name, (float(2 * half[0]), float(2 * half[1]), 1.0), allowed=allowed)  # no height matters in a plane
-        for name, half, allowed in zip(names, problem.half, problem.allowed, strict=True)
+        TableItem(
+            names[k], (float(2 * problem.half[k, 0]), float(2 * problem.half[k, 1]), 1.0), allowed=problem.allowed[k]
+        )
+        for k in np.flatnonzero(problem.movable)
     ]

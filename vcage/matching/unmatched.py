@@ -7,9 +7,9 @@ from collections.abc import Mapping
 import numpy as np
 
 from vcage.base.errors import VcageError
-from vcage.base.geometry import rotation_2d, wrap_angle
-from vcage.models.rules.arrange import Placement, arrange
-from vcage.models.rules.footprints import footprints
+from vcage.base.geometry import Pose, wrap_angle
+from vcage.layout.intended import intended_layout
+from vcage.layout.items import item_of
 from vcage.schema.matches import Match
 from vcage.schema.plan import LayoutPlan, Plan
 from vcage.schema.scene import ObjectRecord, Scene
@@ -24,53 +24,46 @@ def kept(
 ) -> dict[str, Match]:
     """A match that says "kept" for each object of ``why`` (object id → why it was not found).
 
-    Where the plan says something about an object, it goes where the plan wants it beside those that were found; else
-    it stays where it was. The note says which.
+    Where the plan says something about an object that the source picture shows, it goes where the plan wants it beside
+    those that were found; else it stays where it was. The note says which.
     """
+    shown = set(np.unique(segmentation).tolist())
     subjects = {r.subject for r in plan.relations} & set(why) if plan else set()
-    planned: Mapping[str, Placement] = {}
+    subjects = {name for name in subjects if scene.segmentation_ids.get(name, -1) in shown}
+    planned: Mapping[str, Pose] = {}
     trouble = ""
     if plan and subjects:
-        fixed = {m.object: _placement(scene.object(m.object), m) for m in found.values()}
-        fixed |= {i: _standing(scene.object(i)) for i in why if i not in subjects}
+        fixed = {o.id: o.pose.pose() for o in scene.objects if o.id not in subjects}
+        fixed |= {name: _pose(scene.object(name), match) for name, match in found.items()}
         try:
-            planned = arrange(scene, plan, footprints(scene, segmentation), fixed)
+            planned = intended_layout(scene, plan.relations, {o.id: item_of(o) for o in scene.objects}, fixed).poses
         except VcageError as error:
             trouble = f" (the plan gives it no place: {error})"
     return {
-        i: _kept(scene.object(i), reason, planned.get(i) if i in subjects else None, trouble if i in subjects else "")
-        for i, reason in why.items()
+        name: _kept(scene.object(name), reason, planned.get(name), trouble)
+        if name in subjects
+        else _kept(scene.object(name), reason)
+        for name, reason in why.items()
     }
 
 
-def _centre(record: ObjectRecord) -> np.ndarray:
-    return np.array(record.aabb)[:, :2].mean(axis=0)
+def _pose(record: ObjectRecord, match: Match) -> Pose:
+    return Pose.from_yaw([*match.position, record.pose.position[2]], match.yaw)
 
 
-def _placement(record: ObjectRecord, match: Match) -> Placement:
-    """Where a match puts the centre of the object's box."""
-    offset = _centre(record) - record.pose.position[:2]
-    return Placement(np.array(match.position) + rotation_2d(match.turned) @ offset, match.turned)
-
-
-def _standing(record: ObjectRecord) -> Placement:
-    return Placement(_centre(record), 0.0)
-
-
-def _kept(record: ObjectRecord, why: str, planned: Placement | None, trouble: str) -> Match:
-    turn = planned.turn if planned else 0.0
-    origin = np.array(record.pose.position[:2])
-    if planned:
-        origin = planned.centre + rotation_2d(turn) @ (origin - _centre(record))
+def _kept(record: ObjectRecord, why: str, planned: Pose | None = None, trouble: str = "") -> Match:
+    before = record.pose.pose()
+    pose = planned or before
+    turn = float(wrap_angle(pose.yaw - before.yaw))
     return Match(
         object=record.id,
         method="kept",
         similarity=None,
         confidence=0.0,
         box=None,
-        position=(float(origin[0]), float(origin[1])),
-        yaw=float(wrap_angle(record.pose.pose().yaw + turn)),
-        turned=float(turn),
+        position=(float(pose.p[0]), float(pose.p[1])),
+        yaw=float(wrap_angle(before.yaw + turn)),
+        turned=turn,
         ncc=None,
         note=f"{why}; " + ("put where the plan wants it" if planned else f"kept where it was{trouble}"),
     )

@@ -8,14 +8,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Protocol
 
 import numpy as np
 
-from vcage.plans.check import Capacity, PlanCheck
+from vcage.layout.intended import IntendedLayout, intended_layout
+from vcage.layout.items import TableItem, item_of
+from vcage.plans.check import PlanCheck
 from vcage.schema.asset import CatalogueEntry
 from vcage.schema.episodes import Verdict
-from vcage.schema.plan import LayoutPlan, Selection, SelectionCheck
+from vcage.schema.plan import LayoutPlan, Relation, Selection, SelectionCheck
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import ChainOption, Goal, PairAnswer, PairQuestion
 from vcage.vision.protocols import Detector, Embedder, Reference, View
@@ -29,7 +32,7 @@ class EditRequest:
         picture: the top view I_src.
         background: the same view of the empty table.
         segmentation: (H, W) int, values of ``scene.segmentation_ids``, 0 where no object is.
-        rooms: geometry of the objects by id, as far as it is known.
+        items: geometry of the objects by id, as far as it is known; of the others their records tell it.
     """
 
     picture: np.ndarray
@@ -37,7 +40,24 @@ class EditRequest:
     segmentation: np.ndarray
     scene: Scene
     plan: LayoutPlan
-    rooms: Mapping[str, Capacity] = field(default_factory=dict)
+    items: Mapping[str, TableItem] = field(default_factory=dict)
+
+    @cached_property
+    def hidden(self) -> list[str]:
+        """Ids of the objects that the picture shows nothing of: they can only stay where they are."""
+        shown = set(np.unique(self.segmentation).tolist())
+        return [o.id for o in self.scene.objects if self.scene.segmentation_ids.get(o.id, -1) not in shown]
+
+    @cached_property
+    def layout(self) -> IntendedLayout:
+        """Where the plan wants the objects, whoever draws the picture."""
+        return self.laid_out(self.plan.relations)
+
+    def laid_out(self, relations: Sequence[Relation]) -> IntendedLayout:
+        """Where those relations alone want the objects."""
+        items = {o.id: self.items.get(o.id) or item_of(o) for o in self.scene.objects}
+        fixed = {name: self.scene.object(name).pose.pose() for name in self.hidden}
+        return intended_layout(self.scene, relations, items, fixed)
 
 
 @dataclass(frozen=True)

@@ -16,13 +16,9 @@ from typing import Any
 from vcage.base.files import RunFolder
 from vcage.base.pictures import write_picture
 from vcage.base.progress import Progress, silent
-from vcage.layout.capacities import room_of
+from vcage.layout.capacities import capacity_of, room_of
 from vcage.models.protocols import EditRequest
-from vcage.models.rules.arrange import arrange
-from vcage.models.rules.footprints import footprints
-from vcage.models.rules.groups import overlapping_objects, placed_boxes
 from vcage.plans.check import plan_complaints
-from vcage.plans.kept import relations_kept
 from vcage.schema.base import Provenance
 from vcage.schema.plan import Plan
 from vcage.schema.scene import Scene
@@ -66,6 +62,7 @@ def execute(run: RunFolder, options: Options, context: StageContext, progress: P
         scene = Scene.read(run.scene)
         pictures = read_pictures(run, scene)
         rooms = {o.id: room_of(context.asset(o)) for o in scene.objects}
+        items = {o.id: capacity_of(o.id, context.asset(o)) for o in scene.objects}
         check = partial(plan_complaints, scene=scene, rooms=rooms)
         plan = context.models.reasoner.plan_layout(scene, context.catalogue, stage.rng(), check)
         request = EditRequest(
@@ -74,7 +71,7 @@ def execute(run: RunFolder, options: Options, context: StageContext, progress: P
             segmentation=pictures.segmentation,
             scene=scene,
             plan=plan,
-            rooms=rooms,
+            items=items,
         )
         write_picture(folder / "target.png", context.models.editor.rearrange(request))
         return Plan(
@@ -91,22 +88,17 @@ def execute(run: RunFolder, options: Options, context: StageContext, progress: P
 
 
 def _solvable(request: EditRequest) -> dict[str, Any]:
-    """How much of the plan the solver on the table plane can keep at once, whoever draws the picture."""
-    items = footprints(request.scene, request.segmentation)
-    relations = request.plan.relations
-    placements = arrange(request.scene, request.plan, items, rooms=request.rooms)
-    kept = relations_kept(relations, placed_boxes(items, placements), request.scene.table)
+    """How much of the plan the layout's solver can keep at once, whoever draws the picture."""
+    layout = request.layout
     return {
-        "relations_solvable": round(kept.share, 4),
-        "relations_unsolved": kept.sentences,
-        "overlapping": overlapping_objects(items, placements, relations),
+        "relations_solvable": round(layout.kept.share, 4),
+        "relations_unsolved": layout.kept.sentences,
+        "overlapping": layout.overlapping,
     }
 
 
 def _notes(request: EditRequest) -> list[str]:
-    items = footprints(request.scene, request.segmentation)
     return [
-        f"{item.record.id}: the source picture shows nothing of it, so the plan's picture cannot move it"
-        for item in items
-        if item.hidden
+        f"{name}: the source picture shows nothing of it, so the plan's picture cannot move it"
+        for name in request.hidden
     ]

@@ -32,6 +32,11 @@ class FreeRegion:
     y: np.ndarray
     free: np.ndarray
 
+    @classmethod
+    def nowhere(cls) -> FreeRegion:
+        """The empty region."""
+        return cls(np.zeros(2), np.zeros(2), np.zeros((1, 1), dtype=bool))
+
     @property
     def is_empty(self) -> bool:
         """Whether the object fits nowhere."""
@@ -113,7 +118,7 @@ def free_region(
     obstacles = np.asarray(obstacles, dtype=np.float64).reshape(-1, 2, 2)
     domain = np.stack([bounds[0] + half_size - TOLERANCE, bounds[1] - half_size + TOLERANCE])
     if np.any(domain[0] >= domain[1]):
-        return FreeRegion(np.zeros(2), np.zeros(2), np.zeros((1, 1), dtype=bool))
+        return FreeRegion.nowhere()
     grow = half_size - TOLERANCE + np.asarray(gap, dtype=np.float64)[..., None]
     blocked = np.empty_like(obstacles)
     blocked[:, 0], blocked[:, 1] = obstacles[:, 0] - grow, obstacles[:, 1] + grow

@@ -8,10 +8,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from vcage.base.errors import InfeasibleScene, InputFileError
+from vcage.layout.intended import IntendedLayout
 from vcage.models.protocols import EditRequest
 from vcage.models.rules import PROVIDER
-from vcage.models.rules.arrange import arrange
-from vcage.models.rules.footprints import Footprint, footprints
+from vcage.models.rules.cutouts import Cutout, cutouts
 from vcage.models.rules.light import Light, find_light
 from vcage.models.rules.painting import Drawing, draw
 from vcage.schema.plan import Relation
@@ -26,7 +26,7 @@ BARELY_VISIBLE = 0.5
 
 
 class OfflineEditor:
-    """Implements :class:`vcage.models.protocols.ImageEditor` with the plan solved on the table plane."""
+    """Implements :class:`vcage.models.protocols.ImageEditor` with the plan as the layout's solver keeps it."""
 
     provider = PROVIDER
 
@@ -38,18 +38,18 @@ class OfflineEditor:
             InfeasibleScene: an object would be hidden behind another, or lie outside the picture.
         """
         _check_sizes(request)
-        items = footprints(request.scene, request.segmentation)
+        items = cutouts(request.scene, request.segmentation)
         for item in items:
             if item.hidden:
                 logger.warning("%s: the picture shows nothing of it, so it stays where it is", item.record.id)
         light = find_light(
             request.picture, request.background, items, request.scene.top_camera.camera(), request.scene.table.height
         )
-        drawing = _draw(request, items, request.plan.relations, light)
+        drawing = _draw(request, items, request.layout, request.plan.relations, light)
         hidden = drawing.hidden(WELL_VISIBLE)
         if hidden:
             others = [r for r in request.plan.relations if r.subject not in hidden and r.reference not in hidden]
-            freer = _draw(request, items, others, light)
+            freer = _draw(request, items, request.laid_out(others), others, light)
             if freer.least_visible > drawing.least_visible:
                 drawing = freer
                 logger.warning(
@@ -72,14 +72,16 @@ class OfflineEditor:
 
 
 def _draw(
-    request: EditRequest, items: Sequence[Footprint], relations: Sequence[Relation], light: Light | None
+    request: EditRequest,
+    items: Sequence[Cutout],
+    layout: IntendedLayout,
+    relations: Sequence[Relation],
+    light: Light | None,
 ) -> Drawing:
-    plan = request.plan.model_copy(update={"relations": list(relations)})
-    placements = arrange(request.scene, plan, items, rooms=request.rooms)
     camera = request.scene.top_camera.camera()
     holders = {r.reference for r in relations if r.relation in ("inside", "on")}
     height = request.scene.table.height
-    return draw(request.picture, request.background, items, placements, camera, light, height, holders)
+    return draw(request.picture, request.background, items, layout.poses, camera, light, height, holders)
 
 
 def _check_sizes(request: EditRequest) -> None:

@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 
 from vcage.base.geometry import Camera
-from vcage.models.rules.footprints import Footprint
+from vcage.models.rules.cutouts import Cutout
 
 HEADINGS, LENGTHS = 24, tuple(np.arange(0.1, 1.05, 0.1))
 """Directions that are tried, and lengths of a shadow for each metre of height."""
@@ -60,7 +60,7 @@ class Light:
 
 
 def find_light(
-    picture: np.ndarray, background: np.ndarray, items: Sequence[Footprint], camera: Camera, table: float
+    picture: np.ndarray, background: np.ndarray, items: Sequence[Cutout], camera: Camera, table: float
 ) -> Light | None:
     """The light of a picture whose objects stand on a table of that height; None where no shadow is seen."""
     ratio = (picture.astype(np.float32) + 1) / (background.astype(np.float32) + 1)
@@ -97,7 +97,7 @@ def find_light(
 
 
 def _shadows(
-    items: Sequence[Footprint], offset: np.ndarray, camera: Camera, table: float, size: tuple[int, int]
+    items: Sequence[Cutout], offset: np.ndarray, camera: Camera, table: float, size: tuple[int, int]
 ) -> np.ndarray:
     """(h, w) uint8: 1 where the outlines of the objects, swept along the light, darken the table."""
     shade = np.zeros((size[1], size[0]), np.uint8)

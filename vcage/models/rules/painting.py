@@ -8,9 +8,8 @@ from dataclasses import dataclass, replace
 import cv2
 import numpy as np
 
-from vcage.base.geometry import Camera, box_corners, rotation_2d
-from vcage.models.rules.footprints import Footprint
-from vcage.models.rules.groups import Placement
+from vcage.base.geometry import Camera, Pose, box_corners, rotation_2d, wrap_angle
+from vcage.models.rules.cutouts import Cutout
 from vcage.models.rules.light import Light
 from vcage.models.rules.prism import Prism, cells_of, look_up, prism_of
 
@@ -48,12 +47,20 @@ class Drawing:
 
 
 @dataclass(frozen=True)
+class _Move:
+    """Where an object goes: (2,) world x, y of its box's centre, and how far it turns from where it stands, radians."""
+
+    centre: np.ndarray
+    turn: float
+
+
+@dataclass(frozen=True)
 class _Sprite:
     """An object at its new place, and its pixels in a window whose upper left pixel is ``corner`` (u, v)."""
 
-    item: Footprint
+    item: Cutout
     prism: Prism
-    placement: Placement
+    move: _Move
     corner: tuple[int, int]
     colour: np.ndarray
     alpha: np.ndarray
@@ -62,22 +69,23 @@ class _Sprite:
 def draw(
     picture: np.ndarray,
     background: np.ndarray,
-    items: Sequence[Footprint],
-    placements: Mapping[str, Placement],
+    items: Sequence[Cutout],
+    poses: Mapping[str, Pose],
     camera: Camera,
     light: Light | None,
     table: float,
     covered: Collection[str] = (),
 ) -> Drawing:
-    """The objects at their placements (turns about their boxes' centres) over the background.
+    """The objects at their poses over the background; they turn about the vertical, and stay as high as they are.
 
     Args:
         table: z of the surface that shadows fall on.
         covered: objects that others may lie in or on; how much of them is seen does not matter.
     """
     shown = [item for item in items if not item.hidden]
-    order = sorted(shown, key=lambda item: _depth(item, placements[item.record.id], camera))
-    sprites = [_sprite(item, items, placements[item.record.id], picture, camera, light) for item in order]
+    moves = {item.record.id: _move(item, poses[item.record.id]) for item in shown}
+    order = sorted(shown, key=lambda item: _depth(item, moves[item.record.id], camera))
+    sprites = [_sprite(item, items, moves[item.record.id], picture, camera, light) for item in order]
     canvas = background.astype(np.float32)
     if light is not None and sprites:
         shade = np.max([_cast(s, light, camera, table, background.shape[:2]) for s in sprites], axis=0)
@@ -99,32 +107,38 @@ def draw(
     return Drawing(np.clip(np.rint(canvas), 0, 255).astype(np.uint8), visible)
 
 
-def _depth(item: Footprint, placement: Placement, camera: Camera) -> tuple[float, float]:
+def _move(item: Cutout, pose: Pose) -> _Move:
+    before = item.record.pose.pose()
+    turn = float(wrap_angle(pose.yaw - before.yaw))
+    return _Move(pose.p[:2] + rotation_2d(turn) @ (item.centre - before.p[:2]), turn)
+
+
+def _depth(item: Cutout, move: _Move, camera: Camera) -> tuple[float, float]:
     """Sorts what may be hidden before what may hide it: far from the camera first, and low before what lies on it."""
-    away = placement.centre - camera.pose.p[:2]
+    away = move.centre - camera.pose.p[:2]
     return round(item.box[0, 2], 2), -float(np.linalg.norm(away))
 
 
 def _sprite(
-    item: Footprint,
-    items: Sequence[Footprint],
-    placement: Placement,
+    item: Cutout,
+    items: Sequence[Cutout],
+    move: _Move,
     picture: np.ndarray,
     camera: Camera,
     light: Light | None,
 ) -> _Sprite:
     """The object's pixels at its new place, slice upon slice."""
     whole = _with_contents(item, items)
-    slices = 1 + int(np.ceil(max(_lean(item, item.centre, camera), _lean(item, placement.centre, camera)) / LEAN))
+    slices = 1 + int(np.ceil(max(_lean(item, item.centre, camera), _lean(item, move.centre, camera)) / LEAN))
     prism = prism_of(whole, camera, slices)
     colour = _spread_colour(picture, item.mask, whole.mask)
-    corner, shape = _window(item, placement, camera)
+    corner, shape = _window(item, move, camera)
     rows, columns = np.mgrid[: shape[0], : shape[1]]
     pixels = np.stack([columns + corner[0], rows + corner[1]], axis=-1) + 0.5
     pasted, covered = np.zeros((*shape, 3), np.float32), np.zeros(shape, np.float32)
-    turn = rotation_2d(placement.turn)
+    turn = rotation_2d(move.turn)
     for index, z in enumerate(prism.heights):
-        here = (camera.unproject(pixels, z)[..., :2] - placement.centre) @ turn
+        here = (camera.unproject(pixels, z)[..., :2] - move.centre) @ turn
         alpha = np.clip(SHARPNESS * (prism.sample(index, here)[..., None] - 0.5) + 0.5, 0, 1)
         top = index == len(prism.heights) - 1
         unseen = _unseen(prism, index, camera)
@@ -134,20 +148,20 @@ def _sprite(
         source = camera.project(np.concatenate([prism.origin + there, lift], axis=-1)) - 0.5
         layer = cv2.remap(colour, *_maps(source), cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE)
         if light is not None and not top:
-            shade = _side_shading(prism, index, placement.turn, light, unseen)
+            shade = _side_shading(prism, index, move.turn, light, unseen)
             layer = layer * (1 + look_up(shade - 1, cells_of(here, shade)))[..., None]
         pasted = pasted * (1 - alpha) + layer * alpha
         covered = covered * (1 - alpha[..., 0]) + alpha[..., 0]
-    return _Sprite(item, prism, placement, corner, pasted, covered)
+    return _Sprite(item, prism, move, corner, pasted, covered)
 
 
-def _with_contents(item: Footprint, items: Sequence[Footprint]) -> Footprint:
+def _with_contents(item: Cutout, items: Sequence[Cutout]) -> Cutout:
     """The object with the pixels that what lies in or on it takes from it."""
     contents = [other.mask for other in items if other.record.container == item.record.id]
     return replace(item, mask=np.any([item.mask, *contents], axis=0)) if contents else item
 
 
-def _lean(item: Footprint, centre: np.ndarray, camera: Camera) -> float:
+def _lean(item: Cutout, centre: np.ndarray, camera: Camera) -> float:
     """How far the top of the object's box is from its base in the picture, pixels."""
     ends = np.array([[*centre, z] for z in item.box[:, 2]])
     base, top = camera.project(ends)
@@ -167,10 +181,10 @@ def _maps(source: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return source[..., 0], source[..., 1]
 
 
-def _window(item: Footprint, placement: Placement, camera: Camera) -> tuple[tuple[int, int], tuple[int, int]]:
+def _window(item: Cutout, move: _Move, camera: Camera) -> tuple[tuple[int, int], tuple[int, int]]:
     """Upper left pixel (u, v) and shape (rows, columns) of what the object can cover, not cut at the picture's edge."""
-    half = item.half_size(placement.turn)
-    corners = box_corners([*(placement.centre - half), item.box[0, 2]], [*(placement.centre + half), item.box[1, 2]])
+    half = item.half_size(move.turn)
+    corners = box_corners([*(move.centre - half), item.box[0, 2]], [*(move.centre + half), item.box[1, 2]])
     pixels = camera.project(corners)
     lower = np.floor(pixels.min(axis=0)).astype(int) - PAD
     upper = np.ceil(pixels.max(axis=0)).astype(int) + PAD
@@ -212,8 +226,8 @@ def _side_shading(prism: Prism, index: int, turn: float, light: Light, unseen: n
 def _cast(sprite: _Sprite, light: Light, camera: Camera, table: float, shape: tuple[int, ...]) -> np.ndarray:
     """(H, W) in [0, 1]: the object's shadow on the table."""
     shade = np.zeros(shape, np.float32)
-    half = sprite.item.half_size(sprite.placement.turn) + PAD / camera.focal
-    tops = [sprite.placement.centre + light.offset * (z - table) for z in sprite.item.box[:, 2]]
+    half = sprite.item.half_size(sprite.move.turn) + PAD / camera.focal
+    tops = [sprite.move.centre + light.offset * (z - table) for z in sprite.item.box[:, 2]]
     corners = [[*(top + sign * half), table] for top in tops for sign in (-1, 1)]
     pixels = camera.project(np.array(corners))
     lower = np.clip(np.floor(pixels.min(axis=0)).astype(int), 0, [shape[1], shape[0]])
@@ -222,10 +236,10 @@ def _cast(sprite: _Sprite, light: Light, camera: Camera, table: float, shape: tu
         return shade
     rows, columns = np.mgrid[lower[1] : upper[1], lower[0] : upper[0]]
     points = camera.unproject(np.stack([columns, rows], axis=-1) + 0.5, table)[..., :2]
-    turn = rotation_2d(sprite.placement.turn)
+    turn = rotation_2d(sprite.move.turn)
     swept = np.zeros(rows.shape, np.float32)
     for index, z in enumerate(sprite.prism.heights):
-        here = points - sprite.placement.centre - light.offset * (z - table)
+        here = points - sprite.move.centre - light.offset * (z - table)
         swept = np.maximum(swept, sprite.prism.sample(index, here @ turn))
     shade[lower[1] : upper[1], lower[0] : upper[0]] = swept
     return shade

@@ -15,7 +15,7 @@ import numpy as np
 from scipy.signal import fftconvolve
 
 from vcage.base.geometry import Camera
-from vcage.models.rules.footprints import Footprint
+from vcage.models.rules.cutouts import Cutout
 
 CELL = 0.001
 """Edge of a cell of a slice, metres."""
@@ -75,7 +75,7 @@ def look_up(values: np.ndarray, at: np.ndarray) -> np.ndarray:
     return cv2.remap(values, at[..., 0], at[..., 1], cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT, borderValue=0)
 
 
-def prism_of(item: Footprint, camera: Camera, slices: int) -> Prism:
+def prism_of(item: Cutout, camera: Camera, slices: int) -> Prism:
     """The prism of an object whose mask is not empty."""
     slices = int(np.clip(slices, FEWEST_SLICES, MOST_SLICES))
     heights = np.linspace(item.box[0, 2], item.box[1, 2], slices)

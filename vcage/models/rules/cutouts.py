@@ -8,18 +8,15 @@ from functools import cached_property
 import cv2
 import numpy as np
 
-from vcage.base.geometry import Camera, footprint_half_size, rotation_2d
+from vcage.base.geometry import Camera, rotation_2d
 from vcage.schema.scene import ObjectRecord, Scene
 
 FEWEST_PIXELS = 12
 """A mask with fewer pixels says nothing about the object's shape."""
 
-ILL_CONDITIONED = 0.25
-"""|cos 2·yaw| below which an axis-aligned box does not tell the sides of the rectangle in it."""
-
 
 @dataclass(frozen=True)
-class Footprint:
+class Cutout:
     """One object as it stands.
 
     Args:
@@ -27,7 +24,6 @@ class Footprint:
         mask: (H, W) bool, its visible pixels; empty when something hides it.
         centre: (2,) world x, y of its box.
         size: (2,) sides of the rectangle, the longer first, metres.
-        axis: direction of the longer side, radians in [0, π).
         hull: (n, 2) corners of the convex hull of its outline, relative to the centre, metres.
         height: z of the middle of its box: the plane in which its outline is measured.
     """
@@ -36,13 +32,8 @@ class Footprint:
     mask: np.ndarray
     centre: np.ndarray
     size: np.ndarray
-    axis: float
     hull: np.ndarray
     height: float
-
-    @property
-    def elongated(self) -> bool:
-        return bool(self.size[0] > 1.5 * self.size[1])
 
     @property
     def hidden(self) -> bool:
@@ -54,54 +45,34 @@ class Footprint:
         """(2, 3) its world box as it stands."""
         return np.array(self.record.aabb, dtype=np.float64)
 
-    @cached_property
-    def _sides(self) -> np.ndarray | None:
-        """(2,) sides of its rectangle in its own frame, where the box as it stands tells them."""
-        yaw = self.record.pose.pose().yaw
-        c, s = abs(np.cos(yaw)), abs(np.sin(yaw))
-        determinant = c * c - s * s
-        if abs(determinant) < ILL_CONDITIONED:
-            return None
-        x, y = self.box[1, :2] - self.box[0, :2]
-        sides = np.array([c * x - s * y, c * y - s * x]) / determinant
-        return sides if sides.min() > 0 else None
-
     def half_size(self, turn: float) -> np.ndarray:
         """(2,) half size of the axis-aligned rectangle around the object when turned by ``turn`` from where it is."""
         half = (self.box[1, :2] - self.box[0, :2]) / 2
         if turn == 0:
             return half
-        if self._sides is not None:
-            return footprint_half_size(self._sides, self.record.pose.pose().yaw + turn)
         hull = self.hull * (half / np.maximum(np.abs(self.hull).max(axis=0), 1e-6))
         return np.abs(hull @ rotation_2d(turn).T).max(axis=0)
 
 
-def footprints(scene: Scene, segmentation: np.ndarray) -> list[Footprint]:
-    """Footprints of all objects of the scene, in its order."""
+def cutouts(scene: Scene, segmentation: np.ndarray) -> list[Cutout]:
+    """Cutouts of all objects of the scene, in its order."""
     camera = scene.top_camera.camera()
     return [
-        _footprint(record, segmentation == scene.segmentation_ids.get(record.id, -1), camera)
-        for record in scene.objects
+        _cutout(record, segmentation == scene.segmentation_ids.get(record.id, -1), camera) for record in scene.objects
     ]
 
 
-def _footprint(record: ObjectRecord, mask: np.ndarray, camera: Camera) -> Footprint:
+def _cutout(record: ObjectRecord, mask: np.ndarray, camera: Camera) -> Cutout:
     box = np.array(record.aabb)
     height = float(box[:, 2].mean())
     centre = box[:, :2].mean(axis=0)
     rows, columns = np.nonzero(mask)
     if len(rows) < FEWEST_PIXELS:
         size = box[1, :2] - box[0, :2]
-        axis = 0.0 if size[0] >= size[1] else np.pi / 2
         hull = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * size / 2
-        return Footprint(record, mask, centre, np.sort(size)[::-1], axis, hull, height)
+        return Cutout(record, mask, centre, np.sort(size)[::-1], hull, height)
     pixels = np.stack([columns + 0.5, rows + 0.5], axis=1)
     points = camera.unproject(pixels, height)[:, :2]
-    (_, sides, degrees) = cv2.minAreaRect(points.astype(np.float32) * 1000)
+    _, sides, _ = cv2.minAreaRect(points.astype(np.float32) * 1000)
     hull = cv2.convexHull(points.astype(np.float32))[:, 0].astype(np.float64) - centre
-    size = np.array(sides) / 1000
-    axis = np.radians(degrees)
-    if size[1] > size[0]:
-        size, axis = size[::-1], axis + np.pi / 2
-    return Footprint(record, mask, centre, size, float(axis % np.pi), hull, height)
+    return Cutout(record, mask, centre, np.sort(sides)[::-1] / 1000, hull, height)

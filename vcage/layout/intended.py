@@ -1,0 +1,260 @@
+"""Where a plan wants the objects: the layout that a target picture shows, and where what it does not show is put.
+
+Starting places (:mod:`vcage.layout.starts`) are the targets of the layout's optimisation, which mends what is still
+broken there. Where the plan cannot be kept so, room for hands, wide gaps and headings are given up in turn.
+"""
+
+from __future__ import annotations
+
+import itertools
+import logging
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from vcage.base.errors import InfeasibleScene
+from vcage.base.geometry import Pose, rotation_2d, wrap_angle
+from vcage.layout.containers import fits
+from vcage.layout.items import ANY_YAW, TableItem
+from vcage.layout.optimize import optimize_layout
+from vcage.layout.starts import GAP, starting_places
+from vcage.objects.openings import Opening
+from vcage.plans.kept import Kept, relations_kept
+from vcage.plans.relations import plane_gap
+from vcage.schema.plan import TABLE, Relation
+from vcage.schema.scene import Scene
+
+log = logging.getLogger(__name__)
+
+ELONGATED = 1.5
+"""How many times longer than wide is long: such an object is laid pointing away from the robot."""
+
+RESTARTS = 2
+"""Random starts of the optimisation besides the targets: these are good already, and there are other efforts."""
+
+TOUCH = 1e-6
+"""Metres that rectangles may share and count as touching."""
+
+
+@dataclass(frozen=True)
+class Effort:
+    """What an attempt asks for beyond the plan.
+
+    Args:
+        gap: between any two objects, metres.
+        turned: whether receptacles face the robot and long objects point away from it.
+        hands: whether hands have room between what is grasped and what is high.
+    """
+
+    gap: float
+    turned: bool
+    hands: bool
+
+
+EFFORTS = (
+    Effort(GAP, True, True),
+    Effort(GAP / 2, True, False),
+    Effort(0.005, True, False),
+    Effort(0.005, False, False),
+)
+"""What is tried in turn until the plan is kept."""
+
+
+@dataclass(frozen=True)
+class IntendedLayout:
+    """Where a plan wants the objects.
+
+    Args:
+        poses: in the world, by object id.
+        boxes: (2, 3) world boxes, by object id.
+        kept: how much of the plan that keeps.
+        overlapping: ids of what stands on the table and overlaps another there, for want of room.
+    """
+
+    poses: dict[str, Pose]
+    boxes: dict[str, np.ndarray]
+    kept: Kept
+    overlapping: list[str]
+
+
+def intended_layout(
+    scene: Scene,
+    relations: Sequence[Relation],
+    items: Mapping[str, TableItem],
+    fixed: Mapping[str, Pose] | None = None,
+) -> IntendedLayout:
+    """A pose for every object of a scene: the plan's relations first, no overlap, in the workspace and in view.
+
+    Where relations and free space cannot both be had, relations give way, so no object is ever lost. Where there is no
+    free space left, objects overlap, and a warning names them. What lies in or on another object at the start and by
+    the plan moves with it; what is only planned there is laid out in its opening. The same input gives the same layout.
+
+    Args:
+        scene: where the objects stand now.
+        relations: of the plan; those that name what there is not are passed over.
+        items: geometry of every object, by id; the surface of those without an opening holds what the plan puts there.
+        fixed: objects whose place is known already.
+    """
+    known = [r for r in relations if r.subject in items and r.reference in (*items, TABLE)]
+    search = _Search(scene, known, items, fixed or {})
+    best = search.attempt(EFFORTS[0])
+    for effort in EFFORTS[1:]:
+        if not (best.overlapping or best.kept.broken):
+            break
+        best = min(best, search.attempt(effort), key=lambda found: (len(found.overlapping), len(found.kept.broken)))
+    if best.overlapping:
+        log.warning("there is no room to keep these apart: %s", ", ".join(best.overlapping))
+    return best
+
+
+class _Search:
+    """The attempts at one plan."""
+
+    def __init__(
+        self,
+        scene: Scene,
+        relations: Sequence[Relation],
+        items: Mapping[str, TableItem],
+        fixed: Mapping[str, Pose],
+    ):
+        self._scene, self._relations, self._fixed = scene, relations, fixed
+        self._supports = supports_of(r for r in relations if r.subject not in fixed)
+        self._items = dict(items)
+        for r in relations:
+            if self._supports.get(r.subject) == r.reference:
+                self._items[r.reference] = _with_surface(items[r.reference], hollow=r.relation == "inside")
+        self._workspace = np.array([scene.workspace.lower, scene.workspace.upper])
+        # What lies in or on something is where that is.
+        carriers = [(self._root(r.subject), r.relation, self._root(r.reference)) for r in relations]
+        self._between = [
+            Relation(subject=a, relation=word, reference=b)
+            for a, word, b in carriers
+            if a != b and word not in ("inside", "on")
+        ]
+
+    def _root(self, name: str) -> str:
+        return self._root(self._supports[name]) if name in self._supports else name
+
+    def attempt(self, effort: Effort) -> IntendedLayout:
+        """The layout that is found with this effort; the targets themselves, with overlaps, where there is none."""
+        items = self._with_targets(effort)
+        try:
+            positions = optimize_layout(
+                items,
+                self._workspace,
+                np.random.default_rng(0),
+                table_height=self._scene.table.height,
+                margin=effort.gap,
+                restarts=RESTARTS,
+                relations=self._relations,
+                table=self._scene.table,
+            ).positions
+        except InfeasibleScene as error:
+            log.debug("no layout with %s: %s", effort, error.message)
+            positions = {item.id: (*item.target, self._scene.table.height + self._lift(item.id)) for item in items}
+        poses = {item.id: Pose.from_yaw(positions[item.id], item.yaw) for item in items}
+        boxes = {item.id: _box(item, poses[item.id]) for item in items}
+        standing = [name for name in boxes if name not in self._supports]
+        clashes = [
+            (a, b)
+            for a, b in itertools.combinations(standing, 2)
+            if plane_gap(boxes[a], boxes[b]) < -TOUCH and not (a in self._fixed and b in self._fixed)
+        ]
+        overlapping = [name for name in standing if any(name in pair for pair in clashes)]
+        return IntendedLayout(poses, boxes, relations_kept(self._relations, boxes, self._scene.table), overlapping)
+
+    def _lift(self, name: str) -> float:
+        holder = self._supports.get(name)
+        return 0.0 if holder is None else self._items[holder].opening.floor + self._lift(holder)
+
+    def _with_targets(self, effort: Effort) -> list[TableItem]:
+        """All objects at their headings, where they should be."""
+        standing = [self._headed(name, effort) for name in self._items if name not in self._supports]
+        found = {item.id: item for item in starting_places(self._scene, standing, self._between, effort.gap)}
+        while len(found) < len(self._items):
+            for name, holder in self._supports.items():
+                if holder in found and name not in found:
+                    found[name] = self._carried(self._items[name], found[holder])
+                    found[holder] = _widened(found[holder], found[name])
+        return [found[name] for name in self._items]
+
+    def _headed(self, name: str, effort: Effort) -> TableItem:
+        """What stands on the table, at its heading and where it stands now."""
+        item, record = self._items[name], self._scene.object(name)
+        pose = self._fixed.get(name, record.pose.pose())
+        yaw = pose.yaw
+        if effort.turned and name not in self._fixed:
+            yaw = _heading(item, record.role, yaw)
+        return replace(
+            item,
+            yaws=(yaw,),
+            target=(float(pose.p[0]), float(pose.p[1])),
+            grasped=effort.hands and record.role == "content",
+            fixed=name in self._fixed,
+            inside=None,
+            allowed=None,
+        )
+
+    def _carried(self, item: TableItem, holder: TableItem) -> TableItem:
+        """What lies in or on another object: as it lies there already, or in the middle of its opening."""
+        record, below = self._scene.object(item.id), self._scene.object(holder.id)
+        pose, carrier = record.pose.pose(), below.pose.pose()
+        turn = holder.yaw - carrier.yaw
+        if record.container == holder.id:
+            way = rotation_2d(turn) @ (pose.p - carrier.p)[:2]
+            yaw = float(wrap_angle(pose.yaw + turn))
+        else:
+            headings = (pose.yaw, holder.yaw, holder.yaw + np.pi / 2)
+            yaw = next((y for y in headings if fits(replace(item, yaws=(y,)), holder)), pose.yaw)
+            way = rotation_2d(holder.yaw) @ np.array(holder.opening.centre) - rotation_2d(yaw) @ np.array(item.centre)
+        target = (float(holder.target[0] + way[0]), float(holder.target[1] + way[1]))
+        return replace(item, yaws=(yaw,), target=target, inside=holder.id, allowed=None)
+
+
+def _heading(item: TableItem, role: str, yaw: float) -> float:
+    """Receptacles face the robot, and so does what has moving parts; long things point away from it."""
+    if role == "receptacle":
+        return 0.0
+    width, depth = item.body_size[:2]
+    if item.yaws != ANY_YAW or max(width, depth) <= ELONGATED * min(width, depth):
+        return yaw
+    axis = yaw if width >= depth else yaw + np.pi / 2
+    return float(wrap_angle(yaw + (np.pi - axis) % np.pi - np.pi / 2))
+
+
+def supports_of(relations: Iterable[Relation]) -> dict[str, str]:
+    """What each object lies in or on by the plan, without circles: the first that the plan names counts."""
+    found: dict[str, str] = {}
+    for r in relations:
+        if r.relation in ("inside", "on") and r.reference != TABLE and r.subject not in found:
+            above, at = [r.subject], r.reference
+            while at in found:
+                above.append(at)
+                at = found[at]
+            if at not in above:
+                found[r.subject] = r.reference
+    return found
+
+
+def _widened(holder: TableItem, content: TableItem) -> TableItem:
+    """The holder with an opening that the content fits into where it is: whether it really does is asked elsewhere."""
+    turn = rotation_2d(-holder.yaw)
+    rectangle = content.rectangle(holder.yaw) + turn @ np.subtract(content.target, holder.target)
+    centre, half = np.array(holder.opening.centre), np.array(holder.opening.size) / 2
+    needed = np.maximum(half, np.abs(rectangle - centre).max(axis=0))
+    return replace(holder, opening=replace(holder.opening, size=tuple(float(2 * side) for side in needed)))
+
+
+def _with_surface(item: TableItem, hollow: bool) -> TableItem:
+    """The item with an opening as large as itself, if it has none; no rim is too low for what lies there."""
+    if item.opening is not None:
+        return replace(item, opening=replace(item.opening, rim=np.inf))
+    width, depth = (float(side) for side in item.body_size[:2])
+    x, y = item.centre if item.body is None else np.mean(np.asarray(item.body, dtype=np.float64), axis=0).tolist()
+    return replace(item, opening=Opening((x, y), (width, depth), 0.0 if hollow else item.size[2], np.inf))
+
+
+def _box(item: TableItem, pose: Pose) -> np.ndarray:
+    """(2, 3) world box of an item at a pose."""
+    return np.column_stack([item.body_rectangle() + pose.p[:2], pose.p[2] + np.array([0.0, item.size[2]])])

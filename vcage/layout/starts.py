@@ -1,0 +1,196 @@
+"""Starting places for a plan: each object at the free point nearest to what its relations look like at their best.
+
+References are placed before their subjects. What is free is exact: rectangles in the workspace and in view, clear of
+the others by a gap, or by the room of a hand, and clear of what they hide in the picture.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from vcage.layout.groups import hand_room
+from vcage.layout.items import TableItem, centres_within
+from vcage.layout.placement.free_region import FreeRegion, free_region
+from vcage.layout.placement.view import view_rectangles
+from vcage.plans.relations import DIRECTIONS, hold
+from vcage.schema.plan import TABLE, Relation, RelationWord
+from vcage.schema.scene import Scene
+
+GAP = 0.03
+"""Free space between neighbours at its best, metres: the picture shows the table between them."""
+
+BORDER = 3.0
+"""Pixels that stay free between an object and the edge of the picture."""
+
+BACK = 0.05
+"""How far behind the middle of the table what the plan wants there stands at most, metres: things stand before it."""
+
+BROKEN = 1e3
+"""Cost of a broken relation, metres: more than any distance."""
+
+STAYING = 0.05
+"""Cost of a metre from where an object stands now, beside a metre from where a relation looks its best."""
+
+
+def starting_places(
+    scene: Scene, items: Sequence[TableItem], relations: Sequence[Relation], gap: float
+) -> list[TableItem]:
+    """The items at targets at which they are clear of each other where there is room, and keep to the relations.
+
+    Args:
+        scene: whose table, workspace and camera it is.
+        items: what stands on the table, at its heading and where it stands now; what is fixed stays there.
+        relations: between them, and to the table.
+        gap: between any two, metres.
+    """
+    starts = _Starts(scene, relations, gap)
+    done = {item.id: item for item in items if item.fixed}
+    waiting = {item.id: item for item in items if not item.fixed}
+    for name in _ordered(list(waiting), relations):
+        done[name] = starts.put(waiting[name], list(done.values()))
+    return list(done.values())
+
+
+def _ordered(waiting: list[str], relations: Sequence[Relation]) -> list[str]:
+    """References before subjects, among those that are free the plan's order, and unplanned objects last."""
+    first = list(dict.fromkeys(r.subject for r in relations))
+    waiting = sorted(waiting, key=lambda name: first.index(name) if name in first else len(first))
+    order: list[str] = []
+    while waiting:
+        ready = [n for n in waiting if not any(r.subject == n and r.reference in waiting for r in relations)]
+        order.append((ready or waiting)[0])
+        waiting.remove(order[-1])
+    return order
+
+
+class _Starts:
+    """Free places on one table, and what relations ask of them."""
+
+    def __init__(self, scene: Scene, relations: Sequence[Relation], gap: float):
+        self._relations, self._gap = relations, gap
+        self._camera, self._height = scene.top_camera.camera(), scene.table.height
+        self._table = scene.table.rectangle
+        self._workspace = np.array([scene.workspace.lower, scene.workspace.upper])
+
+    def put(self, item: TableItem, others: Sequence[TableItem]) -> TableItem:
+        """The item at the best of the free points nearest to where its relations look their best, and of the corners
+        of what is free; where nothing is free, in the workspace."""
+        rectangle = item.rectangle()
+        middle, half = rectangle.mean(axis=0), (rectangle[1] - rectangle[0]) / 2
+        wishes = self._wishes(item, others)
+        points = [np.array(item.target), *(point for wish in wishes for point in wish.points)]
+        points += [np.mean(points[1:], axis=0)] if len(wishes) > 1 else []
+        region = self._region(item, others)
+        if region.is_empty:
+            lower, upper = self._workspace[0] + half, self._workspace[1] - half
+            lower, upper = np.minimum(lower, (lower + upper) / 2), np.maximum(upper, (lower + upper) / 2)
+            at = np.array([np.clip(point + middle, lower, upper) for point in points]) - middle
+        else:
+            free = [region.nearest(point + middle) for point in points]
+            at = np.array([*free, *(region.corners() if wishes else ())]) - middle
+        costs = STAYING * np.linalg.norm(at - item.target, axis=1)
+        for wish in wishes:
+            costs = costs + wish.costs(at)
+        x, y = (float(v) for v in at[int(np.argmin(costs))])
+        return replace(item, target=(x, y))
+
+    def _wishes(self, item: TableItem, others: Sequence[TableItem]) -> list[_Wish]:
+        """What the relations to what has its place already ask of an item."""
+        body = item.body_rectangle()
+        around = {other.id: other.body_rectangle() + other.target for other in others} | {TABLE: self._table}
+        found = []
+        for r in self._relations:
+            other = r.reference if r.subject == item.id else r.subject
+            if item.id in (r.subject, r.reference) and other in around:
+                back = 0.0
+                if r.relation == "center" and other == TABLE:  # leaves room for what stands in front
+                    behind = self._workspace[1, 1] - self._table[:, 1].mean() - (body[1, 1] - body[0, 1]) / 2
+                    back = float(np.clip(0.3 * behind, 0.0, BACK))
+                found.append(_Wish(r.relation, body, around[other], 1 if other == r.reference else -1, back))
+        return found
+
+    def _region(self, item: TableItem, others: Sequence[TableItem]) -> FreeRegion:
+        """Where the middle of an item's rectangle may be among others.
+
+        With room for a hand, a free view and all of the item in view; what cannot be had is given up in that order.
+        """
+        half = item.half_size()
+        taken = np.array([other.rectangle() + other.target for other in others]).reshape(-1, 2, 2)
+        hiding = np.concatenate([taken, self._hiding(item, others, taken)])
+        gaps, none = np.full(len(others), self._gap), np.zeros(len(others))
+        room, seen = hand_room([item, *others], self._gap), self._seen(item, half)
+        wide = gaps if room is None else gaps + room[0, 1:]
+        tries = (
+            (hiding, np.concatenate([wide, none]), seen),
+            (hiding, np.concatenate([gaps, none]), seen),
+            (taken, gaps, seen),
+            (taken, gaps, ()),
+        )
+        regions = (free_region(self._workspace, half, *kept) for kept in tries)
+        return next((region for region in regions if not region.is_empty), FreeRegion.nowhere())
+
+    def _hiding(self, item: TableItem, others: Sequence[TableItem], taken: np.ndarray) -> np.ndarray:
+        """(n, 2, 2) rectangles in which the item would hide others, at (n, 2, 2), in the picture, or they it.
+
+        Seen from the camera, what is high covers of the table what lies behind it too: its rectangle, stretched away
+        from the point below the camera.
+        """
+        eye, above = self._camera.pose.p[:2], self._camera.pose.p[2] - self._height
+        heights = np.array([other.size[2] for other in others]).reshape(-1, 1, 1)
+        shown = _around(taken, eye + (taken - eye) * above / np.maximum(above - heights, 1e-6))
+        # The item's own rectangle is stretched so too: it meets what is shown where the unstretched one meets this.
+        return _around(shown, eye + (shown - eye) * max(above - item.size[2], 1e-6) / above)
+
+    def _seen(self, item: TableItem, half: np.ndarray) -> tuple[np.ndarray, ...]:
+        """Unions of rectangles, in one of each of which the middle is where the picture shows all of the item."""
+        (x0, y0), (x1, y1) = self._workspace
+        top = self._height + item.size[2]
+        corners = self._camera.project([(x, y, z) for x in (x0, x1) for y in (y0, y1) for z in (self._height, top)])
+        if np.all(corners >= BORDER) and np.all(corners <= [self._camera.width - BORDER, self._camera.height - BORDER]):
+            return ()  # all of the workspace is in view, as mostly
+        seen = view_rectangles(self._camera, self._height, item.size[2], self._workspace, BORDER)
+        return (centres_within(seen, half),)
+
+
+@dataclass(frozen=True)
+class _Wish:
+    """What a relation asks of an object beside one that has its place.
+
+    Args:
+        word: the relation.
+        body: (2, 2) rectangle of the object around its origin.
+        other: (2, 2) rectangle of the one that has its place, in the world.
+        sign: 1 where the object is the relation's subject, −1 where it is its reference.
+        back: how far behind the middle ``center`` is, metres.
+    """
+
+    word: RelationWord
+    body: np.ndarray
+    other: np.ndarray
+    sign: int
+    back: float
+
+    @cached_property
+    def points(self) -> np.ndarray:
+        """(k, 2) origins of the object at which the relation looks its best."""
+        reach = (self.other[1] - self.other[0] + self.body[1] - self.body[0]) / 2
+        words = [self.word] if self.word in DIRECTIONS else list(DIRECTIONS)
+        ways = self.sign * np.array([DIRECTIONS[word] for word in words]) * (reach + GAP)
+        if self.word == "center":
+            ways = np.array([[0.0, self.back]])
+        return self.other.mean(axis=0) + ways - self.body.mean(axis=0)
+
+    def costs(self, at: np.ndarray) -> np.ndarray:
+        """(n,) of origins (n, 2): metres from the nearest best one, and :data:`BROKEN` where the relation breaks."""
+        boxes, other = self.body + at[:, None], self.other[None]
+        held = hold(self.word, boxes, other) if self.sign == 1 else hold(self.word, other, boxes)
+        return np.linalg.norm(at[:, None] - self.points, axis=2).min(axis=1) + np.where(held, 0.0, BROKEN)
+
+
+def _around(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """(n, 2, 2) the rectangles around each two of two lists."""
+    return np.stack([np.minimum(a[:, 0], b[:, 0]), np.maximum(a[:, 1], b[:, 1])], axis=1)
