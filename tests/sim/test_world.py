@@ -40,7 +40,7 @@ def test_settling_stops_at_the_cap(template, bodies):
 def test_mass_is_the_models(world, models):
     import sapien
 
-    body = world.entity("tray").find_component_by_type(sapien.physx.PhysxRigidDynamicComponent)
+    body = world.entities("tray")[None].find_component_by_type(sapien.physx.PhysxRigidDynamicComponent)
     assert body.mass == pytest.approx(models["tray"].mass)
 
 

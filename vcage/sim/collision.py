@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -58,16 +59,14 @@ class _Solids:
     """Shapes with poses, as FCL objects, and spheres around them for a quick first look."""
 
     def __init__(self, items: Iterable[tuple[str, Shape, sapien.Pose]]):
-        from mplib.pymp.collision_detection import fcl
-
         self.names: list[str] = []
         self.objects: list[fcl.CollisionObject] = []
         centres, radii = [], []
         for name, shape, pose in items:
-            placed = pose * shape.local
+            frame = pose * shape.local
             self.names.append(name)
-            self.objects.append(fcl.CollisionObject(shape.geometry, placed.p.astype(float), placed.q.astype(float)))
-            centres.append(placed.to_transformation_matrix() @ [*shape.centre, 1.0])
+            self.objects.append(shape.placed(frame))
+            centres.append(frame.to_transformation_matrix() @ [*shape.centre, 1.0])
             radii.append(shape.radius)
         self.centres = np.array(centres).reshape(-1, 4)[:, :3]
         self.radii = np.array(radii)
@@ -92,14 +91,15 @@ class CollisionScene:
         bodies: Mapping[str, Body],
         joints: Mapping[str, np.ndarray] | None = None,
     ):
-        from mplib.pymp.collision_detection import fcl
+        import sapien
 
         self.kinematics = kinematics_of(robot.arms[arm])
-        self._request = fcl.CollisionRequest(num_max_contacts=1, enable_contact=True)
         self._to_base = to_sapien(robot.arms[arm].base.pose().inverse())
-        items = [("table", *_table_slab(table))]
+        slab = sapien.Pose([*table.centre, table.height - THICKNESS / 2])
+        items = [("table", box_shape([*table.size, THICKNESS]), slab)]
         for name, body in bodies.items():
-            items += _parts_of(name, body)
+            pose, shapes = to_sapien(body.pose), model_shapes(body.model, body.joints)
+            items += [(part_name(name, part), shape, pose * local) for part, shape, local in shapes]
         for other, record in robot.arms.items():
             if other != arm:
                 items += _links_of(other, kinematics_of(record), (joints or {}).get(other))
@@ -157,7 +157,7 @@ class CollisionScene:
             name = self._obstacles.names[j]
             if name in fingers_may_touch and moving.names[i] in fingers:
                 continue
-            if name not in skip and self._overlap(moving.objects[i], self._obstacles.objects[j]):
+            if name not in skip and overlap(moving.objects[i], self._obstacles.objects[j]):
                 return Contact(moving.names[i], name)
         return None
 
@@ -165,33 +165,30 @@ class CollisionScene:
         apart = ranks[:, None] - ranks[None] >= self.kinematics.arm.self_collision_gap
         near = _spheres_meet(moving, moving) & apart
         for i, j in np.argwhere(near):
-            if self._overlap(moving.objects[i], moving.objects[j]):
+            if overlap(moving.objects[i], moving.objects[j]):
                 return Contact(moving.names[i], moving.names[j])
         return None
 
-    def _overlap(self, a: fcl.CollisionObject, b: fcl.CollisionObject) -> bool:
-        from mplib.pymp.collision_detection import fcl
 
-        result = fcl.collide(a, b, self._request)
-        return result.is_collision() and abs(result.get_contact(0).penetration_depth) > TOLERANCE
+def overlap(a: fcl.CollisionObject, b: fcl.CollisionObject) -> bool:
+    """Whether two solids overlap by more than :data:`TOLERANCE`."""
+    from mplib.pymp.collision_detection import fcl
+
+    result = fcl.collide(a, b, _first_contact_only())
+    return result.is_collision() and abs(result.get_contact(0).penetration_depth) > TOLERANCE
+
+
+@functools.cache
+def _first_contact_only() -> fcl.CollisionRequest:
+    from mplib.pymp.collision_detection import fcl
+
+    return fcl.CollisionRequest(num_max_contacts=1, enable_contact=True)
 
 
 def _spheres_meet(a: _Solids, b: _Solids) -> np.ndarray:
     """(len(a), len(b)) whether the spheres around two shapes meet."""
     apart = np.linalg.norm(a.centres[:, None] - b.centres[None], axis=2)
     return apart < a.radii[:, None] + b.radii[None]
-
-
-def _table_slab(table: Table) -> tuple[Shape, sapien.Pose]:
-    import sapien
-
-    return box_shape([*table.size, THICKNESS]), sapien.Pose([*table.centre, table.height - THICKNESS / 2])
-
-
-def _parts_of(object_id: str, body: Body) -> list[tuple[str, Shape, sapien.Pose]]:
-    pose = to_sapien(body.pose)
-    shapes = model_shapes(body.model, body.joints)
-    return [(part_name(object_id, part), shape, pose * local) for part, shape, local in shapes]
 
 
 def _links_of(arm: str, kinematics: ArmKinematics, joints: np.ndarray | None) -> list[tuple[str, Shape, sapien.Pose]]:

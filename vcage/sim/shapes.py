@@ -33,6 +33,12 @@ class Shape:
     centre: np.ndarray
     radius: float
 
+    def placed(self, frame: sapien.Pose) -> fcl.CollisionObject:
+        """The solid for FCL with the shape's frame there."""
+        from mplib.pymp.collision_detection import fcl
+
+        return fcl.CollisionObject(self.geometry, frame.p.astype(float), frame.q.astype(float))
+
 
 def box_shape(size: Iterable[float]) -> Shape:
     """A box of that size (x, y, z) around the origin."""

@@ -67,17 +67,11 @@ def _minimum_jerk(t: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return position, 30 * t**2 * (1 - t) ** 2, 60 * t * (1 - 3 * t + 2 * t**2)
 
 
-def _inverse_minimum_jerk(s: np.ndarray) -> np.ndarray:
-    """Times at which the positions ``s`` in [0, 1] are reached."""
-    fine = np.linspace(0, 1, 4001)
-    return np.interp(s, _minimum_jerk(fine)[0], fine)
-
-
 def _duration(curve: CubicSpline, arm: Arm) -> float:
     """Shortest duration in seconds that keeps the limits: on a grid, and at the points of the path, where they peak."""
-    grid = np.linspace(0, 1, 200)
-    at_points = _inverse_minimum_jerk(curve.x)
-    s, ds, dds = _minimum_jerk(np.concatenate([grid, at_points]))
+    fine = np.linspace(0, 1, 4001)
+    at_points = np.interp(curve.x, _minimum_jerk(fine)[0], fine)  # the times at which they are passed
+    s, ds, dds = _minimum_jerk(np.concatenate([np.linspace(0, 1, 200), at_points]))
     first, second = curve(s, 1), curve(s, 2)
     speed = np.abs(first * ds[:, None]).max()
     acceleration = np.abs(second * (ds**2)[:, None] + first * dds[:, None]).max()

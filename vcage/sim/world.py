@@ -112,14 +112,6 @@ class World:
         """
         return self._object(object_id).entities
 
-    def entity(self, object_id: str) -> sapien.Entity:
-        """The SAPIEN entity of an object's body.
-
-        Raises:
-            UnknownName: there is no such object.
-        """
-        return self.entities(object_id)[None]
-
     def object_pose(self, object_id: str) -> Pose:
         """Pose of the object frame in the world."""
         return self._object(object_id).pose

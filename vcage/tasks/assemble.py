@@ -28,7 +28,11 @@ def episode_data(
     """
     first = log.frames[0]
     arms = sorted(first.arms)
-    names = [f"{arm}_{column}" for arm in arms for column in _columns(len(first.arms[arm].state))]
+    names = [
+        f"{arm}_{column}"
+        for arm in arms
+        for column in (*(f"joint_{i}" for i in range(1, len(first.arms[arm].state))), "gripper")
+    ]
 
     def stacked(field: str) -> np.ndarray:
         return np.concatenate([log.arm_array(arm, field) for arm in arms], axis=1).astype(np.float64)
@@ -46,11 +50,6 @@ def episode_data(
         segments=list(segments),
         meta=dict(meta),
     )
-
-
-def _columns(count: int) -> list[str]:
-    """Names of one arm's numbers: its joints, then the gripper's opening."""
-    return [*(f"joint_{i}" for i in range(1, count)), "gripper"]
 
 
 def _track(path: Sequence[Camera]) -> CameraTrack:

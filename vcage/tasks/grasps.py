@@ -29,12 +29,10 @@ class GraspPose:
     """One way to hold an object at a contact point.
 
     Args:
-        contact: id of the contact point.
         pose: gripper frame in the world.
         in_object: gripper frame in the object frame.
     """
 
-    contact: int
     pose: Pose
     in_object: Pose
 
@@ -57,7 +55,7 @@ def grasp_poses(
         for flip in (0.0, np.pi):
             turn = Pose(q=[np.cos(tilt / 2), 0, np.sin(tilt / 2), 0]) * Pose.from_yaw([0, 0, 0], flip)
             pose = _above_support(frame * turn, gripper, support)
-            yield GraspPose(contact.id, pose, object_pose.inverse() * pose)
+            yield GraspPose(pose, object_pose.inverse() * pose)
 
 
 def _above_support(pose: Pose, gripper: Gripper, support: float) -> Pose:

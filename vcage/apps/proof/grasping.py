@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import itertools
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -15,19 +14,15 @@ from vcage.objects.asset import Asset
 from vcage.schema.asset import ContactPoint
 from vcage.schema.proof import ProofCheck
 from vcage.schema.robot import Gripper
-from vcage.sim.collision import TOLERANCE, CollisionScene, Held
+from vcage.sim.collision import CollisionScene, Held, overlap
 from vcage.sim.motion import Load, MotionFailed, MotionPlanner
 from vcage.sim.poses import to_sapien
-from vcage.sim.shapes import Shape, box_shape, model_shapes
+from vcage.sim.shapes import box_shape, model_shapes
 from vcage.sim.trajectory import timed
 from vcage.sim.world import PHYSICS_HZ, World
 from vcage.tasks.feasibility import GRIP_ROOM
 from vcage.tasks.grasps import approach_opening, grasp_poses, hand_boxes
 from vcage.tasks.task import Task, TaskFailed
-
-if TYPE_CHECKING:
-    import sapien
-    from mplib.pymp.collision_detection import fcl
 
 WAY_STEP = 0.01
 """Spacing of the hand's poses on its way to a grasp, metres."""
@@ -81,30 +76,16 @@ def _blocked_part(asset: Asset, contact: ContactPoint, gripper: Gripper) -> str 
 
     Fingers and palm are the boxes that the planner of sub-tasks uses (:func:`vcage.tasks.grasps.hand_boxes`).
     """
-    from mplib.pymp.collision_detection import fcl
-
-    request = fcl.CollisionRequest(num_max_contacts=1, enable_contact=True)
-    solids = [_placed(shape, pose) for _, shape, pose in model_shapes(asset.model)]
+    solids = [shape.placed(pose * shape.local) for _, shape, pose in model_shapes(asset.model)]
     grasp = next(grasp_poses(Pose(), contact, gripper, support=0.0)).pose
     boxes = hand_boxes(gripper, approach_opening(asset.grasp_width(contact), gripper))
     for back in np.arange(0.0, gripper.approach + 1e-9, WAY_STEP):
         pose = grasp * Pose([0.0, 0.0, -back])
         for name, bounds in zip(("a finger", "a finger", "the palm"), boxes, strict=True):
-            part = _placed(box_shape(bounds[1] - bounds[0]), to_sapien(pose * Pose(bounds.mean(axis=0))))
-            if any(_overlap(fcl.collide(part, solid, request)) for solid in solids):
+            part = box_shape(bounds[1] - bounds[0]).placed(to_sapien(pose * Pose(bounds.mean(axis=0))))
+            if any(overlap(part, solid) for solid in solids):
                 return f"{name} would touch the object {100 * back:.0f} cm before the grasp"
     return None
-
-
-def _placed(shape: Shape, pose: sapien.Pose) -> fcl.CollisionObject:
-    from mplib.pymp.collision_detection import fcl
-
-    placed = pose * shape.local
-    return fcl.CollisionObject(shape.geometry, placed.p.astype(float), placed.q.astype(float))
-
-
-def _overlap(result: fcl.CollisionResult) -> bool:
-    return result.is_collision() and abs(result.get_contact(0).penetration_depth) > TOLERANCE
 
 
 def _try(asset: Asset, contact: ContactPoint, pose: Pose, places: Places) -> str | None:

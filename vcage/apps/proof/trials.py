@@ -101,17 +101,17 @@ class Places:
             yaw = float(np.pi / 2 - np.arctan2(y, x) + rng.uniform(-FACING, FACING))
         straight = round(yaw / (np.pi / 2)) * np.pi / 2
         item = table_item(asset.name, asset, yaws=(yaw,), allowed=self._reach)
-        spot = self._spot(item, (straight, straight + np.pi) if -z >= SIDEWAYS else (straight,), rng)
-        return Pose.from_yaw([spot.x, spot.y, self.template.table.height], spot.yaw)
+        at = self._placed(item, (straight, straight + np.pi) if -z >= SIDEWAYS else (straight,), rng)
+        return Pose.from_yaw([at.x, at.y, self.template.table.height], at.yaw)
 
     def for_operating(self, asset: Asset, rng: np.random.Generator) -> Pose:
         """A pose on the table where the asset's moving parts have room and its front faces the robot."""
         item = table_item(asset.name, asset)
         yaw = float(rng.uniform(min(item.yaws), max(item.yaws)))
-        spot = self._spot(replace(item, yaws=(yaw,)), (0.0,), rng)
-        return item.pose(spot, self.template.table.height)
+        at = self._placed(replace(item, yaws=(yaw,)), (0.0,), rng)
+        return item.pose(at, self.template.table.height)
 
-    def _spot(self, item: TableItem, straight: tuple[float, ...], rng: np.random.Generator) -> Placement:
+    def _placed(self, item: TableItem, straight: tuple[float, ...], rng: np.random.Generator) -> Placement:
         """A place at the item's heading, or at one of ``straight`` where it is too large for that."""
         try:
             return place([item], self._workspace, rng)[item.id]

@@ -121,7 +121,8 @@ def held_joints(root: Element, embodiment: Embodiment) -> list[str]:
 
 def links_of_arm(root: Element, arm: ArmConfig) -> set[str]:
     """Names of the links that the arm's first joint moves."""
-    return _below(root, _child(_joint(root, arm.joints[0])))
+    first = next(joint for joint in root.findall("joint") if joint.get("name") == arm.joints[0])
+    return _below(root, _child(first))
 
 
 # --- the steps ---------------------------------------------------------------------------------------------
@@ -218,10 +219,6 @@ def _pairs(root: Element, srdf: Path | None) -> bytes | None:
         if pair.get("link1") not in links or pair.get("link2") not in links:
             tree.remove(pair)
     return ElementTree.tostring(tree, encoding="utf-8")
-
-
-def _joint(root: Element, name: str) -> Element:
-    return next(joint for joint in root.findall("joint") if joint.get("name") == name)
 
 
 def _child(joint: Element) -> str:

@@ -94,7 +94,10 @@ class Operation:
         control.move(plan.reach)
         control.move(plan.down)
         if self._contact.use == "grasp":
-            self._close(control)
+            control.grip(0.0)
+            if control.empty:
+                where = f"{self._contact.name!r} of {self._thing.record.phrase}"
+                raise TaskFailed("grasp", f"the fingers closed on nothing where {where} should be")
         control.move(plan.push)
         reached = self._position()
         if plan.back is not None:
@@ -191,12 +194,6 @@ class Operation:
         return CollisionScene(world.robot, arm, world.table, bodies, others)
 
     # --- execution -------------------------------------------------------------------------------------
-
-    def _close(self, control: ArmControl) -> None:
-        control.grip(0.0)
-        if control.empty:
-            where = f"{self._contact.name!r} of {self._thing.record.phrase}"
-            raise TaskFailed("grasp", f"the fingers closed on nothing where {where} should be")
 
     def _let_go(self, plan: _Plan, control: ArmControl) -> None:
         """Open the fingers and draw the hand back from where it stands."""
