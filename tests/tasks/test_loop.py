@@ -48,8 +48,33 @@ def pick_out_of_reach(task: Task) -> None:
 
 
 @pytest.fixture(scope="module")
-def accepted() -> EpisodeRun:
-    return play_once(Critic())
+def critic() -> Critic:
+    """Who looked at the accepted episode."""
+    return Critic()
+
+
+@pytest.fixture(scope="module")
+def accepted(critic: Critic) -> EpisodeRun:
+    return play_once(critic)
+
+
+@pytest.fixture(scope="module")
+def aborted() -> EpisodeRun:
+    """The critic refuses the first attempt, and nobody tries again."""
+    return play_once(Critic([False, True]), on_failure="abort")
+
+
+@pytest.fixture(scope="module")
+def silent() -> EpisodeRun:
+    """The critic accepts what is not there."""
+    return play_once(Critic([True]), play=knock_away)
+
+
+@pytest.fixture(scope="module")
+def unplanned() -> tuple[EpisodeRun, Critic]:
+    """No grasp can be planned."""
+    critic = Critic()
+    return play_once(critic, play=pick_out_of_reach, on_failure="abort"), critic
 
 
 @pytest.fixture(scope="module")
@@ -88,9 +113,8 @@ def test_the_pictures_of_a_verdict_are_kept_under_the_names_it_gives(accepted: E
     assert list(accepted.pictures) == accepted.segments[0].verdict.pictures
 
 
-def test_the_critic_is_asked_about_the_sub_task_in_its_own_words():
-    critic = Critic()
-    play_once(critic)
+@pytest.mark.usefixtures("accepted")
+def test_the_critic_is_asked_about_the_sub_task_in_its_own_words(critic: Critic):
     assert [asked.text for asked in critic.asked] == ["Put the block on the plate."]
 
 
@@ -159,10 +183,9 @@ def test_a_failure_after_an_accepted_sub_task_keeps_what_was_accepted():
 # --- giving up -----------------------------------------------------------------------------------------
 
 
-def test_in_abort_mode_the_first_refusal_ends_the_episode():
-    run = play_once(Critic([False, True]), on_failure="abort")
-    assert not run.accepted
-    assert len(run.attempts) == 1
+def test_in_abort_mode_the_first_refusal_ends_the_episode(aborted: EpisodeRun):
+    assert not aborted.accepted
+    assert len(aborted.attempts) == 1
 
 
 def test_when_the_retries_are_used_up_the_episode_is_rejected_with_the_reason():
@@ -172,9 +195,8 @@ def test_when_the_retries_are_used_up_the_episode_is_rejected_with_the_reason():
     assert run.reason == "block-onto-plate failed at verify: it is not there"
 
 
-def test_the_recording_of_a_rejected_episode_ends_with_its_last_attempt_as_no_segment():
-    run = play_once(Critic([False]), on_failure="abort")
-    assert (len(run.log) > 0, run.segments) == (True, [])
+def test_the_recording_of_a_rejected_episode_ends_with_its_last_attempt_as_no_segment(aborted: EpisodeRun):
+    assert (len(aborted.log) > 0, aborted.segments) == (True, [])
 
 
 def test_a_failed_sub_task_ends_the_chain():
@@ -185,9 +207,8 @@ def test_a_failed_sub_task_ends_the_chain():
     assert {a.step for a in run.attempts} == {0}
 
 
-def test_a_grasp_that_cannot_be_planned_is_an_attempt_that_ends_at_the_plan():
-    critic = Critic()
-    run = play_once(critic, play=pick_out_of_reach, on_failure="abort")
+def test_a_grasp_that_cannot_be_planned_is_an_attempt_that_ends_at_the_plan(unplanned: tuple[EpisodeRun, Critic]):
+    run, critic = unplanned
     (attempt,) = run.attempts
     assert (attempt.stage, attempt.accepted, attempt.verdict) == ("plan", False, None)
     assert "no grasp of red block can be planned" in attempt.reason
@@ -213,15 +234,14 @@ def test_a_failed_plan_is_tried_again_like_a_refusal():
 # --- the simulator's truth -----------------------------------------------------------------------------
 
 
-def test_a_silent_failure_is_known_to_the_truth_though_the_critic_accepts_it():
-    run = play_once(Critic([True]), play=knock_away)
-    assert run.accepted
-    assert not run.segments[0].truth.success
-    assert "outside plate" in run.segments[0].truth.reason
+def test_a_silent_failure_is_known_to_the_truth_though_the_critic_accepts_it(silent: EpisodeRun):
+    assert silent.accepted
+    assert not silent.segments[0].truth.success
+    assert "outside plate" in silent.segments[0].truth.reason
 
 
-def test_a_silent_failure_counts_as_a_false_acceptance_of_the_critic():
-    counts = confusion(play_once(Critic([True]), play=knock_away).attempts)
+def test_a_silent_failure_counts_as_a_false_acceptance_of_the_critic(silent: EpisodeRun):
+    counts = confusion(silent.attempts)
     assert (counts["judged"], counts["false_accepted"]) == (1, 1)
 
 
@@ -230,6 +250,5 @@ def test_a_refused_success_counts_as_a_false_refusal_of_the_critic(resampled: Ep
     assert (counts["judged"], counts["false_refused"], counts["true_accepted"]) == (2, 1, 1)
 
 
-def test_an_attempt_that_never_reached_the_critic_is_not_held_against_it():
-    counts = confusion(play_once(Critic(), play=pick_out_of_reach, retries=1).attempts)
-    assert counts["judged"] == 0
+def test_an_attempt_that_never_reached_the_critic_is_not_held_against_it(unplanned: tuple[EpisodeRun, Critic]):
+    assert confusion(unplanned[0].attempts)["judged"] == 0

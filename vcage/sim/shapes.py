@@ -35,9 +35,15 @@ class Shape:
 
     def placed(self, frame: sapien.Pose) -> fcl.CollisionObject:
         """The solid for FCL with the shape's frame there."""
-        from mplib.pymp.collision_detection import fcl
+        return _collision_object()(self.geometry, frame.p.astype(float), frame.q.astype(float))
 
-        return fcl.CollisionObject(self.geometry, frame.p.astype(float), frame.q.astype(float))
+
+@functools.cache
+def _collision_object() -> type[fcl.CollisionObject]:
+    """FCL's class, looked up once: an import in every call would cost half as much as the object."""
+    from mplib.pymp.collision_detection import fcl
+
+    return fcl.CollisionObject
 
 
 def box_shape(size: Iterable[float]) -> Shape:
