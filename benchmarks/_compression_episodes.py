@@ -122,7 +122,7 @@ class _Making:
         context = StageContext("offline")
         with tempfile.TemporaryDirectory() as folder:
             run = RunFolder(folder)
-            options = chain.Options(
+            options = chain.ChainOptions(
                 instruction=recipe.instruction, template=recipe.template, seed=recipe.seed, models="offline"
             )
             for stage in STAGES:

@@ -28,7 +28,7 @@ VIDEOS = CompressionSettings(preset="ultrafast", pixel_format="yuv444p10le")
 QUICK_VIDEOS = ["--preset", VIDEOS.preset, "--pixel-format", VIDEOS.pixel_format]
 """The same as options."""
 
-OPTIONS = chain.Options(
+OPTIONS = chain.ChainOptions(
     instruction=INSTRUCTION,
     models="offline",
     episodes=1,

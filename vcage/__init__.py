@@ -1,3 +1,74 @@
-"""V-CAGE: an instruction in plain language goes in, a verified robot-manipulation dataset comes out."""
+"""V-CAGE: an instruction in plain language goes in, a verified robot-manipulation dataset comes out.
+
+What most programs need is here by name, and imported when it is first used; every name has an example in its
+docstring, and README.md ("From Python") has all of them at work.
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any
 
 __version__ = "0.1.0"
+
+if TYPE_CHECKING:
+    from vcage.apps.report.page import write_report
+    from vcage.base.files import RunFolder
+    from vcage.datasets.packing.pack import Order, pack
+    from vcage.datasets.packing.settings import CompressionSettings
+    from vcage.datasets.reader import EpisodeReader
+    from vcage.objects.library import Library
+    from vcage.schema.scene import Scene
+    from vcage.sim.world import World
+    from vcage.stages.appending import append_to
+    from vcage.stages.chain import ChainOptions, run_chain, run_stage
+    from vcage.stages.context import StageContext
+    from vcage.stages.verify import judge_pair
+
+__all__ = [
+    "ChainOptions",
+    "CompressionSettings",
+    "EpisodeReader",
+    "Library",
+    "Order",
+    "RunFolder",
+    "Scene",
+    "StageContext",
+    "World",
+    "append_to",
+    "judge_pair",
+    "pack",
+    "run_chain",
+    "run_stage",
+    "write_report",
+]
+
+_PLACES = {
+    "ChainOptions": "vcage.stages.chain",
+    "CompressionSettings": "vcage.datasets.packing.settings",
+    "EpisodeReader": "vcage.datasets.reader",
+    "Library": "vcage.objects.library",
+    "Order": "vcage.datasets.packing.pack",
+    "RunFolder": "vcage.base.files",
+    "Scene": "vcage.schema.scene",
+    "StageContext": "vcage.stages.context",
+    "World": "vcage.sim.world",
+    "append_to": "vcage.stages.appending",
+    "judge_pair": "vcage.stages.verify",
+    "pack": "vcage.datasets.packing.pack",
+    "run_chain": "vcage.stages.chain",
+    "run_stage": "vcage.stages.chain",
+    "write_report": "vcage.apps.report.page",
+}
+"""Name → its module. The simulator and the video codec take seconds to import, and many programs need neither."""
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _PLACES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    globals()[name] = found = getattr(importlib.import_module(_PLACES[name]), name)
+    return found
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *_PLACES})

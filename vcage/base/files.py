@@ -250,6 +250,9 @@ def recover(path: Path) -> None:
 class RunFolder:
     """The folder of one run: where each stage's files lie (see ``docs/architecture.md``, "The chain").
 
+    Example:
+        >>> RunFolder("runs/blocks").layout  # the optimised scene
+
     Args:
         root: the folder given as ``--out``; it need not exist yet.
     """

@@ -24,7 +24,7 @@ from vcage.stages import compress
 
 @dataclass(frozen=True, kw_only=True)
 class Recordings:
-    """Options that mean nothing with --run."""
+    """Options of recordings, which mean nothing with ``--run``."""
 
     out: Annotated[Path | None, FOLDER, UNSAID] = None
     """the folder to write"""
@@ -77,6 +77,7 @@ class Compress(Command):
     run: Annotated[Path | None, FOLDER, UNSAID] = None
     """the run folder whose episodes are compressed"""
     recordings: Annotated[Recordings, OmitArgPrefixes, arg(name="recordings")] = field(default_factory=Recordings)
+    """these mean nothing with --run"""
     stage: Annotated[compress.Options, OmitArgPrefixes, arg(name="")] = field(default_factory=compress.Options)
     dry_run: Flag = False
     """say what would be done, and do nothing"""

@@ -22,7 +22,7 @@ logger = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, kw_only=True)
-class Run(BeginCommand[chain.Options], Command):
+class Run(BeginCommand[chain.ChainOptions], Command):
     """Turn an instruction into a verified, compressed, training-ready data set: all stages, then the report.
 
     Runs select-place, inpaint-plan, match, optimize, search-subtasks, collect, verify, compress and export in one

@@ -17,6 +17,10 @@ from vcage.schema.asset import Annotation, CatalogueEntry
 class Library:
     """All assets by name; get one with :meth:`load`.
 
+    Example:
+        >>> library = Library.load()
+        >>> library.asset("mug", library.entry("mug").variants[0].id).size
+
     Args:
         annotations: by name.
         folders: where each annotation lies, by name.

@@ -87,7 +87,12 @@ class ObjectRecord(Record):
 
 
 class Scene(StageDocument):
-    """The paper's M (``place/scene.json``) and S* (``optimize/scene.json``)."""
+    """The paper's M (``place/scene.json``) and S* (``optimize/scene.json``).
+
+    Example:
+        >>> scene = Scene.read(RunFolder("runs/blocks").layout)
+        >>> [(o.id, o.pose.position) for o in scene.objects]
+    """
 
     SCHEMA: ClassVar[str] = "vcage.scene/1"
 

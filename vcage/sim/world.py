@@ -35,6 +35,10 @@ class World:
 
     The same arguments and the same commands give bit-identical states.
 
+    Example:
+        >>> world = World.of_scene(scene, StageContext().physical_models(scene))
+        >>> world.settle().drift_m
+
     Args:
         table: where everything stands.
         bodies: objects by id; their order fixes :attr:`segmentation_ids`.

@@ -35,6 +35,9 @@ def append_to(root: Path, run: RunFolder, progress: Progress = silent) -> dict[s
     out: an interrupted call can be repeated, and a run that has grown adds what is new. The videos are those of the
     export.
 
+    Example:
+        >>> append_to(Path("datasets/all"), RunFolder("runs/blocks"))
+
     Args:
         root: folder of the data sets, ``<root>/lerobot-v3.0`` and so on.
         run: the run, exported.

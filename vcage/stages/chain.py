@@ -24,6 +24,7 @@ from vcage.stages import (
     verify,
 )
 from vcage.stages.context import StageContext
+from vcage.stages.options import StageOptions
 from vcage.stages.stage import Job, StageResult, timed
 
 logger = logging.getLogger(__name__)
@@ -66,17 +67,53 @@ OF_THE_EPISODES = ("verify", "compress", "export")
 
 
 @dataclass(frozen=True, kw_only=True)
-class Options(select_place.Options, match.Options, optimize.Options, collect.Options, compress.Options):
-    """Options of every stage at once but export, whose codec would have the name of the compression's."""
+class ChainOptions(select_place.Options, match.Options, optimize.Options, collect.Options, compress.Options):
+    """Options of every stage at once but export, whose codec would have the name of the compression's.
+
+    Example:
+        >>> ChainOptions(instruction="Put the blocks on the plate", models="offline", episodes=10)
+    """
+
+
+def run_stage(
+    stage: Stage,
+    run: RunFolder,
+    options: StageOptions | None = None,
+    context: StageContext | None = None,
+    progress: Progress = silent,
+) -> StageResult[Any]:
+    """Run one stage, unless it is finished, and note how long it took.
+
+    Example:
+        >>> from vcage.stages import match
+        >>> run_stage(match, RunFolder("runs/blocks"), match.Options(threshold=0.7, force=True))
+
+    Args:
+        stage: a module of :mod:`vcage.stages`.
+        run: the run folder, with what the stages before it wrote.
+        options: the stage's ``Options``; None for the defaults.
+        context: what stages share; None for what the options choose.
+        progress: told of every step.
+
+    Raises:
+        VcageError: what the stage raises.
+    """
+    options = options or stage.Options()
+    name = next(name for name, module in STAGES.items() if module is stage)
+    with timed(run, name):
+        return stage.execute(run, options, context or options.context(), progress)
 
 
 def run_chain(
     run: RunFolder,
-    options: Options,
+    options: ChainOptions,
     context: StageContext | None = None,
     show: Callable[[str], AbstractContextManager[Progress]] = lambda _: contextlib.nullcontext(silent),
 ) -> dict[str, StageResult[Any]]:
     """Run all stages; what is finished is left alone.
+
+    Example:
+        >>> run_chain(RunFolder("runs/blocks"), ChainOptions(instruction="Put the blocks on the plate"))
 
     Args:
         run: the run folder.
@@ -103,7 +140,7 @@ def _up_to_date(
     name: str,
     stage: Stage,
     run: RunFolder,
-    options: Options | export.Options,
+    options: ChainOptions | export.Options,
     context: StageContext,
     progress: Progress,
 ) -> StageResult[Any]:

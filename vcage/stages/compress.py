@@ -43,6 +43,7 @@ class Options(StageOptions):
     compression: Annotated[CompressionSettings, OmitArgPrefixes, arg(name="encoding and judging")] = field(
         default_factory=CompressionSettings
     )
+    """how videos are encoded and judged"""
     workers: Annotated[int | None, POSITIVE, UNSAID] = None
     """processes that compress (default: as many as cores and memory allow)"""
 

@@ -35,6 +35,10 @@ METRES_PER_PIXEL = 0.0015
 class StageContext:
     """Shared by the stages of one process.
 
+    Example:
+        >>> context = StageContext("offline")
+        >>> context.objects(Scene.read(RunFolder("runs/blocks").layout))
+
     Args:
         models, detector, embedder: which models answer (see :func:`vcage.models.registry.build_models`).
     """

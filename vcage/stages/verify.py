@@ -76,6 +76,9 @@ def _judge_episode(
 def judge_pair(run: RunFolder, context: StageContext, subtask_id: str, before: Path, after: Path) -> SingleVerdict:
     """A verdict about two pictures from the run's top camera.
 
+    Example:
+        >>> judge_pair(RunFolder("runs/blocks"), StageContext(), "block_red-onto-plate_white", before, after).verdict
+
     Raises:
         MissingStage: the run has no layout or sub-tasks yet, or a picture is missing.
         DamagedFile, InputFileError: a picture cannot be read, or is of another size than the camera's.

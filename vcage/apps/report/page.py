@@ -37,6 +37,9 @@ D = TypeVar("D", bound=StageDocument)
 def write_report(run: RunFolder) -> Path:
     """Write ``report.html`` of a run, whole or partly done.
 
+    Example:
+        >>> write_report(RunFolder("runs/blocks"))
+
     Raises:
         MissingStage: not even the first stage has run.
         DamagedFile, SchemaMismatch: a stage's file cannot be read.

@@ -40,6 +40,9 @@ WORKING = ".compressing"
 class Order:
     """What is to be done.
 
+    Example:
+        >>> Order(Path("robotwin"), Path("small"), CompressionSettings(), OutputSpec(fps=16.67))
+
     Args:
         root: the recordings: a file or a folder; only read.
         out: the folder to write.
@@ -127,6 +130,9 @@ def pack(order: Order, *, workers: int | None = None, force: bool = False, progr
     """Compress recordings into a new folder, which appears whole or not at all.
 
     Videos gather in a folder beside it. When the work is interrupted they stay there, and the same call goes on.
+
+    Example:
+        >>> pack(Order(Path("robotwin"), Path("small"), CompressionSettings(max_loss=0.05))).record.reduction_stored
 
     Args:
         order: what is to be done.

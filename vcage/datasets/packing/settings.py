@@ -46,6 +46,9 @@ CRF = value(_crf, "N")
 class CompressionSettings:
     """How videos are encoded and judged.
 
+    Example:
+        >>> CompressionSettings(max_loss=0.05, codec="av1")
+
     Raises:
         UsageError, UnknownName: a value is out of range or not known.
     """
