@@ -9,7 +9,7 @@ import numpy as np
 
 from vcage.base.errors import NoAssetFits
 from vcage.models.rules.chain import compose_chain
-from vcage.models.rules.selection import Selector
+from vcage.models.rules.selection import select_assets
 from vcage.models.rules.words import COLOURS
 from vcage.schema.asset import CatalogueEntry, Variant, Words
 from vcage.schema.subtasks import ChainOption
@@ -54,7 +54,7 @@ def _select(looks: list[str], instruction: str) -> dict[str, Any]:
         for asset, found in variants.items()
     ]
     try:
-        chosen = Selector(instruction, catalogue, np.random.default_rng(0)).select().objects
+        chosen = select_assets(instruction, catalogue, np.random.default_rng(0)).objects
     except NoAssetFits as error:
         return {"missing": error.details.get("unmatched", [instruction]), "objects": []}
     return {

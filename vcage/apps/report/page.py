@@ -6,7 +6,6 @@ Stages that have not run are said to be missing; the page never computes a resul
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar
@@ -19,10 +18,10 @@ from vcage.apps.report.embed import picture_url, video_url
 from vcage.base.errors import MissingStage
 from vcage.base.files import RunFolder, recover, write_text
 from vcage.datasets.reader import EpisodeReader
-from vcage.plans.kept import Kept, relations_kept_in
+from vcage.plans.kept import relations_kept_in
 from vcage.schema.base import StageDocument
 from vcage.schema.compression import Compression
-from vcage.schema.episodes import Attempt, Episode, Episodes, Verdict
+from vcage.schema.episodes import Episode, Episodes, Verdict
 from vcage.schema.export import Export
 from vcage.schema.matches import Matches
 from vcage.schema.plan import Plan
@@ -53,31 +52,34 @@ def write_report(run: RunFolder) -> Path:
 
 
 def _context(run: RunFolder) -> dict[str, Any]:
+    """What the template shows: the documents of the stages (None of one that has not run) and what they refer to."""
+    plan, matches = _read(run.plan, Plan), _read(run.matches, Matches)
+    layout, subtasks = _read(run.layout, Scene), _read(run.subtasks, Subtasks)
     episodes = _read(run.episodes, Episodes)
     documents = {
         "scene": _read(run.scene, Scene),
-        "plan": _read(run.plan, Plan),
-        "matches": _read(run.matches, Matches),
-        "layout": _read(run.layout, Scene),
-        "subtasks": _read(run.subtasks, Subtasks),
+        "plan": plan,
+        "matches": matches,
+        "layout": layout,
+        "subtasks": subtasks,
         "episodes": episodes,
         "compression": _read(run.compression, Compression),
         "export": _read(run.export, Export),
     }
-    rejections = _rejections(run) if episodes else []
+    rejections = [a for a in read_log(run.episodes.parent) if not a.accepted] if episodes else []
     return {
         **documents,
-        "kept": _kept(documents["plan"], documents["layout"]),
-        "notes": _notes(documents["plan"], documents["matches"]),
+        "kept": relations_kept_in(layout, plan.relations) if plan and layout else None,
+        "notes": [note for document in (plan, matches) if document for note in document.notes],
         "version": __version__,
         "name": run.root.name,
         "pictures": _stage_pictures(run),
-        "cards": [_episode_card(run, e) for e in episodes.episodes] if episodes else [],
+        "cards": _episode_cards(run, episodes),
         "rejections": rejections,
         "refused": [_verdict_card(run, a.verdict, a.subtask) for a in rejections if a.verdict],
         "timings": read_timings(run),
         "provenances": [d.provenance for d in documents.values() if d is not None],
-        "refusals": _refusals(documents["subtasks"]),
+        "refusals": Counter(r.reason for r in subtasks.refused).most_common() if subtasks else [],
     }
 
 
@@ -103,24 +105,8 @@ def _stage_pictures(run: RunFolder) -> list[dict[str, str]]:
     return found
 
 
-def _kept(plan: Plan | None, layout: Scene | None) -> Kept | None:
-    """Which of the plan's relations hold in the final scene."""
-    return relations_kept_in(layout, plan.relations) if plan and layout else None
-
-
-def _notes(plan: Plan | None, matches: Matches | None) -> list[str]:
-    """What the stages said of the target picture; of single objects the table of matches tells."""
-    return (plan.notes if plan else []) + (matches.notes if matches else [])
-
-
-def _refusals(subtasks: Subtasks | None) -> list[tuple[str, int]]:
-    """Reasons of refusal with how often each was given, the most frequent first."""
-    if subtasks is None:
-        return []
-    return Counter(refusal.reason for refusal in subtasks.refused).most_common()
-
-
-# --- episodes ------------------------------------------------------------------------------------------
+def _episode_cards(run: RunFolder, episodes: Episodes | None) -> list[dict[str, Any]]:
+    return [_episode_card(run, episode) for episode in episodes.episodes] if episodes else []
 
 
 def _episode_card(run: RunFolder, episode: Episode) -> dict[str, Any]:
@@ -138,18 +124,10 @@ def _verdict_card(run: RunFolder, verdict: Verdict, subtask: str) -> dict[str, A
 def _preview(path: Path, fps: float) -> str | None:
     """All cameras of an episode side by side; None of a rejected one, which is kept without pictures."""
     with EpisodeReader(path) as reader:
-        return video_url(_side_by_side(reader), fps) if reader.cameras else None
-
-
-def _side_by_side(reader: EpisodeReader) -> Iterator[np.ndarray]:
-    tracks = [reader.images(camera) for camera in reader.cameras]
-    for i in range(len(tracks[0])):
-        yield np.concatenate([track[i] for track in tracks], axis=1)
-
-
-def _rejections(run: RunFolder) -> list[Attempt]:
-    """Attempts that were not accepted, from the log."""
-    return [attempt for attempt in read_log(run.episodes.parent) if not attempt.accepted]
+        if not reader.cameras:
+            return None
+        tracks = [reader.images(camera) for camera in reader.cameras]
+        return video_url((np.concatenate([t[i] for t in tracks], axis=1) for i in range(len(tracks[0]))), fps)
 
 
 @cache
@@ -161,15 +139,9 @@ def _template() -> jinja2.Template:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters["size"] = _size
-    environment.filters["percent"] = lambda share: f"{100 * share:.2f} %"
+    environment.filters["percent"] = _percent
     return environment.get_template("page.html.jinja")
 
 
-def _size(count: float) -> str:
-    """Bytes for people: 1.2 MB."""
-    for unit in ("B", "kB", "MB", "GB"):
-        if count < 1000 or unit == "GB":
-            return f"{count:.0f} {unit}" if unit == "B" else f"{count:.1f} {unit}"
-        count /= 1000
-    raise AssertionError("unreachable")
+def _percent(share: float) -> str:
+    return f"{100 * share:.2f} %"

@@ -2,8 +2,8 @@
 
 Which module answers what is asked in :mod:`vcage.models.protocols`:
 
-- ``Reasoner`` (:mod:`reasoner`): ``select_assets`` in :mod:`selection`, ``plan_layout`` in :mod:`layout`,
-  ``judge_pairs`` in :mod:`pairs`, ``compose_chain`` in :mod:`chain`;
+- ``Reasoner`` (:mod:`reasoner`): ``select_assets`` in :mod:`selection` (and :mod:`refusals`), ``plan_layout`` in
+  :mod:`layout`, ``judge_pairs`` in :mod:`pairs`, ``compose_chain`` in :mod:`chain`;
 - ``ImageEditor`` in :mod:`editor`;
 - ``Critic`` in :mod:`critic`.
 

@@ -12,7 +12,7 @@ from vcage.models.rules import PROVIDER
 from vcage.models.rules.chain import compose_chain
 from vcage.models.rules.layout import plan_layout
 from vcage.models.rules.pairs import judge_pair
-from vcage.models.rules.selection import Selector
+from vcage.models.rules.selection import select_assets
 from vcage.plans.check import PlanCheck
 from vcage.schema.asset import CatalogueEntry
 from vcage.schema.plan import LayoutPlan, Selection, SelectionCheck
@@ -33,8 +33,8 @@ class OfflineReasoner:
     def select_assets(
         self, instruction: str, catalogue: Sequence[CatalogueEntry], rng: np.random.Generator, check: SelectionCheck
     ) -> Selection:
-        """See :class:`vcage.models.rules.selection.Selector`."""
-        return _drawn("selection", Selector(instruction, catalogue, rng).select, check)
+        """See :func:`vcage.models.rules.selection.select_assets`."""
+        return _drawn("selection", lambda: select_assets(instruction, catalogue, rng), check)
 
     def plan_layout(
         self, scene: Scene, catalogue: Sequence[CatalogueEntry], rng: np.random.Generator, check: PlanCheck

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from vcage.base.errors import InfeasibleScene, NoAssetFits
+from vcage.base.errors import NoAssetFits
 from vcage.models.rules.catalogue_match import (
     MIN_SCORE,
     Occasion,
@@ -15,7 +15,6 @@ from vcage.models.rules.catalogue_match import (
     candidates,
     confusable,
     goes_in,
-    places,
     scene_tags,
     score_entry,
     things_meant,
@@ -23,21 +22,16 @@ from vcage.models.rules.catalogue_match import (
 )
 from vcage.models.rules.instruction import Request, parse_instruction
 from vcage.models.rules.phrases import SEVERAL, Phrase
+from vcage.models.rules.refusals import require_answers, require_counts
 from vcage.models.rules.words import ANYTHING, tokens
 from vcage.models.search import Search, best_search
 from vcage.schema.asset import CatalogueEntry, Variant
 from vcage.schema.plan import SelectedAsset, Selection
 from vcage.schema.scene import Role
 
-MOST_OBJECTS = 40
-"""Things that one phrase may ask for; no table holds more."""
-
 CONTEXT_OBJECTS = 2
 CONTEXT_FOOTPRINT = 0.03
 """Largest footprint of an object that is there for the occasion only, m²."""
-
-SUGGESTIONS = 3
-"""Names that a complaint suggests for a phrase that nothing answers."""
 
 UNNAMED_CONTENTS = 2
 """How many things are in a place that is emptied."""
@@ -46,37 +40,63 @@ SHARE_OF_PLACE = 0.2
 """Largest share of a place's outer rectangle that one of several things in it at the start takes."""
 
 
-class Selector:
-    """One selection: an instruction against a catalogue.
+def select_assets(
+    instruction: str,
+    catalogue: Sequence[CatalogueEntry],
+    rng: np.random.Generator,
+    search: Callable[[], Search] = best_search,
+) -> Selection:
+    """Contents, then receptacles, then what contents start in, tools, and objects for the occasion.
 
     Args:
         search: makes the search by meaning that suggests names for a phrase that nothing answers.
+
+    Raises:
+        NoAssetFits: a phrase of the instruction matches nothing; names it and the nearest names.
+        InfeasibleScene: it asks for none of a thing, or for more than any table holds.
     """
+    catalogue = sorted(catalogue, key=lambda entry: entry.name)
+    requests = parse_instruction(instruction)
+    require_answers(instruction, requests, catalogue, search)
+    require_counts(requests)
+    return _Selector(instruction, requests, catalogue, rng).select()
+
+
+@dataclass(frozen=True)
+class _Start:
+    """Where the instruction says that a thing is at the start: in words, and what of the catalogue that is, if any."""
+
+    place: Phrase
+    source: CatalogueEntry | None
+
+    def trouble(self, kinds: Sequence[CatalogueEntry]) -> str:
+        """Why things of these kinds cannot lie there; "" when they can."""
+        if self.source is None:
+            return f"nothing called {self.place.text!r} holds things"
+        if self.source.functional_points[0].link is not None:
+            return f"the {self.source.words.name} is closed then"
+        large = [kind.words.name for kind in kinds if not goes_in(kind, self.source)]
+        return f"the {self.source.words.name} is too small for the {' and the '.join(large)}" if large else ""
+
+
+class _Selector:
+    """The choice among what answers an instruction; every random draw is in here."""
 
     def __init__(
         self,
         instruction: str,
+        requests: Sequence[Request],
         catalogue: Sequence[CatalogueEntry],
         rng: np.random.Generator,
-        search: Callable[[], Search] = best_search,
     ):
         self.instruction = instruction
-        self.catalogue = sorted(catalogue, key=lambda entry: entry.name)
+        self.requests = requests
+        self.catalogue = catalogue
         self.rng = rng
-        self.requests = parse_instruction(instruction)
-        self._entries = {entry.name: entry for entry in self.catalogue}
-        self._search = search
-        self._places = Places(self.catalogue)
+        self._entries = {entry.name: entry for entry in catalogue}
+        self._places = Places(catalogue)
 
     def select(self) -> Selection:
-        """Contents, then receptacles, then tools and objects for the occasion.
-
-        Raises:
-            NoAssetFits: a phrase of the instruction matches nothing; names it and the nearest names.
-            InfeasibleScene: it asks for none of a thing, or for more than any table holds.
-        """
-        self._require_matches()
-        self._require_counts()
         chosen: list[SelectedAsset] = []
         notes: list[str] = []
         for request in self.requests:
@@ -91,15 +111,13 @@ class Selector:
     def _contents(self, phrase: Phrase, request: Request) -> tuple[list[SelectedAsset], str]:
         """What a phrase for moved things means, and why it does not start where the instruction says; or ""."""
         kinds = self._kinds(phrase, request)
-        source = self._source_of(phrase, request)
+        start = self._start_of(phrase, request)
+        source = None if start is None else start.source
         if source is not None and len(kinds) > 1:
             kinds = _small_enough(kinds, source)
-        trouble = self._no_start(phrase, request, kinds)
+        trouble = "" if start is None else start.trouble(kinds)
         starts_in = None if source is None or trouble else source.name
-        if len(kinds) > 1:
-            looks = self._one_of_each(self._suiting(kinds, request), phrase)
-        else:
-            looks = self._looks(kinds[0], phrase)
+        looks = self._one_of_each(self._suiting(kinds, request), phrase)
         several = UNNAMED_CONTENTS if source is not None and phrase.head in ANYTHING else SEVERAL
         count = min(several, max(2, len(looks))) if phrase.count is None else phrase.count
         reason = f"asked for: {phrase.text!r}"
@@ -120,26 +138,13 @@ class Selector:
             )
         return kinds
 
-    def _source_of(self, phrase: Phrase, request: Request) -> CatalogueEntry | None:
-        """What a thing is in or on at the start, where the instruction says so and the catalogue has it."""
+    def _start_of(self, phrase: Phrase, request: Request) -> _Start | None:
+        """Where the instruction says that a thing is at the start; None where it does not."""
         place = dict(request.sources).get(phrase)
         if place is None:
             return None
         found = self._places.of(replace(request, contents=(phrase,), again=(), receptacle=place), self.catalogue)
-        return found if found is not None and found.functional_points else None
-
-    def _no_start(self, phrase: Phrase, request: Request, kinds: Sequence[CatalogueEntry]) -> str:
-        """Why things of these kinds cannot lie where the instruction says that they start; "" when they can."""
-        place = dict(request.sources).get(phrase)
-        source = self._source_of(phrase, request)
-        if place is None:
-            return ""
-        if source is None:
-            return f"nothing called {place.text!r} holds things"
-        if source.functional_points[0].link is not None:
-            return f"the {source.words.name} is closed then"
-        large = [kind.words.name for kind in kinds if not goes_in(kind, source)]
-        return f"the {source.words.name} is too small for the {' and the '.join(large)}" if large else ""
+        return _Start(place, found if found is not None and found.functional_points else None)
 
     def _receptacles(self, chosen: Sequence[SelectedAsset]) -> list[SelectedAsset]:
         """The places where things go, but for what is chosen already."""
@@ -154,10 +159,10 @@ class Selector:
     def _sources(self, chosen: Sequence[SelectedAsset]) -> list[SelectedAsset]:
         """What contents start in; nothing goes into it, so it is context, unless it is a receptacle too."""
         phrases = {
-            entry.name: place
+            start.source.name: place
             for request in self.requests
             for phrase, place in request.sources
-            if (entry := self._source_of(phrase, request)) is not None
+            if (start := self._start_of(phrase, request)) is not None and start.source is not None
         }
         found = []
         for name, place in phrases.items():
@@ -235,52 +240,9 @@ class Selector:
         return [(entry, v) for v in sorted(shuffled, key=lambda v: first[v.colour] != v.id)]
 
     def _one_of_each(self, kinds: Sequence[CatalogueEntry], phrase: Phrase) -> list[tuple[CatalogueEntry, Variant]]:
-        """Several kinds in random order, one variant of each before a second of any."""
+        """Kinds in random order, one variant of each before a second of any."""
         looks = [self._looks(kinds[i], phrase) for i in self.rng.permutation(len(kinds))]
         return [look[k] for k in range(max(map(len, looks))) for look in looks if k < len(look)]
-
-    def _require_matches(self) -> None:
-        if not any(request.contents for request in self.requests):
-            raise NoAssetFits(
-                f"the instruction {self.instruction!r} names nothing to move",
-                hint="write it like 'Put the blocks on the plate'",
-            )
-        missing = []
-        for request in self.requests:
-            named = [(p, candidates(p, self.catalogue)) for p in (*request.contents, *request.tools)]
-            if request.receptacle is not None:
-                named.append((request.receptacle, places(request.receptacle, self.catalogue)))
-            missing += [p for p, found in named if not any(variants_of(c.entry, p) for c in found)]
-        if missing:
-            raise self._no_asset(missing)
-
-    def _require_counts(self) -> None:
-        for phrase in (p for request in self.requests for p in request.contents):
-            if phrase.count is not None and not 0 < phrase.count <= MOST_OBJECTS:
-                raise InfeasibleScene(
-                    f"the instruction asks for {phrase.count} × {phrase.text!r}",
-                    hint=f"ask for 1 to {MOST_OBJECTS} of them",
-                )
-
-    def _no_asset(self, phrases: Sequence[Phrase]) -> NoAssetFits:
-        search = self._search()
-        near = {
-            p.text: [entry.words.name for entry, _ in search.search(p.text, self.catalogue, SUGGESTIONS)]
-            for p in phrases
-        }
-        listed = " and ".join(repr(p.text) for p in phrases)
-        nearest = "; ".join(f"{text!r}: {', '.join(found)}" for text, found in near.items())
-        colours = [
-            f"{c.entry.words.name} comes in {', '.join(v.colour for v in c.entry.variants)}"
-            for p in phrases
-            for c in candidates(p, self.catalogue, MIN_SCORE)[:1]
-            if not variants_of(c.entry, p)
-        ]
-        return NoAssetFits(
-            f"no asset of the catalogue matches {listed}",
-            hint="; ".join(colours) or f"nearest in meaning: {nearest}; `vcage assets list` shows all",
-            details={"unmatched": [p.text for p in phrases], "nearest": near, "words": tokens(self.instruction)},
-        )
 
 
 def _chosen(
