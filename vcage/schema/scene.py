@@ -70,7 +70,6 @@ class SceneTemplate(Document):
     table: Table = Table()
     workspace: Workspace
     top_camera: CameraRecord
-    tags: list[str] = Field(default=[], description="scene tags of the assets that belong here")
 
 
 class ObjectRecord(Record):
