@@ -46,11 +46,24 @@ class Canvas:
         return np.array(self.image.convert("RGB"))
 
     def text(self, at: tuple[float, float], words: str, fill: Colour = INK, size: int | None = None) -> None:
-        """Words with their upper left corner at ``at``."""
+        """Words with their upper left corner at ``at``.
+
+        Args:
+            at: (u, v) of the corner, pixels.
+            words: what is written.
+            fill: colour.
+            size: height, pixels; that of the labels when not given.
+        """
         self.draw.text(at, words, fill=fill, font=ImageFont.load_default(size) if size else self.font)
 
     def arrow(self, start: Sequence[float], end: Sequence[float], colour: Colour, width: int = 3) -> None:
-        """An arrow with a light rim, from ``start`` to ``end`` in pixels; nothing where they meet."""
+        """An arrow with a light rim, from ``start`` to ``end`` in pixels; nothing where they meet.
+
+        Args:
+            start, end: (u, v), pixels.
+            colour: of the arrow.
+            width: of its line, pixels.
+        """
         tail, tip = np.asarray(start, dtype=np.float64), np.asarray(end, dtype=np.float64)
         length = np.hypot(*(tip - tail))
         if length < 4 * width:
@@ -69,7 +82,13 @@ class Canvas:
         self._things.append((u0, v0, u1, v1))
 
     def label(self, box: Sequence[float], words: str, colour: Colour) -> None:
-        """A filled label beside ``box`` (u0, v0, u1, v1), where it covers no other label if there is such a place."""
+        """A filled label beside ``box`` (u0, v0, u1, v1), where it covers no other label if there is such a place.
+
+        Args:
+            box: that it names, pixels.
+            words: what is written.
+            colour: of the label; the words are white.
+        """
         left, top, right, bottom = self.draw.textbbox((0, 0), words, font=self.font)
         pad = max(2, self._text_size // 5)
         size = np.array([right - left + 2 * pad, bottom - top + 2 * pad])

@@ -145,6 +145,10 @@ def frame_from_axes(origin: ArrayLike, z: ArrayLike, y: ArrayLike) -> Pose:
     """The pose whose z axis is ``z`` and whose y axis is ``y`` made perpendicular to it.
 
     A gripper frame has z along the approach and y along the closing direction of the fingers.
+
+    Args:
+        origin: (3,) of the frame.
+        z, y: (3,) axes of any length.
     """
     z = np.asarray(z, dtype=np.float64)
     y = np.asarray(y, dtype=np.float64)
@@ -160,7 +164,13 @@ def frame_from_axes(origin: ArrayLike, z: ArrayLike, y: ArrayLike) -> Pose:
 
 
 def look_at(eye: ArrayLike, target: ArrayLike, up: ArrayLike = (0.0, 0.0, 1.0)) -> Pose:
-    """Pose of a camera at ``eye`` that looks at ``target`` (x forward, y left, z up)."""
+    """Pose of a camera at ``eye`` that looks at ``target`` (x forward, y left, z up).
+
+    Args:
+        eye: (3,) where it stands.
+        target: (3,) what is in the middle of the picture.
+        up: (3,) what is up in the picture.
+    """
     eye, target, up = (np.asarray(v, dtype=np.float64) for v in (eye, target, up))
     forward = target - eye
     forward = forward / np.linalg.norm(forward)
@@ -199,13 +209,23 @@ def footprint_half_size(size: ArrayLike, yaw: ArrayLike) -> np.ndarray:
 
 
 def boxes_overlap(a: ArrayLike, b: ArrayLike, margin: float = 0.0) -> bool:
-    """Whether two boxes (2, n) come closer than ``margin`` along every axis (touching is not overlap)."""
+    """Whether two boxes (2, n) come closer than ``margin`` along every axis (touching is not overlap).
+
+    Args:
+        a, b: lower and upper corners.
+        margin: metres.
+    """
     a, b = np.asarray(a, dtype=np.float64), np.asarray(b, dtype=np.float64)
     return bool(np.all(a[0] < b[1] + margin) and np.all(b[0] < a[1] + margin))
 
 
 def oriented_boxes_overlap(bounds_a: ArrayLike, pose_a: Pose, bounds_b: ArrayLike, pose_b: Pose) -> bool:
-    """Whether two boxes, (2, 3) in their own frames, overlap at their poses (separating axis theorem)."""
+    """Whether two boxes, (2, 3) in their own frames, overlap at their poses (separating axis theorem).
+
+    Args:
+        bounds_a, bounds_b: lower and upper corners.
+        pose_a, pose_b: of their frames in the world.
+    """
     corners_a = pose_a.apply(box_corners(*np.asarray(bounds_a, dtype=np.float64)))
     corners_b = pose_b.apply(box_corners(*np.asarray(bounds_b, dtype=np.float64)))
     axes_a, axes_b = pose_a.rotation().T, pose_b.rotation().T

@@ -145,6 +145,12 @@ class ArticulatedObject:
 def add_object(scene: sapien.Scene, name: str, body: Body, render: bool) -> RigidObject | ArticulatedObject:
     """Put an object into a scene.
 
+    Args:
+        scene: SAPIEN's.
+        name: of the entity of its body.
+        body: what it is and where it stands.
+        render: whether it can be seen.
+
     Raises:
         DamagedFile: a mesh cannot be loaded.
     """

@@ -90,6 +90,12 @@ class ModelDrawer:
     def draw(self, object_id: str, pose: Pose, camera: Camera, window: Window) -> Drawing:
         """The object alone at a pose, as the camera sees it through the window.
 
+        Args:
+            object_id: which.
+            pose: object frame in the world.
+            camera: that sees it.
+            window: the part of its picture that is drawn.
+
         Raises:
             NoRenderer: nothing here can draw.
             DamagedFile: a mesh cannot be loaded.
@@ -138,6 +144,11 @@ def reference_view(
     """(h, w, 4) uint8 RGBA of the object from above, its origin in the middle; object x to the right, y up.
 
     Alpha is 0 where the object is not. The scale holds at the object's base.
+
+    Args:
+        model: of the object.
+        metres_per_pixel: scale.
+        appearance: light; the default when not given.
 
     Raises:
         NoRenderer: nothing here can draw.

@@ -98,7 +98,13 @@ class ArmKinematics:
         return next(self._solutions(pose, seed_q, attempts), None)
 
     def ik_all(self, pose: Pose, seed_q: np.ndarray | None = None, attempts: int = _SEEDS + 1) -> list[np.ndarray]:
-        """The different solutions that the starts of :meth:`ik` lead to, in that order."""
+        """The different solutions that the starts of :meth:`ik` lead to, in that order.
+
+        Args:
+            pose: of the gripper frame in the world.
+            seed_q: (n,) where to start, rad.
+            attempts: how many starts to try besides ``seed_q``.
+        """
         found: list[np.ndarray] = []
         for q in self._solutions(pose, seed_q, attempts):
             if all(np.abs(q - other).max() > DISTINCT for other in found):

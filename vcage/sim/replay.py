@@ -28,7 +28,13 @@ class RenderedFrame:
 
 
 def render_state(world: World, state: WorldState, names: Sequence[str] | None = None) -> RenderedFrame:
-    """Show a state in a rendered world and take the pictures of the robot's cameras (all, or those named)."""
+    """Show a state in a rendered world and take the pictures of the robot's cameras (all, or those named).
+
+    Args:
+        world: made with ``render=True``.
+        state: of the same objects and robot.
+        names: of the cameras; all when not given.
+    """
     world.set_state(state)
     cameras = {name: camera for name, camera in robot_cameras(world).items() if names is None or name in names}
     return RenderedFrame({name: shoot(world, camera) for name, camera in cameras.items()}, cameras)

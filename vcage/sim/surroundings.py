@@ -43,7 +43,14 @@ def add_table(scene: sapien.Scene, table: Table) -> None:
 
 
 def add_surroundings(scene: sapien.Scene, table: Table, robot: Robot | None, appearance: Appearance) -> None:
-    """Everything that is only seen: table, floor, wall, pedestals, light."""
+    """Everything that is only seen: table, floor, wall, pedestals, light.
+
+    Args:
+        scene: SAPIEN's, with a render system.
+        table: that stands there.
+        robot: whose arms need pedestals.
+        appearance: colours, textures and light.
+    """
     _add_visuals(scene, "table", _table_shapes(table, appearance))
     _add_visuals(scene, "room", _room_shapes(table, appearance))
     if robot is not None:

@@ -63,6 +63,11 @@ def decimate(source: Path, target: Path, share: float) -> None:
 
     Quadric edge collapse (Garland and Heckbert, 1997) after welding vertices; the shading stays smooth except at
     edges sharper than 30 degrees.
+
+    Args:
+        source: a mesh file.
+        target: the GLB.
+        share: of the triangles, in (0, 1].
     """
     import trimesh
 

@@ -92,7 +92,13 @@ class World:
         appearance: Appearance | None = None,
         render: bool = False,
     ) -> World:
-        """The world that a scene record describes; ``models`` by object id."""
+        """The world that a scene record describes.
+
+        Args:
+            scene: the record.
+            models: by object id.
+            robot, appearance, render: as of the world.
+        """
         bodies = {o.id: Body(models[o.id], o.pose.pose()) for o in scene.objects}
         return cls(scene.table, bodies, robot, appearance, render)
 
@@ -164,7 +170,11 @@ class World:
     ) -> sapien.render.RenderCameraComponent:
         """SAPIEN's camera of that size (pixels) and vertical opening (radians), made once; its pose is the caller's.
 
-        ``minimal`` of SAPIEN's ``shaders`` draw colour and depth, and no normals, in half the time.
+        Args:
+            width, height: pixels.
+            fovy: vertical opening, radians.
+            near, far: clipping planes, metres.
+            shaders: SAPIEN's; its ``minimal`` ones draw colour and depth, and no normals, in half the time.
         """
         key = (width, height, fovy, near, far, shaders)
         if key not in self._cameras:

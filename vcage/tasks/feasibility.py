@@ -53,6 +53,7 @@ class Finding:
 
     @property
     def feasible(self) -> bool:
+        """Whether some arm can do it."""
         return bool(self.grasps)
 
     @property
@@ -100,7 +101,13 @@ def _closed_part(receptacle: SceneObject, point: FunctionalPoint) -> str | None:
 
 
 def fits(target: SceneObject, receptacle: SceneObject, point: FunctionalPoint) -> Check:
-    """Whether the object's footprint goes into the opening, straight or turned by a quarter."""
+    """Whether the object's footprint goes into the opening, straight or turned by a quarter.
+
+    Args:
+        target: what is put.
+        receptacle: where.
+        point: functional point of the receptacle.
+    """
     size, opening = target.asset.footprint, np.array(receptacle.asset.opening(point).size)
     spare = max(float(np.min(opening - size)), float(np.min(opening - size[::-1])))
     needs = f"{size[0] * 100:.1f} × {size[1] * 100:.1f} cm"
@@ -116,7 +123,13 @@ def fits(target: SceneObject, receptacle: SceneObject, point: FunctionalPoint) -
 
 
 def opens_wide_enough(target: SceneObject, contact: ContactPoint, kinematics: Mapping[str, ArmKinematics]) -> Check:
-    """Whether a gripper opens wider than the material at the contact point."""
+    """Whether a gripper opens wider than the material at the contact point.
+
+    Args:
+        target: what is held.
+        contact: contact point of the target.
+        kinematics: by arm.
+    """
     width = target.asset.grasp_width(contact)
     limit = max(k.arm.gripper.max_width for k in kinematics.values()) - GRIP_ROOM
     verb = "can" if width <= limit else "cannot"
@@ -161,7 +174,15 @@ def examine(candidate: Candidate, kinematics: Mapping[str, ArmKinematics], slot:
 def examine_arm(
     candidate: Candidate, arm: str, kinematics: ArmKinematics, slot: Pose, table_height: float
 ) -> tuple[list[Check], float | None]:
-    """The checks of one arm, and the score of its motion; None when it cannot."""
+    """The checks of one arm, and the score of its motion; None when it cannot.
+
+    Args:
+        candidate: what is tried.
+        arm: its name.
+        kinematics: of the arm.
+        slot: where the object goes, in the receptacle's frame.
+        table_height: z of the table top, metres.
+    """
     found: dict[str, Check] = {}
     poses = grasp_poses(candidate.target.pose, candidate.contact, kinematics.arm.gripper, candidate.target.box.bottom)
     for grasp in poses:

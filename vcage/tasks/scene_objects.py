@@ -34,10 +34,12 @@ class SolidBox:
 
     @property
     def top(self) -> float:
+        """z of its highest corner, metres."""
         return float(self.corners[:, 2].max())
 
     @property
     def bottom(self) -> float:
+        """z of its lowest corner, metres."""
         return float(self.corners[:, 2].min())
 
 
@@ -59,6 +61,7 @@ class SceneObject:
 
     @property
     def id(self) -> str:
+        """Its name in the scene."""
         return self.record.id
 
     @property

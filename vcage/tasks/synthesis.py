@@ -31,7 +31,13 @@ def render_script(subtask: Subtask, scene: Scene) -> str:
 
 
 def write_script(subtask: Subtask, scene: Scene, path: Path) -> Path:
-    """Write the script, executable."""
+    """Write the script, executable.
+
+    Args:
+        subtask: what it does.
+        scene: where.
+        path: of the script.
+    """
     write_text(path, render_script(subtask, scene))
     path.chmod(0o755)
     return path

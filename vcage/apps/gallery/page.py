@@ -50,6 +50,12 @@ class Card:
 def write_gallery(library: Library, folder: Path, names: Sequence[str] = (), progress: Progress = silent) -> Path:
     """Write ``index.html`` and ``pictures/`` of all objects, or of those named.
 
+    Args:
+        library: of the objects.
+        folder: of the page.
+        names: of the objects; all when empty.
+        progress: called before each variant.
+
     Raises:
         UnknownName: there is no such object.
         OutputFolderError: the folder cannot be written.
@@ -67,7 +73,13 @@ def write_gallery(library: Library, folder: Path, names: Sequence[str] = (), pro
 
 
 def draw_variant(library: Library, name: str, variant: str, folder: Path) -> list[Picture]:
-    """Write the strips of one variant into ``folder/pictures``: closed, and opened if parts of it move."""
+    """Write the strips of one variant into ``folder/pictures``: closed, and opened if parts of it move.
+
+    Args:
+        library: of the objects.
+        name, variant: which.
+        folder: of the page.
+    """
     asset = library.asset(name, variant)
     pictures = []
     for opened in (False, True) if asset.articulated else (False,):

@@ -19,6 +19,12 @@ PAGE = "proof.html"
 def write_page(proof: Proof, library: Library, folder: Path, progress: Progress = silent) -> Path:
     """Write ``proof.html`` and ``pictures/``: the first variant of each object, and what each check found.
 
+    Args:
+        proof: what was found.
+        library: of the objects.
+        folder: of the page.
+        progress: called before each object.
+
     Raises:
         NoRenderer: nothing here can draw.
     """

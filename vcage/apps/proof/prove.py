@@ -53,6 +53,7 @@ class Trial:
 
     @property
     def tries(self) -> int:
+        """How often each point and joint is tried."""
         return QUICK_TRIES if self.quick else TRIES
 
 
@@ -65,6 +66,7 @@ class Prover:
 
     @cached_property
     def places(self) -> Places:
+        """The table and the robot."""
         template = load_template(self.trial.template)
         return Places(template, load_robot(template.robot))
 

@@ -76,6 +76,11 @@ class Places:
         sub-tasks asks for before anything is simulated; an approach from the side must come from where the robot
         stands.
 
+        Args:
+            asset: what is tried.
+            contact: by which it is picked up.
+            rng: of place and heading.
+
         Raises:
             InfeasibleScene: no arm reaches the contact point anywhere.
         """
@@ -120,7 +125,14 @@ class Places:
 
 
 def scene_object(asset: Asset, pose: Pose, object_id: str = OBJECT, role: Role = "content") -> SceneObject:
-    """An asset as the planner sees it."""
+    """An asset as the planner sees it.
+
+    Args:
+        asset: what it is.
+        pose: object frame in the world.
+        object_id: its name.
+        role: in the scene.
+    """
     record = ObjectRecord(
         id=object_id,
         asset=asset.name,
@@ -134,7 +146,13 @@ def scene_object(asset: Asset, pose: Pose, object_id: str = OBJECT, role: Role =
 
 
 def world_with(asset: Asset, pose: Pose, places: Places) -> World:
-    """The table with the robot and the asset, for physics only."""
+    """The table with the robot and the asset, for physics only.
+
+    Args:
+        asset: what stands there.
+        pose: object frame in the world.
+        places: table and robot.
+    """
     return World(places.template.table, {OBJECT: Body(asset.model, pose)}, places.robot)
 
 
@@ -158,7 +176,13 @@ class Tally:
             self.reasons.append(reason)
 
     def check(self, name: CheckName, subject: str, measured: dict[str, float] | None = None) -> ProofCheck:
-        """The tries as a record."""
+        """The tries as a record.
+
+        Args:
+            name: of the check.
+            subject: the point or joint.
+            measured: what was measured besides.
+        """
         passed = self.succeeded >= max(1, self.tries - ALLOWED_FAILURES)
         return ProofCheck(
             check=name,

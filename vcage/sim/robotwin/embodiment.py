@@ -181,11 +181,14 @@ def _is_names(value: Any) -> bool:
     return isinstance(value, list) and bool(value) and all(isinstance(x, str) for x in value)
 
 
-# --- reading fields ----------------------------------------------------------------------------------------
-
-
 def wrong(path: Path, name: str, message: str) -> SchemaMismatch:
-    """The error for a field that the robot cannot be made with."""
+    """The error for a field that the robot cannot be made with.
+
+    Args:
+        path: of the file.
+        name: of the field.
+        message: what is wrong with it.
+    """
     return SchemaMismatch(
         f"{path}: field {name}: {message}", hint="mend the field", details={"path": str(path), "field": name}
     )
@@ -193,6 +196,12 @@ def wrong(path: Path, name: str, message: str) -> SchemaMismatch:
 
 def numbers(path: Path, name: str, value: Any, count: int) -> np.ndarray:
     """(count,) the finite numbers in a list.
+
+    Args:
+        path: of the file.
+        name: of the field.
+        value: that it has.
+        count: how many numbers there should be.
 
     Raises:
         SchemaMismatch: it is something else.
@@ -227,12 +236,7 @@ def _read_fields(path: Path) -> _Fields:
 
 
 class _Fields:
-    """The fields of a config; every method names the field that it complains of.
-
-    Args:
-        path: of the file.
-        data: what was read from it.
-    """
+    """The fields of a config; every method names the field that it complains of."""
 
     def __init__(self, path: Path, data: dict[str, Any]):
         self.path, self.data = path, data

@@ -114,6 +114,11 @@ def held_frame(handle: Handle, position: float, share: float = 1.0) -> Pose:
 
     Its contact point is the part's; it is turned only by ``share`` of the joint's turn, so that at 1 it is the
     frame of the part and at 0 keeps the heading that the part has at rest.
+
+    Args:
+        handle: that is held.
+        position: of the joint, metres or radians.
+        share: of the joint's turn, in [0, 1].
     """
     joint = handle.link.joint
     carrier = handle.pose * link_poses(handle.model, handle.joints)[handle.link.parent]

@@ -84,6 +84,11 @@ def pick_way(target: SceneObject, grasp: GraspPose, gripper: Gripper, height: fl
 def plan_pick(cell: Workcell, target: SceneObject, grasps: Sequence[tuple[int, str]]) -> PickPlan:
     """The first of ``grasps`` (contact point, arm) that has a free way.
 
+    Args:
+        cell: as it stands.
+        target: what is picked, where it stands.
+        grasps: in the order in which they are tried.
+
     Raises:
         TaskFailed: none has.
         UnknownName: there is no such contact point or arm.

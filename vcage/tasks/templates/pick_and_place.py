@@ -58,6 +58,7 @@ class Pair:
 
     @property
     def candidates(self) -> int:
+        """How many contact points there are."""
         return len(carrying_points(self.target.asset.annotation))
 
     def impossible(self) -> Refusal | None:
@@ -82,6 +83,7 @@ class Pair:
         )
 
     def senseless(self, reason: str) -> Refusal:
+        """The refusal of a pair that the reasoner finds not sensible."""
         return self._refusal(f"not sensible: {reason}")
 
     def examine(
@@ -92,7 +94,15 @@ class Pair:
         table_height: float,
         rng: np.random.Generator,
     ) -> tuple[Subtask | None, list[Refusal]]:
-        """The sub-task of a sensible pair, and a refusal for each contact point that no arm can use."""
+        """The sub-task of a sensible pair, and a refusal for each contact point that no arm can use.
+
+        Args:
+            answer: of the reasoner.
+            objects: all of the scene.
+            kinematics: by arm.
+            table_height: z of the table top, metres.
+            rng: of the slot.
+        """
         others = [o for o in objects if o.id not in (self.target.id, self.receptacle.id)]
         present = lying_in(self.receptacle, others)
         try:
