@@ -14,7 +14,7 @@ from vcage.layout.cost import LayoutProblem, Weights
 from vcage.layout.items import TableItem
 from vcage.layout.placement.contents import CONTENT_MARGIN
 from vcage.layout.placement.free_region import nearest_in_rectangles
-from vcage.layout.relation_cost import RelationTerms, Spot, relation_terms
+from vcage.layout.relation_cost import RelatedBox, RelationTerms, relation_terms
 
 
 @dataclass(frozen=True)
@@ -80,7 +80,7 @@ def _plan(items: Sequence[TableItem], middles: np.ndarray, clean: CleanScene) ->
     spots = {}
     for k, (item, middle) in enumerate(zip(items, middles, strict=True)):
         lower, upper = item.body_rectangle()
-        spots[item.id] = Spot(k, (lower + upper) / 2 - middle, (upper - lower) / 2)
+        spots[item.id] = RelatedBox(k, (lower + upper) / 2 - middle, (upper - lower) / 2)
     return relation_terms(clean.relations, spots, len(items))
 
 

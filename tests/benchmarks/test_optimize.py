@@ -17,7 +17,7 @@ from benchmarks._optimize_scenes import FILL, STAGE, CleanScene, draw_scene, is_
 from vcage.base.errors import InfeasibleScene
 from vcage.base.geometry import Pose
 from vcage.layout.cost import LayoutProblem, Weights, evaluate
-from vcage.layout.relation_cost import Spot, relation_terms
+from vcage.layout.relation_cost import RelatedBox, relation_terms
 from vcage.objects.library import Library
 from vcage.plans.kept import relations_kept
 from vcage.schema.plan import Relation
@@ -188,7 +188,7 @@ def problem(rng: np.random.Generator, n: int = 8) -> LayoutProblem:
     half = rng.uniform(0.02, 0.06, (n, 2))
     words = itertools.cycle(["left_of", "behind", "near", "beside"])
     plan = [Relation(subject=f"o{k}", relation=next(words), reference=f"o{k - 1}") for k in range(1, n)]
-    spots = {f"o{k}": Spot(k, np.zeros(2), half[k]) for k in range(n)}
+    spots = {f"o{k}": RelatedBox(k, np.zeros(2), half[k]) for k in range(n)}
     terms = relation_terms(plan, spots, n)
     return LayoutProblem(half, rng.normal(0, 0.1, (n, 2)), workspace, 0.01, tuple(allowed), relations=terms)
 

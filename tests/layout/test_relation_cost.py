@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import approx_fprime
 
-from vcage.layout.relation_cost import KNEE, RelationTerms, Spot, relation_terms
+from vcage.layout.relation_cost import KNEE, RelatedBox, RelationTerms, relation_terms
 from vcage.plans.relations import hold, plane_gap
 from vcage.schema.plan import Relation, RelationWord
 
@@ -21,11 +21,11 @@ def relation(word: str, subject: str = "o0", reference: str = "o1") -> Relation:
     return Relation(subject=subject, relation=word, reference=reference)
 
 
-def spots(rng: np.random.Generator, count: int) -> dict[str, Spot]:
-    return {f"o{k}": Spot(k, rng.uniform(-0.05, 0.05, 2), rng.uniform(0.01, 0.1, 2)) for k in range(count)}
+def spots(rng: np.random.Generator, count: int) -> dict[str, RelatedBox]:
+    return {f"o{k}": RelatedBox(k, rng.uniform(-0.05, 0.05, 2), rng.uniform(0.01, 0.1, 2)) for k in range(count)}
 
 
-def box(spot: Spot, centres: np.ndarray, turn: np.ndarray) -> np.ndarray:
+def box(spot: RelatedBox, centres: np.ndarray, turn: np.ndarray) -> np.ndarray:
     """(2, 3) the spot's world box."""
     middle = turn @ centres[spot.index] + spot.offset
     return np.array([[*(middle - spot.half), 0.0], [*(middle + spot.half), 0.1]])
@@ -52,7 +52,7 @@ def test_a_relation_costs_nothing_exactly_where_it_holds(word, seed, yaw):
 @given(plan=st.lists(words, min_size=1, max_size=8), seed=seeds, yaw=st.sampled_from([0.0, 0.7]))
 def test_the_gradient_agrees_with_finite_differences(plan, seed, yaw):
     rng = np.random.default_rng(seed)
-    places = spots(rng, 4) | {"fixed": Spot(None, np.zeros(2), np.full(2, 0.1))}
+    places = spots(rng, 4) | {"fixed": RelatedBox(None, np.zeros(2), np.full(2, 0.1))}
     names = ["o0", "o1", "o2", "o3", "fixed"]
     relations = [relation(word, *rng.choice(names, 2, replace=False)) for word in plan]
     terms = relation_terms(relations, places, 4, rotation(yaw)).tightened(0.002)
@@ -64,7 +64,7 @@ def test_the_gradient_agrees_with_finite_differences(plan, seed, yaw):
 
 def left_of(along: float) -> tuple[RelationTerms, np.ndarray]:
     """A point that belongs left of the edge at −0.1, ``along`` metres left of the reference's centre."""
-    places = {"o0": Spot(0, np.zeros(2), np.full(2, 0.01)), "o1": Spot(None, np.zeros(2), np.full(2, 0.1))}
+    places = {"o0": RelatedBox(0, np.zeros(2), np.full(2, 0.01)), "o1": RelatedBox(None, np.zeros(2), np.full(2, 0.1))}
     return relation_terms([relation("left_of")], places, 1), np.array([[-along, 0.0]])
 
 
@@ -85,7 +85,7 @@ def test_a_tightened_relation_must_hold_by_more():
 
 
 def test_what_moves_as_one_or_is_not_there_has_no_term():
-    places = {"o0": Spot(0, np.zeros(2), np.ones(2)), "o1": Spot(0, np.ones(2), np.ones(2))}
+    places = {"o0": RelatedBox(0, np.zeros(2), np.ones(2)), "o1": RelatedBox(0, np.ones(2), np.ones(2))}
     assert relation_terms([relation("near"), relation("near", "o0", "elsewhere")], places, 1) is None
 
 

@@ -7,7 +7,7 @@ import pytest
 
 from vcage.base.errors import InfeasibleScene
 from vcage.layout.cost import LayoutProblem, Weights
-from vcage.layout.relation_cost import Spot, relation_terms
+from vcage.layout.relation_cost import RelatedBox, relation_terms
 from vcage.layout.repair import is_feasible
 from vcage.layout.solver import solve
 from vcage.schema.plan import Relation
@@ -64,7 +64,7 @@ def test_what_cannot_be_solved_is_infeasible_with_names():
 
 def related(task: LayoutProblem, *plan: tuple[int, str, int]) -> LayoutProblem:
     """The task with a plan among its footprints."""
-    spots = {f"o{k}": Spot(k, np.zeros(2), half) for k, half in enumerate(task.half)}
+    spots = {f"o{k}": RelatedBox(k, np.zeros(2), half) for k, half in enumerate(task.half)}
     relations = [Relation(subject=f"o{i}", relation=word, reference=f"o{j}") for i, word, j in plan]
     return replace(task, relations=relation_terms(relations, spots, len(task.half)))
 

@@ -4,12 +4,8 @@ import numpy as np
 
 from tests.painted_world import Thing
 from vcage.base.drawing import WARNING, Canvas, palette
-from vcage.layout.picture import Footprint, collisions, draw_layout
 from vcage.matching.overlay import draw_overlay
 from vcage.schema.matches import Match
-from vcage.schema.scene import Table, Workspace
-
-WORKSPACE = Workspace(lower=(-0.5, -0.3), upper=(0.5, 0.3))
 
 
 def has_colour(picture: np.ndarray, colour: tuple[int, int, int]) -> bool:
@@ -51,38 +47,3 @@ def test_a_kept_object_is_marked(things, moved, paint, make_scene):
     lost = {"method": "kept", "similarity": None, "confidence": 0.0, "box": None, "ncc": None}
     matches[1] = match_of(things[1], things[1], **lost, note="not found in the target picture; kept where it was")
     assert has_colour(draw_overlay(paint(moved)[0], make_scene(things), matches), WARNING)
-
-
-def pair(apart: float) -> list[Footprint]:
-    return [
-        Footprint("a", "black marker pen", (-apart, 0.0), (0.1, 0.02), 0.5),
-        Footprint("b", "box", (apart, 0.0), (0.1, 0.1), 0.0),
-    ]
-
-
-def test_collisions_of_container_and_content_do_not_count():
-    assert len(collisions(pair(0.01))) == 1
-    inside = [Footprint("a", "pen", (0, 0), (0.1, 0.02), 0.0, container="b"), pair(0.0)[1]]
-    assert collisions(inside) == []
-
-
-def test_the_layout_picture_shows_both_plans_side_by_side():
-    picture = draw_layout(pair(0.01), pair(0.1), WORKSPACE, Table())
-    assert picture.dtype == np.uint8
-    assert picture.shape[1] > 2.5 * picture.shape[0]
-    assert has_colour(picture[:, : picture.shape[1] // 2], WARNING)
-    assert not has_colour(picture[:, picture.shape[1] // 2 :], WARNING)
-
-
-def test_the_same_layout_gives_the_same_picture():
-    first, second = (draw_layout(pair(0.01), pair(0.1), WORKSPACE, Table()) for _ in range(2))
-    assert (first == second).all()
-
-
-def test_contents_of_a_turned_container_collide_along_its_walls_only():
-    tray = Footprint("tray", "tray", (0.0, 0.0), (0.3, 0.3), 0.7)
-    along = np.array([np.cos(0.7), np.sin(0.7)])
-    near, far = (Footprint(n, n, tuple(s * 0.03 * along), (0.05, 0.2), 0.7, "tray") for n, s in (("a", -1), ("b", 1)))
-    assert collisions([tray, near, far]) == []
-    touching = Footprint("c", "c", tuple(0.01 * along), (0.05, 0.2), 0.7, "tray")
-    assert len(collisions([tray, near, touching])) == 1

@@ -318,5 +318,5 @@ def test_a_layout_with_no_room_for_the_margin_is_refused_and_the_old_one_stays(f
     run = copied(finished.run, tmp_path / "run")
     before = digests(run.root)
     with pytest.raises(InfeasibleScene):
-        optimize.execute(run, match.Options(margin=0.5, restarts=0, force=True), finished.context)
+        optimize.execute(run, optimize.Options(margin=0.5, restarts=0, force=True), finished.context)
     assert digests(run.root) == before

@@ -58,11 +58,10 @@ def assign_containers(items: Sequence[TableItem], demanded: Collection[str] = ()
     assigned: dict[str, str | None] = {item.id: None for item in items}
     room = {item.id: _room(item.opening) for item in items if item.opening is not None}
     bare = {item.id for item in items if item.bare}
-    for item in sorted(items, key=lambda item: (-float(np.prod(item.size)), item.id)):
-        if item.inside is None or item.fixed:
-            continue
-        container = by_id[item.inside]
-        if item.id not in demanded and not boxes_overlap(_target_box(item), _target_box(container)):
+    movable = [item for item in items if item.inside is not None and not item.fixed]
+    for item in sorted(movable, key=lambda item: (-float(np.prod(item.size)), item.id)):
+        container = by_id[str(item.inside)]
+        if not (item.id in demanded or boxes_overlap(_target_box(item), _target_box(container))):
             continue
         takes = np.array([4 * item.half_size(container.yaw).prod(), np.prod(item.size)])
         if container.id in bare:  # whatever comes first has room

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 from collections.abc import Sequence
 
 import numpy as np
@@ -12,10 +11,8 @@ from vcage.layout.containers import OVERHANG, assign_containers, fits
 from vcage.layout.cost import LayoutProblem
 from vcage.layout.items import TableItem, as_rectangles
 from vcage.layout.placement.contents import CONTENT_MARGIN
-from vcage.layout.relation_cost import Spot, relation_terms
+from vcage.layout.relation_cost import RelatedBox, relation_terms
 from vcage.schema.plan import TABLE, Relation
-
-log = logging.getLogger(__name__)
 
 PALM_ABOVE = 0.05
 """Things lower than this pass under the palm of a hand that grasps what lies beside them, metres: the
@@ -32,8 +29,6 @@ class Groups:
     Attributes:
         container: id of the container that an object lies in or on, None on the table, by id.
         local: (2,) origin of every content in its container's frame, metres, by id; filled from the innermost on.
-        out_of_reach: ids of what is carried that is nowhere it is allowed where its group may stand; filled by
-            :meth:`table_problem`.
     """
 
     def __init__(self, items: Sequence[TableItem], relations: Sequence[Relation] = ()):
@@ -43,7 +38,6 @@ class Groups:
         demanded = [item.id for item in items if (item.id, item.inside) in lying]
         self.container = assign_containers(items, demanded)
         self.local: dict[str, np.ndarray] = {}
-        self.out_of_reach: list[str] = []
         self._carried: dict[str, list[TableItem]] = {item.id: [] for item in items}
         for item in items:
             if self.container[item.id] is not None:
@@ -95,17 +89,16 @@ class Groups:
     def table_problem(self, workspace: np.ndarray, margin: float, table: np.ndarray) -> LayoutProblem:
         """The problem of what stands on the table; ``table`` (2, 2) is its rectangle."""
         roots = self.roots
-        self.out_of_reach = []
         extents = np.array([self.extent(item) for item in roots])
         middles = extents.mean(axis=1)
         half = np.diff(table, axis=0)[0] / 2
-        spots = self._spots(roots, middles) | {TABLE: Spot(None, table.mean(axis=0), half)}
+        spots = self._spots(roots, middles) | {TABLE: RelatedBox(None, table.mean(axis=0), half)}
         return LayoutProblem(
             half=(extents[:, 1] - extents[:, 0]) / 2,
             target=np.array([item.target for item in roots]) + middles,
             bounds=workspace,
             margin=margin,
-            allowed=tuple(self._allowed(item, middle) for item, middle in zip(roots, middles, strict=True)),
+            allowed=tuple(self._allowed(item)[0] for item in roots),
             extra=hand_room(roots, margin),
             relations=relation_terms(self.relations, spots, len(roots)),
             fixed=np.array([item.fixed for item in roots]) if any(item.fixed for item in roots) else None,
@@ -121,7 +114,7 @@ class Groups:
         spots = self._spots(contents, middles @ rotation_2d(container.yaw).T)
         # Beside or left of what it lies in makes no sense; only its centre does.
         centred = [r for r in self.relations if r.relation == "center" or r.reference != container.id]
-        spots[container.id] = Spot(None, body.mean(axis=0), (body[1] - body[0]) / 2)
+        spots[container.id] = RelatedBox(None, body.mean(axis=0), (body[1] - body[0]) / 2)
         return LayoutProblem(
             half=half,
             target=offsets @ rotation_2d(container.yaw) + middles,
@@ -147,21 +140,27 @@ class Groups:
             room = np.where(half[0] > room, half[0] + OVERHANG * room, room)
         return np.stack([centre - room, centre + room])
 
-    def _spots(self, members: Sequence[TableItem], middles: np.ndarray) -> dict[str, Spot]:
+    def _spots(self, members: Sequence[TableItem], middles: np.ndarray) -> dict[str, RelatedBox]:
         """Where relations find the boxes of what the members carry; (n, 2) middles in the world's axes."""
         spots = {}
         for k, (member, middle) in enumerate(zip(members, middles, strict=True)):
             for item, way in self.carried(member):
                 body = item.body_rectangle()
-                spots[item.id] = Spot(k, way + body.mean(axis=0) - middle, (body[1] - body[0]) / 2)
+                spots[item.id] = RelatedBox(k, way + body.mean(axis=0) - middle, (body[1] - body[0]) / 2)
         return spots
 
-    def _allowed(self, root: TableItem, middle: np.ndarray) -> np.ndarray | None:
+    @property
+    def out_of_reach(self) -> list[str]:
+        """Ids of what is carried that is nowhere it is allowed where its group may stand."""
+        return [name for root in self.roots for name in self._allowed(root)[1]]
+
+    def _allowed(self, root: TableItem) -> tuple[np.ndarray | None, list[str]]:
         """(m, 2, 2) rectangles for the middle of a group, from which all that it carries is where it is allowed.
 
-        What cannot be where it is allowed together with what carries it gives way, and is told in ``out_of_reach``.
+        What cannot be where it is allowed together with what carries it gives way: the ids of that.
         """
-        meet = None
+        meet, out_of_reach = None, []
+        middle = self.extent(root).mean(axis=0)
         for item, way in self.carried(root):
             if item.allowed is None or root.fixed:
                 continue
@@ -169,11 +168,10 @@ class Groups:
             shifted = as_rectangles(item.allowed, f"where {item.id} may stand") + shift
             both = shifted if meet is None else _intersections(meet, shifted)
             if meet is not None and not len(both):
-                log.warning("%s cannot be reached where %s may stand", item.id, root.id)
-                self.out_of_reach.append(item.id)
+                out_of_reach.append(item.id)
             else:
                 meet = both
-        return meet
+        return meet, out_of_reach
 
     def positions(
         self, roots: Sequence[TableItem], origins: np.ndarray, height: float

@@ -7,8 +7,9 @@ is moved as a rigid body with what it holds. Support heights follow: table top, 
 from __future__ import annotations
 
 import logging
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -92,42 +93,44 @@ def optimize_layout(
     if restarts < 0:
         raise UsageError(f"{restarts} restarts", hint="0 or more")
     _require_known(relations, items)
-    weights = weights or Weights()
     groups = Groups(items, relations)
-    repaired: set[str] = set()
-    released = _fill_containers(groups, weights, rng, restarts, repaired)
-    roots = groups.roots
+    search = partial(_solve, weights=weights or Weights(), rng=rng, restarts=restarts)
+    repaired, released = _fill_containers(groups, search)
+    for name in groups.out_of_reach:
+        log.warning("%s cannot be reached where %s may stand", name, groups.root(groups.items[name]).id)
     problem = groups.table_problem(workspace, margin, workspace if table is None else table.rectangle)
-    solution = _solve(problem, roots, weights, rng, restarts, repaired)
+    solution, moved = search(problem, groups.roots)
     if solution.extra < 1:
         log.warning("the table has space for %.0f %% of the room for hands", 100 * solution.extra)
-    origins = solution.centres - problem.target + np.array([item.target for item in roots])
-    positions = groups.positions(roots, origins, table_height)
+    origins = solution.centres - problem.target + np.array([item.target for item in groups.roots])
+    positions = groups.positions(groups.roots, origins, table_height)
     require_exact(groups, positions, workspace, margin)
     return LayoutResult(
         positions=positions,
         containers=groups.container,
         displaced={item.id: float(np.hypot(*np.subtract(positions[item.id][:2], item.target))) for item in items},
-        cost_before=evaluate(problem, weights, problem.target)[0],
-        cost_after=evaluate(problem, weights, solution.centres)[0],
+        cost_before=evaluate(problem, weights or Weights(), problem.target)[0],
+        cost_after=evaluate(problem, weights or Weights(), solution.centres)[0],
         starts=solution.starts,
-        repaired=sorted(repaired),
+        repaired=sorted(repaired | moved),
         released=released,
         out_of_reach=groups.out_of_reach,
         hand_room=solution.extra,
     )
 
 
-def _fill_containers(
-    groups: Groups, weights: Weights, rng: np.random.Generator, restarts: int, repaired: set[str]
-) -> list[str]:
-    """Lay out the contents of every container; returns the ids of those that had to be released."""
+_Search = Callable[[LayoutProblem, Sequence[TableItem]], tuple[Solution, set[str]]]
+"""Solves the problem of some items; also the ids of those that the exact repair moved."""
+
+
+def _fill_containers(groups: Groups, search: _Search) -> tuple[set[str], list[str]]:
+    """Lay out the contents of every container: the ids of what the repair moved, and of what had to be released."""
+    repaired: set[str] = set()
     released = []
     for container in groups.innermost_first():
         while contents := groups.contents(container):
             try:
-                problem = groups.container_problem(container)
-                solution = _solve(problem, contents, weights, rng, restarts, repaired)
+                solution, moved = search(groups.container_problem(container), contents)
             except InfeasibleScene as error:
                 smallest = min(contents, key=lambda item: (np.prod(item.size), item.id))
                 log.warning("%s goes beside %s: %s", smallest.id, container.id, error.message)
@@ -135,21 +138,16 @@ def _fill_containers(
                 released.append(smallest.id)
                 continue
             groups.settle(container, solution.centres)
+            repaired |= moved
             break
-    return released
+    return repaired, released
 
 
 def _solve(
-    problem: LayoutProblem,
-    items: Sequence[TableItem],
-    weights: Weights,
-    rng: np.random.Generator,
-    restarts: int,
-    repaired: set[str],
-) -> Solution:
+    problem: LayoutProblem, items: Sequence[TableItem], *, weights: Weights, rng: np.random.Generator, restarts: int
+) -> tuple[Solution, set[str]]:
     solution = solve(problem, [item.id for item in items], weights, rng, restarts)
-    repaired |= {items[k].id for k in solution.repaired}
-    return solution
+    return solution, {items[k].id for k in solution.repaired}
 
 
 def _require_known(relations: Sequence[Relation], items: Sequence[TableItem]) -> None:

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from vcage.base.drawing import INK, PAPER, WARNING, Canvas, Colour, palette
-from vcage.base.geometry import footprint_half_size, rotation_2d
+from vcage.base.geometry import rotation_2d
+from vcage.layout.items import TableItem
 from vcage.schema.scene import Table, Workspace
 
 PANEL = 900
@@ -20,44 +20,18 @@ SHORTEST_MOVE = 3
 """Moves shorter than this are not marked, millimetres."""
 
 
-@dataclass(frozen=True)
-class Footprint:
-    """One object of a plan drawing.
-
-    Args:
-        id: which object it is, in both plans.
-        label: what is written beside it.
-        centre: (x, y) in the world, metres.
-        size: (x, y) at yaw 0.
-        yaw: radians.
-        container: id of the object that it lies in or on, or None.
-    """
-
-    id: str
-    label: str
-    centre: tuple[float, float]
-    size: tuple[float, float]
-    yaw: float
-    container: str | None = None
-
-    def corners(self) -> np.ndarray:
-        """(4, 2) corners of the turned rectangle, world metres."""
-        half = np.array(self.size) / 2 * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
-        return np.array(self.centre) + half @ rotation_2d(self.yaw).T
-
-    def aabb(self) -> np.ndarray:
-        """(2, 2) axis-aligned rectangle."""
-        half = footprint_half_size(self.size, self.yaw)
-        return np.array(self.centre) + np.array([-half, half])
-
-
 def draw_layout(
-    before: Sequence[Footprint], after: Sequence[Footprint], workspace: Workspace, table: Table
+    before: Sequence[TableItem],
+    after: Sequence[TableItem],
+    labels: Mapping[str, str],
+    workspace: Workspace,
+    table: Table,
 ) -> np.ndarray:
     """The table from above, twice: left the target layout with its collisions in red, right the optimised one.
 
     Args:
-        before, after: the same objects, at their targets and where they ended.
+        before, after: the same objects, with their targets at where they should be and where they ended.
+        labels: what is written beside each, by id.
         workspace: drawn dotted.
         table: drawn as wood; the robot stands below the picture.
 
@@ -69,7 +43,7 @@ def draw_layout(
     canvas = Canvas(sheet, text_size=17)
     colours = dict(zip([f.id for f in before], palette(len(before)), strict=True))
     clashes = collisions(before)
-    moved = {f.id: 1000 * float(np.hypot(*np.subtract(f.centre, b.centre))) for b, f in zip(before, after, strict=True)}
+    moved = {f.id: 1000 * float(np.hypot(*np.subtract(f.target, b.target))) for b, f in zip(before, after, strict=True)}
     foot = plan.height + HEADER + 10
 
     plan.left = EDGE
@@ -77,41 +51,41 @@ def draw_layout(
     _draw_plan(canvas, plan, workspace, before, colours)
     for rectangle in clashes:
         _draw_clash(canvas, plan, rectangle)
-    _draw_labels(canvas, plan, before, colours, {})
+    _draw_labels(canvas, plan, before, labels, colours, {})
     canvas.text((plan.left, foot), _count(clashes), fill=WARNING if clashes else INK, size=20)
 
     plan.left = 2 * EDGE + PANEL
     canvas.text((plan.left, 20), "Optimised layout", size=26)
     _draw_plan(canvas, plan, workspace, after, colours)
     for old, new in zip(before, after, strict=True):
-        canvas.arrow(plan.pixel(old.centre), plan.pixel(new.centre), INK, width=2)
-    _draw_labels(canvas, plan, after, colours, moved)
-    canvas.text((plan.left, foot), f"{_count(collisions(after))}; {_summary(after, moved)}", size=20)
+        canvas.arrow(plan.pixel(old.target), plan.pixel(new.target), INK, width=2)
+    _draw_labels(canvas, plan, after, labels, colours, moved)
+    canvas.text((plan.left, foot), f"{_count(collisions(after))}; {_summary(labels, moved)}", size=20)
     return canvas.picture()
 
 
-def collisions(footprints: Sequence[Footprint]) -> list[np.ndarray]:
+def collisions(items: Sequence[TableItem]) -> list[np.ndarray]:
     """(2, 2) rectangles in which boxes overlap that are not container and content; in a container, along its axes."""
     found = []
-    yaws = {f.id: f.yaw for f in footprints}
-    for k, a in enumerate(footprints):
-        for b in footprints[k + 1 :]:
-            if b.id == a.container or a.id == b.container:
+    yaws = {f.id: f.yaw for f in items}
+    for k, a in enumerate(items):
+        for b in items[k + 1 :]:
+            if b.id == a.inside or a.id == b.inside:
                 continue
             # What lies in one container is laid out along its walls, not along the world's axes.
-            if a.container is not None and a.container == b.container and _apart(a, b, yaws[a.container]):
+            if a.inside is not None and a.inside == b.inside and _apart(a, b, yaws[a.inside]):
                 continue
-            box_a, box_b = a.aabb(), b.aabb()
+            box_a, box_b = a.rectangle() + a.target, b.rectangle() + b.target
             lower, upper = np.maximum(box_a[0], box_b[0]), np.minimum(box_a[1], box_b[1])
             if np.all(upper - lower > 1e-6):
                 found.append(np.stack([lower, upper]))
     return found
 
 
-def _apart(a: Footprint, b: Footprint, yaw: float) -> bool:
+def _apart(a: TableItem, b: TableItem, yaw: float) -> bool:
     """Whether the boxes along the axes of a frame turned by ``yaw`` do not overlap."""
-    halves = sum(footprint_half_size(f.size, f.yaw - yaw) for f in (a, b))
-    between = np.abs(rotation_2d(-yaw) @ np.subtract(a.centre, b.centre))
+    halves = sum(f.half_size(yaw) for f in (a, b))
+    between = np.abs(rotation_2d(-yaw) @ np.subtract(a.target, b.target))
     return bool(np.any(between >= halves - 1e-6))
 
 
@@ -121,12 +95,12 @@ def _count(clashes: Sequence[np.ndarray]) -> str:
     return "1 collision" if len(clashes) == 1 else f"{len(clashes)} collisions"
 
 
-def _summary(after: Sequence[Footprint], moved: Mapping[str, float]) -> str:
-    furthest = max(after, key=lambda f: moved[f.id])
-    if moved[furthest.id] < SHORTEST_MOVE:
+def _summary(labels: Mapping[str, str], moved: Mapping[str, float]) -> str:
+    furthest = max(moved, key=lambda name: moved[name])
+    if moved[furthest] < SHORTEST_MOVE:
         return "nothing moved"
     mean = sum(moved.values()) / len(moved)
-    return f"moved {mean:.0f} mm on average, at most {moved[furthest.id]:.0f} mm ({furthest.label})"
+    return f"moved {mean:.0f} mm on average, at most {moved[furthest]:.0f} mm ({labels[furthest]})"
 
 
 class _Plan:
@@ -162,39 +136,41 @@ def _draw_table(canvas: Canvas, plan: _Plan, workspace: Workspace) -> None:
 
 
 def _draw_plan(
-    canvas: Canvas, plan: _Plan, workspace: Workspace, footprints: Sequence[Footprint], colours: Mapping[str, Colour]
+    canvas: Canvas, plan: _Plan, workspace: Workspace, items: Sequence[TableItem], colours: Mapping[str, Colour]
 ) -> None:
     _draw_table(canvas, plan, workspace)
-    for footprint in sorted(footprints, key=lambda f: -f.size[0] * f.size[1]):
-        _draw_footprint(canvas, plan, footprint, colours[footprint.id])
+    for item in sorted(items, key=lambda f: -f.size[0] * f.size[1]):
+        _draw_item(canvas, plan, item, colours[item.id])
 
 
 def _draw_labels(
     canvas: Canvas,
     plan: _Plan,
-    footprints: Sequence[Footprint],
+    items: Sequence[TableItem],
+    labels: Mapping[str, str],
     colours: Mapping[str, Colour],
     moved: Mapping[str, float],
 ) -> None:
-    boxes = {f.id: _pixel_box(plan, f) for f in footprints}
+    boxes = {f.id: _pixel_box(plan, f) for f in items}
     for box in boxes.values():
         canvas.keep_clear(box)
-    for f in footprints:
+    for f in items:
         distance = moved.get(f.id, 0.0)
-        words = f"{f.label}  {distance:.0f} mm" if distance >= SHORTEST_MOVE else f.label
+        words = f"{labels[f.id]}  {distance:.0f} mm" if distance >= SHORTEST_MOVE else labels[f.id]
         canvas.label(boxes[f.id], words, colours[f.id])
 
 
-def _pixel_box(plan: _Plan, footprint: Footprint) -> tuple[float, float, float, float]:
-    lower, upper = plan.pixel(footprint.aabb())
+def _pixel_box(plan: _Plan, item: TableItem) -> tuple[float, float, float, float]:
+    lower, upper = plan.pixel(item.rectangle() + item.target)
     return float(lower[0]), float(upper[1]), float(upper[0]), float(lower[1])
 
 
-def _draw_footprint(canvas: Canvas, plan: _Plan, footprint: Footprint, colour: Colour) -> None:
-    corners = plan.pixel(footprint.corners())
+def _draw_item(canvas: Canvas, plan: _Plan, item: TableItem, colour: Colour) -> None:
+    half = np.array(item.size[:2]) / 2 * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
+    corners = plan.pixel(np.array(item.target) + (half + item.centre) @ rotation_2d(item.yaw).T)
     canvas.draw.polygon([tuple(p) for p in corners], fill=(*colour, 110), outline=(*colour, 255), width=3)
     front = (corners[0] + corners[1]) / 2
-    centre = plan.pixel(footprint.centre)
+    centre = plan.pixel(item.target)
     canvas.draw.line([*(centre + 0.6 * (front - centre)), *front], fill=colour, width=3)
 
 

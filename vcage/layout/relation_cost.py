@@ -21,7 +21,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from vcage.plans.relations import BESIDE_GAP, CENTRE_MINIMUM, CENTRE_SHARE, CONE, DIRECTIONS, NEAR_GAP
-from vcage.schema.plan import Relation
+from vcage.schema.plan import Relation, RelationWord
 
 KNEE = 0.005
 """Violation from which a relation's cost grows linearly, metres."""
@@ -31,7 +31,7 @@ _GAPS = {"beside": BESIDE_GAP, "near": NEAR_GAP}
 
 
 @dataclass(frozen=True)
-class Spot:
+class RelatedBox:
     """A box that relations speak of, carried by a footprint of the problem.
 
     Args:
@@ -151,7 +151,7 @@ class RelationTerms:
 
 
 def relation_terms(
-    relations: Sequence[Relation], spots: Mapping[str, Spot], count: int, turn: np.ndarray | None = None
+    relations: Sequence[Relation], spots: Mapping[str, RelatedBox], count: int, turn: np.ndarray | None = None
 ) -> RelationTerms | None:
     """The terms of those relations that the places of ``count`` footprints decide; None when there is none.
 
@@ -170,10 +170,8 @@ def relation_terms(
         way, shift = _way(subject, reference, count, turn), subject.offset - reference.offset
         if r.relation in DIRECTIONS:
             towards.append(_towards(np.array(DIRECTIONS[r.relation]), way, shift, reference))
-        elif r.relation in _GAPS:
-            within.append((way, shift, subject.half + reference.half, _GAPS[r.relation]))
-        elif r.relation == "center":
-            within.append((way, shift, np.maximum(CENTRE_MINIMUM, CENTRE_SHARE * 2 * reference.half), 0.0))
+        elif r.relation in _GAPS or r.relation == "center":
+            within.append((way, shift, *_within(r.relation, subject, reference)))
     if not (towards or within):
         return None
     ways, shifts, inner, gap = zip(*within, strict=True) if within else ([], [], [], [])
@@ -189,7 +187,14 @@ def relation_terms(
     )
 
 
-def _way(subject: Spot, reference: Spot, count: int, turn: np.ndarray) -> np.ndarray:
+def _within(word: RelationWord, subject: RelatedBox, reference: RelatedBox) -> tuple[np.ndarray, float]:
+    """(2,) offsets along each axis that leave no gap, and the largest gap, of a gap word or ``center``."""
+    if word == "center":
+        return np.maximum(CENTRE_MINIMUM, CENTRE_SHARE * 2 * reference.half), 0.0
+    return subject.half + reference.half, _GAPS[word]
+
+
+def _way(subject: RelatedBox, reference: RelatedBox, count: int, turn: np.ndarray) -> np.ndarray:
     """(2, 2n) the part of u that depends on the flat centres."""
     way = np.zeros((2, count, 2))
     if subject.index is not None:
@@ -200,7 +205,7 @@ def _way(subject: Spot, reference: Spot, count: int, turn: np.ndarray) -> np.nda
 
 
 def _towards(
-    direction: np.ndarray, way: np.ndarray, shift: np.ndarray, reference: Spot
+    direction: np.ndarray, way: np.ndarray, shift: np.ndarray, reference: RelatedBox
 ) -> tuple[np.ndarray, np.ndarray]:
     """(3, 2n) normals and (3,) levels of a direction word: beyond the edge, and both sides of the cone."""
     across = np.array([-direction[1], direction[0]])

@@ -72,17 +72,24 @@ def solve(
         return Solution(problem.target.copy(), 0, ())
     if len(names) == 1 and problem.relations is None and (alone := repair(problem, problem.target)) is not None:
         return Solution(alone[0], 0, alone[1])
-    starts = 0
     with one_blas_thread():
-        for share in (1.0,) if problem.extra is None else (1.0, *EASED):
-            eased = problem if share == 1 else replace(problem, extra=share * problem.extra)
-            search = _Search(eased, weights, rng, starts)
-            if search.run(restarts):
-                return search.solution(share)
-            starts = search.starts
-        if not search.repair_harder():
-            search.pack(names)
-        return search.solution(share)
+        return _searched(problem, names, weights, rng, restarts)
+
+
+def _searched(
+    problem: LayoutProblem, names: Sequence[str], weights: Weights, rng: np.random.Generator, restarts: int
+) -> Solution:
+    """The best layout of all starts, with as much of the wider gaps as there is a layout for."""
+    starts = 0
+    for share in (1.0,) if problem.extra is None else (1.0, *EASED):
+        eased = problem if problem.extra is None else replace(problem, extra=share * problem.extra)
+        search = _Search(eased, weights, rng, starts)
+        if search.run(restarts):
+            return search.solution(share)
+        starts = search.starts
+    if not search.repair_harder():
+        search.pack(names)
+    return search.solution(share)
 
 
 @dataclass(frozen=True, order=True)

@@ -28,7 +28,7 @@ from vcage.layout.capacities import opening_for
 from vcage.layout.cost import Weights
 from vcage.layout.items import FRONT_YAWS, TableItem, table_item
 from vcage.layout.optimize import LayoutResult, displacement_summary, optimize_layout
-from vcage.layout.picture import Footprint, draw_layout
+from vcage.layout.picture import draw_layout
 from vcage.layout.placement.reach import reach_for
 from vcage.plans.kept import relations_kept_in
 from vcage.schema.base import PoseRecord, Provenance, box_record
@@ -219,11 +219,10 @@ def _rebuild(scene: Scene, context: StageContext, folder: Path) -> Scene:
 
 
 def _drawing(scene: Scene, context: StageContext, before: dict[str, Pose], after: dict[str, Pose]) -> np.ndarray:
-    was, becomes = ([_footprint(o) for o in context.objects(scene, poses)] for poses in (before, after))
-    return draw_layout(was, becomes, scene.workspace, scene.table)
+    was, becomes = ([_drawn(o) for o in context.objects(scene, poses)] for poses in (before, after))
+    return draw_layout(was, becomes, {o.id: o.phrase for o in scene.objects}, scene.workspace, scene.table)
 
 
-def _footprint(o: SceneObject) -> Footprint:
+def _drawn(o: SceneObject) -> TableItem:
     x, y = (float(v) for v in o.pose.p[:2])
-    width, depth = (float(v) for v in o.asset.footprint)
-    return Footprint(o.id, o.record.phrase, (x, y), (width, depth), o.pose.yaw, o.record.container)
+    return TableItem(o.id, tuple(o.asset.size.tolist()), (o.pose.yaw,), (x, y), inside=o.record.container)
