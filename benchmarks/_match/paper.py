@@ -1,4 +1,4 @@
-"""The paper's plain rule (section III-A3) as it is written, for comparison; nothing of ``vcage.igsc`` is used.
+"""The paper's plain rule (section III-A3) as it is written, for comparison; nothing of ``vcage.matching`` is used.
 
 Each known object in turn takes the free detection whose features are most alike, if their cosine is above τ; what is
 left is paired by name and features together; the middle of the box becomes a place on the plane of the object's

@@ -1,6 +1,6 @@
 """What a run recorded, and the streams whose loss was judged, read without any code of the library.
 
-The layout of an episode is described in ``vcage/dataset/hdf5.py``.
+The layout of an episode is described in ``vcage/datasets/hdf5.py``.
 """
 
 from __future__ import annotations

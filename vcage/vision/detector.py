@@ -47,7 +47,7 @@ SPAN = 0.9
 
 
 class BackgroundDetector:
-    """Implements :class:`vcage.models.protocols.Detector`: background difference, components, watershed."""
+    """Implements :class:`vcage.vision.protocols.Detector`: background difference, components, watershed."""
 
     provider = "offline"
 

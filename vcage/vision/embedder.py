@@ -20,7 +20,7 @@ _ASPECT_CENTRES = np.linspace(0, 2.4, 9)
 
 
 class ClassicalEmbedder:
-    """Implements :class:`vcage.models.protocols.Embedder` with histograms and moments."""
+    """Implements :class:`vcage.vision.protocols.Embedder` with histograms and moments."""
 
     provider = "offline"
 

@@ -2,13 +2,13 @@
 
 Which module answers what is asked in :mod:`vcage.models.protocols`:
 
-- ``Reasoner`` (:mod:`reasoner`): ``select_assets`` in :mod:`selection` (and :mod:`refusals`), ``plan_layout`` in
-  :mod:`layout`, ``judge_pairs`` in :mod:`pairs`, ``compose_chain`` in :mod:`chain`;
-- ``ImageEditor`` in :mod:`editor`;
-- ``Critic`` in :mod:`critic`.
+- ``Reasoner`` (``reasoner``): ``select_assets`` in ``selection`` (and ``refusals``), ``plan_layout`` in
+  ``layout``, ``judge_pairs`` in ``pairs``, ``compose_chain`` in ``chain``;
+- ``ImageEditor`` in ``editor``;
+- ``Critic`` in ``critic``.
 
-An instruction is read from the bottom up: :mod:`words`, noun :mod:`phrases`, :mod:`clauses`, and :mod:`instruction`,
-which resolves pronouns. :mod:`catalogue_match` says which entries of the catalogue a phrase means.
+An instruction is read from the bottom up: ``words``, noun ``phrases``, ``clauses``, and ``instruction``,
+which resolves pronouns. ``catalogue_match`` says which entries of the catalogue a phrase means.
 """
 
 PROVIDER = "offline"

@@ -23,7 +23,7 @@ SIDE = 224
 
 
 class Dinov2Embedder:
-    """Implements :class:`vcage.models.protocols.Embedder` with the class token of a DINOv2.
+    """Implements :class:`vcage.vision.protocols.Embedder` with the class token of a DINOv2.
 
     Args:
         weights: a hub id or a folder, see :class:`Weights`.

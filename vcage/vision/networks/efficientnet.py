@@ -29,7 +29,7 @@ SIDE = 96
 
 
 class EfficientNetEmbedder:
-    """Implements :class:`vcage.models.protocols.Embedder` with the pooled features of EfficientNet-lite0.
+    """Implements :class:`vcage.vision.protocols.Embedder` with the pooled features of EfficientNet-lite0.
 
     Args:
         weights: a file of the network's parameters, or None for those of the package.

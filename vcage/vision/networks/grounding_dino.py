@@ -38,7 +38,7 @@ LARGEST = 0.5
 
 
 class GroundingDinoDetector:
-    """Implements :class:`vcage.models.protocols.Detector`; gives boxes with names, and no masks.
+    """Implements :class:`vcage.vision.protocols.Detector`; gives boxes with names, and no masks.
 
     Args:
         weights: a hub id or a folder, see :class:`Weights`.
