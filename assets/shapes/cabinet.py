@@ -7,11 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from assets.shapes import joinery
-from assets.shapes.joinery import Assembly, Carcass, DrawerLook, Finish, Foot, Grip
+from assets.shapes.joinery import Carcass, DrawerLook, Finish, Foot, Grip
 from vcage.objects.modelling import materials, prints, solids
 from vcage.objects.modelling.mappings import from_front
 from vcage.objects.modelling.noise import Colour, shaded
-from vcage.objects.modelling.parts import BuiltObject, paint, variant_rng
+from vcage.objects.modelling.parts import BuiltObject, MovingPart, Part, paint, variant_rng
 
 WIDTH, DEPTH, BAY = 0.26, 0.19, 0.07
 """Of all cabinets, and the clear height behind one drawer's front, metres."""
@@ -67,14 +67,15 @@ def with_drawers(name: str, variant: str, count: int, mass: float) -> BuiltObjec
     drawer_look = DrawerLook(look.front, inside, metal, look.grip, look.style, look.framed)
     moving = []
     for bay, drawer_name in enumerate(DRAWER_NAMES[count]):
-        assembly, part = joinery.drawer(drawer_name, carcass, bay, drawer_look, mass=0.45)
+        drawer = joinery.drawer(carcass, bay, drawer_look)
         if look.labels:
-            _add_label(assembly, ("R - Z", "I - Q", "A - H")[bay], (-0.066, carcass.face, carcass.floor(bay) + BAY / 2))
-        moving.append(part)
+            at = (-0.066, carcass.face, carcass.floor(bay) + BAY / 2)
+            drawer.parts += _label(("R - Z", "I - Q", "A - H")[bay], at)
+        moving.append(MovingPart(drawer_name, drawer.parts, drawer.hulls, 0.45, joinery.slide(carcass, bay)))
     return BuiltObject(shell.parts, shell.hulls, mass=mass, friction=FRICTION, moving=moving)
 
 
-def _add_label(drawer: Assembly, words: str, at: tuple[float, float, float]) -> None:
+def _label(words: str, at: tuple[float, float, float]) -> list[Part]:
     """A card in a metal frame on a drawer's face; ``at`` is its middle."""
     x, y, z = at
     wide, high = 0.06, 0.024
@@ -85,7 +86,7 @@ def _add_label(drawer: Assembly, words: str, at: tuple[float, float, float]) -> 
     card = solids.box((wide - 0.004, 0.001, high - 0.004), (x, y - 0.0003, z - high / 2 + 0.002))
     picture = prints.text(prints.canvas(240, 90, (246, 243, 232)), words, (0.5, 0.5), 0.6, (40, 44, 60))
     steel = Finish(np.full((8, 8, 3), STEEL, dtype=np.uint8), 0.05, 0.35, 0.5)
-    drawer.parts += [steel.on(frame), paint(card, picture, from_front(), roughness=0.9)]
+    return [steel.on(frame), paint(card, picture, from_front(), roughness=0.9)]
 
 
 def cabinet_look(rng: np.random.Generator, variant: str) -> Look:

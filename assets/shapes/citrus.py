@@ -14,7 +14,14 @@ from vcage.objects.modelling.parts import BuiltObject, paint
 def citrus(
     rng: np.random.Generator, colour: tuple[int, int, int], scale: tuple[float, float], mass: float
 ) -> BuiltObject:
-    """A lying citrus fruit with a nipple to the right; ``scale`` is across and along, 1 for a lemon."""
+    """A lying citrus fruit with a nipple to the right; ``scale`` is across and along, 1 for a lemon.
+
+    Args:
+        rng: for unevenness and peel.
+        colour: of the peel.
+        scale: of a lemon, across and along.
+        mass: kilograms.
+    """
     knots = [(0.0025, -0.0375), (0.0065, -0.0365), (0.0105, -0.0335), (0.0195, -0.0255), (0.0258, -0.009)]
     knots += [(0.0265, 0.003), (0.0225, 0.0175), (0.0145, 0.027), (0.0085, 0.0315), (0.0065, 0.0355), (0.002, 0.0375)]
     body = lumps.lobed(lumps.smooth(np.array(knots) * scale, 34), count=36)

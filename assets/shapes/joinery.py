@@ -15,27 +15,22 @@ from numpy.typing import ArrayLike
 from vcage.objects.modelling import pieces, solids
 from vcage.objects.modelling.mappings import tiled
 from vcage.objects.modelling.noise import shaded
-from vcage.objects.modelling.parts import MovingPart, Part, paint
+from vcage.objects.modelling.parts import Part, paint
 from vcage.schema.asset import Joint
 
 GRIP_WIDTH, GRIP_HEIGHT, PROUD = 0.012, 0.034, 0.036
 """A handle: thickness along x, height, and how far it stands out in front of the face, metres."""
 
-
 GAP = 0.002
 """Between a front and the boards around it, metres."""
-
 
 SLIDE = 0.14
 """How far a drawer opens, metres."""
 
-
 REBATE = 0.002
 """How far the boards of a carcass reach into its sides and back, metres."""
 
-
 Grip = Literal["fin", "bar"]
-
 
 Foot = Literal["plinth", "legs"]
 
@@ -67,6 +62,32 @@ class Assembly:
         seen = solids.rounded_box(size, radius, bottom, steps=2) if radius else solids.box(size, bottom)
         self.parts.append(finish.on(seen, along))
         self.hulls.append(solids.box(size, bottom))
+
+    def front(self, size: Sequence[float], bottom: Sequence[float], finish: Finish, framed: bool) -> None:
+        """Add a drawer's or a door's front.
+
+        Args:
+            size: (3,) metres.
+            bottom: (3,) the middle of its front face's lower edge.
+            finish: of all of it.
+            framed: whether it has a field that lies 4 mm deeper, with slopes that lead up to its frame.
+        """
+        wide, deep, high = size
+        x, y, z = bottom
+        block = solids.box(size, (x, y + deep / 2, z))
+        along = 2 if high > wide else 0
+        if framed:
+            rings = [_upright_rectangle(wide - 2 * inset, high - 2 * inset, depth) for inset, depth in FIELD]
+            carved = solids.cut(block, solids.moved(pieces.hull(*rings), (x, y, z + high / 2)))
+            self.parts += _framed(carved, finish, along)
+        else:
+            self.parts.append(finish.on(solids.rounded_box(size, 0.0015, (x, y + deep / 2, z), steps=2), along))
+        self.hulls.append(block)
+
+    def add(self, other: Assembly) -> None:
+        """Add all of another."""
+        self.parts += other.parts
+        self.hulls += other.hulls
 
     def grip(self, style: Grip, at: Sequence[float], finish: Finish, height: float = GRIP_HEIGHT) -> None:
         """Add a handle on a face.
@@ -158,14 +179,15 @@ class Carcass:
         out.board((self.clear + 2 * REBATE, sheet, tall), (0, self.back - sheet / 2, self.foot), finish, along=2)
         size = (self.width, self.depth + self.lip, self.top)
         out.board(size, (0, self.middle - self.lip / 2, self.under_top), top, radius=0.002)
-        self._stand(out, foot, style)
+        out.add(self._stand(foot, style))
         return out
 
-    def _stand(self, out: Assembly, finish: Finish, style: Foot) -> None:
+    def _stand(self, finish: Finish, style: Foot) -> Assembly:
+        out = Assembly()
         wide, deep = self.width - 2 * self.lip, self.depth
         if style == "plinth":
             out.board((wide - 0.012, deep - 0.016, self.foot), (0, self.middle + 0.002, 0), finish)
-            return
+            return out
         for x in (-1, 1):
             for y in (-1, 1):
                 middle = np.array([x * (wide / 2 - 0.017), self.middle + y * (deep / 2 - 0.017), 0.0])
@@ -174,6 +196,7 @@ class Carcass:
                 leg = pieces.hull(*(end + middle for end in ends))
                 out.parts.append(finish.on(leg, along=2))
                 out.hulls.append(leg)
+        return out
 
 
 @dataclass(frozen=True)
@@ -191,24 +214,24 @@ class DrawerLook:
 FIELD = ((0.0115, -0.001), (0.0165, 0.004))
 """The slopes of a framed front: distance from its edges, and depth behind its face, metres."""
 
-
 DRAWER_FLOOR = 0.007
 """Height of a drawer's floor above the bay's, metres."""
-
 
 PANEL, WALL, WALL_HEIGHT, DRAWER_DEPTH = 0.008, 0.006, 0.042, 0.122
 """Thickness of a drawer's front and walls, height of its walls above its floor, and its depth inside, metres."""
 
 
-def drawer(name: str, carcass: Carcass, bay: int, look: DrawerLook, mass: float) -> tuple[Assembly, MovingPart]:
+def drawer(carcass: Carcass, bay: int, look: DrawerLook) -> Assembly:
     """A drawer that fills a bay; it hangs in slides that stay in the carcass when it is pulled out.
 
-    Returns:
-        The assembly, for additions, and the moving part that shares its lists.
+    Args:
+        carcass: that it hangs in.
+        bay: number of the bay, from the lowest upwards.
+        look: finishes and handle.
     """
     out = Assembly()
     face, bottom, high = carcass.face, carcass.floor(bay), carcass.bays[bay]
-    add_front(out, (carcass.clear - 2 * GAP, PANEL, high - 2 * GAP), (0, face, bottom + GAP), look.front, look.framed)
+    out.front((carcass.clear - 2 * GAP, PANEL, high - 2 * GAP), (0, face, bottom + GAP), look.front, look.framed)
     outer = carcass.clear - 0.01
     start, low = face + PANEL, bottom + 0.003
     sheet = DRAWER_FLOOR - 0.003
@@ -221,33 +244,20 @@ def drawer(name: str, carcass: Carcass, bay: int, look: DrawerLook, mass: float)
         out.board((0.003, rail, 0.01), (sign * (outer + 0.003) / 2, start + rail / 2, low + 0.01), look.metal, along=1)
     out.board((outer, WALL, rise), (0, start + DRAWER_DEPTH + WALL / 2, low + sheet), look.inside)
     out.grip(look.style, (0, face, bottom + high / 2), look.grip)
-    joint = Joint(
+    return out
+
+
+def slide(carcass: Carcass, bay: int) -> Joint:
+    """The joint of the drawer in a bay."""
+    return Joint(
         kind="slide",
-        origin=(0, face, bottom + high / 2),
+        origin=(0, carcass.face, carcass.floor(bay) + carcass.bays[bay] / 2),
         axis=(0, -1, 0),
         lower=0.0,
         upper=SLIDE,
         damping=8.0,
         friction=3.0,
     )
-    return out, MovingPart(name, out.parts, out.hulls, mass, joint)
-
-
-def add_front(out: Assembly, size: Sequence[float], bottom: Sequence[float], finish: Finish, framed: bool) -> None:
-    """Add a drawer's or a door's front; ``bottom`` is the middle of its front face's lower edge.
-
-    A framed front has a field that lies 4 mm deeper, with slopes that lead up to its frame.
-    """
-    wide, deep, high = size
-    x, y, z = bottom
-    block = solids.box(size, (x, y + deep / 2, z))
-    along = 2 if high > wide else 0
-    if framed:
-        rings = [_upright_rectangle(wide - 2 * inset, high - 2 * inset, depth) for inset, depth in FIELD]
-        out.parts += _framed(solids.cut(block, solids.moved(pieces.hull(*rings), (x, y, z + high / 2))), finish, along)
-    else:
-        out.parts.append(finish.on(solids.rounded_box(size, 0.0015, (x, y + deep / 2, z), steps=2), along))
-    out.hulls.append(block)
 
 
 def _framed(solid: solids.Solid, finish: Finish, along: int) -> list[Part]:

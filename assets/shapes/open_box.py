@@ -10,7 +10,14 @@ from vcage.objects.modelling.parts import Part, paint
 
 
 def open_shell(inner: Sequence[float], wall: float, floor: float, height: float, rounding: float = 0.0) -> solids.Solid:
-    """A box without a lid; ``rounding`` is the radius of its upright edges."""
+    """A box without a lid; ``rounding`` is the radius of its upright edges.
+
+    Args:
+        inner: (2,) free size inside, metres.
+        wall, floor: thicknesses.
+        height: of the rim.
+        rounding: radius of the upright outer edges.
+    """
     outer = (inner[0] + 2 * wall, inner[1] + 2 * wall)
     if rounding == 0:
         return solids.cut(solids.box((*outer, height)), solids.box((*inner, 1.0), (0, 0, floor)))
@@ -21,7 +28,14 @@ def open_shell(inner: Sequence[float], wall: float, floor: float, height: float,
 def front_sign(
     words: str, width: float, height: float, bottom: tuple[float, float, float], ground: tuple, ink: tuple
 ) -> Part:
-    """Words printed on the front: a plate of half a millimetre."""
+    """Words printed on the front: a plate of half a millimetre.
+
+    Args:
+        words: what is printed.
+        width, height: of the plate, metres.
+        bottom: (3,) the middle of its lower edge.
+        ground, ink: colours.
+    """
     picture = prints.canvas(round(128 * width / height), 128, ground)
     picture = prints.text(picture, words, (0.5, 0.5), 0.5, ink)
     return paint(solids.box((width, 0.0008, height), bottom), picture, from_front(), roughness=0.9)

@@ -16,7 +16,15 @@ def ring_pastry(
     tube: tuple[float, float],
     mapping: Mapping | None = None,
 ) -> BuiltObject:
-    """A torus with a flat bottom; each further coat (texture, roughness, from height) is a skin over the top."""
+    """A torus with a flat bottom; each further coat (texture, roughness, from height) is a skin over the top.
+
+    Args:
+        coats: texture, roughness, and the height from which it covers, of the dough and of what is on it.
+        rng: for unevenness.
+        outer: radius of the whole ring, metres.
+        tube: half width and half height of its section, metres.
+        mapping: of all textures; from above when None.
+    """
     parts = []
     flat = 0.85 * tube[1]
     for i, (texture, roughness, start) in enumerate(coats):

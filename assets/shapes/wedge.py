@@ -14,7 +14,13 @@ def wedge(length: float, half_angle: float) -> np.ndarray:
 
 
 def bevelled(outline: np.ndarray, low: float, high: float, bevel: float = 0.0015) -> solids.Solid:
-    """A prism over an outline with a bevelled upper edge."""
+    """A prism over an outline with a bevelled upper edge.
+
+    Args:
+        outline: (n, 2), counter-clockwise, metres.
+        low, high: of bottom and top.
+        bevel: of the upper edge.
+    """
     middle = outline.mean(axis=0)
     inset = middle + (outline - middle) * (1 - bevel / np.linalg.norm(outline - middle, axis=1).min())
     levels = ((outline, low), (outline, high - bevel), (inset, high))

@@ -14,7 +14,15 @@ def on_circle(angle: float, radius: float) -> tuple[float, float]:
 
 
 def ray(picture: np.ndarray, angle: float, reach: tuple[float, float], width: float, colour: Colour) -> np.ndarray:
-    """A line from one distance of the middle to another, at an angle clockwise from the top."""
+    """A line from one distance of the middle to another, at an angle clockwise from the top.
+
+    Args:
+        picture: square, (n, n, 3).
+        angle: radians, clockwise from the top.
+        reach: distances from the middle, as shares.
+        width: as a share.
+        colour: RGB.
+    """
     size = len(picture)
     start, end = (tuple(round(c * size) for c in on_circle(angle, radius)) for radius in reach)
     ink = tuple(int(c) for c in colour)

@@ -59,7 +59,7 @@ def strokes(
     rng: np.random.Generator, picture: np.ndarray, colours: Sequence[Colour], places: np.ndarray, length: int
 ) -> np.ndarray:
     """Short strokes of the colours in random directions at places (n, 2) from -1 to 1, to the right and down."""
-    out = np.ascontiguousarray(picture)
+    out = np.ascontiguousarray(picture).copy()
     size = np.array(out.shape[1::-1])
     turns = rng.uniform(0, np.pi, len(places))
     for i, (place, turn) in enumerate(zip(places, turns, strict=True)):

@@ -1,4 +1,4 @@
-"""What kitchen things are coated and labelled with: glazes, enamel, steel, syrup behind glass, stamped motifs."""
+"""What kitchen things are coated and labelled with: glazes, enamel, steel, syrup behind glass, motifs."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def syrup(rng: np.random.Generator, colour: Colour, lumps: Colour | None = None,
     return picture
 
 
-def stamped(picture: np.ndarray, motif: np.ndarray, centre: tuple[float, float], height: float) -> np.ndarray:
+def with_motif(picture: np.ndarray, motif: np.ndarray, centre: tuple[float, float], height: float) -> np.ndarray:
     """The picture with a motif whose pure black is transparent; ``height`` is a share of the picture's."""
     rows, columns = picture.shape[:2]
     size = round(height * rows)

@@ -11,9 +11,7 @@ from vcage.objects.modelling.noise import Colour
 CODE_AT = 0.75
 """Where a wrapped label faces to the right, as a share of its width."""
 
-
 INK: Colour = (22, 22, 24)
-
 
 _LEFT_ODD = [
     "0001101",
@@ -29,14 +27,11 @@ _LEFT_ODD = [
 ]
 """Seven modules of each digit in the left half, odd parity; 1 is a bar."""
 
-
 _PARITY = ("LLLLLL", "LLGLGG", "LLGGLG", "LLGGGL", "LGLLGG", "LGGLLG", "LGGGLL", "LGLGLG", "LGLGGL", "LGGLGL")
 """Which code (L odd, G even) the six digits on the left take, by the first digit, which has no bars of its own."""
 
-
 QUIET = (11, 7)
 """Modules of white that EAN-13 asks for left and right of the bars."""
-
 
 _SEGMENTS = ("abcdef", "bc", "abged", "abgcd", "fgbc", "afgcd", "afgedc", "abc", "abcdefg", "abcdfg")
 """Segments that light up for each digit: a at the top, then clockwise, g in the middle."""

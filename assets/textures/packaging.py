@@ -13,9 +13,7 @@ from vcage.objects.modelling.noise import Colour, blend, clouds, noise, over, sh
 
 GRAPHITE = (44, 46, 52)
 
-
 WHITE = (248, 248, 245)
-
 
 Line = tuple[str, float, float, float, Colour]
 """Words, their middle from the top, and the room they fill, across and down, as shares of the picture; colour."""

@@ -58,6 +58,11 @@ def grasped_width(pieces: Sequence[Convex], point: ArrayLike, axis: ArrayLike) -
 
     Inside material it is the thickness there, such as a wall's. In the hollow of a mug or a ring it is the distance
     between the outer faces. It is 0 where there is material on one side only, or none.
+
+    Args:
+        pieces: the collision shape.
+        point: (3,) between the fingers, metres.
+        axis: (3,) unit vector.
     """
     stretches = material_along(pieces, point, axis)
     for start, end in stretches:
@@ -68,7 +73,13 @@ def grasped_width(pieces: Sequence[Convex], point: ArrayLike, axis: ArrayLike) -
 
 
 def material_along(pieces: Sequence[Convex], point: ArrayLike, axis: ArrayLike) -> list[tuple[float, float]]:
-    """Stretches (t0, t1) of material along the line through ``point``, in order, joined where pieces touch."""
+    """Stretches (t0, t1) of material along the line through ``point``, in order, joined where pieces touch.
+
+    Args:
+        pieces: the collision shape.
+        point: (3,) metres, where t is 0.
+        axis: (3,) unit vector.
+    """
     joined: list[tuple[float, float]] = []
     for start, end in sorted(i for piece in pieces if (i := piece.interval(point, axis)) is not None):
         if joined and start <= joined[-1][1] + 1e-4:
@@ -173,6 +184,10 @@ def largest_rectangle(free: np.ndarray, row: int, column: int) -> tuple[int, int
 
     Grows the rows upwards and downwards from the cell; for each pair of limits the widest run of columns that are
     free in all rows is the meet of the rows' runs around the cell's column.
+
+    Args:
+        free: (rows, columns) bool.
+        row, column: of the cell.
     """
     rows, columns = free.shape
     if not (0 <= row < rows and 0 <= column < columns and free[row, column]):

@@ -105,7 +105,8 @@ def _check_meshes(asset: Asset) -> None:
             raise _broken(visual, str(error)) from error
         if not whole:
             raise _broken(visual, "expected a whole binary glTF file")
-    _ = asset.pieces
+    for link in (None, *(link.name for link in asset.model.links)):
+        asset.pieces_of(link)  # reads them
 
 
 def _broken(path: str, reason: str) -> DamagedFile:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 from assets.textures import foods
-from assets.textures.foods import PALE, coordinates
 from vcage.objects.modelling import pieces, solids
 from vcage.objects.modelling.mappings import around, tiled
 from vcage.objects.modelling.noise import blend, clouds, over
@@ -40,7 +39,7 @@ def _baguette_crust(rng: np.random.Generator, dark: bool = False) -> np.ndarray:
     """
     shape = (320, 384)
     gold, brown = ((178, 108, 48), (98, 52, 22)) if dark else ((214, 148, 72), (154, 90, 38))
-    rows, columns = coordinates(shape)
+    rows, columns = foods.coordinates(shape)
     around, along = rows * 3.2, columns  # 1 is about 55 degrees from the top
     picture = blend(gold, brown, 0.15 + 0.3 * np.clip(np.abs(around), 0, 2) ** 2 / 2 + 0.6 * (clouds(rng, shape) - 0.5))
     dust = np.clip(clouds(rng, shape, (10, 12)) - 0.45, 0, 1) * np.clip(1.6 - np.abs(around), 0, 1)
@@ -48,5 +47,7 @@ def _baguette_crust(rng: np.random.Generator, dark: bool = False) -> np.ndarray:
     for place in (-0.62, -0.12, 0.38):
         cut = ((along - place - 0.13 * around) / 0.125) ** 2 + (around / 0.95) ** 2
         picture = over(picture, brown, np.clip(1.6 - cut, 0, 1) * 0.85)
-        picture = over(picture, PALE, np.clip((0.95 - cut) * 3, 0, 1) * (0.75 + 0.25 * clouds(rng, shape, (8, 8))))
+        picture = over(
+            picture, foods.PALE, np.clip((0.95 - cut) * 3, 0, 1) * (0.75 + 0.25 * clouds(rng, shape, (8, 8)))
+        )
     return np.ascontiguousarray(np.rot90(picture))

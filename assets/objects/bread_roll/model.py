@@ -6,7 +6,6 @@ import numpy as np
 
 from assets.shapes import lumps
 from assets.textures import foods
-from assets.textures.foods import from_middle, scattered
 from vcage.objects.modelling import pieces, solids
 from vcage.objects.modelling.mappings import tiled
 from vcage.objects.modelling.noise import blend, clouds, over
@@ -37,8 +36,8 @@ def build(variant: str) -> BuiltObject:
 def _roll_crust(rng: np.random.Generator, *, seeds: bool = False, size: int = 320) -> np.ndarray:
     """A round roll spread out from its top: pale gold, browner below, dusted with flour, perhaps with poppy seeds."""
     shape = (size, size)
-    inner = from_middle(shape, 0.9)
+    inner = foods.from_middle(shape, 0.9)
     picture = blend((176, 112, 52), (224, 178, 112), 0.1 + 1.1 * inner + 0.5 * (clouds(rng, shape, (5, 5)) - 0.5))
     flour = np.clip(clouds(rng, shape, (12, 12)) - 0.36, 0, 1) * np.clip(inner * 2.4 - 0.3, 0, 1)
     picture = over(picture, (252, 246, 234), flour * (1.4 if seeds else 2.6))
-    return scattered(rng, picture, [(44, 42, 46)], count=220, length=3, reach=0.66) if seeds else picture
+    return foods.scattered(rng, picture, [(44, 42, 46)], count=220, length=3, reach=0.66) if seeds else picture

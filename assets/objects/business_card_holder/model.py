@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 from assets.textures import packaging
-from assets.textures.packaging import GRAPHITE
 from vcage.objects.modelling import materials, pieces, prints, solids
 from vcage.objects.modelling.mappings import six_sides, tiled
 from vcage.objects.modelling.parts import BuiltObject, paint, variant_rng
@@ -28,7 +27,9 @@ def build(variant: str) -> BuiltObject:
     low = np.array([(-0.016, 0.0068), (0.011, 0.0068)])
     rise = np.array([0.11, 0.99]) * 0.049
     cards = pieces.across([low[0], low[1], low[1] + rise, low[0] + rise], 0.088)
-    face = packaging.fitted(prints.canvas(352, 200, (252, 251, 247)), "ADA MERTON", (0.42, 0.28), (0.6, 0.14), GRAPHITE)
+    face = packaging.fitted(
+        prints.canvas(352, 200, (252, 251, 247)), "ADA MERTON", (0.42, 0.28), (0.6, 0.14), packaging.GRAPHITE
+    )
     face = packaging.fitted(face, "architect", (0.28, 0.45), (0.28, 0.09), (120, 122, 128))
     face = prints.disc(face, (0.84, 0.3), 0.14, (40, 128, 150))
     for row in (0.66, 0.76, 0.86):

@@ -9,7 +9,7 @@ from assets.shapes.joinery import Assembly, Carcass, DrawerLook, Finish
 from vcage.objects.modelling import materials, prints, solids
 from vcage.objects.modelling.mappings import from_above, from_front
 from vcage.objects.modelling.noise import Colour
-from vcage.objects.modelling.parts import BuiltObject, Part, paint, variant_rng
+from vcage.objects.modelling.parts import BuiltObject, MovingPart, Part, paint, variant_rng
 
 COINS = 5
 """Compartments for coins, side by side at the front."""
@@ -35,28 +35,31 @@ def build(variant: str) -> BuiltObject:
     tray = Finish(materials.plastic(rng, (66, 68, 74)), 0.1, 0.5)
     front = Finish(materials.plastic(rng, front_colour, 128), 0.12, 0.45, 0.1)
     look = DrawerLook(front, tray, steel, steel, style="fin")
-    assembly, drawer = joinery.drawer("drawer", carcass, 0, look, mass=0.7)
-    _furnish(assembly, carcass, tray, rng)
+    drawer = joinery.drawer(carcass, 0, look)
+    drawer.add(_fittings(carcass, tray, rng))
     ink = (222, 222, 226) if variant == "black" else (40, 42, 48)
-    assembly.parts += _face(carcass, front_colour, ink, steel)
-    return BuiltObject(body.parts, body.hulls, mass=5.0, friction=1.0, moving=[drawer])
+    drawer.parts += _face(carcass, front_colour, ink, steel)
+    moving = [MovingPart("drawer", drawer.parts, drawer.hulls, 0.7, joinery.slide(carcass, 0))]
+    return BuiltObject(body.parts, body.hulls, mass=5.0, friction=1.0, moving=moving)
 
 
-def _furnish(drawer: Assembly, carcass: Carcass, tray: Finish, rng: np.random.Generator) -> None:
+def _fittings(carcass: Carcass, tray: Finish, rng: np.random.Generator) -> Assembly:
     """Low dividers, coins in the cups, and the marked bay for notes."""
+    out = Assembly()
     wide = carcass.clear - 0.01 - 2 * joinery.WALL
     floor = carcass.floor(0) + joinery.DRAWER_FLOOR
     start = carcass.face + joinery.PANEL
     step = wide / COINS
     for i in range(1, COINS):
         x = -wide / 2 + i * step
-        drawer.board((DIVIDER, COIN_DEPTH, DIVIDER_HEIGHT), (x, start + COIN_DEPTH / 2, floor), tray)
-    drawer.board((wide, DIVIDER, DIVIDER_HEIGHT), (0, start + COIN_DEPTH + DIVIDER / 2, floor), tray)
+        out.board((DIVIDER, COIN_DEPTH, DIVIDER_HEIGHT), (x, start + COIN_DEPTH / 2, floor), tray)
+    out.board((wide, DIVIDER, DIVIDER_HEIGHT), (0, start + COIN_DEPTH + DIVIDER / 2, floor), tray)
     coins = solids.box((wide, COIN_DEPTH, 0.0004), (0, start + COIN_DEPTH / 2, floor))
-    drawer.parts.append(paint(coins, _coins(rng, wide), from_above(), roughness=0.45))
+    out.parts.append(paint(coins, _coins(rng, wide), from_above(), roughness=0.45))
     depth = joinery.DRAWER_DEPTH - COIN_DEPTH - DIVIDER
     notes = solids.box((wide, depth, 0.0004), (0, start + COIN_DEPTH + DIVIDER + depth / 2, floor))
-    drawer.parts.append(paint(notes, _note_bay(wide / depth), from_above(), roughness=0.6))
+    out.parts.append(paint(notes, _note_bay(wide / depth), from_above(), roughness=0.6))
+    return out
 
 
 def _coins(rng: np.random.Generator, wide: float) -> np.ndarray:

@@ -6,7 +6,6 @@ import numpy as np
 
 from assets.shapes.ring_pastry import ring_pastry
 from assets.textures import foods
-from assets.textures.foods import scattered
 from vcage.objects.modelling.noise import Colour, clouds, shaded
 from vcage.objects.modelling.parts import BuiltObject, variant_rng
 
@@ -26,4 +25,4 @@ def _sprinkles(rng: np.random.Generator, icing: Colour, size: int = 256) -> np.n
     """Icing with coloured sprinkles."""
     ground = shaded(np.full((size, size, 3), icing, dtype=np.uint8), 0.95 + 0.08 * clouds(rng, (size, size)))
     colours = [(250, 250, 250), (250, 214, 60), (90, 180, 230), (120, 200, 110), (230, 60, 90)]
-    return scattered(rng, ground, colours, count=170, length=10, reach=1.0)
+    return foods.scattered(rng, ground, colours, count=170, length=10, reach=1.0)

@@ -29,7 +29,7 @@ def _door(carcass: Carcass, look: Look) -> MovingPart:
     bottom = carcass.floor(0) + joinery.GAP
     high = carcass.under_top - carcass.floor(0) - 2 * joinery.GAP
     door = Assembly()
-    joinery.add_front(door, (wide, thick, high), (0, carcass.face, bottom), look.front, look.framed)
+    door.front((wide, thick, high), (0, carcass.face, bottom), look.front, look.framed)
     middle = bottom + high / 2
     door.grip(look.style, (wide / 2 - edge, carcass.face, middle), look.grip, height=0.04)
     joint = Joint(

@@ -42,7 +42,7 @@ def build(variant: str) -> BuiltObject:
         (0, height - 0.0008),
     ]
     golden = prints.disc(materials.plastic(rng, (206, 160, 58), 192), (0.5, 0.5), 0.4, (226, 184, 84))
-    golden = kitchen.stamped(golden, _bee(), (0.5, 0.5), 0.5)
+    golden = kitchen.with_motif(golden, _bee(), (0.5, 0.5), 0.5)
     parts = [
         paint(body, kitchen.syrup(rng, honey), tiled(0.1), roughness=0.1, crease=25),
         paint(solids.revolved(lid, 40), golden, from_above(), roughness=0.3, metallic=0.2),
@@ -50,7 +50,7 @@ def build(variant: str) -> BuiltObject:
     front = prints.canvas(192, 224, (252, 240, 206))
     front = prints.rectangle(front, (0, 0), (1, 0.05), (176, 110, 24))
     front = prints.rectangle(front, (0, 0.95), (1, 1), (176, 110, 24))
-    front = kitchen.stamped(front, _bee(), (0.5, 0.3), 0.44)
+    front = kitchen.with_motif(front, _bee(), (0.5, 0.3), 0.44)
     front = prints.text(front, "HONEY", (0.5, 0.64), 0.2, (96, 52, 14))
     front = prints.text(front, words, (0.5, 0.83), 0.11, (140, 84, 24))
     parts += [paint(_panel(turn, apothem), front, _panel_mapping(turn), roughness=0.6) for turn in (0, 120, 240)]

@@ -6,7 +6,6 @@ import cv2
 import numpy as np
 
 from assets.textures import kitchen
-from assets.textures.kitchen import stamped
 from vcage.objects.modelling import pieces, prints, solids
 from vcage.objects.modelling.mappings import around, from_above, tiled
 from vcage.objects.modelling.noise import Colour, noise, over, shaded
@@ -88,7 +87,7 @@ def _jar_label(words: tuple[str, str], ground: Colour, ink: Colour, motif: np.nd
         label = prints.text(label, words[0], (x, 0.72 if motif is not None else 0.42), 0.15, ink)
         label = prints.text(label, words[1], (x, 0.87 if motif is not None else 0.7), 0.1, ink)
         if motif is not None:
-            label = stamped(label, motif, (x, 0.36), 0.5)
+            label = kitchen.with_motif(label, motif, (x, 0.36), 0.5)
     return np.roll(label, 192, axis=1)  # one print in front, one at the back
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 from assets.textures import packaging
-from assets.textures.packaging import polygon, stroke
 from vcage.objects.modelling import prints, solids
 from vcage.objects.modelling.mappings import six_sides
 from vcage.objects.modelling.noise import Colour
@@ -41,10 +40,10 @@ def _light_bulb(picture: np.ndarray, centre: tuple[float, float], height: float,
     for turn in np.radians(np.arange(-150, -29, 30)):
         ray = np.array([np.cos(turn) * wide, np.sin(turn) * height])
         start, end = np.array([x, y - 0.12 * height]) + 0.42 * ray, np.array([x, y - 0.12 * height]) + 0.54 * ray
-        picture = stroke(picture, [tuple(start), tuple(end)], 0.035 * height, glow)
+        picture = packaging.stroke(picture, [tuple(start), tuple(end)], 0.035 * height, glow)
     picture = prints.disc(picture, (x, y - 0.12 * height), 0.33 * height, glow)
     neck = [(-0.22, 0.1), (0.22, 0.1), (0.13, 0.32), (-0.13, 0.32)]
-    picture = polygon(picture, [(x + a * wide, y + b * height) for a, b in neck], glow)
+    picture = packaging.polygon(picture, [(x + a * wide, y + b * height) for a, b in neck], glow)
     for step in range(3):
         top = y + (0.33 + 0.06 * step) * height
         picture = prints.rectangle(

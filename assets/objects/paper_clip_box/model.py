@@ -9,7 +9,6 @@ import numpy as np
 
 from assets.shapes import open_box
 from assets.textures import packaging
-from assets.textures.packaging import GRAPHITE
 from vcage.objects.modelling import materials, pieces, prints, solids
 from vcage.objects.modelling.mappings import from_above, six_sides, tiled
 from vcage.objects.modelling.noise import Colour
@@ -41,7 +40,7 @@ def build(variant: str) -> BuiltObject:
         "PAPER CLIPS",
         (0.5, 0.48),
         (0.66, 0.22),
-        GRAPHITE,
+        packaging.GRAPHITE,
     )
     front = packaging.fitted(front, "100", (0.5, 0.7), (0.2, 0.14), (196, 42, 46))
     sides = {"front": front, "back": front, "left": tone, "right": tone}

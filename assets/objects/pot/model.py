@@ -7,7 +7,6 @@ import numpy as np
 from assets.shapes.cookware import dark_part, steel_part
 from assets.shapes.handle import sections_along
 from assets.textures import kitchen
-from assets.textures.kitchen import from_centre
 from vcage.objects.modelling import pieces, solids
 from vcage.objects.modelling.mappings import from_above, tiled
 from vcage.objects.modelling.noise import shaded
@@ -58,7 +57,7 @@ def _lug_path(start: float, z: float) -> np.ndarray:
 
 def _steel_bowl(rng: np.random.Generator, size: int = 384) -> np.ndarray:
     """The inside of a steel pot seen from above: brushed in circles."""
-    away = from_centre(size)
+    away = kitchen.from_centre(size)
     scratch = rng.random(size).astype(np.float32)
     tone = 0.84 + 0.16 * np.interp(away, np.linspace(0, 1.5, size), scratch)
     return shaded(np.full((size, size, 3), (198, 200, 203), dtype=np.uint8), tone)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 from assets.textures import foods
-from assets.textures.foods import scattered
 from vcage.objects.modelling import pieces, solids
 from vcage.objects.modelling.mappings import tiled
 from vcage.objects.modelling.noise import Colour, clouds, noise, over, shaded
@@ -67,4 +66,4 @@ def _tinted_crumb(rng: np.random.Generator, colour: Colour, grains: bool = False
     shape = (size, size)
     picture = shaded(np.full((*shape, 3), colour, dtype=np.uint8), 0.93 + 0.1 * clouds(rng, shape, (6, 6)))
     picture = over(picture, np.asarray(colour) * 0.8, np.clip((noise(rng, shape, (34, 34)) - 0.8) * 5, 0, 0.6))
-    return scattered(rng, picture, [(98, 62, 32), (236, 214, 160)], 70, 4, 1.0) if grains else picture
+    return foods.scattered(rng, picture, [(98, 62, 32), (236, 214, 160)], 70, 4, 1.0) if grains else picture

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from assets.textures import packaging
-from assets.textures.packaging import WHITE
 from vcage.objects.modelling import lofts, materials, solids
 from vcage.objects.modelling.mappings import around, tiled
 from vcage.objects.modelling.parts import BuiltObject, paint, variant_rng
@@ -30,12 +29,12 @@ def build(variant: str) -> BuiltObject:
         (height - 0.001, 0.94),
         (height, 0.85),
     ]
-    lines = [("SHAMPOO", 0.53, 0.34, 0.1, WHITE), ("LUMINA", 0.38, 0.24, 0.09, accent)]
+    lines = [("SHAMPOO", 0.53, 0.34, 0.1, packaging.WHITE), ("LUMINA", 0.38, 0.24, 0.09, accent)]
     lines += [("daily care", 0.66, 0.2, 0.06, accent), ("300 ml", 0.88, 0.1, 0.04, accent)]
     label = packaging.label((768, 512), ground, lines, [(0.74, 0.765, accent), (0.79, 0.8, accent)])
     parts = [
         paint(lofts.levelled(outline, levels), label, around(), roughness=0.3),
-        paint(lofts.levelled(lid, cap), materials.plastic(rng, WHITE), tiled(0.05), roughness=0.35),
+        paint(lofts.levelled(lid, cap), materials.plastic(rng, packaging.WHITE), tiled(0.05), roughness=0.35),
         paint(
             solids.box((0.013, 0.0008, 0.004), (0, -0.0155, height - 0.012)),
             materials.plastic(rng, (190, 190, 188)),

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 from assets.textures import packaging
-from assets.textures.packaging import WHITE
 from vcage.objects.modelling import lofts, materials, pieces, prints, solids
 from vcage.objects.modelling.mappings import around, six_sides, tiled
 from vcage.objects.modelling.parts import BuiltObject, paint, variant_rng
@@ -28,17 +27,23 @@ def build(variant: str) -> BuiltObject:
     levels += [(shoulder + (fold - shoulder) * s, 0.0175 + 0.0085 * s, 0.0175 * np.sqrt(1 - s) + 0.0016) for s in share]
     levels += [(top, 0.026, 0.0016)]
     cap = [(0, 0), (0.0165, 0), (0.018, 0.0015), (0.017, 0.021), (0.0155, 0.022), (0, 0.022)]
-    face = packaging.label((224, 512), WHITE, [], [(0.0, 0.08, accent), (0.76, 1.0, accent), (0.72, 0.74, accent)])
+    face = packaging.label(
+        (224, 512), packaging.WHITE, [], [(0.0, 0.08, accent), (0.76, 1.0, accent), (0.72, 0.74, accent)]
+    )
     face = packaging.fitted(face, words, (0.5, 0.42), (0.5, 0.3), accent, upright=True)
     face = packaging.fitted(face, "toothpaste", (0.68, 0.42), (0.34, 0.12), (60, 70, 84), upright=True)
-    side = packaging.label((64, 512), WHITE, [], [(0.0, 0.08, accent), (0.76, 1.0, accent), (0.72, 0.74, accent)])
+    side = packaging.label(
+        (64, 512), packaging.WHITE, [], [(0.0, 0.08, accent), (0.76, 1.0, accent), (0.72, 0.74, accent)]
+    )
     picture = prints.atlas({"front": face, "back": face, "left": side, "right": side}, accent, (224, 512))
     ribs = packaging.striped([(232, 232, 230), (206, 206, 204)], 72)
     parts = [
         paint(lofts.levelled(outline, levels), picture, six_sides(), roughness=0.3),
         paint(solids.revolved(cap, 40), ribs, around(), roughness=0.4),
         paint(
-            solids.box((0.05, 0.0036, 0.0006), (0, 0, top - 0.004)), materials.plastic(rng, WHITE), tiled(0.05)
+            solids.box((0.05, 0.0036, 0.0006), (0, 0, top - 0.004)),
+            materials.plastic(rng, packaging.WHITE),
+            tiled(0.05),
         ),  # the seam of the folded end
     ]
     convex = [levels[:5], levels[4:8], levels[7:]]  # the whole narrows unevenly

@@ -7,7 +7,6 @@ wrong costs the variant where nothing can be made without it, and the point othe
 from __future__ import annotations
 
 import difflib
-import itertools
 import json
 import sys
 from collections.abc import Callable
@@ -99,7 +98,14 @@ class ModelData:
 
 
 def mismatch(path: Path, name: str, message: str, hint: str = "mend the field") -> SchemaMismatch:
-    """The error for a field that makes an object unusable."""
+    """The error for a field that makes an object unusable.
+
+    Args:
+        path: of the file.
+        name: of the field.
+        message: what it is, and what was expected.
+        hint: the way out.
+    """
     return SchemaMismatch(f"{path}: field {name}: {message}", hint=hint, details={"path": str(path), "field": name})
 
 
@@ -228,20 +234,21 @@ def not_a_frame(value: Any) -> str:
 
 def _masked(file: AnnotationFile, count: int) -> set[int]:
     """Contact points that the mask of their group keeps out; warns of indices that there are no points for."""
-    groups, mask = file.data.get("contact_points_group") or [], file.data.get("contact_points_mask") or []
+    groups, mask = (file.data.get(f"contact_points_{name}") or [] for name in ("group", "mask"))
     if not isinstance(groups, list) or not isinstance(mask, list):
         file.warn("contact_points_group", "expected a list of lists, and a mask with one entry for each: not used")
         return set()
+    return _kept_out(file, groups, mask, count)
+
+
+def _kept_out(file: AnnotationFile, groups: list[Any], mask: list[Any], count: int) -> set[int]:
     if len(mask) != len(groups):
         file.warn("contact_points_mask", f"got {len(mask)} entries; expected one for each of {len(groups)} groups")
-    hidden: set[int] = set()
-    for i, (group, kept) in enumerate(itertools.zip_longest(groups, mask[: len(groups)])):
-        members = group if isinstance(group, list) else [group]
-        wrong = [x for x in members if not _is_index(x, count)]
-        if wrong:
+    members = [group if isinstance(group, list) else [group] for group in groups]
+    for i, group in enumerate(members):
+        if wrong := [x for x in group if not _is_index(x, count)]:
             file.warn(f"contact_points_group.{i}", f"got {wrong}; expected indices from 0 to {count - 1}: not used")
-        if kept is False:
-            hidden |= {x for x in members if _is_index(x, count)}
+    hidden = {x for group, kept in zip(members, mask) if kept is False for x in group if _is_index(x, count)}
     if hidden:
         file.warn("contact_points_mask", f"keeps out the contact points {sorted(hidden)}")
     return hidden

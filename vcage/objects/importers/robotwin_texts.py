@@ -20,7 +20,13 @@ def description(data: dict[str, Any]) -> str:
 
 
 def point_texts(kind: str, data: dict[str, Any], info: dict[str, Any]) -> dict[int, str]:
-    """What is said about each point of a kind ('contact', 'functional'), by index; the variant's own words first."""
+    """What is said about each point of a kind ('contact', 'functional'), by index; the variant's own words first.
+
+    Args:
+        kind: 'contact' or 'functional'.
+        data: fields of the variant.
+        info: fields of ``points_info.json``.
+    """
     texts = dict(_of_all_variants(kind, info))
     for key, value in data.items():
         if key.startswith(kind) and any(text in key for text in TEXTS) and isinstance(value, list):

@@ -51,7 +51,15 @@ def _turned(solid: solids.Solid, order: list[int]) -> solids.Solid:
 
 
 def rod(radius: float, start: float, end: float, z: float, sides: int = 24, bevel: float = 0.0015) -> solids.Solid:
-    """A round bar along x at the height ``z``, with bevelled ends."""
+    """A round bar along x at the height ``z``, with bevelled ends.
+
+    Args:
+        radius: metres.
+        start, end: where it begins and ends along x.
+        z: height of its axis.
+        sides: of its section.
+        bevel: how far its ends are bevelled.
+    """
     ring = solids.circle(1.0, sides)
     stations = [(start, radius - bevel), (start + bevel, radius), (end - bevel, radius), (end, radius - bevel)]
     return solids.closed_rings(

@@ -8,12 +8,9 @@ from vcage.objects.modelling.noise import Colour, blend, clouds, noise, over, sh
 
 OAK = ((150, 104, 62), (206, 164, 112))
 
-
 WALNUT = ((66, 42, 28), (122, 84, 56))
 
-
 PINE = ((196, 148, 92), (232, 196, 144))
-
 
 BEECH = ((198, 152, 110), (228, 190, 150))
 
@@ -21,7 +18,14 @@ BEECH = ((198, 152, 110), (228, 190, 150))
 def wood(
     rng: np.random.Generator, colours: tuple[Colour, Colour] = OAK, size: int = 256, boards: int = 1
 ) -> np.ndarray:
-    """Wood with the grain along the rows; ``boards`` strips of slightly different tone."""
+    """Wood with the grain along the rows; ``boards`` strips of slightly different tone.
+
+    Args:
+        rng: seeds the picture.
+        colours: of the dark and the light rings.
+        size: edge length of the picture, pixels.
+        boards: strips that lie side by side.
+    """
     shape = (size, size)
     warp = clouds(rng, shape, (5, 2), 3)
     rings = 0.5 + 0.5 * np.sin(2 * np.pi * (warp * 7 + np.arange(size, dtype=np.float32)[:, None] * 3 / size))
@@ -38,7 +42,13 @@ def wood(
 
 
 def cardboard(rng: np.random.Generator, colour: Colour = (186, 144, 96), size: int = 256) -> np.ndarray:
-    """Corrugated cardboard: fine flutes along the columns, with flecks of fibre."""
+    """Corrugated cardboard: fine flutes along the columns, with flecks of fibre.
+
+    Args:
+        rng: seeds the picture.
+        colour: RGB.
+        size: edge length of the picture, pixels.
+    """
     shape = (size, size)
     flutes = 0.5 + 0.5 * np.sin(np.arange(size) * 2 * np.pi * 32 / size)[None]
     tone = 0.94 + 0.08 * clouds(rng, shape, (6, 6)) + 0.02 * flutes
@@ -47,14 +57,28 @@ def cardboard(rng: np.random.Generator, colour: Colour = (186, 144, 96), size: i
 
 
 def plastic(rng: np.random.Generator, colour: Colour, size: int = 64) -> np.ndarray:
-    """A plain colour with a breath of unevenness."""
+    """A plain colour with a breath of unevenness.
+
+    Args:
+        rng: seeds the picture.
+        colour: RGB.
+        size: edge length of the picture, pixels.
+    """
     return shaded(np.full((size, size, 3), colour, dtype=np.uint8), 0.97 + 0.05 * clouds(rng, (size, size), (3, 3)))
 
 
 def speckled(
     rng: np.random.Generator, colour: Colour, dots: Colour, share: float = 0.05, size: int = 256
 ) -> np.ndarray:
-    """A ground with small soft dots, as of stoneware glaze or fruit skin."""
+    """A ground with small soft dots, as of stoneware glaze or fruit skin.
+
+    Args:
+        rng: seeds the picture.
+        colour: of the ground.
+        dots: their colour.
+        share: of the surface that dots cover.
+        size: edge length of the picture, pixels.
+    """
     picture = plastic(rng, colour, size)
     spots = noise(rng, (size, size), (size // 4, size // 4))
     limit = np.quantile(spots, 1 - share)
@@ -62,14 +86,26 @@ def speckled(
 
 
 def brushed(rng: np.random.Generator, colour: Colour = (196, 198, 202), size: int = 128) -> np.ndarray:
-    """Brushed metal."""
+    """Brushed metal.
+
+    Args:
+        rng: seeds the picture.
+        colour: RGB.
+        size: edge length of the picture, pixels.
+    """
     return shaded(
         np.full((size, size, 3), colour, dtype=np.uint8), 0.9 + 0.15 * noise(rng, (size, size), (size // 2, 3))
     )
 
 
 def felt(rng: np.random.Generator, colour: Colour, size: int = 128) -> np.ndarray:
-    """Felt or another rough cloth."""
+    """Felt or another rough cloth.
+
+    Args:
+        rng: seeds the picture.
+        colour: RGB.
+        size: edge length of the picture, pixels.
+    """
     shape = (size, size)
     return shaded(
         np.full((*shape, 3), colour, dtype=np.uint8),
@@ -78,13 +114,26 @@ def felt(rng: np.random.Generator, colour: Colour, size: int = 128) -> np.ndarra
 
 
 def page_edges(rng: np.random.Generator, colour: Colour = (238, 232, 214), size: int = 128) -> np.ndarray:
-    """The edges of a pile of sheets: fine lines along the rows."""
+    """The edges of a pile of sheets: fine lines along the rows.
+
+    Args:
+        rng: seeds the picture.
+        colour: RGB.
+        size: edge length of the picture, pixels.
+    """
     lines = np.repeat(rng.uniform(0.8, 1.0, size)[:, None], size, axis=1)
     return shaded(np.full((size, size, 3), colour, dtype=np.uint8), lines * (0.97 + 0.05 * clouds(rng, (size, size))))
 
 
 def wicker(rng: np.random.Generator, colour: Colour = (176, 128, 78), size: int = 256, weave: int = 8) -> np.ndarray:
-    """Woven strips, over and under by turns."""
+    """Woven strips, over and under by turns.
+
+    Args:
+        rng: seeds the picture.
+        colour: RGB.
+        size: edge length of the picture, pixels.
+        weave: strands across the picture.
+    """
     rows, columns = np.meshgrid(np.arange(size), np.arange(size), indexing="ij")
     cell = size // weave
     over_under = ((rows // cell + columns // cell) % 2).astype(bool)

@@ -22,13 +22,25 @@ def hull(*points: ArrayLike) -> Piece:
 
 
 def stack(rings: Sequence[tuple[float, float]], sides: int = 16, centre: tuple[float, float] = (0.0, 0.0)) -> Piece:
-    """The hull of horizontal discs given as (radius, z); the circles touch the polygons' sides from inside."""
+    """The hull of horizontal discs given as (radius, z); the circles touch the polygons' sides from inside.
+
+    Args:
+        rings: (radius, z) of each disc, metres.
+        sides: of the polygon.
+        centre: x and y of all discs.
+    """
     unit = _ring_corners(sides)
     return hull(*[np.column_stack([unit * r + np.asarray(centre), np.full(sides, z)]) for r, z in rings])
 
 
 def ring(profile: ArrayLike, sectors: int = 16, centre: tuple[float, float] = (0.0, 0.0)) -> list[Piece]:
-    """The wedges of a ring whose convex section (k, 2) is given as (radius, z)."""
+    """The wedges of a ring whose convex section (k, 2) is given as (radius, z).
+
+    Args:
+        profile: (k, 2) radius and z, metres.
+        sectors: number of wedges.
+        centre: x and y of the axis.
+    """
     unit = _ring_corners(sectors)
     section = np.asarray(profile, dtype=np.float64)
     edges = [np.column_stack([section[:, :1] * u + np.asarray(centre), section[:, 1]]) for u in unit]
@@ -71,7 +83,13 @@ def chain(sections: Sequence[ArrayLike]) -> list[Piece]:
 
 
 def slabs(solid: trimesh.Trimesh, count: int, axis: int = 0) -> list[Piece]:
-    """The hulls of ``count`` equal slices of a solid along an axis: for lumps that are convex across it."""
+    """The hulls of ``count`` equal slices of a solid along an axis: for lumps that are convex across it.
+
+    Args:
+        solid: the lump.
+        count: of slices.
+        axis: 0, 1 or 2.
+    """
     low, high = solid.bounds[:, axis]
     limits = np.linspace(low, high, count + 1)
     normal = np.eye(3)[axis]

@@ -10,7 +10,12 @@ from vcage.objects.modelling.noise import Colour
 
 
 def canvas(width: int, height: int, colour: Colour) -> np.ndarray:
-    """A plain picture (height, width, 3)."""
+    """A plain picture (height, width, 3).
+
+    Args:
+        width, height: pixels.
+        colour: RGB.
+    """
     return np.full((height, width, 3), colour, dtype=np.uint8)
 
 
@@ -45,7 +50,13 @@ def text(
 def rectangle(
     picture: np.ndarray, lower: tuple[float, float], upper: tuple[float, float], colour: Colour
 ) -> np.ndarray:
-    """The picture with a filled rectangle; corners as shares from the upper left."""
+    """The picture with a filled rectangle; corners as shares from the upper left.
+
+    Args:
+        picture: (H, W, 3) uint8.
+        lower, upper: corners, as shares of width and height from the upper left.
+        colour: RGB.
+    """
     rows, columns = picture.shape[:2]
     out = picture.copy()
     out[round(lower[1] * rows) : round(upper[1] * rows), round(lower[0] * columns) : round(upper[0] * columns)] = colour
@@ -53,7 +64,14 @@ def rectangle(
 
 
 def disc(picture: np.ndarray, centre: tuple[float, float], radius: float, colour: Colour) -> np.ndarray:
-    """The picture with a filled circle; ``radius`` is a share of the picture's height."""
+    """The picture with a filled circle; ``radius`` is a share of the picture's height.
+
+    Args:
+        picture: (H, W, 3) uint8.
+        centre: as shares of width and height from the upper left.
+        radius: as a share of the height.
+        colour: RGB.
+    """
     rows, columns = picture.shape[:2]
     out = np.ascontiguousarray(picture)
     at = (round(centre[0] * columns), round(centre[1] * rows))

@@ -22,7 +22,14 @@ def box(size: ArrayLike, bottom: ArrayLike = (0.0, 0.0, 0.0)) -> Solid:
 
 
 def rounded_box(size: ArrayLike, radius: float, bottom: ArrayLike = (0.0, 0.0, 0.0), steps: int = 3) -> Solid:
-    """A box with all edges rounded; ``steps`` facets per quarter turn."""
+    """A box with all edges rounded; ``steps`` facets per quarter turn.
+
+    Args:
+        size: (3,) metres.
+        radius: of the edges.
+        bottom: (3,) where the middle of the bottom face lies.
+        steps: facets per quarter turn.
+    """
     size, bottom = np.asarray(size, dtype=np.float64), np.asarray(bottom, dtype=np.float64)
     radius = min(radius, size.min() / 2 * 0.999)
     angle = np.linspace(0, np.pi / 2, steps + 1)
@@ -33,13 +40,25 @@ def rounded_box(size: ArrayLike, radius: float, bottom: ArrayLike = (0.0, 0.0, 0
 
 
 def prism(outline: ArrayLike, height: float, z: float = 0.0) -> Solid:
-    """A polygon (n, 2), counter-clockwise, raised by ``height`` from ``z``."""
+    """A polygon (n, 2), counter-clockwise, raised by ``height`` from ``z``.
+
+    Args:
+        outline: (n, 2), counter-clockwise.
+        height: metres.
+        z: of the bottom.
+    """
     raised = manifold3d.Manifold.extrude(manifold3d.CrossSection([np.asarray(outline, dtype=np.float64)]), height)
     return _from_manifold(raised.translate([0, 0, z]))
 
 
 def rounded_rectangle(size: ArrayLike, radius: float, steps: int = 4) -> np.ndarray:
-    """Outline (n, 2), counter-clockwise, of a rectangle around the origin with round corners."""
+    """Outline (n, 2), counter-clockwise, of a rectangle around the origin with round corners.
+
+    Args:
+        size: (2,) metres.
+        radius: of the corners.
+        steps: sides per corner.
+    """
     half = np.asarray(size, dtype=np.float64) / 2 - radius
     quarter = np.linspace(0, np.pi / 2, steps + 1)
     corners = [(1, 1), (-1, 1), (-1, -1), (1, -1)]
@@ -53,7 +72,13 @@ def rounded_rectangle(size: ArrayLike, radius: float, steps: int = 4) -> np.ndar
 
 
 def circle(radius: float, count: int = 32, centre: ArrayLike = (0.0, 0.0)) -> np.ndarray:
-    """Outline (count, 2), counter-clockwise."""
+    """Outline (count, 2), counter-clockwise.
+
+    Args:
+        radius: metres.
+        count: of corners.
+        centre: (2,).
+    """
     angle = np.arange(count) * 2 * np.pi / count
     return np.stack([np.cos(angle), np.sin(angle)], axis=1) * radius + np.asarray(centre)
 
@@ -65,7 +90,14 @@ def revolved(profile: ArrayLike, segments: int = 40) -> Solid:
 
 
 def arc(centre: ArrayLike, radius: ArrayLike, start: float, end: float, count: int = 6) -> np.ndarray:
-    """Points (count, 2) on an ellipse's arc between two angles in degrees; ``radius`` is one number or two."""
+    """Points (count, 2) on an ellipse's arc between two angles in degrees; ``radius`` is one number or two.
+
+    Args:
+        centre: (2,).
+        radius: one number, or (2,).
+        start, end: degrees.
+        count: of points.
+    """
     angle = np.radians(np.linspace(start, end, count))
     return np.asarray(centre) + np.stack([np.cos(angle), np.sin(angle)], axis=1) * np.asarray(radius)
 
@@ -112,7 +144,13 @@ def closed_rings(rings: ArrayLike) -> Solid:
 
 
 def ellipsoid(radii: ArrayLike, centre: ArrayLike = (0.0, 0.0, 0.0), count: int = 24) -> Solid:
-    """An ellipsoid of ``count`` meridians."""
+    """An ellipsoid of ``count`` meridians.
+
+    Args:
+        radii: (3,) metres.
+        centre: (3,).
+        count: of meridians.
+    """
     solid = trimesh.creation.uv_sphere(radius=1.0, count=[count // 2, count])
     solid.apply_scale(np.asarray(radii, dtype=np.float64))
     solid.apply_translation(centre)
@@ -122,7 +160,14 @@ def ellipsoid(radii: ArrayLike, centre: ArrayLike = (0.0, 0.0, 0.0), count: int 
 def moved(
     solid: Solid, offset: ArrayLike = (0.0, 0.0, 0.0), *, turn: float = 0.0, axis: ArrayLike = (0, 0, 1)
 ) -> Solid:
-    """A copy, turned by ``turn`` degrees about ``axis`` through the origin, then shifted."""
+    """A copy, turned by ``turn`` degrees about ``axis`` through the origin, then shifted.
+
+    Args:
+        solid: to copy.
+        offset: (3,) metres.
+        turn: degrees.
+        axis: (3,) of the turn.
+    """
     out = solid.copy()
     out.apply_transform(trimesh.transformations.rotation_matrix(np.radians(turn), axis))
     out.apply_translation(offset)
@@ -156,7 +201,14 @@ def split_by_facing(solid: Solid) -> tuple[Solid, Solid]:
 
 
 def displaced(solid: Solid, amplitude: float, wavelength: float, rng: np.random.Generator) -> Solid:
-    """A copy whose surface is gently uneven: vertices move along their normals by up to about ``amplitude``."""
+    """A copy whose surface is gently uneven: vertices move along their normals by up to about ``amplitude``.
+
+    Args:
+        solid: to copy.
+        amplitude: metres.
+        wavelength: of the waves, metres.
+        rng: draws the waves.
+    """
     out = solid.copy()
     waves = rng.normal(size=(8, 3)) * 2 * np.pi / wavelength
     phases = rng.uniform(0, 2 * np.pi, 8)

@@ -64,7 +64,13 @@ def _simplified(surface: Surface, most: int) -> Surface:
 
 
 def transferred(old: np.ndarray, uv: np.ndarray, new: np.ndarray) -> np.ndarray:
-    """Texture coordinates (n, 3, 2) of new triangles (n, 3, 3), read off the old ones (m, 3, 3) with uv (m, 3, 2)."""
+    """Texture coordinates (n, 3, 2) of new triangles (n, 3, 3), read off the old ones (m, 3, 3) with uv (m, 3, 2).
+
+    Args:
+        old: (m, 3, 3) corners, metres.
+        uv: (m, 3, 2) of the old corners.
+        new: (n, 3, 3) corners, metres.
+    """
     share = BARYCENTRIC / BARYCENTRIC.sum(axis=1, keepdims=True)
     samples = np.einsum("kc,mcx->mkx", share, old).reshape(-1, 3)
     owner = np.repeat(np.arange(len(old)), len(share))

@@ -80,6 +80,11 @@ class SweetHome3D(Package):
 def extract_library(library: Path, models: set[str], folder: Path) -> None:
     """Extract catalogue, licence and the folders of some models from an ``.sh3f`` zip.
 
+    Args:
+        library: the zip.
+        models: ids of those that are wanted.
+        folder: to extract into.
+
     Raises:
         zipfile.BadZipFile: the zip is damaged.
         KeyError: it has no catalogue.
