@@ -14,7 +14,7 @@ from vcage.base.files import RunFolder
 from vcage.base.options import POSITIVE, UNSAID
 from vcage.base.progress import Progress, silent
 from vcage.datasets.packing.clips import Clip
-from vcage.datasets.packing.dataset_search import search_data_set, stream_of
+from vcage.datasets.packing.dataset_search import search_data_set
 from vcage.datasets.packing.records import compression_record
 from vcage.datasets.packing.settings import CompressionSettings
 from vcage.datasets.recordings.opening import open_hdf5
@@ -91,8 +91,8 @@ def execute(
         )
         streams = []
         for (name, _), video in videos.items():
-            stream = stream_of(video)
-            shutil.copyfile(video, folder / stream.file)
+            stream = video.stream
+            shutil.copyfile(video.file, folder / stream.file)
             streams.append(stream.model_copy(update={"episode": files[name], "file": stage.inside(stream.file)}))
         return compression_record(provenance, options.compression, streams)
 

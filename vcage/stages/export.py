@@ -19,7 +19,7 @@ from vcage.base.progress import Progress, silent
 from vcage.datasets.lerobot.episode import LeRobotEpisode
 from vcage.datasets.lerobot.features import encodings
 from vcage.datasets.lerobot.formats import FORMATS, open_writer
-from vcage.datasets.packing.dataset_search import search_data_set, stream_of
+from vcage.datasets.packing.dataset_search import search_data_set
 from vcage.datasets.packing.output import OutputSpec
 from vcage.datasets.packing.settings import AUTO, CRF, CompressionSettings
 from vcage.datasets.packing.writing import lerobot_episode
@@ -133,8 +133,8 @@ def find_footage(run: RunFolder, options: Options, progress: Progress = silent) 
         return Footage(files, encodings(compression.streams, compression.encoding.preset))
     clips, names = clips_of(run)
     videos = search_data_set(clips, wanted, run.root / WORKING, workers=options.workers, progress=progress)
-    streams = [stream_of(video) for video in videos.values()]
-    files = {(names[name], camera): video for (name, camera), video in videos.items()}
+    streams = [video.stream for video in videos.values()]
+    files = {(names[name], camera): video.file for (name, camera), video in videos.items()}
     return Footage(files, encodings(streams, wanted.choices().settings().preset))
 
 

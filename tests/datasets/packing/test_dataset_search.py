@@ -12,7 +12,7 @@ from tests.runs import digests
 from vcage.base.errors import DamagedFile, MissingDependency, UnknownName
 from vcage.datasets.packing import clips as clip_module
 from vcage.datasets.packing.clips import Clip, perform
-from vcage.datasets.packing.dataset_search import search_data_set, stream_of, workers_for
+from vcage.datasets.packing.dataset_search import search_data_set, workers_for
 from vcage.datasets.packing.settings import CompressionSettings
 from vcage.datasets.packing.sources import find_sources
 from vcage.schema.compression import VideoStream
@@ -39,7 +39,7 @@ def episodes(folder: Path, **cameras: list) -> list[Clip]:
 
 
 def streams(clips: list[Clip], folder: Path, chosen: CompressionSettings = SEARCHED, **options) -> list[VideoStream]:
-    return [stream_of(video) for video in search_data_set(clips, chosen, folder, workers=1, **options).values()]
+    return [video.stream for video in search_data_set(clips, chosen, folder, workers=1, **options).values()]
 
 
 # --- what shares a CRF ---------------------------------------------------------------------------------
@@ -163,7 +163,7 @@ def test_a_single_clip_gets_all_cores_for_its_encoder(tmp_path, searches, monkey
 def test_a_search_that_broke_off_goes_on_and_ends_with_the_same_bytes(tmp_path, searches, monkeypatch):
     clips = episodes(tmp_path / "in", high=[24, 20, 22, 18, 25, 21], low=[30, 30, 29, 31, 30, 28])
     whole = {
-        key: video.read_bytes()
+        key: video.file.read_bytes()
         for key, video in search_data_set(clips, SEARCHED, tmp_path / "whole", workers=1).items()
     }
     needed = len(searches.calls)
@@ -174,7 +174,9 @@ def test_a_search_that_broke_off_goes_on_and_ends_with_the_same_bytes(tmp_path, 
         with monkeypatch.context() as patch, pytest.raises(KeyboardInterrupt):
             patch.setattr("vcage.datasets.packing.dataset_search.perform", perform)
             search_data_set(clips, SEARCHED, folder, workers=1)
-        again = {key: video.read_bytes() for key, video in search_data_set(clips, SEARCHED, folder, workers=1).items()}
+        again = {
+            key: video.file.read_bytes() for key, video in search_data_set(clips, SEARCHED, folder, workers=1).items()
+        }
         assert again == whole
         assert len(searches.calls) == needed
 
@@ -216,7 +218,7 @@ def test_what_was_made_of_another_input_or_otherwise_is_not_taken(tmp_path, sear
 
 def test_a_video_that_was_cut_off_is_made_again(tmp_path, searches):
     clips = episodes(tmp_path / "in", high=[24, 24])
-    video = next(iter(search_data_set(clips, SEARCHED, tmp_path / "work", workers=1).values()))
+    video = next(iter(search_data_set(clips, SEARCHED, tmp_path / "work", workers=1).values())).file
     content = video.read_bytes()
     video.write_bytes(content[:3])
     search_data_set(clips, SEARCHED, tmp_path / "work", workers=1)
@@ -225,7 +227,9 @@ def test_a_video_that_was_cut_off_is_made_again(tmp_path, searches):
 
 def test_a_record_that_was_cut_off_is_made_again(tmp_path, searches):
     clips = episodes(tmp_path / "in", high=[24, 24])
-    record = next(iter(search_data_set(clips, SEARCHED, tmp_path / "work", workers=1).values())).with_suffix(".json")
+    record = next(iter(search_data_set(clips, SEARCHED, tmp_path / "work", workers=1).values())).file.with_suffix(
+        ".json"
+    )
     content = record.read_bytes()
     record.write_bytes(content[:30])
     search_data_set(clips, SEARCHED, tmp_path / "work", workers=1)

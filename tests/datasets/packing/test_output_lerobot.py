@@ -108,7 +108,7 @@ def test_the_same_version_says_of_nothing_that_it_is_left_out(dataset):
     sources = find_sources(dataset, SETTINGS).sources
     output = resolve_output(OutputSpec(), sources)
     assert output.target == version_of(dataset)
-    assert [*sources[0].notes, *output_notes(sources[0], sources, output)] == []
+    assert [*sources[0].notes, *output_notes(sources, output)[sources[0].name]] == []
 
 
 def test_the_same_version_needs_all_episodes(dataset):

@@ -64,6 +64,14 @@ class Clip:
 
 
 @dataclass(frozen=True)
+class EncodedVideo:
+    """The video of a clip, and what is known of it."""
+
+    file: Path
+    stream: VideoStream
+
+
+@dataclass(frozen=True)
 class Task:
     """A search to be done.
 

@@ -16,10 +16,10 @@ import numpy as np
 
 from vcage.base.progress import Progress, silent
 from vcage.base.workers import cores, in_processes
-from vcage.datasets.packing.clips import Clip, Task, known, perform, whole
+from vcage.datasets.packing.clips import Clip, EncodedVideo, Task, known, perform, whole
 from vcage.datasets.packing.memory import free_memory
 from vcage.datasets.packing.settings import CompressionSettings
-from vcage.schema.compression import ClipRecord, VideoStream
+from vcage.schema.compression import VideoStream
 from vcage.video.choices import LOSSLESS, Choices
 from vcage.video.codec import formats_for
 from vcage.video.encoders import CODECS, require_encoder
@@ -51,10 +51,8 @@ class Bound:
     gop: int
     crf: int
 
-    def kept_by(self, stream: VideoStream | None) -> bool:
+    def kept_by(self, stream: VideoStream) -> bool:
         """Whether a stream is already encoded so."""
-        if stream is None:
-            return False
         if self.crf == LOSSLESS:
             return stream.lossless
         return (stream.pixel_format, stream.gop, stream.crf) == (self.pixel_format, self.gop, self.crf)
@@ -68,19 +66,19 @@ def search_data_set(
     workers: int | None = None,
     threads: int | None = None,
     progress: Progress = silent,
-) -> dict[Key, Path]:
+) -> dict[Key, EncodedVideo]:
     """Search and encode all clips; what an interrupted call left in ``folder`` is taken up.
 
     Args:
         clips: every camera of every recording.
         settings: how.
-        folder: for the videos and what is known of them; see :func:`stream_of`.
+        folder: for the videos and what is known of them.
         workers: processes at most, no more than there are clips; None takes as many as there are cores and memory for.
         threads: of the encoder in each process; None shares the cores out.
         progress: told of each clip that was encoded; its number falls where clips must be encoded again.
 
     Returns:
-        (recording, camera) → its video in ``folder``, and the record beside it.
+        (recording, camera) → its video in ``folder``, in the order of the clips.
 
     Raises:
         UnknownName, MissingDependency: see :func:`require_tools`.
@@ -135,6 +133,14 @@ def sample_of(clips: Sequence[Clip]) -> list[Clip]:
     return sample
 
 
+@dataclass(frozen=True)
+class _Found:
+    """What a clip was searched with last, and what was found."""
+
+    task: Task
+    stream: VideoStream
+
+
 @dataclass
 class _DataSetSearch:
     clips: list[Clip]
@@ -143,10 +149,9 @@ class _DataSetSearch:
     workers: int
     threads: int
     progress: Progress
-    streams: dict[Key, VideoStream] = field(default_factory=dict)
-    tasks: dict[Key, Task] = field(default_factory=dict)
+    found: dict[Key, _Found] = field(default_factory=dict)
 
-    def run(self) -> dict[Key, Path]:
+    def run(self) -> dict[Key, EncodedVideo]:
         choices = self.settings.choices()
         if self.settings.scope != "camera" or self.settings.crf is not None:
             self._round({_key(clip): choices for clip in self.clips})
@@ -198,10 +203,11 @@ class _DataSetSearch:
         return choices.fixed(settings, bound.crf)
 
     def _of(self, camera: str) -> list[VideoStream]:
-        return [stream for (_, name), stream in sorted(self.streams.items()) if name == camera]
+        return [self.found[key].stream for key in sorted(self.found) if key[1] == camera]
 
     def _unsettled(self, bounds: Mapping[str, Bound]) -> list[Clip]:
-        return [clip for clip in self.clips if not bounds[clip.camera].kept_by(self.streams.get(_key(clip)))]
+        settled = {key for key, one in self.found.items() if bounds[key[1]].kept_by(one.stream)}
+        return [clip for clip in self.clips if _key(clip) not in settled]
 
     def _round(self, wanted: Mapping[Key, Choices]) -> None:
         """Search clips with the choices given, as many at a time as there are processes."""
@@ -218,16 +224,18 @@ class _DataSetSearch:
 
     def _perform(self, tasks: Sequence[Task]) -> None:
         of = {_key(task.clip): task for task in tasks}
-        again = len(self.streams.keys() & of.keys())
+        again = len(self.found.keys() & of.keys())
         for clip, stream in in_processes(perform, tasks, self.workers):
-            self.progress(f"{clip.name} {clip.camera}, {_quality(stream)}", len(self.streams) - again, len(self.clips))
-            again -= _key(clip) in self.streams
+            quality = "lossless" if stream.crf is None else f"CRF {stream.crf}"
+            self.progress(f"{clip.name} {clip.camera}, {quality}", len(self.found) - again, len(self.clips))
+            again -= _key(clip) in self.found
             self._note(of[_key(clip)], stream)
 
-    def _videos(self) -> dict[Key, Path]:
+    def _videos(self) -> dict[Key, EncodedVideo]:
         """All videos in the order of the clips, of which those that an interruption left unwritten are made now."""
-        self._perform([task for task in self.tasks.values() if not whole(task)])
-        return {_key(clip): self.tasks[_key(clip)].video for clip in self.clips}
+        self._perform([one.task for one in self.found.values() if not whole(one.task)])
+        found = {_key(clip): self.found[_key(clip)] for clip in self.clips}
+        return {key: EncodedVideo(one.task.video, one.stream) for key, one in found.items()}
 
     def _task(self, clip: Clip, choices: Choices) -> Task:
         return Task(
@@ -241,20 +249,10 @@ class _DataSetSearch:
         )
 
     def _note(self, task: Task, stream: VideoStream) -> None:
-        before = self.tasks.get(_key(task.clip))
-        if before is not None and before.video != task.video:
-            before.video.unlink(missing_ok=True)
-        self.streams[_key(task.clip)] = stream
-        self.tasks[_key(task.clip)] = task
-
-
-def _quality(stream: VideoStream) -> str:
-    return "lossless" if stream.crf is None else f"CRF {stream.crf}"
-
-
-def stream_of(video: Path) -> VideoStream:
-    """What is known of a video that :func:`search_data_set` left in its folder."""
-    return ClipRecord.read(video.with_suffix(".json")).stream
+        before = self.found.get(_key(task.clip))
+        if before is not None and before.task.video != task.video:
+            before.task.video.unlink(missing_ok=True)
+        self.found[_key(task.clip)] = _Found(task, stream)
 
 
 def _key(clip: Clip) -> Key:

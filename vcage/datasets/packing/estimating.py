@@ -16,7 +16,6 @@ from vcage.datasets.packing.dataset_search import (
     encoder_threads,
     sample_of,
     search_data_set,
-    stream_of,
     workers_for,
 )
 from vcage.datasets.packing.pack import Order, prepare
@@ -71,7 +70,7 @@ def estimate_clips(
         videos = search_data_set(
             sample, settings, Path(folder), workers=1, threads=encoder_threads(workers), progress=progress
         )
-        streams = [stream_of(video) for video in videos.values()]
+        streams = [video.stream for video in videos.values()]
     seconds = time.perf_counter() - begun
     cameras = {
         name: _camera([c for c in clips if c.camera == name], [s for s in streams if s.camera == name])

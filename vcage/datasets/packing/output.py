@@ -69,13 +69,13 @@ def keeps_version(sources: Sequence[Source], output: OutputSpec) -> bool:
     return output.lerobot and all(output.target == source.recording.TARGET for source in sources)
 
 
-def output_notes(source: Source, sources: Sequence[Source], output: OutputSpec) -> list[str]:
-    """What a user must know about what is written of one of the ``sources``, besides how it was understood."""
+def output_notes(sources: Sequence[Source], output: OutputSpec) -> dict[str, list[str]]:
+    """Recording → what a user must know about what is written of it, besides how it was understood."""
     if not output.lerobot:
-        return []
+        return {source.name: [] for source in sources}
     left_out = [] if keeps_version(sources, output) else sources[0].recording.left_out()
     notes = [f"left out, as another version is written: {', '.join(left_out)}"] if left_out else []
-    return notes + source.recording.state_notes
+    return {source.name: notes + source.recording.state_notes for source in sources}
 
 
 def require_alike(clips: Sequence[Clip], output: OutputSpec) -> None:

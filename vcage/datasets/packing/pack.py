@@ -18,7 +18,7 @@ from vcage.base.files import RunFolder, atomic_folder, held
 from vcage.base.keeper import Keeper
 from vcage.base.progress import Progress, silent
 from vcage.datasets.packing.clips import Clip
-from vcage.datasets.packing.dataset_search import require_tools, search_data_set, stream_of
+from vcage.datasets.packing.dataset_search import require_tools, search_data_set
 from vcage.datasets.packing.output import OutputSpec, output_notes, require_alike, resolve_output
 from vcage.datasets.packing.records import compression_record
 from vcage.datasets.packing.settings import CompressionSettings
@@ -159,12 +159,12 @@ def pack(order: Order, *, workers: int | None = None, force: bool = False, progr
         sources, videos = work.without_damaged(
             lambda clips: search_data_set(clips, order.settings, working / "videos", workers=workers, progress=progress)
         )
-        streams = {key: stream_of(video) for key, video in videos.items()}
+        streams = [video.stream for video in videos.values()]
         notes = _notes(sources, work.output)
-        record = compression_record(provenance, order.settings, list(streams.values()), notes)
+        record = compression_record(provenance, order.settings, streams, notes)
         whole = working / "whole"
         shutil.rmtree(whole, ignore_errors=True)
-        compressed = Compressed(sources.sources, streams, videos, record.encoding.preset)
+        compressed = Compressed(sources.sources, videos, record.encoding.preset)
         write_output(compressed, work.output, whole, progress)
         record.write(whole / RECORD)
         with atomic_folder(out) as folder:
@@ -208,7 +208,8 @@ def _finished(out: Path, provenance: Provenance, *, force: bool) -> Packed | Non
 
 def _notes(sources: Sources, output: OutputSpec) -> dict[str, list[str]]:
     """Recording → what a user must know of it, those that were left out as damaged too."""
-    notes = {one.name: [*one.notes, *output_notes(one, sources.sources, output)] for one in sources.sources}
+    told = output_notes(sources.sources, output)
+    notes = {source.name: [*source.notes, *told[source.name]] for source in sources.sources}
     for name, cameras in sources.missing_cameras().items():
         notes[name].append(f"it lacks {', '.join(cameras)}, which others have")
     return {**notes, **{name: [f"left out: {text}"] for name, text in sources.damaged.items()}}

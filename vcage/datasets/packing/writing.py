@@ -5,8 +5,9 @@ from __future__ import annotations
 import shutil
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
-from typing import TypeVar
+from typing import Any
 
 import h5py
 import numpy as np
@@ -20,6 +21,7 @@ from vcage.datasets.lerobot.formats import open_writer
 from vcage.datasets.lerobot.repack import repack
 from vcage.datasets.lerobot.statistics import picture_histogram
 from vcage.datasets.packed import write_packed
+from vcage.datasets.packing.clips import EncodedVideo
 from vcage.datasets.packing.dataset_search import Key
 from vcage.datasets.packing.output import OutputSpec, keeps_version
 from vcage.datasets.packing.sources import Source
@@ -30,8 +32,6 @@ from vcage.schema.compression import VideoStream
 SAMPLES = 50
 """Pictures per episode and camera, evenly spaced, for the statistics of pixels."""
 
-T = TypeVar("T")
-
 
 @dataclass(frozen=True)
 class Compressed:
@@ -39,15 +39,25 @@ class Compressed:
 
     Args:
         sources: the recordings.
-        streams: (recording, camera) → what is known of its video.
         videos: (recording, camera) → the video.
         preset: of the encoder of all.
     """
 
     sources: Sequence[Source]
-    streams: Mapping[Key, VideoStream]
-    videos: Mapping[Key, Path]
+    videos: Mapping[Key, EncodedVideo]
     preset: str
+
+    @cached_property
+    def by_recording(self) -> dict[str, dict[str, EncodedVideo]]:
+        """Recording → camera → video."""
+        found: dict[str, dict[str, EncodedVideo]] = {}
+        for (name, camera), video in self.videos.items():
+            found.setdefault(name, {})[camera] = video
+        return found
+
+    def encodings(self) -> dict[str, dict[str, Any]]:
+        """Camera → what a LeRobot data set says of its encoding."""
+        return encodings([video.stream for video in self.videos.values()], self.preset)
 
 
 def write_output(compressed: Compressed, output: OutputSpec, out: Path, progress: Progress) -> None:
@@ -69,8 +79,8 @@ def write_output(compressed: Compressed, output: OutputSpec, out: Path, progress
     elif output.lerobot:
         _write_lerobot(compressed, output, out, progress)
     else:
-        for key, stream in compressed.streams.items():
-            _copy(compressed.videos[key], out / stream.file)
+        for video in compressed.videos.values():
+            _copy(video.file, out / video.stream.file)
         if output.target == HDF5:
             _write_hdf5(compressed, out, progress)
 
@@ -82,11 +92,10 @@ def _copy(file: Path, target: Path) -> None:
 
 def _write_hdf5(compressed: Compressed, out: Path, progress: Progress) -> None:
     """The files, with links to the videos that lie there."""
-    streams_of = _by_recording(compressed.streams)
     links: dict[str, list[Stream]] = {}
     for source in compressed.sources:
-        own = streams_of[source.name].values()
-        links.setdefault(source.file, []).extend(_link(source.recording, stream) for stream in own)
+        own = [_link(source.recording, video.stream) for video in compressed.by_recording[source.name].values()]
+        links.setdefault(source.file, []).extend(own)
     paths = {source.file: source.recording.path for source in compressed.sources}
     for number, (file, path) in enumerate(paths.items()):
         progress(f"writing {file}", number, len(paths))
@@ -94,14 +103,6 @@ def _write_hdf5(compressed: Compressed, out: Path, progress: Progress) -> None:
         write_packed(path, target, links[file])
         for video in _kept_videos(path, links[file]):
             _copy(video, target.with_name(video.name))
-
-
-def _by_recording(of: Mapping[Key, T]) -> dict[str, dict[str, T]]:
-    """Recording → camera → what there is of it."""
-    found: dict[str, dict[str, T]] = {}
-    for (name, camera), one in of.items():
-        found.setdefault(name, {})[camera] = one
-    return found
 
 
 def _kept_videos(path: Path, replaced: Sequence[Stream]) -> list[Path]:
@@ -131,21 +132,20 @@ def _link(recording: Recording, stream: VideoStream) -> Stream:
 
 
 def _write_lerobot(compressed: Compressed, output: OutputSpec, out: Path, progress: Progress) -> None:
-    videos_of = _by_recording(compressed.videos)
-    told = encodings(list(compressed.streams.values()), compressed.preset)
-    with open_writer(str(output.target), out, told) as writer:
+    with open_writer(str(output.target), out, compressed.encodings()) as writer:
         for number, source in enumerate(compressed.sources):
             progress(f"writing {source.name}", number, len(compressed.sources))
-            writer.add(lerobot_episode(source.recording, videos_of[source.name], output))
+            videos = {camera: video.file for camera, video in compressed.by_recording[source.name].items()}
+            writer.add(lerobot_episode(source.recording, videos, output))
 
 
 def _repack_lerobot(compressed: Compressed, out: Path, progress: Progress) -> None:
     """All stays as it is but the videos of the cameras that were compressed."""
     recording = compressed.sources[0].recording
-    told = encodings(list(compressed.streams.values()), compressed.preset)
+    told = compressed.encodings()
     keys = {camera: recording.camera(camera).key for camera in told}
     new = {
-        key: {source.recording.number: compressed.videos[source.name, camera] for source in compressed.sources}
+        key: {source.recording.number: compressed.videos[source.name, camera].file for source in compressed.sources}
         for camera, key in keys.items()
     }
     repack(recording.path, out, new, {keys[camera]: facts for camera, facts in told.items()}, progress)
