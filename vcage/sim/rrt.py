@@ -16,32 +16,47 @@ SHORTCUTS = 60
 """Random shortcuts that are tried on a path that was found."""
 
 
+Free = Callable[[np.ndarray, np.ndarray], bool]
+"""Whether the straight segment between two joints (n,) is free."""
+
+
 class _Tree:
-    def __init__(self, root: np.ndarray):
+    def __init__(self, root: np.ndarray, free: Free):
         self.nodes = [root]
-        self.parents = [-1]
+        self._parents = [-1]
+        self._free = free
 
-    def nearest(self, q: np.ndarray) -> int:
-        return int(np.argmin(np.linalg.norm(np.array(self.nodes) - q, axis=1)))
-
-    def add(self, q: np.ndarray, parent: int) -> int:
-        self.nodes.append(q)
-        self.parents.append(parent)
+    def extend(self, q: np.ndarray) -> int | None:
+        """One step towards ``q``: the new node, or None where something is in the way."""
+        near = int(np.argmin(np.linalg.norm(np.array(self.nodes) - q, axis=1)))
+        gap = q - self.nodes[near]
+        step = self.nodes[near] + gap * min(1.0, STEP / max(np.abs(gap).max(), 1e-9))
+        if not self._free(self.nodes[near], step):
+            return None
+        self.nodes.append(step)
+        self._parents.append(near)
         return len(self.nodes) - 1
+
+    def reach(self, q: np.ndarray) -> int | None:
+        """Steps until it reaches ``q`` or is stopped: the node there, or None."""
+        while (new := self.extend(q)) is not None:
+            if np.allclose(self.nodes[new], q):
+                return new
+        return None
 
     def path_to(self, index: int) -> list[np.ndarray]:
         """From the root to a node."""
         path = []
         while index >= 0:
             path.append(self.nodes[index])
-            index = self.parents[index]
+            index = self._parents[index]
         return path[::-1]
 
 
 def connect(
     start: np.ndarray,
     goal: np.ndarray,
-    free: Callable[[np.ndarray, np.ndarray], bool],
+    free: Free,
     lower: np.ndarray,
     upper: np.ndarray,
     rng: np.random.Generator,
@@ -50,14 +65,14 @@ def connect(
 
     Args:
         start, goal: (n,) free joints, rad.
-        free: whether the straight segment between two joints is free.
+        free: what is free.
         lower, upper: (n,) joint limits.
         rng: of the samples.
     """
-    here, there = _Tree(start), _Tree(goal)
+    here, there = _Tree(start, free), _Tree(goal, free)
     for attempt in range(TRIES):
-        new = _extend(here, rng.uniform(lower, upper), free)
-        if new is not None and (met := _reach(there, here.nodes[new], free)) is not None:
+        new = here.extend(rng.uniform(lower, upper))
+        if new is not None and (met := there.reach(here.nodes[new])) is not None:
             first, second = here.path_to(new), there.path_to(met)[::-1][1:]
             path = first + second
             return _shortened(path if attempt % 2 == 0 else path[::-1], free, rng)
@@ -65,25 +80,8 @@ def connect(
     return None
 
 
-def _extend(tree: _Tree, q: np.ndarray, free: Callable[[np.ndarray, np.ndarray], bool]) -> int | None:
-    """One step of the tree towards ``q``."""
-    near = tree.nearest(q)
-    gap = q - tree.nodes[near]
-    step = tree.nodes[near] + gap * min(1.0, STEP / max(np.abs(gap).max(), 1e-9))
-    return tree.add(step, near) if free(tree.nodes[near], step) else None
-
-
-def _reach(tree: _Tree, q: np.ndarray, free: Callable[[np.ndarray, np.ndarray], bool]) -> int | None:
-    """Steps of the tree until it reaches ``q`` or is stopped."""
-    while (new := _extend(tree, q, free)) is not None:
-        if np.allclose(tree.nodes[new], q):
-            return new
-    return None
-
-
-def _shortened(
-    path: list[np.ndarray], free: Callable[[np.ndarray, np.ndarray], bool], rng: np.random.Generator
-) -> list[np.ndarray]:
+def _shortened(path: list[np.ndarray], free: Free, rng: np.random.Generator) -> list[np.ndarray]:
+    """The path with random shortcuts."""
     for _ in range(SHORTCUTS):
         if len(path) < 3:
             break

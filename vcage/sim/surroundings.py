@@ -23,6 +23,9 @@ FRICTION = 0.8
 LEG = 0.025
 """Half width of a table leg, metres."""
 
+PEDESTAL = 0.11
+"""Half width of what an arm stands on, metres."""
+
 WALL_BEHIND, WALL_HEIGHT = 2.5, 3.0
 """Distance of the back wall from the table's centre, so that its shadow does not reach the table, metres."""
 
@@ -122,7 +125,7 @@ def _pedestal_shapes(robot: Robot) -> list[sapien.render.RenderShape]:
     for arm in robot.arms.values():
         x, y, z = arm.base.position
         if z > 0.05:
-            shapes.append(_box([x, y, z / 2], [0.11, 0.11, z / 2], dark))
+            shapes.append(_box([x, y, z / 2], [PEDESTAL, PEDESTAL, z / 2], dark))
     return shapes
 
 

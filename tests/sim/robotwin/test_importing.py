@@ -73,6 +73,14 @@ def test_the_gripper_is_measured_on_the_collision_shapes(folder):
     assert (gripper.closed, gripper.open, gripper.force) == (0.0, 0.03, 40.0)
 
 
+def test_what_an_embodiment_does_not_say_of_hand_and_arm_is_assumed(folder):
+    arm_record = loaded(write(folder, config()))[0].arms["left"]
+    hand = arm_record.gripper
+    assert (hand.finger_width, hand.finger_thickness, hand.palm_height, hand.approach) == (0.022, 0.022, 0.12, 0.09)
+    assert (hand.friction, hand.friction_patch, hand.empty_width) == (2.0, 0.1, 0.0015)
+    assert (arm_record.max_speed, arm_record.max_acceleration, arm_record.self_collision_gap) == (2.1, 7.5, 4)
+
+
 def test_the_gripper_frame_looks_out_of_the_hand_with_the_camera_at_its_x(folder):
     arm_record = loaded(write(folder, config()))[0].arms["left"]
     pose = arm_record.tool_offset.pose()
