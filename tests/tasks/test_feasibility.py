@@ -21,7 +21,7 @@ from tests.articulated import (
 from tests.scenes import TABLE_TOP, block_and_plate, kinematics, sensible, thing
 from vcage.base.geometry import Pose
 from vcage.schema.asset import FunctionalPoint
-from vcage.tasks.feasibility import Candidate, Finding, access, carrying_points, examine, fits, opens_wide_enough
+from vcage.tasks.feasibility import Feasibility, Transfer, access, carrying_points, examine, fits, opens_wide_enough
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.search import search
 
@@ -30,10 +30,10 @@ def point(receptacle: SceneObject):
     return receptacle.asset.annotation.functional_point(0)
 
 
-def finding(target: SceneObject, receptacle: SceneObject, *others: SceneObject, contact: int = 0) -> Finding:
+def finding(target: SceneObject, receptacle: SceneObject, *others: SceneObject, contact: int = 0) -> Feasibility:
     place, floor = point(receptacle), receptacle.asset.opening(point(receptacle)).floor
-    candidate = Candidate(target, target.asset.annotation.contact_point(contact), receptacle, place, others)
-    return examine(candidate, kinematics(), Pose([0.0, 0.0, floor]), TABLE_TOP)
+    transfer = Transfer(target, target.asset.annotation.contact_point(contact), receptacle, place, others)
+    return examine(transfer, kinematics(), Pose([0.0, 0.0, floor]), TABLE_TOP)
 
 
 def ring(middle: SceneObject, spacing: float) -> list[SceneObject]:

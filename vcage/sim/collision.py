@@ -17,7 +17,7 @@ from vcage.sim.bodies import Body
 from vcage.sim.joints import part_name, part_names
 from vcage.sim.kinematics import ArmKinematics, kinematics_of
 from vcage.sim.poses import to_sapien
-from vcage.sim.shapes import Shape, box_shape, model_shapes
+from vcage.sim.shapes import ConvexShape, box_shape, model_shapes
 from vcage.sim.surroundings import THICKNESS
 
 if TYPE_CHECKING:
@@ -58,7 +58,7 @@ class Contact:
 class _Solids:
     """Shapes with poses, as FCL objects, and spheres around them for a quick first look."""
 
-    def __init__(self, items: Iterable[tuple[str, Shape, sapien.Pose]]):
+    def __init__(self, items: Iterable[tuple[str, ConvexShape, sapien.Pose]]):
         self.names: list[str] = []
         self.objects: list[fcl.CollisionObject] = []
         centres, radii = [], []
@@ -191,7 +191,9 @@ def _spheres_meet(a: _Solids, b: _Solids) -> np.ndarray:
     return apart < a.radii[:, None] + b.radii[None]
 
 
-def _links_of(arm: str, kinematics: ArmKinematics, joints: np.ndarray | None) -> list[tuple[str, Shape, sapien.Pose]]:
+def _links_of(
+    arm: str, kinematics: ArmKinematics, joints: np.ndarray | None
+) -> list[tuple[str, ConvexShape, sapien.Pose]]:
     base = to_sapien(kinematics.arm.base.pose())
     poses = kinematics.base_poses(kinematics.home if joints is None else joints, 1.0)
     return [(f"{arm}/{link}", shape, base * poses[link]) for link, shape in kinematics.link_shapes]

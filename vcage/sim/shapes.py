@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Shape:
+class ConvexShape:
     """A convex solid in the frame of its body.
 
     Args:
@@ -46,16 +46,16 @@ def _collision_object() -> type[fcl.CollisionObject]:
     return fcl.CollisionObject
 
 
-def box_shape(size: Iterable[float]) -> Shape:
+def box_shape(size: Iterable[float]) -> ConvexShape:
     """A box of that size (x, y, z) around the origin."""
     import sapien
     from mplib.pymp.collision_detection import fcl
 
     size = np.asarray(list(size), dtype=np.float64)
-    return Shape(fcl.Box(*size), sapien.Pose(), np.zeros(3), float(np.linalg.norm(size) / 2))
+    return ConvexShape(fcl.Box(*size), sapien.Pose(), np.zeros(3), float(np.linalg.norm(size) / 2))
 
 
-def physics_shape(shape: sapien.physx.PhysxCollisionShape) -> Shape:
+def physics_shape(shape: sapien.physx.PhysxCollisionShape) -> ConvexShape:
     """A SAPIEN box or convex mesh.
 
     Raises:
@@ -66,16 +66,18 @@ def physics_shape(shape: sapien.physx.PhysxCollisionShape) -> Shape:
 
     if isinstance(shape, sapien.physx.PhysxCollisionShapeBox):
         box = box_shape(2 * np.asarray(shape.half_size))
-        return Shape(box.geometry, shape.local_pose, box.centre, box.radius)
+        return ConvexShape(box.geometry, shape.local_pose, box.centre, box.radius)
     if not isinstance(shape, sapien.physx.PhysxCollisionShapeConvexMesh):
         raise ValueError(f"cannot plan around a {type(shape).__name__}")
     vertices = np.asarray(shape.vertices, dtype=np.float64) * shape.scale
     geometry = fcl.Convex(vertices, np.asarray(shape.triangles, dtype=np.int32))
     centre = (vertices.min(axis=0) + vertices.max(axis=0)) / 2
-    return Shape(geometry, shape.local_pose, centre, float(np.linalg.norm(vertices - centre, axis=1).max()))
+    return ConvexShape(geometry, shape.local_pose, centre, float(np.linalg.norm(vertices - centre, axis=1).max()))
 
 
-def model_shapes(model: PhysicalModel, joints: Sequence[float] = ()) -> list[tuple[str | None, Shape, sapien.Pose]]:
+def model_shapes(
+    model: PhysicalModel, joints: Sequence[float] = ()
+) -> list[tuple[str | None, ConvexShape, sapien.Pose]]:
     """The hulls of an object: the part they belong to (None for the body), the shape, and the part's pose in the
     object frame.
 
@@ -88,7 +90,7 @@ def model_shapes(model: PhysicalModel, joints: Sequence[float] = ()) -> list[tup
 
 
 @functools.lru_cache(maxsize=1024)
-def _hull(path: str) -> Shape:
+def _hull(path: str) -> ConvexShape:
     from sapien import physx
 
     return physics_shape(physx.PhysxCollisionShapeConvexMesh(path, [1, 1, 1], physx.get_default_material()))

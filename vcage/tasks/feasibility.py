@@ -1,6 +1,6 @@
-"""Feasible before simulated: everything about a candidate that geometry and inverse kinematics can tell.
+"""Feasible before simulated: everything about a transfer that geometry and inverse kinematics can tell.
 
-A candidate is an object with one contact point and a receptacle with one functional point. Each check says what
+A transfer is an object with one contact point and a receptacle with one functional point. Each check says what
 was measured against what is allowed, in a sentence that a person can read.
 """
 
@@ -34,7 +34,7 @@ COVER = 0.01
 
 
 @dataclass(frozen=True)
-class Candidate:
+class Transfer:
     """One thing to try: grasp ``target`` at ``contact`` and put it at ``point`` of ``receptacle``."""
 
     target: SceneObject
@@ -45,8 +45,8 @@ class Candidate:
 
 
 @dataclass(frozen=True)
-class Finding:
-    """The checks of a candidate up to the first that failed, and the arms that can do it, best first."""
+class Feasibility:
+    """The checks of a transfer up to the first that failed, and the arms that can do it, best first."""
 
     checks: list[Check]
     grasps: list[Grasp]
@@ -142,51 +142,53 @@ def opens_wide_enough(target: SceneObject, contact: ContactPoint, kinematics: Ma
     )
 
 
-def examine(candidate: Candidate, kinematics: Mapping[str, ArmKinematics], slot: Pose, table_height: float) -> Finding:
-    """All checks of a candidate, cheap ones first; stops at the first that no arm passes.
+def examine(
+    transfer: Transfer, kinematics: Mapping[str, ArmKinematics], slot: Pose, table_height: float
+) -> Feasibility:
+    """All checks of a transfer, cheap ones first; stops at the first that no arm passes.
 
     Args:
         kinematics: by arm.
         slot: where the object goes, in the receptacle's frame.
         table_height: z of the table top, metres.
     """
-    reached = access(candidate.receptacle, candidate.point)
+    reached = access(transfer.receptacle, transfer.point)
     if not reached.passed:
-        return Finding([reached], [])
+        return Feasibility([reached], [])
     checks = [
-        fits(candidate.target, candidate.receptacle, candidate.point),
-        opens_wide_enough(candidate.target, candidate.contact, kinematics),
+        fits(transfer.target, transfer.receptacle, transfer.point),
+        opens_wide_enough(transfer.target, transfer.contact, kinematics),
     ]
     if not all(check.passed for check in checks):
-        return Finding(checks, [])
-    reports = {arm: examine_arm(candidate, arm, k, slot, table_height) for arm, k in kinematics.items()}
+        return Feasibility(checks, [])
+    reports = {arm: examine_arm(transfer, arm, k, slot, table_height) for arm, k in kinematics.items()}
     grasps = [
-        Grasp(contact=candidate.contact.id, arm=arm, score=round(score, 4))
+        Grasp(contact=transfer.contact.id, arm=arm, score=round(score, 4))
         for arm, (_, score) in reports.items()
         if score is not None
     ]
     grasps.sort(key=lambda grasp: (-grasp.score, grasp.arm))
-    # the arm that came furthest explains the candidate best
+    # the arm that came furthest explains the transfer best
     best = grasps[0].arm if grasps else max(reports, key=lambda arm: sum(c.passed for c in reports[arm][0]))
-    return Finding(checks + reports[best][0], grasps)
+    return Feasibility(checks + reports[best][0], grasps)
 
 
 def examine_arm(
-    candidate: Candidate, arm: str, kinematics: ArmKinematics, slot: Pose, table_height: float
+    transfer: Transfer, arm: str, kinematics: ArmKinematics, slot: Pose, table_height: float
 ) -> tuple[list[Check], float | None]:
     """The checks of one arm, and the score of its motion; None when it cannot.
 
     Args:
-        candidate: what is tried.
+        transfer: what is tried.
         arm: its name.
         kinematics: of the arm.
         slot: where the object goes, in the receptacle's frame.
         table_height: z of the table top, metres.
     """
     found: dict[str, Check] = {}
-    poses = grasp_poses(candidate.target.pose, candidate.contact, kinematics.arm.gripper, candidate.target.box.bottom)
+    poses = grasp_poses(transfer.target.pose, transfer.contact, kinematics.arm.gripper, transfer.target.box.bottom)
     for grasp in poses:
-        checks, score = _examine_pose(candidate, arm, kinematics, grasp, slot, table_height)
+        checks, score = _examine_pose(transfer, arm, kinematics, grasp, slot, table_height)
         if score is not None:
             return checks, score  # the straightest pose that works: later ones only tilt more
         for check in checks:
@@ -196,11 +198,11 @@ def examine_arm(
 
 
 def _examine_pose(
-    candidate: Candidate, arm: str, kinematics: ArmKinematics, grasp: GraspPose, slot: Pose, table_height: float
+    transfer: Transfer, arm: str, kinematics: ArmKinematics, grasp: GraspPose, slot: Pose, table_height: float
 ) -> tuple[list[Check], float | None]:
-    target = candidate.target
-    blocked = _blocked_by(grasp.pose, candidate, kinematics)
-    contact = candidate.contact.name
+    target = transfer.target
+    blocked = _blocked_by(grasp.pose, transfer, kinematics)
+    contact = transfer.contact.name
     phrase = target.record.phrase
     free = f"the hand has room around {contact!r} of {phrase}"
     checks = [
@@ -213,15 +215,15 @@ def _examine_pose(
     if blocked is not None:
         return checks, None
 
-    height = transfer_height([*candidate.others, candidate.receptacle], table_height)
+    height = transfer_height([*transfer.others, transfer.receptacle], table_height)
     pick = pick_way(target, grasp, kinematics.arm.gripper, height)
     picked = _follow(kinematics, [pick.before, pick.grasp, pick.lifted], kinematics.home)
     checks.append(_reach_check("reach_grasp", f"{contact!r} of {phrase}", picked is not None, arm))
     if picked is None:
         return checks, None
 
-    drop, path = _best_place(candidate, kinematics, grasp, slot, height, picked[-1])
-    where = f"{candidate.point.name!r} of {candidate.receptacle.record.phrase}"
+    drop, path = _best_place(transfer, kinematics, grasp, slot, height, picked[-1])
+    where = f"{transfer.point.name!r} of {transfer.receptacle.record.phrase}"
     checks.append(_drop_check(phrase, where, drop))
     if drop > MAX_DROP:
         return checks, None
@@ -232,7 +234,7 @@ def _examine_pose(
 
 
 def _best_place(
-    candidate: Candidate,
+    transfer: Transfer,
     kinematics: ArmKinematics,
     grasp: GraspPose,
     slot: Pose,
@@ -240,9 +242,9 @@ def _best_place(
     start: np.ndarray,
 ) -> tuple[float, list[np.ndarray] | None]:
     """The drop and joint path of the first turn of the object that the arm can place; else the least drop and None."""
-    receptacle = candidate.receptacle
-    obstacles = [*receptacle.walls(candidate.point.id), *(o.box for o in candidate.others)]
-    width = candidate.target.asset.grasp_width(candidate.contact)
+    receptacle = transfer.receptacle
+    obstacles = [*receptacle.walls(transfer.point.id), *(o.box for o in transfer.others)]
+    width = transfer.target.asset.grasp_width(transfer.contact)
     drops = []
     for goal in goals_in_slot(receptacle, slot):
         way = place_way(grasp.in_object, goal, obstacles, kinematics.arm.gripper, width, height)
@@ -254,11 +256,11 @@ def _best_place(
     return min(drops), None
 
 
-def _blocked_by(pose: Pose, candidate: Candidate, kinematics: ArmKinematics) -> str | None:
+def _blocked_by(pose: Pose, transfer: Transfer, kinematics: ArmKinematics) -> str | None:
     """The phrase of the first object that the open hand would touch at a grasp, or None."""
     gripper = kinematics.arm.gripper
-    opening = approach_opening(candidate.target.asset.grasp_width(candidate.contact), gripper)
-    for other in [candidate.receptacle, *candidate.others]:
+    opening = approach_opening(transfer.target.asset.grasp_width(transfer.contact), gripper)
+    for other in [transfer.receptacle, *transfer.others]:
         for part in hand_boxes(gripper, opening):
             if oriented_boxes_overlap(part, pose, other.asset.bounds, other.pose):
                 return other.record.phrase

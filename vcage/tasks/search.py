@@ -21,7 +21,7 @@ Judge = Callable[[Sequence[PairQuestion]], list[PairAnswer]]
 
 
 @dataclass(frozen=True)
-class SearchResult:
+class FoundSubtasks:
     """What was kept and what was refused, out of how many candidates."""
 
     kept: list[Subtask]
@@ -35,7 +35,7 @@ def search(
     judge: Judge,
     table_height: float,
     rng: np.random.Generator,
-) -> SearchResult:
+) -> FoundSubtasks:
     """Find the sub-tasks that are sensible and feasible in a scene.
 
     Args:
@@ -67,7 +67,7 @@ def search(
         subtask, complaints = proposal.examine(answer, objects, kinematics, table_height, rng)
         refused += complaints
         kept += [subtask] if subtask is not None else []
-    return SearchResult(kept, refused, sum(proposal.candidates for proposal in proposals))
+    return FoundSubtasks(kept, refused, sum(proposal.candidates for proposal in proposals))
 
 
 def compose(

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from vcage.apps.proof.trials import Places
+from vcage.apps.proof.trials import TrialPlaces
 from vcage.objects.asset import Asset
 from vcage.objects.model import read_model, write_model
 from vcage.objects.modelling.mappings import tiled
@@ -80,7 +80,7 @@ def make(tmp_path: Path) -> Make:
 
 
 @pytest.fixture(scope="session")
-def places() -> Places:
+def places() -> TrialPlaces:
     """The default table and robot."""
     template = load_template("table")
-    return Places(template, load_robot(template.robot))
+    return TrialPlaces(template, load_robot(template.robot))

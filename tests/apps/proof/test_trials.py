@@ -1,4 +1,4 @@
-"""Places and tries of a single object: nine of ten must succeed."""
+"""TrialPlaces and tries of a single object: nine of ten must succeed."""
 
 from __future__ import annotations
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vcage.apps.proof.trials import LIFT, OBJECT, Places, Tally, scene_object, world_with
+from vcage.apps.proof.trials import LIFT, OBJECT, Tally, TrialPlaces, scene_object, world_with
 from vcage.base.errors import InfeasibleScene
 from vcage.base.geometry import Pose
 from vcage.objects.asset import Asset
@@ -40,7 +40,7 @@ SLIP = 0.02
 """The place that is grasped may move in the hand by so much, metres; the object may swing about it."""
 
 
-def check_contact(asset: Asset, contact: ContactPoint, places: Places, tries: int, seed: int) -> ProofCheck:
+def check_contact(asset: Asset, contact: ContactPoint, places: TrialPlaces, tries: int, seed: int) -> ProofCheck:
     """Try one contact point of the body at random places of the table.
 
     Args:
@@ -88,7 +88,7 @@ def _blocked_part(asset: Asset, contact: ContactPoint, gripper: Gripper) -> str 
     return None
 
 
-def _try(asset: Asset, contact: ContactPoint, pose: Pose, places: Places) -> str | None:
+def _try(asset: Asset, contact: ContactPoint, pose: Pose, places: TrialPlaces) -> str | None:
     """Why no arm can hold the object there, or None when one held it to the end.
 
     The far arm is tried only where the near one finds no way; a grasp that fails is a failure.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from vcage.apps.proof.trials import OBJECT, Places, Tally, scene_object, world_with
+from vcage.apps.proof.trials import OBJECT, Tally, TrialPlaces, scene_object, world_with
 from vcage.base.errors import InfeasibleScene, VcageError
 from vcage.base.geometry import Pose
 from vcage.objects.asset import Asset
@@ -17,7 +17,7 @@ OPENED, CLOSED = 0.8, 0.12
 """Share of the range beyond which a joint counts as opened, and below which as closed."""
 
 
-def check_joint(asset: Asset, link: MovingLink, places: Places, tries: int, seed: int) -> ProofCheck:
+def check_joint(asset: Asset, link: MovingLink, places: TrialPlaces, tries: int, seed: int) -> ProofCheck:
     """Try one joint at random places of the table.
 
     Args:
@@ -43,7 +43,7 @@ def check_joint(asset: Asset, link: MovingLink, places: Places, tries: int, seed
     return tally.check("joint", link.name, {"range": link.joint.upper - link.joint.lower, "handles": len(contacts)})
 
 
-def _try(asset: Asset, index: int, contact: ContactPoint, pose: Pose, places: Places) -> str | None:
+def _try(asset: Asset, index: int, contact: ContactPoint, pose: Pose, places: TrialPlaces) -> str | None:
     world = world_with(asset, pose, places)
     world.settle()
     joint = asset.model.links[index].joint

@@ -14,7 +14,7 @@ from vcage.apps.proof.grasping import check_contact
 from vcage.apps.proof.mesh import check_mesh
 from vcage.apps.proof.operating import check_joint
 from vcage.apps.proof.releasing import check_functional, check_rest
-from vcage.apps.proof.trials import Places
+from vcage.apps.proof.trials import TrialPlaces
 from vcage.base.files import sha256_file
 from vcage.objects.asset import Asset
 from vcage.objects.library import Library
@@ -65,10 +65,10 @@ class Prover:
         self.trial = trial
 
     @cached_property
-    def places(self) -> Places:
+    def places(self) -> TrialPlaces:
         """The table and the robot."""
         template = load_template(self.trial.template)
-        return Places(template, load_robot(template.robot))
+        return TrialPlaces(template, load_robot(template.robot))
 
     def prove(self, name: str) -> ObjectProof:
         """All checks of an object's variants; a variant of the same shape as an earlier one shares its tries."""

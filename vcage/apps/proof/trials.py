@@ -34,7 +34,7 @@ LIFT = 0.15
 """How high an object is lifted, metres."""
 
 DRAWS = 50
-"""Places that are drawn until an arm reaches one."""
+"""TrialPlaces that are drawn until an arm reaches one."""
 
 SIDEWAYS = 0.9
 """An approach that leads down by less than this share comes from the side (more than 26° off)."""
@@ -43,7 +43,7 @@ FACING = np.radians(30)
 """How far such an approach may turn from straight away from the robot, radians."""
 
 
-class Places:
+class TrialPlaces:
     """Random places on the table of a scene.
 
     Args:
@@ -145,7 +145,7 @@ def scene_object(asset: Asset, pose: Pose, object_id: str = OBJECT, role: Role =
     return SceneObject(record, asset, pose)
 
 
-def world_with(asset: Asset, pose: Pose, places: Places) -> World:
+def world_with(asset: Asset, pose: Pose, places: TrialPlaces) -> World:
     """The table with the robot and the asset, for physics only.
 
     Args:

@@ -56,7 +56,7 @@ class Proposal(Protocol):
         ...
 
 
-class Template(Protocol):
+class SubtaskTemplate(Protocol):
     """A kind of sub-task."""
 
     @property
@@ -73,5 +73,5 @@ class Template(Protocol):
         ...
 
 
-TEMPLATES: Mapping[TemplateName, Template] = {template.name: template for template in (PickAndPlace(),)}
+TEMPLATES: Mapping[TemplateName, SubtaskTemplate] = {template.name: template for template in (PickAndPlace(),)}
 """By name, in the order in which the search goes through them."""

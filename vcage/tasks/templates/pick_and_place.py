@@ -12,7 +12,7 @@ from vcage.base.errors import InfeasibleScene
 from vcage.schema.asset import FunctionalPoint
 from vcage.schema.subtasks import Check, Goal, PairAnswer, PairQuestion, Refusal, Subtask, TemplateName
 from vcage.sim.kinematics import ArmKinematics
-from vcage.tasks.feasibility import Candidate, Finding, access, carrying_points, examine, fits
+from vcage.tasks.feasibility import Feasibility, Transfer, access, carrying_points, examine, fits
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.slots import GAP, allocate, lying_in
 
@@ -111,8 +111,8 @@ class Pair:
             return None, [self._refusal(error.message if present else self._no_room())]
         findings, refused = [], []
         for contact in carrying_points(self.target.asset.annotation):
-            candidate = Candidate(self.target, contact, self.receptacle, self.point, others)
-            finding = examine(candidate, kinematics, slot, table_height)
+            transfer = Transfer(self.target, contact, self.receptacle, self.point, others)
+            finding = examine(transfer, kinematics, slot, table_height)
             if finding.feasible:
                 findings.append(finding)
             else:
@@ -124,7 +124,7 @@ class Pair:
         fit = fits(self.target, self.receptacle, self.point)
         return f"{fit.message}, but with less than the {GAP * 1000:.0f} mm on each side that the robot needs"
 
-    def _subtask(self, answer: PairAnswer, findings: Sequence[Finding]) -> Subtask:
+    def _subtask(self, answer: PairAnswer, findings: Sequence[Feasibility]) -> Subtask:
         grasps = [grasp for finding in findings for grasp in finding.grasps]
         grasps.sort(key=lambda grasp: (-grasp.score, grasp.contact, grasp.arm))
         best = next(f for f in findings if grasps[0] in f.grasps)
