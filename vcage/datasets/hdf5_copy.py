@@ -37,7 +37,13 @@ def copy_file(source: h5py.File, target: h5py.File, replacements: Mapping[str, R
 
 
 def copy_attributes(source: h5py.HLObject, target: h5py.HLObject, *, leave: str = "") -> None:
-    """Copy attributes in their types, but for those whose names begin with ``leave``, if that is anything."""
+    """Copy attributes in their types, but for those whose names begin with ``leave``, if that is anything.
+
+    Args:
+        source: what has them.
+        target: what gets them.
+        leave: how the names of those begin that are not copied.
+    """
     for name in source.attrs:
         if not (leave and name.startswith(leave)):
             _copy_attribute(source, target, name)

@@ -142,7 +142,13 @@ class Link:
 
 
 def write_link(group: h5py.Group, name: str, link: Link) -> h5py.Dataset:
-    """Put a link under ``name``; returns its dataset."""
+    """Put a link under ``name``; returns its dataset.
+
+    Args:
+        group: of the file that is written.
+        name: in the group.
+        link: what stands there.
+    """
     dataset = group.create_dataset(name, data=link.stream.file, dtype=h5py.string_dtype("utf-8"), track_times=False)
     dataset.attrs[f"{OURS}schema"] = LINK_SCHEMA
     for key, value in asdict(link.stream).items():

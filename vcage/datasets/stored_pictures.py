@@ -169,6 +169,11 @@ def encoded_bytes(dataset: h5py.Dataset, index: int) -> bytes:
 def stored_picture(dataset: h5py.Dataset, index: int, what: str) -> NDArray[np.uint8]:
     """(H, W, 3) as stored: encoded pictures as a reader of picture files shows them.
 
+    Args:
+        dataset: of pictures.
+        index: of one of them.
+        what: names the dataset in messages.
+
     Raises:
         DamagedFile: it cannot be decoded, or is no picture; ``what`` names the dataset.
     """

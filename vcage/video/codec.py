@@ -186,7 +186,13 @@ def _tag_colour(context: av.VideoCodecContext, *, rgb: bool) -> None:
 
 
 def converted(picture: NDArray[np.uint8], pixel_format: str, index: int = 0) -> av.VideoFrame:
-    """A picture, (H, W, 3) uint8 RGB, as the encoder gets it, for the time ``index`` in frames."""
+    """A picture, (H, W, 3) uint8 RGB, as the encoder gets it, for the time ``index`` in frames.
+
+    Args:
+        picture: (H, W, 3) uint8 RGB.
+        pixel_format: FFmpeg's name.
+        index: the time of the picture, in frames.
+    """
     frame = av.VideoFrame.from_ndarray(np.ascontiguousarray(picture), format="rgb24")
     if pixel_format.startswith("gbr"):
         frame = frame.reformat(format=pixel_format, interpolation=EXACT, threads=1)

@@ -258,6 +258,11 @@ def held_out_frames(count: int, scored: Sequence[int], wander: int = WANDER) -> 
 
     Not every tenth: where the GOP is ten frames long, all of them might be intra-coded, which are better than the rest.
     Nor the very first, which is a keyframe in every clip.
+
+    Args:
+        count: how many frames there are.
+        scored: those that are judged anyway.
+        wander: step of the place from each ten frames to the next.
     """
     starts = range(0, count, HELD_OUT_EVERY)
     lengths = (min(HELD_OUT_EVERY, count - start) for start in starts)

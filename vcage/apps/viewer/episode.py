@@ -33,6 +33,12 @@ IMAGE_PLANE = 0.1
 def log_episode(log: RerunLog, path: Path, footage: Footage, progress: Progress) -> Contents:
     """Write an episode file into a Rerun recording.
 
+    Args:
+        log: where it is written.
+        path: the episode's file.
+        footage: which pictures to write.
+        progress: told of each camera.
+
     Raises:
         MissingStage, DamagedFile, SchemaMismatch: see :class:`vcage.datasets.reader.EpisodeReader` and
             :func:`vcage.apps.viewer.footage.compressed_videos`.

@@ -39,6 +39,11 @@ def find_episodes(path: Path) -> dict[int, Path | Recording]:
 def choose(found: dict[int, Path | Recording], number: int | None, path: Path) -> int:
     """``number`` if it is there, by default the first.
 
+    Args:
+        found: as :func:`find_episodes` found them.
+        number: of one of them; None for the first.
+        path: where they were found, for the message.
+
     Raises:
         MissingStage: nothing was found at ``path``.
         UnknownName: there is none of that number.

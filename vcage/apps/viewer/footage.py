@@ -36,6 +36,12 @@ def log_pictures(log: RerunLog, entity: str, clock: Clock, read: Callable[[range
 def log_video(log: RerunLog, entity: str, clock: Clock, file: Path) -> None:
     """A video as it is, one frame of it for each row.
 
+    Args:
+        log: where it is written.
+        entity: that shows it.
+        clock: when its frames are.
+        file: the video.
+
     Raises:
         DamagedFile: it is no video, or has another number of frames than ``clock`` has rows.
     """

@@ -33,7 +33,13 @@ MARGIN = 0.5
 
 
 def log_segments(log: RerunLog, clock: Clock, episode: EpisodeData) -> list[Plot]:
-    """The sub-tasks in all these ways."""
+    """The sub-tasks in all these ways.
+
+    Args:
+        log: where it is written.
+        clock: when the episode's frames are.
+        episode: whose sub-tasks.
+    """
     if not episode.segments:
         return []
     _log_texts(log, clock, episode.segments)

@@ -39,7 +39,13 @@ class Plot:
 
 
 def log_joints(log: RerunLog, clock: Clock, episode: EpisodeData) -> list[Plot]:
-    """Every number of an episode's state, measured, commanded and its velocity, by its name."""
+    """Every number of an episode's state, measured, commanded and its velocity, by its name.
+
+    Args:
+        log: where it is written.
+        clock: when the episode's frames are.
+        episode: whose numbers.
+    """
     arms: dict[str, list[str]] = {}
     grippers, velocities = [], []
     for column, name in enumerate(episode.state_names):
@@ -55,7 +61,13 @@ def log_joints(log: RerunLog, clock: Clock, episode: EpisodeData) -> list[Plot]:
 
 
 def log_motion(log: RerunLog, clock: Clock, recording: Recording) -> list[Plot]:
-    """What a recording of others knows of its robot: state and commands by their names, whatever their units."""
+    """What a recording of others knows of its robot: state and commands by their names, whatever their units.
+
+    Args:
+        log: where it is written.
+        clock: when the recording's frames are.
+        recording: whose numbers.
+    """
     motion, state = recording.motion, recording.state
     values = {} if state is None else dict(zip(recording.state_names, state.T, strict=True))
     told = recording.action_names
@@ -73,7 +85,13 @@ def log_motion(log: RerunLog, clock: Clock, recording: Recording) -> list[Plot]:
 
 
 def log_parts(log: RerunLog, clock: Clock, episode: EpisodeData) -> list[Plot]:
-    """Positions of the objects' moving parts."""
+    """Positions of the objects' moving parts.
+
+    Args:
+        log: where it is written.
+        clock: when the episode's frames are.
+        episode: whose numbers.
+    """
     entities = []
     for name, joints in episode.object_joints.items():
         for column in range(joints.shape[1]):

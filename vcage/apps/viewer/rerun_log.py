@@ -75,20 +75,45 @@ class RerunLog:
         self._stream.log(entity, what, static=True)
 
     def rows(self, entity: str, clock: Clock, columns: rr.ComponentColumnList) -> None:
-        """One row of ``columns`` at each time of ``clock``."""
+        """One row of ``columns`` at each time of ``clock``.
+
+        Args:
+            entity: of what.
+            clock: N times.
+            columns: N rows, of a kind that Rerun knows.
+        """
         self._stream.send_columns(entity, clock.columns(), columns)
 
     def numbers(self, entity: str, clock: Clock, values: ArrayLike) -> None:
-        """A number at each time."""
+        """A number at each time.
+
+        Args:
+            entity: of what.
+            clock: N times.
+            values: (N,).
+        """
         self.rows(entity, clock, rr.Scalars.columns(scalars=np.asarray(values, np.float64)))
 
     def poses(self, entity: str, clock: Clock, positions: ArrayLike, quaternions: ArrayLike) -> None:
-        """Where an entity is in its parent's frame: positions (N, 3) in metres, quaternions (N, 4) wxyz."""
+        """Where an entity is in its parent's frame.
+
+        Args:
+            entity: of what.
+            clock: N times.
+            positions: (N, 3), metres.
+            quaternions: (N, 4) wxyz.
+        """
         columns = rr.Transform3D.columns(translation=np.asarray(positions), quaternion=xyzw(quaternions))
         self.rows(entity, clock, columns)
 
     def path(self, entity: str, clock: Clock, poses: Sequence[Pose]) -> None:
-        """:meth:`poses`, of poses."""
+        """:meth:`poses`, of poses.
+
+        Args:
+            entity: of what.
+            clock: N times.
+            poses: N, in the frame of its parent.
+        """
         self.poses(entity, clock, [pose.p for pose in poses], [pose.q for pose in poses])
 
 

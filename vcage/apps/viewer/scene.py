@@ -51,7 +51,14 @@ def log_table(log: RerunLog, table: Table) -> None:
 
 
 def log_objects(log: RerunLog, clock: Clock, episode: EpisodeData, scene: Scene | None) -> None:
-    """Every object: its model where the library has it, else its box where the scene knows it, else its axes."""
+    """Every object: its model where the library has it, else its box where the scene knows it, else its axes.
+
+    Args:
+        log: where it is written.
+        clock: when the episode's frames are.
+        episode: whose objects.
+        scene: what is known of them; None for no more than their poses.
+    """
     known = [] if scene is None else [one for one in scene.objects if one.id in episode.object_poses]
     records = {record.id: record for record in known}
     models = _models(known)
@@ -111,7 +118,14 @@ ROBOT_COLOUR = (190, 195, 205)
 
 
 def log_robot(log: RerunLog, clock: Clock, episode: EpisodeData, name: str) -> None:
-    """The arms of the robot of that name; one that is not here, or not the one that was recorded, is left out."""
+    """The arms of the robot of that name; one that is not here, or not the one that was recorded, is left out.
+
+    Args:
+        log: where it is written.
+        clock: when the episode's frames are.
+        episode: what its joints measured.
+        name: of the robot, as :func:`vcage.sim.robots.load_robot` takes it.
+    """
     try:
         robot = load_robot(name)
     except VcageError as error:

@@ -92,6 +92,11 @@ def row_count(path: Path) -> int:
 def read_table(path: Path, columns: Sequence[str] | None = None, rows: pc.Expression | None = None) -> pa.Table:
     """A table, or some of its columns and rows.
 
+    Args:
+        path: of the file.
+        columns: their names; None for all.
+        rows: which of them; None for all.
+
     Raises:
         DamagedFile: it cannot be read, or lacks a column.
     """
@@ -154,6 +159,11 @@ def rewrite(source: Path, target: Path, *, without: Collection[str] = (), change
 
 def texts_of(source: Path, column: str, field: str) -> set[str]:
     """The different texts in one field of a column of structures; none where it has no such field.
+
+    Args:
+        source: a Parquet file.
+        column: of structures.
+        field: of these.
 
     Raises:
         DamagedFile: the file cannot be read.

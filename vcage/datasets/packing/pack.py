@@ -159,20 +159,24 @@ def pack(order: Order, *, workers: int | None = None, force: bool = False, progr
         sources, videos = work.without_damaged(
             lambda clips: search_data_set(clips, order.settings, working / "videos", workers=workers, progress=progress)
         )
-        streams = [video.stream for video in videos.values()]
         notes = _notes(sources, work.output)
+        streams = [video.stream for video in videos.values()]
         record = compression_record(provenance, order.settings, streams, notes)
         whole = working / "whole"
         shutil.rmtree(whole, ignore_errors=True)
-        compressed = Compressed(sources.sources, videos, record.encoding.preset)
-        write_output(compressed, work.output, whole, progress)
+        write_output(Compressed(sources.sources, videos, record.encoding.preset), work.output, whole, progress)
         record.write(whole / RECORD)
-        with atomic_folder(out) as folder:
-            for child in whole.iterdir():
-                os.replace(child, folder / child.name)
+        _move(whole, out)
         shutil.rmtree(working)
     _tell(notes)
     return Packed(record, out / RECORD, fresh=True)
+
+
+def _move(whole: Path, out: Path) -> None:
+    """Give what a folder holds its place in the output, which appears with all of it."""
+    with atomic_folder(out) as folder:
+        for child in whole.iterdir():
+            os.replace(child, folder / child.name)
 
 
 def _clear(working: Path) -> None:
