@@ -71,7 +71,9 @@ class _ChainAnswer(Answer):
 
 
 class LlmReasoner:
-    """Implements :class:`vcage.models.protocols.Reasoner`; ``rng`` is not used, since the model chooses.
+    """Implements :class:`vcage.models.protocols.Reasoner`, which says what the arguments are.
+
+    ``rng`` is not used, since the model chooses.
 
     Raises (all methods): ModelRefused, EndpointFailed, ConfigurationError; see :func:`vcage.models.structured.ask`.
     """

@@ -58,7 +58,12 @@ class Search(Protocol):
     provider: str
 
     def search(self, query: str, entries: Sequence[CatalogueEntry], top: int) -> Found:
-        """The best ``top`` entries and their scores, best first; ties keep the order of the names."""
+        """The best entries and their scores, best first; ties keep the order of the names.
+
+        Args:
+            query: what is looked for, in plain words.
+            top: at most so many.
+        """
         ...
 
 
@@ -118,7 +123,12 @@ def best_search() -> Search:
 def shortlist(
     queries: Sequence[str], entries: Sequence[CatalogueEntry], search: Search, most: int
 ) -> list[CatalogueEntry]:
-    """At most ``most`` entries, those that answer any of the queries best; in order of their first rank."""
+    """The entries that answer any of the queries best; in order of their first rank.
+
+    Args:
+        search: ranks the entries by each query.
+        most: at most so many are kept.
+    """
     rankings = [search.search(query, entries, most) for query in queries]
     taken: dict[str, CatalogueEntry] = {}
     for rank in range(max((len(found) for found in rankings), default=0)):
@@ -129,7 +139,11 @@ def shortlist(
 
 
 def narrow(instruction: str, catalogue: Sequence[CatalogueEntry], search: Callable[[], Search]) -> list[CatalogueEntry]:
-    """The catalogue, or of a large one what answers the instruction or any of its phrases, in the catalogue's order."""
+    """The catalogue, or of a large one what answers the instruction or any of its phrases, in the catalogue's order.
+
+    Args:
+        search: makes the search that ranks a large catalogue; a small one needs none.
+    """
     lengths = {entry.name: len(catalogue_line(entry)) + 1 for entry in catalogue}
     if len(catalogue) <= MOST_KINDS and sum(lengths.values()) <= MOST_CATALOGUE_TEXT:
         return list(catalogue)

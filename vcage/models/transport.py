@@ -75,7 +75,13 @@ class Transport:
         return self._post(path, json=body)
 
     def post_multipart(self, path: str, fields: Mapping[str, str], files: Sequence[FilePart]) -> dict[str, Any]:
-        """POST a form with files and return the JSON object of the answer; raises as :meth:`post_json`."""
+        """POST a form with files and return the JSON object of the answer; raises as :meth:`post_json`.
+
+        Args:
+            path: below the base URL.
+            fields: name → text.
+            files: the parts that are files.
+        """
         return self._post(path, data=dict(fields), files=list(files))
 
     def _post(self, path: str, **content: Any) -> dict[str, Any]:

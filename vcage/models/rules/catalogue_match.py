@@ -62,6 +62,7 @@ class Names(NamedTuple):
 
     @property
     def all(self) -> list[list[str]]:
+        """Every name, synonyms last."""
         return [self.words, self.plural, self.own, *self.synonyms]
 
 
@@ -116,7 +117,11 @@ def _is_of_kind(word: str, entry: CatalogueEntry, names: Names) -> bool:
 
 
 def candidates(phrase: Phrase, catalogue: Sequence[CatalogueEntry], least: float = THING_SCORE) -> list[Candidate]:
-    """The entries that answer a phrase, best first; ties keep the order of their names."""
+    """The entries that answer a phrase, best first; ties keep the order of their names.
+
+    Args:
+        least: the lowest score that counts as an answer.
+    """
     scored = [score_entry(phrase, entry) for entry in catalogue]
     return sorted((c for c in scored if c.score >= least), key=lambda c: (-c.score, c.entry.name))
 

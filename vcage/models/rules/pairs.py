@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
 
 from vcage.models.rules.words import kinds_of, lemmas
 from vcage.schema.subtasks import PairAnswer, PairQuestion
@@ -43,108 +42,99 @@ MARGIN = 0.004
 
 
 @dataclass(frozen=True)
-class _Pair:
-    """What is asked: may ``thing`` go ``in`` or ``on`` ``place``? Both are what stands before their descriptions."""
+class _Named:
+    """An object by its words.
 
-    thing: str
-    place: str
-    question: PairQuestion
+    Args:
+        phrase: what it is called in the scene: 'red marker pens'.
+        name: the lemmas of that: 'red marker pen'.
+        head: the last of them: 'pen'.
+    """
+
+    phrase: str
+    name: str
+    head: str
 
     @classmethod
-    def of(cls, question: PairQuestion) -> _Pair:
-        thing, place = (words.partition(":")[0].strip() for words in (question.object_words, question.receptacle_words))
-        return cls(thing, place, question)
+    def of(cls, words: str) -> _Named:
+        """From its phrase and, after a colon, its description."""
+        phrase = words.partition(":")[0].strip()
+        found = lemmas(phrase) or [""]
+        return cls(phrase, " ".join(found), found[-1])
 
     @property
-    def goes_in(self) -> bool:
-        return self.question.holds == "in"
-
-    @cached_property
-    def thing_lemmas(self) -> list[str]:
-        return lemmas(self.thing) or [""]
-
-    @cached_property
-    def place_lemmas(self) -> list[str]:
-        return lemmas(self.place) or [""]
+    def words(self) -> set[str]:
+        return set(self.name.split())
 
     @property
-    def thing_name(self) -> str:
-        return " ".join(self.thing_lemmas)
-
-    @property
-    def place_name(self) -> str:
-        return " ".join(self.place_lemmas)
-
-    @cached_property
     def is_food(self) -> bool:
-        return bool({*kinds_of(self.thing_lemmas[-1]), *self.thing_lemmas} & _FOOD)
+        return bool((kinds_of(self.head) | self.words) & _FOOD)
 
 
 def judge_pair(question: PairQuestion) -> PairAnswer:
     """Whether people would do that, and whether it fits; the sentence and the relation when they would."""
-    pair = _Pair.of(question)
-    objection = next((found for objects in OBJECTIONS if (found := objects(pair))), "")
-    word = "into" if pair.goes_in else "onto"
+    thing, place = _Named.of(question.object_words), _Named.of(question.receptacle_words)
+    objection = next((found for objects in OBJECTIONS if (found := objects(thing, place, question))), "")
+    goes_in = question.holds == "in"
     return PairAnswer(
         object=question.object,
         receptacle=question.receptacle,
         sensible=not objection,
-        reason=objection or f"a {pair.place} holds things {word[:2]} it, and the {pair.thing} fits",
-        text="" if objection else f"Put the {pair.thing} {word} the {pair.place}.",
-        relation="inside" if pair.goes_in else "on",
+        reason=objection or f"a {place.phrase} holds things {question.holds} it, and the {thing.phrase} fits",
+        text="" if objection else f"Put the {thing.phrase} {'into' if goes_in else 'onto'} the {place.phrase}.",
+        relation="inside" if goes_in else "on",
     )
 
 
-def _not_a_holder(pair: _Pair) -> str:
-    known = IN_WORDS if pair.goes_in else ON_WORDS
-    return "" if pair.place_lemmas[-1] in known else f"nobody puts things {pair.question.holds} a {pair.place}"
+def _not_a_holder(thing: _Named, place: _Named, question: PairQuestion) -> str:
+    holders = IN_WORDS if question.holds == "in" else ON_WORDS
+    return "" if place.head in holders else f"nobody puts things {question.holds} a {place.phrase}"
 
 
-def _food_elsewhere(pair: _Pair) -> str:
-    places = set(pair.place_lemmas)
-    if pair.is_food and (places & _NOT_FOOD_PLACES or not places & _FOOD_PLACES):
-        return f"food such as a {pair.thing_name} does not belong {pair.question.holds} a {pair.place_name}"
+def _food_elsewhere(thing: _Named, place: _Named, question: PairQuestion) -> str:
+    if thing.is_food and (place.words & _NOT_FOOD_PLACES or not place.words & _FOOD_PLACES):
+        return f"food such as a {thing.name} does not belong {question.holds} a {place.name}"
     return ""
 
 
-def _container_in_container(pair: _Pair) -> str:
-    if pair.goes_in and pair.thing_lemmas[-1] in IN_WORDS and pair.place_lemmas[-1] not in _TAKE_CONTAINERS:
-        return f"a {pair.thing_name} is a container itself and does not go into a {pair.place_name}"
+def _container_in_container(thing: _Named, place: _Named, question: PairQuestion) -> str:
+    if question.holds == "in" and thing.head in IN_WORDS and place.head not in _TAKE_CONTAINERS:
+        return f"a {thing.name} is a container itself and does not go into a {place.name}"
     return ""
 
 
-def _in_a_drink(pair: _Pair) -> str:
-    if pair.place_lemmas[-1] in _DRINKING and not kinds_of(pair.thing_lemmas[-1]) & {"stationery", "cutlery"}:
-        return f"a {pair.thing_name} does not go into a {pair.place_name}"
+def _in_a_drink(thing: _Named, place: _Named, question: PairQuestion) -> str:
+    if place.head in _DRINKING and not kinds_of(thing.head) & {"stationery", "cutlery"}:
+        return f"a {thing.name} does not go into a {place.name}"
     return ""
 
 
-def _not_bread(pair: _Pair) -> str:
-    if "bread" in pair.place_lemmas and not pair.is_food:
-        return f"a {pair.place_name} is for bread, not for a {pair.thing_name}"
+def _not_bread(thing: _Named, place: _Named, question: PairQuestion) -> str:
+    if "bread" in place.words and not thing.is_food:
+        return f"a {place.name} is for bread, not for a {thing.name}"
     return ""
 
 
-def _stacked_on_another_kind(pair: _Pair) -> str:
-    if not pair.goes_in and pair.place_lemmas[-1] in STACKING - {pair.thing_lemmas[-1]}:
-        return f"a {pair.thing_name} is not stacked on a {pair.place_name}"
+def _stacked_on_another_kind(thing: _Named, place: _Named, question: PairQuestion) -> str:
+    if question.holds == "on" and place.head in STACKING and place.head != thing.head:
+        return f"a {thing.name} is not stacked on a {place.name}"
     return ""
 
 
-def _too_large(pair: _Pair) -> str:
+def _too_large(thing: _Named, place: _Named, question: PairQuestion) -> str:
     """Whether the object, turned by a quarter if need be, fits the opening."""
-    across = sorted(pair.question.object_size[:2])
-    free = sorted(pair.question.opening_size[:2])
-    margin = 2 * MARGIN if pair.goes_in else 0.0
+    across = sorted(question.object_size[:2])
+    free = sorted(question.opening_size[:2])
+    margin = 2 * MARGIN if question.holds == "in" else 0.0
     if across[0] + margin > free[0] or across[1] + margin > free[1]:
         return (
-            f"the {pair.thing} ({across[1] * 100:.1f} x {across[0] * 100:.1f} cm) is larger than the space "
-            f"of the {pair.place} ({free[1] * 100:.1f} x {free[0] * 100:.1f} cm)"
+            f"the {thing.phrase} ({across[1] * 100:.1f} x {across[0] * 100:.1f} cm) is larger than the space "
+            f"of the {place.phrase} ({free[1] * 100:.1f} x {free[0] * 100:.1f} cm)"
         )
     return ""
 
 
-OBJECTIONS: tuple[Callable[[_Pair], str], ...] = (
+OBJECTIONS: tuple[Callable[[_Named, _Named, PairQuestion], str], ...] = (
     _not_a_holder,
     _food_elsewhere,
     _container_in_container,
@@ -153,4 +143,4 @@ OBJECTIONS: tuple[Callable[[_Pair], str], ...] = (
     _stacked_on_another_kind,
     _too_large,
 )
-"""What common sense may say against a pair, asked in this order; "" where it says nothing."""
+"""What common sense may say against putting a thing in or on a place, asked in this order; "" for nothing."""

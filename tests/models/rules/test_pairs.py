@@ -1,0 +1,50 @@
+from __future__ import annotations
+
+import pytest
+
+from vcage.models.rules.pairs import judge_pair
+from vcage.schema.subtasks import PairAnswer, PairQuestion
+
+
+def ask(
+    thing: str, place: str, holds: str, size: tuple = (0.05, 0.05, 0.05), opening: tuple = (0.2, 0.2, 0.1)
+) -> PairAnswer:
+    question = PairQuestion(
+        object="a", object_words=thing, receptacle="b", receptacle_words=place, holds=holds, object_size=size,
+        opening_size=opening,
+    )  # fmt: skip
+    return judge_pair(question)
+
+
+@pytest.mark.parametrize(
+    ("thing", "place", "holds", "text"),
+    [
+        ("black marker pen", "packaging box", "in", "Put the black marker pen into the packaging box."),
+        ("red block", "white plate", "on", "Put the red block onto the white plate."),
+        ("bread roll", "bread box", "in", "Put the bread roll into the bread box."),
+        ("marker pen: a fat one", "mug", "in", "Put the marker pen into the mug."),
+    ],
+)
+def test_sensible_pairs_get_a_sentence(thing: str, place: str, holds: str, text: str) -> None:
+    answer = ask(thing, place, holds)
+    assert answer.sensible and answer.text == text and answer.relation == ("inside" if holds == "in" else "on")
+
+
+@pytest.mark.parametrize(
+    ("thing", "place", "holds"),
+    [
+        ("bagel", "stapler", "on"),
+        ("packaging box", "mug", "in"),
+        ("croissant", "book", "on"),
+        ("stapler", "bread box", "in"),
+        ("plate", "red block", "on"),
+    ],
+)
+def test_senseless_pairs_get_a_reason(thing: str, place: str, holds: str) -> None:
+    answer = ask(thing, place, holds)
+    assert not answer.sensible and answer.reason and not answer.text
+
+
+def test_what_is_too_large_for_the_opening_is_refused_with_both_sizes() -> None:
+    answer = ask("book", "packaging box", "in", size=(0.3, 0.2, 0.03), opening=(0.24, 0.17, 0.07))
+    assert not answer.sensible and "30.0 x 20.0 cm" in answer.reason and "24.0 x 17.0 cm" in answer.reason

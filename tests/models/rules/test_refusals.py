@@ -1,0 +1,51 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tests.models.catalogue import CATALOGUE
+from vcage.base.errors import InfeasibleScene, NoAssetFits
+from vcage.models.rules.selection import select_assets
+
+
+def select(instruction: str) -> None:
+    select_assets(instruction, CATALOGUE, np.random.default_rng(0))
+
+
+@pytest.mark.parametrize(
+    ("instruction", "named"),
+    [
+        ("Fly the helicopter to the moon", ["helicopter", "moon"]),
+        ("Put the bread into the cupboard", ["cupboard"]),
+        ("Put the submarine on the plate", ["submarine"]),
+        ("Put the purple block on the plate", ["purple block"]),
+    ],
+)
+def test_what_matches_nothing_is_named(instruction: str, named: list[str]) -> None:
+    with pytest.raises(NoAssetFits) as caught:
+        select(instruction)
+    assert caught.value.details["unmatched"] == named
+    assert all(name in caught.value.message for name in named) and caught.value.hint
+
+
+@pytest.mark.parametrize("instruction", ["", "   ", "Tidy up", "???"])
+def test_an_instruction_that_names_nothing_is_refused(instruction: str) -> None:
+    with pytest.raises(NoAssetFits, match="names nothing to move"):
+        select(instruction)
+
+
+@pytest.mark.parametrize("number", ["0", "no", "a hundred", "99999999999"])
+def test_a_number_that_no_table_holds_is_refused(number: str) -> None:
+    with pytest.raises(InfeasibleScene, match="'blocks'"):
+        select(f"Put {number} blocks on the plate")
+
+
+def test_what_only_qualifies_a_name_is_not_that_thing() -> None:
+    with pytest.raises(NoAssetFits, match="whiteboard"):
+        select("Put the whiteboard into the box")
+
+
+def test_the_nearest_in_meaning_are_suggested_for_what_matches_nothing() -> None:
+    with pytest.raises(NoAssetFits) as caught:
+        select("Put the pupil's stationery set into the box")
+    assert "nearest in meaning" in caught.value.hint and caught.value.details["nearest"]
