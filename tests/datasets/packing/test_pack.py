@@ -28,7 +28,10 @@ from vcage.base.files import held
 from vcage.base.videos import decode
 from vcage.datasets.packing import clips as clip_module
 from vcage.datasets.packing.pack import RECORD, WORKING, pack
+from vcage.datasets.recordings import opening
+from vcage.datasets.recordings.hdf5_recording import Hdf5Recording, table
 from vcage.datasets.recordings.opening import open_recordings
+from vcage.datasets.recordings.recording import Columns
 from vcage.schema.compression import Compression
 from vcage.video.choices import LOSSLESS
 
@@ -75,6 +78,29 @@ def test_every_layout_comes_out_as_it_was_with_its_pictures_in_videos(recording,
     assert done.fresh and all(stream.lossless for stream in done.record.streams)
     shutil.rmtree(tmp_path / "out")
     assert digests(tmp_path) == before
+
+
+class ToyEpisode(Hdf5Recording):
+    """All that a new layout takes."""
+
+    LAYOUT = "toy"
+    PICTURES = r"film/([^/]+)"
+
+    def _commands(self, part: h5py.Group) -> Columns | None:
+        return table(part, "told", ("x", "y", "gripper"))
+
+    def _measured(self, part: h5py.Group) -> Columns | None:
+        return None
+
+
+def test_a_new_layout_is_a_class_and_its_name_in_the_list_of_those_that_are_opened(tmp_path, monkeypatch):
+    monkeypatch.setattr(opening, "HDF5_LAYOUTS", (*opening.HDF5_LAYOUTS, ToyEpisode))
+    with h5py.File(tmp_path / "in.hdf5", "w") as file:
+        file["film/top"], file["told"] = rooms(), np.zeros((FRAMES, 3))
+    packed(tmp_path / "in.hdf5", tmp_path / "out", crf=LOSSLESS)
+    (new,) = open_recordings(tmp_path / "out")
+    assert (new.LAYOUT, new.motion.grippers, new.camera("top").storage) == ("toy", (2,), "hevc")
+    assert np.array_equal(new.pictures("top"), rooms())
 
 
 def test_the_record_tells_of_every_video_what_it_is_and_of_what(tmp_path, source):
