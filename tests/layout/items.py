@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -12,6 +13,20 @@ from vcage.objects.openings import Opening
 def unplaced(name: str, size: Sequence[float], yaws: Sequence[float] = (0.0,), **fields: Any) -> TableItem:
     """What is to be placed, of a footprint (x, y); its height decides nothing."""
     return TableItem(name, (*size, 0.1), tuple(yaws), **fields)
+
+
+def capacity(
+    size: Sequence[float],
+    holds: str | None = None,
+    opening: tuple[float, float] = (0.0, 0.0),
+    ceiling: float | None = None,
+    bare: bool = False,
+) -> TableItem:
+    """What the checks of sizes need: whether things are put ``in`` it or ``on`` it, and how much room they have."""
+    x, y, z = size
+    rim = math.inf if holds == "on" else z
+    room = Opening((0.0, 0.0), opening, z if bare else 0.0, rim) if holds else None
+    return TableItem("item", (x, y, z), opening=room, ceiling=ceiling)
 
 
 def standing_at(

@@ -9,6 +9,7 @@ from functools import partial
 import numpy as np
 import pytest
 
+from tests.layout.items import capacity
 from tests.models.catalogue import CATALOGUE, unchecked
 from tests.models.tabletop import BLOCKS, BOX, MARKERS, PLATE, draw, reference, scene_of, table_picture, view
 from tests.standin import Special, StandIn, no_picture, text_answer
@@ -20,11 +21,12 @@ from vcage.base.errors import (
     NoAssetFits,
     UnknownName,
 )
+from vcage.layout.capacities import size_complaints
 from vcage.models import pictures
 from vcage.models.protocols import CriticQuestion, EditRequest, Models
 from vcage.models.registry import build_models
 from vcage.models.selection_check import validate_selection
-from vcage.plans.check import Capacity, plan_complaints
+from vcage.plans.check import plan_complaints
 from vcage.schema.plan import LayoutPlan, Relation
 from vcage.schema.subtasks import ChainOption, Goal, PairQuestion
 
@@ -125,9 +127,11 @@ def test_a_contradictory_layout_goes_back_with_the_complaint(
 
 def test_what_does_not_fit_goes_back_with_both_sizes(models: Models, server: StandIn) -> None:
     scene = scene_of([PLATE, *BLOCKS])
-    rooms = {"plate": Capacity(PLATE.size, "on", (0.03, 0.03)), "red-block": Capacity(BLOCKS[0].size)}
+    rooms = {"plate": capacity(PLATE.size, "on", (0.03, 0.03)), "red-block": capacity(BLOCKS[0].size)}
     server.queue(layout_answer(*RED_AROUND, ("red-block", "on", "plate")))
-    models.reasoner.plan_layout(scene, CATALOGUE, RNG, lambda plan: plan_complaints(plan, scene, rooms))
+    models.reasoner.plan_layout(
+        scene, CATALOGUE, RNG, partial(plan_complaints, scene=scene, sizes=partial(size_complaints, items=rooms))
+    )
     complaint = "red-block (4.0 x 4.0 cm) is too large for plate, which has room for 3.0 x 3.0 cm"
     assert len(server.requests) == 2 and complaint in str(server.requests[1])
 

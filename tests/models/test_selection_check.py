@@ -2,8 +2,8 @@ from __future__ import annotations
 
 import pytest
 
+from tests.layout.items import capacity
 from vcage.models.selection_check import NamedObject, name_objects, validate_selection, with_room
-from vcage.plans.check import Capacity
 from vcage.schema.asset import CatalogueEntry, FunctionalPoint, Variant, Words
 from vcage.schema.plan import SelectedAsset, Selection
 
@@ -110,11 +110,11 @@ def test_what_has_no_room_where_it_starts_stands_on_the_table_and_is_noted():
     objects = [NamedObject(i, i, "x", i, "content", "box") for i in ("pen", "book", "brick", "other_brick")]
     objects.append(NamedObject("box", "box", "x", "box", "context"))
     rooms = {
-        "box": Capacity((0.22, 0.17, 0.1), "in", (0.2, 0.15)),
-        "pen": Capacity((0.14, 0.01, 0.01)),
-        "book": Capacity((0.3, 0.2, 0.02)),
-        "brick": Capacity((0.13, 0.1, 0.05)),
-        "other_brick": Capacity((0.13, 0.1, 0.05)),
+        "box": capacity((0.22, 0.17, 0.1), "in", (0.2, 0.15)),
+        "pen": capacity((0.14, 0.01, 0.01)),
+        "book": capacity((0.3, 0.2, 0.02)),
+        "brick": capacity((0.13, 0.1, 0.05)),
+        "other_brick": capacity((0.13, 0.1, 0.05)),
     }
     found, notes = with_room(objects, rooms)
     assert [o.starts_in for o in found] == ["box", None, "box", None, None]
@@ -124,6 +124,6 @@ def test_what_has_no_room_where_it_starts_stands_on_the_table_and_is_noted():
 
 def test_at_the_start_nothing_sticks_out_of_a_bare_top():
     objects = [NamedObject(i, i, "x", i, "content", start) for i, start in (("book", "tin"), ("tin", None))]
-    rooms = {"book": Capacity((0.2, 0.14, 0.03)), "tin": Capacity((0.1, 0.1, 0.1), "on", (0.09, 0.09), bare=True)}
+    rooms = {"book": capacity((0.2, 0.14, 0.03)), "tin": capacity((0.1, 0.1, 0.1), "on", (0.09, 0.09), bare=True)}
     found, notes = with_room(objects, rooms)
     assert found[0].starts_in is None and "too large for tin" in notes[0]

@@ -1,34 +1,29 @@
-"""What a plan's check, a placement and a layout need of assets: sizes and openings."""
+"""What the sizes and openings of objects allow: which goes into which, what fits beside what, how long a row is.
+
+Of sizes only what is certain is complained about: they are compared as if every object could be turned as it likes,
+contents by the boxes around them that layouts keep apart. So a plan without complaints may still be hard to lay out.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import itertools
+import math
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 
-from vcage.layout.items import BARE, TableItem, table_item
+from vcage.base.graphs import circles, longest_path
+from vcage.layout.items import FILL_LIMIT, TableItem, table_item
 from vcage.objects.asset import Asset
 from vcage.objects.openings import Opening
-from vcage.plans.check import Capacity
+from vcage.plans.check import AXES, along, lying, sound_relations
 from vcage.schema.asset import FunctionalPoint
+from vcage.schema.plan import Relation
+from vcage.schema.scene import Workspace
 
-
-def room_of(asset: Asset) -> Capacity:
-    """Size of an asset, and the opening or surface that layouts use of it."""
-    size = tuple(float(x) for x in asset.size)
-    point = _used_point(asset)
-    if point is None:
-        return Capacity(size)
-    opening = asset.opening(point)
-    return Capacity(
-        size,
-        point.holds,
-        opening.size,
-        opening.centre,
-        ceiling=opening.depth if point.holds == "in" and point.sideways else None,
-        bare=point.holds != "in" and opening.floor >= size[2] - BARE,
-    )
+ROUNDING = 1e-9
+"""Metres by which lengths may differ and count as the same."""
 
 
 def capacity_of(name: str, asset: Asset) -> TableItem:
@@ -66,3 +61,116 @@ def _used_point(asset: Asset) -> FunctionalPoint | None:
     """The first functional point, unless it is in a moving part: at the start drawers are closed and take nothing."""
     point = next(iter(asset.annotation.functional_points), None)
     return None if point is None or point.link is not None else point
+
+
+def size_complaints(
+    relations: Sequence[Relation],
+    items: Mapping[str, TableItem],
+    workspace: Workspace | None = None,
+    *,
+    overhang: bool = True,
+) -> list[str]:
+    """What the sizes of objects rule out, one sentence each: what does not fit into or onto its reference, alone or
+    together, and rows that are longer than the workspace.
+
+    Args:
+        relations: of a plan; those of objects that are not among the items are passed over.
+        items: geometry by object id, of :func:`capacity_of`.
+        workspace: without it rows are not looked at.
+        overhang: whether what stands on a bare top may stick out.
+    """
+    sound = sound_relations(relations)
+    found: list[str] = []
+    for words, word, swapped in AXES if workspace else ():
+        edges = along(sound, word, swapped)
+        if not circles([edge for edge, _ in edges]):
+            found += _too_long(words, edges, items, workspace)
+    return found + _too_large(lying(sound), items, overhang)
+
+
+def _too_long(
+    words: str, edges: Iterable[tuple[tuple[str, str], str]], items: Mapping[str, TableItem], workspace: Workspace
+) -> list[str]:
+    """A row needs half the reference's shorter side for each relation, and half of each end."""
+    axis = 0 if words == "left of" else 1
+    room = workspace.upper[axis] - workspace.lower[axis]
+    narrow = {name: float(min(known.body_size[:2])) / 2 for name, known in items.items()}
+    lengths: dict[tuple[str, str], float] = {}
+    for edge, reference in edges:
+        lengths[edge] = max(lengths.get(edge, 0.0), narrow.get(reference, 0.0))
+    length, names = longest_path(lengths, narrow)
+    if length <= room:
+        return []
+    row = f" {words} ".join(names)
+    return [f"{row}: this row needs at least {length:.2f} m, {room:.2f} m may be covered"]
+
+
+def _too_large(held: Sequence[Relation], items: Mapping[str, TableItem], overhang: bool) -> list[str]:
+    found: list[str] = []
+    contents: dict[str, list[str]] = {}
+    for r in held:
+        item, holder = items.get(r.subject), items.get(r.reference)
+        if item is None or holder is None:
+            continue
+        complaint = _does_not_take(r, item, holder, overhang)
+        if complaint:
+            found.append(complaint)
+        else:
+            contents.setdefault(r.reference, []).append(r.subject)
+    for name, inside in contents.items():
+        found += _crowded(name, list(dict.fromkeys(inside)), items)
+    return found
+
+
+def _does_not_take(r: Relation, item: TableItem, holder: TableItem, overhang: bool) -> str | None:
+    opening = holder.opening
+    if opening is None or (r.relation == "inside" and holder.holds != "in"):
+        return f"{r.subject} cannot be {r.relation} {r.reference}, which has no {_place(r)}"
+    size = item.body_size
+    if not (overhang and holder.bare) and _narrowest(size[:2], opening.size[1]) > opening.size[0] + ROUNDING:
+        room = _cm(opening.size)
+        return f"{r.subject} ({_cm(size[:2])}) is too large for {r.reference}, which has room for {room}"
+    if holder.ceiling is not None and size[2] > holder.ceiling:
+        return f"{r.subject} is {100 * size[2]:.0f} cm high, {r.reference} takes {100 * holder.ceiling:.0f} cm"
+    return None
+
+
+def _place(r: Relation) -> str:
+    return "opening" if r.relation == "inside" else "surface to put things on"
+
+
+def _crowded(name: str, inside: Sequence[str], items: Mapping[str, TableItem]) -> list[str]:
+    """Contents that do not fit together: by area, else the first two that do not fit beside each other."""
+    width, depth = items[name].opening.size
+    area = sum(float(np.prod(items[item].body_size[:2])) for item in inside)
+    if len(inside) > 1 and area > FILL_LIMIT * width * depth:
+        return [f"{', '.join(inside)} do not fit into {name} together: they cover {1e4 * area:.0f} cm², "
+                f"it has {1e4 * FILL_LIMIT * width * depth:.0f} cm²"]  # fmt: skip
+    for a, b in itertools.combinations(inside, 2):
+        if not _side_by_side(items[a].body_size[:2], items[b].body_size[:2], (width, depth)):
+            return [f"{a} and {b} do not fit into {name} beside each other, which has room for {_cm((width, depth))}"]
+    return []
+
+
+def _side_by_side(a: Sequence[float], b: Sequence[float], room: tuple[float, float]) -> bool:
+    """Whether the boxes around two rectangles, each turned as it likes, fit beside each other into a third."""
+    return any(_narrowest(a, depth) + _narrowest(b, depth) <= width + ROUNDING for width, depth in (room, room[::-1]))
+
+
+def _narrowest(size: Sequence[float], depth: float) -> float:
+    """Least width of a box of at most that depth around a rectangle that is turned as it likes; infinite without one.
+
+    Width and depth are concave in the angle, so the least is at a quarter turn, or where the depth is just enough.
+    """
+    x, y = size
+    angles = [0.0, math.pi / 2]
+    diagonal = math.hypot(x, y)
+    if depth < diagonal:
+        steep, own = math.asin(depth / diagonal), math.atan2(y, x)
+        angles += [angle for angle in (steep - own, math.pi - steep - own) if 0 < angle < math.pi / 2]
+    boxes = [(x * math.cos(t) + y * math.sin(t), x * math.sin(t) + y * math.cos(t)) for t in angles]
+    return min((wide for wide, deep in boxes if deep <= depth + ROUNDING), default=math.inf)
+
+
+def _cm(size: Sequence[float]) -> str:
+    return " x ".join(f"{100 * x:.1f}" for x in size) + " cm"

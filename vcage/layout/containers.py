@@ -12,9 +12,8 @@ import numpy as np
 
 from vcage.base.errors import UsageError
 from vcage.base.geometry import boxes_overlap
-from vcage.layout.items import TableItem, as_rectangles, check_containers
+from vcage.layout.items import FILL_LIMIT, TableItem, as_rectangles, check_containers
 from vcage.objects.openings import Opening
-from vcage.plans.check import FILL_LIMIT
 
 OVERHANG = 0.5
 """Share of a bare surface that the middle of what is wider must be over: the rest is its safety against tipping."""

@@ -28,6 +28,9 @@ FRONT_YAWS = tuple(float(yaw) for yaw in np.radians((-15, 0, 15)))
 SWEEP_STEPS = 5
 """Positions of each joint that the swept room is measured at."""
 
+FILL_LIMIT = 0.9
+"""Largest share of an opening's floor that contents may take."""
+
 BARE = 0.002
 """A surface so little below its object's top is bare: what stands on it may stick out on all sides, metres."""
 
@@ -88,6 +91,13 @@ class TableItem:
         if self.body is None:
             return np.array(self.size)
         return np.append(np.diff(np.asarray(self.body, dtype=np.float64), axis=0)[0], self.size[2])
+
+    @property
+    def holds(self) -> str | None:
+        """Whether things are put ``in`` it or ``on`` it; None where nothing can be."""
+        if self.opening is None:
+            return None
+        return "on" if math.isinf(self.opening.rim) else "in"
 
     @property
     def bare(self) -> bool:

@@ -6,8 +6,10 @@ import difflib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
+from vcage.layout.capacities import size_complaints
+from vcage.layout.items import TableItem
 from vcage.layout.placement.contents import CONTENT_MARGIN
-from vcage.plans.check import Capacity, contradictions
+from vcage.plans.check import contradictions
 from vcage.schema.asset import CatalogueEntry
 from vcage.schema.plan import Relation, Selection
 from vcage.schema.scene import Role
@@ -76,19 +78,19 @@ def name_objects(selection: Selection, entries: Sequence[CatalogueEntry]) -> lis
     return [replace(o, starts_in=containers.get(o.starts_in)) for o in named]
 
 
-def with_room(objects: Sequence[NamedObject], rooms: Mapping[str, Capacity]) -> tuple[list[NamedObject], list[str]]:
+def with_room(objects: Sequence[NamedObject], items: Mapping[str, TableItem]) -> tuple[list[NamedObject], list[str]]:
     """The objects, of which those that have no room where they start stand on the table; and which these are, and why.
 
     Args:
-        rooms: geometry by object id.
+        items: geometry by object id.
     """
-    rooms = {name: _as_placed(room) for name, room in rooms.items()}
+    items = {name: _as_placed(item) for name, item in items.items()}
     found, notes, lying = [], [], []
     for o in objects:
         if o.starts_in is not None:
-            word = "inside" if rooms[o.starts_in].holds == "in" else "on"
+            word = "inside" if items[o.starts_in].holds == "in" else "on"
             tried = [*lying, Relation(subject=o.id, relation=word, reference=o.starts_in)]
-            complaints = contradictions(tried, rooms)
+            complaints = contradictions(tried) + size_complaints(tried, items, overhang=False)
             if complaints:
                 notes.append(f"{o.id} starts on the table, not in or on {o.starts_in}: {'; '.join(complaints)}")
                 o = replace(o, starts_in=None)
@@ -98,10 +100,12 @@ def with_room(objects: Sequence[NamedObject], rooms: Mapping[str, Capacity]) -> 
     return found, notes
 
 
-def _as_placed(room: Capacity) -> Capacity:
-    """What a placement uses of it: contents keep clear of the walls, and nothing sticks out."""
-    opening = tuple(max(side - 2 * CONTENT_MARGIN, 0.0) for side in room.opening)
-    return replace(room, opening=opening, bare=False)
+def _as_placed(item: TableItem) -> TableItem:
+    """What a placement uses of it: contents keep clear of the walls."""
+    if item.opening is None:
+        return item
+    width, depth = (max(side - 2 * CONTENT_MARGIN, 0.0) for side in item.opening.size)
+    return replace(item, opening=replace(item.opening, size=(width, depth)))
 
 
 def _unique(base: str, taken: set[str]) -> str:

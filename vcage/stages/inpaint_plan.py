@@ -16,7 +16,7 @@ from typing import Any
 from vcage.base.files import RunFolder
 from vcage.base.pictures import write_picture
 from vcage.base.progress import Progress, silent
-from vcage.layout.capacities import capacity_of, room_of
+from vcage.layout.capacities import capacity_of, size_complaints
 from vcage.models.protocols import EditRequest
 from vcage.plans.check import plan_complaints
 from vcage.schema.base import Provenance
@@ -61,9 +61,10 @@ def execute(run: RunFolder, options: Options, context: StageContext, progress: P
     def make(folder: Path, provenance: Provenance) -> Plan:
         scene = Scene.read(run.scene)
         pictures = read_pictures(run, scene)
-        rooms = {o.id: room_of(context.asset(o)) for o in scene.objects}
         items = {o.id: capacity_of(o.id, context.asset(o)) for o in scene.objects}
-        check = partial(plan_complaints, scene=scene, rooms=rooms)
+        check = partial(
+            plan_complaints, scene=scene, sizes=partial(size_complaints, items=items, workspace=scene.workspace)
+        )
         plan = context.models.reasoner.plan_layout(scene, context.catalogue, stage.rng(), check)
         request = EditRequest(
             picture=pictures.source,

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 
 from vcage.base.errors import InputFileError
 from vcage.base.files import RunFolder
 from vcage.base.pictures import read_labels, read_picture
-from vcage.layout.capacities import room_of
+from vcage.layout.capacities import capacity_of, size_complaints
 from vcage.matching.match import ScenePictures
 from vcage.plans.check import plan_complaints
 from vcage.schema.matches import Matches
@@ -26,8 +28,9 @@ def read_plan(run: RunFolder, scene: Scene, context: StageContext) -> Plan:
         InputFileError: it is not possible for the scene; lists the complaints.
     """
     plan = Plan.read(run.plan)
-    rooms = {o.id: room_of(context.asset(o)) for o in scene.objects}
-    complaints = plan_complaints(LayoutPlan(text=plan.text, relations=plan.relations), scene, rooms)
+    items = {o.id: capacity_of(o.id, context.asset(o)) for o in scene.objects}
+    sizes = partial(size_complaints, items=items, workspace=scene.workspace)
+    complaints = plan_complaints(LayoutPlan(text=plan.text, relations=plan.relations), scene, sizes)
     if complaints:
         raise InputFileError(
             f"{run.plan} is not possible: {'; '.join(complaints)}",

@@ -26,7 +26,7 @@ from vcage.base.files import RunFolder
 from vcage.base.geometry import Pose
 from vcage.base.pictures import write_labels, write_picture
 from vcage.base.progress import Progress, silent
-from vcage.layout.capacities import opening_for, room_of
+from vcage.layout.capacities import capacity_of, opening_for
 from vcage.layout.items import TableItem, table_item
 from vcage.layout.placement.place import place
 from vcage.layout.placement.reach import reach_for
@@ -119,7 +119,7 @@ def execute(run: RunFolder, options: Options, context: StageContext, progress: P
         check = partial(validate_selection, entries=context.catalogue)
         selection = context.models.reasoner.select_assets(instruction, context.catalogue, rng, check)
         objects = name_objects(selection, context.catalogue)
-        objects, crowded = with_room(objects, {o.id: room_of(_asset(o, context)) for o in objects})
+        objects, crowded = with_room(objects, {o.id: capacity_of(o.id, _asset(o, context)) for o in objects})
         notes = [*selection.notes, *crowded]
         for note in notes:
             logger.warning("%s", note)
