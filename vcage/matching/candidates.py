@@ -55,6 +55,6 @@ def _recoloured_by_matches(target: LabImage, templates: Sequence[ObjectTemplate]
 
 def _pairs(image: LabImage, template: ObjectTemplate, pose: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """(n, 3) Lab of the points of a template that show at a pose (4,), and of the target where they are."""
-    at = placed(template, pose[None], template.points)
-    shown = turned_towards(template, pose[None], at, template.facing)[0] >= 0
-    return template.colours[shown], image.sample(pixels_of(template.camera, at), template.step)[0, shown, :3]
+    at = placed(template, pose[None], template.surface.points)
+    shown = turned_towards(template, pose[None], at, template.surface.facing)[0] >= 0
+    return template.surface.colours[shown], image.sample(pixels_of(template.camera, at), template.step)[0, shown, :3]

@@ -28,7 +28,7 @@ def region_of(mask: np.ndarray) -> Detection:
     return Detection((float(u), float(v), float(u + width), float(v + height)), mask, 1.0)
 
 
-def sound_detections(detections: Sequence[Detection], shape: tuple[int, int]) -> tuple[list[Detection], list[str]]:
+def sound_detections(detections: Sequence[Detection], shape: tuple[int, ...]) -> tuple[list[Detection], list[str]]:
     """The surest detections, without those whose box, score or mask is none of a picture (H, W); and a note on each
     kind that was left out."""
     notes = []
@@ -63,7 +63,7 @@ def unclaimed_boxes(detections: Sequence[Detection], masks: Sequence[np.ndarray]
             u0, v0, u1, v1 = (max(round(x), 0) for x in d.box)
             inside = free[v0:v1, u0:u1]
             if inside.size and inside.mean() > UNCLAIMED_SHARE:
-                boxes.append(tuple(float(x) for x in d.box))
+                boxes.append((float(d.box[0]), float(d.box[1]), float(d.box[2]), float(d.box[3])))
             continue
         rest = cv2.morphologyEx(d.mask.astype(np.uint8) & free, cv2.MORPH_OPEN, np.ones((5, 5), np.uint8))
         _, _, stats, _ = cv2.connectedComponentsWithStats(rest, connectivity=8)

@@ -121,7 +121,7 @@ class Comparison:
         """(3,) the pose that the difference asks for, no farther than :data:`FARTHEST` from where it was found."""
         pose = compared.pose + np.clip(compared.motion, -2 * MOTION_PRIOR, 2 * MOTION_PRIOR)
         away = pose[:2] - self._place
-        pose[:2] = self._place + away * min(1.0, FARTHEST / max(np.linalg.norm(away), 1e-9))
+        pose[:2] = self._place + away * min(1.0, FARTHEST / max(float(np.linalg.norm(away)), 1e-9))
         return pose
 
     def _part(self, step: int) -> _Part:

@@ -45,12 +45,12 @@ def draw_overlay(
         start, end = places[match.object]
         canvas.arrow(start, end, colours[match.object])
     for match in matches:
-        canvas.keep_clear(_label_box(match, places[match.object], scale))
+        canvas.keep_clear(_label_box(match, places[match.object], scale).tolist())
     for box in unclaimed:
-        canvas.label(np.array(box) * scale, "not claimed", WARNING)
+        canvas.label((np.array(box) * scale).tolist(), "not claimed", WARNING)
     for match in matches:
         canvas.label(
-            _label_box(match, places[match.object], scale),
+            _label_box(match, places[match.object], scale).tolist(),
             _words(scene.object(match.object), match),
             colours[match.object],
         )
@@ -68,8 +68,8 @@ def _places(scene: Scene, match: Match) -> np.ndarray:
 def _draw_match(canvas: Canvas, match: Match, places: np.ndarray, colour: Colour, scale: float) -> None:
     if match.box is not None:
         sure = match.confidence >= DOUBTFUL
-        outline = {"outline": (*colour, 255), "width": 3} if sure else {}
-        canvas.draw.rectangle([x * scale for x in match.box], fill=(*colour, 28), **outline)
+        outline = (*colour, 255) if sure else None
+        canvas.draw.rectangle([x * scale for x in match.box], fill=(*colour, 28), outline=outline, width=3)
         if not sure:
             _dashed(canvas, np.array(match.box) * scale, colour)
     start, end = places

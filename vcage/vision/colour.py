@@ -150,7 +150,7 @@ def transfer_pixelwise(image: LabImage, known: np.ndarray, found: np.ndarray) ->
         answer = np.array([1.0, middle])
         for _ in range(5):
             left = y - design @ answer
-            weight = 1 / (1 + (left / max(1.4826 * np.median(np.abs(left)), 1.0)) ** 2)
+            weight = 1 / (1 + (left / max(1.4826 * float(np.median(np.abs(left))), 1.0)) ** 2)
             matrix = (design * weight[:, None]).T @ design + prior
             answer = np.linalg.solve(matrix, (design * weight[:, None]).T @ y + prior @ [1.0, middle])
         gain[channel] = np.clip(answer[0], *GAINS)

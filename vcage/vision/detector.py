@@ -99,7 +99,7 @@ def foreground(picture: np.ndarray, background: np.ndarray | None) -> np.ndarray
 
 def _local_spread(values: np.ndarray) -> np.ndarray:
     """(H, W) standard deviation within 7 x 7 pixels."""
-    mean, square = (cv2.blur(v, (7, 7)) for v in (values, values * values))
+    mean, square = cv2.blur(values, (7, 7)), cv2.blur(np.square(values), (7, 7))
     return np.sqrt(np.maximum(square - mean * mean, 0))
 
 
@@ -118,7 +118,7 @@ def clean(mask: np.ndarray) -> np.ndarray:
     mask = cv2.morphologyEx(mask.astype(np.uint8), cv2.MORPH_OPEN, small)
     mask = cv2.morphologyEx(mask, cv2.MORPH_CLOSE, large)
     contours, _ = cv2.findContours(mask, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
-    return cv2.drawContours(np.zeros_like(mask), contours, -1, 1, cv2.FILLED).astype(bool)
+    return cv2.drawContours(np.zeros_like(mask), contours, -1, (1,), cv2.FILLED).astype(bool)
 
 
 def components(mask: np.ndarray, min_area: float) -> list[np.ndarray]:

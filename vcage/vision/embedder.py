@@ -41,7 +41,7 @@ def region_mask(region: Detection, shape: tuple[int, ...]) -> np.ndarray:
     mask = np.zeros(shape[:2], np.uint8)
     centre = (round((u0 + u1) / 2), round((v0 + v1) / 2))
     axes = (max(1, int((u1 - u0) / 2)), max(1, int((v1 - v0) / 2)))
-    return cv2.ellipse(mask, centre, axes, 0, 0, 360, 1, cv2.FILLED).astype(bool)
+    return cv2.ellipse(mask, centre, axes, 0, 0, 360, (1,), cv2.FILLED).astype(bool)
 
 
 def _features(lab: np.ndarray, region: Detection) -> np.ndarray:
@@ -76,7 +76,8 @@ def _soft_bins(values: np.ndarray | float, centres: np.ndarray) -> np.ndarray:
 def _chroma_histogram(colours: np.ndarray) -> np.ndarray:
     """Smoothed histogram of (a, b), sum 1."""
     a, b = np.clip(colours[:, 1], -59, 59), np.clip(colours[:, 2], -59, 59)
-    counts, _, _ = np.histogram2d(a, b, bins=[_CHROMA_EDGES, _CHROMA_EDGES])
+    # pyrefly: ignore[no-matching-overload]  numpy's stub knows no array of edges for both axes
+    counts, _, _ = np.histogram2d(a, b, bins=_CHROMA_EDGES)
     smooth = cv2.GaussianBlur(counts.astype(np.float64), (3, 3), 0.8, borderType=cv2.BORDER_REFLECT)
     return (smooth / smooth.sum()).ravel()
 

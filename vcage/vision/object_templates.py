@@ -42,6 +42,36 @@ REFERENCE_DISTANCE = 15.0
 
 
 @dataclass(frozen=True)
+class Surface:
+    """Seen points of an object.
+
+    Args:
+        points: (n, 3) relative to its origin, world axes of the source, metres.
+        facing: (n, 2) horizontal directions out of it there; 0 on top.
+        colours: (n, 3) Lab there.
+    """
+
+    points: np.ndarray
+    facing: np.ndarray
+    colours: np.ndarray
+
+
+@dataclass(frozen=True)
+class Rim:
+    """The outline of an object's top and of its bottom.
+
+    Args:
+        points: (m, 3) relative to its origin, world axes of the source, metres.
+        normals: (m, 2) horizontal directions out of it there.
+        upper: (m,) 1 on the top's outline, -1 on the bottom's, 0 where it is both.
+    """
+
+    points: np.ndarray
+    normals: np.ndarray
+    upper: np.ndarray
+
+
+@dataclass(frozen=True)
 class ObjectTemplate:
     """A known object as it is looked for: its picture on a proxy of its shape.
 
@@ -58,12 +88,7 @@ class ObjectTemplate:
         box: (2, 3) its bounding box when the source was taken, world, metres.
         origin: (3,) its origin then; z is the bottom of the box.
         layers: heights above its base at which the top face is drawn to get its outline, metres.
-        points: (n, 3) seen points of it, relative to its origin, world axes of the source, metres.
-        facing: (n, 2) horizontal directions out of it there; 0 on top.
-        colours: (n, 3) Lab there.
-        rim: (m, 3) points of the outline of its top and of its bottom.
-        normals: (m, 2) horizontal directions out of it there.
-        upper: (m,) 1 on the top's outline, -1 on the bottom's, 0 where it is both.
+        surface, rim: what of it is compared.
         extent: its longest side, pixels.
         step: how much smaller the pictures are in which it is compared.
         pixel: metres that a pixel covers at half its height.
@@ -78,12 +103,8 @@ class ObjectTemplate:
     box: np.ndarray
     origin: np.ndarray
     layers: np.ndarray
-    points: np.ndarray
-    facing: np.ndarray
-    colours: np.ndarray
-    rim: np.ndarray
-    normals: np.ndarray
-    upper: np.ndarray
+    surface: Surface
+    rim: Rim
     extent: float
     step: float
     pixel: float
@@ -115,28 +136,15 @@ def template_of(
         camera: takes the pictures in which it is looked for; None for the same.
         shell: points that lie deeper inside the mask than this share of the deepest are not compared.
     """
-    v, u = np.nonzero(mask)
-    pixels = np.stack([u, v], axis=1) + 0.5
-    centre = pixels.mean(axis=0)
-    _, sides, _ = cv2.minAreaRect(pixels.astype(np.float32))
-    extent = float(max(sides)) + 1
+    centre, extent = _middle_and_extent(mask)
     step = max(1.0, extent / FINE_EXTENT)
     low, high = float(box[0, 2]), float(box[1, 2])
     base = np.array([*origin, low])
     top = _top_face(mask, source_camera, low, high)
-    prism = top.sum() >= LEAST_TOP * mask.sum()
-    if not prism:
+    if top.sum() < LEAST_TOP * mask.sum():
         top, low, high = mask, (low + high) / 2, (low + high) / 2
     inner = _spread_out(_inner(mask, step, shell), POINTS)
     points, facing = _on_proxy(inner, mask, source_camera, low, high)
-    edge, normals = _outline(top)
-    chosen = np.linspace(0, len(edge) - 1, min(RIM_POINTS // 2, len(edge))).astype(int)
-    pixel = float(np.linalg.norm(np.diff(source_camera.unproject([centre, centre + [1, 0]], (low + high) / 2), axis=0)))
-    around = source_camera.unproject(edge[chosen], high)
-    out = source_camera.unproject(edge[chosen] + normals[chosen], high) - around
-    out = out[:, :2] / (np.linalg.norm(out[:, :2], axis=1, keepdims=True) + 1e-9)
-    heights = (high, low) if prism else (high,)
-    rim = np.concatenate([np.column_stack([around[:, :2], np.full(len(around), z)]) for z in heights])
     return ObjectTemplate(
         source=source,
         source_camera=source_camera,
@@ -146,16 +154,12 @@ def template_of(
         centre=centre,
         box=box,
         origin=base,
-        layers=np.linspace(low, high, LAYERS if prism else 1) - base[2],
-        points=points - base,
-        facing=facing,
-        colours=source.sample(inner[None], step)[0, :, :3],
-        rim=rim - base,
-        normals=np.tile(out, (len(heights), 1)),
-        upper=np.repeat([1.0, -1.0], len(around)) if prism else np.zeros(len(around)),
+        layers=np.linspace(low, high, LAYERS if low < high else 1) - base[2],
+        surface=Surface(points - base, facing, source.sample(inner[None], step)[0, :, :3]),
+        rim=_rim(top, source_camera, low, high, base),
         extent=extent,
         step=step,
-        pixel=pixel,
+        pixel=_metres_per_pixel(source_camera, centre, (low + high) / 2),
     )
 
 
@@ -175,7 +179,7 @@ def template_from_reference(
     """
     size = np.array(reference.size)
     middle = np.array([camera.width / 2, camera.height / 2])
-    pixel = float(np.linalg.norm(np.diff(camera.unproject([middle, middle + [1, 0]], height + size[2] / 2), axis=0)))
+    pixel = _metres_per_pixel(camera, middle, height + size[2] / 2)
     zoom = reference.metres_per_pixel / pixel
     width, tall = (max(1, round(zoom * n)) for n in reference.picture.shape[1::-1])
     solid = reference.picture[..., 3] > 127
@@ -229,6 +233,33 @@ def _on_proxy(
     return points, np.where((first == 0)[:, None], 0.0, away)
 
 
+def _middle_and_extent(mask: np.ndarray) -> tuple[np.ndarray, float]:
+    """(2,) u, v of the middle of a mask, and its longest side, pixels."""
+    v, u = np.nonzero(mask)
+    pixels = np.stack([u, v], axis=1) + 0.5
+    _, sides, _ = cv2.minAreaRect(pixels.astype(np.float32))
+    return pixels.mean(axis=0), float(max(sides)) + 1
+
+
+def _metres_per_pixel(camera: Camera, at: np.ndarray, height: float) -> float:
+    """Metres that the pixel at (2,) covers at a height."""
+    return float(np.linalg.norm(np.diff(camera.unproject([at, at + [1, 0]], height), axis=0)))
+
+
+def _rim(top: np.ndarray, camera: Camera, low: float, high: float, base: np.ndarray) -> Rim:
+    """The rim of an object whose top face (H, W) bool is seen, relative to (3,) its origin; one outline if it is
+    flat."""
+    edge, normals = _outline(top)
+    chosen = np.linspace(0, len(edge) - 1, min(RIM_POINTS // 2, len(edge))).astype(int)
+    around = camera.unproject(edge[chosen], high)[:, :2]
+    out = camera.unproject(edge[chosen] + normals[chosen], high)[:, :2] - around
+    out = out / (np.linalg.norm(out, axis=1, keepdims=True) + 1e-9)
+    heights = (high, low) if low < high else (high,)
+    points = np.concatenate([np.column_stack([around, np.full(len(around), z)]) for z in heights]) - base
+    upper = np.repeat([1.0, -1.0], len(around)) if low < high else np.zeros(len(around))
+    return Rim(points, np.tile(out, (len(heights), 1)), upper)
+
+
 def _inner(mask: np.ndarray, step: float, shell: float) -> np.ndarray:
     """(n, 2) pixels of a mask that lie deep enough not to mix with what is around, and no deeper than the shell; all
     when it is thin."""
@@ -256,7 +287,7 @@ def _outline(mask: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     u0, v0 = contour.min(axis=0) - 6
     u1, v1 = contour.max(axis=0) + 7
     window = np.zeros((v1 - v0, u1 - u0), np.float32)
-    cv2.drawContours(window, [contour - [u0, v0]], -1, 1.0, cv2.FILLED)
+    cv2.drawContours(window, [contour - [u0, v0]], -1, (1.0,), cv2.FILLED)
     soft = cv2.GaussianBlur(window, (0, 0), 1.5)
     at = contour - [u0, v0]
     slopes = [cv2.Sobel(soft, cv2.CV_32F, *order)[at[:, 1], at[:, 0]] for order in ((1, 0), (0, 1))]

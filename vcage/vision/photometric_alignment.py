@@ -18,7 +18,7 @@ from vcage.vision.pose_score import LIGHTNESS
 SOFT = 1.0
 """Standard deviation of the blur of drawings, pixels of the camera: image models draw softer than a renderer."""
 
-WEIGHTS = np.float32([LIGHTNESS, 1, 1])
+WEIGHTS = np.array([LIGHTNESS, 1, 1], np.float32)
 """Of the channels of Lab."""
 
 COVER = 20.0

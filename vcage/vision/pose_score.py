@@ -54,6 +54,28 @@ class Fit:
         """(b,) in [0, 1]."""
         return self.terms @ WEIGHTS / WEIGHTS.sum()
 
+    @property
+    def first(self) -> Fit:
+        """The first pose alone."""
+        return Fit(self.poses[:1], self.terms[:1])
+
+    def term(self, name: str) -> np.ndarray:
+        """(b,) one of :data:`TERMS`."""
+        return self.terms[:, TERMS.index(name)]
+
+    def where(self, chosen: np.ndarray) -> Fit:
+        """The poses that a mask (b,) chooses."""
+        return Fit(self.poses[chosen], self.terms[chosen])
+
+    def with_those(self, others: Fit) -> Fit:
+        """These and other poses."""
+        return Fit(np.concatenate([self.poses, others.poses]), np.concatenate([self.terms, others.terms]))
+
+    def best_first(self) -> Fit:
+        """The poses in the order of their goodness, the best first."""
+        order = np.argsort(-self.goodness, kind="stable")
+        return Fit(self.poses[order], self.terms[order])
+
 
 def rotation(angle: np.ndarray) -> np.ndarray:
     """(..., 2, 2) that turns pixel offsets counter-clockwise as seen in the picture (v points down)."""
@@ -93,18 +115,19 @@ def fit(image: LabImage, template: ObjectTemplate, poses: np.ndarray) -> Fit:
     poses = np.asarray(poses, np.float64).reshape(-1, 4)
     if not len(poses):
         return Fit(poses, np.zeros((0, len(TERMS))))
-    count, edge = len(template.points), len(template.rim)
-    beside = np.column_stack([template.normals, np.zeros(edge)]) * (template.step * template.pixel)
-    around = [template.rim + RIM_OUT * beside, template.rim - RIM_IN * beside]
-    points = placed(template, poses, np.concatenate([template.points, *around]))
+    surface, rim = template.surface, template.rim
+    count, edge = len(surface.points), len(rim.points)
+    beside = np.column_stack([rim.normals, np.zeros(edge)]) * (template.step * template.pixel)
+    around = [rim.points + RIM_OUT * beside, rim.points - RIM_IN * beside]
+    points = placed(template, poses, np.concatenate([surface.points, *around]))
     seen = image.sample(pixels_of(template.camera, points), template.step)
     inside, outer, inner = seen[:, :count], seen[:, count : count + edge], seen[:, count + edge :]
     # What turned away from the camera is hidden; top and bottom make the silhouette where they end it.
-    shown = _shares(turned_towards(template, poses, points[:, :count], template.facing) >= 0)
-    facing = turned_towards(template, poses, points[:, count : count + edge], template.normals)
-    outline = _shares(facing * template.upper <= 0)
-    weights = np.float32([LIGHTNESS, 1, 1])
-    known, found = template.colours.astype(np.float32) * weights, inside[..., :3] * weights
+    shown = _shares(turned_towards(template, poses, points[:, :count], surface.facing) >= 0)
+    facing = turned_towards(template, poses, points[:, count : count + edge], rim.normals)
+    outline = _shares(facing * rim.upper <= 0)
+    weights = np.array([LIGHTNESS, 1, 1], np.float32)
+    known, found = surface.colours.astype(np.float32) * weights, inside[..., :3] * weights
     away = found - known
     squares = _squares(away)
     colour = 1 - _mean(np.minimum(np.sqrt(squares), CAP), shown) / CAP
@@ -187,7 +210,7 @@ def mask_at(template: ObjectTemplate, pose: np.ndarray) -> np.ndarray:
         if u0 < u1 and v0 < v1:
             matrix[:, 2] -= u0, v0
             size = (int(u1 - u0), int(v1 - v0))
-            drawn[v0:v1, u0:u1] |= cv2.warpAffine(top, matrix, size, flags=cv2.INTER_NEAREST)
+            drawn[v0:v1, u0:u1] |= np.asarray(cv2.warpAffine(top, matrix, size, flags=cv2.INTER_NEAREST), np.uint8)
     return drawn > 0
 
 

@@ -58,6 +58,11 @@ LEAST_SALIENCE = 0.25
 """A place of which less stands out of the table is not looked at."""
 
 
+def search(image: LabImage, template: ObjectTemplate, also: np.ndarray) -> Fit:
+    """The poses of :func:`search_finely` among those of :func:`search_roughly`."""
+    return search_finely(image, template, search_roughly(image, template, also))
+
+
 def search_roughly(target: LabImage, template: ObjectTemplate, also: np.ndarray) -> Fit:
     """Poses at which the object may be in a picture, the best first.
 
@@ -68,29 +73,23 @@ def search_roughly(target: LabImage, template: ObjectTemplate, also: np.ndarray)
     """
     first = fit(target, template, propose(target, template, PLACES, HEADINGS, also))
     best = np.argsort(-first.goodness, kind="stable")[:STARTS]
-    return _ranked(refine(target, template, first.poses[best], _steps(template, ROUGH_STEPS), ROUGH_ROUNDS))
+    return refine(target, template, first.poses[best], _steps(template, ROUGH_STEPS), ROUGH_ROUNDS).best_first()
 
 
 def search_finely(target: LabImage, template: ObjectTemplate, found: Fit) -> Fit:
     """At most :data:`KEPT` of the poses that were found roughly and turns of the best, refined, the best first."""
     if not len(found.poses):
         return found
-    again = _ranked(fit(target, template, found.poses))
+    again = fit(target, template, found.poses).best_first()
     apart = _distinct(again, template)[:KEPT]
     flipped = np.repeat(again.poses[:1], len(FLIPS), axis=0)
     flipped[:, 2] += FLIPS
     starts = np.concatenate([again.poses[apart], flipped])
-    return _ranked(refine(target, template, starts, _steps(template, FINE_STEPS), FINE_ROUNDS))
+    return refine(target, template, starts, _steps(template, FINE_STEPS), FINE_ROUNDS).best_first()
 
 
 def _steps(template: ObjectTemplate, steps: np.ndarray) -> np.ndarray:
     return steps * [template.step * template.pixel, template.step * template.pixel, 1, 1]
-
-
-def _ranked(found: Fit) -> Fit:
-    """The poses in the order of their goodness, the best first."""
-    order = np.argsort(-found.goodness, kind="stable")
-    return Fit(found.poses[order], found.terms[order])
 
 
 def _distinct(found: Fit, template: ObjectTemplate) -> list[int]:
@@ -139,7 +138,7 @@ def propose(image: LabImage, template: ObjectTemplate, count: int, headings: int
 
 def _features(level: np.ndarray) -> np.ndarray:
     """(h, w, 5) weighted Lab, its square, salience."""
-    lab = level[..., :3] * np.float32([LIGHTNESS, 1, 1])
+    lab = level[..., :3] * np.array([LIGHTNESS, 1, 1], np.float32)
     return np.dstack([lab, (lab * lab).sum(axis=-1), level[..., 3]])
 
 
@@ -155,7 +154,7 @@ def _templates(template: ObjectTemplate, step: float, side: int, angles: np.ndar
         shift = (side - 1) / 2 - turn @ centre
         turned = cv2.warpAffine(level, np.column_stack([turn, shift]), (side, side), flags=cv2.INTER_LINEAR)
         mask = turned[..., 3]
-        lab = turned[..., :3] * np.float32([LIGHTNESS, 1, 1])
+        lab = turned[..., :3] * np.array([LIGHTNESS, 1, 1], np.float32)
         ring = np.clip(cv2.dilate(mask, kernel) - mask, 0, 1)
         inside, around = mask / max(mask.sum(), 1e-6), ring / max(ring.sum(), 1e-6)
         colours = inside[..., None] / COLOUR_SCALE**2
@@ -181,10 +180,11 @@ def _misfits(features: np.ndarray, places: np.ndarray, weights: np.ndarray, side
     """(places, headings) linear part of the misfit."""
     half = side // 2
     padded = cv2.copyMakeBorder(features[..., :4], half, half, half, half, cv2.BORDER_REPLICATE)
-    outside = cv2.copyMakeBorder(features[..., 4], half, half, half, half, cv2.BORDER_CONSTANT, value=0)
+    outside = cv2.copyMakeBorder(features[..., 4], half, half, half, half, cv2.BORDER_CONSTANT)
     # Channels first, in the weights as well: so rows of a window lie together, and are copied faster.
     padded = np.stack([*cv2.split(padded), outside])
-    windows = np.lib.stride_tricks.sliding_window_view(padded, (side, side), axis=(1, 2))  # (5, h, w, P, P)
+    # pyrefly: ignore[no-matching-overload]  numpy's stub knows no tuple of axes
+    windows = np.lib.stride_tricks.sliding_window_view(padded, (side, side), axis=(1, 2))  # (5, h, w, side, side)
     windows = windows.transpose(1, 2, 0, 3, 4)
     weights = weights.reshape(side, side, 5, -1).transpose(2, 0, 1, 3).reshape(side * side * 5, -1)
     weights = np.ascontiguousarray(weights)

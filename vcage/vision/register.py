@@ -15,17 +15,18 @@ import cv2
 import numpy as np
 
 from vcage.base.errors import InputFileError
-from vcage.vision.register_edges import Axis, Line, Profile, agrees, laid, table_edges, warp_of
+from vcage.vision.register_edges import Axis, EdgesAlong, confirmed_by, laid, warp_of
 from vcage.vision.register_texture import grain_fit
 
 SAME_ASPECT = 0.01
 """Logarithm of a stretch that is none: sizes are whole numbers."""
 
 PADDED_ASPECT = 0.03
-"""The same for what a padding leaves: what it pads may be of a slightly other aspect already."""
+"""Logarithm of the stretch that a padding may leave: what it pads may be of a slightly other aspect already."""
 
 BENT, BENT_EDGE = 0.03, 3.0
-"""The same for two axes that were found each for itself; and pixels by which image models bend an edge."""
+"""Logarithm of the stretch between two axes that were found each for itself, beyond which the edges are bent; and
+pixels by which image models bend an edge."""
 
 UNSEEN = ": the table is not seen well enough to check where the picture lies over it"
 
@@ -135,65 +136,76 @@ def _fit(whole: np.ndarray, background: np.ndarray, aspect: float) -> tuple[Axis
     """Where a picture, resized to the source's size, lies in it along x and y, and what is to be said of that.
 
     Args:
+        whole: (H, W, 3) uint8, the picture.
+        background: (H, W, 3) uint8, the empty table.
         aspect: how much wider the picture was than the source, for its height.
     """
-    profiles = [_profiles(picture) for picture in (background, whole)]
-    edges = [table_edges(empty) for empty in profiles[0]]
-    known = [k for k in (0, 1) if edges[k] is not None]
-    confirmed = bool(known) and all(agrees(edges[k], profiles[1][k], WITHIN) for k in known)
     same = abs(np.log(aspect)) < SAME_ASPECT
+    empty, seen = (np.asarray(cv2.cvtColor(picture, cv2.COLOR_RGB2LAB)) for picture in (background, whole))
+    along = [EdgesAlong.of(empty, seen, axis) for axis in (1, 0)]
+    confirmed = confirmed_by(along, WITHIN)
     if confirmed and same:
         return Axis(), Axis(), ""
+    by_texture = _by_texture(whole, background, 1.0 if same else aspect)
+    if by_texture is not None:
+        return by_texture
+    x, y = [Axis() if one.edges else None for one in along] if confirmed else _by_edges(along)
+    return _completed(x, y, 1.0 if same else aspect, whole.shape[1::-1])
+
+
+def _by_texture(whole: np.ndarray, background: np.ndarray, aspect: float) -> tuple[Axis, Axis, str] | None:
+    """The fit by the table's grain, see :func:`_fit`; None where that cannot be seen. The aspect is exactly 1 when the
+    picture's is the source's."""
     # Stretched to the aspect of the answer; or cropped or extended to it, of which either keeps one side whole.
-    plain = [(1.0, 1.0)] if same else [(1.0, 1.0), (1.0, 1 / aspect), (aspect, 1.0)]
-    zooms = (1.0, *(ZOOMS if same else FEW_ZOOMS))
-    lightness = (cv2.cvtColor(picture, cv2.COLOR_RGB2GRAY) for picture in (whole, background))
-    by_grain = grain_fit(*lightness, [(zoom * sx, zoom * sy) for sx, sy in plain for zoom in zooms])
-    if by_grain is not None:
-        (sx, sy, tx, ty), turn = by_grain
-        turned = "; it is turned a little, which is not undone" if abs(turn) > LARGEST_TURN else ""
-        return Axis(sx, tx), Axis(sy, ty), f"laid over the table by its grain: {_spelled((sx, sy))}{turned}"
-    by_edges = [Axis() if k in known else None for k in (0, 1)] if confirmed else _by_edges(profiles, edges)
-    return _completed(by_edges, 1.0 if same else aspect, whole.shape[1::-1])
+    plain = [(1.0, 1.0)] if aspect == 1 else [(1.0, 1.0), (1.0, 1 / aspect), (aspect, 1.0)]
+    zooms = (1.0, *(ZOOMS if aspect == 1 else FEW_ZOOMS))
+    theirs, ours = (cv2.cvtColor(picture, cv2.COLOR_RGB2GRAY) for picture in (whole, background))
+    found = grain_fit(theirs, ours, [(zoom * sx, zoom * sy) for sx, sy in plain for zoom in zooms])
+    if found is None:
+        return None
+    (sx, sy, tx, ty), turn = found
+    turned = "; it is turned a little, which is not undone" if abs(turn) > LARGEST_TURN else ""
+    return Axis(sx, tx), Axis(sy, ty), f"laid over the table by its grain: {_spelled((sx, sy))}{turned}"
 
 
-def _profiles(picture: np.ndarray) -> list[Profile]:
-    """Along x and along y."""
-    lab = cv2.cvtColor(picture, cv2.COLOR_RGB2LAB)
-    return [Profile.of(lab, 1), Profile.of(lab, 0)]
-
-
-def _by_edges(profiles: list[list[Profile]], edges: list[tuple[Line, Line] | None]) -> list[Axis | None]:
+def _by_edges(along: Sequence[EdgesAlong]) -> list[Axis | None]:
     """How the edges of the table lie along x and along y; None where the table shows none, or one cannot be sure."""
-    found: list[Axis | None] = [None, None]
-    for k, (empty, seen, pair) in enumerate(zip(*profiles, edges)):
-        if pair is not None:
-            ways = laid(empty, pair, seen)
-            if len(ways) != 1:
-                return [None, None]
-            found[k] = Axis() if ways[0].largest_shift(len(seen.change)) < BENT_EDGE else ways[0]
+    found: list[Axis | None] = []
+    for one in along:
+        ways = laid(one.empty, one.edges, one.seen) if one.edges else []
+        if one.edges and len(ways) != 1:
+            return [None, None]
+        bent = bool(ways) and ways[0].largest_shift(len(one.seen.change)) < BENT_EDGE
+        found.append(Axis() if bent else ways[0] if ways else None)
     return found
 
 
-def _completed(found: list[Axis | None], aspect: float, size: Sequence[int]) -> tuple[Axis, Axis, str]:
+def _completed(x: Axis | None, y: Axis | None, aspect: float, size: Sequence[int]) -> tuple[Axis, Axis, str]:
     """The fit by the edges of the table along x and y; an axis that they leave open is centred, and said to be.
 
     Args:
+        x, y: what the edges say.
         aspect: exactly 1 when the picture's is the source's.
+        size: width and height of the source, pixels.
     """
-    x, y = found
     if x is None and y is None:
         how = "resized as a whole" if aspect == 1 else "taken to be cropped evenly"
-        return *(_centred(min(1.0, s), n) for s, n in zip((aspect, 1 / aspect), size)), f"{how}{UNSEEN}"
-    if x is not None and y is not None:
-        if min(abs(np.log(x.scale / y.scale / shape)) for shape in (1.0, aspect)) > BENT:
-            return Axis(), Axis(), f"resized as a whole{UNSEEN}"
-        return x, y, f"laid over the table by its edges: {_spelled((x.scale, y.scale))}"
-    x = x or _centred(_open_scale(y.scale, aspect), size[0])
+        x, y = _centred(min(1.0, aspect), size[0]), _centred(min(1.0, 1 / aspect), size[1])
+        return x, y, f"{how}{UNSEEN}"
+    if x is None or y is None:
+        return _with_one_centred(x, y, aspect, size)
+    if min(abs(np.log(x.scale / y.scale / shape)) for shape in (1.0, aspect)) > BENT:
+        return Axis(), Axis(), f"resized as a whole{UNSEEN}"
+    return x, y, f"laid over the table by its edges: {_spelled((x.scale, y.scale))}"
+
+
+def _with_one_centred(x: Axis | None, y: Axis | None, aspect: float, size: Sequence[int]) -> tuple[Axis, Axis, str]:
+    """:func:`_completed` where one axis is open."""
+    side = "across" if x is None else "along"
+    x = x or _centred(_open_scale((y or Axis()).scale, aspect), size[0])
     y = y or _centred(_open_scale(x.scale, 1 / aspect), size[1])
     if aspect == 1 and (x, y) == (Axis(), Axis()):
         return x, y, ""
-    side = "across" if found[0] is None else "along"
     how = f"laid over the table by its edges: {_spelled((x.scale, y.scale))}"
     return x, y, f"{how}; {side} the table it was not checked, and is taken to be centred"
 

@@ -1,4 +1,5 @@
-"""Finds the straight edges of a table that go through a whole picture, and how those of two pictures lie together.
+"""Finds the straight edges of a table that go through a whole picture, and how those of two pictures lie together:
+projection profiles of the gradient along each axis.
 
 Objects hide parts of such an edge, but draw none of their own: nothing on a table is as long. A line is looked for in
 blocks side by side, each averaged along the edge, so that grain and noise vanish and most blocks must see it.
@@ -7,6 +8,7 @@ blocks side by side, each averaged along the edge, so that grain and noise vanis
 from __future__ import annotations
 
 import itertools
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import cv2
@@ -113,7 +115,7 @@ class Profile:
         size = (BLOCKS, lab.shape[0]) if axis == 0 else (lab.shape[1], BLOCKS)
         blocks = cv2.resize(lab, size, interpolation=cv2.INTER_AREA).astype(np.float32)
         blocks = np.ascontiguousarray(blocks if axis == 0 else blocks.transpose(1, 0, 2))
-        soft = cv2.GaussianBlur(blocks * np.float32([1, CHROMA, CHROMA]), (1, 5), 0, sigmaY=1.0)
+        soft = cv2.GaussianBlur(blocks * np.array([1, CHROMA, CHROMA], np.float32), (1, 5), 0, sigmaY=1.0)
         change = np.zeros(soft.shape[:2], np.float32)
         change[1:-1] = np.linalg.norm(soft[2:] - soft[:-2], axis=2) / 2
         return cls(blocks, change)
@@ -172,6 +174,28 @@ def table_edges(empty: Profile) -> tuple[Line, Line] | None:
         if abs(a.at - b.at) >= LEAST_SPAN * len(empty.change):
             return (a, b) if a.at < b.at else (b, a)
     return None
+
+
+@dataclass(frozen=True)
+class EdgesAlong:
+    """One axis: profiles of the empty table and of a picture, and the table's two edges if the former shows both."""
+
+    empty: Profile
+    seen: Profile
+    edges: tuple[Line, Line] | None
+
+    @classmethod
+    def of(cls, background: np.ndarray, whole: np.ndarray, axis: int) -> EdgesAlong:
+        """From (H, W, 3) uint8 CIELAB pictures; axis as in :meth:`Profile.of`."""
+        empty = Profile.of(background, axis)
+        return cls(empty, Profile.of(whole, axis), table_edges(empty))
+
+
+def confirmed_by(along: Sequence[EdgesAlong], within: float) -> bool:
+    """Whether a picture shows what edges the table has where the empty table has them, to so many pixels; False when
+    it has none."""
+    known = [one for one in along if one.edges is not None]
+    return bool(known) and all(agrees(one.edges, one.seen, within) for one in known if one.edges)
 
 
 def laid(empty: Profile, edges: tuple[Line, Line], seen: Profile) -> list[Axis]:

@@ -98,6 +98,7 @@ def _refined(ours: np.ndarray, theirs: np.ndarray, fit: np.ndarray) -> tuple[np.
     height, width = ours.shape
     middle = np.array([(width - 1) / 2, (height - 1) / 2])
     x, y = np.arange(width, dtype=np.float32) - middle[0], np.arange(height, dtype=np.float32) - middle[1]
+    step = np.zeros(4)
     for blur in BLURS:
         a, moved = cv2.GaussianBlur(ours, (0, 0), blur), _moved(cv2.GaussianBlur(theirs, (0, 0), blur), fit)
         gain = float((a * moved).sum() / max(float((a * a).sum()), 1e-6))

@@ -88,7 +88,7 @@ def _same(look: np.ndarray, angle: float) -> bool:
     turned = cv2.warpAffine(look, turn, (side, side), flags=cv2.INTER_LINEAR)
     either = (look[..., 3] > 0.5) | (turned[..., 3] > 0.5)
     ground = look[..., :3].sum(axis=(0, 1)) / look[..., 3].sum()
-    away = (_measured(look, ground) - _measured(turned, ground)) * np.float32([LIGHTNESS, 1, 1, OUTLINE])
+    away = (_measured(look, ground) - _measured(turned, ground)) * np.array([LIGHTNESS, 1, 1, OUTLINE], np.float32)
     _level(away[..., 0], (look[..., 3] > 0.9) & (turned[..., 3] > 0.9))
     local = np.linalg.norm(cv2.GaussianBlur(away, (0, 0), WINDOW), axis=-1).max()
     return bool(local <= LOCAL_LIMIT and np.linalg.norm(away, axis=-1)[either].mean() <= MEAN_LIMIT)

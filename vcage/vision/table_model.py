@@ -84,16 +84,16 @@ def table_region(camera: Camera, table: Table) -> np.ndarray:
     drawn = np.zeros((camera.height, camera.width), np.uint8)
     if not np.all(np.isfinite(pixels)):
         return ~drawn.astype(bool)
-    cv2.fillConvexPoly(drawn, np.round(np.clip(pixels, -1e4, 1e4)).astype(np.int32), 1)
-    return cv2.erode(drawn, np.ones((2 * TABLE_EDGE + 1,) * 2, np.uint8), borderValue=1) > 0
+    cv2.fillConvexPoly(drawn, np.round(np.clip(pixels, -1e4, 1e4)).astype(np.int32), (1,))
+    return cv2.erode(drawn, np.ones((2 * TABLE_EDGE + 1,) * 2, np.uint8), borderValue=(1,)) > 0
 
 
 def _shifted_lab(picture: np.ndarray) -> np.ndarray:
     """(H, W, 3) float32 L + 16, a, b of the slightly blurred picture."""
-    return to_lab(cv2.GaussianBlur(picture, (0, 0), 1.0)) + np.float32([16, 0, 0])
+    return to_lab(cv2.GaussianBlur(picture, (0, 0), 1.0)) + np.array([16, 0, 0], np.float32)
 
 
-def _smooth_terms(shape: tuple[int, int]) -> np.ndarray:
+def _smooth_terms(shape: tuple[int, ...]) -> np.ndarray:
     """(H, W, 6) terms of a quadratic field over the picture."""
     v, u = np.meshgrid(*(np.linspace(-1, 1, n, dtype=np.float32) for n in shape), indexing="ij")
     return np.stack([np.ones_like(u), u, v, u * u, u * v, v * v], axis=-1)
@@ -105,7 +105,7 @@ def _fit(values: np.ndarray, terms: np.ndarray, region: np.ndarray) -> np.ndarra
     design, wanted = terms[thin][region[thin]].astype(np.float64), values[thin][region[thin]].astype(np.float64)
     if len(design) < 4 * terms.shape[-1]:
         return np.broadcast_to(np.median(values[region], axis=0), values.shape)
-    left = wanted - np.median(wanted, axis=0)
+    left, coefficients = wanted - np.median(wanted, axis=0), np.zeros((design.shape[1], 3))
     for _ in range(PASSES):
         away = left / np.maximum(_spread(left), 0.5)
         weight = 1 / (1 + (away * away).sum(axis=1) / 4) ** 2
