@@ -141,7 +141,7 @@ def _place(r: Relation) -> str:
 
 def _crowded(name: str, inside: Sequence[str], items: Mapping[str, TableItem]) -> list[str]:
     """Contents that do not fit together: by area, else the first two that do not fit beside each other."""
-    width, depth = items[name].opening.size
+    width, depth = items[name].room.size
     area = sum(float(np.prod(items[item].body_size[:2])) for item in inside)
     if len(inside) > 1 and area > FILL_LIMIT * width * depth:
         return [f"{', '.join(inside)} do not fit into {name} together: they cover {1e4 * area:.0f} cm², "

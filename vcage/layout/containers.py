@@ -78,7 +78,7 @@ def assign_containers(items: Sequence[TableItem], demanded: Collection[str] = ()
 
 def fits(item: TableItem, container: TableItem) -> bool:
     """Whether its rectangle, alone, is not larger than the opening."""
-    return bool(np.all(2 * item.half_size(container.yaw) <= np.array(container.opening.size)))
+    return bool(np.all(2 * item.half_size(container.yaw) <= np.array(container.room.size)))
 
 
 def _room(opening: Opening) -> np.ndarray:

@@ -135,7 +135,7 @@ class Groups:
         The opening; on a bare top, widened by as much as a single content may stick out.
         """
         contents = self.contents(container)
-        centre, room = np.array(container.opening.centre), np.array(container.opening.size) / 2
+        centre, room = np.array(container.room.centre), np.array(container.room.size) / 2
         if len(contents) == 1 and container.bare and not fits(contents[0], container):
             room = np.where(half[0] > room, half[0] + OVERHANG * room, room)
         return np.stack([centre - room, centre + room])
@@ -185,7 +185,7 @@ class Groups:
     def _stand(self, item: TableItem, at: np.ndarray, found: dict[str, tuple[float, float, float]]) -> None:
         found[item.id] = tuple(float(v) for v in at)
         for content in self.contents(item):
-            self._stand(content, at + [*(rotation_2d(item.yaw) @ self.local[content.id]), item.opening.floor], found)
+            self._stand(content, at + [*(rotation_2d(item.yaw) @ self.local[content.id]), item.room.floor], found)
 
 
 def hand_room(items: Sequence[TableItem], margin: float) -> np.ndarray | None:

@@ -166,7 +166,7 @@ class _Search:
 
     def _lift(self, name: str) -> float:
         holder = self._supports.get(name)
-        return 0.0 if holder is None else self._items[holder].opening.floor + self._lift(holder)
+        return 0.0 if holder is None else self._items[holder].room.floor + self._lift(holder)
 
     def _with_targets(self, effort: Effort) -> list[TableItem]:
         """All objects at their headings, where they should be."""
@@ -207,7 +207,7 @@ class _Search:
         else:
             headings = (pose.yaw, holder.yaw, holder.yaw + np.pi / 2)
             yaw = next((y for y in headings if fits(replace(item, yaws=(y,)), holder)), pose.yaw)
-            way = rotation_2d(holder.yaw) @ np.array(holder.opening.centre) - rotation_2d(yaw) @ np.array(item.centre)
+            way = rotation_2d(holder.yaw) @ np.array(holder.room.centre) - rotation_2d(yaw) @ np.array(item.centre)
         target = (float(holder.target[0] + way[0]), float(holder.target[1] + way[1]))
         return replace(item, yaws=(yaw,), target=target, inside=holder.id, allowed=None)
 
@@ -241,9 +241,9 @@ def _widened(holder: TableItem, content: TableItem) -> TableItem:
     """The holder with an opening that the content fits into where it is: whether it really does is asked elsewhere."""
     turn = rotation_2d(-holder.yaw)
     rectangle = content.rectangle(holder.yaw) + turn @ np.subtract(content.target, holder.target)
-    centre, half = np.array(holder.opening.centre), np.array(holder.opening.size) / 2
+    centre, half = np.array(holder.room.centre), np.array(holder.room.size) / 2
     needed = np.maximum(half, np.abs(rectangle - centre).max(axis=0))
-    return replace(holder, opening=replace(holder.opening, size=tuple(float(2 * side) for side in needed)))
+    return replace(holder, opening=replace(holder.room, size=tuple(float(2 * side) for side in needed)))
 
 
 def _with_surface(item: TableItem, hollow: bool) -> TableItem:

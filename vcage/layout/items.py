@@ -93,6 +93,12 @@ class TableItem:
         return np.append(np.diff(np.asarray(self.body, dtype=np.float64), axis=0)[0], self.size[2])
 
     @property
+    def room(self) -> Opening:
+        """The opening of what holds something, which has one (:func:`check_containers`)."""
+        assert self.opening is not None, f"{self.id} has no opening"
+        return self.opening
+
+    @property
     def holds(self) -> str | None:
         """Whether things are put ``in`` it or ``on`` it; None where nothing can be."""
         if self.opening is None:

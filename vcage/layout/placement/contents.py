@@ -15,7 +15,6 @@ import numpy as np
 from vcage.base.geometry import footprint_half_size, rotation_2d, wrap_angle
 from vcage.layout.items import Placement, TableItem, as_rectangles, centres_within
 from vcage.layout.placement.plane import Plane, make_plane
-from vcage.objects.openings import Opening
 
 CONTENT_MARGIN = 0.003
 """Smallest gap between two objects in one container, and to its walls, metres."""
@@ -36,18 +35,12 @@ def contents_of(items: Sequence[TableItem], container: str | None) -> list[Table
 
 def content_plane(container: TableItem, contents: Sequence[TableItem]) -> Plane:
     """The opening of a container, in the frame of its footprint."""
-    opening = _opening_of(container)
+    opening = container.room
     centre, half = np.subtract(opening.centre, container.centre), np.array(opening.size) / 2 - CONTENT_MARGIN
     # Reach and view are the world's: they are asked of the container, see unions_of.
     plain = [replace(item, clearance=0.0, allowed=None, within=None) for item in contents]
     bounds = np.stack([centre - half, centre + half])
     return make_plane(plain, bounds, CONTENT_MARGIN, np.empty((0, 2, 2)), lambda _item, _yaw: ())
-
-
-def _opening_of(container: TableItem) -> Opening:
-    """The opening of what holds something, which has one (:func:`vcage.layout.items.check_containers`)."""
-    assert container.opening is not None, container.id
-    return container.opening
 
 
 class Carried:
@@ -90,7 +83,7 @@ class Carried:
             local = self._local[content.id]
             x, y = np.array([at.x, at.y]) + rotation_2d(at.yaw) @ local.centre
             yaw = float(wrap_angle(at.yaw + local.yaw))
-            found |= self.stand(content, Placement(float(x), float(y), yaw, at.z + _opening_of(item).floor))
+            found |= self.stand(content, Placement(float(x), float(y), yaw, at.z + item.room.floor))
         return found
 
     def _below(self, item: TableItem, at: Local) -> list[tuple[TableItem, Local]]:
