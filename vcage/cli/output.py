@@ -85,13 +85,9 @@ def run_cli(function: Callable[P, Result | None], *arguments: P.args, **options:
         return _report_error(error)
     except KeyboardInterrupt as error:
         return _report_interruption(error)
-    except OSError as error:
-        if error.errno in NO_ROOM:
-            return _report_error(DiskFull(f"no space left: {error}", hint="free some space and run the command again"))
-        if error.errno == errno.ENAMETOOLONG:
-            return _report_error(OutputFolderError(f"too long a name: {error.filename}", hint="give a shorter --out"))
-        return _report_interruption(error) if _interrupted.is_set() else _report_bug(error)
     except Exception as error:
+        if isinstance(error, OSError) and (known := _of_the_disk(error)):
+            return _report_error(known)
         return _report_interruption(error) if _interrupted.is_set() else _report_bug(error)
     if result is None:
         return 0
@@ -100,6 +96,15 @@ def run_cli(function: Callable[P, Result | None], *arguments: P.args, **options:
     if result.error is not None:
         return _report(result.as_record(), result.error.exit_code, result.error.as_line())
     return _report(result.as_record(), 0)
+
+
+def _of_the_disk(error: OSError) -> VcageError | None:
+    """What an error of the system means to whoever chose the folder; None for a bug."""
+    if error.errno in NO_ROOM:
+        return DiskFull(f"no space left: {error}", hint="free some space and run the command again")
+    if error.errno == errno.ENAMETOOLONG:
+        return OutputFolderError(f"too long a name: {error.filename}", hint="give a shorter --out")
+    return None
 
 
 def _report_error(error: VcageError) -> int:

@@ -30,7 +30,7 @@ from vcage.layout.items import FRONT_YAWS, TableItem, table_item
 from vcage.layout.optimize import LayoutResult, displacement_summary, optimize_layout
 from vcage.layout.picture import draw_layout
 from vcage.layout.placement.reach import reach_for
-from vcage.plans.kept import relations_kept_in
+from vcage.plans.kept import Kept, relations_kept_in
 from vcage.schema.base import PoseRecord, Provenance, box_record
 from vcage.schema.matches import Matches
 from vcage.schema.plan import TABLE, Plan
@@ -133,24 +133,28 @@ def execute(run: RunFolder, options: Options, context: StageContext, progress: P
         kept = relations_kept_in(settled, plan.relations)
         if kept.broken:
             logger.warning("the layout keeps %.0f %% of the plan: not %s", 100 * kept.share, ", ".join(kept.sentences))
-        checks = {
-            **settled.checks,
-            "relations_kept": round(kept.share, 4),
-            "relations_broken": kept.sentences,
-            "displacement": displacement_summary(result.displaced),
-            "cost_before": result.cost_before.total,
-            "cost_after": result.cost_after.total,
-            "starts": result.starts,
-            "repaired": result.repaired,
-            "released": result.released,
-            "out_of_reach": result.out_of_reach,
-            "hand_room": round(result.hand_room, 4),
-        }
+        checks = {**settled.checks, **_checks(kept, result)}
         return settled.model_copy(
             update={"provenance": provenance, "checks": checks, "pictures": {"top": stage.inside("top.png")}}
         )
 
     return stage.do(Scene, make, force=options.force)
+
+
+def _checks(kept: Kept, result: LayoutResult) -> dict[str, Any]:
+    """What the optimisation found, for whoever reads the scene."""
+    return {
+        "relations_kept": round(kept.share, 4),
+        "relations_broken": kept.sentences,
+        "displacement": displacement_summary(result.displaced),
+        "cost_before": result.cost_before.total,
+        "cost_after": result.cost_after.total,
+        "starts": result.starts,
+        "repaired": result.repaired,
+        "released": result.released,
+        "out_of_reach": result.out_of_reach,
+        "hand_room": round(result.hand_room, 4),
+    }
 
 
 def _heading(record: ObjectRecord, yaw: float, context: StageContext) -> float:
