@@ -7,7 +7,7 @@ Every complaint is a sentence that a reasoner can act on. What the sizes of obje
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 
 from vcage.base.graphs import circles
 from vcage.plans.relations import DIRECTIONS
@@ -38,24 +38,33 @@ def plan_complaints(plan: LayoutPlan, scene: Scene, sizes: SizeCheck | None = No
         scene: the objects that there are.
         sizes: without it sizes are not looked at.
     """
-    ids = [o.id for o in scene.objects]
+    names = {TABLE, *(o.id for o in scene.objects)}
+    known = [r for r in plan.relations if r.subject in names and r.reference in names]
     found = [] if plan.text.strip() else ["text: is empty"]
-    named = dict.fromkeys(name for r in plan.relations for name in (r.subject, r.reference))
-    strangers = [name for name in named if name not in (*ids, TABLE)]
-    found += [f"there is no object {name!r}" for name in strangers]
-    known = [r for r in plan.relations if r.subject not in strangers and r.reference not in strangers]
-    found += contradictions(known) + (sizes(known) if sizes else [])
-    lies = {(r.subject, r.reference) for r in plan.relations if r.relation in ("inside", "on")}
-    found += [
+    found += _strangers(plan.relations, names) + contradictions(known) + (sizes(known) if sizes else [])
+    found += _taken_out(plan.relations, scene) + _unplanned(plan.relations, scene)
+    more = len(found) - MOST_COMPLAINTS
+    return [*found[:MOST_COMPLAINTS], f"and {more} more complaints like these"] if more > 0 else found
+
+
+def _strangers(relations: Sequence[Relation], names: Collection[str]) -> list[str]:
+    named = dict.fromkeys(name for r in relations for name in (r.subject, r.reference))
+    return [f"there is no object {name!r}" for name in named if name not in names]
+
+
+def _taken_out(relations: Sequence[Relation], scene: Scene) -> list[str]:
+    lies = {(r.subject, r.reference) for r in relations if r.relation in ("inside", "on")}
+    return [
         f"{o.id} lies in or on {o.container} at the start: say that it stays there"
         for o in scene.objects
         if o.container is not None and (o.id, o.container) not in lies
     ]
-    placed = {r.subject for r in plan.relations}
-    missing = [object_id for object_id in ids if object_id not in placed]
-    found += [f"nothing says where {', '.join(missing)} go"] if missing else []
-    more = len(found) - MOST_COMPLAINTS
-    return [*found[:MOST_COMPLAINTS], f"and {more} more complaints like these"] if more > 0 else found
+
+
+def _unplanned(relations: Sequence[Relation], scene: Scene) -> list[str]:
+    placed = {r.subject for r in relations}
+    missing = [o.id for o in scene.objects if o.id not in placed]
+    return [f"nothing says where {', '.join(missing)} go"] if missing else []
 
 
 def contradictions(relations: Sequence[Relation]) -> list[str]:
