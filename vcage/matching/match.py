@@ -165,10 +165,7 @@ def match_picture(
     detected = recogniser.detector.detect(picture, phrases, pictures.background)
     detections, doubts = sound_detections(detected, picture.shape[:2])
     image, candidates = _look(scene, pictures, image, detections, recogniser.embedder)
-    chosen = assign([one.masks for one in candidates], [one.odds for one in candidates])
-    choices = [(one, chosen.get(i)) for i, one in enumerate(candidates)]
-    refused = {one.record.id: _refusal(one, choice, recogniser.threshold) for one, choice in choices}
-    made = [(one, choice) for one, choice in choices if choice and not refused[one.record.id]]
+    made, refused = _decide(candidates, recogniser.threshold)
     found = {one.record.id: _match(image, one, choice, recogniser.threshold, looks) for one, choice in made}
     missing = {o.id: refused.get(o.id, HIDDEN) for o in scene.objects if o.id not in found}
     rest = kept(scene, plan, pictures.segmentation, found, missing)
@@ -203,6 +200,17 @@ def _look(
         for record, template, fit in zip(records, templates, fits, strict=True)
     ]
     return image, [_Candidates(*one) for one in zip(records, templates, fits, drawn, likeness, labels, strict=True)]
+
+
+def _decide(
+    candidates: Sequence[_Candidates], threshold: float
+) -> tuple[list[tuple[_Candidates, Chosen]], dict[str, str]]:
+    """The objects that are matched, each with its choice; and object id → why another is not."""
+    chosen = assign([one.masks for one in candidates], [one.odds for one in candidates])
+    choices = [(one, chosen.get(i)) for i, one in enumerate(candidates)]
+    refused = {one.record.id: _refusal(one, choice, threshold) for one, choice in choices}
+    made = [(one, choice) for one, choice in choices if choice and not refused[one.record.id]]
+    return made, {name: why for name, why in refused.items() if why}
 
 
 def _refusal(one: _Candidates, choice: Chosen | None, threshold: float) -> str:

@@ -138,8 +138,7 @@ def template_of(
     """
     centre, extent = _middle_and_extent(mask)
     step = max(1.0, extent / FINE_EXTENT)
-    low, high = float(box[0, 2]), float(box[1, 2])
-    base = np.array([*origin, low])
+    (low, high), base = box[:, 2].tolist(), np.array([*origin, box[0, 2]])
     top = _top_face(mask, source_camera, low, high)
     if top.sum() < LEAST_TOP * mask.sum():
         top, low, high = mask, (low + high) / 2, (low + high) / 2
