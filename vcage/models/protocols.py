@@ -9,12 +9,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
-from vcage.layout.intended import IntendedLayout, intended_layout
-from vcage.layout.items import TableItem, item_of
 from vcage.plans.check import PlanCheck
 from vcage.schema.asset import CatalogueEntry
 from vcage.schema.episodes import Verdict
@@ -22,6 +20,10 @@ from vcage.schema.plan import LayoutPlan, Relation, Selection, SelectionCheck
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import ChainOption, Goal, PairAnswer, PairQuestion
 from vcage.vision.protocols import Detector, Embedder, Reference, View
+
+if TYPE_CHECKING:
+    from vcage.layout.intended import IntendedLayout
+    from vcage.layout.items import TableItem
 
 
 @dataclass(frozen=True)
@@ -55,6 +57,10 @@ class EditRequest:
 
     def laid_out(self, relations: Sequence[Relation]) -> IntendedLayout:
         """Where those relations alone want the objects."""
+        # Imported late: `vcage doctor` says which keys there are on a machine that lacks what the solver needs.
+        from vcage.layout.intended import intended_layout
+        from vcage.layout.items import item_of
+
         items = {o.id: self.items.get(o.id) or item_of(o) for o in self.scene.objects}
         fixed = {name: self.scene.object(name).pose.pose() for name in self.hidden}
         return intended_layout(self.scene, relations, items, fixed)
