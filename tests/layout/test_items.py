@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -58,7 +60,7 @@ def test_every_object_finds_a_place_on_the_table_alone() -> None:
 
 
 def test_an_opening_is_told_from_the_middle_of_the_rectangle(cabinet) -> None:
-    room = table_item("cabinet", cabinet, opening=Opening((0.02, 0.03), (0.1, 0.1), 0.2, 0.3))
+    room = replace(table_item("cabinet", cabinet), opening=Opening((0.02, 0.03), (0.1, 0.1), 0.2, 0.3))
     spot = Placement(0.1, 0.05, 0.4)
     middle = content_plane(room, []).bounds.mean(axis=0)
     in_world = Pose.from_yaw([spot.x, spot.y, 0.0], spot.yaw).apply([*middle, 0.0])

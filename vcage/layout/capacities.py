@@ -35,7 +35,7 @@ def capacity_of(name: str, asset: Asset) -> TableItem:
     roof = opening.depth if point.holds == "in" and point.sideways else None
     if point.holds != "in":
         opening = replace(opening, rim=np.inf)
-    return table_item(name, asset, opening=opening, ceiling=roof)
+    return replace(table_item(name, asset), opening=opening, ceiling=roof)
 
 
 def opening_for(asset: Asset, contents: Sequence[Asset] = ()) -> Opening | None:
@@ -81,10 +81,11 @@ def size_complaints(
     """
     sound = sound_relations(relations)
     found: list[str] = []
-    for words, word, swapped in AXES if workspace else ():
-        edges = along(sound, word, swapped)
-        if not circles([edge for edge, _ in edges]):
-            found += _too_long(words, edges, items, workspace)
+    if workspace is not None:
+        for words, word, swapped in AXES:
+            edges = along(sound, word, swapped)
+            if not circles([edge for edge, _ in edges]):
+                found += _too_long(words, edges, items, workspace)
     return found + _too_large(lying(sound), items, overhang)
 
 
@@ -152,12 +153,12 @@ def _crowded(name: str, inside: Sequence[str], items: Mapping[str, TableItem]) -
     return []
 
 
-def _side_by_side(a: Sequence[float], b: Sequence[float], room: tuple[float, float]) -> bool:
+def _side_by_side(a: np.ndarray, b: np.ndarray, room: tuple[float, float]) -> bool:
     """Whether the boxes around two rectangles, each turned as it likes, fit beside each other into a third."""
     return any(_narrowest(a, depth) + _narrowest(b, depth) <= width + ROUNDING for width, depth in (room, room[::-1]))
 
 
-def _narrowest(size: Sequence[float], depth: float) -> float:
+def _narrowest(size: np.ndarray, depth: float) -> float:
     """Least width of a box of at most that depth around a rectangle that is turned as it likes; infinite without one.
 
     Width and depth are concave in the angle, so the least is at a quarter turn, or where the depth is just enough.
@@ -172,5 +173,5 @@ def _narrowest(size: Sequence[float], depth: float) -> float:
     return min((wide for wide, deep in boxes if deep <= depth + ROUNDING), default=math.inf)
 
 
-def _cm(size: Sequence[float]) -> str:
+def _cm(size: Iterable[float]) -> str:
     return " x ".join(f"{100 * x:.1f}" for x in size) + " cm"

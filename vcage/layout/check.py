@@ -41,12 +41,12 @@ def require_exact(
         _require_inside(groups, container, positions)
     for item in groups.items.values():
         if item.allowed is not None and item.id not in groups.out_of_reach:
-            _require_allowed(item, positions[item.id])
+            allowed = as_rectangles(item.allowed, f"where {item.id} may stand")
+            _require_allowed(item, allowed, positions[item.id])
 
 
-def _require_allowed(item: TableItem, position: Sequence[float]) -> None:
+def _require_allowed(item: TableItem, rectangles: np.ndarray, position: Sequence[float]) -> None:
     middle = item.rectangle().mean(axis=0) + position[:2]
-    rectangles = as_rectangles(item.allowed, f"where {item.id} may stand")
     within = (middle >= rectangles[:, 0] - TOLERANCE) & (middle <= rectangles[:, 1] + TOLERANCE)
     if not within.all(axis=1).any():
         raise _not_exact(f"{item.id} is not where it is allowed", item.id)

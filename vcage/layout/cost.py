@@ -117,10 +117,10 @@ class LayoutProblem:
     @cached_property
     def reachable(self) -> tuple[np.ndarray, np.ndarray]:
         """(k,) the footprints that are not allowed anywhere, and (k, m, 2, 2) their rectangles, the last repeated."""
-        rows = [k for k, allowed in enumerate(self.allowed) if allowed is not None]
-        most = max((len(self.allowed[k]) for k in rows), default=0)
-        padded = [np.pad(self.allowed[k], ((0, most - len(self.allowed[k])), (0, 0), (0, 0)), "edge") for k in rows]
-        return np.array(rows, dtype=int), np.array(padded).reshape(len(rows), most, 2, 2)
+        bound = {k: allowed for k, allowed in enumerate(self.allowed) if allowed is not None}
+        most = max(map(len, bound.values()), default=0)
+        padded = [np.pad(allowed, ((0, most - len(allowed)), (0, 0), (0, 0)), "edge") for allowed in bound.values()]
+        return np.array(list(bound), dtype=int), np.array(padded).reshape(len(bound), most, 2, 2)
 
 
 @dataclass(frozen=True)
@@ -145,8 +145,8 @@ def evaluate(problem: LayoutProblem, weights: Weights, centres: np.ndarray) -> t
         (weights.relation, _relation(problem, centres)),
     )
     total = sum(weight * value for weight, (value, _) in terms)
-    gradient = sum(weight * slope for weight, (_, slope) in terms if slope is not None)
-    return Cost(*(value for _, (value, _) in terms), total), gradient
+    slopes = (weight * slope for weight, (_, slope) in terms if slope is not None)
+    return Cost(*(value for _, (value, _) in terms), total=total), sum(slopes, start=np.zeros_like(centres))
 
 
 def penetrations(problem: LayoutProblem, centres: np.ndarray) -> np.ndarray:

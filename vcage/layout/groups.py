@@ -40,8 +40,8 @@ class Groups:
         self.local: dict[str, np.ndarray] = {}
         self._carried: dict[str, list[TableItem]] = {item.id: [] for item in items}
         for item in items:
-            if self.container[item.id] is not None:
-                self._carried[self.container[item.id]].append(item)
+            if (holder := self.container[item.id]) is not None:
+                self._carried[holder].append(item)
 
     @property
     def roots(self) -> list[TableItem]:
@@ -66,9 +66,9 @@ class Groups:
         outer = self.container[item.id]
         return 0 if outer is None else 1 + self._depth(self.items[outer])
 
-    def release(self, item: TableItem) -> None:
+    def release(self, item: TableItem, container: TableItem) -> None:
         """Take a content out of its container, onto the table."""
-        self._carried[self.container[item.id]].remove(item)
+        self._carried[container.id].remove(item)
         self.container[item.id] = None
 
     def extent(self, item: TableItem, frame_yaw: float = 0.0) -> np.ndarray:
@@ -179,13 +179,17 @@ class Groups:
         """(x, y, z) of every object when the roots' origins (n, 2) are on a table of that height, by id."""
         found: dict[str, tuple[float, float, float]] = {}
         for root, origin in zip(roots, origins, strict=True):
-            self._stand(root, np.array([*origin, height]), found)
+            found |= self._positions(root, np.array([*origin, height]))
         return {name: found[name] for name in self.items}
 
-    def _stand(self, item: TableItem, at: np.ndarray, found: dict[str, tuple[float, float, float]]) -> None:
-        found[item.id] = tuple(float(v) for v in at)
+    def _positions(self, item: TableItem, at: np.ndarray) -> dict[str, tuple[float, float, float]]:
+        """(x, y, z) of an object at ``at`` (3,) and of all that it carries, by id."""
+        x, y, z = (float(v) for v in at)
+        found = {item.id: (x, y, z)}
         for content in self.contents(item):
-            self._stand(content, at + [*(rotation_2d(item.yaw) @ self.local[content.id]), item.room.floor], found)
+            way = rotation_2d(item.yaw) @ self.local[content.id]
+            found |= self._positions(content, at + [*way, item.room.floor])
+        return found
 
 
 def hand_room(items: Sequence[TableItem], margin: float) -> np.ndarray | None:

@@ -242,8 +242,8 @@ def _widened(holder: TableItem, content: TableItem) -> TableItem:
     turn = rotation_2d(-holder.yaw)
     rectangle = content.rectangle(holder.yaw) + turn @ np.subtract(content.target, holder.target)
     centre, half = np.array(holder.room.centre), np.array(holder.room.size) / 2
-    needed = np.maximum(half, np.abs(rectangle - centre).max(axis=0))
-    return replace(holder, opening=replace(holder.room, size=tuple(float(2 * side) for side in needed)))
+    width, depth = (2 * np.maximum(half, np.abs(rectangle - centre).max(axis=0))).tolist()
+    return replace(holder, opening=replace(holder.room, size=(width, depth)))
 
 
 def _with_surface(item: TableItem, hollow: bool) -> TableItem:

@@ -6,7 +6,6 @@ import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -157,26 +156,16 @@ def _rectangle(size: Sequence[float], middle: Sequence[float], yaw: float) -> np
     return np.array([[x - half_x, y - half_y], [x + half_x, y + half_y]])
 
 
-def table_item(name: str, asset: Asset, **fields: Any) -> TableItem:
-    """The room that an asset needs: its footprint, or with moving parts the footprint of all that they sweep.
-
-    Args:
-        name: id of the item.
-        asset: what stands there.
-        **fields: all else that is known of it, as :class:`TableItem` names it.
-    """
-    lower, upper = asset.bounds[:, :2]
-    if asset.articulated:
-        points = np.concatenate([asset.bounds[:, :2], *_swept(asset)])
-        lower, upper = points.min(axis=0), points.max(axis=0)
-    width, depth = (float(v) for v in upper - lower)
-    known = {
-        "size": (width, depth, float(asset.size[2])),
-        "yaws": FRONT_YAWS if asset.articulated else ANY_YAW,
-        "centre": tuple(float(v) for v in (lower + upper) / 2) if asset.articulated else (0.0, 0.0),
-        "body": asset.bounds[:, :2],
-    }
-    return TableItem(name, **(known | fields))
+def table_item(name: str, asset: Asset) -> TableItem:
+    """The room that an asset needs: its footprint, or with moving parts the footprint of all that they sweep."""
+    body, height = asset.bounds[:, :2], float(asset.size[2])
+    if not asset.articulated:
+        width, depth = (body[1] - body[0]).tolist()
+        return TableItem(name, (width, depth, height), ANY_YAW, body=body)
+    points = np.concatenate([body, *_swept(asset)])
+    lower, upper = points.min(axis=0), points.max(axis=0)
+    (width, depth), (x, y) = (upper - lower).tolist(), ((lower + upper) / 2).tolist()
+    return TableItem(name, (width, depth, height), FRONT_YAWS, centre=(x, y), body=body)
 
 
 def item_of(record: ObjectRecord) -> TableItem:

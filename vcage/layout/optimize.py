@@ -134,7 +134,7 @@ def _fill_containers(groups: Groups, search: _Search) -> tuple[set[str], list[st
             except InfeasibleScene as error:
                 smallest = min(contents, key=lambda item: (np.prod(item.size), item.id))
                 log.warning("%s goes beside %s: %s", smallest.id, container.id, error.message)
-                groups.release(smallest)
+                groups.release(smallest, container)
                 released.append(smallest.id)
                 continue
             groups.settle(container, solution.centres)

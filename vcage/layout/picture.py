@@ -58,7 +58,7 @@ def draw_layout(
     canvas.text((plan.left, 20), "Optimised layout", size=26)
     _draw_plan(canvas, plan, workspace, after, colours)
     for old, new in zip(before, after, strict=True):
-        canvas.arrow(plan.pixel(old.target), plan.pixel(new.target), INK, width=2)
+        canvas.arrow(plan.pixel(old.target).tolist(), plan.pixel(new.target).tolist(), INK, width=2)
     _draw_labels(canvas, plan, after, labels, colours, moved)
     canvas.text((plan.left, foot), f"{_count(collisions(after))}; {_summary(labels, moved)}", size=20)
     return canvas.picture()

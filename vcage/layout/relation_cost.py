@@ -79,7 +79,7 @@ class RelationTerms:
     def cost(self, centres: np.ndarray) -> tuple[float, np.ndarray | None]:
         """Σ of the violations' costs at ``centres`` (n, 2), and its gradient (n, 2), or None where it is zero."""
         flat = centres.ravel()
-        value, gradient = 0.0, None
+        value, gradient = 0.0, np.zeros_like(flat)
         if len(self.levels):
             violation = np.maximum(self.normals @ flat + self.levels, 0)
             bent = np.minimum(violation, KNEE)
@@ -89,7 +89,7 @@ class RelationTerms:
             far, pull = self._too_far(flat)
             close, push = self._too_close(flat) if self.turned else (0.0, 0.0)
             value += far + close
-            gradient = (0.0 if gradient is None else gradient) + (pull + push).ravel() @ self.ways
+            gradient = gradient + (pull + push).ravel() @ self.ways
         return (float(value), gradient.reshape(-1, 2)) if value else (0.0, None)
 
     def _too_far(self, flat: np.ndarray) -> tuple[float, np.ndarray]:

@@ -53,7 +53,8 @@ def _repair_in(order: Sequence[int], problem: LayoutProblem, centres: np.ndarray
         if not home[k] or np.any((apart[:, 0] < x[k, kept] - TOLERANCE) & (apart[:, 1] < y[k, kept] - TOLERANCE)):
             half = problem.half[kept]
             taken = np.stack([fixed[kept] - half, fixed[kept] + half], axis=1)
-            unions = () if problem.allowed[k] is None else (problem.allowed[k],)
+            allowed = problem.allowed[k]
+            unions = () if allowed is None else (allowed,)
             region = free_region(problem.bounds, problem.half[k], taken, problem.gaps(k, kept), unions)
             if region.is_empty:
                 return fixed, k

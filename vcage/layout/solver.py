@@ -80,15 +80,15 @@ def _searched(
     problem: LayoutProblem, names: Sequence[str], weights: Weights, rng: np.random.Generator, restarts: int
 ) -> Solution:
     """The best layout of all starts, with as much of the wider gaps as there is a layout for."""
-    starts = 0
-    for share in (1.0,) if problem.extra is None else (1.0, *EASED):
-        eased = problem if problem.extra is None else replace(problem, extra=share * problem.extra)
-        search = _Search(eased, weights, rng, starts)
-        if search.run(restarts):
-            return search.solution(share)
-        starts = search.starts
-    if not search.repair_harder():
-        search.pack(names)
+    eased = [] if problem.extra is None else [(share, replace(problem, extra=share * problem.extra)) for share in EASED]
+    search, share = _Search(problem, weights, rng), 1.0
+    while not search.run(restarts):
+        if not eased:
+            if not search.repair_harder():
+                search.pack(names)
+            break
+        share, problem = eased.pop(0)
+        search = _Search(problem, weights, rng, search.starts)
     return search.solution(share)
 
 
@@ -107,7 +107,7 @@ class _Search:
         starts: how many descents were run, with those of the searches before.
     """
 
-    def __init__(self, problem: LayoutProblem, weights: Weights, rng: np.random.Generator, starts: int):
+    def __init__(self, problem: LayoutProblem, weights: Weights, rng: np.random.Generator, starts: int = 0):
         self._problem, self._tight, self._weights, self._rng = problem, tightened(problem), weights, rng
         self._best: tuple[_Score, np.ndarray, tuple[int, ...]] | None = None
         self.starts = starts
@@ -115,6 +115,7 @@ class _Search:
 
     def solution(self, share: float) -> Solution:
         """The best layout; there must be one."""
+        assert self._best is not None, "no layout was found"
         _, centres, moved = self._best
         return Solution(centres, self.starts, moved, share)
 
@@ -130,7 +131,7 @@ class _Search:
             if self._best is not None and self._best[0].broken == 0 and (idle >= PATIENCE or not self._best[2]):
                 return True
         if self._best is not None and self._best[0].broken:
-            self._give_up_relations()
+            self._give_up_relations(self._best[1])
         return self._best is not None
 
     def _descend(self, tight: LayoutProblem, start: np.ndarray, stages: Sequence[float] = STAGES) -> np.ndarray:
@@ -147,10 +148,10 @@ class _Search:
             self._best = (score, *repaired)
         return before is None or score < _Score(before.broken, GAIN * before.displacement)
 
-    def _give_up_relations(self) -> None:
+    def _give_up_relations(self, centres: np.ndarray) -> None:
         """Relations that cannot all hold pull at each other: leave out the worst, one at a time, and go on."""
-        relations, centres = self._tight.relations, self._best[1]
-        while len(relations) > 1 and (missed := relations.violations(centres)).max() > 0:
+        relations = self._tight.relations
+        while relations is not None and len(relations) > 1 and (missed := relations.violations(centres)).max() > 0:
             relations = relations.without(int(missed.argmax()))
             centres = self._descend(replace(self._tight, relations=relations), centres)
             self._offer(repair(self._problem, centres))
@@ -160,13 +161,13 @@ class _Search:
         for end in self._ends:
             if (repaired := repair(self._problem, end, REPAIRS)) is not None:
                 self._offer(repaired)
-                self._pull_back()
+                self._pull_back(repaired[0])
                 return True
         return False
 
-    def _pull_back(self) -> None:
+    def _pull_back(self, centres: np.ndarray) -> None:
         """From a layout that repair or packing took far away, towards the targets."""
-        self._offer(repair(self._problem, self._descend(self._tight, self._best[1], STAGES[-1:])))
+        self._offer(repair(self._problem, self._descend(self._tight, centres, STAGES[-1:])))
 
     def pack(self, names: Sequence[str]) -> None:
         """A packed layout, pulled back towards the targets.
@@ -181,7 +182,7 @@ class _Search:
         for k in np.flatnonzero(problem.movable):
             packed[k] = placed[names[k]].x, placed[names[k]].y
         self._offer((packed, tuple(int(k) for k in np.flatnonzero(problem.movable))))
-        self._pull_back()
+        self._pull_back(packed)
 
 
 def _broken(problem: LayoutProblem, centres: np.ndarray) -> int:

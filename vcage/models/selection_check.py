@@ -75,7 +75,7 @@ def name_objects(selection: Selection, entries: Sequence[CatalogueEntry]) -> lis
         taken = {other.id for other in named}
         named.append(NamedObject(_unique(base, taken), entry.name, variant.id, phrase, chosen.role, chosen.starts_in))
         containers.setdefault(entry.name, named[-1].id)
-    return [replace(o, starts_in=containers.get(o.starts_in)) for o in named]
+    return [replace(o, starts_in=containers.get(o.starts_in) if o.starts_in else None) for o in named]
 
 
 def with_room(objects: Sequence[NamedObject], items: Mapping[str, TableItem]) -> tuple[list[NamedObject], list[str]]:

@@ -178,9 +178,8 @@ def _items(
     for o in objects:
         contents = [other.asset for other in objects if inside.get(other.id) == o.id]
         items.append(
-            table_item(
-                o.id,
-                o.asset,
+            replace(
+                table_item(o.id, o.asset),
                 yaws=(yaws[o.id],),
                 target=places[o.id],
                 opening=opening_for(o.asset, contents),

@@ -12,7 +12,7 @@ from __future__ import annotations
 import logging
 import unicodedata
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Annotated, Any
@@ -206,9 +206,8 @@ def _place_item(
     bounds = np.array([template.workspace.lower, template.workspace.upper])
     support = template.table.height + _lift(o, objects, openings)
     seen = view_rectangles(template.top_camera.camera(), support, float(asset.size[2]), bounds, BORDER)
-    return table_item(
-        o.id,
-        asset,
+    return replace(
+        table_item(o.id, asset),
         allowed=reach_for(asset, o.role, reach),
         within=seen,
         inside=o.starts_in,

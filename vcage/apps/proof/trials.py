@@ -105,7 +105,7 @@ class TrialPlaces:
         if -z < SIDEWAYS:
             yaw = float(np.pi / 2 - np.arctan2(y, x) + rng.uniform(-FACING, FACING))
         straight = round(yaw / (np.pi / 2)) * np.pi / 2
-        item = table_item(asset.name, asset, yaws=(yaw,), allowed=self._reach)
+        item = replace(table_item(asset.name, asset), yaws=(yaw,), allowed=self._reach)
         at = self._placed(item, (straight, straight + np.pi) if -z >= SIDEWAYS else (straight,), rng)
         return Pose.from_yaw([at.x, at.y, self.template.table.height], at.yaw)
 

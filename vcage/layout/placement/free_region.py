@@ -122,10 +122,10 @@ def free_region(
     grow = half_size - TOLERANCE + np.asarray(gap, dtype=np.float64)[..., None]
     blocked = np.empty_like(obstacles)
     blocked[:, 0], blocked[:, 1] = obstacles[:, 0] - grow, obstacles[:, 1] + grow
-    unions = [np.asarray(union, dtype=np.float64).reshape(-1, 2, 2) + _WIDENED for union in unions]
-    x, y = _edges(domain, np.concatenate([blocked, *unions]))
+    widened = [np.asarray(union, dtype=np.float64).reshape(-1, 2, 2) + _WIDENED for union in unions]
+    x, y = _edges(domain, np.concatenate([blocked, *widened]))
     free = np.ones((len(x) - 1, len(y) - 1), dtype=bool)
-    for union in unions:
+    for union in widened:
         covered = np.zeros_like(free)
         for cells in _covered(union, x, y):
             covered[cells] = True

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 import numpy as np
 
 from vcage.plans.relations import holds
-from vcage.schema.plan import TABLE, LayoutPlan, Relation
+from vcage.schema.plan import TABLE, LayoutPlan, Relation, RelationWord
 from vcage.schema.scene import ObjectRecord, Scene
 
-_PLACES = ("left_of", "right_of", "in_front_of")
+_PLACES: tuple[RelationWord, ...] = ("left_of", "right_of", "in_front_of")
 """Where contents stand around a receptacle, in turn, so that both arms have something to do."""
 
 ROOM = 0.06
@@ -31,35 +31,39 @@ def plan_layout(scene: Scene, rng: np.random.Generator) -> LayoutPlan:
     there, and that object stands where a hand comes to it. The relations form a tree that starts at the table, so
     they cannot contradict each other. Which object goes to which side is a random choice.
     """
-    carried = [o for o in scene.objects if o.container is not None]
+    carried = [(o, scene.object(o.container)) for o in scene.objects if o.container is not None]
+    anchors, contents, context = _groups(scene, {holder.id for _, holder in carried}, rng)
+    relations = _anchor_relations(anchors)
+    relations += _around(contents, anchors)
+    relations += _out_of_the_way(context, anchors, relations, scene)
+    relations += [_relation(o, _lies(o, holder), holder) for o, holder in carried]
+    return LayoutPlan(text=describe(relations, scene), relations=relations)
+
+
+def _groups(scene: Scene, holders: Collection[str], rng: np.random.Generator) -> tuple[list[ObjectRecord], ...]:
+    """What stands on the table: what the rest stands around, what stands around it, and what stands out of the way."""
     standing = [o for o in scene.objects if o.container is None]
-    holders = {o.container for o in carried}
-    receptacles = [o for o in standing if o.role == "receptacle"]
     contents = _shuffled([o for o in standing if o.role == "content"], rng)
     context = _shuffled([o for o in standing if o.role == "context"], rng)
     contents += [o for o in context if o.id in holders]
     context = [o for o in context if o.id not in holders]
-    anchors = receptacles or contents[:1] or context[:1]
-    contents = [o for o in contents if o not in anchors]
-    context = [o for o in context if o not in anchors]
-    relations = _anchor_relations(anchors)
-    relations += _around(contents, anchors)
-    relations += _out_of_the_way(context, anchors, relations, scene)
-    relations += [_relation(o, _lies(o, scene), scene.object(o.container)) for o in carried]
-    return LayoutPlan(text=describe(relations, scene), relations=relations)
+    receptacles = [o for o in standing if o.role == "receptacle"]
+    if receptacles:
+        return receptacles, contents, context
+    return (contents[:1], contents[1:], context) if contents else (context[:1], [], context[1:])
 
 
 def _shuffled(items: Sequence[ObjectRecord], rng: np.random.Generator) -> list[ObjectRecord]:
     return [items[i] for i in rng.permutation(len(items))]
 
 
-def _relation(subject: ObjectRecord, word: str, reference: ObjectRecord) -> Relation:
+def _relation(subject: ObjectRecord, word: RelationWord, reference: ObjectRecord) -> Relation:
     return Relation(subject=subject.id, relation=word, reference=reference.id)
 
 
-def _lies(item: ObjectRecord, scene: Scene) -> str:
+def _lies(item: ObjectRecord, holder: ObjectRecord) -> RelationWord:
     """Whether an object lies ``inside`` its container or ``on`` it."""
-    return "inside" if holds("inside", item.aabb, scene.object(item.container).aabb) else "on"
+    return "inside" if holds("inside", item.aabb, holder.aabb) else "on"
 
 
 def _anchor_relations(anchors: Sequence[ObjectRecord]) -> list[Relation]:
@@ -95,8 +99,7 @@ def _out_of_the_way(
     for index, item in enumerate(context):
         reference = next((o for o in free if _fits_behind(item, o, scene)), None)
         if reference is None:
-            side = ("left_of", "right_of")[index % 2]
-            relations.append(_relation(item, side, anchors[0]))
+            relations.append(_relation(item, "right_of" if index % 2 else "left_of", anchors[0]))
         else:
             free.remove(reference)
             relations.append(_relation(item, "behind", reference))

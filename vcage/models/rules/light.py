@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import cv2
@@ -63,8 +63,10 @@ def find_light(
     picture: np.ndarray, background: np.ndarray, items: Sequence[Cutout], camera: Camera, table: float
 ) -> Light | None:
     """The light of a picture whose objects stand on a table of that height; None where no shadow is seen."""
-    ratio = (picture.astype(np.float32) + 1) / (background.astype(np.float32) + 1)
     objects = np.any([item.mask for item in items], axis=0).astype(np.uint8)
+    if not objects.any():
+        return None
+    ratio = (picture.astype(np.float32) + 1) / (background.astype(np.float32) + 1)
     bare = cv2.dilate(objects, np.ones((5, 5), np.uint8)) == 0
     dark = np.where(bare, np.clip(1 - ratio.mean(axis=-1), 0, 0.6), 0).astype(np.float32)
     size = (int(dark.shape[1] * _SCALE), int(dark.shape[0] * _SCALE))
@@ -79,14 +81,7 @@ def find_light(
             return 0.0
         return float(np.corrcoef(shade, seen)[0, 1]) - LENGTH_COSTS * float(np.linalg.norm(offset))
 
-    if not objects.any():
-        return None
-    angles = np.linspace(0, 2 * np.pi, HEADINGS, endpoint=False)
-    tried = [length * np.array([np.cos(a), np.sin(a)]) for a in angles for length in LENGTHS]
-    offset = max(tried, key=fit)
-    for step in FINER:
-        around = [offset + step * np.array([dx, dy]) for dx in (0, -1, 1) for dy in (0, -1, 1)]
-        offset = max(around, key=fit)
+    offset = _best_offset(fit)
     if fit(offset) < LEAST_FIT:
         return None
     full = _shadows(items, offset, camera, table, (dark.shape[1], dark.shape[0])) > 0
@@ -94,6 +89,17 @@ def find_light(
     core &= dark > 1 - FAINTEST
     left = np.median(ratio[core], axis=0) if core.sum() > FEWEST_PIXELS else np.ones(3)
     return Light(offset, np.minimum(left, 1.0)) if left.mean() < FAINTEST else None
+
+
+def _best_offset(fit: Callable[[np.ndarray], float]) -> np.ndarray:
+    """(2,) where a shadow falls for each metre of height, of the best fit: tried on a grid, then improved in steps."""
+    angles = np.linspace(0, 2 * np.pi, HEADINGS, endpoint=False)
+    tried = [length * np.array([np.cos(a), np.sin(a)]) for a in angles for length in LENGTHS]
+    offset = max(tried, key=fit)
+    for step in FINER:
+        around = [offset + step * np.array([dx, dy]) for dx in (0, -1, 1) for dy in (0, -1, 1)]
+        offset = max(around, key=fit)
+    return offset
 
 
 def _shadows(
@@ -110,5 +116,5 @@ def _shadows(
         swept = np.concatenate([item.centre + share * outline + offset * (z - table) for z, share in tops])
         pixels = camera.project(np.column_stack([swept, np.full(len(swept), table)])) * scale
         polygon = cv2.convexHull(np.rint(pixels * 16 - 8).astype(np.int32))
-        cv2.fillConvexPoly(shade, polygon, 1, shift=4)
+        cv2.fillConvexPoly(shade, polygon, (1,), shift=4)
     return shade

@@ -72,7 +72,7 @@ def cells_of(points: np.ndarray, cells: np.ndarray) -> np.ndarray:
 def look_up(values: np.ndarray, at: np.ndarray) -> np.ndarray:
     """Values at (h, w, 2) columns and rows, between pixels by interpolation; 0 outside."""
     at = at.astype(np.float32)
-    return cv2.remap(values, at[..., 0], at[..., 1], cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT, borderValue=0)
+    return cv2.remap(values, at[..., 0], at[..., 1], cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT)
 
 
 def prism_of(item: Cutout, camera: Camera, slices: int) -> Prism:
