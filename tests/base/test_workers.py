@@ -19,19 +19,9 @@ from vcage.base.workers import cores, in_processes, one_blas_thread
 WAIT = 20.0
 """Seconds after which a process that should have ended counts as left behind."""
 
-_greeting: list[str] = []
-
 
 def double(number: int) -> tuple[int, int]:
     return 2 * number, os.getpid()
-
-
-def greet(text: str) -> None:
-    _greeting.append(text)
-
-
-def greeted(_task: int) -> list[str]:
-    return _greeting
 
 
 def refuse_two(number: int) -> int:
@@ -74,12 +64,6 @@ def test_several_workers_are_other_processes_and_give_every_result():
     assert sorted(result for result, _ in found) == [0, 2, 4, 6, 8, 10]
     assert os.getpid() not in {process for _, process in found}
     assert nothing_left()
-
-
-@pytest.mark.parametrize("workers", [1, 2])
-def test_every_process_is_prepared_first(workers):
-    _greeting.clear()
-    assert list(in_processes(greeted, [0, 1], workers, greet, ("hello",))) == [["hello"]] * 2
 
 
 def test_an_error_of_a_task_comes_whole_and_ends_the_others():

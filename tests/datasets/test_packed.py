@@ -323,13 +323,6 @@ def test_padded_strings_that_could_grow_can_grow_again(tmp_path):
         assert (dataset.maxshape, dataset.chunks) == ((None,), (2,))
 
 
-def test_unpacking_tells_of_every_camera(tmp_path):
-    told = []
-    packed = pack(robotwin(tmp_path / "a.hdf5"), tmp_path / "packed" / "a.hdf5")
-    unpack(packed, tmp_path / "b.hdf5", progress=lambda *step: told.append(step))
-    assert told == [("head_camera", 0, 2), ("left_camera", 1, 2)]
-
-
 def test_a_file_that_was_never_packed_cannot_be_unpacked(tmp_path):
     with pytest.raises(UsageError, match="refers to no video"):
         unpack(act(tmp_path / "a.hdf5"), tmp_path / "b.hdf5")

@@ -75,14 +75,13 @@ class UnknownName(UsageError):
 
     code = "unknown_name"
 
-    def __init__(self, what: str, name: str, available: Iterable[str], *, hint: str = ""):
+    def __init__(self, what: str, name: str, available: Iterable[str]):
         names = sorted(available)
         near = difflib.get_close_matches(name, names, n=3)
         listed = ", ".join(names[:40]) + (f", … ({len(names)} in all)" if len(names) > 40 else "")
-        hint = hint or (f"did you mean {' or '.join(near)}?" if near else "take one of those listed")
         super().__init__(
             f"unknown {what} {name!r}; available: {listed or 'none'}",
-            hint=hint,
+            hint=f"did you mean {' or '.join(near)}?" if near else "take one of those listed",
             details={"what": what, "name": name, "available": names},
         )
 

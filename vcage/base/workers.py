@@ -14,7 +14,7 @@ from concurrent.futures import ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from functools import cache
-from typing import Any, TypeVar
+from typing import TypeVar
 
 from threadpoolctl import ThreadpoolController
 
@@ -29,13 +29,7 @@ def cores() -> int:
     return len(os.sched_getaffinity(0))
 
 
-def in_processes(
-    work: Callable[[T], R],
-    tasks: Sequence[T],
-    workers: int,
-    initializer: Callable[..., None] | None = None,
-    initargs: tuple[Any, ...] = (),
-) -> Iterator[R]:
+def in_processes(work: Callable[[T], R], tasks: Sequence[T], workers: int) -> Iterator[R]:
     """Results of ``work`` as they are finished, not in the order of the tasks.
 
     With one worker or one task it happens in this process. An error of a task ends the others and is raised here;
@@ -45,19 +39,16 @@ def in_processes(
         work: a function of a module; task, result and errors are pickled.
         tasks: what to work on.
         workers: processes at most.
-        initializer: called in each process first, with ``initargs``.
 
     Raises:
         PartlyDone: a process ended without an answer, as when the system took its memory.
     """
     if workers <= 1 or len(tasks) < 2:
-        if initializer is not None and tasks:
-            initializer(*initargs)
         yield from map(work, tasks)
         return
     before = set(multiprocessing.active_children())
     context = multiprocessing.get_context("spawn")
-    pool = ProcessPoolExecutor(min(workers, len(tasks)), context, _start, (initializer, initargs))
+    pool = ProcessPoolExecutor(min(workers, len(tasks)), context, _start)
     try:
         for done in as_completed([pool.submit(work, task) for task in tasks]):
             yield done.result()
@@ -73,11 +64,9 @@ def in_processes(
             child.terminate()
 
 
-def _start(initializer: Callable[..., None] | None, initargs: tuple[Any, ...]) -> None:
+def _start() -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the parent's business
     threading.Thread(target=_end_with_parent, daemon=True).start()
-    if initializer is not None:
-        initializer(*initargs)
 
 
 def _end_with_parent() -> None:

@@ -19,7 +19,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vcage.base.errors import DamagedFile, InputFileError, UsageError
-from vcage.base.progress import Progress, silent
 from vcage.base.videos import pictures
 from vcage.datasets.hdf5 import GZIP_LEVEL
 from vcage.datasets.hdf5_copy import Replacement, copy_attributes, copy_file
@@ -50,7 +49,7 @@ def write_packed(source: Path, target: Path, streams: Sequence[Stream]) -> Path:
     return Path(target)
 
 
-def unpack(packed: Path, target: Path, storage: Literal["same", "raw"] = "same", progress: Progress = silent) -> Path:
+def unpack(packed: Path, target: Path, storage: Literal["same", "raw"] = "same") -> Path:
     """Write ``target``: a packed file with its pictures put back from the videos, as many, in order, in their places.
 
     Arrays of pixels come back in the same type, chunks and compression. Encoded pictures come back as PNG, since a
@@ -63,7 +62,6 @@ def unpack(packed: Path, target: Path, storage: Literal["same", "raw"] = "same",
         packed: what :func:`write_packed` wrote, with the videos beside it.
         target: the file to write; it appears when it is whole.
         storage: ``raw`` puts arrays of RGB in place of encoded pictures too.
-        progress: told of every camera.
 
     Raises:
         UsageError: ``target`` is ``packed``, or ``packed`` refers to no video.
@@ -76,11 +74,9 @@ def unpack(packed: Path, target: Path, storage: Literal["same", "raw"] = "same",
         if not links:
             raise UsageError(f"{packed} refers to no video", hint="give a file that was packed; this one is whole")
         videos = {key: link.whole_video(Path(packed)) for key, link in links.items()}
-        numbers = {key: number for number, key in enumerate(links)}
 
         def restore(key: str) -> Replacement:
             def put(dataset: h5py.Dataset, group: h5py.Group, name: str) -> None:
-                progress(links[key].stream.camera, numbers[key], len(links))
                 made = _restored(group, name, links[key], videos[key], storage, Path(target).parent)
                 copy_attributes(dataset, made, leave=OURS)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 from collections import Counter
 from collections.abc import Iterator, Sequence
+from functools import cache, partial
 from pathlib import Path
 
 from vcage.apps.proof.prove import Prover, Trial
@@ -97,7 +98,7 @@ def _proven(prover: Prover, names: Sequence[str], workers: int) -> Iterator[tupl
     if workers <= 1 or len(names) < 2:  # with what is loaded here
         yield from ((name, prove_or_refuse(prover, name)) for name in names)
         return
-    yield from in_processes(_prove_in_worker, names, workers, _start_worker, (prover.trial,))
+    yield from in_processes(partial(_prove_in_worker, prover.trial), names, workers)
 
 
 def prove_or_refuse(prover: Prover, name: str) -> ObjectProof:
@@ -114,14 +115,11 @@ def prove_or_refuse(prover: Prover, name: str) -> ObjectProof:
         return ObjectProof(key="", variants=variants)
 
 
-_prover: Prover
-"""Of a worker process."""
+def _prove_in_worker(trial: Trial, name: str) -> tuple[str, ObjectProof]:
+    return name, prove_or_refuse(_worker_prover(trial), name)
 
 
-def _start_worker(trial: Trial) -> None:
-    global _prover
-    _prover = Prover(Library.load(), trial)
-
-
-def _prove_in_worker(name: str) -> tuple[str, ObjectProof]:
-    return name, prove_or_refuse(_prover, name)
+@cache
+def _worker_prover(trial: Trial) -> Prover:
+    """Made once in each worker process."""
+    return Prover(Library.load(), trial)
