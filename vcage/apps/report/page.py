@@ -5,16 +5,21 @@ Stages that have not run are said to be missing; the page never computes a resul
 
 from __future__ import annotations
 
+import base64
+import io
 from collections import Counter
+from collections.abc import Iterable
+from fractions import Fraction
 from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar
 
+import av
+import cv2
 import jinja2
 import numpy as np
 
 from vcage import __version__
-from vcage.apps.report.embed import picture_url, video_url
 from vcage.base.errors import MissingStage
 from vcage.base.files import RunFolder, recover, write_text
 from vcage.datasets.reader import EpisodeReader
@@ -31,6 +36,8 @@ from vcage.stages.episode_store import read_log
 from vcage.stages.stage import read_timings
 
 D = TypeVar("D", bound=StageDocument)
+
+JPEG_QUALITY = 88
 
 
 def write_report(run: RunFolder) -> Path:
@@ -99,7 +106,7 @@ def _stage_pictures(run: RunFolder) -> list[dict[str, str]]:
     ]
     found = []
     for title, caption, path in wanted:
-        url = picture_url(run.root / path)
+        url = _picture_url(run.root / path)
         if url is not None:
             found.append({"title": title, "caption": caption, "url": url, "path": path})
     return found
@@ -117,7 +124,7 @@ def _episode_card(run: RunFolder, episode: Episode) -> dict[str, Any]:
 
 
 def _verdict_card(run: RunFolder, verdict: Verdict, subtask: str) -> dict[str, Any]:
-    urls = [picture_url(run.episodes.parent / picture, max_width=480) for picture in verdict.pictures]
+    urls = [_picture_url(run.episodes.parent / picture, max_width=480) for picture in verdict.pictures]
     return {"verdict": verdict, "subtask": subtask, "pictures": [url for url in urls if url]}
 
 
@@ -127,7 +134,7 @@ def _preview(path: Path, fps: float) -> str | None:
         if not reader.cameras:
             return None
         tracks = [reader.images(camera) for camera in reader.cameras]
-        return video_url((np.concatenate([t[i] for t in tracks], axis=1) for i in range(len(tracks[0]))), fps)
+        return _video_url((np.concatenate([t[i] for t in tracks], axis=1) for i in range(len(tracks[0]))), fps)
 
 
 @cache
@@ -145,3 +152,41 @@ def _template() -> jinja2.Template:
 
 def _percent(share: float) -> str:
     return f"{100 * share:.2f} %"
+
+
+# --- pictures and videos as data URLs, so that the page is one file ------------------------------------
+
+
+def _picture_url(path: Path, max_width: int = 960) -> str | None:
+    """A PNG or JPEG as a data URL, scaled down to ``max_width``; None when the file is not there."""
+    if not path.is_file():
+        return None
+    picture = cv2.imread(str(path), cv2.IMREAD_COLOR)
+    if picture is None:
+        return None
+    height, width = picture.shape[:2]
+    if width > max_width:
+        picture = cv2.resize(picture, (max_width, round(height * max_width / width)), interpolation=cv2.INTER_AREA)
+    encoded = cv2.imencode(".jpg", picture, [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY])[1]
+    return "data:image/jpeg;base64," + base64.b64encode(encoded.tobytes()).decode()
+
+
+def _video_url(frames: Iterable[np.ndarray], fps: float) -> str:
+    """Frames (H, W, 3) uint8 RGB as an H.264 data URL that every browser plays.
+
+    A preview only: the data set's own streams are HEVC, which most browsers do not decode.
+    """
+    buffer = io.BytesIO()
+    with av.open(buffer, "w", format="mp4") as container:
+        stream = None
+        for frame in frames:
+            if stream is None:
+                stream = container.add_stream("libx264", rate=Fraction(fps).limit_denominator(1000))
+                stream.height, stream.width = frame.shape[0] // 2 * 2, frame.shape[1] // 2 * 2
+                stream.pix_fmt = "yuv420p"
+                stream.options = {"crf": "26", "preset": "veryfast"}
+            even = np.ascontiguousarray(frame[: stream.height, : stream.width])
+            container.mux(stream.encode(av.VideoFrame.from_ndarray(even, format="rgb24")))
+        if stream is not None:
+            container.mux(stream.encode())
+    return "data:video/mp4;base64," + base64.b64encode(buffer.getvalue()).decode()
