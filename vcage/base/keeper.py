@@ -10,7 +10,7 @@ from typing import Any, Generic, Protocol, Self, TypeVar
 from vcage.base.errors import InputFileError
 
 
-class Kept(Protocol):
+class WorkRecord(Protocol):
     """A record of finished work, such as a :class:`~vcage.schema.base.StageDocument`."""
 
     @property
@@ -27,7 +27,7 @@ class Kept(Protocol):
         """
 
 
-K = TypeVar("K", bound=Kept)
+K = TypeVar("K", bound=WorkRecord)
 
 
 @dataclass(frozen=True)

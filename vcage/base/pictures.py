@@ -16,6 +16,12 @@ def write_picture(path: Path, picture: np.ndarray) -> Path:
     return write_bytes(path, cv2.imencode(".png", cv2.cvtColor(picture, cv2.COLOR_RGB2BGR))[1].tobytes())
 
 
+def jpeg(picture: np.ndarray, quality: int) -> bytes:
+    """A (H, W, 3) uint8 RGB picture as a JPEG file of that quality, 0 to 100."""
+    bgr = cv2.cvtColor(picture, cv2.COLOR_RGB2BGR)
+    return cv2.imencode(".jpg", bgr, [cv2.IMWRITE_JPEG_QUALITY, quality])[1].tobytes()
+
+
 def write_labels(path: Path, labels: np.ndarray) -> Path:
     """Write a (H, W) label image as 16-bit PNG."""
     return write_bytes(path, cv2.imencode(".png", labels.astype(np.uint16))[1].tobytes())
@@ -28,7 +34,11 @@ def read_picture(path: Path) -> np.ndarray:
         MissingStage: it is not there.
         DamagedFile: it is not a picture.
     """
-    picture = _decode(path, cv2.IMREAD_UNCHANGED)
+    return rgb_of_decoded(_decode(path))
+
+
+def rgb_of_decoded(picture: np.ndarray) -> np.ndarray:
+    """(H, W, 3) uint8 RGB of what OpenCV decoded; 16 bits become 8, grey becomes RGB, alpha is laid over white."""
     if picture.dtype == np.uint16:
         picture = (picture // 257).astype(np.uint8)
     return cv2.cvtColor(three_channels(picture), cv2.COLOR_BGR2RGB)
@@ -46,17 +56,17 @@ def three_channels(picture: np.ndarray) -> np.ndarray:
 
 def read_labels(path: Path) -> np.ndarray:
     """Read a label image as (H, W) int32; raises as :func:`read_picture`."""
-    labels = _decode(path, cv2.IMREAD_UNCHANGED)
+    labels = _decode(path)
     if labels.ndim != 2:
         raise DamagedFile(f"{path} is a colour picture, not a label image", hint="run select_place --force")
     return labels.astype(np.int32)
 
 
-def _decode(path: Path, flags: int) -> np.ndarray:
+def _decode(path: Path) -> np.ndarray:
     if not path.is_file():
         raise MissingStage(f"{path} does not exist", hint="run the stage that writes it first")
     data = np.frombuffer(path.read_bytes(), np.uint8)
-    picture = cv2.imdecode(data, flags) if len(data) else None
+    picture = cv2.imdecode(data, cv2.IMREAD_UNCHANGED) if len(data) else None
     if picture is None:
         raise DamagedFile(f"{path} is not a picture", hint="delete it and run its stage again with --force")
     return picture

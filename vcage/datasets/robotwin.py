@@ -35,6 +35,7 @@ CAMERA_NAMES = {"cam_high": "head_camera", "cam_left_wrist": "left_camera", "cam
 """Our name of a camera → RoboTwin's; others keep theirs."""
 
 JPEG_QUALITY = 95
+"""Of RoboTwin's own files."""
 
 OPENGL_AXES = np.diag([1.0, -1.0, -1.0, 1.0])
 """OpenCV's camera axes (y down, z forward) in OpenGL's (y up, z backward)."""

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vcage.base.errors import DamagedFile
-from vcage.base.pictures import three_channels
+from vcage.base.pictures import rgb_of_decoded, three_channels
 
 PNG = b"\x89P"
 MAGIC = {b"\xff\xd8": "jpeg", PNG: "png"}
@@ -50,9 +50,7 @@ def decode_picture(data: bytes | NDArray[np.uint8], what: str) -> NDArray[np.uin
     raw = np.frombuffer(data, np.uint8) if isinstance(data, bytes) else np.ascontiguousarray(data, np.uint8)
     # JPEG knows no alpha, and says in its EXIF data how it is to be turned, which IMREAD_UNCHANGED ignores
     picture = _decode(raw, cv2.IMREAD_UNCHANGED if raw[:2].tobytes() == PNG else cv2.IMREAD_COLOR, what)
-    if picture.dtype == np.uint16:
-        picture = (picture // 257).astype(np.uint8)
-    return np.asarray(cv2.cvtColor(three_channels(picture), cv2.COLOR_BGR2RGB), np.uint8)
+    return np.asarray(rgb_of_decoded(picture), np.uint8)
 
 
 def channels_of(data: bytes, what: str) -> int:

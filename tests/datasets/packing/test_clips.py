@@ -12,16 +12,16 @@ from tests.datasets.packing.searching import Searches, episode
 from tests.datasets.recordings.layouts import FRAMES, act, rooms
 from tests.recordings import written
 from vcage.base.errors import DamagedFile
-from vcage.datasets.packing.clips import Clip, Task, jpeg_bytes, known, perform, whole
+from vcage.datasets.packing.clips import Clip, SearchTask, jpeg_bytes, known, perform, whole
 from vcage.datasets.recordings.opening import open_recordings
 from vcage.schema.compression import VideoStream
 from vcage.video.choices import LOSSLESS
 
 
-def task(path: Path, folder: Path, **changes) -> Task:
+def task(path: Path, folder: Path, **changes) -> SearchTask:
     chosen = settings(**changes)
     recording = open_recordings(path)[0]
-    return Task(
+    return SearchTask(
         clip=Clip("name", recording, recording.cameras[0].name, 10.0),
         choices=chosen.choices(),
         criterion=chosen.criterion(),

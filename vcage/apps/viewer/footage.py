@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from vcage.apps.viewer.rerun_log import Clock, RerunLog, rr
 from vcage.base.errors import DamagedFile, MissingStage
 from vcage.base.files import RunFolder
+from vcage.base.pictures import jpeg
 from vcage.schema.compression import Compression
 
 JPEG_QUALITY = 90
@@ -28,7 +28,7 @@ def log_pictures(log: RerunLog, entity: str, clock: Clock, read: Callable[[range
     """
     for start in range(0, len(clock), ROWS):
         rows = range(start, min(start + ROWS, len(clock)))
-        files = [_jpeg(picture) for picture in read(rows)]
+        files = [jpeg(picture, JPEG_QUALITY) for picture in read(rows)]
         columns = rr.EncodedImage.columns(blob=files, media_type=["image/jpeg"] * len(files))
         log.rows(entity, clock.at(rows), columns)
 
@@ -73,11 +73,6 @@ def compressed_videos(episode: Path) -> dict[str, Path]:
             hint="run compress first, or leave out --pictures compressed",
         )
     return videos
-
-
-def _jpeg(picture: NDArray[np.uint8]) -> bytes:
-    quality = [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY]
-    return cv2.imencode(".jpg", cv2.cvtColor(picture, cv2.COLOR_RGB2BGR), quality)[1].tobytes()
 
 
 def _bad_video(message: str) -> DamagedFile:

@@ -111,6 +111,11 @@ def _infos(feature: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
     return {name: feature[name] for name in ("video_info", "info") if feature.get(name)}
 
 
+def video_facts(feature: Mapping[str, Any]) -> dict[str, Any]:
+    """What a feature tells of its videos, under whatever names."""
+    return {fact: value for info in _infos(feature).values() for fact, value in info.items()}
+
+
 def _way_out(what: str, value: Any) -> str:
     if what.startswith("video.codec"):
         return f"encode its videos as those of the data set are: export with --codec {value}"
@@ -134,8 +139,8 @@ def _facts(info: Mapping[str, Any], but: Sequence[str]) -> dict[str, Any]:
     for key, feature in features.items():
         if key in videos:
             facts[f"size of {key}"] = list(feature["shape"])
-            told = {fact: value for info in _infos(feature).values() for fact, value in info.items()}
-            facts |= {f"{fact} of {key}": value for fact, value in told.items() if fact not in but}
+            told = video_facts(feature).items()
+            facts |= {f"{fact} of {key}": value for fact, value in told if fact not in but}
         elif key not in SCALARS:
             facts[f"type of {key}"] = feature["dtype"]
             facts[f"size of {key}"] = list(feature["shape"])
@@ -206,7 +211,7 @@ def _stream_info(container: av.container.InputContainer, path: Path) -> dict[str
 
 def require_rgb(key: str, feature: Mapping[str, Any]) -> None:
     """Raise UsageError where a camera's feature says that it shows depth or grey, which a video in RGB cannot keep."""
-    told = {**(feature.get("video_info") or {}), **(feature.get("info") or {})}
+    told = video_facts(feature)
     depth = told.get("video.is_depth_map") or told.get("is_depth_map")
     shape = feature["shape"]
     if depth or 3 not in (shape[0], shape[-1]):

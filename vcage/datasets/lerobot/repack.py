@@ -23,7 +23,7 @@ from vcage.base.errors import DamagedFile, UsageError
 from vcage.base.files import atomic_folder, write_json
 from vcage.base.progress import Progress, silent
 from vcage.datasets.lerobot import v3, v21
-from vcage.datasets.lerobot.features import require_rgb, video_info
+from vcage.datasets.lerobot.features import require_rgb, video_facts, video_info
 from vcage.datasets.lerobot.meta import INFO, data_set_info, episode_lengths, episode_tables
 from vcage.datasets.lerobot.parquet import MEND, numbered, rewrite, texts_of
 
@@ -181,8 +181,8 @@ def _require_all(root: Path, info: Mapping[str, Any], there: Collection[int], gi
 def _video_feature(feature: Mapping[str, Any], told: Mapping[str, Any]) -> dict[str, Any]:
     """A feature that says of its videos what is told, and nothing else; other facts of its stay."""
     where = "video_info" if "video_info" in feature and not feature.get("info") else "info"
-    old = {**(feature.get("video_info") or {}), **(feature.get("info") or {})}
-    kept = {name: value for name, value in old.items() if not name.startswith("video.") and name != "has_audio"}
+    old = video_facts(feature).items()
+    kept = {name: value for name, value in old if not name.startswith("video.") and name != "has_audio"}
     rest = {name: value for name, value in feature.items() if name not in ("info", "video_info")}
     return {**rest, "dtype": "video", where: {**told, **kept}}
 

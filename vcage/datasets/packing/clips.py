@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from pathlib import Path
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -16,15 +15,15 @@ from vcage import __version__
 from vcage.base.errors import DamagedFile
 from vcage.base.files import write_bytes
 from vcage.base.keeper import Keeper
+from vcage.base.pictures import jpeg
 from vcage.datasets.recordings.recording import Recording
+from vcage.datasets.robotwin import JPEG_QUALITY
 from vcage.schema.compression import ClipRecord, VideoStream
 from vcage.video.choices import Choices, Criterion
 from vcage.video.encoders import encoder_version
 from vcage.video.jod import JodMetric, metric_version
 from vcage.video.keyframes import keyframes, picture_keyframes
 from vcage.video.search import SearchResult, search_clip
-
-JPEG_QUALITY = 95
 
 
 @dataclass(frozen=True)
@@ -72,7 +71,7 @@ class EncodedVideo:
 
 
 @dataclass(frozen=True)
-class Task:
+class SearchTask:
     """A search to be done.
 
     Args:
@@ -124,19 +123,19 @@ class Task:
         return self.record.with_suffix(".mp4")
 
 
-def known(task: Task) -> VideoStream | None:
+def known(task: SearchTask) -> VideoStream | None:
     """What an earlier call of :func:`perform` found, or None."""
     record = Keeper(task.record, ClipRecord, task.made_from).kept()
     return None if record is None else record.stream
 
 
-def whole(task: Task) -> bool:
+def whole(task: SearchTask) -> bool:
     """Whether the video is there, as :func:`perform` left it."""
     stream = known(task)
     return stream is not None and task.video.is_file() and task.video.stat().st_size == stream.bytes
 
 
-def perform(task: Task) -> tuple[Clip, VideoStream]:
+def perform(task: SearchTask) -> tuple[Clip, VideoStream]:
     """Search one clip, and write its video and then its record; does nothing where both are there.
 
     Raises:
@@ -192,5 +191,4 @@ def _stream(clip: Clip, frames: NDArray[np.uint8], scored: Sequence[int], result
 
 def jpeg_bytes(frames: NDArray[np.uint8]) -> int:
     """Bytes of the pictures, (T, H, W, 3) uint8 RGB, as JPEG, the way RoboTwin stores them."""
-    quality = [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY]
-    return sum(len(cv2.imencode(".jpg", cv2.cvtColor(f, cv2.COLOR_RGB2BGR), quality)[1]) for f in frames)
+    return sum(len(jpeg(frame, JPEG_QUALITY)) for frame in frames)

@@ -16,7 +16,7 @@ import numpy as np
 
 from vcage.base.progress import Progress, silent
 from vcage.base.workers import cores, in_processes
-from vcage.datasets.packing.clips import Clip, EncodedVideo, Task, known, perform, whole
+from vcage.datasets.packing.clips import Clip, EncodedVideo, SearchTask, known, perform, whole
 from vcage.datasets.packing.memory import free_memory
 from vcage.datasets.packing.settings import CompressionSettings
 from vcage.schema.compression import VideoStream
@@ -137,7 +137,7 @@ def sample_of(clips: Sequence[Clip]) -> list[Clip]:
 class _Found:
     """What a clip was searched with last, and what was found."""
 
-    task: Task
+    task: SearchTask
     stream: VideoStream
 
 
@@ -222,7 +222,7 @@ class _DataSetSearch:
                 self._note(task, stream)
         self._perform(waiting)
 
-    def _perform(self, tasks: Sequence[Task]) -> None:
+    def _perform(self, tasks: Sequence[SearchTask]) -> None:
         of = {_key(task.clip): task for task in tasks}
         again = len(self.found.keys() & of.keys())
         for clip, stream in in_processes(perform, tasks, self.workers):
@@ -237,8 +237,8 @@ class _DataSetSearch:
         found = {_key(clip): self.found[_key(clip)] for clip in self.clips}
         return {key: EncodedVideo(one.task.video, one.stream) for key, one in found.items()}
 
-    def _task(self, clip: Clip, choices: Choices) -> Task:
-        return Task(
+    def _task(self, clip: Clip, choices: Choices) -> SearchTask:
+        return SearchTask(
             clip=clip,
             choices=choices,
             criterion=self.settings.criterion(),
@@ -248,7 +248,7 @@ class _DataSetSearch:
             threads=self.threads,
         )
 
-    def _note(self, task: Task, stream: VideoStream) -> None:
+    def _note(self, task: SearchTask, stream: VideoStream) -> None:
         before = self.found.get(_key(task.clip))
         if before is not None and before.task.video != task.video:
             before.task.video.unlink(missing_ok=True)

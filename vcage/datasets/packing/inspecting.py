@@ -10,7 +10,7 @@ from typing import Any
 from vcage.base.errors import DamagedFile
 from vcage.datasets.packing.sources import sound_notes
 from vcage.datasets.recordings.opening import open_all
-from vcage.datasets.recordings.recording import Camera, Recording
+from vcage.datasets.recordings.recording import RecordedCamera, Recording
 
 MIB = 2**20
 
@@ -32,7 +32,7 @@ class Found:
     notes: tuple[str, ...] = ()
 
     @property
-    def cameras(self) -> Sequence[Camera]:
+    def cameras(self) -> Sequence[RecordedCamera]:
         """Those of a sound recording."""
         return self.recording.cameras if self.recording is not None else []
 
@@ -72,7 +72,7 @@ def _lines(found: Found) -> list[str]:
     return lines + [f"  note: {note}" for note in found.notes]
 
 
-def _camera(camera: Camera) -> str:
+def _camera(camera: RecordedCamera) -> str:
     saved = 1 - camera.stored_bytes / max(camera.raw_bytes, 1)
     return (
         f"{camera.name}: {camera.frames} frames of {camera.width}x{camera.height}, {camera.storage}, "

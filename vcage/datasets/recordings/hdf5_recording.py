@@ -23,7 +23,7 @@ from vcage.base.errors import DamagedFile
 from vcage.base.videos import codec_name, decode, frame_rate
 from vcage.datasets.hdf5_files import damage
 from vcage.datasets.picture_links import Link, find_links, read_link
-from vcage.datasets.recordings.recording import HDF5, Camera, Columns, Recording
+from vcage.datasets.recordings.recording import HDF5, Columns, RecordedCamera, Recording
 from vcage.datasets.stored_pictures import (
     VLEN,
     looks_swapped,
@@ -81,7 +81,7 @@ class Hdf5Recording(Recording):
         return other
 
     @cached_property
-    def cameras(self) -> list[Camera]:
+    def cameras(self) -> list[RecordedCamera]:
         with self._file() as file:
             found = self._picture_datasets(self._part(file))
             return [self._camera(name, found[name]) for name in sorted(found)]
@@ -142,7 +142,7 @@ class Hdf5Recording(Recording):
         part.visititems(look)
         return found
 
-    def _camera(self, name: str, dataset: h5py.Dataset) -> Camera:
+    def _camera(self, name: str, dataset: h5py.Dataset) -> RecordedCamera:
         key = dataset.name.lstrip("/")
         link = read_link(dataset)
         if link is not None:
@@ -155,7 +155,7 @@ class Hdf5Recording(Recording):
         size = dataset.id.get_storage_size()
         if picture_kind(dataset) == VLEN:
             size = sum(len(dataset[index]) for index in range(len(dataset)))
-        return Camera(name, key, len(dataset), width, height, picture_storage(dataset, what), size, channels)
+        return RecordedCamera(name, key, len(dataset), width, height, picture_storage(dataset, what), size, channels)
 
     @contextmanager
     def _file(self) -> Iterator[h5py.File]:
@@ -218,10 +218,12 @@ class Hdf5Recording(Recording):
         """What was measured of the robot, as the recording's part of the open file says."""
 
 
-def _packed_camera(name: str, key: str, link: Link, path: Path) -> Camera:
+def _packed_camera(name: str, key: str, link: Link, path: Path) -> RecordedCamera:
     """The camera of pictures that lie in a video."""
     video, stream = link.whole_video(path), link.stream
-    return Camera(name, key, stream.frames, stream.width, stream.height, codec_name(video), video.stat().st_size)
+    return RecordedCamera(
+        name, key, stream.frames, stream.width, stream.height, codec_name(video), video.stat().st_size
+    )
 
 
 # --- numbers: a row for each point in time, from one dataset or from several side by side --------------

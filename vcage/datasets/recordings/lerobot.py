@@ -18,10 +18,10 @@ from numpy.typing import NDArray
 from vcage.base.errors import DamagedFile, UsageError
 from vcage.base.videos import decode
 from vcage.datasets.lerobot.episode import ACTION, STATE
-from vcage.datasets.lerobot.features import CAMERA, SUBTASK, number_names, other_columns, require_rgb
+from vcage.datasets.lerobot.features import CAMERA, SUBTASK, number_names, other_columns, require_rgb, video_facts
 from vcage.datasets.lerobot.meta import data_set_info, episode_rows
 from vcage.datasets.lerobot.parquet import MEND, read_table
-from vcage.datasets.recordings.recording import Camera, Columns, Recording
+from vcage.datasets.recordings.recording import Columns, RecordedCamera, Recording
 from vcage.datasets.stored_pictures import channels_of, decode_picture, stacked, storage_of
 
 CHANNELS = (1, 3, 4)
@@ -82,7 +82,7 @@ class LeRobotRecording(Recording):
             require_rgb(key, self._info["features"][key])
 
     @cached_property
-    def cameras(self) -> list[Camera]:
+    def cameras(self) -> list[RecordedCamera]:
         keys = [key for key, feature in self._info["features"].items() if feature["dtype"] in ("video", "image")]
         return sorted((self._camera(key) for key in keys), key=lambda camera: camera.name)
 
@@ -132,19 +132,18 @@ class LeRobotRecording(Recording):
             raise DamagedFile(f"{self} has {len(found)} frames in {self._data_file}, not {self.frames}", hint=MEND)
         return found
 
-    def _camera(self, key: str) -> Camera:
+    def _camera(self, key: str) -> RecordedCamera:
         feature, frames = self._info["features"][key], self.frames
         height, width = _picture_size(feature["shape"])
         name = key.removeprefix(CAMERA)
         if feature["dtype"] == "video":
-            facts = {**(feature.get("video_info") or {}), **(feature.get("info") or {})}
-            storage = str(facts.get("video.codec", "video"))
-            return Camera(name, key, frames, width, height, storage, self._video_bytes(key))
+            storage = str(video_facts(feature).get("video.codec", "video"))
+            return RecordedCamera(name, key, frames, width, height, storage, self._video_bytes(key))
         stored = self._column(key)
         first = self._stored(stored[0].as_py())
         storage, channels = storage_of(first, f"{self} {key}[0]"), channels_of(first, f"{self} {key}[0]")
         size = sum(len(self._stored(value.as_py())) for value in stored)
-        return Camera(name, key, frames, width, height, storage, size, channels)
+        return RecordedCamera(name, key, frames, width, height, storage, size, channels)
 
     def _stored(self, value: Mapping[str, Any]) -> bytes:
         data = value.get("bytes")

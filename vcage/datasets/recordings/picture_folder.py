@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from vcage.base.errors import DamagedFile
-from vcage.datasets.recordings.recording import Camera, Columns, Recording
+from vcage.datasets.recordings.recording import Columns, RecordedCamera, Recording
 from vcage.datasets.stored_pictures import channels_of, decode_picture, stacked, storage_of
 
 SUFFIXES = (".png", ".jpg", ".jpeg")
@@ -27,7 +27,7 @@ class PictureFolder(Recording):
     LAYOUT = "pictures"
 
     @cached_property
-    def cameras(self) -> list[Camera]:
+    def cameras(self) -> list[RecordedCamera]:
         return [self._camera(name, files) for name, files in self._files.items()]
 
     @property
@@ -54,7 +54,7 @@ class PictureFolder(Recording):
         folders = sorted(path for path in self.path.iterdir() if path.is_dir())
         return {folder.name: files for folder in folders if (files := pictures_in(folder))}
 
-    def _camera(self, name: str, files: list[Path]) -> Camera:
+    def _camera(self, name: str, files: list[Path]) -> RecordedCamera:
         first = files[0].read_bytes()
         height, width = decode_picture(first, str(files[0])).shape[:2]
         size = sum(path.stat().st_size for path in files)
@@ -62,7 +62,7 @@ class PictureFolder(Recording):
         for file in files:
             _require_size(file, (width, height))
         channels = channels_of(first, str(files[0]))
-        return Camera(name, key, len(files), width, height, storage_of(first, str(files[0])), size, channels)
+        return RecordedCamera(name, key, len(files), width, height, storage_of(first, str(files[0])), size, channels)
 
 
 def _require_size(file: Path, size: tuple[int, int]) -> None:

@@ -24,7 +24,7 @@ HDF5, VIDEOS = "hdf5", "videos"
 
 
 @dataclass(frozen=True)
-class Camera:
+class RecordedCamera:
     """The pictures of one camera as they lie in the file.
 
     Args:
@@ -153,7 +153,7 @@ class Recording(ABC):
 
     @property
     @abstractmethod
-    def cameras(self) -> list[Camera]:
+    def cameras(self) -> list[RecordedCamera]:
         """Sorted by name; none where the recording holds numbers only."""
 
     @property
@@ -256,7 +256,7 @@ class Recording(ABC):
         self.camera(camera)
         return False
 
-    def camera(self, name: str) -> Camera:
+    def camera(self, name: str) -> RecordedCamera:
         """The camera of that name.
 
         Raises:
