@@ -19,7 +19,7 @@ def test_importing_it_imports_nothing_else() -> None:
     code = "import sys; before = set(sys.modules); import vcage; print(sorted(set(sys.modules) - before))"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     loaded = [name for name in ast.literal_eval(done.stdout) if name.split(".")[0] not in sys.stdlib_module_names]
-    assert loaded == ["vcage"]
+    assert loaded == ["vcage", "vcage.base", "vcage.base.version"]
 
 
 def test_every_name_says_what_it_is_with_an_example() -> None:
@@ -35,6 +35,7 @@ def test_the_names_for_type_checkers_are_those_of_the_program() -> None:
         if isinstance(node, ast.ImportFrom) and str(node.module).startswith("vcage.")
         for alias in node.names
     }
+    assert imports.pop("__version__") == "vcage.base.version"
     assert imports == vcage._PLACES
     assert sorted(imports) == sorted(vcage.__all__)
     assert set(vcage.__all__) <= set(dir(vcage))

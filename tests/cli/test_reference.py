@@ -10,22 +10,28 @@ from vcage.cli.main import COMMANDS
 from vcage.cli.reference import reference
 
 
-def test_the_page_is_up_to_date():
+@pytest.fixture(scope="module")
+def page() -> str:
+    """Made once: every command renders its help for it."""
+    with pytest.MonkeyPatch.context() as narrow:
+        narrow.setenv("COLUMNS", "40")
+        return reference()
+
+
+def test_the_page_is_up_to_date(page):
     found = (REPOSITORY / "docs" / "cli.md").read_text(encoding="utf-8")
-    assert found == reference(), "run: python -m vcage.cli.reference > docs/cli.md"
+    assert found == page, "run: python -m vcage.cli.reference > docs/cli.md"
 
 
-@pytest.mark.parametrize("columns", ["40", "200"])
-def test_it_does_not_depend_on_the_terminal(columns, monkeypatch):
-    before = reference()
-    monkeypatch.setenv("COLUMNS", columns)
-    assert reference() == before
+def test_it_does_not_depend_on_the_terminal(page, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "200")
+    assert reference() == page
 
 
-def test_it_has_a_section_for_every_command():
-    assert all(f"\n## vcage {name}\n" in reference() for name in COMMANDS)
+def test_it_has_a_section_for_every_command(page):
+    assert all(f"\n## vcage {name}\n" in page for name in COMMANDS)
 
 
-def test_it_explains_every_exit_code_of_the_error_tree():
+def test_it_explains_every_exit_code_of_the_error_tree(page):
     codes = {kind.exit_code for kind in vars(errors).values() if hasattr(kind, "exit_code")}
-    assert all(f"\n| {code} | " in reference() for code in codes)
+    assert all(f"\n| {code} | " in page for code in codes)

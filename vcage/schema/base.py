@@ -8,10 +8,10 @@ from typing import Annotated, Any, ClassVar, Self
 import numpy as np
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError
 
-from vcage import __version__
 from vcage.base.errors import SchemaMismatch
 from vcage.base.files import read_json, write_json
 from vcage.base.geometry import Camera, Pose, world_aabb
+from vcage.base.version import __version__
 
 Identifier = Annotated[str, Field(pattern=r"^[a-z0-9][a-z0-9_-]*$", max_length=80)]
 Finite = Annotated[float, Field(allow_inf_nan=False)]

@@ -22,7 +22,6 @@ from importlib import metadata
 from pathlib import Path
 from typing import Literal
 
-import vcage
 from vcage.base import files
 from vcage.base.errors import DamagedFile, NoRenderer, OutputFolderError
 from vcage.setup import mesa
@@ -107,7 +106,7 @@ def probe(icd: Path | None = None) -> RenderProbe:
         done = subprocess.run(
             command,
             env=environment,
-            cwd=Path(vcage.__file__).parents[1],
+            cwd=Path(__file__).parents[2],  # where this vcage is found
             capture_output=True,
             text=True,
             timeout=PROBE_TIMEOUT,

@@ -20,13 +20,13 @@ from typing import Annotated, Any, Literal
 
 import numpy as np
 
-from vcage import __version__
 from vcage.base.errors import PartlyDone
 from vcage.base.files import RunFolder
 from vcage.base.geometry import Pose
 from vcage.base.options import NATURAL, POSITIVE, UNSAID
 from vcage.base.pictures import write_picture
 from vcage.base.progress import Progress, silent
+from vcage.base.version import __version__
 from vcage.datasets.hdf5 import write_episode
 from vcage.objects.table_tops import TABLES, table_texture
 from vcage.schema.base import PoseRecord

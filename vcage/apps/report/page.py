@@ -19,9 +19,9 @@ import cv2
 import jinja2
 import numpy as np
 
-from vcage import __version__
 from vcage.base.errors import MissingStage
 from vcage.base.files import RunFolder, recover, write_text
+from vcage.base.version import __version__
 from vcage.datasets.reader import EpisodeReader
 from vcage.plans.kept import relations_kept_in
 from vcage.schema.base import StageDocument

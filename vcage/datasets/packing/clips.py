@@ -11,11 +11,11 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from vcage import __version__
 from vcage.base.errors import DamagedFile
 from vcage.base.files import write_bytes
 from vcage.base.keeper import Keeper
 from vcage.base.pictures import jpeg
+from vcage.base.version import __version__
 from vcage.datasets.recordings.recording import Recording
 from vcage.datasets.robotwin import JPEG_QUALITY
 from vcage.schema.compression import ClipRecord, VideoStream
