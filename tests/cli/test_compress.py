@@ -14,6 +14,7 @@ import pytest
 from tests.datasets.packing.orders import act_folder, add_camera
 from tests.recordings import collected
 from tests.runs import Answer, command, digests
+from vcage.cli.main import main
 from vcage.datasets.packing import clips as clip_module
 from vcage.datasets.packing.pack import WORKING
 
@@ -153,12 +154,29 @@ def test_a_damaged_recording_is_refused_and_left_out_on_demand(capsys, tmp_path,
 # --- broken off ----------------------------------------------------------------------------------------
 
 
+@pytest.fixture(scope="module")
+def four(tmp_path_factory) -> Path:
+    """Two recordings with two cameras each."""
+    folder = act_folder(tmp_path_factory.mktemp("four") / "in")
+    for name in ("a", "b"):
+        add_camera(folder / f"{name}.hdf5", "cam_low")
+    return folder
+
+
+@pytest.fixture(scope="module")
+def whole(four, tmp_path_factory) -> dict[str, str]:
+    """The files of a call that nobody ended."""
+    out = tmp_path_factory.mktemp("whole") / "out"
+    assert main([*map(str, ("compress", four, *QUICK, "--workers", 1, "--out", out))]) == 0
+    return digests(out)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(("number", "code"), [(signal.SIGKILL, -signal.SIGKILL), (signal.SIGINT, 130)])
-def test_what_was_finished_when_it_was_ended_is_not_done_again(capsys, tmp_path, source, monkeypatch, number, code):
-    for name in ("a", "b"):
-        add_camera(source / f"{name}.hdf5", "cam_low")
-    assert _ended_early(source, tmp_path / "out", number) == code
+def test_what_was_finished_when_it_was_ended_is_not_done_again(
+    capsys, tmp_path, four, whole, monkeypatch, number, code
+):
+    assert _ended_early(four, tmp_path / "out", number) == code
     assert not (tmp_path / "out").exists()
     work = tmp_path / f"out{WORKING}/videos"
     left = 4 - len(list(work.glob("*.json")))
@@ -167,10 +185,9 @@ def test_what_was_finished_when_it_was_ended_is_not_done_again(capsys, tmp_path,
     searched = []
     search = clip_module.search_clip
     monkeypatch.setattr(clip_module, "search_clip", lambda *of: (searched.append(of), search(*of))[1])
-    assert compress(capsys, source, "--out", tmp_path / "out").code == 0
+    assert compress(capsys, four, "--out", tmp_path / "out").code == 0
     assert len(searched) == left
-    compress(capsys, source, "--out", tmp_path / "whole")
-    assert digests(tmp_path / "out") == digests(tmp_path / "whole")
+    assert digests(tmp_path / "out") == whole
     assert not work.exists()
 
 

@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 from vcage.base.errors import NoRenderer
-from vcage.cli import checks
-from vcage.cli.checks import Finding
+from vcage.cli import doctor
+from vcage.cli.doctor import Finding
 from vcage.cli.main import main
 from vcage.setup import vulkan
 from vcage.setup.vulkan import Driver, RenderProbe
@@ -23,7 +23,7 @@ BROKEN = Finding("Vulkan", False, "none", mend="vcage setup vulkan")
 def look(monkeypatch: pytest.MonkeyPatch, *findings: Finding) -> None:
     """Let the doctor find these."""
     found: list[Callable[[], Finding]] = [lambda finding=finding: finding for finding in findings]
-    monkeypatch.setattr(checks, "ALL", tuple(found))
+    monkeypatch.setattr(doctor, "CHECKS", tuple(found))
 
 
 def test_all_well_exits_with_0_and_lists_what_was_found(
@@ -57,26 +57,26 @@ def test_json_leaves_only_the_last_line(monkeypatch: pytest.MonkeyPatch, capsys:
 
 
 def test_numpy_2_is_unfit(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(checks.metadata, "version", lambda name: "2.1.0")
-    finding = checks.numpy()
+    monkeypatch.setattr(doctor.metadata, "version", lambda name: "2.1.0")
+    finding = doctor.numpy()
     assert not finding.ok
     assert "numpy>=1.26,<2" in finding.mend
 
 
 def test_a_package_that_is_not_installed_is_mended_with_pip(monkeypatch: pytest.MonkeyPatch) -> None:
     def absent(name: str) -> str:
-        raise checks.metadata.PackageNotFoundError(name)
+        raise doctor.metadata.PackageNotFoundError(name)
 
-    monkeypatch.setattr(checks.metadata, "version", absent)
-    for check in (checks.sapien, checks.mani_skill, checks.torch, checks.video, checks.opencv):
+    monkeypatch.setattr(doctor.metadata, "version", absent)
+    for check in (doctor.sapien, doctor.mani_skill, doctor.torch, doctor.video, doctor.opencv):
         finding = check()
         assert not finding.ok and finding.required
         assert " -m pip install " in finding.mend
 
 
 def test_cvvdp_of_another_version_is_mended_by_setup(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(checks, "cvvdp_version", lambda: "0.1")
-    assert checks.cvvdp().mend.endswith("vcage setup cvvdp")
+    monkeypatch.setattr(doctor, "cvvdp_version", lambda: "0.1")
+    assert doctor.cvvdp().mend.endswith("vcage setup cvvdp")
 
 
 def test_no_driver_and_a_driver_that_does_not_draw_are_told_apart(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -84,25 +84,25 @@ def test_no_driver_and_a_driver_that_does_not_draw_are_told_apart(monkeypatch: p
         raise NoRenderer("nothing draws", hint="x")
 
     monkeypatch.setattr(vulkan, "ensure_driver", none)
-    assert checks.vulkan().found == "nothing draws"
+    assert doctor.vulkan().found == "nothing draws"
     monkeypatch.setattr(vulkan, "ensure_driver", lambda: Driver("system", None, ""))
     monkeypatch.setattr(vulkan, "probe", lambda: RenderProbe(False, 1.0, "", "blank"))
-    finding = checks.vulkan()
+    finding = doctor.vulkan()
     assert "blank" in finding.found
     assert finding.mend.endswith("vcage setup vulkan --force")
 
 
 def test_keys_are_shown_by_name_only(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("VCAGE_GEMINI_API_KEY", "the-secret-itself")
-    finding = checks.keys()
+    finding = doctor.keys()
     assert "VCAGE_GEMINI_API_KEY" in finding.found
     assert "the-secret-itself" not in str(finding)
 
 
 def test_an_empty_cache_of_assets_is_no_failure(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("VCAGE_CACHE", str(tmp_path / "none" / "yet"))
-    finding = checks.assets()
+    finding = doctor.assets()
     assert not finding.ok and not finding.required
     assert finding.found.startswith("0 of ")
-    assert checks.disk().found.endswith("free in the cache")
+    assert doctor.disk().found.endswith("free in the cache")
     assert not (tmp_path / "none").exists()

@@ -1,15 +1,46 @@
-"""``vcage doctor``; the checks are in :mod:`vcage.cli.checks`."""
+"""``vcage doctor``: each check looks at one thing and knows the one command that mends it."""
 
 from __future__ import annotations
 
 import dataclasses
+import importlib.util
+import platform
+import shlex
+import shutil
+import sys
+from collections.abc import Callable
 from dataclasses import dataclass
+from importlib import metadata
+from pathlib import Path
 
-from vcage.base.errors import ConfigurationError
+from vcage.base import files
+from vcage.base.errors import ConfigurationError, VcageError
 from vcage.base.options import Flag
-from vcage.cli import checks
 from vcage.cli.arguments import Command
 from vcage.cli.output import Result
+from vcage.cli.setup import CVVDP, OPENCV, cvvdp_version, opencv_loads
+
+MIN_FREE_GB = 2.0
+"""Free space under which a run with a few episodes may not fit."""
+
+
+@dataclass(frozen=True)
+class Finding:
+    """What a check found.
+
+    Attributes:
+        name: of the thing.
+        ok: it is there and fit.
+        found: what is there, in words.
+        required: nothing works without it.
+        mend: the one command that mends it; empty when nothing needs mending.
+    """
+
+    name: str
+    ok: bool
+    found: str
+    required: bool = True
+    mend: str = ""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -28,7 +59,7 @@ class Doctor(Command):
 
     def execute(self) -> Result:
         """Look at everything; the result is a failure when something required is missing."""
-        found = [check() for check in checks.ALL]
+        found = [check() for check in CHECKS]
         text = "" if self.json else table(found)
         record = {"checks": [dataclasses.asdict(finding) for finding in found]}
         missing = [finding for finding in found if not finding.ok and finding.required]
@@ -42,7 +73,7 @@ class Doctor(Command):
         return Result(text=text, error=error)
 
 
-def table(found: list[checks.Finding]) -> str:
+def table(found: list[Finding]) -> str:
     """The findings, one a line, each followed by what mends it."""
     width = max(len(finding.name) for finding in found)
     lines = []
@@ -52,3 +83,154 @@ def table(found: list[checks.Finding]) -> str:
         if finding.mend:
             lines.append(f"{'':<8}{'':<{width}}  → {finding.mend}")
     return "\n".join(lines)
+
+
+# --- the checks ---------------------------------------------------------------------------------------------
+
+
+def python() -> Finding:
+    fit = (3, 11) <= sys.version_info[:2] < (3, 13)
+    mend = "" if fit else "make venv PYTHON=python3.11"
+    return Finding("Python", fit, f"{platform.python_version()} at {sys.executable}", mend=mend)
+
+
+def numpy() -> Finding:
+    finding = _package("numpy", "numpy>=1.26,<2")
+    if finding.ok and not finding.found.startswith("1."):
+        return Finding("numpy", False, f"{finding.found}, under which mplib crashes", mend=_pip("numpy>=1.26,<2"))
+    return finding
+
+
+def sapien() -> Finding:
+    finding = _package("sapien", "sapien==3.0.3")
+    if not finding.ok:
+        return finding
+    try:
+        importlib.import_module("vcage.sim")
+        importlib.import_module("sapien")
+    except (ImportError, OSError) as error:
+        return Finding(
+            "sapien", False, f"{finding.found} does not load: {error}", mend=_vcage("setup", "vulkan", "--force")
+        )
+    return finding
+
+
+def mani_skill() -> Finding:
+    return _package("mani_skill", "mani_skill==3.0.1")
+
+
+def torch() -> Finding:
+    return _package("torch", "torch==2.13.0")
+
+
+def gpu() -> Finding:
+    from vcage.setup.vulkan import find_gpu
+
+    return Finding("GPU", True, find_gpu() or "none (not needed; rendering is slower)", required=False)
+
+
+def vulkan() -> Finding:
+    from vcage.setup.vulkan import ICD_VARIABLE, ensure_driver, probe
+
+    try:
+        driver = ensure_driver()
+    except VcageError as error:
+        return Finding("Vulkan", False, error.message, mend=_vcage("setup", "vulkan"))
+    result = probe()
+    source = f"{driver.kind} driver {driver.icd or 'found by the loader'}"
+    if not result.ok:
+        mend = f"unset {ICD_VARIABLE}" if driver.kind == "given" else _vcage("setup", "vulkan", "--force")
+        return Finding("Vulkan", False, f"{source} draws nothing: {result.message}", mend=mend)
+    return Finding("Vulkan", True, f"{result.device}, {source}; drew a picture in {result.seconds:.1f} s")
+
+
+def video() -> Finding:
+    finding = _package("av", "av>=18", name="PyAV")
+    if not finding.ok:
+        return finding
+    import av
+
+    encoders = [name for name in ("libx265", "libsvtav1", "libx264") if name in av.codecs_available]
+    version = ".".join(map(str, av.library_versions["libavcodec"]))
+    found = f"{finding.found}, libavcodec {version}, encoders: {', '.join(encoders) or 'none'}"
+    if "libx265" not in encoders:
+        return Finding("PyAV", False, f"{found}; libx265 is needed", mend=_pip("--force-reinstall", "--no-deps", "av"))
+    return Finding("PyAV", True, found)
+
+
+def opencv() -> Finding:
+    finding = _package("cv2", OPENCV, name="OpenCV", distribution=OPENCV)
+    if finding.ok and not opencv_loads():
+        return Finding("OpenCV", False, f"{finding.found} does not load", mend=_vcage("setup", "opencv"))
+    return finding
+
+
+def cvvdp() -> Finding:
+    version = cvvdp_version()
+    if version == CVVDP:
+        return Finding("cvvdp", True, version)
+    found = f"{version} (checked: {CVVDP})" if version else "not installed; compress needs it"
+    return Finding("cvvdp", False, found, mend=_vcage("setup", "cvvdp"))
+
+
+def keys() -> Finding:
+    from vcage.models.registry import found_keys
+
+    try:
+        names = [f"{provider} in {source}" for provider, source in found_keys().items()]
+    except VcageError as error:
+        return Finding("keys", False, error.message, required=False, mend=error.hint)
+    return Finding("keys", True, ", ".join(names) or "none (the offline stand-ins are used)", required=False)
+
+
+def disk() -> Finding:
+    places = {"here": Path.cwd(), "cache": _existing(files.cache_path())}
+    free = {name: shutil.disk_usage(path).free / 1e9 for name, path in places.items()}
+    found = ", ".join(
+        f"{size:.1f} GB free {'here' if name == 'here' else 'in the cache'}" for name, size in free.items()
+    )
+    fit = min(free.values()) >= MIN_FREE_GB
+    mend = "" if fit else f"free space, or move the cache: export VCAGE_CACHE=/a/larger/disk (now {files.cache_path()})"
+    return Finding("disk", fit, found, required=False, mend=mend)
+
+
+def assets() -> Finding:
+    from vcage.objects.library import Library
+
+    library = Library.load()
+    total = sum(len(library.annotation(name).variants) for name in library.names)
+    unbuilt = len(library.unbuilt())
+    found = f"{total - unbuilt} of {total} models built in {files.cache_path('assets')}"
+    mend = _vcage("setup", "assets") if unbuilt else ""
+    return Finding("assets", not unbuilt, found, required=False, mend=mend)
+
+
+CHECKS: tuple[Callable[[], Finding], ...] = (
+    python, numpy, sapien, mani_skill, torch, opencv, gpu, vulkan, video, cvvdp, keys, disk, assets,
+)  # fmt: skip
+"""In the order of the table."""
+
+
+def _package(module: str, requirement: str, *, name: str = "", distribution: str = "") -> Finding:
+    """Whether a Python package is installed, without importing it."""
+    try:
+        version = metadata.version(distribution or module)
+    except metadata.PackageNotFoundError:
+        version = ""
+    if not version or importlib.util.find_spec(module) is None:
+        return Finding(name or module, False, "not installed", mend=_pip(requirement))
+    return Finding(name or module, True, version)
+
+
+def _pip(*arguments: str) -> str:
+    return shlex.join([sys.executable, "-m", "pip", "install", *arguments])
+
+
+def _vcage(*arguments: str) -> str:
+    """A command of ours that works without the environment being activated."""
+    beside = Path(sys.executable).with_name("vcage")
+    return shlex.join([str(beside) if beside.exists() else "vcage", *arguments])
+
+
+def _existing(path: Path) -> Path:
+    return path if path.exists() else _existing(path.parent)

@@ -81,11 +81,9 @@ def main(argv: list[str] | None = None) -> int:
     return end_process(code) if argv is None else code
 
 
-def script_main(command: str, argv: list[str] | None = None) -> int:
+def script_main(command: str) -> int:
     """Entry of a script that is one sub-command; its help shows the script's own name."""
-    arguments = sys.argv[1:] if argv is None else argv
-    code = run_cli(_run, command, arguments, Path(sys.argv[0]).name)
-    return end_process(code) if argv is None else code
+    return end_process(run_cli(_run, command, sys.argv[1:], Path(sys.argv[0]).name))
 
 
 def _dispatch(arguments: list[str]) -> Result | None:

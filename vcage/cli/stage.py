@@ -15,9 +15,8 @@ from vcage.base.options import FOLDER, Flag
 from vcage.cli import arguments
 from vcage.cli.output import Result
 from vcage.cli.progress import progress
-from vcage.stages.chain import STAGES
-from vcage.stages.options import StageOptions
-from vcage.stages.stage import timed
+from vcage.stages.chain import STAGES, run_stage
+from vcage.stages.stage import StageOptions
 
 StageO = TypeVar("StageO", bound=StageOptions)
 
@@ -55,8 +54,8 @@ def execute_stage(name: str, command: StageCommand) -> Result:
         job = stage.job(run, options, context)
         would = "replace" if options.force and job.output.exists() else "write"
         return Result(output=job.output, summary={"would": would, **job.provenance().model_dump()})
-    with progress(name) as show, timed(run, name):
-        done = stage.execute(run, options, context, show)
+    with progress(name) as show:
+        done = run_stage(stage, run, options, context, show)
     return Result(
         output=done.path,
         schema=done.record.SCHEMA,

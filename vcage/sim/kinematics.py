@@ -97,16 +97,10 @@ class ArmKinematics:
         """
         return next(self._solutions(pose, seed_q, attempts), None)
 
-    def ik_all(self, pose: Pose, seed_q: np.ndarray | None = None, attempts: int = _SEEDS + 1) -> list[np.ndarray]:
-        """The different solutions that the starts of :meth:`ik` lead to, in that order.
-
-        Args:
-            pose: of the gripper frame in the world.
-            seed_q: (n,) where to start, rad.
-            attempts: how many starts to try besides ``seed_q``.
-        """
+    def ik_all(self, pose: Pose, seed_q: np.ndarray | None = None) -> list[np.ndarray]:
+        """The different solutions that all starts of :meth:`ik` lead to, in that order."""
         found: list[np.ndarray] = []
-        for q in self._solutions(pose, seed_q, attempts):
+        for q in self._solutions(pose, seed_q, len(self._seeds)):
             if all(np.abs(q - other).max() > DISTINCT for other in found):
                 found.append(q)
         return found

@@ -71,11 +71,11 @@ def plain_material(colour: Sequence[float], roughness: float = 0.8) -> sapien.re
     return sapien.render.RenderMaterial(base_color=[*colour, 1.0], roughness=roughness)
 
 
-def painted_material(picture: np.ndarray, roughness: float = 0.7) -> sapien.render.RenderMaterial:
+def painted_material(picture: np.ndarray) -> sapien.render.RenderMaterial:
     """A material that shows an (H, W, 3) uint8 sRGB picture."""
     import sapien
 
-    material = sapien.render.RenderMaterial(base_color=[1, 1, 1, 1], roughness=roughness)
+    material = sapien.render.RenderMaterial(base_color=[1, 1, 1, 1], roughness=0.7)
     opaque = np.dstack([picture, np.full(picture.shape[:2], 255, np.uint8)])
     texture = sapien.render.RenderTexture2D(
         np.ascontiguousarray(opaque), "R8G8B8A8Unorm", mipmap_levels=MIPMAPS, srgb=True

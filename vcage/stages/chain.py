@@ -24,8 +24,7 @@ from vcage.stages import (
     verify,
 )
 from vcage.stages.context import StageContext
-from vcage.stages.options import StageOptions
-from vcage.stages.stage import Job, StageResult, timed
+from vcage.stages.stage import Job, StageOptions, StageResult, timed
 
 logger = logging.getLogger(__name__)
 

@@ -41,8 +41,7 @@ from vcage.sim.state import WorldState
 from vcage.sim.world import World
 from vcage.stages.context import TOP, StageContext
 from vcage.stages.episode_store import EpisodeStore, background_name
-from vcage.stages.options import ModelOptions
-from vcage.stages.stage import Job, StageResult, stage_seed
+from vcage.stages.stage import Job, ModelOptions, StageResult, stage_seed
 from vcage.tasks.assemble import episode_data
 from vcage.tasks.loop import EpisodeRun, Setting, run_episode
 from vcage.tasks.slots import slots_for_chain

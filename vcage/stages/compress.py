@@ -22,8 +22,7 @@ from vcage.schema.base import Provenance
 from vcage.schema.compression import Compression
 from vcage.schema.episodes import Episode, Episodes
 from vcage.stages.context import StageContext
-from vcage.stages.options import StageOptions
-from vcage.stages.stage import Job, StageResult, stage_seed
+from vcage.stages.stage import Job, StageOptions, StageResult, stage_seed
 
 WORKING = "compress.working"
 """Folder of the run in which videos gather; an interrupted stage goes on there."""

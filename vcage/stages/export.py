@@ -31,8 +31,7 @@ from vcage.schema.compression import Compression
 from vcage.schema.export import Export, ExportedDataset
 from vcage.stages.compress import accepted_episodes, clips_of
 from vcage.stages.context import StageContext
-from vcage.stages.options import StageOptions
-from vcage.stages.stage import Job, StageResult, stage_seed
+from vcage.stages.stage import Job, StageOptions, StageResult, stage_seed
 from vcage.video.choices import LOSSLESS
 from vcage.video.encoders import CODECS
 

@@ -24,8 +24,7 @@ from vcage.schema.plan import Plan
 from vcage.schema.scene import Scene
 from vcage.stages.context import StageContext
 from vcage.stages.inputs import read_pictures
-from vcage.stages.options import ModelOptions
-from vcage.stages.stage import Job, StageResult, stage_seed
+from vcage.stages.stage import Job, ModelOptions, StageResult, stage_seed
 
 Options = ModelOptions
 """The stage has no options of its own."""

@@ -33,8 +33,7 @@ from vcage.schema.scene import Scene
 from vcage.sim.drawer import ModelDrawer
 from vcage.stages.context import StageContext
 from vcage.stages.inputs import read_pictures, read_plan
-from vcage.stages.options import ModelOptions
-from vcage.stages.stage import Job, StageResult, stage_seed
+from vcage.stages.stage import Job, ModelOptions, StageResult, stage_seed
 
 logger = logging.getLogger(__name__)
 

@@ -39,9 +39,8 @@ from vcage.sim.cameras import shoot
 from vcage.sim.world import World
 from vcage.stages.context import StageContext
 from vcage.stages.inputs import read_matches, read_plan
-from vcage.stages.options import StageOptions
 from vcage.stages.stability import moved_objects, settle_checks
-from vcage.stages.stage import Job, StageResult, stage_seed
+from vcage.stages.stage import Job, StageOptions, StageResult, stage_seed
 from vcage.tasks.scene_objects import SceneObject
 
 logger = logging.getLogger(__name__)

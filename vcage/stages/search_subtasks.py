@@ -18,8 +18,7 @@ from vcage.schema.base import Provenance
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Subtasks
 from vcage.stages.context import StageContext
-from vcage.stages.options import ModelOptions
-from vcage.stages.stage import Job, StageResult, stage_seed
+from vcage.stages.stage import Job, ModelOptions, StageResult, stage_seed
 from vcage.tasks.search import compose, search
 from vcage.tasks.slots import slots_for_chain
 from vcage.tasks.synthesis import write_script

@@ -40,9 +40,8 @@ from vcage.sim.cameras import observe, shoot
 from vcage.sim.robots import load_template
 from vcage.sim.world import World
 from vcage.stages.context import StageContext
-from vcage.stages.options import ModelOptions
 from vcage.stages.stability import moved_objects, settle_checks
-from vcage.stages.stage import Job, StageResult
+from vcage.stages.stage import Job, ModelOptions, StageResult
 
 logger = logging.getLogger(__name__)
 

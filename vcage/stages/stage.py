@@ -14,15 +14,18 @@ import zlib
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Generic, TypeVar
+from typing import Annotated, Any, Generic, TypeVar
 
 import numpy as np
 
 from vcage.base.errors import InputFileError, MissingStage, OutputFolderError, StaleStage
 from vcage.base.files import RunFolder, atomic_folder, read_json, recover, sha256_file, write_json
 from vcage.base.keeper import Keeper
+from vcage.base.options import NATURAL, UNSAID, Flag, choice
+from vcage.models.registry import CHOICES
 from vcage.schema.base import Provenance, StageDocument
 from vcage.schema.scene import Scene
+from vcage.stages.context import StageContext
 
 log = logging.getLogger(__name__)
 
@@ -40,6 +43,31 @@ PRODUCERS = {
     "export": "export",
 }
 """Folder of the run → the stage that writes it, in the order of the chain."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class StageOptions:
+    """Options of every stage. The docstrings of the fields are the help of ``vcage STAGE``."""
+
+    seed: Annotated[int | None, NATURAL, UNSAID] = None
+    """of every random choice (default: the run's, or 0)"""
+    force: Flag = False
+    """make a finished stage again"""
+
+    def context(self) -> StageContext:
+        """What the stage needs beyond its files, with the models that these options choose."""
+        return StageContext()
+
+
+@dataclass(frozen=True, kw_only=True)
+class ModelOptions(StageOptions):
+    """Options of a stage that asks models."""
+
+    models: Annotated[str, choice(CHOICES), UNSAID] = "auto"
+    """which models answer (default: auto, that is gemini or openai with a key, else offline)"""
+
+    def context(self) -> StageContext:
+        return StageContext(self.models)
 
 
 @dataclass(frozen=True)

@@ -17,8 +17,7 @@ from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Subtask, Subtasks
 from vcage.stages.context import StageContext
 from vcage.stages.episode_store import background_name
-from vcage.stages.options import ModelOptions
-from vcage.stages.stage import Job, StageResult, stage_seed
+from vcage.stages.stage import Job, ModelOptions, StageResult, stage_seed
 
 Options = ModelOptions
 """The stage has no options of its own."""

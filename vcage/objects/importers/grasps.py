@@ -33,6 +33,9 @@ DEPTH, LEAST_DEPTH = 0.025, 0.005
 STEP, LEVEL = 0.006, 0.003
 """Distance between tries, across and in height, metres."""
 
+SPACING = 0.0025
+"""Distance between the points that stand for a shape's surface, metres."""
+
 AXES = {"fingers left and right": (1.0, 0.0, 0.0), "fingers front and back": (0.0, 1.0, 0.0)}
 
 
@@ -135,19 +138,19 @@ def is_free(surface: np.ndarray, grasp: Grasp) -> bool:
     return not bool(np.any(palm | fingers))
 
 
-def surface_points(pieces: Sequence[Convex], spacing: float = 0.0025) -> np.ndarray:
-    """(n, 3) points on the edges and in the inside of the pieces, about ``spacing`` apart."""
+def surface_points(pieces: Sequence[Convex]) -> np.ndarray:
+    """(n, 3) points on the edges and in the inside of the pieces, about :data:`SPACING` apart."""
     points = [piece.vertices for piece in pieces]
     for piece in pieces:
         a, b = piece.vertices[piece.edges[:, 0]], piece.vertices[piece.edges[:, 1]]
-        count = int(np.ceil(np.linalg.norm(b - a, axis=1).max() / spacing)) + 1
+        count = int(np.ceil(np.linalg.norm(b - a, axis=1).max() / SPACING)) + 1
         share = np.linspace(0, 1, count)[:, None, None]
         ladder = a + share * (b - a)
         points.append(ladder.reshape(-1, 3))
         centre = piece.vertices.mean(axis=0)
         points += [centre + share * (ladder.reshape(-1, 3) - centre) for share in (0.35, 0.7)]
     together = np.concatenate(points)
-    cells = ((together - together.min(axis=0)) / spacing).round().astype(np.int64)
+    cells = ((together - together.min(axis=0)) / SPACING).round().astype(np.int64)
     return together[np.unique(cells @ np.array([1, 1 << 20, 1 << 40]), return_index=True)[1]]
 
 
