@@ -106,15 +106,20 @@ class CollisionScene:
         self._obstacles = _Solids((name, shape, self._to_base * pose) for name, shape, pose in items)
 
     @classmethod
-    def of_world(cls, world: World, arm: str) -> CollisionScene:
+    def of_world(cls, world: World, arm: str, changed: Mapping[str, Body] | None = None) -> CollisionScene:
         """The surroundings of an arm as they are in the world now.
+
+        Args:
+            world: with a robot.
+            arm: its name.
+            changed: objects, by id, that are planned around as they shall be.
 
         Raises:
             ValueError: the world has no robot.
         """
         if world.robot is None:
             raise ValueError("this world has no robot")
-        bodies = {name: world.body(name) for name in world.object_ids}
+        bodies = {name: world.body(name) for name in world.object_ids} | dict(changed or {})
         others = {name: control.joints for name, control in world.arms.items() if name != arm}
         return cls(world.robot, arm, world.table, bodies, others)
 

@@ -8,6 +8,8 @@ from functools import cached_property
 import numpy as np
 
 from vcage.base.geometry import Pose
+from vcage.layout.capacities import capacity_of
+from vcage.layout.items import TableItem
 from vcage.layout.placement.reach import GRASP_HEIGHTS, robot_reach
 from vcage.models.protocols import CriticQuestion, Models
 from vcage.models.registry import DETECTORS, EMBEDDERS, build_models
@@ -86,6 +88,10 @@ class StageContext:
         """The scene's objects with their geometry, at the record's poses or at those given."""
         poses = poses or {}
         return [SceneObject(r, self.asset(r), poses.get(r.id, r.pose.pose())) for r in scene.objects]
+
+    def capacities(self, scene: Scene) -> dict[str, TableItem]:
+        """What each object takes up and can hold, by object id."""
+        return {record.id: capacity_of(record.id, self.asset(record)) for record in scene.objects}
 
     def physical_models(self, scene: Scene) -> dict[str, PhysicalModel]:
         """What the simulator needs, by object id."""

@@ -9,21 +9,18 @@ examples:
 
 from __future__ import annotations
 
-from functools import partial
 from pathlib import Path
 from typing import Any
 
 from vcage.base.files import RunFolder
 from vcage.base.pictures import write_picture
 from vcage.base.progress import Progress, silent
-from vcage.layout.capacities import capacity_of, size_complaints
 from vcage.models.protocols import EditRequest
-from vcage.plans.check import plan_complaints
 from vcage.schema.base import Provenance
 from vcage.schema.plan import Plan
 from vcage.schema.scene import Scene
 from vcage.stages.context import StageContext
-from vcage.stages.inputs import read_pictures
+from vcage.stages.inputs import plan_check, read_pictures
 from vcage.stages.stage import Job, ModelOptions, StageResult, stage_seed
 
 Options = ModelOptions
@@ -60,10 +57,8 @@ def execute(run: RunFolder, options: Options, context: StageContext, progress: P
     def make(folder: Path, provenance: Provenance) -> Plan:
         scene = Scene.read(run.scene)
         pictures = read_pictures(run, scene)
-        items = {o.id: capacity_of(o.id, context.asset(o)) for o in scene.objects}
-        check = partial(
-            plan_complaints, scene=scene, sizes=partial(size_complaints, items=items, workspace=scene.workspace)
-        )
+        items = context.capacities(scene)
+        check = plan_check(scene, items)
         plan = context.models.reasoner.plan_layout(scene, context.catalogue, stage.rng(), check)
         request = EditRequest(
             picture=pictures.source,

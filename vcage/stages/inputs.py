@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from functools import partial
 
 import numpy as np
@@ -9,7 +10,8 @@ import numpy as np
 from vcage.base.errors import InputFileError
 from vcage.base.files import RunFolder
 from vcage.base.pictures import read_labels, read_picture
-from vcage.layout.capacities import capacity_of, size_complaints
+from vcage.layout.capacities import size_complaints
+from vcage.layout.items import TableItem
 from vcage.matching.match import ScenePictures
 from vcage.plans.check import plan_complaints
 from vcage.schema.matches import Matches
@@ -28,9 +30,7 @@ def read_plan(run: RunFolder, scene: Scene, context: StageContext) -> Plan:
         InputFileError: it is not possible for the scene; lists the complaints.
     """
     plan = Plan.read(run.plan)
-    items = {o.id: capacity_of(o.id, context.asset(o)) for o in scene.objects}
-    sizes = partial(size_complaints, items=items, workspace=scene.workspace)
-    complaints = plan_complaints(LayoutPlan(text=plan.text, relations=plan.relations), scene, sizes)
+    complaints = plan_check(scene, context.capacities(scene))(LayoutPlan(text=plan.text, relations=plan.relations))
     if complaints:
         raise InputFileError(
             f"{run.plan} is not possible: {'; '.join(complaints)}",
@@ -38,6 +38,11 @@ def read_plan(run: RunFolder, scene: Scene, context: StageContext) -> Plan:
             details={"problems": complaints},
         )
     return plan
+
+
+def plan_check(scene: Scene, items: Mapping[str, TableItem]) -> Callable[[LayoutPlan], list[str]]:
+    """What complains of a plan that cannot be true of the scene: of its words, or of the sizes of its objects."""
+    return partial(plan_complaints, scene=scene, sizes=partial(size_complaints, items=items, workspace=scene.workspace))
 
 
 def read_matches(run: RunFolder, scene: Scene) -> Matches:

@@ -141,7 +141,7 @@ class Operation:
         for arm in arms:
             joints, where = self._cell.joints(arm), f"{arm} arm at {self._contact.name!r}"
             now = self._cell.planner(arm)
-            then = now if self._contact.use == "press" else MotionPlanner(self._scene_at_target(arm))
+            then = now if self._contact.use == "press" else self._planner_at_target(arm)
             gripper = self._world.arms[arm].arm.gripper
             for way in operating_ways(self._handle, self._target, gripper, self._thing.box.bottom):
                 starts = now.kinematics.ik_all(way.before, joints)
@@ -182,16 +182,11 @@ class Operation:
         clear = now.scene.first_contact(down.end, opening, ignore=touched) is None
         return _Plan(arm, way, reach, down, push, back, clear)
 
-    def _scene_at_target(self, arm: str) -> CollisionScene:
-        """The surroundings of an arm when the part is where it shall be."""
-        world = self._world
-        if world.robot is None:
-            raise ValueError("this world has no robot")
-        bodies = {name: world.body(name) for name in world.object_ids}
+    def _planner_at_target(self, arm: str) -> MotionPlanner:
+        """A planner around everything as it stands when the part is where it shall be."""
         joints = tuple(self._handle.joints_at(self._target).tolist())
-        bodies[self._thing.id] = replace(bodies[self._thing.id], joints=joints)
-        others = {name: control.joints for name, control in world.arms.items() if name != arm}
-        return CollisionScene(world.robot, arm, world.table, bodies, others)
+        opened = replace(self._world.body(self._thing.id), joints=joints)
+        return MotionPlanner(CollisionScene.of_world(self._world, arm, {self._thing.id: opened}))
 
     # --- execution -------------------------------------------------------------------------------------
 
