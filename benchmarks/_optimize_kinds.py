@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from vcage.layout.capacities import opening_for
+from vcage.layout.hands import HandClearance
 from vcage.layout.items import TableItem, table_item
 from vcage.objects.asset import Asset
 from vcage.objects.library import Library
@@ -40,7 +41,7 @@ class Kind:
         target: np.ndarray,
         inside: str | None,
         allowed: np.ndarray | None,
-        grasped: bool = False,
+        hand: HandClearance | None = None,
     ) -> TableItem:
         """What the optimiser is told about it, as the stage tells it: the swept room, its middle and the body in it.
 
@@ -54,7 +55,7 @@ class Kind:
             opening=self.opening,
             inside=inside,
             allowed=allowed,
-            grasped=grasped,
+            hand=hand,
         )
 
 

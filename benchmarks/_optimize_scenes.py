@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -11,14 +12,21 @@ from benchmarks._optimize_checks import PlacedAsset
 from benchmarks._optimize_draft import Draft
 from benchmarks._optimize_kinds import Kind
 from benchmarks._optimize_plan import plan_relations
-from benchmarks._placement_scenes import draw_roles
+from benchmarks._placement_scenes import ROBOT, draw_roles
 from benchmarks._shapes import ROUNDING
 from vcage.base.errors import InfeasibleScene
 from vcage.base.geometry import Pose
+from vcage.layout.hands import HandClearance, hand_clearance
 from vcage.layout.items import TableItem
 from vcage.layout.placement.place import place
 from vcage.schema.plan import Relation
+from vcage.sim.robots import load_robot
 from vcage.stages.optimize import Options
+
+
+@functools.cache
+def _hand() -> HandClearance:
+    return hand_clearance(load_robot(ROBOT))
 
 
 @dataclass(frozen=True)
@@ -78,10 +86,9 @@ class CleanScene:
 
     def items(self, targets: Mapping[str, np.ndarray]) -> list[TableItem]:
         """The optimiser's input."""
+        hands = dict.fromkeys(self.grasped, _hand())
         return [
-            kind.item(
-                id, self.poses[id].yaw, targets[id], self.containers.get(id), self.allowed.get(id), id in self.grasped
-            )
+            kind.item(id, self.poses[id].yaw, targets[id], self.containers.get(id), self.allowed.get(id), hands.get(id))
             for id, kind in self.kinds.items()
         ]
 

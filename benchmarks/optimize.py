@@ -28,7 +28,7 @@ from benchmarks._optimize_rows import Outcome, Row, goals
 from benchmarks._optimize_scenes import PLAIN, STAGE, CleanScene, Setting, draw_scene
 from vcage.base.errors import InfeasibleScene
 from vcage.layout.cost import Weights
-from vcage.layout.optimize import LayoutResult, optimize_layout
+from vcage.layout.optimize import LayoutOptions, LayoutResult, optimize_layout
 from vcage.objects.library import Library
 from vcage.plans.kept import relations_kept
 from vcage.schema.scene import Table
@@ -142,11 +142,10 @@ def _optimize(clean: CleanScene, targets: dict[str, np.ndarray], seed: Sequence[
     return optimize_layout(
         clean.items(targets),
         clean.workspace,
+        Table(height=0.0),
         np.random.default_rng(seed),
-        table_height=0.0,
-        margin=clean.setting.margin,
-        restarts=restarts,
-        relations=clean.relations,
+        clean.relations,
+        LayoutOptions(margin=clean.setting.margin, restarts=restarts),
     )
 
 

@@ -34,3 +34,18 @@ def standing_at(
 ) -> TableItem:
     """What is to be optimised, at its heading and target."""
     return TableItem(id, size, (yaw,), (target[0], target[1]), opening, **fields)
+
+
+TRAY = Opening(centre=(0.0, 0.0), size=(0.26, 0.16), floor=0.01, rim=math.inf)
+
+
+def tray(name: str = "tray", **fields) -> TableItem:
+    return standing_at(
+        **{"id": name, "size": (0.3, 0.2, 0.03), "yaw": 0.0, "target": (0, 0), "opening": TRAY, **fields}
+    )
+
+
+def roll(name: str = "roll", **fields) -> TableItem:
+    return standing_at(
+        **{"id": name, "size": (0.1, 0.06, 0.05), "yaw": 0.0, "target": (0.02, 0), "inside": "tray", **fields}
+    )

@@ -3,26 +3,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.layout.items import standing_at
-from vcage.base.errors import UnknownName, UsageError
-from vcage.layout.containers import assign_containers, validate_items
+from tests.layout.items import roll, standing_at, tray
+from vcage.layout.containers import assign_containers
 from vcage.layout.items import TableItem
 from vcage.objects.openings import Opening
 
-TRAY = Opening(centre=(0.0, 0.0), size=(0.26, 0.16), floor=0.01, rim=np.inf)
 CUP = Opening(centre=(0.0, 0.0), size=(0.06, 0.06), floor=0.005, rim=0.105)
-
-
-def tray(name: str = "tray", **fields) -> TableItem:
-    return standing_at(
-        **{"id": name, "size": (0.3, 0.2, 0.03), "yaw": 0.0, "target": (0, 0), "opening": TRAY, **fields}
-    )
-
-
-def roll(name: str = "roll", **fields) -> TableItem:
-    return standing_at(
-        **{"id": name, "size": (0.1, 0.06, 0.05), "yaw": 0.0, "target": (0.02, 0), "inside": "tray", **fields}
-    )
 
 
 def test_what_may_lie_in_a_container_and_meets_it_is_assigned():
@@ -58,51 +44,6 @@ def test_volume_counts_in_deep_containers():
     low = standing_at("low", (0.05, 0.05, 0.08), 0.0, (0, 0), inside="cup")
     assert assign_containers([cup, tall])["tall"] is None
     assert assign_containers([cup, low])["low"] == "cup"
-
-
-@pytest.mark.parametrize(
-    ("items", "words"),
-    [
-        ([tray(inside="tray")], "circle"),
-        ([tray("a", inside="b"), tray("b", inside="a")], "circle"),
-        ([tray(), tray()], "two objects"),
-        ([tray(), roll(target=(np.nan, 0))], "roll"),
-        ([tray(), roll(yaw=np.inf)], "roll"),
-        ([tray(), roll(size=(0.1, 0.0, 0.1))], "size"),
-        ([tray(), roll(centre=(np.nan, 0.0))], "roll"),
-        ([tray(), roll(allowed=[[[0, 0], [np.inf, 1]]])], "roll"),
-        ([tray(), roll(allowed=[1, 2, 3])], "no rectangles .* where roll may stand"),
-        ([tray(), roll(allowed=[[[1, 1], [0, 0]]])], "inverted: where roll may stand"),
-        ([tray(opening=Opening((0, 0), (0.0, 0.1), 0.01, np.inf))], "opening"),
-        ([tray(opening=Opening((0, 0), (0.1, 0.1), 0.01, np.nan))], "opening"),
-        ([tray(opening=None), roll()], "roll lies in tray, which has no room"),
-        ([], "nothing"),
-    ],
-    ids=[
-        "in itself",
-        "in each other",
-        "id twice",
-        "nan",
-        "infinite",
-        "flat",
-        "no middle",
-        "endless reach",
-        "no rectangles",
-        "inverted reach",
-        "no room",
-        "nan rim",
-        "no opening",
-        "none",
-    ],
-)
-def test_items_that_make_no_sense_are_refused(items, words):
-    with pytest.raises(UsageError, match=words):
-        validate_items(items)
-
-
-def test_an_unknown_container_is_refused():
-    with pytest.raises(UnknownName, match="drawer"):
-        validate_items([tray(), roll(inside="drawer")])
 
 
 def test_what_the_plan_demands_is_assigned_wherever_its_target_is():

@@ -16,7 +16,7 @@ from vcage.layout.check import require_exact
 from vcage.layout.cost import Weights
 from vcage.layout.groups import Groups
 from vcage.layout.items import TableItem
-from vcage.layout.optimize import LayoutResult, displacement_summary, optimize_layout
+from vcage.layout.optimize import LayoutOptions, LayoutResult, displacement_summary, optimize_layout
 from vcage.objects.openings import Opening
 from vcage.plans.kept import relations_kept
 from vcage.schema.plan import Relation
@@ -26,8 +26,13 @@ WORKSPACE = np.array([[-0.5, -0.3], [0.5, 0.3]])
 HEIGHT = 0.74
 
 
-def solve(items: list[TableItem], seed: int = 0, **options) -> LayoutResult:
-    return optimize_layout(items, WORKSPACE, np.random.default_rng(seed), table_height=HEIGHT, **options)
+TABLE = Table(size=(1.0, 0.6), height=HEIGHT)
+"""As large as the workspace."""
+
+
+def solve(items: list[TableItem], seed: int = 0, relations=(), table: Table = TABLE, **options) -> LayoutResult:
+    rng = np.random.default_rng(seed)
+    return optimize_layout(items, WORKSPACE, table, rng, relations, LayoutOptions(**options))
 
 
 def box_of(item: TableItem, result: LayoutResult, frame: Pose | None = None) -> np.ndarray:
@@ -395,4 +400,4 @@ def test_the_check_believes_the_positions_and_not_the_groups():
 def test_bounds_and_options_that_make_no_sense_are_refused(workspace, options):
     items = [standing_at("a", (0.1, 0.1, 0.1), 0.0, (0, 0))]
     with pytest.raises(UsageError):
-        optimize_layout(items, workspace, np.random.default_rng(0), table_height=HEIGHT, **options)
+        optimize_layout(items, workspace, TABLE, np.random.default_rng(0), options=LayoutOptions(**options))

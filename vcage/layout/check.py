@@ -12,8 +12,9 @@ import numpy as np
 from vcage.base.errors import InfeasibleScene
 from vcage.base.geometry import rotation_2d
 from vcage.layout.groups import Groups
-from vcage.layout.items import TableItem, as_rectangles
+from vcage.layout.items import TableItem
 from vcage.layout.placement.contents import CONTENT_MARGIN
+from vcage.layout.validation import as_rectangles
 
 TOLERANCE = 1e-6
 """Metres that a gap or a limit may be missed by: the rounding of poses in the plane."""

@@ -10,40 +10,12 @@ from collections.abc import Collection, Sequence
 
 import numpy as np
 
-from vcage.base.errors import UsageError
 from vcage.base.geometry import boxes_overlap
-from vcage.layout.items import FILL_LIMIT, TableItem, as_rectangles, check_containers
+from vcage.layout.items import FILL_LIMIT, TableItem
 from vcage.objects.openings import Opening
 
 OVERHANG = 0.5
 """Share of a bare surface that the middle of what is wider must be over: the rest is its safety against tipping."""
-
-
-def validate_items(items: Sequence[TableItem]) -> None:
-    """Refuse items that make no sense.
-
-    Raises:
-        UsageError: none at all, a number that is not finite, a size that is not positive, no rectangles.
-        UsageError, UnknownName: see :func:`vcage.layout.items.check_containers`.
-    """
-    if not items:
-        raise UsageError("there is nothing to lay out", hint="run the stages before with --force")
-    for item in items:
-        _validate_item(item)
-    check_containers(items)
-
-
-def _validate_item(item: TableItem) -> None:
-    body = () if item.body is None else np.ravel(item.body)
-    if not np.all(np.isfinite([*item.size, item.yaw, *item.target, *item.centre, *body])):
-        raise UsageError(
-            f"{item.id} has no finite pose or size: size {item.size}, yaw {item.yaw}, target {item.target}",
-            hint="run the stages before with --force",
-        )
-    if min(item.size) <= 0:
-        raise UsageError(f"{item.id} has the size {item.size}", hint="sizes are positive metres; check its mesh")
-    if item.allowed is not None:
-        as_rectangles(item.allowed, f"where {item.id} may stand")
 
 
 def assign_containers(items: Sequence[TableItem], demanded: Collection[str] = ()) -> dict[str, str | None]:
@@ -57,23 +29,28 @@ def assign_containers(items: Sequence[TableItem], demanded: Collection[str] = ()
     assigned: dict[str, str | None] = {item.id: None for item in items}
     room = {item.id: _room(item.opening) for item in items if item.opening is not None}
     bare = {item.id for item in items if item.bare}
-    movable = [item for item in items if item.inside is not None and not item.fixed]
-    for item in sorted(movable, key=lambda item: (-float(np.prod(item.size)), item.id)):
-        container = by_id[str(item.inside)]
+    pairs = [(item, by_id[item.inside]) for item in items if item.inside is not None and not item.fixed]
+    for item, container in sorted(pairs, key=lambda pair: (-float(np.prod(pair[0].size)), pair[0].id)):
         if not (item.id in demanded or boxes_overlap(_target_box(item), _target_box(container))):
             continue
-        takes = np.array([4 * item.half_size(container.yaw).prod(), np.prod(item.size)])
-        if container.id in bare:  # whatever comes first has room
-            takes = np.minimum(takes, room[container.id])
-        elif not (fits(item, container) and np.all(takes <= room[container.id])):
-            continue
-        assigned[item.id] = container.id
-        room[container.id] = room[container.id] - takes
-        # What sticks out leaves no room beside it.
-        bare -= {container.id}
-        if not fits(item, container):
-            room[container.id] = np.zeros(2)
+        takes = _takes(item, container, room[container.id], container.id in bare)
+        if takes is not None:
+            assigned[item.id] = container.id
+            # What sticks out leaves no room beside it.
+            room[container.id] = room[container.id] - takes if fits(item, container) else np.zeros(2)
+            bare -= {container.id}
     return assigned
+
+
+def _takes(item: TableItem, container: TableItem, room: np.ndarray, bare: bool) -> np.ndarray | None:
+    """(2,) floor area and volume that it takes of what is left, m² and m³; None where there is no room for it.
+
+    On a surface that is still bare, whatever comes first has room.
+    """
+    takes = np.array([4 * item.half_size(container.yaw).prod(), np.prod(item.size)])
+    if bare:
+        return np.minimum(takes, room)
+    return takes if fits(item, container) and np.all(takes <= room) else None
 
 
 def fits(item: TableItem, container: TableItem) -> bool:

@@ -9,18 +9,11 @@ import numpy as np
 from vcage.base.geometry import rotation_2d
 from vcage.layout.containers import OVERHANG, assign_containers, fits
 from vcage.layout.cost import LayoutProblem
-from vcage.layout.items import TableItem, as_rectangles
+from vcage.layout.items import TableItem
 from vcage.layout.placement.contents import CONTENT_MARGIN
 from vcage.layout.relation_cost import RelatedBox, relation_terms
+from vcage.layout.validation import as_rectangles
 from vcage.schema.plan import TABLE, Relation
-
-PALM_ABOVE = 0.05
-"""Things lower than this pass under the palm of a hand that grasps what lies beside them, metres: the
-Panda's palm is 37 mm above its finger tips, so it passes where these close 13 mm or more above the table."""
-
-PALM_ROOM = 0.095
-"""Gap that a hand needs between what it grasps and what is higher, metres: the Panda's palm reaches 102 mm from the
-middle of its grasp to either side, and what is grasped covers 7 mm or more of that."""
 
 
 class Groups:
@@ -99,7 +92,7 @@ class Groups:
             bounds=workspace,
             margin=margin,
             allowed=tuple(self._allowed(item)[0] for item in roots),
-            extra=hand_room(roots, margin),
+            extra=hand_gaps(roots, margin),
             relations=relation_terms(self.relations, spots, len(roots)),
             fixed=np.array([item.fixed for item in roots]) if any(item.fixed for item in roots) else None,
         )
@@ -192,14 +185,16 @@ class Groups:
         return found
 
 
-def hand_room(items: Sequence[TableItem], margin: float) -> np.ndarray | None:
-    """(n, n) wider gaps between what is grasped and what is so high that the palm would touch it; None for no such."""
-    grasped = np.array([item.grasped for item in items])
-    high = np.array([item.size[2] > PALM_ABOVE for item in items])
-    pairs = grasped[:, None] & high[None]
-    pairs |= pairs.T
-    np.fill_diagonal(pairs, False)
-    return np.where(pairs, max(PALM_ROOM - margin, 0.0), 0.0) if pairs.any() else None
+def hand_gaps(items: Sequence[TableItem], margin: float) -> np.ndarray | None:
+    """(n, n) what gaps are wider than the margin between what a hand grasps and what its palm would touch; None for no
+    such pair."""
+    heights = np.array([item.size[2] for item in items])
+    low = np.array([np.inf if item.hand is None else item.hand.height for item in items])
+    wanted = np.array([0.0 if item.hand is None else max(item.hand.gap - margin, 0.0) for item in items])
+    touched = heights[None] > low[:, None]
+    np.fill_diagonal(touched, False)
+    gaps = np.where(touched, wanted[:, None], 0.0)
+    return np.maximum(gaps, gaps.T) if touched.any() else None
 
 
 def _intersections(a: np.ndarray, b: np.ndarray) -> np.ndarray:

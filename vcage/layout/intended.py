@@ -16,14 +16,16 @@ import numpy as np
 from vcage.base.errors import InfeasibleScene
 from vcage.base.geometry import Pose, rotation_2d, wrap_angle
 from vcage.layout.containers import fits
+from vcage.layout.hands import hand_clearance
 from vcage.layout.items import ANY_YAW, TableItem
-from vcage.layout.optimize import optimize_layout
+from vcage.layout.optimize import LayoutOptions, optimize_layout
 from vcage.layout.starts import GAP, starting_places
 from vcage.objects.openings import Opening
 from vcage.plans.kept import Kept, relations_kept
 from vcage.plans.relations import plane_gap
 from vcage.schema.plan import TABLE, Relation
 from vcage.schema.scene import Scene
+from vcage.sim.robots import load_robot
 
 log = logging.getLogger(__name__)
 
@@ -119,6 +121,7 @@ class _Search:
         fixed: Mapping[str, Pose],
     ):
         self._scene, self._relations, self._fixed = scene, relations, fixed
+        self._hand = hand_clearance(load_robot(scene.robot))
         self._supports = supports_of(r for r in relations if r.subject not in fixed)
         self._items = dict(items)
         for r in relations:
@@ -143,12 +146,10 @@ class _Search:
             positions = optimize_layout(
                 items,
                 self._workspace,
+                self._scene.table,
                 np.random.default_rng(0),
-                table_height=self._scene.table.height,
-                margin=effort.gap,
-                restarts=RESTARTS,
-                relations=self._relations,
-                table=self._scene.table,
+                self._relations,
+                LayoutOptions(margin=effort.gap, restarts=RESTARTS),
             ).positions
         except InfeasibleScene as error:
             log.debug("no layout with %s: %s", effort, error.message)
@@ -190,7 +191,7 @@ class _Search:
             item,
             yaws=(yaw,),
             target=(float(pose.p[0]), float(pose.p[1])),
-            grasped=effort.hands and record.role == "content",
+            hand=self._hand if effort.hands and record.role == "content" else None,
             fixed=name in self._fixed,
             inside=None,
             allowed=None,

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 
 import numpy as np
@@ -16,15 +16,38 @@ from numpy.typing import ArrayLike
 
 from vcage.base.errors import InfeasibleScene, UnknownName, UsageError
 from vcage.layout.check import require_exact
-from vcage.layout.containers import validate_items
 from vcage.layout.cost import Cost, LayoutProblem, Weights, evaluate
 from vcage.layout.groups import Groups
-from vcage.layout.items import TableItem, as_workspace, check_margin
+from vcage.layout.items import TableItem
 from vcage.layout.solver import Solution, solve
+from vcage.layout.validation import as_workspace, check_margin, validate_items
 from vcage.schema.plan import TABLE, Relation
 from vcage.schema.scene import Table
 
 log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True)
+class LayoutOptions:
+    """What is asked of a layout, and how long it is searched.
+
+    Args:
+        weights: the λ of the equation; ``relation=0`` leaves the plan out, but for what lies in or on something.
+        margin: δ, smallest gap between objects that are not container and content, metres.
+        restarts: most random starts besides the targets themselves; more search longer where it is hard.
+
+    Raises:
+        UsageError: the margin is negative or not finite, or the restarts are negative.
+    """
+
+    weights: Weights = field(default_factory=Weights)
+    margin: float = 0.01
+    restarts: int = 6
+
+    def __post_init__(self) -> None:
+        check_margin(self.margin)
+        if self.restarts < 0:
+            raise UsageError(f"{self.restarts} restarts", hint="0 or more")
 
 
 @dataclass(frozen=True)
@@ -58,14 +81,10 @@ class LayoutResult:
 def optimize_layout(
     items: Sequence[TableItem],
     workspace: ArrayLike,
+    table: Table,
     rng: np.random.Generator,
-    *,
-    table_height: float,
-    weights: Weights | None = None,
-    margin: float = 0.01,
-    restarts: int = 6,
     relations: Sequence[Relation] = (),
-    table: Table | None = None,
+    options: LayoutOptions | None = None,
 ) -> LayoutResult:
     """Move the objects as little as possible until none collides and the plan is kept.
 
@@ -75,44 +94,54 @@ def optimize_layout(
     Args:
         items: the objects with their targets.
         workspace: (2, 2) lower and upper corner that every box stays within, metres.
+        table: what they stand on, and what relations to the table mean.
         rng: the only source of randomness.
-        table_height: z of the table top.
-        weights: the λ of the equation; ``relation=0`` leaves the plan out, but for what lies in or on something.
-        margin: δ, smallest gap between objects that are not container and content.
-        restarts: most random starts besides the targets themselves; more search longer where it is hard.
         relations: of the plan, by object id.
-        table: what relations to the table mean; the workspace when left out.
+        options: the default ones when left out.
 
     Raises:
-        UsageError, UnknownName: see :func:`vcage.layout.containers.validate_items`; a relation names no object.
+        UsageError, UnknownName: see :func:`vcage.layout.validation.validate_items`; a relation names no object.
         InfeasibleScene: no collision-free layout was found; names the objects and the area that is missing.
     """
+    options = options or LayoutOptions()
     validate_items(items)
-    check_margin(margin)
-    workspace = as_workspace(workspace)
-    if restarts < 0:
-        raise UsageError(f"{restarts} restarts", hint="0 or more")
+    bounds = as_workspace(workspace)
     _require_known(relations, items)
     groups = Groups(items, relations)
-    search = partial(_solve, weights=weights or Weights(), rng=rng, restarts=restarts)
+    search = partial(_solve, options=options, rng=rng)
     repaired, released = _fill_containers(groups, search)
     for name in groups.out_of_reach:
         log.warning("%s cannot be reached where %s may stand", name, groups.root(groups.items[name]).id)
-    problem = groups.table_problem(workspace, margin, workspace if table is None else table.rectangle)
+    problem = groups.table_problem(bounds, options.margin, table.rectangle)
     solution, moved = search(problem, groups.roots)
     if solution.extra < 1:
         log.warning("the table has space for %.0f %% of the room for hands", 100 * solution.extra)
     origins = solution.centres - problem.target + np.array([item.target for item in groups.roots])
-    positions = groups.positions(groups.roots, origins, table_height)
-    require_exact(groups, positions, workspace, margin)
+    positions = groups.positions(groups.roots, origins, table.height)
+    require_exact(groups, positions, bounds, options.margin)
+    return _result(groups, positions, problem, solution, options.weights, repaired | moved, released)
+
+
+def _result(
+    groups: Groups,
+    positions: dict[str, tuple[float, float, float]],
+    problem: LayoutProblem,
+    solution: Solution,
+    weights: Weights,
+    repaired: set[str],
+    released: list[str],
+) -> LayoutResult:
     return LayoutResult(
         positions=positions,
         containers=groups.container,
-        displaced={item.id: float(np.hypot(*np.subtract(positions[item.id][:2], item.target))) for item in items},
-        cost_before=evaluate(problem, weights or Weights(), problem.target)[0],
-        cost_after=evaluate(problem, weights or Weights(), solution.centres)[0],
+        displaced={
+            item.id: float(np.hypot(*np.subtract(positions[item.id][:2], item.target)))
+            for item in groups.items.values()
+        },
+        cost_before=evaluate(problem, weights, problem.target)[0],
+        cost_after=evaluate(problem, weights, solution.centres)[0],
         starts=solution.starts,
-        repaired=sorted(repaired | moved),
+        repaired=sorted(repaired),
         released=released,
         out_of_reach=groups.out_of_reach,
         hand_room=solution.extra,
@@ -144,9 +173,9 @@ def _fill_containers(groups: Groups, search: _Search) -> tuple[set[str], list[st
 
 
 def _solve(
-    problem: LayoutProblem, items: Sequence[TableItem], *, weights: Weights, rng: np.random.Generator, restarts: int
+    problem: LayoutProblem, items: Sequence[TableItem], *, options: LayoutOptions, rng: np.random.Generator
 ) -> tuple[Solution, set[str]]:
-    solution = solve(problem, [item.id for item in items], weights, rng, restarts)
+    solution = solve(problem, [item.id for item in items], options.weights, rng, options.restarts)
     return solution, {items[k].id for k in solution.repaired}
 
 

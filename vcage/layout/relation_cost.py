@@ -15,7 +15,7 @@ the knee, and grows straight on from there: what cannot be had pulls with a boun
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -163,15 +163,12 @@ def relation_terms(
     """
     turn = np.eye(2) if turn is None else turn
     towards, within = [], []
-    for r in relations:
-        subject, reference = spots.get(r.subject), spots.get(r.reference)
-        if subject is None or reference is None or subject.index == reference.index:
-            continue
+    for word, subject, reference in _moving_apart(relations, spots):
         way, shift = _way(subject, reference, count, turn), subject.offset - reference.offset
-        if r.relation in DIRECTIONS:
-            towards.append(_towards(np.array(DIRECTIONS[r.relation]), way, shift, reference))
-        elif r.relation in _GAPS or r.relation == "center":
-            within.append((way, shift, *_within(r.relation, subject, reference)))
+        if word in DIRECTIONS:
+            towards.append(_towards(np.array(DIRECTIONS[word]), way, shift, reference))
+        elif word in _GAPS or word == "center":
+            within.append((way, shift, *_within(word, subject, reference)))
     if not (towards or within):
         return None
     ways, shifts, inner, gap = zip(*within, strict=True) if within else ([], [], [], [])
@@ -185,6 +182,16 @@ def relation_terms(
         gap=np.reshape(gap, -1),
         turned=not np.allclose(np.abs(turn).max(axis=0), 1),
     )
+
+
+def _moving_apart(
+    relations: Sequence[Relation], spots: Mapping[str, RelatedBox]
+) -> Iterator[tuple[RelationWord, RelatedBox, RelatedBox]]:
+    """Word, subject and reference of the relations between boxes that do not move as one."""
+    for r in relations:
+        subject, reference = spots.get(r.subject), spots.get(r.reference)
+        if subject is not None and reference is not None and subject.index != reference.index:
+            yield r.relation, subject, reference
 
 
 def _within(word: RelationWord, subject: RelatedBox, reference: RelatedBox) -> tuple[np.ndarray, float]:

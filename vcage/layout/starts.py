@@ -12,7 +12,7 @@ from functools import cached_property
 
 import numpy as np
 
-from vcage.layout.groups import hand_room
+from vcage.layout.groups import hand_gaps
 from vcage.layout.items import TableItem, centres_within
 from vcage.layout.placement.free_region import FreeRegion, free_region
 from vcage.layout.placement.view import view_rectangles
@@ -122,7 +122,7 @@ class _Starts:
         taken = np.array([other.rectangle() + other.target for other in others]).reshape(-1, 2, 2)
         hiding = np.concatenate([taken, self._hiding(item, others, taken)])
         gaps, none = np.full(len(others), self._gap), np.zeros(len(others))
-        room, seen = hand_room([item, *others], self._gap), self._seen(item, half)
+        room, seen = hand_gaps([item, *others], self._gap), self._seen(item, half)
         wide = gaps if room is None else gaps + room[0, 1:]
         tries = (
             (hiding, np.concatenate([wide, none]), seen),

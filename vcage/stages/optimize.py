@@ -26,8 +26,9 @@ from vcage.base.pictures import write_picture
 from vcage.base.progress import Progress, silent
 from vcage.layout.capacities import opening_for
 from vcage.layout.cost import Weights
+from vcage.layout.hands import hand_clearance
 from vcage.layout.items import FRONT_YAWS, TableItem, table_item
-from vcage.layout.optimize import LayoutResult, displacement_summary, optimize_layout
+from vcage.layout.optimize import LayoutOptions, LayoutResult, displacement_summary, optimize_layout
 from vcage.layout.picture import draw_layout
 from vcage.layout.placement.reach import reach_for
 from vcage.plans.kept import Kept, relations_kept_in
@@ -36,6 +37,7 @@ from vcage.schema.matches import Matches
 from vcage.schema.plan import TABLE, Plan
 from vcage.schema.scene import ObjectRecord, Scene
 from vcage.sim.cameras import shoot
+from vcage.sim.robots import load_robot
 from vcage.sim.world import World
 from vcage.stages.context import StageContext
 from vcage.stages.inputs import read_matches, read_plan
@@ -112,23 +114,20 @@ def execute(run: RunFolder, options: Options, context: StageContext, progress: P
     def make(folder: Path, provenance: Provenance) -> Scene:
         scene = Scene.read(run.scene)
         plan, matches = read_plan(run, scene, context), read_matches(run, scene)
-        objects = context.objects(scene)
         yaws = {m.object: _heading(scene.object(m.object), m.yaw, context) for m in matches.matches}
         result = optimize_layout(
-            _items(objects, matches, yaws, plan, context.reach(scene.robot, scene.workspace, scene.table)),
+            _items(scene, matches, yaws, plan, context),
             np.array([scene.workspace.lower, scene.workspace.upper]),
+            scene.table,
             stage.rng(),
-            table_height=scene.table.height,
-            weights=options.weights,
-            margin=options.margin,
-            restarts=options.restarts,
-            relations=plan.relations,
-            table=scene.table,
+            plan.relations,
+            LayoutOptions(options.weights, options.margin, options.restarts),
         )
         poses = {key: Pose.from_yaw(position, yaws[key]) for key, position in result.positions.items()}
         targets = {m.object: Pose.from_yaw([*m.position, scene.table.height], m.yaw) for m in matches.matches}
         write_picture(folder / "layout.png", _drawing(scene, context, targets, poses))
-        settled = _rebuild(_with_poses(scene, context, poses, result), context, folder)
+        settled, picture = _rebuild(_with_poses(scene, context, poses, result), context)
+        write_picture(folder / "top.png", picture)
         kept = relations_kept_in(settled, plan.relations)
         if kept.broken:
             logger.warning("the layout keeps %.0f %% of the plan: not %s", 100 * kept.share, ", ".join(kept.sentences))
@@ -168,9 +167,12 @@ def _heading(record: ObjectRecord, yaw: float, context: StageContext) -> float:
 
 
 def _items(
-    objects: list[SceneObject], matches: Matches, yaws: Mapping[str, float], plan: Plan, reach: np.ndarray
+    scene: Scene, matches: Matches, yaws: Mapping[str, float], plan: Plan, context: StageContext
 ) -> list[TableItem]:
     """What the optimisation needs of each object."""
+    objects = context.objects(scene)
+    reach = context.reach(scene.robot, scene.workspace, scene.table)
+    hand = hand_clearance(load_robot(scene.robot))
     places = {m.object: m.position for m in matches.matches}
     inside = {r.subject: r.reference for r in plan.relations if r.relation in ("inside", "on") and r.reference != TABLE}
     items = []
@@ -184,7 +186,7 @@ def _items(
                 opening=opening_for(o.asset, contents),
                 inside=inside.get(o.id),
                 allowed=reach_for(o.asset, o.record.role, reach),
-                grasped=o.record.role == "content",
+                hand=hand if o.record.role == "content" else None,
             )
         )
     return items
@@ -204,8 +206,8 @@ def _moved(o: ObjectRecord, context: StageContext, pose: Pose) -> ObjectRecord:
     return o.model_copy(update={"pose": PoseRecord.of(pose), "aabb": box_record(context.asset(o).bounds, pose)})
 
 
-def _rebuild(scene: Scene, context: StageContext, folder: Path) -> Scene:
-    """Build the layout in the simulator, prove that it stays put, and photograph it."""
+def _rebuild(scene: Scene, context: StageContext) -> tuple[Scene, np.ndarray]:
+    """The layout as it settles in the simulator, where it must stay put, and its (H, W, 3) picture from above."""
     look = context.appearance(scene.table.texture)
     world = World.of_scene(scene, context.physical_models(scene), appearance=look, render=True)
     report = world.settle()
@@ -216,8 +218,8 @@ def _rebuild(scene: Scene, context: StageContext, folder: Path) -> Scene:
             hint="try another --seed, or a larger --margin",
             details={"objects": moved, "drift_mm": {k: round(1000 * v, 2) for k, v in report.drift_m.items()}},
         )
-    write_picture(folder / "top.png", shoot(world, scene.top_camera))
-    return _with_poses(scene, context, world.object_poses()).model_copy(update={"checks": settle_checks(report)})
+    settled = _with_poses(scene, context, world.object_poses()).model_copy(update={"checks": settle_checks(report)})
+    return settled, shoot(world, scene.top_camera)
 
 
 def _drawing(scene: Scene, context: StageContext, before: dict[str, Pose], after: dict[str, Pose]) -> np.ndarray:
@@ -226,5 +228,5 @@ def _drawing(scene: Scene, context: StageContext, before: dict[str, Pose], after
 
 
 def _drawn(o: SceneObject) -> TableItem:
-    x, y = (float(v) for v in o.pose.p[:2])
-    return TableItem(o.id, tuple(o.asset.size.tolist()), (o.pose.yaw,), (x, y), inside=o.record.container)
+    (x, y), (width, depth, height) = o.pose.p[:2].tolist(), o.asset.size.tolist()
+    return TableItem(o.id, (width, depth, height), (o.pose.yaw,), (x, y), inside=o.record.container)

@@ -13,8 +13,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from vcage.base.geometry import footprint_half_size, rotation_2d, wrap_angle
-from vcage.layout.items import Placement, TableItem, as_rectangles, centres_within
+from vcage.layout.items import Placement, TableItem, centres_within
 from vcage.layout.placement.plane import Plane, make_plane
+from vcage.layout.validation import as_rectangles
 
 CONTENT_MARGIN = 0.003
 """Smallest gap between two objects in one container, and to its walls, metres."""

@@ -12,18 +12,13 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from vcage.layout.items import (
-    Placement,
-    TableItem,
-    as_rectangles,
-    as_workspace,
-    check_items,
-)
+from vcage.layout.items import Placement, TableItem
 from vcage.layout.placement.arrangement import Spot
 from vcage.layout.placement.contents import Carried, Local, content_plane, contents_of
 from vcage.layout.placement.infeasible import no_place, require_room
 from vcage.layout.placement.plane import Plane, make_plane
 from vcage.layout.placement.search import solve
+from vcage.layout.validation import as_rectangles, as_workspace, check_items
 
 
 def place(

@@ -14,8 +14,9 @@ from itertools import islice
 import numpy as np
 
 from vcage.base.geometry import footprint_half_size
-from vcage.layout.items import TableItem, as_rectangles, centres_within
+from vcage.layout.items import TableItem, centres_within
 from vcage.layout.placement.free_region import TOLERANCE, FreeRegion, free_region
+from vcage.layout.validation import as_rectangles
 
 Unions = Callable[[TableItem, float], Sequence[np.ndarray]]
 """(m, 2, 2) unions of rectangles, one of each of which must hold an item's centre at a yaw."""

@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 from vcage.base.errors import DamagedFile, MissingStage, OutputFolderError, PartlyDone
 from vcage.base.files import cache_dir, read_json, sha256_file, write_json
 from vcage.base.geometry import Pose
-from vcage.layout.items import as_workspace
+from vcage.layout.validation import as_workspace
 from vcage.objects.asset import Asset
 from vcage.schema.robot import Arm, Robot
 from vcage.schema.scene import Role

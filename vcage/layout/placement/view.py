@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 
 from vcage.base.errors import UsageError
 from vcage.base.geometry import Camera
-from vcage.layout.items import as_workspace
+from vcage.layout.validation import as_workspace
 
 STRIPS = 24
 """Lines across the plane between which rectangles are spanned when the polygon is none itself."""
