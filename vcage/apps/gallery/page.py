@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import jinja2
 import numpy as np
@@ -17,6 +18,7 @@ from vcage.objects.library import Library
 from vcage.schema.asset import Annotation
 
 PAGE = "index.html"
+TEMPLATE = Path(__file__).with_name("gallery.html.jinja")
 
 
 @dataclass(frozen=True)
@@ -68,8 +70,8 @@ def write_gallery(library: Library, folder: Path, names: Sequence[str] = (), pro
         progress(f"{name}/{variant}", number, len(wanted))
         pictures.setdefault(name, []).extend(draw_variant(library, name, variant, folder))
     cards = [Card(library.annotation(name), library.asset(name).size, drawn) for name, drawn in pictures.items()]
-    page = _template().render(cards=cards, left_out=library.left_out, scale=METRES_PER_PIXEL, variants=len(wanted))
-    return write_text(folder / PAGE, page)
+    shown = {"cards": cards, "left_out": library.left_out, "scale": METRES_PER_PIXEL, "variants": len(wanted)}
+    return write_text(folder / PAGE, rendered(TEMPLATE, shown))
 
 
 def draw_variant(library: Library, name: str, variant: str, folder: Path) -> list[Picture]:
@@ -99,6 +101,7 @@ def _side_by_side(views: Mapping[str, np.ndarray]) -> np.ndarray:
     return np.hstack(padded)
 
 
-def _template() -> jinja2.Template:
-    text = Path(__file__).with_name("gallery.html.jinja").read_text(encoding="utf-8")
-    return jinja2.Environment(autoescape=True, trim_blocks=True, lstrip_blocks=True).from_string(text)
+def rendered(template: Path, shown: Mapping[str, Any]) -> str:
+    """The HTML of a page from its Jinja template and what that names."""
+    environment = jinja2.Environment(autoescape=True, trim_blocks=True, lstrip_blocks=True)
+    return environment.from_string(template.read_text(encoding="utf-8")).render(shown)

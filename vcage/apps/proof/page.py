@@ -5,15 +5,14 @@ from __future__ import annotations
 from itertools import groupby
 from pathlib import Path
 
-import jinja2
-
-from vcage.apps.gallery.page import Picture, draw_variant
+from vcage.apps.gallery.page import Picture, draw_variant, rendered
 from vcage.base.files import write_text
 from vcage.base.progress import Progress, silent
 from vcage.objects.library import Library
 from vcage.schema.proof import Proof, VariantProof
 
 PAGE = "proof.html"
+TEMPLATE = Path(__file__).with_name("page.html.jinja")
 
 
 def write_page(proof: Proof, library: Library, folder: Path, progress: Progress = silent) -> Path:
@@ -34,9 +33,8 @@ def write_page(proof: Proof, library: Library, folder: Path, progress: Progress 
         progress(name, number, len(kinds))
         cards.append({"name": name, "results": results, "pictures": _pictures(library, results[0], folder)})
     cards.sort(key=lambda card: not any(result.failed for result in card["results"]))
-    text = Path(__file__).with_name("page.html.jinja").read_text(encoding="utf-8")
-    template = jinja2.Environment(autoescape=True, trim_blocks=True, lstrip_blocks=True).from_string(text)
-    return write_text(folder / PAGE, template.render(proof=proof, cards=cards, left_out=library.left_out))
+    shown = {"proof": proof, "cards": cards, "left_out": library.left_out}
+    return write_text(folder / PAGE, rendered(TEMPLATE, shown))
 
 
 def _pictures(library: Library, result: VariantProof, folder: Path) -> list[Picture]:

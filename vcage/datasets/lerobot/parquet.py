@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +20,15 @@ COMPRESSION = "snappy"
 ROWS_AT_ONCE = 16384
 
 MEND = "the data set is damaged or not complete: fetch or export it again"
+
+
+@contextmanager
+def _damage(path: Path) -> Iterator[None]:
+    """Turn what a broken file, or one without a column, makes pyarrow raise into :class:`DamagedFile`."""
+    try:
+        yield
+    except (OSError, KeyError, pa.ArrowException) as error:
+        raise DamagedFile(f"{path} cannot be read: {error}", hint=MEND) from error
 
 
 class ParquetSeries:
@@ -73,10 +83,8 @@ def column_names(path: Path) -> list[str]:
     Raises:
         DamagedFile: it cannot be read.
     """
-    try:
+    with _damage(path):
         return pq.read_schema(path).names
-    except (OSError, pa.ArrowException) as error:
-        raise DamagedFile(f"{path} cannot be read: {error}", hint=MEND) from error
 
 
 def row_count(path: Path) -> int:
@@ -100,10 +108,8 @@ def read_table(path: Path, columns: Sequence[str] | None = None, rows: pc.Expres
     Raises:
         DamagedFile: it cannot be read, or lacks a column.
     """
-    try:
+    with _damage(path):
         table = pq.read_table(path, columns=columns, filters=rows)
-    except (OSError, pa.ArrowException) as error:
-        raise DamagedFile(f"{path} cannot be read: {error}", hint=MEND) from error
     missing = set(columns or ()) - set(table.column_names)
     if missing:
         raise DamagedFile(f"{path} lacks the columns {sorted(missing)}", hint=MEND)
@@ -117,12 +123,9 @@ def read_batches(paths: Iterable[Path], columns: Sequence[str]) -> Iterator[dict
         DamagedFile: a file cannot be read.
     """
     for path in paths:
-        try:
-            with pq.ParquetFile(path) as file:
-                for batch in file.iter_batches(ROWS_AT_ONCE, columns=list(columns)):
-                    yield {name: _rows(batch.column(name)) for name in columns}
-        except (OSError, KeyError, pa.ArrowException) as error:
-            raise DamagedFile(f"{path} cannot be read: {error}", hint=MEND) from error
+        with _damage(path), pq.ParquetFile(path) as file:
+            for batch in file.iter_batches(ROWS_AT_ONCE, columns=list(columns)):
+                yield {name: _rows(batch.column(name)) for name in columns}
 
 
 def _rows(column: pa.Array) -> NDArray[Any]:
@@ -178,10 +181,8 @@ def texts_of(source: Path, column: str, field: str) -> set[str]:
 
 
 def _opened(source: Path) -> pq.ParquetFile:
-    try:
+    with _damage(source):
         return pq.ParquetFile(source)
-    except (OSError, pa.ArrowException) as error:
-        raise DamagedFile(f"{source} cannot be read: {error}", hint=MEND) from error
 
 
 def _row_groups(
@@ -189,11 +190,9 @@ def _row_groups(
 ) -> Iterator[pa.Table]:
     """The columns ``names`` of each row group, or only those ``leaves`` of them that are named."""
     for number in range(file.num_row_groups):
-        try:
+        with _damage(source):
             # a name also stands for columns that begin with it and a dot
             yield file.read_row_group(number, columns=leaves or names).select(names)
-        except (OSError, pa.ArrowException) as error:
-            raise DamagedFile(f"{source} cannot be read: {error}", hint=MEND) from error
 
 
 def _has_field(schema: pa.Schema, column: str, field: str) -> bool:
