@@ -23,7 +23,7 @@ from tests.models.tabletop import (
 )
 from vcage.base.errors import InfeasibleScene, InputFileError
 from vcage.base.geometry import Pose
-from vcage.models import protocols
+from vcage.layout import intended
 from vcage.models.protocols import EditRequest
 from vcage.models.rules.cutouts import cutouts
 from vcage.models.rules.editor import OfflineEditor
@@ -154,7 +154,7 @@ def test_an_object_off_the_picture_is_told() -> None:
 def test_the_editor_refuses_a_picture_that_would_lose_an_object(monkeypatch: pytest.MonkeyPatch) -> None:
     spread = request_for("blocks").layout
     together = replace(spread, poses={name: Pose.from_yaw((0.8, 0.0, HEIGHT), 0.0) for name in spread.poses})
-    monkeypatch.setattr(protocols, "intended_layout", lambda *_, **__: together)
+    monkeypatch.setattr(intended, "intended_layout", lambda *_, **__: together)
     with pytest.raises(InfeasibleScene, match="outside the picture"):
         OfflineEditor().rearrange(request_for("blocks"))
 
@@ -164,7 +164,7 @@ def test_relations_that_the_picture_gives_up_are_said(monkeypatch: pytest.Monkey
     spread = request_for("blocks").layout
     hidden = replace(spread, poses={**spread.poses, "red-block": Pose.from_yaw((0.8, 0.0, HEIGHT), 0.0)})
     answers = iter((hidden, spread))
-    monkeypatch.setattr(protocols, "intended_layout", lambda *_, **__: next(answers))
+    monkeypatch.setattr(intended, "intended_layout", lambda *_, **__: next(answers))
     OfflineEditor().rearrange(request)
     given_up = [r for r in request.plan.relations if "red-block" in (r.subject, r.reference)]
     assert "so that red-block can be seen, the target picture does not keep to" in caplog.text
