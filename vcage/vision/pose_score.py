@@ -54,23 +54,6 @@ class Fit:
         """(b,) in [0, 1]."""
         return self.terms @ WEIGHTS / WEIGHTS.sum()
 
-    @property
-    def first(self) -> Fit:
-        """The first pose alone."""
-        return Fit(self.poses[:1], self.terms[:1])
-
-    def term(self, name: str) -> np.ndarray:
-        """(b,) one of :data:`TERMS`."""
-        return self.terms[:, TERMS.index(name)]
-
-    def where(self, chosen: np.ndarray) -> Fit:
-        """The poses that a mask (b,) chooses."""
-        return Fit(self.poses[chosen], self.terms[chosen])
-
-    def with_those(self, others: Fit) -> Fit:
-        """These and other poses."""
-        return Fit(np.concatenate([self.poses, others.poses]), np.concatenate([self.terms, others.terms]))
-
     def best_first(self) -> Fit:
         """The poses in the order of their goodness, the best first."""
         order = np.argsort(-self.goodness, kind="stable")
@@ -196,7 +179,7 @@ def mask_at(template: ObjectTemplate, pose: np.ndarray) -> np.ndarray:
     height, width = template.camera.height, template.camera.width
     # The proxy's top face was seen at its height; each layer of it is that picture moved.
     corners = template.centre + template.extent * np.array([[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5]])
-    flat = template.source_camera.unproject(corners, template.origin[2] + template.layers[-1]) - template.origin
+    flat = template.camera.unproject(corners, template.origin[2] + template.layers[-1]) - template.origin
     drawn, top = np.zeros((height, width), np.uint8), template.top.astype(np.uint8)
     u, v, w, h = cv2.boundingRect(top)
     ends = np.array([[u, v, 1], [u + w, v, 1], [u, v + h, 1], [u + w, v + h, 1]])
@@ -222,7 +205,7 @@ def from_pixels(template: ObjectTemplate, poses: np.ndarray) -> np.ndarray:
     """
     poses = np.reshape(poses, (-1, 4))
     middle = (template.box[0, 2] + template.box[1, 2]) / 2
-    offset = template.origin[:2] - template.source_camera.unproject(template.centre, middle)[:2]
+    offset = template.origin[:2] - template.camera.unproject(template.centre, middle)[:2]
     places = template.camera.unproject(poses[:, :2], middle)[:, :2]
     return np.column_stack([places + about_vertical(poses[:, 2]) @ offset, poses[:, 2:]])
 

@@ -1,9 +1,23 @@
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
-from tests.models.tabletop import BLOCKS, BOX, BREADS, ERASER, MARKERS, PLATE, WHITE_BOX, Thing, reference, view
+from tests.models.tabletop import (
+    BLOCKS,
+    BOX,
+    BREADS,
+    ERASER,
+    MARKERS,
+    PLATE,
+    WHITE_BOX,
+    Thing,
+    reference,
+    table_picture,
+    view,
+)
 from vcage.base.errors import InputFileError
+from vcage.base.geometry import Pose
 from vcage.models.protocols import CriticQuestion
 from vcage.models.rules.critic import OfflineCritic
 from vcage.schema.episodes import Verdict
@@ -53,6 +67,22 @@ CASES = [(name, index) for name, scene in SCENES.items() for index in range(len(
 def test_a_thing_that_was_put_away_is_accepted_also_beside_earlier_ones(name: str, index: int) -> None:
     before, thing = earlier(name, index)
     verdict = judge(before, swapped(before, thing, placed(thing, before[0], index)), thing)
+    assert verdict.accepted, verdict.reason
+
+
+@pytest.mark.parametrize("box", [BOX.moved(yaw=yaw) for yaw in (0.0, 0.3, 1.57)], ids=lambda box: f"{box.yaw}")
+@pytest.mark.parametrize("wall", [(0.1, 0.0), (-0.1, 0.0), (0.0, 0.068)], ids=["right", "left", "back"])
+def test_a_thing_that_lies_along_a_wall_of_a_box_of_the_tables_colour_is_accepted(box: Thing, wall: tuple) -> None:
+    turn = Pose.from_yaw((*box.at, 0), box.yaw)
+    red, black = MARKERS[1], MARKERS[0]
+    at = tuple(turn.apply(np.array([*wall, 0]))[:2])
+    along = black.moved(at=at, yaw=box.yaw + (np.pi / 2 if wall[0] else 0), base=0.005)
+    inside = red.moved(at=(box.at[0] - 0.02, box.at[1] - 0.02), yaw=box.yaw, base=0.005)
+    before, after = [box, inside, black, ERASER], [box, inside, along, ERASER]
+    goal = Goal(subject=black.id, relation="inside", reference=box.id)
+    references, table = {t.id: reference(t) for t in before}, table_picture()
+    views = {"top": view(before)}, {"top": view(after)}
+    verdict = OfflineCritic().judge(CriticQuestion("…", [goal], *views, references, background=table))
     assert verdict.accepted, verdict.reason
 
 
