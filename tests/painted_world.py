@@ -117,7 +117,7 @@ def make_scene(camera: Camera) -> Callable[[Sequence[Thing]], Scene]:
             provenance=Provenance(producer="test", seed=0),
             instruction="Pack the markers",
             template="test",
-            robot="test",
+            robot="dual_panda",
             table=Table(),
             workspace=Workspace(lower=(-0.5, -0.3), upper=(0.5, 0.3)),
             top_camera=CameraRecord.of(camera),
