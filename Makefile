@@ -71,7 +71,7 @@ demo: setup
 lint: venv
 	@$(BIN)/ruff check . && $(BIN)/ruff format --check -q . && $(BIN)/pyrefly check --output-format min-text
 
-test: setup
+test: setup lint
 	$(BIN)/python -m pytest -q -n 2 --dist loadfile --no-loadscope-reorder
 
 # torchcodec looks for FFmpeg's libraries under their usual names; PyAV brings them under names of its own.
