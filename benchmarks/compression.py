@@ -68,7 +68,7 @@ def run(quick: bool, plot: Path | None = None) -> dict[str, Any]:
     drawn = [] if quick and plot is None else [chosen[0], chosen[-1]]
     _render(chosen)
     jobs = [Job(clip, formats(quick)) for clip in chosen] + [Job(clip) for clip in drawn]
-    results = dict(_watched(in_processes(_do, jobs, WORKERS, _begin), len(jobs)))
+    results = dict(_watched(in_processes(_do, jobs, WORKERS), len(jobs)))
     figures: dict[str, Any] = {"rows": rows(chain.from_iterable(results[clip.name, "formats"] for clip in chosen))}
     if drawn:
         line = list(chain.from_iterable(results[clip.name, "curve"] for clip in drawn))
@@ -84,13 +84,10 @@ def _render(chosen: Sequence[Clip]) -> None:
         logger.info("episode %d of %d: %s", number, len(recipes), episode_path(recipe))
 
 
-def _begin() -> None:
-    """What a new process needs: a log, and SVT-AV1 silent but for errors."""
+def _do(job: Job) -> tuple[tuple[str, str], list[Measured] | list[Point]]:
+    # The process may be a new one, which has no log yet, and in which SVT-AV1 is not silent.
     logging.basicConfig(level=logging.INFO, format="%(message)s", stream=sys.stderr)
     os.environ["SVT_LOG"] = "1"
-
-
-def _do(job: Job) -> tuple[tuple[str, str], list[Measured] | list[Point]]:
     if job.formats is None:
         return (job.clip.name, "curve"), curve(job.clip)
     return (job.clip.name, "formats"), measure_clip(job.clip, job.formats)
