@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from tests.models.tabletop import Thing, scene_of
-from vcage.matching.identical_objects import matched_box, settle_twins
+from vcage.matching.identical_objects import matched_box, settle_identical
 from vcage.schema.matches import Match
 from vcage.schema.plan import Relation
 from vcage.schema.scene import Scene
@@ -41,7 +41,7 @@ def match(object_id: str, x: float, method: str = "feature", yaw: float = 0.0) -
 
 
 def matched(scene: Scene, *matches: Match) -> dict[str, float]:
-    return {m.object: m.position[0] for m in settle_twins(scene, PLAN, matches)}
+    return {m.object: m.position[0] for m in settle_identical(scene, PLAN, matches)}
 
 
 def test_two_that_look_the_same_are_exchanged_where_the_plan_holds_then():
@@ -65,7 +65,7 @@ def test_what_was_not_found_is_left_alone():
 
 
 def test_the_heading_in_the_world_goes_along():
-    settled = settle_twins(
+    settled = settle_identical(
         twins(), PLAN, [match("plate", 0.0), match("block", 0.3, yaw=1.0), match("block_2", -0.3, yaw=-0.5)]
     )
     assert {m.object: m.yaw for m in settled}["block"] == -0.5

@@ -14,7 +14,7 @@ from vcage.schema.plan import Relation
 from vcage.schema.scene import ObjectRecord, Scene
 
 
-def settle_twins(scene: Scene, relations: Sequence[Relation], matches: Sequence[Match]) -> list[Match]:
+def settle_identical(scene: Scene, relations: Sequence[Relation], matches: Sequence[Match]) -> list[Match]:
     """The matches, with objects of one asset and variant exchanged where that keeps more of the plan.
 
     Two are exchanged at a time, as long as one more relation holds for it; what was not found is left alone.

@@ -22,9 +22,8 @@ from vcage.matching.candidates import find_candidates
 from vcage.matching.detections import PixelBox, region_of, sound_detections, unclaimed_boxes
 from vcage.matching.evidence import SMALLEST_MASK, label_evidence, log_odds, similarities
 from vcage.matching.heading_by_render import settle_heading
-from vcage.matching.identical_objects import settle_twins
+from vcage.matching.identical_objects import settle_identical
 from vcage.matching.unmatched import kept
-from vcage.models.registry import THRESHOLD
 from vcage.schema.matches import Match
 from vcage.schema.plan import LayoutPlan, Plan
 from vcage.schema.scene import ObjectRecord, Scene
@@ -36,6 +35,10 @@ from vcage.vision.protocols import Detection, Detector, Embedder
 from vcage.vision.register import register
 from vcage.vision.symmetry import smallest_turn
 from vcage.vision.table_model import fit_table, table_region
+
+THRESHOLD = 0.5
+"""The paper's τ, for which it gives no value. In the benchmark's pictures right matches have cosine similarities of
+0.87 at least by the classical embedder's features, and of 0.55 by EfficientNet's."""
 
 DOUBT = 0.38
 """Confidence below which a match is not made."""
@@ -171,7 +174,7 @@ def match_picture(
     rest = kept(scene, plan, pictures.segmentation, found, missing)
     matches = [found.get(o.id) or rest[o.id] for o in scene.objects]
     return MatchResult(
-        settle_twins(scene, plan.relations, matches) if plan else matches,
+        settle_identical(scene, plan.relations, matches) if plan else matches,
         unclaimed_boxes(detections, [one.masks[choice.index] for one, choice in made], region),
         picture,
         [*registered.notes, *doubts, *_drawn_twice(made)],

@@ -28,10 +28,6 @@ DETECTORS = ("background", "grounding-dino")
 EMBEDDERS = ("classical", "efficientnet", "dinov2")
 """The first of each needs no weights and is the default."""
 
-THRESHOLD = 0.5
-"""The paper's τ, for which it gives no value. In the benchmark's pictures right matches have cosine similarities of
-0.87 at least by the classical embedder's features, and of 0.55 by EfficientNet's."""
-
 
 def found_keys() -> dict[str, str]:
     """Provider → the name of the variable or file that holds its key, for those that have one; never the key.

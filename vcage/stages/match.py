@@ -23,9 +23,9 @@ from vcage.base.geometry import Pose
 from vcage.base.options import between, value
 from vcage.base.pictures import read_picture, write_picture
 from vcage.base.progress import Progress, silent
-from vcage.matching.match import Looks, Recogniser, match_picture
+from vcage.matching.match import THRESHOLD, Looks, Recogniser, match_picture
 from vcage.matching.overlay import draw_overlay
-from vcage.models.registry import DETECTORS, EMBEDDERS, THRESHOLD, split_weights
+from vcage.models.registry import DETECTORS, EMBEDDERS, split_weights
 from vcage.plans.kept import Kept, relations_kept
 from vcage.schema.base import Box, Provenance, box_record
 from vcage.schema.matches import Match, Matches
