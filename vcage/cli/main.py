@@ -76,46 +76,57 @@ def load(name: str) -> Entry:
 
 def main(argv: list[str] | None = None) -> int:
     """Entry of the ``vcage`` command; returns the exit code."""
-    arguments = sys.argv[1:] if argv is None else argv
-    code = run_cli(_dispatch, arguments)
+    code = run_cli(_run, sys.argv[1:] if argv is None else argv)
     return end_process(code) if argv is None else code
 
 
 def script_main(command: str) -> int:
     """Entry of a script that is one sub-command; its help shows the script's own name."""
-    return end_process(run_cli(_run, command, sys.argv[1:], Path(sys.argv[0]).name))
+    return end_process(run_cli(_run, [*command.split(), *sys.argv[1:]], Path(sys.argv[0]).name))
 
 
-def _dispatch(arguments: list[str]) -> Result | None:
-    if not arguments:
-        raise UsageError("no command given", hint="see: vcage --help")
-    if arguments[0] in ("-h", "--help"):
-        sys.stdout.write(help_text())
+def _run(arguments: Sequence[str], prog: str = "") -> Result | None:
+    """Run the command that the arguments begin with; None where only something about commands was asked."""
+    about = _about(arguments)
+    if about:
+        sys.stdout.write(about)
         return None
-    if arguments[0] == "--version":
-        sys.stdout.write(f"vcage {__version__}\n")
-        return None
-    if any(name.startswith(f"{arguments[0]} ") for name in COMMANDS):
-        if arguments[1:] in (["-h"], ["--help"]):
-            sys.stdout.write(help_text(arguments[0]))
-            return None
-        arguments = [" ".join(arguments[:2]), *arguments[2:]]
-    command, *rest = arguments
-    if command not in COMMANDS:
-        raise UnknownName("command", command, COMMANDS)
-    return _run(command, rest, f"vcage {command}")
-
-
-def _run(name: str, arguments: Sequence[str], prog: str) -> Result | None:
     from vcage.cli.arguments import parse
 
+    name, rest = _named(arguments)
     command = load(name)
-    options = parse(command.options, arguments, prog=prog, text=command.text)
+    options = parse(command.options, rest, prog=prog or f"vcage {name}", text=command.text)
     if options is None:
         return None
     set_up_logging(options.verbose)
     with stray_output_on_stderr():
         return command.execute(options)
+
+
+def _is_group(word: str) -> bool:
+    return any(name.startswith(f"{word} ") for name in COMMANDS)
+
+
+def _about(arguments: Sequence[str]) -> str:
+    """What is asked about all commands or a group of them; nothing where one is to be run."""
+    if arguments[:1] in (["-h"], ["--help"]):
+        return help_text()
+    if arguments[:1] == ["--version"]:
+        return f"vcage {__version__}\n"
+    if arguments[1:] in (["-h"], ["--help"]) and _is_group(arguments[0]):
+        return help_text(arguments[0])
+    return ""
+
+
+def _named(arguments: Sequence[str]) -> tuple[str, Sequence[str]]:
+    """A command's name, of one word or two, and what comes after it."""
+    if not arguments:
+        raise UsageError("no command given", hint="see: vcage --help")
+    words = 2 if _is_group(arguments[0]) else 1
+    name = " ".join(arguments[:words])
+    if name not in COMMANDS:
+        raise UnknownName("command", name, COMMANDS)
+    return name, arguments[words:]
 
 
 def help_text(group: str = "") -> str:
