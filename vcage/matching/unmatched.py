@@ -6,7 +6,6 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from vcage.base.errors import VcageError
 from vcage.base.geometry import Pose, wrap_angle
 from vcage.layout.intended import intended_layout
 from vcage.layout.items import item_of
@@ -26,32 +25,27 @@ def kept(
 
     Where the plan says something about an object that the source picture shows, it goes where the plan wants it beside
     those that were found; else it stays where it was. The note says which.
+
+    Raises:
+        UnknownName: there is no such robot as the scene's; hands need room where the plan puts something.
     """
     shown = set(np.unique(segmentation).tolist())
     subjects = {r.subject for r in plan.relations} & set(why) if plan else set()
     subjects = {name for name in subjects if scene.segmentation_ids.get(name, -1) in shown}
     planned: Mapping[str, Pose] = {}
-    trouble = ""
     if plan and subjects:
         fixed = {o.id: o.pose.pose() for o in scene.objects if o.id not in subjects}
         fixed |= {name: _pose(scene.object(name), match) for name, match in found.items()}
-        try:
-            planned = intended_layout(scene, plan.relations, {o.id: item_of(o) for o in scene.objects}, fixed).poses
-        except VcageError as error:
-            trouble = f" (the plan gives it no place: {error})"
-    return {
-        name: _kept(scene.object(name), reason, planned.get(name), trouble)
-        if name in subjects
-        else _kept(scene.object(name), reason)
-        for name, reason in why.items()
-    }
+        layout = intended_layout(scene, plan.relations, {o.id: item_of(o) for o in scene.objects}, fixed)
+        planned = {name: layout.poses[name] for name in subjects}
+    return {name: _kept(scene.object(name), reason, planned.get(name)) for name, reason in why.items()}
 
 
 def _pose(record: ObjectRecord, match: Match) -> Pose:
     return Pose.from_yaw([*match.position, record.pose.position[2]], match.yaw)
 
 
-def _kept(record: ObjectRecord, why: str, planned: Pose | None = None, trouble: str = "") -> Match:
+def _kept(record: ObjectRecord, why: str, planned: Pose | None) -> Match:
     before = record.pose.pose()
     pose = planned or before
     turn = float(wrap_angle(pose.yaw - before.yaw))
@@ -65,5 +59,5 @@ def _kept(record: ObjectRecord, why: str, planned: Pose | None = None, trouble: 
         yaw=float(wrap_angle(before.yaw + turn)),
         turned=turn,
         ncc=None,
-        note=f"{why}; " + ("put where the plan wants it" if planned else f"kept where it was{trouble}"),
+        note=f"{why}; " + ("put where the plan wants it" if planned else "kept where it was"),
     )
