@@ -9,7 +9,7 @@ import numpy as np
 
 from vcage.objects.modelling.noise import Colour, blend, clouds, noise, over, shaded
 
-PALE, GOLD, BROWN = (232, 192, 128), (204, 142, 72), (128, 74, 32)
+PALE = (232, 192, 128)
 
 
 def plain_crust(rng: np.random.Generator, colour: Colour = (188, 124, 62), size: int = 128) -> np.ndarray:

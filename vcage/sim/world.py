@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -139,16 +139,6 @@ class World:
     def object_joints(self, object_id: str) -> np.ndarray:
         """(n,) position of each moving part in the order of its model's links, metres or radians; (0,) without."""
         return self._object(object_id).joints
-
-    def set_object_joints(self, object_id: str, joints: Sequence[float] | np.ndarray) -> None:
-        """Put the moving parts of an object at (n,) joint positions, at rest.
-
-        Raises:
-            ValueError: the object has another number of joints.
-        """
-        thing = self._object(object_id)
-        thing.set_joints(joints)
-        thing.stop()
 
     def body(self, object_id: str) -> Body:
         """An object as it stands now."""
