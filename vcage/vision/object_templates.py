@@ -11,8 +11,10 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from vcage.base.geometry import Camera
+from vcage.base.errors import InputFileError
+from vcage.base.geometry import Camera, look_at
 from vcage.vision.colour import LabImage
+from vcage.vision.protocols import Reference
 
 POINTS = 220
 """Points inside an object that are compared."""
@@ -34,6 +36,9 @@ LAYERS = 3
 
 RAY_STEPS = 9
 """Heights at which a ray is tested for meeting the proxy."""
+
+REFERENCE_DISTANCE = 15.0
+"""Metres from the camera of a reference picture to the object's base: the view is parallel to half a percent."""
 
 
 @dataclass(frozen=True)
@@ -75,7 +80,8 @@ class ObjectTemplate:
 
     Args:
         source: the picture of the object.
-        camera: took it, and takes the pictures in which the object is looked for.
+        source_camera: took it; one of its pixels covers as much of the object as one of ``camera``'s.
+        camera: takes the pictures in which the object is looked for.
         mask: (H, W) bool, where the object is in the source.
         top: (H, W) bool, pixels of its top face; all of them when the shape is not known.
         centre: (2,) u, v of the middle of its mask, pixels.
@@ -86,9 +92,11 @@ class ObjectTemplate:
         extent: its longest side, pixels.
         step: how much smaller the pictures are in which it is compared.
         pixel: metres that a pixel covers at half its height.
+        shell: points that lie deeper inside the mask than this share of the deepest are not compared; 1 compares all.
     """
 
     source: LabImage
+    source_camera: Camera
     camera: Camera
     mask: np.ndarray
     top: np.ndarray
@@ -101,6 +109,7 @@ class ObjectTemplate:
     extent: float
     step: float
     pixel: float
+    shell: float
 
     @property
     def area(self) -> int:
@@ -111,30 +120,36 @@ class ObjectTemplate:
 def template_of(
     source: LabImage,
     mask: np.ndarray,
-    camera: Camera,
+    source_camera: Camera,
     box: np.ndarray,
     origin: np.ndarray,
+    *,
+    camera: Camera | None = None,
+    shell: float = 1.0,
 ) -> ObjectTemplate:
     """The template of an object that a picture shows.
 
     Args:
         source: the picture.
         mask: (H, W) bool, not empty, where it shows the object.
-        camera: took the picture, and takes those in which the object is looked for.
+        source_camera: took the picture.
         box: (2, 3) the object's world box there, metres.
         origin: (2,) x, y of its origin there.
+        camera: takes the pictures in which it is looked for; None for the same.
+        shell: see :class:`ObjectTemplate`.
     """
     centre, extent = _middle_and_extent(mask)
     step = max(1.0, extent / FINE_EXTENT)
     (low, high), base = box[:, 2].tolist(), np.array([*origin, box[0, 2]])
-    top = _top_face(mask, camera, low, high)
+    top = _top_face(mask, source_camera, low, high)
     if top.sum() < LEAST_TOP * mask.sum():
         top, low, high = mask, (low + high) / 2, (low + high) / 2
-    inner = _spread_out(_inner(mask, step), POINTS)
-    points, facing = _on_proxy(inner, mask, camera, low, high)
+    inner = _spread_out(_inner(mask, step, shell), POINTS)
+    points, facing = _on_proxy(inner, mask, source_camera, low, high)
     return ObjectTemplate(
         source=source,
-        camera=camera,
+        source_camera=source_camera,
+        camera=camera or source_camera,
         mask=mask,
         top=top,
         centre=centre,
@@ -142,11 +157,45 @@ def template_of(
         origin=base,
         layers=np.linspace(low, high, LAYERS if low < high else 1) - base[2],
         surface=Surface(points - base, facing, source.sample(inner[None], step)[0, :, :3]),
-        rim=_rim(top, camera, low, high, base),
+        rim=_rim(top, source_camera, low, high, base),
         extent=extent,
         step=step,
-        pixel=_metres_per_pixel(camera, centre, (low + high) / 2),
+        pixel=_metres_per_pixel(source_camera, centre, (low + high) / 2),
+        shell=shell,
     )
+
+
+def template_from_reference(
+    reference: Reference, camera: Camera, height: float, *, shell: float = 1.0
+) -> ObjectTemplate:
+    """The template of an object that is known by its look from above; a pose's angle is the object's heading then.
+
+    Args:
+        reference: how it looks.
+        camera: takes the pictures in which it is looked for.
+        height: of the table that it stands on, metres.
+        shell: see :class:`ObjectTemplate`.
+
+    Raises:
+        InputFileError: the reference picture shows nothing.
+    """
+    size = np.array(reference.size)
+    middle = np.array([camera.width / 2, camera.height / 2])
+    pixel = _metres_per_pixel(camera, middle, height + size[2] / 2)
+    zoom = reference.metres_per_pixel / pixel
+    width, tall = (max(1, round(zoom * n)) for n in reference.picture.shape[1::-1])
+    solid = reference.picture[..., 3] > 127
+    if not solid.any():
+        raise InputFileError(f"the reference picture of {reference.phrase!r} shows nothing", hint="render it anew")
+    # Around the object lies its own mean colour: what is mixed in at its edge changes nothing.
+    alone = np.where(solid[..., None], reference.picture[..., :3], reference.picture[solid][:, :3].mean(axis=0))
+    scaled = cv2.resize(alone.astype(np.uint8), (width, tall), interpolation=cv2.INTER_AREA)
+    mask = cv2.resize(solid.astype(np.float32), (width, tall), interpolation=cv2.INTER_AREA) > 0.5
+    fovy = 2 * np.arctan(tall * pixel / 2 / REFERENCE_DISTANCE)
+    above = look_at([0, 0, height + REFERENCE_DISTANCE], [0, 0, height], up=(0, 1, 0))
+    box = np.array([[*-size[:2] / 2, height], [*size[:2] / 2, height + size[2]]])
+    source = LabImage.of(scaled, np.zeros(mask.shape, np.float32))
+    return template_of(source, mask, Camera(width, tall, fovy, above), box, np.zeros(2), camera=camera, shell=shell)
 
 
 def _inside(mask: np.ndarray, camera: Camera, points: np.ndarray) -> np.ndarray:
@@ -213,12 +262,14 @@ def _rim(top: np.ndarray, camera: Camera, low: float, high: float, base: np.ndar
     return Rim(points, np.tile(out, (len(heights), 1)), upper)
 
 
-def _inner(mask: np.ndarray, step: float) -> np.ndarray:
-    """(n, 2) pixels of a mask that lie deep enough not to mix with what is around; all when it is thin."""
+def _inner(mask: np.ndarray, step: float, shell: float) -> np.ndarray:
+    """(n, 2) pixels of a mask that lie deep enough not to mix with what is around, and no deeper than the shell; all
+    when it is thin."""
     u, v, width, height = cv2.boundingRect(mask.astype(np.uint8))
     window = np.s_[v : v + height, u : u + width]
     depth = cv2.distanceTransform(np.pad(mask[window].astype(np.uint8), 1), cv2.DIST_L2, 5)[1:-1, 1:-1]
-    rows, columns = np.nonzero(depth >= min(step, 0.5 * depth.max()))
+    deep = (depth >= min(step, 0.5 * depth.max())) & (depth <= shell * depth.max())
+    rows, columns = np.nonzero(deep)
     return np.stack([columns + u, rows + v], axis=1) + 0.5
 
 

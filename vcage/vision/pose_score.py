@@ -32,7 +32,12 @@ SCALE_LIMIT = 0.10
 
 TERMS = ("colour", "structure", "fill", "border")
 WEIGHTS = np.array([1.0, 1.6, 0.8, 1.0])
-"""Of the terms of :class:`Fit` in the misfit that is minimised."""
+"""Of the terms of :class:`Fit` in the goodness that is maximised."""
+
+SHELL_WEIGHTS = np.array([1.0, 0.0, 0.8, 2.0])
+"""Of the terms for an object of which only a shell is compared: one thing that lies along a wall decides the pattern
+of the shell, as nothing caps that term, so the outline counts instead. Of 27 drawn boxes with a pen along a wall all
+are found so, and 21 with .8 for the pattern; of 182 rendered questions the critic answers 170 right."""
 
 
 @dataclass(frozen=True)
@@ -44,20 +49,40 @@ class Fit:
         terms: (b, 4): likeness of colours; likeness of the pattern once the mean colour is taken away (a masked
             normalised cross-correlation that plain objects pass); share of the inside that is no table; share of the
             outline that is one, by table outside or by a change of colour.
+        weights: (4,) of the terms.
     """
 
     poses: np.ndarray
     terms: np.ndarray
+    weights: np.ndarray
 
     @property
     def goodness(self) -> np.ndarray:
         """(b,) in [0, 1]."""
-        return self.terms @ WEIGHTS / WEIGHTS.sum()
+        return self.terms @ self.weights / self.weights.sum()
+
+    @property
+    def first(self) -> Fit:
+        """The first pose alone."""
+        return Fit(self.poses[:1], self.terms[:1], self.weights)
+
+    def term(self, name: str) -> np.ndarray:
+        """(b,) one of :data:`TERMS`."""
+        return self.terms[:, TERMS.index(name)]
+
+    def where(self, chosen: np.ndarray) -> Fit:
+        """The poses that a mask (b,) chooses."""
+        return Fit(self.poses[chosen], self.terms[chosen], self.weights)
+
+    def with_those(self, others: Fit) -> Fit:
+        """These and other poses."""
+        poses, terms = np.concatenate([self.poses, others.poses]), np.concatenate([self.terms, others.terms])
+        return Fit(poses, terms, self.weights)
 
     def best_first(self) -> Fit:
         """The poses in the order of their goodness, the best first."""
         order = np.argsort(-self.goodness, kind="stable")
-        return Fit(self.poses[order], self.terms[order])
+        return Fit(self.poses[order], self.terms[order], self.weights)
 
 
 def rotation(angle: np.ndarray) -> np.ndarray:
@@ -96,8 +121,9 @@ def turned_towards(template: ObjectTemplate, poses: np.ndarray, at: np.ndarray, 
 def fit(image: LabImage, template: ObjectTemplate, poses: np.ndarray) -> Fit:
     """How well the object fits at each of the poses (b, 4)."""
     poses = np.asarray(poses, np.float64).reshape(-1, 4)
+    term_weights = SHELL_WEIGHTS if template.shell < 1 else WEIGHTS
     if not len(poses):
-        return Fit(poses, np.zeros((0, len(TERMS))))
+        return Fit(poses, np.zeros((0, len(TERMS))), term_weights)
     surface, rim = template.surface, template.rim
     count, edge = len(surface.points), len(rim.points)
     beside = np.column_stack([rim.normals, np.zeros(edge)]) * (template.step * template.pixel)
@@ -124,7 +150,8 @@ def fit(image: LabImage, template: ObjectTemplate, poses: np.ndarray) -> Fit:
     change = np.minimum(np.sqrt(_squares(across)) / BORDER, 1)
     border = _mean(np.maximum(1 - outer[..., 3], change), outline)
     fill = _mean(inside[..., 3], shown)
-    return Fit(poses, np.stack([colour, np.clip(structure, 0, 1), fill, border], axis=1).astype(np.float64))
+    terms = np.stack([colour, np.clip(structure, 0, 1), fill, border], axis=1).astype(np.float64)
+    return Fit(poses, terms, term_weights)
 
 
 def _squares(values: np.ndarray) -> np.ndarray:
@@ -171,7 +198,7 @@ def refine(image: LabImage, template: ObjectTemplate, poses: np.ndarray, steps: 
         terms = np.where(better[:, None], around.terms.reshape(len(poses), -1, 4)[rows, k], terms)
         goodness = np.where(better, scores[rows, k], goodness)
         scale = np.where(better, scale, scale / 2)
-    return Fit(poses, terms)
+    return Fit(poses, terms, best.weights)
 
 
 def mask_at(template: ObjectTemplate, pose: np.ndarray) -> np.ndarray:
@@ -179,7 +206,7 @@ def mask_at(template: ObjectTemplate, pose: np.ndarray) -> np.ndarray:
     height, width = template.camera.height, template.camera.width
     # The proxy's top face was seen at its height; each layer of it is that picture moved.
     corners = template.centre + template.extent * np.array([[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5]])
-    flat = template.camera.unproject(corners, template.origin[2] + template.layers[-1]) - template.origin
+    flat = template.source_camera.unproject(corners, template.origin[2] + template.layers[-1]) - template.origin
     drawn, top = np.zeros((height, width), np.uint8), template.top.astype(np.uint8)
     u, v, w, h = cv2.boundingRect(top)
     ends = np.array([[u, v, 1], [u + w, v, 1], [u, v + h, 1], [u + w, v + h, 1]])
@@ -205,7 +232,7 @@ def from_pixels(template: ObjectTemplate, poses: np.ndarray) -> np.ndarray:
     """
     poses = np.reshape(poses, (-1, 4))
     middle = (template.box[0, 2] + template.box[1, 2]) / 2
-    offset = template.origin[:2] - template.camera.unproject(template.centre, middle)[:2]
+    offset = template.origin[:2] - template.source_camera.unproject(template.centre, middle)[:2]
     places = template.camera.unproject(poses[:, :2], middle)[:, :2]
     return np.column_stack([places + about_vertical(poses[:, 2]) @ offset, poses[:, 2:]])
 
