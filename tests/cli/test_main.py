@@ -65,3 +65,27 @@ def test_help_imports_nothing_heavy() -> None:
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.splitlines()[-1] == "[]"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        ("optimize", "missing: --run DIR (the run folder)"),
+        ("optimize --run x --restarts abc", "--restarts: 'abc' is not a whole number"),
+        ("optimize --run x --bogus 3", "there is no option --bogus"),
+        ("optimize --run x --margn 3", "there is no option --margn (did you mean --margin? "),
+        ("optimize --run", "--run needs a value"),
+        ("optimize --run x more", "one word too many: more"),
+        ("compress --run x --codec gif", "--codec: there is no 'gif'; there are: hevc, h264, av1"),
+        ("decompress", "folder of them); --out DIR (the folder to write; it must be new)"),
+        ("assets lst", "unknown command 'assets lst'; available: assets gallery, assets import, assets list,"),
+    ],
+)
+def test_an_error_of_usage_names_the_option_and_the_way_out(
+    arguments: str, told: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(arguments.split()) == 2
+    _, err = capsys.readouterr()
+    assert told in err
+    assert err.count("\n") == 1
+    assert "did you mean" in err or "--help" in err

@@ -56,7 +56,8 @@ def parse(options: type[T], arguments: Sequence[str], *, prog: str, text: str) -
             return tyro.cli(options, prog=prog, description="", args=arguments)
     except SystemExit as end:
         if end.code:
-            raise UsageError(f"{prog}: {_in_one_line(complaint.getvalue())}", hint=f"see: {prog} --help") from None
+            what, meant = _in_one_line(complaint.getvalue())
+            raise UsageError(f"{prog}: {what}", hint=f"{meant}see: {prog} --help") from None
     usage, _, boxes = printed.getvalue().partition("\n\n")
     sys.stdout.write(f"{usage}\n\n{text}\n\n{_without_frames(boxes)}\n")
     return None
@@ -71,7 +72,26 @@ def _without_frames(help_text: str) -> str:
     return re.sub(r"^ *-{3,} *\n| +$", "", titled, flags=re.MULTILINE).strip()
 
 
-def _in_one_line(complaint: str) -> str:
-    """What is wrong: what stands between the title's rule and the next, below which tyro repeats the help."""
+def _in_one_line(complaint: str) -> tuple[str, str]:
+    """What is wrong, and a question whether something else was meant, if tyro knows of it.
+
+    tyro says what is wrong between its title's rule and the next, then what is like it, then where the help is.
+    """
     parts = re.split(r"\n *-{3,} *\n", complaint)
-    return " ".join(parts[min(1, len(parts) - 1)].split())
+    said, after = parts[min(1, len(parts) - 1)], parts[min(2, len(parts) - 1)]
+    missing = re.findall(r"^ {4,8}(\S.*?) *\n((?: {9,}\S.*\n?)*)", said + "\n", re.MULTILINE)
+    if said.strip().startswith("Missing from ") and missing:
+        explained = (f"{name} ({' '.join(text.replace('(required)', '').split())})" for name, text in missing)
+        return f"missing: {'; '.join(explained)}", ""
+    line = " ".join(said.split())
+    if unknown := re.fullmatch("Unrecognized options: (.*)", line):
+        words = unknown[1].split(", ")
+        options = [word for word in words if word.startswith("-")]
+        near = re.findall(r"^ +(--[\w-]+)", after, re.MULTILINE) if "Perhaps you meant" in after else []
+        what = f"there is no option {' or '.join(options)}" if options else f"one word too many: {' '.join(words)}"
+        return what, f"did you mean {' or '.join(near)}? " if near else ""
+    if choice := re.fullmatch(r"invalid choice (.*) for argument '(.*)'\. Expected one of \((.*?),?\)\.", line):
+        return f"{choice[2]}: there is no {choice[1]}; there are: {choice[3].replace(chr(39), '')}", ""
+    if bare := re.match("Missing value for argument '(.*?)'", line):
+        return f"{bare[1]} needs a value", ""
+    return line.removeprefix("Error parsing "), ""

@@ -125,7 +125,7 @@ def _named(arguments: Sequence[str]) -> tuple[str, Sequence[str]]:
     words = 2 if _is_group(arguments[0]) else 1
     name = " ".join(arguments[:words])
     if name not in COMMANDS:
-        raise UnknownName("command", name, COMMANDS)
+        raise UnknownName("command", name, [n for n in COMMANDS if n.startswith(f"{arguments[0]} ")] or COMMANDS)
     return name, arguments[words:]
 
 
