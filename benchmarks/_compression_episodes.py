@@ -32,14 +32,14 @@ from vcage.sim.world import World
 from vcage.stages import chain, collect, inpaint_plan, match, optimize, search_subtasks, select_place
 from vcage.stages.context import StageContext
 from vcage.tasks.assemble import episode_data
-from vcage.tasks.loop import EpisodeRun, Pictures, Setting, run_episode
+from vcage.tasks.loop import EpisodeRun, PicturesByCamera, Setting, run_episode
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.slots import slots_for_chain
 from vcage.tasks.synthesis import Script, load_script
 from vcage.tasks.task import Asked
 from vcage.tasks.variation import shifted_poses
 
-log = logging.getLogger(__name__)
+logger = logging.getLogger(__name__)
 
 VERSION = 2
 """Of the episodes in the cache; a higher one makes them anew."""
@@ -110,7 +110,9 @@ def episode_path(recipe: Recipe) -> Path:
     if not path.exists():
         start = time.perf_counter()
         frames = _Making(recipe).write(path)
-        log.info("%s: %d frames planned, simulated and drawn in %.0f s", path.name, frames, time.perf_counter() - start)
+        logger.info(
+            "%s: %d frames planned, simulated and drawn in %.0f s", path.name, frames, time.perf_counter() - start
+        )
     return path
 
 
@@ -194,6 +196,6 @@ def sharp(robot: Robot) -> Robot:
     return robot.model_copy(update={"cameras": cameras})
 
 
-def _accept(_asked: Asked, _before: Pictures, _after: Pictures) -> Verdict:
+def _accept(_asked: Asked, _before: PicturesByCamera, _after: PicturesByCamera) -> Verdict:
     """Every sub-task goes on; whether it succeeded is asked of the simulator at the end."""
     return Verdict(accepted=True, reason="the simulator decides", confidence=1.0, provider="benchmark")

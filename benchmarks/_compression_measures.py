@@ -25,7 +25,7 @@ from vcage.base.files import cache_dir, read_json, write_json
 from vcage.datasets.packing.settings import CompressionSettings
 from vcage.video.jod import JodMetric
 
-log = logging.getLogger(__name__)
+logger = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
@@ -69,7 +69,7 @@ def measure_clip(clip: Clip, formats: Sequence[Format]) -> list[Measured]:
         for form in missing:
             known[form.name] = measure(clip, form, film, metric, known)
             write_json(path, [asdict(one) for one in known.values()])
-            log.info("%s as %s: %d bytes", clip.name, form.name, known[form.name].bytes)
+            logger.info("%s as %s: %d bytes", clip.name, form.name, known[form.name].bytes)
     return [known[form.name] for form in formats]
 
 

@@ -10,7 +10,7 @@ from scipy.optimize import minimize
 
 from benchmarks._optimize_scenes import CleanScene
 from vcage.base.geometry import Pose
-from vcage.layout.cost import LayoutProblem, Weights
+from vcage.layout.cost import CostWeights, LayoutProblem
 from vcage.layout.items import TableItem
 from vcage.layout.placement.contents import CONTENT_MARGIN
 from vcage.layout.placement.free_region import nearest_in_rectangles
@@ -84,7 +84,7 @@ def _plan(items: Sequence[TableItem], middles: np.ndarray, clean: CleanScene) ->
     return relation_terms(clean.relations, spots, len(items))
 
 
-def finite_differences(problem: LayoutProblem, weights: Weights) -> np.ndarray:
+def finite_differences(problem: LayoutProblem, weights: CostWeights) -> np.ndarray:
     """(n, 2) centres after one start with scipy's default options; nothing is repaired."""
     value = PlainCost(problem, weights)
     # What is wider than an opening has its lowest centre above its highest.
@@ -104,7 +104,7 @@ class PlainCost:
     Every pair has the same margin. Only the plan's term makes its gradient too: it is small beside the pairs.
     """
 
-    def __init__(self, problem: LayoutProblem, weights: Weights):
+    def __init__(self, problem: LayoutProblem, weights: CostWeights):
         self._problem, self._weights = problem, weights
         self._i, self._j = np.triu_indices(len(problem.half), k=1)
         self._reach = problem.half[self._i] + problem.half[self._j] + problem.margin

@@ -30,15 +30,15 @@ from vcage.sim.recording import StateLog
 from vcage.sim.replay import render_log
 from vcage.sim.robots import load_robot, load_template
 from vcage.sim.world import World
-from vcage.tasks.loop import EpisodeRun, Pictures, Setting, run_episode
+from vcage.tasks.loop import EpisodeRun, PicturesByCamera, Setting, run_episode
 from vcage.tasks.scene_objects import SceneObject
-from vcage.tasks.search import search
+from vcage.tasks.search import find_subtasks
 from vcage.tasks.slots import slots_for_chain
 from vcage.tasks.synthesis import Script, load_script, write_script
 from vcage.tasks.task import Asked
 from vcage.tasks.variation import shifted_poses
 
-log = logging.getLogger(__name__)
+logger = logging.getLogger(__name__)
 
 FPS = 10
 """Frames of a recording per second of simulated time."""
@@ -78,7 +78,7 @@ def run(quick: bool) -> dict[str, float]:
     done = [r for r in runs if r.accepted and all(s.truth.success for s in r.segments)]
     if not done:
         raise VcageError(f"no episode of {count} succeeded: {runs[0].reason}")
-    log.info("%d of %d episodes succeeded, %.1f s", len(done), count, elapsed)
+    logger.info("%d of %d episodes succeeded, %.1f s", len(done), count, elapsed)
     ours = elapsed / len(done)
     return {
         "seconds_per_episode": round(ours, 3),
@@ -134,7 +134,7 @@ class _Episodes:
         start = time.perf_counter()
         frames = sum(1 for recording in logs for _ in render_log(drawn, recording))
         elapsed = time.perf_counter() - start
-        log.info("%d frames of %d cameras drawn in %.1f s", frames, len(self._robot.cameras), elapsed)
+        logger.info("%d frames of %d cameras drawn in %.1f s", frames, len(self._robot.cameras), elapsed)
         return elapsed / len(logs)
 
     def _world(self, objects: Sequence[SceneObject], render: bool = False) -> World:
@@ -145,7 +145,7 @@ class _Episodes:
         """The sub-task that the search keeps, and its generated script."""
         kinematics = {name: kinematics_of(arm) for name, arm in self._robot.arms.items()}
         height, rng = self._scene.table.height, np.random.default_rng(0)
-        (subtask,) = search(self._objects, kinematics, _sensible, height, rng).kept
+        (subtask,) = find_subtasks(self._objects, kinematics, _sensible, height, rng).kept
         with tempfile.TemporaryDirectory() as folder:
             return subtask, load_script(write_script(subtask, self._scene, Path(folder) / "subtask.py"))
 
@@ -195,7 +195,7 @@ def _sensible(questions: Sequence[PairQuestion]) -> list[PairAnswer]:
     ]
 
 
-def _always_accept(_asked: Asked, _before: Pictures, _after: Pictures) -> Verdict:
+def _always_accept(_asked: Asked, _before: PicturesByCamera, _after: PicturesByCamera) -> Verdict:
     return Verdict(accepted=True, reason="everything is accepted here", confidence=1.0, provider="benchmark")
 
 
@@ -222,7 +222,7 @@ def _maniskill(count: int) -> float:
     if code != 0 or count + 1 not in reached:
         raise VcageError(f"ManiSkill's runner ended with {code}: {said}", hint="run: vcage doctor")
     elapsed = reached[count + 1] - reached[1]
-    log.info("ManiSkill: %d trajectories in %.1f s", count, elapsed)
+    logger.info("ManiSkill: %d trajectories in %.1f s", count, elapsed)
     return elapsed / count
 
 

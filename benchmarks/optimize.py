@@ -27,7 +27,7 @@ from benchmarks._optimize_rival import finite_differences, parts
 from benchmarks._optimize_rows import Outcome, Row, goals
 from benchmarks._optimize_scenes import PLAIN, STAGE, CleanScene, Setting, draw_scene
 from vcage.base.errors import InfeasibleScene
-from vcage.layout.cost import Weights
+from vcage.layout.cost import CostWeights
 from vcage.layout.optimize import LayoutOptions, LayoutResult, optimize_layout
 from vcage.objects.library import Library
 from vcage.plans.kept import relations_kept
@@ -165,7 +165,7 @@ def _rival(clean: CleanScene, targets: dict[str, np.ndarray], ms: float) -> dict
     """The rival moves the same objects, told what lies in what; it is judged by what stands on the table."""
     found = parts(clean, targets)
     started = time.process_time()
-    centres = {at: finite_differences(part.problem, Weights()) for at, part in found.items()}
+    centres = {at: finite_differences(part.problem, CostWeights()) for at, part in found.items()}
     seconds = time.process_time() - started
     roots, origins = found[None].ids, centres[None] - found[None].middles
     moved = {id: (*origin, 0.0) for id, origin in zip(roots, origins, strict=True)}

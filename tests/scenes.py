@@ -20,7 +20,7 @@ from vcage.sim.bodies import Body
 from vcage.sim.kinematics import ArmKinematics, kinematics_of
 from vcage.sim.robots import load_robot, load_template
 from vcage.sim.world import World
-from vcage.tasks.loop import EpisodeRun, Pictures, Setting, run_episode
+from vcage.tasks.loop import EpisodeRun, PicturesByCamera, Setting, run_episode
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.synthesis import Script
 from vcage.tasks.task import Asked, Task
@@ -151,7 +151,7 @@ class Critic:
     answers: Sequence[bool] = (True,)
     asked: list[Asked] = field(default_factory=list)
 
-    def __call__(self, asked: Asked, before: Pictures, after: Pictures) -> Verdict:
+    def __call__(self, asked: Asked, before: PicturesByCamera, after: PicturesByCamera) -> Verdict:
         answer = self.answers[min(len(self.asked), len(self.answers) - 1)]
         self.asked.append(asked)
         reason = "it is there" if answer else "it is not there"

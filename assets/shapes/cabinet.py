@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from assets.shapes import joinery
-from assets.shapes.joinery import Carcass, DrawerLook, Finish, Foot, Grip
+from assets.shapes.joinery import Carcass, DrawerLook, Finish, Foot, HandleShape
 from vcage.objects.modelling import materials, prints, solids
 from vcage.objects.modelling.mappings import from_front
 from vcage.objects.modelling.noise import Colour, shaded
@@ -41,7 +41,7 @@ class Look:
     top: Finish
     front: Finish
     grip: Finish
-    style: Grip = "bar"
+    style: HandleShape = "bar"
     foot: Foot = "plinth"
     framed: bool = False
     labels: bool = False
@@ -104,7 +104,7 @@ def cabinet_look(rng: np.random.Generator, variant: str) -> Look:
     body, front = (_painted(rng, tuple(int(tone * c) for c in colour)) for tone in (0.88, 1.0))
     top = front if variant == "white" else _wood(rng, materials.BEECH)
     grip = Finish(materials.wood(rng, materials.BEECH), 0.08, 0.55) if variant == "blue" else _metal(rng, BRASS)
-    style: Grip = "fin" if variant == "blue" else "bar"
+    style: HandleShape = "fin" if variant == "blue" else "bar"
     return Look(body, top, front, grip, style=style, foot="legs" if variant == "sage" else "plinth", framed=True)
 
 

@@ -30,7 +30,7 @@ SLIDE = 0.14
 REBATE = 0.002
 """How far the boards of a carcass reach into its sides and back, metres."""
 
-Grip = Literal["fin", "bar"]
+HandleShape = Literal["fin", "bar"]
 
 Foot = Literal["plinth", "legs"]
 
@@ -89,7 +89,7 @@ class Assembly:
         self.parts += other.parts
         self.hulls += other.hulls
 
-    def grip(self, style: Grip, at: Sequence[float], finish: Finish, height: float = GRIP_HEIGHT) -> None:
+    def grip(self, style: HandleShape, at: Sequence[float], finish: Finish, height: float = GRIP_HEIGHT) -> None:
         """Add a handle on a face.
 
         Args:
@@ -207,7 +207,7 @@ class DrawerLook:
     inside: Finish
     metal: Finish
     grip: Finish
-    style: Grip = "bar"
+    style: HandleShape = "bar"
     framed: bool = False
 
 

@@ -15,7 +15,7 @@ GRAPHITE = (44, 46, 52)
 
 WHITE = (248, 248, 245)
 
-Line = tuple[str, float, float, float, Colour]
+TextLine = tuple[str, float, float, float, Colour]
 """Words, their middle from the top, and the room they fill, across and down, as shares of the picture; colour."""
 
 
@@ -46,7 +46,7 @@ def fitted(
 def label(
     size: tuple[int, int],
     ground: Colour,
-    lines: Sequence[Line],
+    lines: Sequence[TextLine],
     bands: Sequence[tuple[float, float, Colour]] = (),
     places: Sequence[float] = (0.0, 0.5, 1.0),
 ) -> np.ndarray:

@@ -17,7 +17,7 @@ from benchmarks._optimize_rows import Outcome, Row
 from benchmarks._optimize_scenes import FILL, STAGE, CleanScene, draw_scene, is_within
 from vcage.base.errors import InfeasibleScene
 from vcage.base.geometry import Pose
-from vcage.layout.cost import LayoutProblem, Weights, evaluate
+from vcage.layout.cost import CostWeights, LayoutProblem, evaluate
 from vcage.layout.relation_cost import RelatedBox, relation_terms
 from vcage.objects.library import Library
 from vcage.plans.kept import relations_kept
@@ -197,12 +197,12 @@ def test_the_rival_minimises_the_cost_of_the_module() -> None:
     for _ in range(10):
         case = problem(rng)
         centres = rng.normal(0, 0.2, case.target.shape)
-        assert PlainCost(case, Weights())(centres) == pytest.approx(evaluate(case, Weights(), centres)[0].total)
+        assert PlainCost(case, CostWeights())(centres) == pytest.approx(evaluate(case, CostWeights(), centres)[0].total)
 
 
 def test_the_rival_comes_down_and_stays_in_bounds() -> None:
     case = problem(np.random.default_rng(1))
-    centres, value = finite_differences(case, Weights()), PlainCost(case, Weights())
+    centres, value = finite_differences(case, CostWeights()), PlainCost(case, CostWeights())
     lower, upper = value.bounds
     assert np.all((lower - 1e-9 <= centres) & (centres <= upper + 1e-9))
     assert value(centres) < value(np.clip(case.target, lower, upper))
@@ -239,7 +239,7 @@ def test_the_rival_is_given_every_object_once(scene: CleanScene) -> None:
     found = parts(scene, {id: pose.p[:2] for id, pose in scene.poses.items()}).values()
     assert sorted(id for part in found for id in part.ids) == sorted(scene.kinds)
     for part in found:
-        assert PlainCost(part.problem, Weights())(part.problem.target) == pytest.approx(0.0, abs=1e-12)
+        assert PlainCost(part.problem, CostWeights())(part.problem.target) == pytest.approx(0.0, abs=1e-12)
 
 
 def test_a_row_counts_scenes_and_not_pairs() -> None:

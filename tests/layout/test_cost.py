@@ -9,10 +9,10 @@ from hypothesis import strategies as st
 from scipy.optimize import approx_fprime
 
 from vcage.base.errors import UsageError
-from vcage.layout.cost import LayoutProblem, Weights, evaluate, penetrations
+from vcage.layout.cost import CostWeights, LayoutProblem, evaluate, penetrations
 
 BOUNDS = np.array([[-0.5, -0.3], [0.5, 0.3]])
-NOTHING = Weights(collision=0, displacement=0, boundary=0, reach=0, relation=0)
+NOTHING = CostWeights(collision=0, displacement=0, boundary=0, reach=0, relation=0)
 
 
 def problem(rng: np.random.Generator, count: int) -> LayoutProblem:
@@ -37,7 +37,7 @@ def test_the_gradient_of_each_term_agrees_with_finite_differences(term, seed, co
 
 def test_the_total_is_the_weighted_sum_of_the_terms():
     rng = np.random.default_rng(0)
-    task, weights = problem(rng, 6), Weights(2, 3, 5, 7, 11)
+    task, weights = problem(rng, 6), CostWeights(2, 3, 5, 7, 11)
     cost, _ = evaluate(task, weights, rng.uniform(1.3 * BOUNDS[0], 1.3 * BOUNDS[1], (6, 2)))
     parts = 2 * cost.collision + 3 * cost.displacement + 5 * cost.boundary + 7 * cost.reach + 11 * cost.relation
     assert cost.total == pytest.approx(parts)
@@ -48,7 +48,7 @@ def test_the_total_is_the_weighted_sum_of_the_terms():
 @pytest.mark.parametrize("term", ["collision", "displacement", "boundary", "reach", "relation"])
 def test_a_weight_that_makes_no_sense_is_refused(term, value):
     with pytest.raises(UsageError, match=term):
-        Weights(**{term: value})
+        CostWeights(**{term: value})
 
 
 def pair(gap: float) -> tuple[LayoutProblem, np.ndarray]:
@@ -58,24 +58,24 @@ def pair(gap: float) -> tuple[LayoutProblem, np.ndarray]:
 
 
 def test_a_layout_at_its_targets_without_overlap_costs_nothing():
-    cost, gradient = evaluate(pair(0.02)[0], Weights(), pair(0.02)[1])
+    cost, gradient = evaluate(pair(0.02)[0], CostWeights(), pair(0.02)[1])
     assert cost.total == 0
     assert not gradient.any()
 
 
 def test_the_margin_is_part_of_the_collision():
-    assert evaluate(pair(0.005)[0], Weights(), pair(0.005)[1])[0].collision > 0
+    assert evaluate(pair(0.005)[0], CostWeights(), pair(0.005)[1])[0].collision > 0
 
 
 def test_the_extra_gap_of_a_pair_is_part_of_the_collision():
     task, centres = pair(0.02)
     wider = replace(task, extra=np.full((2, 2), 0.03))
-    assert evaluate(wider, Weights(), centres)[0].collision > 0
+    assert evaluate(wider, CostWeights(), centres)[0].collision > 0
 
 
 def test_a_shallow_collision_costs_about_the_square_of_its_depth():
     task, centres = pair(-0.002)
-    assert evaluate(task, Weights(), centres)[0].collision == pytest.approx(0.012**2, rel=0.02)
+    assert evaluate(task, CostWeights(), centres)[0].collision == pytest.approx(0.012**2, rel=0.02)
 
 
 def test_larger_objects_weigh_more():
@@ -85,14 +85,14 @@ def test_larger_objects_weigh_more():
 
 def test_sticking_out_of_the_workspace_costs_its_square():
     task = LayoutProblem(np.array([[0.1, 0.1]]), np.array([[0.43, 0.0]]), BOUNDS, 0.01, (None,))
-    assert evaluate(task, Weights(), task.target)[0].boundary == pytest.approx(0.03**2)
+    assert evaluate(task, CostWeights(), task.target)[0].boundary == pytest.approx(0.03**2)
 
 
 def test_what_is_out_of_reach_costs_the_square_of_the_way_to_the_nearest_rectangle():
     allowed = np.array([[[0.2, 0.0], [0.3, 0.1]], [[-0.3, 0.0], [-0.1, 0.1]]])
     task = LayoutProblem(np.array([[0.02, 0.02]]), np.zeros((1, 2)), BOUNDS, 0.01, (allowed,))
-    assert evaluate(task, Weights(), task.target)[0].reach == pytest.approx(0.1**2)
-    assert evaluate(task, Weights(), np.array([[0.25, 0.05]]))[0].reach == 0
+    assert evaluate(task, CostWeights(), task.target)[0].reach == pytest.approx(0.1**2)
+    assert evaluate(task, CostWeights(), np.array([[0.25, 0.05]]))[0].reach == 0
 
 
 def test_penetrations_are_negative_for_what_is_apart():

@@ -13,7 +13,7 @@ from tests.layout.items import standing_at
 from vcage.base.errors import InfeasibleScene, UnknownName, UsageError
 from vcage.base.geometry import Pose, boxes_overlap, world_aabb
 from vcage.layout.check import require_exact
-from vcage.layout.cost import Weights
+from vcage.layout.cost import CostWeights
 from vcage.layout.groups import Groups
 from vcage.layout.items import TableItem
 from vcage.layout.optimize import LayoutOptions, LayoutResult, displacement_summary, optimize_layout
@@ -276,7 +276,7 @@ def test_what_belongs_inside_comes_inside_from_anywhere():
     assert solve(items).containers["roll0"] is None
     demanded = [relation("roll0", "inside", "tray")]
     assert solve(items, relations=demanded).containers["roll0"] == "tray"
-    assert solve(items, relations=demanded, weights=Weights(relation=0)).containers["roll0"] == "tray"
+    assert solve(items, relations=demanded, weights=CostWeights(relation=0)).containers["roll0"] == "tray"
 
 
 def test_a_relation_of_an_unknown_object_is_refused():

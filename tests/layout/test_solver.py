@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from vcage.base.errors import InfeasibleScene
-from vcage.layout.cost import LayoutProblem, Weights
+from vcage.layout.cost import CostWeights, LayoutProblem
 from vcage.layout.relation_cost import RelatedBox, relation_terms
 from vcage.layout.repair import is_feasible
 from vcage.layout.solver import solve
@@ -22,14 +22,14 @@ def squares(targets: list[tuple[float, float]], half: float = 0.05, allowed=None
 
 def test_a_feasible_target_is_left_alone():
     task = squares([(0, 0), (0.2, 0)])
-    solution = solve(task, ["a", "b"], Weights(), np.random.default_rng(0), 4)
+    solution = solve(task, ["a", "b"], CostWeights(), np.random.default_rng(0), 4)
     assert solution.starts == 0
     assert (solution.centres == task.target).all()
 
 
 def test_two_overlapping_squares_move_apart_by_just_what_is_needed():
     task = squares([(-0.03, 0.0), (0.03, 0.0)])
-    centres = solve(task, ["a", "b"], Weights(), np.random.default_rng(0), 4).centres
+    centres = solve(task, ["a", "b"], CostWeights(), np.random.default_rng(0), 4).centres
     assert abs(centres[1, 0] - centres[0, 0]) == pytest.approx(0.11, abs=0.002)
     assert np.abs(centres[:, 1]).max() < 0.002
     assert np.hypot(*(centres - task.target).T) == pytest.approx([0.025, 0.025], abs=0.002)
@@ -37,13 +37,13 @@ def test_two_overlapping_squares_move_apart_by_just_what_is_needed():
 
 def test_objects_with_the_same_target_come_apart():
     task = squares([(0.1, 0.1)] * 4)
-    assert is_feasible(task, solve(task, list("abcd"), Weights(), np.random.default_rng(0), 4).centres)
+    assert is_feasible(task, solve(task, list("abcd"), CostWeights(), np.random.default_rng(0), 4).centres)
 
 
 def test_centres_end_where_they_are_allowed():
     allowed = np.array([[[0.2, 0.0], [0.4, 0.2]]])
     task = squares([(-0.2, 0), (0, 0)], allowed=(allowed, None))
-    centres = solve(task, ["a", "b"], Weights(), np.random.default_rng(0), 4).centres
+    centres = solve(task, ["a", "b"], CostWeights(), np.random.default_rng(0), 4).centres
     assert centres[0] == pytest.approx([0.2, 0.0], abs=0.004)
     assert is_feasible(task, centres)
 
@@ -51,13 +51,13 @@ def test_centres_end_where_they_are_allowed():
 def test_a_tight_layout_is_found_by_packing():
     targets = [(0.0, 0.0)] * 6
     task = LayoutProblem(np.tile([0.15, 0.14], (6, 1)), np.array(targets), BOUNDS, 0.01, (None,) * 6)
-    assert is_feasible(task, solve(task, list("abcdef"), Weights(), np.random.default_rng(0), 1).centres)
+    assert is_feasible(task, solve(task, list("abcdef"), CostWeights(), np.random.default_rng(0), 1).centres)
 
 
 def test_what_cannot_be_solved_is_infeasible_with_names():
     names = ["pan", "pot", "lid"]
     with pytest.raises(InfeasibleScene) as caught:
-        solve(squares([(0, 0)] * 3, half=0.17), names, Weights(), np.random.default_rng(0), 2)
+        solve(squares([(0, 0)] * 3, half=0.17), names, CostWeights(), np.random.default_rng(0), 2)
     (left,) = caught.value.details["objects"]  # two of them fit
     assert left in names and left in caught.value.message
 
@@ -71,36 +71,36 @@ def related(task: LayoutProblem, *plan: tuple[int, str, int]) -> LayoutProblem:
 
 def test_a_relation_that_noise_broke_is_restored():
     task = related(squares([(0.02, 0.0), (0.0, 0.0)]), (0, "left_of", 1))
-    solution = solve(task, ["a", "b"], Weights(), np.random.default_rng(0), 4)
+    solution = solve(task, ["a", "b"], CostWeights(), np.random.default_rng(0), 4)
     assert task.relations.broken(solution.centres) == 0
     assert solution.centres[0, 0] < solution.centres[1, 0]
 
 
 def test_a_layout_that_keeps_the_plan_already_is_left_alone():
     task = related(squares([(-0.2, 0), (0.2, 0)]), (0, "left_of", 1))
-    assert solve(task, ["a", "b"], Weights(), np.random.default_rng(0), 4).starts == 0
+    assert solve(task, ["a", "b"], CostWeights(), np.random.default_rng(0), 4).starts == 0
 
 
 def test_relations_in_a_circle_cost_one_of_them_and_no_collision():
     task = related(squares([(0, 0.1), (0.1, 0), (-0.1, 0)]), (0, "left_of", 1), (1, "left_of", 2), (2, "left_of", 0))
-    centres = solve(task, list("abc"), Weights(), np.random.default_rng(0), 4).centres
+    centres = solve(task, list("abc"), CostWeights(), np.random.default_rng(0), 4).centres
     assert is_feasible(task, centres)
     assert task.relations.broken(centres) == 1
 
 
 def test_a_relation_that_cannot_be_kept_does_not_prevent_a_layout():
     task = related(squares([(0, 0), (0.1, 0)], half=0.2), (0, "behind", 1), (0, "left_of", 1))
-    assert is_feasible(task, solve(task, ["a", "b"], Weights(), np.random.default_rng(0), 2).centres)
+    assert is_feasible(task, solve(task, ["a", "b"], CostWeights(), np.random.default_rng(0), 2).centres)
 
 
 def test_without_weight_the_plan_is_left_out():
     task = related(squares([(0.2, 0.0), (0.0, 0.0)]), (0, "left_of", 1))
-    assert solve(task, ["a", "b"], Weights(relation=0), np.random.default_rng(0), 4).starts == 0
+    assert solve(task, ["a", "b"], CostWeights(relation=0), np.random.default_rng(0), 4).starts == 0
 
 
 def test_wider_gaps_are_given_up_before_the_layout_is():
     task = replace(squares([(0, 0)] * 4, half=0.12), extra=np.full((4, 4), 0.2))
-    solution = solve(task, list("abcd"), Weights(), np.random.default_rng(0), 2)
+    solution = solve(task, list("abcd"), CostWeights(), np.random.default_rng(0), 2)
     assert solution.extra < 1
     assert solution.starts > 3  # the search with all of the gaps counts too
     assert is_feasible(replace(task, extra=None), solution.centres)
@@ -108,4 +108,4 @@ def test_wider_gaps_are_given_up_before_the_layout_is():
 
 def test_an_object_that_is_allowed_nowhere_is_named():
     with pytest.raises(InfeasibleScene, match="cup"):
-        solve(squares([(0, 0)], allowed=(np.empty((0, 2, 2)),)), ["cup"], Weights(), np.random.default_rng(0), 2)
+        solve(squares([(0, 0)], allowed=(np.empty((0, 2, 2)),)), ["cup"], CostWeights(), np.random.default_rng(0), 2)

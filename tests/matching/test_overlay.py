@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 
 from tests.painted_world import Thing
-from vcage.base.drawing import WARNING, Canvas, palette
+from vcage.base.drawing import WARNING, Canvas, distinct_colours
 from vcage.matching.overlay import draw_overlay
 from vcage.schema.matches import Match
 
@@ -13,7 +13,7 @@ def has_colour(picture: np.ndarray, colour: tuple[int, int, int]) -> bool:
 
 
 def test_the_palette_has_different_colours():
-    assert len(set(palette(24))) == 24
+    assert len(set(distinct_colours(24))) == 24
 
 
 def test_labels_of_the_same_box_do_not_cover_each_other():

@@ -59,7 +59,7 @@ def test_a_package_is_downloaded_and_unpacked_without_root(mirror: Path, tmp_pat
     work, target = tmp_path / "work", tmp_path / "unpacked"
     work.mkdir()
     (package,) = apt.AptMirror(work, mirror).download(["models"])
-    apt.unpack(package, target)
+    apt.unpack_deb(package, target)
     assert apt.field_of(package, "Version") == "1.8-1"
     assert (target / "usr" / "file").read_text() == "content"
 
@@ -89,4 +89,4 @@ def test_a_damaged_package_is_an_error(tmp_path: Path) -> None:
     broken = tmp_path / "broken.deb"
     broken.write_bytes(b"not a package")
     with pytest.raises(FetchFailed, match="dpkg-deb"):
-        apt.unpack(broken, tmp_path / "out")
+        apt.unpack_deb(broken, tmp_path / "out")

@@ -48,7 +48,7 @@ def test_one_line_sources_keep_their_options() -> None:
     wanted = "deb [arch=amd64,arm64 signed-by=/k.gpg] http://m/d bookworm main # yes"
     text = f"# no\ndeb-src http://m/x bookworm main\n{wanted}\n"
     (source,) = apt_sources.parse_one_line(text)
-    assert source == apt_sources.Source(
+    assert source == apt_sources.PackageSource(
         ("http://m/d",), ("bookworm",), ("main",), {"Architectures": "amd64 arm64", "signed-by": "/k.gpg"}
     )
 

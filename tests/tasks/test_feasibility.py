@@ -23,7 +23,7 @@ from vcage.base.geometry import Pose
 from vcage.schema.asset import FunctionalPoint
 from vcage.tasks.feasibility import Feasibility, Transfer, access, carrying_points, examine, fits, opens_wide_enough
 from vcage.tasks.scene_objects import SceneObject
-from vcage.tasks.search import search
+from vcage.tasks.search import find_subtasks
 
 
 def point(receptacle: SceneObject):
@@ -186,7 +186,7 @@ def test_what_opens_to_the_front_is_reached_from_the_side(cabinet):
 
 def test_the_search_refuses_the_closed_drawer_with_the_reason(cabinet):
     objects = [thing("block", (-0.2, -0.1)), standing(cabinet, PLACE)]
-    found = search(objects, kinematics(), sensible, TABLE_TOP, np.random.default_rng(0))
+    found = find_subtasks(objects, kinematics(), sensible, TABLE_TOP, np.random.default_rng(0))
     reasons = {(r.object, r.functional_point): r.reason for r in found.refused}
     assert reasons["block", 0] == "the drawer upper of brown cabinet is closed"
     assert reasons["cabinet", None] == "brown cabinet has no contact point to carry it by"

@@ -11,11 +11,11 @@ from tests.scenes import TABLE_TOP, block_and_plate, kinematics, sensible, thing
 from vcage.base.errors import NoFeasibleTask
 from vcage.schema.subtasks import ChainOption, PairAnswer, PairQuestion
 from vcage.tasks.scene_objects import SceneObject
-from vcage.tasks.search import FoundSubtasks, compose, search
+from vcage.tasks.search import FoundSubtasks, compose, find_subtasks
 
 
 def found_in(objects: Sequence[SceneObject], judge=sensible, seed: int = 0) -> FoundSubtasks:
-    return search(objects, kinematics(), judge, TABLE_TOP, np.random.default_rng(seed))
+    return find_subtasks(objects, kinematics(), judge, TABLE_TOP, np.random.default_rng(seed))
 
 
 def stationery() -> list[SceneObject]:

@@ -16,7 +16,7 @@ WARNING: Colour = (206, 38, 38)
 _GOLDEN = 0.61803398875
 
 
-def palette(count: int) -> list[Colour]:
+def distinct_colours(count: int) -> list[Colour]:
     """``count`` colours that are easy to tell apart and dark enough for white text."""
     colours = []
     for k in range(count):

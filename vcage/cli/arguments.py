@@ -22,7 +22,7 @@ T = TypeVar("T")
 
 
 @dataclass(frozen=True, kw_only=True)
-class Options:
+class CommonOptions:
     """What every command takes."""
 
     verbose: Annotated[Flag, arg(aliases=("-v",))] = False
@@ -30,7 +30,7 @@ class Options:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Command(Options, ABC):
+class Command(CommonOptions, ABC):
     """A command: its docstring is the help, its fields are the options."""
 
     @abstractmethod

@@ -16,7 +16,7 @@ from vcage.cli.output import Result
 from vcage.cli.progress import progress
 from vcage.cli.stage import StageCommand, execute_stage
 from vcage.datasets.packing.estimating import estimate, estimate_clips
-from vcage.datasets.packing.inspecting import describe, inspect, totals
+from vcage.datasets.packing.inspecting import as_lines, inspect, totals
 from vcage.datasets.packing.output import TARGETS, OutputSpec
 from vcage.datasets.packing.pack import Order, pack
 from vcage.stages import compress
@@ -90,7 +90,7 @@ class Compress(Command):
             raise UsageError("give either INPUT or --run DIR", hint="see: vcage compress --help")
         if self.recordings.inspect:
             found = inspect(self.input)
-            return Result(text=describe(found), summary=totals(found))
+            return Result(text=as_lines(found), summary=totals(found))
         order, workers = self._order(self.input), self.stage.workers
         if self.dry_run:
             with progress("estimate") as show:

@@ -19,7 +19,7 @@ from vcage.stages.appending import append_to
 
 
 @dataclass(frozen=True, kw_only=True)
-class Export(StageCommand[export.Options], Command):
+class ExportEpisodes(StageCommand[export.Options], Command):
     """Write the accepted episodes as data sets: LeRobot v2.1 (read by openpi) and v3.0, and RoboTwin's HDF5.
 
     LeRobot's get the compressed videos as they are; --codec or --crf encodes others from the episodes' own pictures.

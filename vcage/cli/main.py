@@ -17,7 +17,7 @@ from vcage.cli.output import Result, end_process, run_cli, stray_output_on_stder
 from vcage.cli.progress import set_up_logging
 
 if TYPE_CHECKING:
-    from vcage.cli.arguments import Command, Options
+    from vcage.cli.arguments import Command, CommonOptions
 
 COMMANDS: dict[str, tuple[str, str]] = {
     "run": ("vcage.cli.run.Run", "the whole chain: from an instruction to a data set and its report"),
@@ -29,10 +29,10 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "collect": ("vcage.stages.collect", "6. let the robot do it, verified step by step"),
     "verify": ("vcage.cli.verify.Verify", "7. judge episodes or pictures again"),
     "compress": ("vcage.cli.compress.Compress", "8. compress videos of a run, or any recordings"),
-    "export": ("vcage.cli.export.Export", "9. write LeRobot data sets"),
+    "export": ("vcage.cli.export.ExportEpisodes", "9. write LeRobot data sets"),
     "decompress": ("vcage.cli.decompress.Decompress", "put the pictures of compressed recordings back"),
     "report": ("vcage.cli.report.Report", "write the HTML page of a run"),
-    "view": ("vcage.cli.view.View", "look at an episode in the viewer Rerun"),
+    "view": ("vcage.cli.view.ViewEpisode", "look at an episode in the viewer Rerun"),
     "assets list": ("vcage.cli.assets.ListAssets", "list the objects of the library"),
     "assets search": ("vcage.cli.assets.SearchAssets", "find objects by what they are called or mean"),
     "assets validate": ("vcage.cli.assets.ValidateAssets", "prove the objects by use: stand, grasp, fill, open"),
@@ -56,7 +56,7 @@ class Entry:
         execute: does what the options say.
     """
 
-    options: type[Options]
+    options: type[CommonOptions]
     text: str
     execute: Callable[[Any], Result]
 

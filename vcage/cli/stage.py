@@ -22,7 +22,7 @@ StageO = TypeVar("StageO", bound=StageOptions)
 
 
 @dataclass(frozen=True, kw_only=True)
-class StageCommand(arguments.Options, Generic[StageO]):
+class StageCommand(arguments.CommonOptions, Generic[StageO]):
     """What the command of a stage takes."""
 
     run: Annotated[Path, FOLDER]

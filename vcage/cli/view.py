@@ -20,7 +20,7 @@ PICTURES = (
 
 
 @dataclass(frozen=True, kw_only=True)
-class View(Command):
+class ViewEpisode(Command):
     """Look at an episode in the viewer Rerun: pictures, 3D scene, joints, and what was verified, on one timeline.
 
     EPISODE is an HDF5 file of a run, a run folder, or a recording of others: RoboTwin, ACT, robomimic, LeRobot, a

@@ -17,7 +17,7 @@ from vcage.base.graphs import circles, longest_path
 from vcage.layout.items import FILL_LIMIT, TableItem, table_item
 from vcage.objects.asset import Asset
 from vcage.objects.openings import Opening
-from vcage.plans.check import AXES, along, lying, sound_relations
+from vcage.plans.check import AXES, containments, order_along, sound_relations
 from vcage.schema.asset import FunctionalPoint
 from vcage.schema.plan import Relation
 from vcage.schema.scene import Workspace
@@ -83,10 +83,10 @@ def size_complaints(
     found: list[str] = []
     if workspace is not None:
         for words, word, swapped in AXES:
-            edges = along(sound, word, swapped)
+            edges = order_along(sound, word, swapped)
             if not circles([edge for edge, _ in edges]):
                 found += _too_long(words, edges, items, workspace)
-    return found + _too_large(lying(sound), items, overhang)
+    return found + _too_large(containments(sound), items, overhang)
 
 
 def _too_long(

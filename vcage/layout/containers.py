@@ -37,7 +37,7 @@ def assign_containers(items: Sequence[TableItem], demanded: Collection[str] = ()
         if takes is not None:
             assigned[item.id] = container.id
             # What sticks out leaves no room beside it.
-            room[container.id] = room[container.id] - takes if fits(item, container) else np.zeros(2)
+            room[container.id] = room[container.id] - takes if fits_opening(item, container) else np.zeros(2)
             bare -= {container.id}
     return assigned
 
@@ -50,10 +50,10 @@ def _takes(item: TableItem, container: TableItem, room: np.ndarray, bare: bool) 
     takes = np.array([4 * item.half_size(container.yaw).prod(), np.prod(item.size)])
     if bare:
         return np.minimum(takes, room)
-    return takes if fits(item, container) and np.all(takes <= room) else None
+    return takes if fits_opening(item, container) and np.all(takes <= room) else None
 
 
-def fits(item: TableItem, container: TableItem) -> bool:
+def fits_opening(item: TableItem, container: TableItem) -> bool:
     """Whether its rectangle, alone, is not larger than the opening."""
     return bool(np.all(2 * item.half_size(container.yaw) <= np.array(container.room.size)))
 

@@ -25,7 +25,7 @@ from vcage.layout.relation_cost import RelationTerms
 
 
 @dataclass(frozen=True)
-class Weights:
+class CostWeights:
     """The λ of the equation; only their ratios matter.
 
     Args:
@@ -135,7 +135,7 @@ class Cost:
     total: float
 
 
-def evaluate(problem: LayoutProblem, weights: Weights, centres: np.ndarray) -> tuple[Cost, np.ndarray]:
+def evaluate(problem: LayoutProblem, weights: CostWeights, centres: np.ndarray) -> tuple[Cost, np.ndarray]:
     """The terms at ``centres`` (n, 2), and the gradient (n, 2) of J."""
     terms = (
         (weights.collision, _collision(problem, centres)),

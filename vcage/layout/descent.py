@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.optimize import minimize
 
-from vcage.layout.cost import LayoutProblem, Weights, evaluate
+from vcage.layout.cost import CostWeights, LayoutProblem, evaluate
 
 SLACK = 5e-4
 """Metres by which margin and limits are tightened while solving, to absorb what the penalties leave."""
@@ -34,7 +34,9 @@ def tightened(problem: LayoutProblem) -> LayoutProblem:
     )
 
 
-def descend(tight: LayoutProblem, weights: Weights, start: np.ndarray, stages: Sequence[float] = STAGES) -> np.ndarray:
+def descend(
+    tight: LayoutProblem, weights: CostWeights, start: np.ndarray, stages: Sequence[float] = STAGES
+) -> np.ndarray:
     """(n, 2) a local minimum of the cost near a start, within the bounds.
 
     Args:
@@ -50,7 +52,7 @@ def descend(tight: LayoutProblem, weights: Weights, start: np.ndarray, stages: S
     for share in stages:
         staged = replace(weights, collision=share * weights.collision)
 
-        def objective(flat: np.ndarray, staged: Weights = staged) -> tuple[float, np.ndarray]:
+        def objective(flat: np.ndarray, staged: CostWeights = staged) -> tuple[float, np.ndarray]:
             cost, gradient = evaluate(tight, staged, flat.reshape(-1, 2))
             return cost.total, gradient.ravel()
 

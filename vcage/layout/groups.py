@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from vcage.base.geometry import rotation_2d
-from vcage.layout.containers import OVERHANG, assign_containers, fits
+from vcage.layout.containers import OVERHANG, assign_containers, fits_opening
 from vcage.layout.cost import LayoutProblem
 from vcage.layout.items import TableItem
 from vcage.layout.placement.contents import CONTENT_MARGIN
@@ -129,7 +129,7 @@ class Groups:
         """
         contents = self.contents(container)
         centre, room = np.array(container.room.centre), np.array(container.room.size) / 2
-        if len(contents) == 1 and container.bare and not fits(contents[0], container):
+        if len(contents) == 1 and container.bare and not fits_opening(contents[0], container):
             room = np.where(half[0] > room, half[0] + OVERHANG * room, room)
         return np.stack([centre - room, centre + room])
 

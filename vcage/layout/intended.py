@@ -15,7 +15,7 @@ import numpy as np
 
 from vcage.base.errors import InfeasibleScene
 from vcage.base.geometry import Pose, rotation_2d, wrap_angle
-from vcage.layout.containers import fits
+from vcage.layout.containers import fits_opening
 from vcage.layout.hands import hand_clearance
 from vcage.layout.items import ANY_YAW, TableItem
 from vcage.layout.optimize import LayoutOptions, optimize_layout
@@ -27,7 +27,7 @@ from vcage.schema.plan import TABLE, Relation
 from vcage.schema.scene import Scene
 from vcage.sim.robots import load_robot
 
-log = logging.getLogger(__name__)
+logger = logging.getLogger(__name__)
 
 ELONGATED = 1.5
 """How many times longer than wide is long: such an object is laid pointing away from the robot."""
@@ -106,7 +106,7 @@ def intended_layout(
             break
         best = min(best, search.attempt(effort), key=lambda found: (len(found.overlapping), len(found.kept.broken)))
     if best.overlapping:
-        log.warning("there is no room to keep these apart: %s", ", ".join(best.overlapping))
+        logger.warning("there is no room to keep these apart: %s", ", ".join(best.overlapping))
     return best
 
 
@@ -152,7 +152,7 @@ class _Search:
                 LayoutOptions(margin=effort.gap, restarts=RESTARTS),
             ).positions
         except InfeasibleScene as error:
-            log.debug("no layout with %s: %s", effort, error.message)
+            logger.debug("no layout with %s: %s", effort, error.message)
             positions = {item.id: (*item.target, self._scene.table.height + self._lift(item.id)) for item in items}
         poses = {item.id: Pose.from_yaw(positions[item.id], item.yaw) for item in items}
         boxes = {item.id: _box(item, poses[item.id]) for item in items}
@@ -207,7 +207,7 @@ class _Search:
             yaw = float(wrap_angle(pose.yaw + turn))
         else:
             headings = (pose.yaw, holder.yaw, holder.yaw + np.pi / 2)
-            yaw = next((y for y in headings if fits(replace(item, yaws=(y,)), holder)), pose.yaw)
+            yaw = next((y for y in headings if fits_opening(replace(item, yaws=(y,)), holder)), pose.yaw)
             way = rotation_2d(holder.yaw) @ np.array(holder.room.centre) - rotation_2d(yaw) @ np.array(item.centre)
         target = (float(holder.target[0] + way[0]), float(holder.target[1] + way[1]))
         return replace(item, yaws=(yaw,), target=target, inside=holder.id, allowed=None)

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 
 from vcage.base.errors import InfeasibleScene, UnknownName, UsageError
 from vcage.layout.check import require_exact
-from vcage.layout.cost import Cost, LayoutProblem, Weights, evaluate
+from vcage.layout.cost import Cost, CostWeights, LayoutProblem, evaluate
 from vcage.layout.groups import Groups
 from vcage.layout.items import TableItem
 from vcage.layout.solver import Solution, solve
@@ -24,7 +24,7 @@ from vcage.layout.validation import as_workspace, check_margin, validate_items
 from vcage.schema.plan import TABLE, Relation
 from vcage.schema.scene import Table
 
-log = logging.getLogger(__name__)
+logger = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
@@ -40,7 +40,7 @@ class LayoutOptions:
         UsageError: the margin is negative or not finite, or the restarts are negative.
     """
 
-    weights: Weights = field(default_factory=Weights)
+    weights: CostWeights = field(default_factory=CostWeights)
     margin: float = 0.01
     restarts: int = 6
 
@@ -111,11 +111,11 @@ def optimize_layout(
     search = partial(_solve, options=options, rng=rng)
     repaired, released = _fill_containers(groups, search)
     for name in groups.out_of_reach:
-        log.warning("%s cannot be reached where %s may stand", name, groups.root(groups.items[name]).id)
+        logger.warning("%s cannot be reached where %s may stand", name, groups.root(groups.items[name]).id)
     problem = groups.table_problem(bounds, options.margin, table.rectangle)
     solution, moved = search(problem, groups.roots)
     if solution.extra < 1:
-        log.warning("the table has space for %.0f %% of the room for hands", 100 * solution.extra)
+        logger.warning("the table has space for %.0f %% of the room for hands", 100 * solution.extra)
     origins = solution.centres - problem.target + np.array([item.target for item in groups.roots])
     positions = groups.positions(groups.roots, origins, table.height)
     require_exact(groups, positions, bounds, options.margin)
@@ -127,7 +127,7 @@ def _result(
     positions: dict[str, tuple[float, float, float]],
     problem: LayoutProblem,
     solution: Solution,
-    weights: Weights,
+    weights: CostWeights,
     repaired: set[str],
     released: list[str],
 ) -> LayoutResult:
@@ -162,7 +162,7 @@ def _fill_containers(groups: Groups, search: _Search) -> tuple[set[str], list[st
                 solution, moved = search(groups.container_problem(container), contents)
             except InfeasibleScene as error:
                 smallest = min(contents, key=lambda item: (np.prod(item.size), item.id))
-                log.warning("%s goes beside %s: %s", smallest.id, container.id, error.message)
+                logger.warning("%s goes beside %s: %s", smallest.id, container.id, error.message)
                 groups.release(smallest, container)
                 released.append(smallest.id)
                 continue

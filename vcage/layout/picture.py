@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from vcage.base.drawing import INK, PAPER, WARNING, Canvas, Colour, palette
+from vcage.base.drawing import INK, PAPER, WARNING, Canvas, Colour, distinct_colours
 from vcage.base.geometry import rotation_2d
 from vcage.layout.items import TableItem
 from vcage.schema.scene import Table, Workspace
@@ -41,7 +41,7 @@ def draw_layout(
     plan = _Plan(table)
     sheet = np.full((plan.height + HEADER + FOOTER, 2 * PANEL + 3 * EDGE, 3), PAPER, dtype=np.uint8)
     canvas = Canvas(sheet, text_size=17)
-    colours = dict(zip([f.id for f in before], palette(len(before)), strict=True))
+    colours = dict(zip([f.id for f in before], distinct_colours(len(before)), strict=True))
     clashes = collisions(before)
     moved = {f.id: 1000 * float(np.hypot(*np.subtract(f.target, b.target))) for b, f in zip(before, after, strict=True)}
     foot = plan.height + HEADER + 10

@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from vcage.base.workers import one_blas_thread
-from vcage.layout.cost import LayoutProblem, Weights
+from vcage.layout.cost import CostWeights, LayoutProblem
 from vcage.layout.descent import STAGES, descend, tightened
 from vcage.layout.items import TableItem
 from vcage.layout.placement.place import place, require_possible
@@ -57,7 +57,7 @@ class Solution:
 
 
 def solve(
-    problem: LayoutProblem, names: Sequence[str], weights: Weights, rng: np.random.Generator, restarts: int
+    problem: LayoutProblem, names: Sequence[str], weights: CostWeights, rng: np.random.Generator, restarts: int
 ) -> Solution:
     """The best feasible layout of all starts.
 
@@ -77,7 +77,7 @@ def solve(
 
 
 def _searched(
-    problem: LayoutProblem, names: Sequence[str], weights: Weights, rng: np.random.Generator, restarts: int
+    problem: LayoutProblem, names: Sequence[str], weights: CostWeights, rng: np.random.Generator, restarts: int
 ) -> Solution:
     """The best layout of all starts, with as much of the wider gaps as there is a layout for."""
     eased = [] if problem.extra is None else [(share, replace(problem, extra=share * problem.extra)) for share in EASED]
@@ -107,7 +107,7 @@ class _Search:
         starts: how many descents were run, with those of the searches before.
     """
 
-    def __init__(self, problem: LayoutProblem, weights: Weights, rng: np.random.Generator, starts: int = 0):
+    def __init__(self, problem: LayoutProblem, weights: CostWeights, rng: np.random.Generator, starts: int = 0):
         self._problem, self._tight, self._weights, self._rng = problem, tightened(problem), weights, rng
         self._best: tuple[_Score, np.ndarray, tuple[int, ...]] | None = None
         self.starts = starts

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import cv2
 import numpy as np
 
-from vcage.base.drawing import WARNING, Canvas, Colour, palette
+from vcage.base.drawing import WARNING, Canvas, Colour, distinct_colours
 from vcage.schema.matches import Match
 from vcage.schema.scene import ObjectRecord, Scene
 
@@ -35,7 +35,7 @@ def draw_overlay(
     scale = max(1.0, WIDTH / picture.shape[1])
     size = (round(picture.shape[1] * scale), round(picture.shape[0] * scale))
     canvas = Canvas(cv2.resize(picture, size, interpolation=cv2.INTER_CUBIC), text_size=19)
-    colours = dict(zip([o.id for o in scene.objects], palette(len(scene.objects)), strict=True))
+    colours = dict(zip([o.id for o in scene.objects], distinct_colours(len(scene.objects)), strict=True))
     for box in unclaimed:
         _dashed(canvas, np.array(box) * scale, WARNING)
     places = {m.object: _places(scene, m) * scale for m in matches}

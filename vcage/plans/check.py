@@ -76,11 +76,13 @@ def contradictions(relations: Sequence[Relation]) -> list[str]:
     relations = _distinct(relations)
     sound = sound_relations(relations)
     found = [text for r in relations if (text := _nonsense(r))]
-    found += [_circle("inside or on", names) for names in circles([(r.subject, r.reference) for r in lying(sound)])]
+    found += [
+        _circle("inside or on", names) for names in circles([(r.subject, r.reference) for r in containments(sound)])
+    ]
     supports = supports_in(sound)
     found += _two_supports(sound) + _beside_own_support(sound, supports) + _shared_centres(sound, supports)
     for words, word, swapped in AXES:
-        edges = [edge for edge, _ in along(sound, word, swapped)]
+        edges = [edge for edge, _ in order_along(sound, word, swapped)]
         found += [_circle(words, names) for names in circles(edges)]
     return found
 
@@ -90,14 +92,14 @@ def sound_relations(relations: Sequence[Relation]) -> list[Relation]:
     return [r for r in _distinct(relations) if not _nonsense(r)]
 
 
-def lying(relations: Sequence[Relation]) -> list[Relation]:
+def containments(relations: Sequence[Relation]) -> list[Relation]:
     """Those by which one object lies in or on another."""
     return [r for r in relations if r.relation in ("inside", "on") and r.reference != TABLE]
 
 
 def supports_in(relations: Sequence[Relation]) -> dict[str, str]:
     """What each object lies in or on, the first that is named; nothing of a plan with a circle."""
-    pairs = [(r.subject, r.reference) for r in lying(relations)]
+    pairs = [(r.subject, r.reference) for r in containments(relations)]
     return {} if circles(pairs) else dict(reversed(pairs))
 
 
@@ -161,7 +163,7 @@ def _shared_centres(relations: Sequence[Relation], supports: Mapping[str, str]) 
     return found
 
 
-def along(
+def order_along(
     relations: Sequence[Relation], word: RelationWord, swapped: RelationWord
 ) -> list[tuple[tuple[str, str], str]]:
     """((before, after), reference) of what stands in order along an axis.

@@ -12,7 +12,7 @@ from vcage.schema.base import Document, Finite, Identifier, Record, UnitVec3, Ve
 
 Holds = Literal["in", "on"]
 Use = Literal["grasp", "press"]
-Motion = Literal["slide", "turn"]
+JointMotion = Literal["slide", "turn"]
 Source = Literal["parametric", "sweethome3d", "robosuite", "ycb", "robotwin"]
 """Where a model comes from: our own builders, a package that set-up fetches, or a folder that was imported."""
 FETCHED = ("sweethome3d", "robosuite", "ycb")
@@ -168,7 +168,7 @@ class CatalogueEntry(Record):
 class Joint(Record):
     """How a moving part moves, in the object frame with all joints at 0."""
 
-    kind: Motion = Field(description="'slide' along the axis, metres; 'turn' about it, radians")
+    kind: JointMotion = Field(description="'slide' along the axis, metres; 'turn' about it, radians")
     origin: Vec3 = Field(description="a point of the axis, metres")
     axis: UnitVec3
     lower: Finite = Field(description="end of the range; 0, the closed or resting state, lies within it")

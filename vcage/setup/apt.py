@@ -52,7 +52,7 @@ class AptMirror:
         return sorted(set(self._packages.glob("*.deb")) - known)
 
 
-def unpack(package: Path, folder: Path) -> None:
+def unpack_deb(package: Path, folder: Path) -> None:
     """Unpack a .deb file's content into a folder.
 
     Raises:

@@ -19,7 +19,7 @@ _KEPT_FIELDS = ("signed-by", "trusted", "architectures")
 
 
 @dataclass(frozen=True)
-class Source:
+class PackageSource:
     """One package source: addresses, suites (``bookworm``), components (``main``), and how it is trusted."""
 
     uris: tuple[str, ...]
@@ -82,13 +82,13 @@ def private_options(folder: Path, root: Path = APT) -> list[str]:
     return [word for name, value in settings.items() for word in ("-o", f"{name}={value}")]
 
 
-def with_backports(source: Source, codename: str) -> Source:
+def with_backports(source: PackageSource, codename: str) -> PackageSource:
     """The release's suite, its updates and its backports, from the source's mirror; only the main component."""
     suites = (codename, f"{codename}-updates", f"{codename}-backports")
-    return Source(source.uris, suites, ("main",), source.options)
+    return PackageSource(source.uris, suites, ("main",), source.options)
 
 
-def read(root: Path = APT) -> list[Source]:
+def read(root: Path = APT) -> list[PackageSource]:
     """Every enabled source of binary packages under ``root`` that has a main component."""
     found = []
     for path in [root / "sources.list", *sorted((root / "sources.list.d").glob("*"))]:
@@ -102,7 +102,7 @@ def read(root: Path = APT) -> list[Source]:
     return [source for source in found if "main" in source.components and not source.uris[0].startswith("cdrom:")]
 
 
-def parse_one_line(text: str) -> list[Source]:
+def parse_one_line(text: str) -> list[PackageSource]:
     """Sources in the format of ``sources.list``."""
     found = []
     for line in text.splitlines():
@@ -115,7 +115,7 @@ def parse_one_line(text: str) -> list[Source]:
     return found
 
 
-def parse_deb822(text: str) -> list[Source]:
+def parse_deb822(text: str) -> list[PackageSource]:
     """Sources in the format of ``*.sources``: stanzas of ``Field: value``, continued by indented lines."""
     found = []
     lines = [line for line in text.splitlines() if not line.startswith("#")]
@@ -135,6 +135,6 @@ def parse_deb822(text: str) -> list[Source]:
     return found
 
 
-def _source(uris: str, suites: str, components: str, fields: dict[str, str]) -> Source:
+def _source(uris: str, suites: str, components: str, fields: dict[str, str]) -> PackageSource:
     kept = {name: value for name, value in fields.items() if name.lower() in _KEPT_FIELDS}
-    return Source(tuple(uris.split()), tuple(suites.split()), tuple(components.split()), kept)
+    return PackageSource(tuple(uris.split()), tuple(suites.split()), tuple(components.split()), kept)

@@ -52,7 +52,7 @@ def install(folder: Path) -> Path:
     try:
         with tempfile.TemporaryDirectory(prefix="vcage-apt-") as work, files.atomic_folder(folder) as part:
             for package in _download(Path(work)):
-                apt.unpack(package, part)
+                apt.unpack_deb(package, part)
             _install_driver(part, folder)
     except NoRenderer:
         raise

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-Colour = tuple[float, float, float]
+LinearColour = tuple[float, float, float]
 
 
 @dataclass(frozen=True)
@@ -26,12 +26,12 @@ class Appearance:
     """
 
     table_texture: np.ndarray | None = field(default=None, repr=False)
-    table_colour: Colour = (0.36, 0.24, 0.14)
-    floor_colour: Colour = (0.30, 0.29, 0.28)
-    wall_colour: Colour = (0.55, 0.56, 0.57)
-    light_direction: Colour = (0.25, -0.4, -1.0)
-    light_colour: Colour = (1.6, 1.55, 1.5)
-    ambient: Colour = (0.45, 0.45, 0.47)
+    table_colour: LinearColour = (0.36, 0.24, 0.14)
+    floor_colour: LinearColour = (0.30, 0.29, 0.28)
+    wall_colour: LinearColour = (0.55, 0.56, 0.57)
+    light_direction: tuple[float, float, float] = (0.25, -0.4, -1.0)
+    light_colour: LinearColour = (1.6, 1.55, 1.5)
+    ambient: LinearColour = (0.45, 0.45, 0.47)
     shadows: bool = True
 
     @classmethod
@@ -59,6 +59,6 @@ class Appearance:
         )
 
 
-def _colour(values: Sequence[float] | np.ndarray) -> Colour:
+def _colour(values: Sequence[float] | np.ndarray) -> LinearColour:
     red, green, blue = (float(x) for x in values)
     return red, green, blue

@@ -19,7 +19,7 @@ from vcage.base.errors import VcageError
 from vcage.base.geometry import Pose
 from vcage.sim.collision import CollisionScene, Contact, Held
 from vcage.sim.rrt import connect
-from vcage.sim.trajectory import Trajectory, timed
+from vcage.sim.trajectory import Trajectory, minimum_jerk
 from vcage.sim.world import PHYSICS_HZ
 
 LINE_STEP, LINE_TURN = 0.01, 0.06
@@ -214,7 +214,7 @@ class MotionPlanner:
             raise MotionFailed(f"{contact.moving} would touch {contact.other}")
 
     def _timed(self, path: np.ndarray, load: Load) -> Trajectory:
-        return timed(path, PHYSICS_HZ, self.kinematics.arm, load.speed)
+        return minimum_jerk(path, PHYSICS_HZ, self.kinematics.arm, load.speed)
 
 
 def _poses_between(start: Pose, end: Pose) -> list[Pose]:

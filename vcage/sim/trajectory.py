@@ -35,7 +35,7 @@ class Trajectory:
         return Trajectory(np.concatenate([self.q, other.q]), np.concatenate([self.velocity, other.velocity]))
 
 
-def timed(path: np.ndarray, hz: float, arm: Arm, speed: float = 1.0) -> Trajectory:
+def minimum_jerk(path: np.ndarray, hz: float, arm: Arm, speed: float = 1.0) -> Trajectory:
     """Pass through the points of ``path`` from rest to rest, with a minimum-jerk profile along it.
 
     The profile is the quintic of Flash and Hogan (1985) over a cubic spline; its duration is the shortest that

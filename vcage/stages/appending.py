@@ -19,7 +19,7 @@ from vcage.schema.export import Export
 from vcage.stages.compress import accepted_episodes
 from vcage.stages.export import Footage, lerobot_episodes
 
-log = logging.getLogger(__name__)
+logger = logging.getLogger(__name__)
 
 ADDED = "added.json"
 """In the folder of the data sets: format → SHA-256 of an episode's file → its number in the data set.
@@ -75,7 +75,7 @@ def _append(
     held = {digest: number for digest, number in added.get(name, {}).items() if number < count}
     new = [file for file, digest in episodes.items() if digest not in held]
     if not new:
-        log.info("%s holds the episodes of %s already", root / name, run)
+        logger.info("%s holds the episodes of %s already", root / name, run)
         return
     coming = {episodes[file]: number for number, file in enumerate(new, start=count)}
     with open_writer(name, root / name, footage.facts, append=count > 0) as writer:

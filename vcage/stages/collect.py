@@ -49,7 +49,7 @@ from vcage.tasks.synthesis import Script, load_script
 from vcage.tasks.task import Asked
 from vcage.tasks.variation import shifted_poses
 
-log = logging.getLogger(__name__)
+logger = logging.getLogger(__name__)
 
 OnFailure = Literal["resample", "abort"]
 
@@ -126,7 +126,7 @@ def execute(
             hint=f"see {run.episodes.parent / 'log.jsonl'}; another --seed gives another layout",
         )
     if accepted < options.episodes:
-        log.warning("only %d of %d episodes were verified in %d runs", accepted, options.episodes, limit)
+        logger.warning("only %d of %d episodes were verified in %d runs", accepted, options.episodes, limit)
     return StageResult(record, run.episodes, fresh=True)
 
 

@@ -16,7 +16,7 @@ from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Subtasks
 from vcage.stages.stage import Job, StageResult
 
-log = logging.getLogger(__name__)
+logger = logging.getLogger(__name__)
 
 
 class EpisodeStore:
@@ -41,7 +41,7 @@ class EpisodeStore:
         """Go on with a killed collection of the same provenance, or with a finished one, or start anew."""
         recover(self.folder)
         if self._go_on():
-            log.info("collect: going on with the episodes of a run that was interrupted")
+            logger.info("collect: going on with the episodes of a run that was interrupted")
             return
         self._stage.run.make()
         shutil.rmtree(self.folder, ignore_errors=True)
@@ -63,7 +63,7 @@ class EpisodeStore:
         except MissingStage:
             return False
         except InputFileError as error:
-            log.warning("collect: starting anew, as an interrupted run left what cannot be read: %s", error)
+            logger.warning("collect: starting anew, as an interrupted run left what cannot be read: %s", error)
             return False
         return True
 

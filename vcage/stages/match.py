@@ -41,7 +41,7 @@ PLAN_SHOWN = 0.7
 """A picture that shows less of the plan than this share does not look like a drawing of it."""
 
 
-def one_of(role: str, names: Sequence[str]) -> Callable[[str], str]:
+def one_of_models(role: str, names: Sequence[str]) -> Callable[[str], str]:
     """A parser of one of the names with what comes after a colon; raises ValueError that lists the names."""
 
     def parse(text: str) -> str:
@@ -58,12 +58,12 @@ class Options(ModelOptions):
 
     detector: Annotated[
         str,
-        value(one_of("detector", DETECTORS), "NAME[:WEIGHTS]"),
+        value(one_of_models("detector", DETECTORS), "NAME[:WEIGHTS]"),
         arg(help=f"what finds objects in the target picture: {', '.join(DETECTORS)}; weights are a hub id or a folder"),
     ] = DETECTORS[0]
     embedder: Annotated[
         str,
-        value(one_of("embedder", EMBEDDERS), "NAME[:WEIGHTS]"),
+        value(one_of_models("embedder", EMBEDDERS), "NAME[:WEIGHTS]"),
         arg(help=f"what tells them apart: {', '.join(EMBEDDERS)}"),
     ] = EMBEDDERS[0]
     threshold: Annotated[float, between(0, 1, "τ")] = THRESHOLD

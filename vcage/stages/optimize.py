@@ -25,7 +25,7 @@ from vcage.base.options import NATURAL, between, number_between, value
 from vcage.base.pictures import write_picture
 from vcage.base.progress import Progress, silent
 from vcage.layout.capacities import opening_for
-from vcage.layout.cost import Weights
+from vcage.layout.cost import CostWeights
 from vcage.layout.hands import hand_clearance
 from vcage.layout.items import FRONT_YAWS, TableItem, table_item
 from vcage.layout.optimize import LayoutOptions, LayoutResult, displacement_summary, optimize_layout
@@ -52,23 +52,23 @@ MOST_WEIGHT = 1e6
 """Beyond it the optimiser's own precision would be the result."""
 
 
-def layout_weights(text: str) -> Weights:
+def layout_weights(text: str) -> CostWeights:
     """``collision=1000,relation=0`` as weights; a term that is not named keeps its default.
 
     Raises:
         ValueError: there is no such term, or its weight is no number from 0 to :data:`MOST_WEIGHT`.
     """
-    known = asdict(Weights())
+    known = asdict(CostWeights())
     chosen: dict[str, float] = {}
     for part in text.split(","):
         name, _, weight = part.strip().partition("=")
         if name not in known:
             raise ValueError(f"no term is called {name!r}; there are: {', '.join(known)}")
         chosen[name] = number_between(0, MOST_WEIGHT)(weight)
-    return replace(Weights(), **chosen)
+    return replace(CostWeights(), **chosen)
 
 
-def spelled(weights: Weights) -> str:
+def spelled(weights: CostWeights) -> str:
     """Weights as :func:`layout_weights` reads them."""
     return ",".join(f"{name}={weight:g}" for name, weight in asdict(weights).items())
 
@@ -81,7 +81,9 @@ class Options(StageOptions):
     """gap between two objects, metres: room for an open finger between any two, and a little for what settles"""
     restarts: Annotated[int, NATURAL] = 6
     """random restarts of the optimiser"""
-    weights: Annotated[Weights, value(layout_weights, "TERM=λ,…", show=spelled)] = field(default_factory=Weights)
+    weights: Annotated[CostWeights, value(layout_weights, "TERM=λ,…", show=spelled)] = field(
+        default_factory=CostWeights
+    )
     """weights of the cost's terms; only their ratios matter, and a term that is not named keeps its default"""
 
 

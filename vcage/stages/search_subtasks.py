@@ -19,7 +19,7 @@ from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Subtasks
 from vcage.stages.context import StageContext
 from vcage.stages.stage import Job, ModelOptions, StageResult, stage_seed
-from vcage.tasks.search import compose, search
+from vcage.tasks.search import compose, find_subtasks
 from vcage.tasks.slots import slots_for_chain
 from vcage.tasks.synthesis import write_script
 
@@ -62,7 +62,7 @@ def execute(
     def make(folder: Path, provenance: Provenance) -> Subtasks:
         scene, rng = Scene.read(run.layout), stage.rng()
         objects, reasoner = context.objects(scene), context.models.reasoner
-        found = search(objects, context.kinematics(scene.robot), reasoner.judge_pairs, scene.table.height, rng)
+        found = find_subtasks(objects, context.kinematics(scene.robot), reasoner.judge_pairs, scene.table.height, rng)
         chain = compose(scene.instruction, found.kept, found.refused, objects, reasoner.compose_chain)
         by_id = {subtask.id: subtask for subtask in found.kept}
         slots_for_chain([by_id[i] for i in chain], objects, rng)

@@ -27,7 +27,7 @@ from vcage.schema.base import Provenance, StageDocument
 from vcage.schema.scene import Scene
 from vcage.stages.context import StageContext
 
-log = logging.getLogger(__name__)
+logger = logging.getLogger(__name__)
 
 D = TypeVar("D", bound=StageDocument)
 
@@ -170,7 +170,7 @@ class Job:
         provenance = self.provenance()
         done = self.finished(document, force=force)
         if done is not None:
-            log.info("%s: finished before, nothing to do", self.stage)
+            logger.info("%s: finished before, nothing to do", self.stage)
             return done
         begun = self.run.root.exists()
         self.run.make()

@@ -26,9 +26,9 @@ from vcage.tasks.synthesis import Script
 from vcage.tasks.task import Asked, Task, TaskFailed
 from vcage.tasks.truth import goals_hold
 
-log = logging.getLogger(__name__)
+logger = logging.getLogger(__name__)
 
-Pictures = Mapping[str, np.ndarray]
+PicturesByCamera = Mapping[str, np.ndarray]
 """Camera name → (H, W, 3) uint8."""
 
 
@@ -50,8 +50,8 @@ class Setting:
     build: Callable[[], World]
     objects: Mapping[str, SceneObject]
     slots: Mapping[str, Pose]
-    photograph: Callable[[WorldState], Pictures]
-    judge: Callable[[Asked, Pictures, Pictures], Verdict]
+    photograph: Callable[[WorldState], PicturesByCamera]
+    judge: Callable[[Asked, PicturesByCamera, PicturesByCamera], Verdict]
     on_failure: Literal["resample", "abort"]
     retries: int
     fps: int
@@ -162,7 +162,7 @@ class _Step:
                 break
         return world, trials
 
-    def _try(self, world: World, attempt: int, start: int, before: Pictures) -> _Trial:
+    def _try(self, world: World, attempt: int, start: int, before: PicturesByCamera) -> _Trial:
         task = Task(world, self.setting.objects, self.setting.slots, attempt)
         try:
             self.script.play(task)
@@ -195,7 +195,7 @@ class _Step:
         objects = {key: o.moved(poses[key]) for key, o in self.setting.objects.items()}
         return goals_hold(asked.goals, objects, {self.subtask.receptacle: self.subtask.functional_point})
 
-    def _named(self, attempt: int, before: Pictures, after: Pictures) -> dict[str, np.ndarray]:
+    def _named(self, attempt: int, before: PicturesByCamera, after: PicturesByCamera) -> dict[str, np.ndarray]:
         """The pictures of a verdict under names that say what they show."""
         prefix = f"critic/e{self.episode:06d}-s{self.number}-a{attempt}"
         return {
@@ -217,7 +217,7 @@ class _Step:
         record = self.setting.objects[self.subtask.object].record
         accepted = verdict is not None and verdict.accepted
         if not accepted:
-            log.info("episode %d, %s, attempt %d: %s: %s", self.episode, self.subtask.id, attempt + 1, stage, reason)
+            logger.info("episode %d, %s, attempt %d: %s: %s", self.episode, self.subtask.id, attempt + 1, stage, reason)
         return Attempt(
             episode=self.episode,
             step=self.number,

@@ -29,7 +29,7 @@ class FoundSubtasks:
     candidates: int
 
 
-def search(
+def find_subtasks(
     objects: Sequence[SceneObject],
     kinematics: Mapping[str, ArmKinematics],
     judge: Judge,

@@ -42,7 +42,7 @@ def failing_at(stage: AttemptStage) -> Iterator[None]:
         raise TaskFailed(stage, error.message) from error
 
 
-def joined(reasons: Sequence[str]) -> str:
+def first_reasons(reasons: Sequence[str]) -> str:
     """The first three different reasons in one sentence, and how many more there are."""
     told = list(dict.fromkeys(reasons))
     more = f"; and {len(told) - 3} more" if len(told) > 3 else ""

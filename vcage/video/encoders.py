@@ -17,7 +17,7 @@ import numpy as np
 
 from vcage.base.errors import MissingDependency
 
-Options = dict[str, str]
+EncoderOptions = dict[str, str]
 
 SIDE = 32
 """Of the picture that is encoded to learn an encoder's version, pixels."""
@@ -58,13 +58,13 @@ class Codec:
     pixel_formats: tuple[str, ...]
     max_crf: int
     first_crf: int
-    options: Callable[[str, int, int | None, int], Options]
+    options: Callable[[str, int, int | None, int], EncoderOptions]
     min_crf: int = 0
     lossless_format: str = ""
     lossless_encoder: str = ""
 
 
-def _x265(preset: str, gop: int, crf: int | None, threads: int) -> Options:
+def _x265(preset: str, gop: int, crf: int | None, threads: int) -> EncoderOptions:
     params: Mapping[str, str | int] = {
         "keyint": gop,
         "min-keyint": gop,
@@ -95,7 +95,7 @@ def _x265(preset: str, gop: int, crf: int | None, threads: int) -> Options:
     return {"preset": preset, "x265-params": ":".join(f"{name}={value}" for name, value in params.items())}
 
 
-def _x264(preset: str, gop: int, crf: int | None, _threads: int) -> Options:
+def _x264(preset: str, gop: int, crf: int | None, _threads: int) -> EncoderOptions:
     return {
         "preset": preset,
         "g": str(gop),
@@ -107,7 +107,7 @@ def _x264(preset: str, gop: int, crf: int | None, _threads: int) -> Options:
     }
 
 
-def _svt_av1(preset: str, gop: int, crf: int | None, threads: int) -> Options:
+def _svt_av1(preset: str, gop: int, crf: int | None, threads: int) -> EncoderOptions:
     level = f":lp={threads}" if threads else ""
     return {
         "preset": preset,

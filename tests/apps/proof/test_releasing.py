@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from tests.apps.proof.conftest import CUBE, TRAY, inside
-from vcage.apps.proof.releasing import check_functional, check_rest, probe
+from vcage.apps.proof.releasing import check_functional, check_rest, probe_cube
 from vcage.schema.scene import Table
 
 
@@ -34,8 +34,8 @@ def test_a_point_inside_the_material_is_refused(make) -> None:
 
 
 def test_a_probe_is_made_once() -> None:
-    assert probe(0.03) is probe(0.03)
-    assert probe(0.03).size.round(4).tolist() == [0.03, 0.03, 0.03]
+    assert probe_cube(0.03) is probe_cube(0.03)
+    assert probe_cube(0.03).size.round(4).tolist() == [0.03, 0.03, 0.03]
 
 
 def test_a_cube_stands(make) -> None:

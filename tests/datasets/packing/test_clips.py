@@ -12,7 +12,7 @@ from tests.datasets.packing.searching import Searches, episode
 from tests.datasets.recordings.layouts import FRAMES, act, rooms
 from tests.recordings import written
 from vcage.base.errors import DamagedFile
-from vcage.datasets.packing.clips import Clip, SearchTask, jpeg_bytes, known, perform, whole
+from vcage.datasets.packing.clips import Clip, SearchTask, is_finished, jpeg_bytes, known, perform
 from vcage.datasets.recordings.opening import open_recordings
 from vcage.schema.compression import VideoStream
 from vcage.video.choices import LOSSLESS
@@ -38,9 +38,9 @@ def searches(monkeypatch) -> Searches:
 
 def test_what_was_performed_is_known_and_whole_and_not_done_again(tmp_path, searches):
     one = task(episode(tmp_path / "a.hdf5", top=20), tmp_path / "work")
-    assert known(one) is None and not whole(one)
+    assert known(one) is None and not is_finished(one)
     _, stream = perform(one)
-    assert known(one) == stream and whole(one)
+    assert known(one) == stream and is_finished(one)
     assert perform(one) == (one.clip, stream)
     assert len(searches.calls) == 1
 
@@ -49,7 +49,7 @@ def test_a_video_without_its_record_counts_for_nothing(tmp_path, searches):
     one = task(episode(tmp_path / "a.hdf5", top=20), tmp_path / "work")
     perform(one)
     one.record.unlink()
-    assert not whole(one)
+    assert not is_finished(one)
 
 
 @pytest.mark.parametrize("change", [{"crf": 21}, {"display": "standard_4k"}, {"keyframes": 4}, {"preset": "medium"}])

@@ -17,7 +17,7 @@ from vcage.base.videos import frame_rate
 from vcage.datasets.lerobot.formats import FORMATS
 from vcage.datasets.packing import clips as clip_module
 from vcage.datasets.packing.estimating import estimate
-from vcage.datasets.packing.inspecting import describe, inspect, totals
+from vcage.datasets.packing.inspecting import as_lines, inspect, totals
 from vcage.datasets.packing.pack import RECORD
 from vcage.datasets.packing.sources import find_sources
 from vcage.datasets.packing.unpacking import unpack_all
@@ -53,7 +53,7 @@ def test_a_file_that_would_be_written_where_a_demonstration_is_is_refused(path, 
 
 def test_a_look_lists_the_demonstrations(path):
     found = inspect(path)
-    lines = describe(found).splitlines()
+    lines = as_lines(found).splitlines()
     assert lines[0] == f"{path}:demo_0: robomimic, 20 fps, 7 numbers in a command"
     assert totals(found)["recordings"] == len(DEMOS)
 

@@ -7,7 +7,7 @@ from tests.datasets.packing.orders import act_folder, filled, packed, robotwin_f
 from tests.recordings import written
 from tests.runs import digests
 from vcage.base.errors import InputFileError
-from vcage.datasets.packing.inspecting import describe, inspect, totals
+from vcage.datasets.packing.inspecting import as_lines, inspect, totals
 
 
 @pytest.fixture
@@ -21,36 +21,36 @@ def folder(tmp_path):
 def test_a_damaged_recording_is_told_beside_the_sound_ones(folder):
     found = inspect(folder)
     assert [one.recording is not None for one in found] == [True, False]
-    assert "DAMAGED" in describe(found).splitlines()[-1]
+    assert "DAMAGED" in as_lines(found).splitlines()[-1]
     assert (totals(found)["recordings"], list(totals(found)["damaged"])) == (1, [str(folder / "b.hdf5")])
 
 
 def test_a_recording_is_told_with_its_layout_its_rate_and_its_cameras(tmp_path):
-    text = describe(inspect(written(tmp_path / "a.hdf5", 6)))
+    text = as_lines(inspect(written(tmp_path / "a.hdf5", 6)))
     assert "vcage, 10 fps, 6 numbers in a command" in text
     assert "cam_high: 6 frames of 64x48, raw" in text
 
 
 def test_a_recording_without_a_picture_is_told_as_damaged(tmp_path):
     path = filled(tmp_path / "a.hdf5", np.zeros((0, 32, 48, 3), np.uint8))
-    assert "holds no frame" in describe(inspect(path))
+    assert "holds no frame" in as_lines(inspect(path))
 
 
 def test_swapped_colours_are_told(tmp_path):
     found = inspect(robotwin_folder(tmp_path / "in", 1))
-    assert "swapped" in describe(found)
+    assert "swapped" in as_lines(found)
     assert list(totals(found)["notes"]) == [str(tmp_path / "in/episode0.hdf5")]
 
 
 def test_a_compressed_recording_is_told_with_its_codec_and_rate(tmp_path):
     packed(act_folder(tmp_path / "in", "a"), tmp_path / "out")
-    text = describe(inspect(tmp_path / "out"))
+    text = as_lines(inspect(tmp_path / "out"))
     assert "16.67 fps" in text and "hevc" in text
 
 
 def test_looking_changes_nothing(folder):
     before = digests(folder.parent)
-    describe(inspect(folder))
+    as_lines(inspect(folder))
     assert digests(folder.parent) == before
 
 

@@ -29,7 +29,7 @@ from vcage.base.videos import decode
 from vcage.datasets.packing import clips as clip_module
 from vcage.datasets.packing.pack import RECORD, WORKING, pack
 from vcage.datasets.recordings import opening
-from vcage.datasets.recordings.hdf5_recording import Hdf5Recording, table
+from vcage.datasets.recordings.hdf5_recording import Hdf5Recording, numbers_of
 from vcage.datasets.recordings.opening import open_recordings
 from vcage.datasets.recordings.recording import Columns
 from vcage.schema.compression import Compression
@@ -87,7 +87,7 @@ class ToyEpisode(Hdf5Recording):
     PICTURES = r"film/([^/]+)"
 
     def _commands(self, part: h5py.Group) -> Columns | None:
-        return table(part, "told", ("x", "y", "gripper"))
+        return numbers_of(part, "told", ("x", "y", "gripper"))
 
     def _measured(self, part: h5py.Group) -> Columns | None:
         return None

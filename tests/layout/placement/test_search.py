@@ -10,7 +10,7 @@ from vcage.base.geometry import boxes_overlap
 from vcage.layout.items import TableItem
 from vcage.layout.placement.arrangement import Arrangement, Spot
 from vcage.layout.placement.plane import Plane, make_plane
-from vcage.layout.placement.search import pack, solve
+from vcage.layout.placement.search import arrange, pack_in_corners
 
 YAWS = tuple(np.radians(range(-180, 180, 15)))
 
@@ -29,13 +29,13 @@ def test_headings_that_need_the_same_room_are_one_stance():
 
 def test_with_room_to_spare_every_heading_comes_up():
     loose = plane([unplaced("a", (0.2, 0.1), YAWS)], 2, 2)
-    found = {round(solve(loose, np.random.default_rng(seed)).spots[0].yaw, 6) for seed in range(200)}
+    found = {round(arrange(loose, np.random.default_rng(seed)).spots[0].yaw, 6) for seed in range(200)}
     assert found == {round(yaw, 6) for yaw in YAWS}
 
 
 def test_without_room_to_spare_the_small_headings_are_taken():
     tight = plane([unplaced(f"o{k}", (0.2, 0.1), YAWS) for k in range(9)], 0.62, 0.32)
-    outcome = solve(tight, np.random.default_rng(0))
+    outcome = arrange(tight, np.random.default_rng(0))
     assert outcome.left == []
     assert all(abs(np.sin(2 * spot.yaw)) < 1e-9 for spot in outcome.spots.values())
 
@@ -44,23 +44,23 @@ def test_a_guillotine_cut_sheet_is_packed_again():
     # Pieces of a 1.2 x 0.8 sheet, so they fill 93 % of what 1.25 x 0.83 has.
     sizes = [(0.5, 0.3), (0.5, 0.5), (0.4, 0.45), (0.4, 0.35), (0.3, 0.2), (0.3, 0.6)]
     tight = plane([unplaced(f"p{k}", size, (0.0, np.pi / 2)) for k, size in enumerate(sizes)], 1.25, 0.83, margin=0.0)
-    assert pack(tight, 200, np.random.default_rng(0)).left == []
+    assert pack_in_corners(tight, 200, np.random.default_rng(0)).left == []
 
 
 def test_what_was_packed_is_shaken():
     tight = plane([unplaced(f"o{k}", (0.2, 0.1), YAWS) for k in range(9)], 0.66, 0.36)
-    first, second = (solve(tight, np.random.default_rng(seed)).spots for seed in (0, 1))
+    first, second = (arrange(tight, np.random.default_rng(seed)).spots for seed in (0, 1))
     assert np.mean([np.linalg.norm(first[k].centre - second[k].centre) for k in first]) > 0.02
 
 
 def test_what_is_left_over_is_the_least_of_what_was_tried():
     crowded = plane([unplaced(f"o{k}", (0.3, 0.3)) for k in range(5)], 0.62, 0.62)
-    outcome = pack(crowded, 5, np.random.default_rng(0))
+    outcome = pack_in_corners(crowded, 5, np.random.default_rng(0))
     assert len(outcome.left) == 1 and len(outcome.spots) == 4
 
 
 def test_an_empty_plane_is_solved():
-    assert solve(plane([], 1, 1), np.random.default_rng(0)).spots == {}
+    assert arrange(plane([], 1, 1), np.random.default_rng(0)).spots == {}
 
 
 def test_conflicts_are_those_that_stand_too_close():

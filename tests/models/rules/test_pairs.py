@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from vcage.models.rules.pairs import judge_pair
+from vcage.models.rules.pairs import judge_object_and_place
 from vcage.schema.subtasks import PairAnswer, PairQuestion
 
 
@@ -13,7 +13,7 @@ def ask(
         object="a", object_words=thing, receptacle="b", receptacle_words=place, holds=holds, object_size=size,
         opening_size=opening,
     )  # fmt: skip
-    return judge_pair(question)
+    return judge_object_and_place(question)
 
 
 @pytest.mark.parametrize(

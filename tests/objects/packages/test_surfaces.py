@@ -11,26 +11,29 @@ from PIL import Image
 from vcage.base.errors import DamagedFile
 from vcage.objects.packages.surfaces import (
     LARGEST_PICTURE,
-    Surface,
-    fitted,
+    MaterialSurface,
+    euler_rotation,
     opaque,
     part_of,
     plain,
     read_surfaces,
-    rotation,
+    stretched,
 )
 
 TRIANGLE = np.array([[[0.0, 0, 0], [1, 0, 0], [0, 1, 0]]])
 
 
 def test_turns_are_made_about_x_then_y_then_z() -> None:
-    np.testing.assert_allclose(rotation((90, 0, 90)) @ [0, 1, 0], [0, 0, 1], atol=1e-12)
-    np.testing.assert_allclose(rotation((0, 0, 90)) @ [1, 0, 0], [0, 1, 0], atol=1e-12)
+    np.testing.assert_allclose(euler_rotation((90, 0, 90)) @ [0, 1, 0], [0, 0, 1], atol=1e-12)
+    np.testing.assert_allclose(euler_rotation((0, 0, 90)) @ [1, 0, 0], [0, 1, 0], atol=1e-12)
 
 
 def test_surfaces_are_stretched_together() -> None:
-    first, second = Surface(TRIANGLE, None, plain((0, 0, 0))), Surface(TRIANGLE + 1, None, plain((0, 0, 0)))
-    points = np.concatenate([surface.corners.reshape(-1, 3) for surface in fitted([first, second], (0.1, 0.2, 0.3))])
+    first, second = (
+        MaterialSurface(TRIANGLE, None, plain((0, 0, 0))),
+        MaterialSurface(TRIANGLE + 1, None, plain((0, 0, 0))),
+    )
+    points = np.concatenate([surface.corners.reshape(-1, 3) for surface in stretched([first, second], (0.1, 0.2, 0.3))])
     np.testing.assert_allclose(points.max(axis=0), (0.1, 0.2, 0.3))
     np.testing.assert_allclose(points.min(axis=0), 0)
 
@@ -42,7 +45,7 @@ def test_pictures_are_laid_over_white_and_made_small() -> None:
 
 
 def test_a_plain_colour_becomes_a_small_picture() -> None:
-    part = part_of(Surface(TRIANGLE, None, plain((10, 20, 30))))
+    part = part_of(MaterialSurface(TRIANGLE, None, plain((10, 20, 30))))
     assert part.texture.shape == (4, 4, 3) and part.texture[0, 0].tolist() == [10, 20, 30]
     np.testing.assert_allclose(part.normals, [[0, 0, 1]] * 3, atol=1e-9)
 

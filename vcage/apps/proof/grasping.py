@@ -18,7 +18,7 @@ from vcage.sim.collision import CollisionScene, Held, overlap
 from vcage.sim.motion import Load, MotionFailed, MotionPlanner
 from vcage.sim.poses import to_sapien
 from vcage.sim.shapes import box_shape, model_shapes
-from vcage.sim.trajectory import timed
+from vcage.sim.trajectory import minimum_jerk
 from vcage.sim.world import PHYSICS_HZ, World
 from vcage.tasks.feasibility import GRIP_ROOM
 from vcage.tasks.grasps import approach_opening, grasp_poses, hand_boxes
@@ -150,7 +150,7 @@ class _Shaking:
         ends = [np.clip(middle + sign * swing, kinematics.lower, kinematics.upper) for sign in (1, -1)]
         points = [middle, *(ends * SHAKES), middle]
         for here, there in itertools.pairwise(points):
-            control.move(timed(np.stack([here, there]), PHYSICS_HZ, control.arm))
+            control.move(minimum_jerk(np.stack([here, there]), PHYSICS_HZ, control.arm))
 
     def _in_hand(self) -> Pose:
         return self.world.arms[self.arm].tool_pose.inverse() * self.world.object_pose(OBJECT)

@@ -103,7 +103,7 @@ def check_functional(asset: Asset, point: FunctionalPoint, table: Table, tries: 
     edge = float(np.clip(SHARE * min(opening.size), SMALLEST_PROBE, LARGEST_PROBE))
     tally = Tally(tries)
     for _ in range(tries):
-        tally.add(_try(asset, point, opening, probe(round(edge, 3)), table, rng))
+        tally.add(_try(asset, point, opening, probe_cube(round(edge, 3)), table, rng))
     measured = {"room_x_cm": 100 * opening.size[0], "room_y_cm": 100 * opening.size[1], "depth_cm": 100 * opening.depth}
     measured |= {"probe_mm": 1000 * edge}
     return tally.check("functional_point", subject, {name: round(value, 2) for name, value in measured.items()})
@@ -154,7 +154,7 @@ def _release(point: FunctionalPoint, opening: Opening, cube: Asset, rng: np.rand
 
 
 @functools.cache
-def probe(edge: float) -> Asset:
+def probe_cube(edge: float) -> Asset:
     """A wooden cube of that edge, metres."""
     folder = cache_path("probes", f"cube-{1000 * edge:.0f}-1")
     if not folder.is_dir():

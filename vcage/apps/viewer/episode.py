@@ -23,14 +23,14 @@ from vcage.datasets.reader import EpisodeReader
 from vcage.datasets.recordings.recording import Recording
 from vcage.schema.scene import Scene
 
-Footage = Literal["stored", "compressed", "none"]
+PictureSource = Literal["stored", "compressed", "none"]
 """Which pictures: those in the episode, the videos that ``compress`` made of them, or none."""
 
 IMAGE_PLANE = 0.1
 """How far from a camera its picture is drawn in the 3D scene, metres."""
 
 
-def log_episode(log: RerunLog, path: Path, footage: Footage, progress: Progress) -> Contents:
+def log_episode(log: RerunLog, path: Path, footage: PictureSource, progress: Progress) -> Contents:
     """Write an episode file into a Rerun recording.
 
     Args:
@@ -96,7 +96,12 @@ def _lens(camera: CameraTrack) -> rr.Pinhole:
 
 
 def _log_footage(
-    log: RerunLog, clock: Clock, cameras: dict[str, str], reader: EpisodeReader, footage: Footage, progress: Progress
+    log: RerunLog,
+    clock: Clock,
+    cameras: dict[str, str],
+    reader: EpisodeReader,
+    footage: PictureSource,
+    progress: Progress,
 ) -> None:
     videos = compressed_videos(reader.path) if footage == "compressed" else {}
     for number, (name, where) in enumerate(cameras.items()):

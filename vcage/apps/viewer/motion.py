@@ -8,11 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vcage.apps.viewer.rerun_log import Clock, RerunLog, entity, rr
+from vcage.base.drawing import Colour
 from vcage.datasets.episode import EpisodeData
 from vcage.datasets.recordings.recording import Recording
-
-Colour = tuple[int, int, int]
-"""sRGB."""
 
 COLOURS = ((0, 114, 178), (213, 94, 0), (0, 158, 115), (204, 121, 167), (230, 159, 0), (86, 180, 233), (150, 150, 150))
 """Told apart by the colour-blind too (Okabe and Ito, https://jfly.uni-koeln.de/color/); again from the first on."""

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from vcage.apps.viewer.blueprint import Contents, blueprint
-from vcage.apps.viewer.episode import Footage, log_episode, log_recording
+from vcage.apps.viewer.episode import PictureSource, log_episode, log_recording
 from vcage.apps.viewer.finding import choose, find_episodes
 from vcage.apps.viewer.rerun_log import RerunLog, rr
 from vcage.base.errors import ConfigurationError, UsageError
@@ -51,7 +51,7 @@ def view(
     *,
     number: int | None = None,
     save: Path | None = None,
-    footage: Footage = "stored",
+    footage: PictureSource = "stored",
     fps: float | None = None,
     progress: Progress = silent,
 ) -> Shown:
@@ -90,7 +90,7 @@ def view(
 
 
 def _writer(
-    one: Path | Recording, path: Path, footage: Footage, fps: float | None, progress: Progress
+    one: Path | Recording, path: Path, footage: PictureSource, fps: float | None, progress: Progress
 ) -> Callable[[RerunLog], Contents]:
     """What writes an episode of ours, or a recording of others that was found at ``path``."""
     if not isinstance(one, Recording):
@@ -154,7 +154,7 @@ def _spawn(stream: rr.RecordingStream) -> None:
         os.environ["PATH"] = path
 
 
-def _require_viewer(footage: Footage) -> None:
+def _require_viewer(footage: PictureSource) -> None:
     """Refuse what the viewer here cannot show.
 
     That of rerun-sdk 0.23 decodes no HEVC; those from 0.25 on do by ffmpeg: https://github.com/rerun-io/rerun/pull/10994.

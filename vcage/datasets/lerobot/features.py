@@ -42,7 +42,7 @@ def other_columns(features: Mapping[str, Mapping[str, Any]]) -> list[str]:
     return sorted(name for name, feature in features.items() if feature["dtype"] != "video" and name not in ours)
 
 
-def describe(episode: LeRobotEpisode, encodings: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
+def features_of(episode: LeRobotEpisode, encodings: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
     """``fps``, ``robot_type`` and ``features`` of a data set of such episodes.
 
     Args:
@@ -78,9 +78,9 @@ def agreed_info(episode: int, described: Mapping[str, Any], data_set: Mapping[st
 
     Args:
         episode: its number in the data set, for the message.
-        described: what :func:`describe` says of it.
-        data_set: ``meta/info.json`` of a finished data set, or what :func:`describe` says of the first episode of one
-            that is begun; what it does not tell (None, or no such entry) may be anything.
+        described: what :func:`features_of` says of it.
+        data_set: ``meta/info.json`` of a finished data set, or what :func:`features_of` says of the first episode of
+            one that is begun; what it does not tell (None, or no such entry) may be anything.
 
     Raises:
         UsageError: something else is not true of it; names what.

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from vcage.base.errors import DamagedFile, UsageError
 from vcage.base.files import write_json
 from vcage.datasets.lerobot.episode import LeRobotEpisode, SubtaskSpan
-from vcage.datasets.lerobot.features import agreed_info, describe, video_key
+from vcage.datasets.lerobot.features import agreed_info, features_of, video_key
 from vcage.datasets.lerobot.meta import INFO
 from vcage.datasets.lerobot.statistics import Statistics, picture_statistics, vector_statistics
 
@@ -65,7 +65,7 @@ class LeRobotWriter(ABC):
         """
         for complaint in episode.complaints():
             raise UsageError(f"episode {self.episodes}: {complaint}", hint="mend the episode, or leave it out")
-        described = describe(episode, self._encodings)
+        described = features_of(episode, self._encodings)
         self._info = agreed_info(self.episodes, described, self._info) if self._info else described
         columns = self._columns(episode)
         self._write(episode, _table(columns), _statistics(columns, episode))

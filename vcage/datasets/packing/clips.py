@@ -129,7 +129,7 @@ def known(task: SearchTask) -> VideoStream | None:
     return None if record is None else record.stream
 
 
-def whole(task: SearchTask) -> bool:
+def is_finished(task: SearchTask) -> bool:
     """Whether the video is there, as :func:`perform` left it."""
     stream = known(task)
     return stream is not None and task.video.is_file() and task.video.stat().st_size == stream.bytes
@@ -144,7 +144,7 @@ def perform(task: SearchTask) -> tuple[Clip, VideoStream]:
         DiskFull, OutputFolderError: it cannot be written.
     """
     done = known(task)
-    if done is not None and whole(task):
+    if done is not None and is_finished(task):
         return task.clip, done
     clip = task.clip
     try:

@@ -16,7 +16,7 @@ import numpy as np
 
 from vcage.base.progress import Progress, silent
 from vcage.base.workers import cores, in_processes
-from vcage.datasets.packing.clips import Clip, EncodedVideo, SearchTask, known, perform, whole
+from vcage.datasets.packing.clips import Clip, EncodedVideo, SearchTask, is_finished, known, perform
 from vcage.datasets.packing.memory import free_memory
 from vcage.datasets.packing.settings import CompressionSettings
 from vcage.schema.compression import VideoStream
@@ -233,7 +233,7 @@ class _DataSetSearch:
 
     def _videos(self) -> dict[Key, EncodedVideo]:
         """All videos in the order of the clips, of which those that an interruption left unwritten are made now."""
-        self._perform([one.task for one in self.found.values() if not whole(one.task)])
+        self._perform([one.task for one in self.found.values() if not is_finished(one.task)])
         found = {_key(clip): self.found[_key(clip)] for clip in self.clips}
         return {key: EncodedVideo(one.task.video, one.stream) for key, one in found.items()}
 

@@ -16,7 +16,7 @@ MIB = 2**20
 
 
 @dataclass(frozen=True)
-class Found:
+class Inspected:
     """A recording, or what is wrong with it.
 
     Args:
@@ -37,7 +37,7 @@ class Found:
         return self.recording.cameras if self.recording is not None else []
 
 
-def inspect(root: Path) -> list[Found]:
+def inspect(root: Path) -> list[Inspected]:
     """All recordings at a path, the damaged ones too.
 
     Raises:
@@ -45,22 +45,22 @@ def inspect(root: Path) -> list[Found]:
     """
     opened = open_all(Path(root))
     found = [_look(recording) for recording in opened.recordings]
-    return found + [Found(str(path), None, error.message) for path, error in opened.damaged.items()]
+    return found + [Inspected(str(path), None, error.message) for path, error in opened.damaged.items()]
 
 
-def _look(recording: Recording) -> Found:
+def _look(recording: Recording) -> Inspected:
     try:
-        return Found(str(recording), recording, notes=tuple(sound_notes(recording)))
+        return Inspected(str(recording), recording, notes=tuple(sound_notes(recording)))
     except DamagedFile as error:
-        return Found(str(recording), None, error.message)
+        return Inspected(str(recording), None, error.message)
 
 
-def describe(found: Sequence[Found]) -> str:
+def as_lines(found: Sequence[Inspected]) -> str:
     """The recordings as lines for people."""
     return "\n".join(line for one in found for line in _lines(one))
 
 
-def _lines(found: Found) -> list[str]:
+def _lines(found: Inspected) -> list[str]:
     recording = found.recording
     if recording is None:
         return [f"{found.name}: DAMAGED: {found.damage}"]
@@ -80,7 +80,7 @@ def _camera(camera: RecordedCamera) -> str:
     )
 
 
-def totals(found: Sequence[Found]) -> dict[str, Any]:
+def totals(found: Sequence[Inspected]) -> dict[str, Any]:
     """The recordings in numbers."""
     cameras = [camera for one in found for camera in one.cameras]
     return {

@@ -11,7 +11,7 @@ from vcage.base.errors import UsageError
 from vcage.datasets.lerobot.formats import FORMATS
 from vcage.datasets.lerobot.repack import require_whole
 from vcage.datasets.packing.clips import Clip
-from vcage.datasets.packing.sources import Source
+from vcage.datasets.packing.sources import SourceRecording
 from vcage.datasets.recordings.recording import HDF5, VIDEOS
 
 TARGETS = (HDF5, *FORMATS, VIDEOS)
@@ -38,7 +38,7 @@ class OutputSpec:
         return self.target in FORMATS
 
 
-def resolve_output(wanted: OutputSpec, sources: Sequence[Source]) -> OutputSpec:
+def resolve_output(wanted: OutputSpec, sources: Sequence[SourceRecording]) -> OutputSpec:
     """What is wanted, with a target, once it is sure that every recording can be written so.
 
     Raises:
@@ -64,12 +64,12 @@ def resolve_output(wanted: OutputSpec, sources: Sequence[Source]) -> OutputSpec:
     return output
 
 
-def keeps_version(sources: Sequence[Source], output: OutputSpec) -> bool:
+def keeps_version(sources: Sequence[SourceRecording], output: OutputSpec) -> bool:
     """Whether a LeRobot data set is written as one of the same version, so that only its pictures change."""
     return output.lerobot and all(output.target == source.recording.TARGET for source in sources)
 
 
-def output_notes(sources: Sequence[Source], output: OutputSpec) -> dict[str, list[str]]:
+def output_notes(sources: Sequence[SourceRecording], output: OutputSpec) -> dict[str, list[str]]:
     """Recording → what a user must know about what is written of it, besides how it was understood."""
     if not output.lerobot:
         return {source.name: [] for source in sources}

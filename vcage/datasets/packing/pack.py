@@ -27,7 +27,7 @@ from vcage.datasets.packing.writing import Compressed, write_output
 from vcage.schema.base import Provenance
 from vcage.schema.compression import Compression
 
-log = logging.getLogger(__name__)
+logger = logging.getLogger(__name__)
 
 T = TypeVar("T")
 
@@ -200,7 +200,7 @@ def _finished(out: Path, provenance: Provenance, *, force: bool) -> Packed | Non
             return None
         raise OutputFolderError(f"{out} is in the way: {error.message}", hint="give another --out") from error
     if keeper.knows(record):
-        log.info("compress: finished before, nothing to do")
+        logger.info("compress: finished before, nothing to do")
         return Packed(record, out / RECORD, fresh=False)
     if force:
         return None
@@ -222,4 +222,4 @@ def _notes(sources: Sources, output: OutputSpec) -> dict[str, list[str]]:
 def _tell(notes: Mapping[str, Sequence[str]]) -> None:
     """Say each note once, and of how many recordings it holds."""
     for text, count in Counter(chain.from_iterable(notes.values())).items():
-        log.warning("%s%s", text, f" ({count} of {len(notes)} recordings)" if len(notes) > 1 else "")
+        logger.warning("%s%s", text, f" ({count} of {len(notes)} recordings)" if len(notes) > 1 else "")

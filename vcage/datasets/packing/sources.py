@@ -21,7 +21,7 @@ LISTED = 5
 
 
 @dataclass(frozen=True)
-class Source:
+class SourceRecording:
     """One recording to be compressed.
 
     Args:
@@ -48,7 +48,7 @@ class Sources:
     """
 
     root: Path
-    sources: Sequence[Source]
+    sources: Sequence[SourceRecording]
     damaged: dict[str, str]
 
     def clips(self, cameras: Sequence[str] = (), fps: float | None = None) -> list[Clip]:
@@ -123,7 +123,7 @@ def find_sources(root: Path, settings: CompressionSettings, *, skip_damaged: boo
     root = Path(root)
     opened = open_all(root)
     complaints = {relative_name(path, root): error for path, error in opened.damaged.items()}
-    sources: dict[str, Source] = {}
+    sources: dict[str, SourceRecording] = {}
     taken: dict[str, Recording] = {}
     for recording in opened.recordings:
         file, name = relative_name(recording.path, root), recording.name(root)
@@ -139,7 +139,7 @@ def find_sources(root: Path, settings: CompressionSettings, *, skip_damaged: boo
         except DamagedFile as error:
             complaints[name] = error
         else:
-            sources[name] = Source(name, file, recording, tuple(notes))
+            sources[name] = SourceRecording(name, file, recording, tuple(notes))
     if complaints and not (skip_damaged and sources):
         raise _refusal(complaints, left=len(sources))
     return Sources(root, list(sources.values()), {name: error.message for name, error in complaints.items()})

@@ -24,7 +24,7 @@ from vcage.datasets.packed import write_packed
 from vcage.datasets.packing.clips import EncodedVideo
 from vcage.datasets.packing.dataset_search import Key
 from vcage.datasets.packing.output import OutputSpec, keeps_version
-from vcage.datasets.packing.sources import Source
+from vcage.datasets.packing.sources import SourceRecording
 from vcage.datasets.picture_links import Stream, find_links
 from vcage.datasets.recordings.recording import HDF5, Recording
 from vcage.schema.compression import VideoStream
@@ -43,7 +43,7 @@ class Compressed:
         preset: of the encoder of all.
     """
 
-    sources: Sequence[Source]
+    sources: Sequence[SourceRecording]
     videos: Mapping[Key, EncodedVideo]
     preset: str
 

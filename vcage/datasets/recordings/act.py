@@ -15,7 +15,7 @@ import h5py
 from vcage.datasets.hdf5 import SCHEMA
 from vcage.datasets.lerobot.episode import SubtaskSpan
 from vcage.datasets.reader import EpisodeReader
-from vcage.datasets.recordings.hdf5_recording import Hdf5Recording, table
+from vcage.datasets.recordings.hdf5_recording import Hdf5Recording, numbers_of
 from vcage.datasets.recordings.recording import Columns
 
 
@@ -27,10 +27,10 @@ class ActEpisode(Hdf5Recording):
     SWAPPED = None
 
     def _commands(self, part: h5py.Group) -> Columns | None:
-        return table(part, "action", self._names)
+        return numbers_of(part, "action", self._names)
 
     def _measured(self, part: h5py.Group) -> Columns | None:
-        return table(part, "observations/qpos", self._names)
+        return numbers_of(part, "observations/qpos", self._names)
 
     @property
     def _names(self) -> tuple[str, ...]:

@@ -229,7 +229,7 @@ def _packed_camera(name: str, key: str, link: Link, path: Path) -> RecordedCamer
 # --- numbers: a row for each point in time, from one dataset or from several side by side --------------
 
 
-def table(part: h5py.Group, key: str, names: tuple[str, ...] = ()) -> Columns | None:
+def numbers_of(part: h5py.Group, key: str, names: tuple[str, ...] = ()) -> Columns | None:
     """The numbers of a dataset, or of all in a group; None where there is none.
 
     Args:

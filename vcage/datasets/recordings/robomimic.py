@@ -20,7 +20,7 @@ import numpy as np
 
 from vcage.base.errors import DamagedFile
 from vcage.datasets.picture_links import read_link
-from vcage.datasets.recordings.hdf5_recording import Hdf5Recording, columns, table
+from vcage.datasets.recordings.hdf5_recording import Hdf5Recording, columns, numbers_of
 from vcage.datasets.recordings.recording import Columns, act_grippers
 
 DATA = "data"
@@ -102,7 +102,7 @@ class RobomimicDemo(Hdf5Recording):
         return [note] * repeated + super()._camera_notes()
 
     def _commands(self, part: h5py.Group) -> Columns | None:
-        found = table(part, "actions")
+        found = numbers_of(part, "actions")
         if found is None:
             return None
         numbers = found.values.shape[1]

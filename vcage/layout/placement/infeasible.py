@@ -16,7 +16,7 @@ from vcage.base.errors import InfeasibleScene
 from vcage.layout.items import TableItem
 from vcage.layout.placement.free_region import TOLERANCE
 from vcage.layout.placement.plane import Plane, Stance
-from vcage.layout.placement.search import Outcome, pack
+from vcage.layout.placement.search import Outcome, pack_in_corners
 
 PROOF_PASSES = 6
 """Orders that are packed to prove a way out."""
@@ -144,7 +144,7 @@ def _drop(plane: Plane, left: Sequence[int]) -> list[int]:
     dropped = list(left)
     while True:
         rest = [k for k in range(len(plane.items)) if k not in dropped]
-        over = pack(plane.only(rest), PROOF_PASSES, np.random.default_rng(0)).left
+        over = pack_in_corners(plane.only(rest), PROOF_PASSES, np.random.default_rng(0)).left
         if not over:
             return dropped
         dropped += [rest[i] for i in over]
@@ -160,7 +160,7 @@ def _growth(plane: Plane) -> np.ndarray | None:
     def suffices(share: float) -> bool:
         larger = plane.enlarged(by(share))
         # A few orders, and twice: other seeds must find places too.
-        return not any(pack(larger, PROOF_PASSES, np.random.default_rng(seed)).left for seed in (0, 1))
+        return not any(pack_in_corners(larger, PROOF_PASSES, np.random.default_rng(seed)).left for seed in (0, 1))
 
     lower, upper = 0.0, 0.125
     while not suffices(upper):

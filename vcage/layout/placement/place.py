@@ -17,7 +17,7 @@ from vcage.layout.placement.arrangement import Spot
 from vcage.layout.placement.contents import Carried, Local, content_plane, contents_of
 from vcage.layout.placement.infeasible import no_place, require_room
 from vcage.layout.placement.plane import Plane, make_plane
-from vcage.layout.placement.search import solve
+from vcage.layout.placement.search import arrange
 from vcage.layout.validation import as_rectangles, as_workspace, check_items
 
 
@@ -92,7 +92,7 @@ def _table(
 def _solved(plane: Plane, rng: np.random.Generator, container: TableItem | None = None) -> dict[int, Spot]:
     """Spots of all items of a plane, or why there are none."""
     require_room(plane, container)
-    outcome = solve(plane, rng)
+    outcome = arrange(plane, rng)
     if outcome.left:
         raise no_place(plane, outcome, container)
     return outcome.spots

@@ -26,7 +26,7 @@ from vcage.schema.scene import Role
 from vcage.sim.kinematics import kinematics_of
 from vcage.sim.robots import package_file
 
-log = logging.getLogger(__name__)
+logger = logging.getLogger(__name__)
 
 CELL = 0.05
 """Grid of the reach map, metres; its nodes are the world's multiples of it."""
@@ -95,7 +95,9 @@ def reach_for(asset: Asset, role: Role, reach: np.ndarray) -> np.ndarray | None:
     inset = inset[np.all(inset[:, 0] < inset[:, 1], axis=1)]
     if len(inset):
         return inset
-    log.warning("nowhere on the table can %s be reached all around, %.0f mm from its middle", asset.name, 1000 * radius)
+    logger.warning(
+        "nowhere on the table can %s be reached all around, %.0f mm from its middle", asset.name, 1000 * radius
+    )
     return reach
 
 
@@ -139,7 +141,7 @@ class _ReachMap:
         try:
             write_json(self._path, {"cell_m": CELL, "nodes": nodes})
         except (OutputFolderError, PartlyDone) as error:
-            log.warning("the reach map is not kept: %s", error.message)
+            logger.warning("the reach map is not kept: %s", error.message)
 
 
 def _key(arm: Arm, heights: Sequence[float]) -> str:
@@ -162,7 +164,7 @@ def _read(path: Path) -> dict[Node, bool]:
     except MissingStage:
         return {}
     except (DamagedFile, KeyError, TypeError, ValueError, OSError) as error:
-        log.warning("the reach map %s is damaged and is made again: %s", path.name, error)
+        logger.warning("the reach map %s is damaged and is made again: %s", path.name, error)
         return {}
 
 

@@ -77,14 +77,14 @@ class Outcome:
     left: list[int]
 
 
-def solve(plane: Plane, rng: np.random.Generator) -> Outcome:
+def arrange(plane: Plane, rng: np.random.Generator) -> Outcome:
     """A random arrangement of all items, or the fullest that was packed."""
     arrangement = Arrangement(plane)
     for thrift in THRIFT:
         stances = [[s for s in all_ if s.area <= thrift.largest * all_[0].area + 1e-12] for all_ in plane.stances]
         if _mean_needed(plane, stances) <= thrift.full * plane.available and _scatter(arrangement, stances, rng):
             return Outcome(arrangement.spots, [])
-    outcome = pack(plane, PASSES, rng)
+    outcome = pack_in_corners(plane, PASSES, rng)
     if outcome.left:
         return outcome
     arrangement.restore(outcome.spots)
@@ -168,7 +168,7 @@ def _push_in(arrangement: Arrangement, k: int, pushed: np.ndarray, rng: np.rando
 # --- packing -------------------------------------------------------------------------------------------
 
 
-def pack(plane: Plane, passes: int, rng: np.random.Generator) -> Outcome:
+def pack_in_corners(plane: Plane, passes: int, rng: np.random.Generator) -> Outcome:
     """All items packed, or the pass that left the least area over."""
     arrangement, best = Arrangement(plane), Outcome({}, list(plane.order))
     sizes = _sizes(plane)

@@ -12,7 +12,7 @@ from vcage.models.rules.phrases import Phrase
 from vcage.schema.asset import CatalogueEntry
 from vcage.schema.subtasks import ChainOption
 
-log = logging.getLogger(__name__)
+logger = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
@@ -100,7 +100,7 @@ def _moved_on(move: _Move, request: Request) -> _Move:
         return move
     before = move.request.receptacle
     if before is not None and before != request.receptacle:
-        log.warning(
+        logger.warning(
             "a chain moves each thing once: %r goes to %r at once, not by way of %r",
             move.phrase.text,
             request.receptacle.text,

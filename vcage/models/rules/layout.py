@@ -37,7 +37,7 @@ def plan_layout(scene: Scene, rng: np.random.Generator) -> LayoutPlan:
     relations += _around(contents, anchors)
     relations += _out_of_the_way(context, anchors, relations, scene)
     relations += [_relation(o, _lies(o, holder), holder) for o, holder in carried]
-    return LayoutPlan(text=describe(relations, scene), relations=relations)
+    return LayoutPlan(text=as_sentences(relations, scene), relations=relations)
 
 
 def _groups(scene: Scene, holders: Collection[str], rng: np.random.Generator) -> tuple[list[ObjectRecord], ...]:
@@ -113,7 +113,7 @@ def _fits_behind(item: ObjectRecord, anchor: ObjectRecord, scene: Scene) -> bool
     return middle + depth + ROOM < scene.workspace.upper[1]
 
 
-def describe(relations: Sequence[Relation], scene: Scene) -> str:
+def as_sentences(relations: Sequence[Relation], scene: Scene) -> str:
     """The relations as sentences."""
     phrases = {o.id: f"the {o.phrase}" for o in scene.objects} | {TABLE: "the table"}
     sentences: dict[str, list[str]] = {}

@@ -30,7 +30,7 @@ SOFTNESS = 1.0
 
 
 @dataclass(frozen=True)
-class Drawing:
+class Painting:
     """A picture (H, W, 3) uint8 and the share of each object's pixels that are seen in it."""
 
     picture: np.ndarray
@@ -66,7 +66,7 @@ class _Sprite:
     alpha: np.ndarray
 
 
-def draw(
+def paint(
     picture: np.ndarray,
     background: np.ndarray,
     items: Sequence[Cutout],
@@ -75,7 +75,7 @@ def draw(
     light: Light | None,
     table: float,
     covered: Collection[str] = (),
-) -> Drawing:
+) -> Painting:
     """The objects at their poses over the background; they turn about the vertical, and stay as high as they are.
 
     Args:
@@ -104,7 +104,7 @@ def draw(
         for i, s in enumerate(sprites)
         if s.item.record.id not in covered
     }
-    return Drawing(np.clip(np.rint(canvas), 0, 255).astype(np.uint8), visible)
+    return Painting(np.clip(np.rint(canvas), 0, 255).astype(np.uint8), visible)
 
 
 def _move(item: Cutout, pose: Pose) -> _Move:

@@ -71,7 +71,7 @@ class _Named:
         return bool((kinds_of(self.head) | self.words) & _FOOD)
 
 
-def judge_pair(question: PairQuestion) -> PairAnswer:
+def judge_object_and_place(question: PairQuestion) -> PairAnswer:
     """Whether people would do that, and whether it fits; the sentence and the relation when they would."""
     thing, place = _Named.of(question.object_words), _Named.of(question.receptacle_words)
     objection = next((found for objects in OBJECTIONS if (found := objects(thing, place, question))), "")

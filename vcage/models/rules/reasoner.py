@@ -11,7 +11,7 @@ from vcage.base.errors import ModelRefused
 from vcage.models.rules import PROVIDER
 from vcage.models.rules.chain import compose_chain
 from vcage.models.rules.layout import plan_layout
-from vcage.models.rules.pairs import judge_pair
+from vcage.models.rules.pairs import judge_object_and_place
 from vcage.models.rules.selection import select_assets
 from vcage.plans.check import PlanCheck
 from vcage.schema.asset import CatalogueEntry
@@ -43,8 +43,8 @@ class OfflineReasoner:
         return _drawn("layout plan", lambda: plan_layout(scene, rng), check)
 
     def judge_pairs(self, questions: Sequence[PairQuestion]) -> list[PairAnswer]:
-        """See :func:`vcage.models.rules.pairs.judge_pair`."""
-        return [judge_pair(question) for question in questions]
+        """See :func:`vcage.models.rules.pairs.judge_object_and_place`."""
+        return [judge_object_and_place(question) for question in questions]
 
     def compose_chain(self, instruction: str, options: Sequence[ChainOption]) -> list[str]:
         """See :func:`vcage.models.rules.chain.compose_chain`."""

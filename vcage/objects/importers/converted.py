@@ -48,7 +48,7 @@ def estimated_mass(hulls: Sequence[trimesh.Trimesh]) -> float:
     return round(float(np.clip(DENSITY * volume, LEAST_MASS, MOST_MASS)), 4)
 
 
-def check_size(path: Path, built: BuiltObject, assumed: bool) -> None:
+def check_scale(path: Path, built: BuiltObject, assumed: bool) -> None:
     """Refuse an object that is too small or too large for a table: its scale is in another unit than metres.
 
     Args:

@@ -40,7 +40,7 @@ AXES = {"fingers left and right": (1.0, 0.0, 0.0), "fingers front and back": (0.
 
 
 @dataclass(frozen=True)
-class Grasp:
+class GraspFromAbove:
     """One way to grasp a shape from above.
 
     Args:
@@ -56,7 +56,7 @@ class Grasp:
     width: float
 
 
-def contact_points(pieces: Sequence[Convex]) -> list[ContactPoint]:
+def contact_points_from_above(pieces: Sequence[Convex]) -> list[ContactPoint]:
     """At most four contact points from above: the best of each closing axis, then another of each."""
     surface = surface_points(pieces)
     per_axis = [_apart(grasps_along(pieces, surface, name)) for name in AXES]
@@ -73,7 +73,7 @@ def contact_points(pieces: Sequence[Convex]) -> list[ContactPoint]:
     ]
 
 
-def grasps_along(pieces: Sequence[Convex], surface: np.ndarray, name: str) -> list[Grasp]:
+def grasps_along(pieces: Sequence[Convex], surface: np.ndarray, name: str) -> list[GraspFromAbove]:
     """Grasps that close along one of :data:`AXES`: near the middle and a little under the top come first.
 
     Args:
@@ -94,19 +94,19 @@ def grasps_along(pieces: Sequence[Convex], surface: np.ndarray, name: str) -> li
     return [grasp for grasp in ordered if is_free(surface, grasp) and _is_steady(pieces, grasp)]
 
 
-def _on_line(pieces: Sequence[Convex], start: np.ndarray, closing: np.ndarray, name: str) -> list[Grasp]:
+def _on_line(pieces: Sequence[Convex], start: np.ndarray, closing: np.ndarray, name: str) -> list[GraspFromAbove]:
     """Every stretch of material on a line, and all of them together, that fits between the fingers."""
     stretches = material_along(pieces, start, closing)
     if len(stretches) > 1:
         stretches = [*stretches, (stretches[0][0], stretches[-1][1])]
     return [
-        Grasp(name, start + closing * (begin + end) / 2, closing, end - begin)
+        GraspFromAbove(name, start + closing * (begin + end) / 2, closing, end - begin)
         for begin, end in stretches
         if THINNEST <= end - begin <= WIDEST
     ]
 
 
-def _cost(surface: np.ndarray, grasp: Grasp, middle: np.ndarray) -> float:
+def _cost(surface: np.ndarray, grasp: GraspFromAbove, middle: np.ndarray) -> float:
     """Metres off the middle, and off the best depth under the top of the material there; infinite at its very top."""
     near = np.abs(surface[:, :2] - grasp.position[:2]).max(axis=1) < max(FINGER_WIDTH, grasp.width) / 2
     top = surface[near, 2].max() if near.any() else grasp.position[2]
@@ -116,14 +116,14 @@ def _cost(surface: np.ndarray, grasp: Grasp, middle: np.ndarray) -> float:
     return round(float(aside + abs(top - DEPTH - grasp.position[2])), 4)
 
 
-def _is_steady(pieces: Sequence[Convex], grasp: Grasp) -> bool:
+def _is_steady(pieces: Sequence[Convex], grasp: GraspFromAbove) -> bool:
     """Whether the material is as wide as it seemed (gaps may hide some of it), and about so over a finger's width."""
     position, across = grasp.position.round(4), np.cross([0.0, 0.0, 1.0], grasp.closing)
     widths = [grasped_width(pieces, position + side * across, grasp.closing) for side in (0, -0.006, 0.006)]
     return abs(widths[0] - grasp.width) < 0.002 and all(abs(width - grasp.width) < 0.012 for width in widths)
 
 
-def is_free(surface: np.ndarray, grasp: Grasp) -> bool:
+def is_free(surface: np.ndarray, grasp: GraspFromAbove) -> bool:
     """Whether nothing is where the fingers and the palm of a gripper from above would be.
 
     Args:
@@ -154,7 +154,7 @@ def surface_points(pieces: Sequence[Convex]) -> np.ndarray:
     return together[np.unique(cells @ np.array([1, 1 << 20, 1 << 40]), return_index=True)[1]]
 
 
-def _apart(grasps: Sequence[Grasp]) -> list[Grasp]:
+def _apart(grasps: Sequence[GraspFromAbove]) -> list[GraspFromAbove]:
     """The first grasp and another at least a finger's width from it, if there is one."""
     first = list(grasps[:1])
     others = [g for g in grasps[1:] if np.linalg.norm(g.position - first[0].position) >= FINGER_WIDTH]

@@ -21,7 +21,7 @@ from vcage.objects.asset import Asset
 from vcage.objects.importers import Imported, robotwin_articulated, robotwin_rigid
 from vcage.objects.importers.converted import Converted
 from vcage.objects.importers.robotwin_data import read_object
-from vcage.objects.importers.robotwin_names import NUMBERED, Names, called, identifier, plural, unique
+from vcage.objects.importers.robotwin_names import NUMBERED, TakenNames, called, identifier, plural, unique
 from vcage.objects.importers.robotwin_points import same_points
 from vcage.objects.library import imported_objects
 from vcage.objects.model import read_model, schema_errors, write_model
@@ -47,20 +47,20 @@ def import_robotwin(
         InputFileError: the folder is missing, or holds no object.
     """
     into = imported_objects() if into is None else Path(into)
-    folders = object_folders(Path(folder))
+    folders = robotwin_folders(Path(folder))
     done: list[Imported] = []
     for i, source in enumerate(folders):
         progress(source.name, i, len(folders))
         name, warnings = identifier(source), list[str]()
         try:
-            written = _import(source, into, Names(into, done, force), warnings.append)
+            written = _import(source, into, TakenNames(into, done, force), warnings.append)
             done += [Imported(own, into / own, warnings if own == name else []) for own in written]
         except InputFileError as error:
             done.append(Imported(name, into / name, warnings, error))
     return done
 
 
-def object_folders(folder: Path) -> list[Path]:
+def robotwin_folders(folder: Path) -> list[Path]:
     """The folders of the objects that lie in a folder, or that folder itself.
 
     Raises:
@@ -91,7 +91,7 @@ def _is_object(folder: Path) -> bool:
     return bool(robotwin_rigid.variant_numbers(folder)) or any(folder.glob("*/mobility.urdf"))
 
 
-def _import(source: Path, into: Path, names: Names, tell: Callable[[str], None]) -> list[str]:
+def _import(source: Path, into: Path, names: TakenNames, tell: Callable[[str], None]) -> list[str]:
     """Write the objects that a folder becomes; returns their names.
 
     Args:

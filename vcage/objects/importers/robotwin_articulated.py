@@ -21,14 +21,14 @@ from vcage.objects.importers.component_hulls import component_hulls, hulls_of_su
 from vcage.objects.importers.converted import (
     Converted,
     centred,
-    check_size,
+    check_scale,
     estimated_mass,
     pieces_by_part,
 )
 from vcage.objects.importers.looks import colour_word, parts_of
 from vcage.objects.importers.robotwin_data import ModelData, RawPoint, mismatch, read_model_data
 from vcage.objects.importers.robotwin_names import unique
-from vcage.objects.importers.robotwin_points import Placed, contact_points, functional_points, placed
+from vcage.objects.importers.robotwin_points import Placed, contact_points, functional_points, scaled_point
 from vcage.objects.importers.urdf import Shape, Urdf, UrdfJoint, read_urdf
 from vcage.objects.modelling.parts import BuiltObject, MovingPart, Part
 from vcage.schema.asset import Joint, Variant
@@ -44,7 +44,7 @@ DAMPING, FRICTION = {"slide": 20.0, "turn": 1.0}, {"slide": 1.0, "turn": 0.3}
 
 
 @dataclass(frozen=True)
-class Pose:
+class RestPose:
     """An articulated object at rest.
 
     Args:
@@ -79,7 +79,7 @@ def convert(folder: Path, info: dict[str, Any], tell: Callable[[str], None]) -> 
     urdf = read_urdf(folder / "mobility.urdf")
     pose = _at_rest(urdf, model)
     built, origin = centred(_built(urdf, model, pose))
-    check_size(model.file.path, built, model.scale_assumed)
+    check_scale(model.file.path, built, model.scale_assumed)
     bounds, pieces = built.bounds, pieces_by_part(built)
     return Converted(
         Variant(id=_identifier(folder.name), colour=colour_word([p for b in (built, *built.moving) for p in b.parts])),
@@ -90,7 +90,7 @@ def convert(folder: Path, info: dict[str, Any], tell: Callable[[str], None]) -> 
     )
 
 
-def _placed(raws: Sequence[RawPoint], model: ModelData, pose: Pose, origin: np.ndarray) -> list[Placed]:
+def _placed(raws: Sequence[RawPoint], model: ModelData, pose: RestPose, origin: np.ndarray) -> list[Placed]:
     points = []
     for raw in raws:
         if raw.base not in pose.frames:
@@ -99,14 +99,14 @@ def _placed(raws: Sequence[RawPoint], model: ModelData, pose: Pose, origin: np.n
             continue
         frame = pose.frames[raw.base].copy()
         frame[:3, 3] -= origin
-        points.append(placed(model, raw, frame, pose.names.get(pose.bodies[raw.base])))
+        points.append(scaled_point(model, raw, frame, pose.names.get(pose.bodies[raw.base])))
     return points
 
 
 # --- kinematics --------------------------------------------------------------------------------------------
 
 
-def _at_rest(urdf: Urdf, model: ModelData) -> Pose:
+def _at_rest(urdf: Urdf, model: ModelData) -> RestPose:
     scale, rest = float(model.scale[0]), _rest(urdf, model)
     root = np.eye(4)
     root[:3, :3] = model.transform @ FACING_US
@@ -118,7 +118,7 @@ def _at_rest(urdf: Urdf, model: ModelData) -> Pose:
         bodies[joint.child] = joint.child if moves else bodies[joint.parent]
         if moves:
             names[joint.child] = unique(_identifier(joint.child), names.values())
-    return Pose(frames, rest, bodies, names)
+    return RestPose(frames, rest, bodies, names)
 
 
 def _rest(urdf: Urdf, model: ModelData) -> dict[str, float]:
@@ -176,20 +176,20 @@ def _identifier(name: str) -> str:
 # --- bodies ------------------------------------------------------------------------------------------------
 
 
-def _built(urdf: Urdf, model: ModelData, pose: Pose) -> BuiltObject:
+def _built(urdf: Urdf, model: ModelData, pose: RestPose) -> BuiltObject:
     parts, hulls = _geometry(urdf, urdf.root, model, pose)
     moving = [_moving(urdf, joint, model, pose) for joint in urdf.moving if joint.name in pose.rest]
     return BuiltObject(parts, hulls, _mass(urdf.root, hulls, model, pose), moving=moving)
 
 
-def _moving(urdf: Urdf, joint: UrdfJoint, model: ModelData, pose: Pose) -> MovingPart:
+def _moving(urdf: Urdf, joint: UrdfJoint, model: ModelData, pose: RestPose) -> MovingPart:
     parts, hulls = _geometry(urdf, joint.child, model, pose)
     name, parent = pose.names[joint.child], pose.names.get(pose.bodies[joint.parent])
     mass = _mass(joint.child, hulls, model, pose)
     return MovingPart(name, parts, hulls, mass, _our_joint(urdf, joint, model, pose), parent)
 
 
-def _our_joint(urdf: Urdf, joint: UrdfJoint, model: ModelData, pose: Pose) -> Joint:
+def _our_joint(urdf: Urdf, joint: UrdfJoint, model: ModelData, pose: RestPose) -> Joint:
     frame, rest = pose.frames[joint.child], pose.rest[joint.name]
     lower, upper = _limits(urdf, joint, model)
     kind = "slide" if joint.kind == "prismatic" else "turn"
@@ -207,13 +207,13 @@ def _our_joint(urdf: Urdf, joint: UrdfJoint, model: ModelData, pose: Pose) -> Jo
     )
 
 
-def _mass(lead: str, hulls: Sequence[trimesh.Trimesh], model: ModelData, pose: Pose) -> float:
+def _mass(lead: str, hulls: Sequence[trimesh.Trimesh], model: ModelData, pose: RestPose) -> float:
     if not model.mass:
         return estimated_mass(hulls)
     return sum(model.mass.get(link, LINK_MASS) for link, body in pose.bodies.items() if body == lead)
 
 
-def _geometry(urdf: Urdf, lead: str, model: ModelData, pose: Pose) -> tuple[list[Part], list[trimesh.Trimesh]]:
+def _geometry(urdf: Urdf, lead: str, model: ModelData, pose: RestPose) -> tuple[list[Part], list[trimesh.Trimesh]]:
     """What is seen and what is solid of the body that a link leads."""
     parts, hulls = [], []
     for link in (link for link, body in pose.bodies.items() if body == lead):

@@ -61,7 +61,7 @@ def _is_latin(name: str) -> bool:
     return re.search(r"[a-z0-9]", name.lower()) is not None
 
 
-class Names:
+class TakenNames:
     """Which names are taken, and by what.
 
     Args:

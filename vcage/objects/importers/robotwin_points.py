@@ -53,7 +53,7 @@ class Placed:
     link: str | None
 
 
-def placed(model: ModelData, raw: RawPoint, frame: np.ndarray, link: str | None) -> Placed:
+def scaled_point(model: ModelData, raw: RawPoint, frame: np.ndarray, link: str | None) -> Placed:
     """A point of a variant whose scale is known.
 
     Args:

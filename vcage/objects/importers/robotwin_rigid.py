@@ -19,13 +19,13 @@ from vcage.objects.importers.component_hulls import MANY, component_hulls, hulls
 from vcage.objects.importers.converted import (
     Converted,
     centred,
-    check_size,
+    check_scale,
     estimated_mass,
     pieces_by_part,
 )
 from vcage.objects.importers.looks import colour_word, load_surfaces, parts_of
 from vcage.objects.importers.robotwin_data import ModelData, read_model_data
-from vcage.objects.importers.robotwin_points import contact_points, functional_points, placed
+from vcage.objects.importers.robotwin_points import contact_points, functional_points, scaled_point
 from vcage.objects.modelling.parts import BuiltObject
 from vcage.objects.packages.surfaces import Y_UP_TO_Z_UP
 from vcage.schema.asset import Variant
@@ -56,13 +56,13 @@ def convert(folder: Path, number: str, info: dict[str, Any], tell: Callable[[str
     surfaces = load_surfaces(_visual(folder, number, model))
     parts = parts_of(surfaces, linear, np.zeros(3))
     hulls = _collision(folder, number, linear, surfaces, model)
-    check_size(model.file.path, BuiltObject(parts, hulls, 0.0), model.scale_assumed)
+    check_scale(model.file.path, BuiltObject(parts, hulls, 0.0), model.scale_assumed)
     built, origin = centred(BuiltObject(parts, hulls, estimated_mass(hulls)))
     bounds = built.bounds
     frame = np.eye(4)
     frame[:3, :3], frame[:3, 3] = Y_UP_TO_Z_UP, -origin
-    contacts = [placed(model, raw, frame, None) for raw in model.contacts]
-    functionals = [placed(model, raw, frame, None) for raw in model.functionals]
+    contacts = [scaled_point(model, raw, frame, None) for raw in model.contacts]
+    functionals = [scaled_point(model, raw, frame, None) for raw in model.functionals]
     return Converted(
         Variant(id=f"base{number}", colour=colour_word(parts)),
         built,

@@ -16,7 +16,7 @@ from vcage.base.progress import Progress, silent
 from vcage.objects.convex import Convex
 from vcage.objects.importers import Imported
 from vcage.objects.importers.converted import DENSITY, LEAST_MASS, MOST_MASS
-from vcage.objects.importers.grasps import THINNEST, WIDEST, contact_points
+from vcage.objects.importers.grasps import THINNEST, WIDEST, contact_points_from_above
 from vcage.objects.library import imported_objects
 from vcage.objects.packages.ycb import Ycb
 from vcage.schema.asset import Annotation, PackageModel, Variant, Words
@@ -93,7 +93,7 @@ def _import(package: Ycb, model: str, folder: Path, force: bool) -> list[str]:
     colour = list(COLOURS)[position % len(COLOURS)]
     source = PackageModel(model=model, mass=1.0, colour=COLOURS[colour])
     built = package.built(source)
-    contacts = contact_points([Convex.of(piece.vertices - built.bottom_centre) for piece in built.hulls])
+    contacts = contact_points_from_above([Convex.of(piece.vertices - built.bottom_centre) for piece in built.hulls])
     half_of_the_box = np.prod(np.ptp(built.bounds, axis=0)) / 2
     mass = float(np.clip(DENSITY * half_of_the_box, LEAST_MASS, MOST_MASS).round(3))
     annotation = Annotation(

@@ -16,7 +16,7 @@ from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import KDTree
 
-from vcage.objects.packages.surfaces import Surface, welded
+from vcage.objects.packages.surfaces import MaterialSurface, welded
 
 AGGRESSIVENESS = (4, 7, 10)
 """Tried in turn: the gentlest that reaches the number of triangles asked for keeps the shape best."""
@@ -31,7 +31,7 @@ SIDE_WEIGHT = 0.004
 """Metres that a reversed normal counts as when the nearest old triangle is looked for: both sides of a thin wall."""
 
 
-def decimated(surfaces: Sequence[Surface], most: int) -> list[Surface]:
+def decimated(surfaces: Sequence[MaterialSurface], most: int) -> list[MaterialSurface]:
     """Surfaces of together at most ``most`` triangles; each gives in proportion to what it has.
 
     Surfaces that collapse to nothing are left out.
@@ -47,7 +47,7 @@ def decimated(surfaces: Sequence[Surface], most: int) -> list[Surface]:
     return [surface for surface in fewer if len(surface.corners)]
 
 
-def _simplified(surface: Surface, most: int) -> Surface:
+def _simplified(surface: MaterialSurface, most: int) -> MaterialSurface:
     mesh, kept = welded(surface.corners)
     if len(mesh.faces) <= most:
         return replace(surface, corners=surface.corners[kept], uv=None if surface.uv is None else surface.uv[kept])

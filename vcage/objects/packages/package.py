@@ -15,7 +15,7 @@ from vcage.base.errors import InputFileError
 from vcage.objects.hulls import convex_pieces
 from vcage.objects.modelling.parts import BuiltObject
 from vcage.objects.packages.decimation import decimated
-from vcage.objects.packages.surfaces import Surface, fitted, part_of, rotation, turned
+from vcage.objects.packages.surfaces import MaterialSurface, euler_rotation, part_of, stretched, turned
 from vcage.schema.asset import PackageModel
 
 MOST_TRIANGLES = 5900
@@ -85,9 +85,9 @@ class Package(ABC):
                 hint="fetch it: vcage setup assets; or mend the field package.model of the annotation",
                 details={"package": self.name, "model": model.model},
             )
-        surfaces = turned(self._surfaces(model), rotation(model.turn))
+        surfaces = turned(self._surfaces(model), euler_rotation(model.turn))
         if model.size is not None:
-            surfaces = fitted(surfaces, model.size)
+            surfaces = stretched(surfaces, model.size)
         surfaces = decimated(surfaces, MOST_TRIANGLES)
         corners = np.concatenate([surface.corners for surface in surfaces])
         parts = [part_of(surface) for surface in surfaces]
@@ -118,7 +118,7 @@ class Package(ABC):
         """Path under :meth:`folder` that is there when a model was fetched; None if none has that id."""
 
     @abstractmethod
-    def _surfaces(self, model: PackageModel) -> Sequence[Surface]:
+    def _surfaces(self, model: PackageModel) -> Sequence[MaterialSurface]:
         """A model's surfaces in metres, z up, as large as the package says."""
 
     @abstractmethod

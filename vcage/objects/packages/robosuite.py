@@ -8,7 +8,7 @@ from pathlib import Path
 
 from vcage.base.errors import FetchFailed
 from vcage.objects.packages.package import Credit, Package
-from vcage.objects.packages.surfaces import Surface, read_surfaces
+from vcage.objects.packages.surfaces import MaterialSurface, read_surfaces
 from vcage.schema.asset import PackageModel
 from vcage.setup import python_index
 
@@ -48,7 +48,7 @@ class Robosuite(Package):
     def _file(self, model: str) -> str | None:
         return f"{model}.obj"
 
-    def _surfaces(self, model: PackageModel) -> Sequence[Surface]:
+    def _surfaces(self, model: PackageModel) -> Sequence[MaterialSurface]:
         return read_surfaces(self.folder() / f"{model.model}.obj")
 
     def _credit(self, model: str) -> Credit:

@@ -28,7 +28,7 @@ PLAIN = 4
 
 
 @dataclass(frozen=True)
-class Surface:
+class MaterialSurface:
     """Triangles with one material.
 
     Args:
@@ -44,7 +44,7 @@ class Surface:
     roughness: float = 0.6
 
 
-def read_surfaces(path: Path) -> list[Surface]:
+def read_surfaces(path: Path) -> list[MaterialSurface]:
     """The surfaces of a model's file, in its own frame and unit, one for each material.
 
     Raises:
@@ -61,16 +61,16 @@ def read_surfaces(path: Path) -> list[Surface]:
     return surfaces
 
 
-def _surface(mesh: trimesh.Trimesh) -> Surface:
+def _surface(mesh: trimesh.Trimesh) -> MaterialSurface:
     corners = np.asarray(mesh.vertices, dtype=np.float64)[mesh.faces]
     material = getattr(mesh.visual, "material", None)
     picture = getattr(material, "image", None)
     uv = getattr(mesh.visual, "uv", None)
     roughness = _roughness(material)
     if picture is not None and uv is not None:
-        return Surface(corners, np.asarray(uv)[mesh.faces], opaque(picture), roughness)
+        return MaterialSurface(corners, np.asarray(uv)[mesh.faces], opaque(picture), roughness)
     colour = getattr(material, "diffuse", None)
-    return Surface(corners, None, plain((204, 204, 204) if colour is None else colour[:3]), roughness)
+    return MaterialSurface(corners, None, plain((204, 204, 204) if colour is None else colour[:3]), roughness)
 
 
 def _roughness(material: object) -> float:
@@ -96,18 +96,18 @@ def opaque(picture: Image.Image) -> np.ndarray:
 # --- turning and scaling -------------------------------------------------------------------------------------
 
 
-def turned(surfaces: Sequence[Surface], rotation: np.ndarray) -> list[Surface]:
+def turned(surfaces: Sequence[MaterialSurface], rotation: np.ndarray) -> list[MaterialSurface]:
     """Surfaces under a rotation (3, 3)."""
     return [replace(surface, corners=surface.corners @ np.asarray(rotation).T) for surface in surfaces]
 
 
-def rotation(degrees: Sequence[float]) -> np.ndarray:
+def euler_rotation(degrees: Sequence[float]) -> np.ndarray:
     """(3, 3) of turns about x, then y, then z, the axes of the room."""
     turns = [trimesh.transformations.rotation_matrix(np.radians(a), axis) for a, axis in zip(degrees, np.eye(3))]
     return (turns[2] @ turns[1] @ turns[0])[:3, :3]
 
 
-def fitted(surfaces: Sequence[Surface], size: Sequence[float]) -> list[Surface]:
+def stretched(surfaces: Sequence[MaterialSurface], size: Sequence[float]) -> list[MaterialSurface]:
     """Surfaces stretched to a bounding box with these edge lengths, its lower corner at the origin."""
     points = np.concatenate([surface.corners.reshape(-1, 3) for surface in surfaces])
     lower, edges = points.min(axis=0), np.ptp(points, axis=0)
@@ -118,7 +118,7 @@ def fitted(surfaces: Sequence[Surface], size: Sequence[float]) -> list[Surface]:
 # --- parts ---------------------------------------------------------------------------------------------------
 
 
-def part_of(surface: Surface) -> Part:
+def part_of(surface: MaterialSurface) -> Part:
     """A part with normals of its own; the model's are not always there."""
     mesh, kept = welded(surface.corners)
     uv = np.full((len(kept), 3, 2), 0.5) if surface.uv is None else surface.uv[kept]

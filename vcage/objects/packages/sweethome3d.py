@@ -17,7 +17,7 @@ import numpy as np
 
 from vcage.base.errors import FetchFailed
 from vcage.objects.packages.package import Credit, Package
-from vcage.objects.packages.surfaces import Y_UP_TO_Z_UP, Surface, fitted, read_surfaces, turned
+from vcage.objects.packages.surfaces import Y_UP_TO_Z_UP, MaterialSurface, read_surfaces, stretched, turned
 from vcage.schema.asset import PackageModel
 from vcage.setup import apt
 
@@ -53,7 +53,7 @@ class SweetHome3D(Package):
 
     def _extract(self, archive: Path, models: set[str], folder: Path) -> None:
         unpacked = archive.parent / "unpacked"
-        apt.unpack(archive, unpacked)
+        apt.unpack_deb(archive, unpacked)
         libraries = sorted((unpacked / LIBRARIES).glob("*.sh3f"))
         if not libraries:
             raise FetchFailed(f"{archive.name} holds no furniture library under {LIBRARIES}")
@@ -67,10 +67,10 @@ class SweetHome3D(Package):
         entry = _catalogue(self.folder()).get(model)
         return entry and entry[0]
 
-    def _surfaces(self, model: PackageModel) -> Sequence[Surface]:
+    def _surfaces(self, model: PackageModel) -> Sequence[MaterialSurface]:
         path, entry = _catalogue(self.folder())[model.model]
         upright = turned(read_surfaces(self.folder() / path), Y_UP_TO_Z_UP @ entry.rotation)
-        return fitted(upright, entry.size)
+        return stretched(upright, entry.size)
 
     def _credit(self, model: str) -> Credit:
         _, entry = _catalogue(self.folder())[model]

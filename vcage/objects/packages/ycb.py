@@ -12,7 +12,7 @@ from pathlib import Path, PurePosixPath
 
 from vcage.base.errors import FetchFailed
 from vcage.objects.packages.package import Credit, Package
-from vcage.objects.packages.surfaces import Surface, plain, read_surfaces
+from vcage.objects.packages.surfaces import MaterialSurface, plain, read_surfaces
 from vcage.schema.asset import PackageModel
 from vcage.setup import python_index
 
@@ -50,7 +50,7 @@ class Ycb(Package):
     def _file(self, model: str) -> str | None:
         return f"{model}.stl"
 
-    def _surfaces(self, model: PackageModel) -> Sequence[Surface]:
+    def _surfaces(self, model: PackageModel) -> Sequence[MaterialSurface]:
         surfaces = read_surfaces(self.folder() / f"{model.model}.stl")
         return [replace(surface, texture=plain(model.colour or (190, 190, 190))) for surface in surfaces]
 

@@ -16,7 +16,7 @@ from vcage.sim.trajectory import Trajectory
 from vcage.tasks.grasps import command_of
 from vcage.tasks.primitives.handles import Handle, OperatingWay, operating_ways
 from vcage.tasks.scene_objects import SceneObject
-from vcage.tasks.workcell import CAREFUL, TaskFailed, Workcell, joined
+from vcage.tasks.workcell import CAREFUL, TaskFailed, Workcell, first_reasons
 
 SLOW = 0.4
 """Share of the speed limit while a part is moved."""
@@ -133,7 +133,7 @@ class Operation:
         plans = clear + others
         if not plans:
             named = f"{self._contact.name!r} of {self._thing.record.phrase}"
-            raise TaskFailed("plan", f"no way to operate {named} can be planned: {joined(reasons)}")
+            raise TaskFailed("plan", f"no way to operate {named} can be planned: {first_reasons(reasons)}")
         return plans[attempt % len(plans)]
 
     def _plans(self, arms: Sequence[str]) -> Iterator[_Plan | str]:

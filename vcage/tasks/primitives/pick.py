@@ -13,7 +13,7 @@ from vcage.sim.motion import Load, MotionFailed
 from vcage.sim.trajectory import Trajectory
 from vcage.tasks.grasps import GraspPose, approach_opening, command_of, grasp_poses
 from vcage.tasks.scene_objects import SceneObject
-from vcage.tasks.workcell import CAREFUL, TaskFailed, Workcell, failing_at, joined
+from vcage.tasks.workcell import CAREFUL, TaskFailed, Workcell, failing_at, first_reasons
 
 CLEARANCE = 0.03
 """Metres between what is carried and the highest thing on the table."""
@@ -99,7 +99,7 @@ def plan_pick(cell: Workcell, target: SceneObject, grasps: Sequence[tuple[int, s
             if isinstance(plan, PickPlan):
                 return plan
             reasons.append(plan)
-    raise TaskFailed("plan", f"no grasp of {target.record.phrase} can be planned: {joined(reasons)}")
+    raise TaskFailed("plan", f"no grasp of {target.record.phrase} can be planned: {first_reasons(reasons)}")
 
 
 def _plans(cell: Workcell, target: SceneObject, contact_id: int, arm: str) -> Iterator[PickPlan | str]:

@@ -14,7 +14,7 @@ from vcage.sim.trajectory import Trajectory
 from vcage.tasks.grasps import approach_opening, command_of, hand_boxes
 from vcage.tasks.primitives.pick import Grip, feel, transfer_height
 from vcage.tasks.scene_objects import SceneObject, SolidBox
-from vcage.tasks.workcell import CAREFUL, TaskFailed, Workcell, failing_at, joined
+from vcage.tasks.workcell import CAREFUL, TaskFailed, Workcell, failing_at, first_reasons
 
 SET_DOWN = 0.004
 """Metres above its support at which an object is let go when nothing is in the way."""
@@ -126,7 +126,7 @@ def plan_place(cell: Workcell, grip: Grip, receptacle: SceneObject, point: int, 
             return PlacePlan(grip, receptacle.id, way, carry, planner.line(carry.end, way.release, careful))
         except MotionFailed as error:
             reasons.append(error.message)
-    raise TaskFailed("plan", f"{grip.object_id} cannot be brought to {receptacle.id}: {joined(reasons)}")
+    raise TaskFailed("plan", f"{grip.object_id} cannot be brought to {receptacle.id}: {first_reasons(reasons)}")
 
 
 def carry_out_place(cell: Workcell, plan: PlacePlan) -> None:
