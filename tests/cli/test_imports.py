@@ -79,7 +79,7 @@ def test_names_of_the_ycb_set_are_handed_on(tmp_path, capsys, monkeypatch):
 
     asked = []
 
-    def import_ycb(names, into, progress, *, force):
+    def import_ycb(names, gripper, into, progress, *, force):
         asked.append((names, into, force))
         return [Imported("ycb_banana", tmp_path / "ycb_banana")]
 

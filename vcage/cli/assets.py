@@ -221,6 +221,7 @@ class ImportAssets(Command):
         """
         from vcage.objects.importers.robotwin import import_robotwin
         from vcage.objects.importers.ycb import import_ycb
+        from vcage.sim.robots import load_robot, load_template
 
         if self.source == "robotwin" and len(self.what) != 1:
             raise UsageError(
@@ -229,7 +230,9 @@ class ImportAssets(Command):
             )
         with progress("importing") as show:
             if self.source == "ycb":
-                entries = import_ycb(list(self.what), self.into, show, force=self.force)
+                robot = load_robot(load_template("table").robot)
+                gripper = next(iter(robot.arms.values())).gripper
+                entries = import_ycb(list(self.what), gripper, self.into, show, force=self.force)
             else:
                 entries = import_robotwin(folder(self.what[0]), self.into, show, force=self.force)
         return report(entries, self.into)

@@ -8,6 +8,9 @@ import trimesh
 
 from vcage.objects.convex import Convex
 from vcage.objects.importers.grasps import GraspFromAbove, contact_points_from_above, is_free, surface_points
+from vcage.sim.robots import load_robot
+
+GRIPPER = load_robot("dual_panda").arms["left"].gripper
 
 
 def box(size: tuple[float, float, float], at: tuple[float, float, float] = (0, 0, 0)) -> Convex:
@@ -17,39 +20,49 @@ def box(size: tuple[float, float, float], at: tuple[float, float, float] = (0, 0
 
 
 def test_a_narrow_box_is_grasped_across_its_middle() -> None:
-    first, *_ = contact_points_from_above([box((0.04, 0.15, 0.06))])
+    first, *_ = contact_points_from_above([box((0.04, 0.15, 0.06))], GRIPPER)
     assert first.closing == (1.0, 0.0, 0.0) and first.approach == (0.0, 0.0, -1.0)
     assert first.position[:2] == pytest.approx((0, 0), abs=0.004)
     assert first.position[2] == pytest.approx(0.035, abs=0.004)
 
 
 def test_a_box_that_is_narrow_both_ways_is_grasped_both_ways() -> None:
-    assert {point.closing for point in contact_points_from_above([box((0.04, 0.05, 0.06))])} == {(1, 0, 0), (0, 1, 0)}
+    assert {point.closing for point in contact_points_from_above([box((0.04, 0.05, 0.06))], GRIPPER)} == {
+        (1, 0, 0),
+        (0, 1, 0),
+    }
 
 
 def test_what_is_wider_than_the_gripper_has_no_grasp() -> None:
-    assert contact_points_from_above([box((0.1, 0.12, 0.06))]) == []
+    assert contact_points_from_above([box((0.1, 0.12, 0.06))], GRIPPER) == []
+
+
+def test_a_gripper_that_opens_wider_grasps_what_is_wider() -> None:
+    wider = GRIPPER.model_copy(update={"max_width": 0.14})
+    assert contact_points_from_above([box((0.1, 0.12, 0.06))], wider)
 
 
 def test_what_lies_too_flat_has_no_grasp() -> None:
-    assert contact_points_from_above([box((0.04, 0.12, 0.006))]) == []
+    assert contact_points_from_above([box((0.04, 0.12, 0.006))], GRIPPER) == []
 
 
 def test_a_wall_beside_the_material_keeps_the_finger_out() -> None:
     block, wall = box((0.04, 0.04, 0.06)), box((0.01, 0.2, 0.06), (0.035, 0, 0))
     surface = surface_points([block, wall])
     position = np.array([0, 0, 0.035])
-    assert not is_free(surface, GraspFromAbove("x", position, np.array([1.0, 0, 0]), 0.04))
-    assert is_free(surface, GraspFromAbove("y", position, np.array([0, 1.0, 0]), 0.04))
+    assert not is_free(surface, GraspFromAbove("x", position, np.array([1.0, 0, 0]), 0.04), GRIPPER)
+    assert is_free(surface, GraspFromAbove("y", position, np.array([0, 1.0, 0]), 0.04), GRIPPER)
 
 
 def test_a_tower_above_the_grasp_keeps_the_palm_out() -> None:
     surface = surface_points([box((0.04, 0.15, 0.04)), box((0.02, 0.02, 0.12))])
-    assert not is_free(surface, GraspFromAbove("x", np.array([0, 0, 0.03]), np.array([1.0, 0, 0]), 0.04))
-    assert is_free(surface, GraspFromAbove("x", np.array([0, 0.06, 0.03]), np.array([1.0, 0, 0]), 0.04))
+    assert not is_free(surface, GraspFromAbove("x", np.array([0, 0, 0.03]), np.array([1.0, 0, 0]), 0.04), GRIPPER)
+    assert is_free(surface, GraspFromAbove("x", np.array([0, 0.06, 0.03]), np.array([1.0, 0, 0]), 0.04), GRIPPER)
 
 
 def test_the_second_grasp_is_a_finger_away_from_the_first() -> None:
-    points = [point for point in contact_points_from_above([box((0.04, 0.15, 0.06))]) if point.closing == (1, 0, 0)]
+    points = [
+        point for point in contact_points_from_above([box((0.04, 0.15, 0.06))], GRIPPER) if point.closing == (1, 0, 0)
+    ]
     assert len(points) == 2
     assert np.linalg.norm(np.subtract(points[0].position, points[1].position)) >= 0.022

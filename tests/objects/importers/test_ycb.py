@@ -12,6 +12,9 @@ from vcage.objects.importers.ycb import identifier, import_ycb
 from vcage.objects.library import Library
 from vcage.objects.packages.ycb import Ycb
 from vcage.schema.asset import Annotation
+from vcage.sim.robots import load_robot
+
+GRIPPER = load_robot("dual_panda").arms["left"].gripper
 
 
 @pytest.fixture(autouse=True)
@@ -32,7 +35,7 @@ def test_names_tell_the_set_and_the_shape() -> None:
 
 
 def test_a_shape_becomes_an_object_that_can_be_grasped(tmp_path: Path) -> None:
-    (done,) = import_ycb(["banana"], tmp_path / "objects")
+    (done,) = import_ycb(["banana"], GRIPPER, tmp_path / "objects")
     assert done.name == "ycb_banana" and done.error is None
     asset = Library.load(tmp_path / "objects").asset("ycb_banana")
     assert asset.size == pytest.approx([0.15, 0.04, 0.04], abs=1e-4)
@@ -41,33 +44,33 @@ def test_a_shape_becomes_an_object_that_can_be_grasped(tmp_path: Path) -> None:
 
 
 def test_words_come_from_the_name(tmp_path: Path) -> None:
-    import_ycb(["073-a_lego_duplo"], tmp_path)
+    import_ycb(["073-a_lego_duplo"], GRIPPER, tmp_path)
     words = Annotation.read(tmp_path / "ycb_lego_duplo_a" / "asset.json").words
     assert (words.name, words.plural) == ("lego duplo A", "lego duplos")
 
 
 def test_without_names_every_shape_is_imported(tmp_path: Path) -> None:
     steps: list[str] = []
-    done = import_ycb((), tmp_path, lambda step, number, total: steps.append(f"{step} {number + 1}/{total}"))
+    done = import_ycb((), GRIPPER, tmp_path, lambda step, number, total: steps.append(f"{step} {number + 1}/{total}"))
     assert len(done) == 3 and steps[0] == "011_banana 1/3"
 
 
 def test_what_cannot_be_grasped_is_imported_with_a_warning(tmp_path: Path) -> None:
-    (done,) = import_ycb(["073-b_lego_duplo"], tmp_path)
+    (done,) = import_ycb(["073-b_lego_duplo"], GRIPPER, tmp_path)
     assert any("field contact_points: none found" in warning for warning in done.warnings)
 
 
 def test_an_object_that_is_there_is_kept_unless_forced(tmp_path: Path) -> None:
-    import_ycb(["banana"], tmp_path)
-    (refused,) = import_ycb(["banana"], tmp_path)
+    import_ycb(["banana"], GRIPPER, tmp_path)
+    (refused,) = import_ycb(["banana"], GRIPPER, tmp_path)
     assert refused.error is not None and "--force" in refused.error.hint
-    (replaced,) = import_ycb(["banana"], tmp_path, force=True)
+    (replaced,) = import_ycb(["banana"], GRIPPER, tmp_path, force=True)
     assert replaced.error is None
 
 
 def test_an_unknown_shape_is_refused_with_those_that_exist(tmp_path: Path) -> None:
     with pytest.raises(UnknownName, match="011_banana"):
-        import_ycb(["bananna"], tmp_path)
+        import_ycb(["bananna"], GRIPPER, tmp_path)
 
 
 def test_a_set_that_cannot_be_fetched_is_an_error(
@@ -80,4 +83,4 @@ def test_a_set_that_cannot_be_fetched_is_an_error(
         path.unlink()
     monkeypatch.setattr(Ycb, "fetch", fails)
     with pytest.raises(FetchFailed, match="no answer"):
-        import_ycb(["banana"], tmp_path)
+        import_ycb(["banana"], GRIPPER, tmp_path)

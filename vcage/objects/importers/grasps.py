@@ -1,7 +1,8 @@
 """Where a gripper can grasp a shape from above, found by trying: for objects that nobody has annotated.
 
 The shape is known by its convex pieces. A try closes the fingers along x or y at a place of a grid and is kept when the
-material fits between them, and neither the fingers on their way down nor the palm above meet anything.
+material fits between them, and neither the fingers on their way down nor the palm above meet anything. How large hand
+and fingers are is the robot's (:class:`vcage.schema.robot.Gripper`).
 """
 
 from __future__ import annotations
@@ -14,18 +15,16 @@ import numpy as np
 from vcage.objects.convex import Convex
 from vcage.objects.openings import grasped_width, material_along
 from vcage.schema.asset import ContactPoint
+from vcage.schema.robot import Gripper
 
-THINNEST, WIDEST = 0.008, 0.07
-"""Material between the fingers, metres: the gripper opens 8 cm."""
+THINNEST = 0.008
+"""Material between the fingers, metres."""
 
-FINGER_WIDTH, FINGER_DEPTH = 0.022, 0.022
-"""Of one finger, across the closing axis and along it outside the material, metres."""
+FINGER_ROOM = 0.01
+"""How much wider than the material the fingers open at least, metres."""
 
-TIP = 0.0095
-"""How far the fingers reach beyond the point between them, metres."""
-
-PALM_HEIGHT, PALM_LENGTH, PALM_WIDTH = 0.036, 0.20, 0.064
-"""The palm: how high it is above the point between the fingers, and how long along and wide across closing, metres."""
+PALM_ROOM = 0.001
+"""The palm stays so far above what is under it, metres."""
 
 DEPTH, LEAST_DEPTH = 0.025, 0.005
 """How far under the top of the material a grasp is best, and must be, metres."""
@@ -56,10 +55,15 @@ class GraspFromAbove:
     width: float
 
 
-def contact_points_from_above(pieces: Sequence[Convex]) -> list[ContactPoint]:
+def widest(gripper: Gripper) -> float:
+    """How wide the material between the fingers may be, metres."""
+    return gripper.max_width - FINGER_ROOM
+
+
+def contact_points_from_above(pieces: Sequence[Convex], gripper: Gripper) -> list[ContactPoint]:
     """At most four contact points from above: the best of each closing axis, then another of each."""
     surface = surface_points(pieces)
-    per_axis = [_apart(grasps_along(pieces, surface, name)) for name in AXES]
+    per_axis = [_apart(grasps_along(pieces, surface, name, gripper), gripper.finger_width) for name in AXES]
     found = [grasps[rank] for rank in (0, 1) for grasps in per_axis if rank < len(grasps)]
     return [
         ContactPoint(
@@ -73,28 +77,34 @@ def contact_points_from_above(pieces: Sequence[Convex]) -> list[ContactPoint]:
     ]
 
 
-def grasps_along(pieces: Sequence[Convex], surface: np.ndarray, name: str) -> list[GraspFromAbove]:
+def grasps_along(pieces: Sequence[Convex], surface: np.ndarray, name: str, gripper: Gripper) -> list[GraspFromAbove]:
     """Grasps that close along one of :data:`AXES`: near the middle and a little under the top come first.
 
     Args:
+        pieces: the shape.
         surface: (n, 3) points all over the pieces, for what is in the way.
+        name: of the axis.
+        gripper: what grasps.
     """
     closing = np.array(AXES[name])
     across = 1 - int(np.argmax(closing))
     lower, upper = surface.min(axis=0), surface.max(axis=0)
     middle = (lower + upper) / 2
-    found = []
+    found: list[GraspFromAbove] = []
     for v in _grid(lower[across] + STEP, upper[across] - STEP):
-        for z in np.arange(lower[2] + TIP + 0.001, upper[2], LEVEL):
+        for z in np.arange(lower[2] + gripper.tip_depth + 0.001, upper[2], LEVEL):
             start = middle.copy()
             start[across], start[2] = v, z
-            found += [(_cost(surface, grasp, middle), grasp) for grasp in _on_line(pieces, start, closing, name)]
-    found = [(cost, grasp) for cost, grasp in found if np.isfinite(cost)]
-    ordered = [grasp for _, grasp in sorted(found, key=lambda pair: (pair[0], tuple(pair[1].position)))]
-    return [grasp for grasp in ordered if is_free(surface, grasp) and _is_steady(pieces, grasp)]
+            found += _on_line(pieces, start, closing, name, widest(gripper))
+    costs = [(_cost(surface, grasp, middle, gripper.finger_width), grasp) for grasp in found]
+    costs = [(cost, grasp) for cost, grasp in costs if np.isfinite(cost)]
+    ordered = [grasp for _, grasp in sorted(costs, key=lambda pair: (pair[0], tuple(pair[1].position)))]
+    return [grasp for grasp in ordered if is_free(surface, grasp, gripper) and _is_steady(pieces, grasp)]
 
 
-def _on_line(pieces: Sequence[Convex], start: np.ndarray, closing: np.ndarray, name: str) -> list[GraspFromAbove]:
+def _on_line(
+    pieces: Sequence[Convex], start: np.ndarray, closing: np.ndarray, name: str, widest: float
+) -> list[GraspFromAbove]:
     """Every stretch of material on a line, and all of them together, that fits between the fingers."""
     stretches = material_along(pieces, start, closing)
     if len(stretches) > 1:
@@ -102,13 +112,13 @@ def _on_line(pieces: Sequence[Convex], start: np.ndarray, closing: np.ndarray, n
     return [
         GraspFromAbove(name, start + closing * (begin + end) / 2, closing, end - begin)
         for begin, end in stretches
-        if THINNEST <= end - begin <= WIDEST
+        if THINNEST <= end - begin <= widest
     ]
 
 
-def _cost(surface: np.ndarray, grasp: GraspFromAbove, middle: np.ndarray) -> float:
+def _cost(surface: np.ndarray, grasp: GraspFromAbove, middle: np.ndarray, finger_width: float) -> float:
     """Metres off the middle, and off the best depth under the top of the material there; infinite at its very top."""
-    near = np.abs(surface[:, :2] - grasp.position[:2]).max(axis=1) < max(FINGER_WIDTH, grasp.width) / 2
+    near = np.abs(surface[:, :2] - grasp.position[:2]).max(axis=1) < max(finger_width, grasp.width) / 2
     top = surface[near, 2].max() if near.any() else grasp.position[2]
     if top - grasp.position[2] < LEAST_DEPTH:
         return np.inf
@@ -123,18 +133,21 @@ def _is_steady(pieces: Sequence[Convex], grasp: GraspFromAbove) -> bool:
     return abs(widths[0] - grasp.width) < 0.002 and all(abs(width - grasp.width) < 0.012 for width in widths)
 
 
-def is_free(surface: np.ndarray, grasp: GraspFromAbove) -> bool:
+def is_free(surface: np.ndarray, grasp: GraspFromAbove, gripper: Gripper) -> bool:
     """Whether nothing is where the fingers and the palm of a gripper from above would be.
 
     Args:
         surface: (n, 3) points all over the shape.
+        grasp: of it.
+        gripper: what grasps; its frame's x lies across closing, its y along it.
     """
     across = np.cross([0.0, 0.0, 1.0], grasp.closing)
     offset = surface - grasp.position
     u, v, z = np.abs(offset @ grasp.closing), np.abs(offset @ across), offset[:, 2]
-    palm = (u < PALM_LENGTH / 2) & (v < PALM_WIDTH / 2) & (z > PALM_HEIGHT)
-    outside = (u > grasp.width / 2 + 0.002) & (u < grasp.width / 2 + FINGER_DEPTH)
-    fingers = outside & (v < FINGER_WIDTH / 2) & (z > -TIP)
+    palm_width, palm_length = gripper.palm_size
+    palm = (u < palm_length / 2) & (v < palm_width / 2) & (z > gripper.finger_length - PALM_ROOM)
+    outside = (u > grasp.width / 2 + 0.002) & (u < grasp.width / 2 + gripper.finger_thickness)
+    fingers = outside & (v < gripper.finger_width / 2) & (z > -gripper.tip_depth)
     return not bool(np.any(palm | fingers))
 
 
@@ -154,10 +167,10 @@ def surface_points(pieces: Sequence[Convex]) -> np.ndarray:
     return together[np.unique(cells @ np.array([1, 1 << 20, 1 << 40]), return_index=True)[1]]
 
 
-def _apart(grasps: Sequence[GraspFromAbove]) -> list[GraspFromAbove]:
-    """The first grasp and another at least a finger's width from it, if there is one."""
+def _apart(grasps: Sequence[GraspFromAbove], distance: float) -> list[GraspFromAbove]:
+    """The first grasp and another at least so far from it, if there is one."""
     first = list(grasps[:1])
-    others = [g for g in grasps[1:] if np.linalg.norm(g.position - first[0].position) >= FINGER_WIDTH]
+    others = [g for g in grasps[1:] if np.linalg.norm(g.position - first[0].position) >= distance]
     return first + others[:1]
 
 

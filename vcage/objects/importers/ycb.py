@@ -16,10 +16,11 @@ from vcage.base.progress import Progress, silent
 from vcage.objects.convex import Convex
 from vcage.objects.importers import Imported
 from vcage.objects.importers.converted import DENSITY, LEAST_MASS, MOST_MASS
-from vcage.objects.importers.grasps import THINNEST, WIDEST, contact_points_from_above
+from vcage.objects.importers.grasps import THINNEST, contact_points_from_above, widest
 from vcage.objects.library import imported_objects
 from vcage.objects.packages.ycb import Ycb
 from vcage.schema.asset import Annotation, PackageModel, Variant, Words
+from vcage.schema.robot import Gripper
 
 PREFIX = "ycb_"
 """Begins the name of every object from the set: many of its kinds we have too."""
@@ -36,12 +37,18 @@ COLOURS: dict[str, tuple[int, int, int]] = {
 
 
 def import_ycb(
-    names: Sequence[str] = (), into: Path | None = None, progress: Progress = silent, *, force: bool = False
+    names: Sequence[str],
+    gripper: Gripper,
+    into: Path | None = None,
+    progress: Progress = silent,
+    *,
+    force: bool = False,
 ) -> list[Imported]:
     """Import shapes of the YCB set; one that cannot be imported does not stop the others.
 
     Args:
         names: ids of shapes (``011_banana``, or ``banana`` where that is enough); all when empty.
+        gripper: what will grasp them.
         into: where the objects go; :func:`vcage.objects.library.imported_objects` when not given.
         progress: called before each shape.
         force: replace objects that were imported before.
@@ -64,7 +71,7 @@ def import_ycb(
         progress(model, number, len(models))
         name = identifier(model)
         try:
-            done.append(Imported(name, into / name, _import(package, model, into / name, force)))
+            done.append(Imported(name, into / name, _import(package, model, gripper, into / name, force)))
         except VcageError as error:
             done.append(Imported(name, into / name, error=error))
     return done
@@ -84,7 +91,7 @@ def _model(name: str, models: Sequence[str]) -> str:
     raise UnknownName("shape of the YCB set", name, fitting or models)
 
 
-def _import(package: Ycb, model: str, folder: Path, force: bool) -> list[str]:
+def _import(package: Ycb, model: str, gripper: Gripper, folder: Path, force: bool) -> list[str]:
     """Write a shape's annotation; returns what was assumed or left out."""
     path = folder / "asset.json"
     if path.exists() and not force:
@@ -93,7 +100,8 @@ def _import(package: Ycb, model: str, folder: Path, force: bool) -> list[str]:
     colour = list(COLOURS)[position % len(COLOURS)]
     source = PackageModel(model=model, mass=1.0, colour=COLOURS[colour])
     built = package.built(source)
-    contacts = contact_points_from_above([Convex.of(piece.vertices - built.bottom_centre) for piece in built.hulls])
+    pieces = [Convex.of(piece.vertices - built.bottom_centre) for piece in built.hulls]
+    contacts = contact_points_from_above(pieces, gripper)
     half_of_the_box = np.prod(np.ptp(built.bounds, axis=0)) / 2
     mass = float(np.clip(DENSITY * half_of_the_box, LEAST_MASS, MOST_MASS).round(3))
     annotation = Annotation(
@@ -104,7 +112,7 @@ def _import(package: Ycb, model: str, folder: Path, force: bool) -> list[str]:
         contact_points=contacts,
     )
     annotation.write(path)
-    return _warnings(path, contacts, mass)
+    return _warnings(path, contacts, mass, widest(gripper))
 
 
 def _words(model: str) -> Words:
@@ -122,11 +130,11 @@ def _words(model: str) -> Words:
     )
 
 
-def _warnings(path: Path, contacts: Sequence[object], mass: float) -> list[str]:
+def _warnings(path: Path, contacts: Sequence[object], mass: float, widest: float) -> list[str]:
     warnings = [f"{path}: field variants.0.package.mass: estimated from the size: {mass:g} kg"]
     if not contacts:
         warnings.append(
-            f"{path}: field contact_points: none found: nothing between {1000 * THINNEST:g} and {1000 * WIDEST:g} mm "
+            f"{path}: field contact_points: none found: nothing between {1000 * THINNEST:g} and {1000 * widest:g} mm "
             "wide is free from above"
         )
     return warnings
