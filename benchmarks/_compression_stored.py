@@ -55,7 +55,8 @@ class Pictures:
 
     def read(self, indices: Sequence[int]) -> NDArray[np.uint8]:
         with h5py.File(self.path) as file:
-            return np.stack([cv2.imdecode(file["pictures"][i], cv2.IMREAD_COLOR)[..., ::-1] for i in indices])
+            pictures = [cv2.imdecode(file["pictures"][i], cv2.IMREAD_COLOR)[..., ::-1] for i in indices]
+            return np.stack(pictures).astype(np.uint8, copy=False)
 
 
 def store_pictures(frames: NDArray[np.uint8], path: Path, extension: str, options: Sequence[int]) -> Pictures:

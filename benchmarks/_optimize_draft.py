@@ -67,7 +67,7 @@ class Draft:
         while len(found) < len(self.kinds):
             for id, container in self.container.items():
                 if container in found:
-                    at, floor = self.contents[container][id], self.kinds[container].opening.floor
+                    at, floor = self.contents[container][id], self.kinds[container].interior.floor
                     found[id] = found[container] * Pose.from_yaw([at.x, at.y, floor], at.yaw)
         return {id: found[id] for id in self.kinds}
 
@@ -111,7 +111,7 @@ class Draft:
 
     def _put(self, kind: Kind, container: str) -> str | None:
         """Put an object of a kind into a container and lay that out anew; None when it does not go in."""
-        opening, inside = self.kinds[container].opening, [*self.contents[container]]
+        opening, inside = self.kinds[container].interior, [*self.contents[container]]
         id = self._name(kind)
         kinds = {other: self.kinds[other] for other in [*inside, id]}
         placed = self._lay_out(container, opening, kinds)

@@ -28,6 +28,17 @@ class Kind:
     opening: Opening | None
     word: RelationWord
 
+    @property
+    def interior(self) -> Opening:
+        """The opening of a container.
+
+        Raises:
+            ValueError: it is none.
+        """
+        if self.opening is None:
+            raise ValueError(f"{self.asset.name} holds nothing")
+        return self.opening
+
     @cached_property
     def rectangle(self) -> np.ndarray:
         """(2, 2) lower and upper corner of the room in the object's frame, metres."""

@@ -49,7 +49,7 @@ def _on_the_table(items: Sequence[TableItem], clean: CleanScene) -> Part:
         target=np.array([item.target for item in items]) + middles,
         bounds=clean.workspace,
         margin=clean.setting.margin,
-        allowed=tuple(item.allowed for item in items),
+        allowed=tuple(None if item.allowed is None else np.asarray(item.allowed) for item in items),
         relations=_plan(items, middles, clean),
     )
     return Part([item.id for item in items], middles, problem)
@@ -58,7 +58,7 @@ def _on_the_table(items: Sequence[TableItem], clean: CleanScene) -> Part:
 def _in_container(items: Sequence[TableItem], container: TableItem) -> Part:
     middles, half = _rectangles(items, container.yaw)
     turn = Pose.from_yaw([0, 0, 0], container.yaw).rotation()[:2, :2]
-    centre, room = np.array(container.opening.centre), np.array(container.opening.size) / 2
+    centre, room = np.array(container.room.centre), np.array(container.room.size) / 2
     problem = LayoutProblem(
         half=half,
         target=(np.array([item.target for item in items]) - container.target) @ turn + middles,

@@ -58,7 +58,7 @@ class Row:
     def record(self) -> dict[str, Any]:
         """The row of the table; None where no scene has the figure."""
         solved = [o for o in self.outcomes if o.longer_solves is None]
-        displacements = [1000 * d for o in solved for d in o.displacements]
+        displacements = [1000 * d for o in solved for d in o.displacements or ()]
         rivals = [o for o in solved if o.rival_ratio is not None]
         ms = [o.ms for o in self.outcomes]
         return {
@@ -106,12 +106,13 @@ def _pooled(rows: Sequence[Row], chosen: Callable[[Row], bool]) -> dict[str, Any
     return Row("", 0.0, 0, 0, [outcome for row in rows if chosen(row) for outcome in row.outcomes]).record()
 
 
-def _share(outcomes: Sequence[Outcome], meets: Callable[[Outcome], bool]) -> float | None:
-    return _rounded([float(meets(o)) for o in outcomes], np.mean, 4)
+def _share(outcomes: Sequence[Outcome], meets: Callable[[Outcome], bool | None]) -> float | None:
+    return _rounded([float(bool(meets(o))) for o in outcomes], np.mean, 4)
 
 
-def _rounded(values: Sequence[float], reduce: Callable[[Sequence[float]], float], digits: int) -> float | None:
-    return round(float(reduce(values)), digits) if values else None
+def _rounded(values: Sequence[float | None], reduce: Callable[[Sequence[float]], float], digits: int) -> float | None:
+    known = [value for value in values if value is not None]
+    return round(float(reduce(known)), digits) if known else None
 
 
 def _p95(values: Sequence[float]) -> float:

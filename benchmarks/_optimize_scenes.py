@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from benchmarks._optimize_checks import PlacedAsset
 from benchmarks._optimize_draft import Draft
@@ -93,7 +94,7 @@ class CleanScene:
         ]
 
     def placed(
-        self, positions: Mapping[str, Sequence[float]], containers: Mapping[str, str | None]
+        self, positions: Mapping[str, ArrayLike], containers: Mapping[str, str | None]
     ) -> dict[str, PlacedAsset]:
         """The objects at positions (x, y, z) of their origins, in their own headings."""
         return {
@@ -116,7 +117,8 @@ class CleanScene:
 
 def _middle(thing: PlacedAsset) -> np.ndarray:
     """(2,) middle of the room of what stands there, in the world."""
-    return thing.pose.apply(np.array([*thing.room.mean(axis=0), 0.0]))[:2]
+    room = thing.asset.bounds[:, :2] if thing.room is None else thing.room
+    return thing.pose.apply(np.array([*room.mean(axis=0), 0.0]))[:2]
 
 
 def draw_scene(

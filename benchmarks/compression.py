@@ -69,9 +69,11 @@ def run(quick: bool, plot: Path | None = None) -> dict[str, Any]:
     _render(chosen)
     jobs = [Job(clip, formats(quick)) for clip in chosen] + [Job(clip) for clip in drawn]
     results = dict(_watched(in_processes(_do, jobs, WORKERS), len(jobs)))
-    figures: dict[str, Any] = {"rows": rows(chain.from_iterable(results[clip.name, "formats"] for clip in chosen))}
+    measured = chain.from_iterable(results[clip.name, "formats"] for clip in chosen)
+    figures: dict[str, Any] = {"rows": rows(one for one in measured if isinstance(one, Measured))}
     if drawn:
-        line = list(chain.from_iterable(results[clip.name, "curve"] for clip in drawn))
+        points = chain.from_iterable(results[clip.name, "curve"] for clip in drawn)
+        line = [point for point in points if isinstance(point, Point)]
         logger.info("curves: %s", draw(line, plot or PLOT))
         figures["curves"] = [vars(point) for point in line]
     return figures

@@ -176,7 +176,7 @@ def _rival(clean: CleanScene, targets: dict[str, np.ndarray], ms: float) -> dict
 
 def _log_failure(clean: CleanScene, seed: Sequence[int], placed: dict[str, PlacedAsset], outcome: Outcome) -> None:
     for what, pairs in (("boxes", outcome.boxes), ("meshes", outcome.meshes)):
-        for a, b in pairs:
+        for a, b in pairs or ():
             logger.info("seed %s: %s of %s and %s collide", seed, what, a, b)
     if not outcome.in_bounds:
         logger.info("seed %s: out of bounds", seed)

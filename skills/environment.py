@@ -76,7 +76,7 @@ def ensure():
         kept[RESTARTED] = "1"
         sys.stdout.flush()
         # While this file runs, sys.argv[0] names this file, not the script.
-        script = os.path.abspath(sys.modules["__main__"].__file__)
+        script = os.path.abspath(str(sys.modules["__main__"].__file__))
         os.execve(existing[0], [existing[0], script] + sys.argv[1:], kept)
     missing = missing_modules()
     if missing:

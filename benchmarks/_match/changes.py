@@ -119,7 +119,7 @@ def shade(
     for mask, height in heights:
         for share in np.linspace(0.15, 1.0, 5):
             shift = direction * share * length * height
-            matrix = np.float32([[1, 0, shift[0]], [0, 1, shift[1]]])
+            matrix = np.array([[1, 0, shift[0]], [0, 1, shift[1]]], dtype=np.float32)
             moved = cv2.warpAffine(mask.astype(np.float32), matrix, picture.shape[1::-1])
             shadow = np.maximum(shadow, moved * (1.1 - 0.5 * share))
     shadow = np.clip(cv2.GaussianBlur(shadow, (0, 0), soft), 0, 1) * np.where(covered, 0.15, 1.0)

@@ -60,7 +60,8 @@ def visible_shares(
         outline = np.zeros((camera.height, camera.width), np.uint8)
         for piece in thing.asset.pieces:
             corners = camera.project(poses[thing.id].apply(piece.vertices)) - 0.5
-            cv2.fillConvexPoly(outline, cv2.convexHull(np.rint(corners).astype(np.int32)), 1)
+            hull = np.asarray(cv2.convexHull(np.rint(corners).astype(np.int32)), dtype=np.int32)
+            cv2.fillConvexPoly(outline, hull, (1,))
         shares[thing.id] = min(1.0, float((shot.segmentation == value).sum() / max(outline.sum(), 1)))
     return shares
 
@@ -79,10 +80,12 @@ def target_look(level: Level, template: SceneTemplate, rng: np.random.Generator)
     strength, warmth, ambient = rng.uniform(1.2, 1.9), rng.uniform(-0.1, 0.1), rng.uniform(0.35, 0.55)
     tint = np.array([1 + warmth, 1.0, 1 - warmth])
     done |= {"light_heading": round(heading, 3), "light_slant": round(slant, 3), "light_strength": round(strength, 3)}
+    red, green, blue = (float(x) for x in strength * tint)
+    around = [float(x) for x in ambient * (1 + (tint - 1) / 3)]
     look = Appearance(
         table_texture=texture,
         light_direction=(slant * np.cos(heading), slant * np.sin(heading), -1.0),
-        light_colour=tuple(float(x) for x in strength * tint),
-        ambient=tuple(float(x) for x in ambient * (1 + (tint - 1) / 3)),
+        light_colour=(red, green, blue),
+        ambient=(around[0], around[1], around[2]),
     )
     return look, done

@@ -15,7 +15,7 @@ import numpy as np
 
 from benchmarks._match.cases import Case
 from vcage.base.geometry import wrap_angle
-from vcage.schema.matches import Match
+from vcage.schema.matches import Match, MatchMethod
 from vcage.schema.scene import ObjectRecord
 from vcage.vision.protocols import Detection, Detector, Embedder
 
@@ -51,7 +51,7 @@ def match_plainly(case: Case, detector: Detector, embedder: Embedder) -> list[Ma
             matches.append(_kept(record))
             continue
         chosen = pairs[index]
-        method = "feature" if index in by_feature else "name"
+        method: MatchMethod = "feature" if index in by_feature else "name"
         score = float(likeness[index, chosen])
         matches.append(_match(case, record, known[index], target, detections[chosen], method, score))
     return matches
@@ -74,7 +74,7 @@ def _region(mask: np.ndarray, label: str) -> Detection:
 
 def _names_alike(known: Detection, found: Detection) -> float:
     """Similarity of two labels in [0, 1]; 0 where the detector gives none."""
-    return difflib.SequenceMatcher(None, known.label, found.label).ratio() if found.label else 0.0
+    return difflib.SequenceMatcher(None, known.label or "", found.label).ratio() if found.label else 0.0
 
 
 def _pair(scores: np.ndarray, threshold: float, pairs: dict[int, int]) -> dict[int, int]:
@@ -93,7 +93,7 @@ def _match(
     known: Detection,
     target: np.ndarray,
     found: Detection,
-    method: str,
+    method: MatchMethod,
     score: float,
 ) -> Match:
     turned, ncc = _turn(_crop(case.source, known.box), _crop(target, found.box, _side(known.box)))

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 from shapely import affinity
+from shapely.geometry.base import BaseGeometry
 
 from benchmarks._match.views import Look, alike, library
 from vcage.base.errors import InfeasibleScene
@@ -147,7 +148,7 @@ def _touching(members: Sequence[Thing], rng: np.random.Generator) -> dict[str, P
     return poses
 
 
-def _contact(still: shapely.Geometry, moved: shapely.Geometry, direction: np.ndarray) -> np.ndarray:
+def _contact(still: BaseGeometry, moved: BaseGeometry, direction: np.ndarray) -> np.ndarray:
     """(2,) shift along ``direction`` at which ``moved``, coming from afar, first touches ``still``."""
 
     def meets(distance: float) -> bool:
@@ -163,11 +164,11 @@ def _contact(still: shapely.Geometry, moved: shapely.Geometry, direction: np.nda
     return direction * far
 
 
-def _reach(shape: shapely.Geometry) -> float:
+def _reach(shape: BaseGeometry) -> float:
     return float(np.abs(shape.bounds).max() * np.sqrt(2))
 
 
-def _outline(asset: Asset, pose: Pose) -> shapely.Geometry:
+def _outline(asset: Asset, pose: Pose) -> BaseGeometry:
     """What an object covers of the plane, seen from straight above."""
     parts = [shapely.MultiPoint(pose.apply(piece.vertices)[:, :2]).convex_hull for piece in asset.pieces]
     return shapely.union_all(parts)

@@ -84,7 +84,7 @@ def score(
     """
     looks = {o.id: (o.asset, o.variant) for o in scene.objects}
     shown = [o for o in truth.objects if o.present]
-    things = [_Thing(looks[o.id], np.array(o.position), o.yaw, o.symmetry) for o in shown]
+    things = [_Thing(looks[o.id], np.array(o.position), o.yaw or 0.0, o.symmetry) for o in shown]
     things += [_Thing(None, np.array(s.position), 0.0, 0) for s in truth.strangers]
     present = {o.id for o in shown}
     result = Score(truth.level, len(scene.objects), len(shown), seconds=seconds, cpu_seconds=cpu_seconds)

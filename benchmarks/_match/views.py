@@ -136,7 +136,7 @@ def _lab(view: np.ndarray) -> np.ndarray:
 
 def _same(view: np.ndarray, other: np.ndarray) -> bool:
     """Whether two views look the same: silhouettes that cover each other, and nearly the same colours."""
-    before, after = (np.uint8(one[..., 3] > 127) for one in (view, other))
+    before, after = ((one[..., 3] > 127).astype(np.uint8) for one in (view, other))
     if not (_covers(before, after) and _covers(after, before)):
         return False
     above, below = other - cv2.dilate(view, NEIGHBOURS), cv2.erode(view, NEIGHBOURS) - other
@@ -146,4 +146,4 @@ def _same(view: np.ndarray, other: np.ndarray) -> bool:
 
 def _covers(one: np.ndarray, other: np.ndarray) -> bool:
     """Whether a silhouette (h, w) of 0 and 1, grown by :data:`EDGE`, covers another."""
-    return bool((other & ~cv2.dilate(one, EDGE)).sum() <= UNCOVERED * other.sum())
+    return bool((other & ~np.asarray(cv2.dilate(one, EDGE), dtype=np.uint8)).sum() <= UNCOVERED * other.sum())
