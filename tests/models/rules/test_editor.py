@@ -29,7 +29,7 @@ from vcage.models.rules.cutouts import cutouts
 from vcage.models.rules.editor import OfflineEditor
 from vcage.models.rules.layout import plan_layout
 from vcage.models.rules.light import Light, find_light
-from vcage.models.rules.painting import paint as paint_at
+from vcage.models.rules.painting import paint_objects as paint_at
 from vcage.vision.detector import BackgroundDetector
 from vcage.vision.embedder import ClassicalEmbedder
 from vcage.vision.protocols import Detection

@@ -66,7 +66,7 @@ class _Sprite:
     alpha: np.ndarray
 
 
-def paint(
+def paint_objects(
     picture: np.ndarray,
     background: np.ndarray,
     items: Sequence[Cutout],
