@@ -1,7 +1,7 @@
-"""The process-wide render system, and materials made from colours and pictures.
+"""The process-wide render system, its shaders, and materials made from colours and pictures.
 
-Compiling the shaders costs about six CPU seconds whenever the last render system of a process dies, so one is
-kept alive for the life of the process and every world draws with the same device.
+The shaders are compiled anew whenever the last render system of a process has died, so one is kept alive for the life
+of the process and every world draws with the same device.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vcage.base.errors import NoRenderer
+from vcage.sim.shaders import shaders_without_table
 
 if TYPE_CHECKING:
     import sapien
@@ -53,11 +54,11 @@ def new_render_system() -> sapien.render.RenderSystem:
 
 @contextlib.contextmanager
 def shader_pack(name: str) -> Iterator[None]:
-    """Cameras that are made inside draw with these of SAPIEN's shaders."""
+    """Cameras that are made inside draw with these of SAPIEN's shaders (:mod:`vcage.sim.shaders`)."""
     import sapien
 
     before = sapien.render.get_camera_shader_dir()
-    sapien.render.set_camera_shader_dir(name)
+    sapien.render.set_camera_shader_dir(str(shaders_without_table(name)))
     try:
         yield
     finally:
