@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import functools
 import re
 
 IRREGULAR = {
@@ -137,6 +138,7 @@ def kinds_of(head: str, category: str | None = None) -> set[str]:
     return kinds if category is None or category in (*_EATEN, "drink", "pastry") else kinds - _EDIBLE
 
 
+@functools.lru_cache(maxsize=100_000)
 def same_word(a: str, b: str) -> bool:
     """Equal, or one slip of the pen apart (only words of five letters and more)."""
     if a == b:
