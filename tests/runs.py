@@ -36,6 +36,7 @@ OPTIONS = chain.ChainOptions(
     episodes=1,
     fps=FPS,
     compression=VIDEOS,
+    workers=1,
 )
 """A chain as quick as it gets with every stage at work."""
 

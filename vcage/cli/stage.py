@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import importlib
 import shutil
 import sys
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Generic, TypeVar
+from typing import Annotated, Generic, TypeVar, cast
 
 from tyro.conf import OmitArgPrefixes, arg
 
@@ -15,8 +16,7 @@ from vcage.base.options import FOLDER, Flag
 from vcage.cli import arguments
 from vcage.cli.output import Result
 from vcage.cli.progress import progress
-from vcage.stages.chain import STAGES, run_stage
-from vcage.stages.stage import StageOptions
+from vcage.stages.stage import PRODUCERS, Stage, StageOptions, run_stage
 
 StageO = TypeVar("StageO", bound=StageOptions)
 
@@ -40,15 +40,21 @@ class BeginCommand(StageCommand[StageO]):
     """the run folder to begin"""
 
 
+def stage_of(name: str) -> Stage:
+    """The module of a stage, alone: the others would double the time that its command takes to start."""
+    return cast(Stage, importlib.import_module(f"vcage.stages.{name}"))
+
+
 def options_of(name: str) -> type[StageCommand]:
     """What the command of a stage takes."""
     kind = BeginCommand if name == "select_place" else StageCommand
-    return kind[STAGES[name].Options]
+    stage = stage_of(name)
+    return kind[stage.Options]
 
 
 def execute_stage(name: str, command: StageCommand) -> Result:
     """Run one stage on a run folder, or with ``--dry-run`` say what it would do."""
-    stage, run, options = STAGES[name], RunFolder(command.run), command.stage
+    stage, run, options = stage_of(name), RunFolder(command.run), command.stage
     context = options.context()
     if command.dry_run:
         job = stage.job(run, options, context)
@@ -66,7 +72,8 @@ def execute_stage(name: str, command: StageCommand) -> Result:
 
 def following(name: str, run: RunFolder) -> str:
     """The command that goes on after a stage."""
-    later = list(STAGES)[list(STAGES).index(name) + 1 :]
+    stages = list(PRODUCERS.values())
+    later = stages[stages.index(name) + 1 :]
     return f"{vcage_command()} {later[0].replace('_', '-') if later else 'report'} --run {run}"
 
 

@@ -7,7 +7,7 @@ import logging
 from collections.abc import Callable
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
-from typing import Any, Protocol
+from typing import Any
 
 from vcage.base.errors import StaleStage
 from vcage.base.files import RunFolder
@@ -24,28 +24,9 @@ from vcage.stages import (
     verify,
 )
 from vcage.stages.context import StageContext
-from vcage.stages.stage import Job, StageOptions, StageResult, timed
+from vcage.stages.stage import Stage, StageResult, timed
 
 logger = logging.getLogger(__name__)
-
-
-class Stage(Protocol):
-    """What a module of a stage offers."""
-
-    @property
-    def Options(self) -> type[Any]: ...
-
-    def job(self, run: RunFolder, options: Any, context: StageContext, /) -> Job:
-        """What the stage has to do."""
-        ...
-
-    def execute(self, run: RunFolder, options: Any, context: StageContext, progress: Progress, /) -> StageResult[Any]:
-        """Do it, unless it is done."""
-        ...
-
-    def summary(self, record: Any, /) -> dict[str, Any]:
-        """A few facts for whoever ran the stage."""
-        ...
 
 
 STAGES: dict[str, Stage] = {
@@ -72,35 +53,6 @@ class ChainOptions(select_place.Options, match.Options, optimize.Options, collec
     Example:
         >>> ChainOptions(instruction="Put the blocks on the plate", models="offline", episodes=10)
     """
-
-
-def run_stage(
-    stage: Stage,
-    run: RunFolder,
-    options: StageOptions | None = None,
-    context: StageContext | None = None,
-    progress: Progress = silent,
-) -> StageResult[Any]:
-    """Run one stage, unless it is finished, and note how long it took.
-
-    Example:
-        >>> from vcage.stages import match
-        >>> run_stage(match, RunFolder("runs/blocks"), match.Options(threshold=0.7, force=True))
-
-    Args:
-        stage: a module of :mod:`vcage.stages`.
-        run: the run folder, with what the stages before it wrote.
-        options: the stage's ``Options``; None for the defaults.
-        context: what stages share; None for what the options choose.
-        progress: told of every step.
-
-    Raises:
-        VcageError: what the stage raises.
-    """
-    options = options or stage.Options()
-    name = next(name for name, module in STAGES.items() if module is stage)
-    with timed(run, name):
-        return stage.execute(run, options, context or options.context(), progress)
 
 
 def run_chain(

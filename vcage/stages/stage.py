@@ -14,7 +14,7 @@ import zlib
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Annotated, Any, Generic, TypeVar
+from typing import Annotated, Any, Generic, Protocol, TypeVar
 
 import numpy as np
 
@@ -22,6 +22,7 @@ from vcage.base.errors import InputFileError, MissingStage, OutputFolderError, S
 from vcage.base.files import RunFolder, atomic_folder, read_json, recover, sha256_file, write_json
 from vcage.base.keeper import Keeper
 from vcage.base.options import NATURAL, UNSAID, Flag, choice
+from vcage.base.progress import Progress, silent
 from vcage.models.registry import CHOICES
 from vcage.schema.base import Provenance, StageDocument
 from vcage.schema.scene import Scene
@@ -189,6 +190,27 @@ class Job:
         return f"{self.output.parent.name}/{name}"
 
 
+class Stage(Protocol):
+    """What a module of a stage offers."""
+
+    __name__: str
+
+    @property
+    def Options(self) -> type[Any]: ...
+
+    def job(self, run: RunFolder, options: Any, context: StageContext, /) -> Job:
+        """What the stage has to do."""
+        ...
+
+    def execute(self, run: RunFolder, options: Any, context: StageContext, progress: Progress, /) -> StageResult[Any]:
+        """Do it, unless it is done."""
+        ...
+
+    def summary(self, record: Any, /) -> dict[str, Any]:
+        """A few facts for whoever ran the stage."""
+        ...
+
+
 def differences(before: Provenance, now: Provenance) -> list[str]:
     """What differs between two provenances, in words: 'seed', 'option episodes', 'input place/scene.json'…"""
     changed = [name for name in ("producer", "version", "seed") if getattr(before, name) != getattr(now, name)]
@@ -246,3 +268,32 @@ def read_timings(run: RunFolder) -> dict[str, float]:
     except InputFileError:
         return {}
     return timings if isinstance(timings, dict) else {}
+
+
+def run_stage(
+    stage: Stage,
+    run: RunFolder,
+    options: StageOptions | None = None,
+    context: StageContext | None = None,
+    progress: Progress = silent,
+) -> StageResult[Any]:
+    """Run one stage, unless it is finished, and note how long it took.
+
+    Example:
+        >>> from vcage.stages import match
+        >>> run_stage(match, RunFolder("runs/blocks"), match.Options(threshold=0.7, force=True))
+
+    Args:
+        stage: a module of :mod:`vcage.stages`.
+        run: the run folder, with what the stages before it wrote.
+        options: the stage's ``Options``; None for the defaults.
+        context: what stages share; None for what the options choose.
+        progress: told of every step.
+
+    Raises:
+        VcageError: what the stage raises.
+    """
+    options = options or stage.Options()
+    name = stage.__name__.rpartition(".")[2]
+    with timed(run, name):
+        return stage.execute(run, options, context or options.context(), progress)

@@ -10,7 +10,6 @@ from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import find_peaks
 
 COUNT = 8
 """Frames per video, as in the paper; more only where the grippers move more often."""
@@ -122,6 +121,8 @@ def gripper_midpoints(commands: NDArray[np.float64]) -> list[int]:
 
 def motion_peaks(speed: NDArray[np.float64]) -> list[int]:
     """Local maxima of (T − 1,) ‖a(t) − a(t−1)‖₂ as frames t, fastest first; of a plateau its middle."""
+    from scipy.signal import find_peaks  # imported late: it takes as long as all that a worker needs beside it
+
     # zeros around it make a peak of motion that begins at once or lasts to the end
     peaks, _ = find_peaks(np.concatenate([[0.0], speed, [0.0]]))
     return [int(peak) for peak in sorted(peaks, key=lambda peak: (-speed[peak - 1], peak))]
