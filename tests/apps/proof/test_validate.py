@@ -12,7 +12,7 @@ from vcage.apps.proof.prove import METHOD, Prover, Trial
 from vcage.apps.proof.validate import prove_or_refuse, validate
 from vcage.base.errors import InputFileError, UnknownName
 from vcage.objects.library import Library
-from vcage.schema.proof import Proof
+from vcage.schema.proof import ObjectProof, Proof
 
 QUICK = Trial(quick=True)
 
@@ -45,14 +45,14 @@ def test_what_is_proven_is_not_tried_again(proven, monkeypatch: pytest.MonkeyPat
 
 
 def test_a_proof_with_another_key_is_made_again(proven, monkeypatch: pytest.MonkeyPatch) -> None:
-    folder, _ = proven
-    tried = []
-    prove = Prover.prove
-    monkeypatch.setattr(Prover, "prove", lambda self, name: (tried.append(name), prove(self, name))[1])
+    folder, proof = proven
     path = folder / "objects" / "block.json"
+    block, tried = ObjectProof.read(path), []
+    monkeypatch.setattr(Prover, "prove", lambda _, name: (tried.append(name), block)[1])
     path.write_text(json.dumps({**json.loads(path.read_text()), "key": "another"}))
-    validate(["block", "soap_bar"], folder, QUICK)
+    assert validate(["block", "soap_bar"], folder, QUICK) == proof
     assert tried == ["block"]
+    assert ObjectProof.read(path) == block
 
 
 @pytest.mark.parametrize("trial", [Trial(quick=True, seed=1), Trial(quick=False)])
