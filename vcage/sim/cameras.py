@@ -37,7 +37,7 @@ class Shot:
 
 def shoot(world: World, camera: Camera | CameraRecord) -> np.ndarray:
     """(H, W, 3) uint8 picture of a world made with ``render=True``."""
-    return _colour(_take(world, camera))
+    return _colour(world, _take(world, camera))
 
 
 def observe(world: World, camera: Camera | CameraRecord, near: float = NEAR) -> Shot:
@@ -47,12 +47,18 @@ def observe(world: World, camera: Camera | CameraRecord, near: float = NEAR) -> 
         near: nothing closer is drawn, metres; a far camera needs a far near plane to tell surfaces apart in depth.
     """
     component = _take(world, camera, near)
-    depth = -component.get_picture("Position")[..., 2]
     return Shot(
-        picture=_colour(component),
+        picture=_colour(world, component),
         segmentation=_object_ids(world, component.get_picture("Segmentation")[..., 1]),
-        depth=np.where(depth > 0, depth, np.inf).astype(np.float32),
+        depth=depth_picture(component),
     )
+
+
+def depth_picture(component: sapien.render.RenderCameraComponent) -> np.ndarray:
+    """(H, W) float32, metres along the optical axis in the picture that was taken; infinite where nothing is."""
+    buffer, near, far = component.get_picture("GbufferDepth"), component.near, component.far
+    depth = near * far / (far - buffer * (far - near))
+    return np.where(buffer < 1, depth, np.inf).astype(np.float32)
 
 
 def robot_cameras(world: World) -> dict[str, Camera]:
@@ -81,8 +87,13 @@ def _take(world: World, camera: Camera | CameraRecord, near: float = NEAR) -> sa
     return component
 
 
-def _colour(component: sapien.render.RenderCameraComponent) -> np.ndarray:
-    return np.ascontiguousarray(component.get_picture("Color")[..., :3])
+def _colour(world: World, component: sapien.render.RenderCameraComponent) -> np.ndarray:
+    """(H, W, 3) uint8: what was drawn, and the sky, as bright as the light from everywhere, where nothing was."""
+    drawn = component.get_picture("Color")
+    picture, empty = np.ascontiguousarray(drawn[..., :3]), drawn[..., 3] == 0
+    if empty.any():
+        picture[empty] = np.round(255 * np.clip(world.appearance.ambient, 0, 1) ** (1 / 2.2))
+    return picture
 
 
 def _object_ids(world: World, entities: np.ndarray) -> np.ndarray:

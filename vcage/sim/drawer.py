@@ -17,7 +17,7 @@ from vcage.schema.asset import PhysicalModel
 from vcage.schema.scene import Table
 from vcage.sim.appearance import Appearance
 from vcage.sim.bodies import Body
-from vcage.sim.cameras import FAR, NEAR, observe
+from vcage.sim.cameras import FAR, NEAR, depth_picture, observe
 from vcage.sim.poses import to_sapien
 from vcage.sim.world import World
 
@@ -102,17 +102,16 @@ class ModelDrawer:
         """
         self._show(object_id)
         self._world.set_object_pose(object_id, pose)
-        component = self._world.camera_component(window.side, window.side, camera.fovy, NEAR, FAR, shaders="minimal")
+        component = self._world.camera_component(window.side, window.side, camera.fovy, NEAR, FAR)
         focal, step = camera.focal / window.step, window.step
         middle = (camera.width / 2 - window.left) / step, (camera.height / 2 - window.top) / step
         component.set_perspective_parameters(NEAR, FAR, focal, focal, *middle, 0.0)
         component.entity.set_pose(to_sapien(camera.pose))
         self._world.scene.update_render()
         component.take_picture()
-        buffer = component.get_picture("GbufferDepth")
-        depth = NEAR * FAR / (FAR - buffer * (FAR - NEAR))
-        picture = np.ascontiguousarray(component.get_picture("Color")[..., :3])
-        return Drawing(picture, covered=buffer < 1, depth=depth)
+        drawn = component.get_picture("Color")
+        depth = np.minimum(depth_picture(component), FAR)
+        return Drawing(np.ascontiguousarray(drawn[..., :3]), covered=drawn[..., 3] > 0, depth=depth)
 
     @functools.cached_property
     def _world(self) -> World:

@@ -1,4 +1,4 @@
-"""The process-wide render system, its shaders, and materials made from colours and pictures.
+"""The process-wide render system with its shaders (``assets/shaders``), and materials made from colours and pictures.
 
 The shaders are compiled anew whenever the last render system of a process has died, so one is kept alive for the life
 of the process and every world draws with the same device.
@@ -6,15 +6,14 @@ of the process and every world draws with the same device.
 
 from __future__ import annotations
 
-import contextlib
 import functools
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from vcage.base.errors import NoRenderer
-from vcage.sim.shaders import shaders_without_table
+from vcage.base.files import resource
 
 if TYPE_CHECKING:
     import sapien
@@ -32,7 +31,9 @@ def _first_system() -> sapien.render.RenderSystem:
     import sapien
 
     sapien.render.set_log_level("error")
+    sapien.render.set_camera_shader_dir(str(resource("assets", "shaders")))
     sapien.render.set_picture_format("Color", "r8g8b8a8unorm")
+    sapien.render.set_picture_format("Segmentation", "r16g16b16a16uint")
     sapien.render.set_global_config(default_mipmap_levels=MIPMAPS)
     try:
         return sapien.render.RenderSystem()
@@ -50,19 +51,6 @@ def new_render_system() -> sapien.render.RenderSystem:
     import sapien
 
     return sapien.render.RenderSystem(device)
-
-
-@contextlib.contextmanager
-def shader_pack(name: str) -> Iterator[None]:
-    """Cameras that are made inside draw with these of SAPIEN's shaders (:mod:`vcage.sim.shaders`)."""
-    import sapien
-
-    before = sapien.render.get_camera_shader_dir()
-    sapien.render.set_camera_shader_dir(str(shaders_without_table(name)))
-    try:
-        yield
-    finally:
-        sapien.render.set_camera_shader_dir(before)
 
 
 def plain_material(colour: Sequence[float], roughness: float = 0.8) -> sapien.render.RenderMaterial:

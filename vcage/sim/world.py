@@ -16,7 +16,7 @@ from vcage.sim.appearance import Appearance
 from vcage.sim.arms import ArmControl, build_arm
 from vcage.sim.bodies import ArticulatedObject, Body, RigidObject, add_object
 from vcage.sim.contacts import ContactNames
-from vcage.sim.render import new_render_system, shader_pack
+from vcage.sim.render import new_render_system
 from vcage.sim.state import SettleReport, WorldState, pack_arrays, unpack_arrays
 from vcage.sim.surroundings import add_surroundings, add_table
 
@@ -63,12 +63,13 @@ class World:
         import sapien
 
         self.table = table
+        self.appearance = appearance or Appearance()
         self.bodies = dict(bodies)
         self.robot = robot
         self.rendered = render
         self.steps = 0
         self.before_step: list[Callable[[World], None]] = []
-        self._cameras: dict[tuple[int, int, float, float, float, str], sapien.render.RenderCameraComponent] = {}
+        self._cameras: dict[tuple[int, int, float, float, float], sapien.render.RenderCameraComponent] = {}
         self._physics = sapien.physx.PhysxCpuSystem()
         self.scene = sapien.Scene([self._physics, *systems])
         self.scene.set_timestep(1 / PHYSICS_HZ)
@@ -81,7 +82,7 @@ class World:
         }
         self._contact_names = ContactNames(self._objects, self.arms)
         if render:
-            add_surroundings(self.scene, table, robot, appearance or Appearance())
+            add_surroundings(self.scene, table, robot, self.appearance)
 
     @classmethod
     def of_scene(
@@ -156,7 +157,7 @@ class World:
         return self._objects[object_id]
 
     def camera_component(
-        self, width: int, height: int, fovy: float, near: float, far: float, shaders: str = "default"
+        self, width: int, height: int, fovy: float, near: float, far: float
     ) -> sapien.render.RenderCameraComponent:
         """SAPIEN's camera of that size (pixels) and vertical opening (radians), made once; its pose is the caller's.
 
@@ -164,14 +165,10 @@ class World:
             width, height: pixels.
             fovy: vertical opening, radians.
             near, far: clipping planes, metres.
-            shaders: SAPIEN's; its ``minimal`` ones draw colour and depth, and no normals, in half the time.
         """
-        key = (width, height, fovy, near, far, shaders)
+        key = (width, height, fovy, near, far)
         if key not in self._cameras:
-            with shader_pack(shaders):
-                self._cameras[key] = self.scene.add_camera(
-                    f"camera-{len(self._cameras)}", width, height, fovy, near, far
-                )
+            self._cameras[key] = self.scene.add_camera(f"camera-{len(self._cameras)}", *key)
         return self._cameras[key]
 
     # --- time ---
