@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from vcage.stages.appending import append_to
     from vcage.stages.chain import ChainOptions, run_chain
     from vcage.stages.context import StageContext
-    from vcage.stages.stage import run_stage
+    from vcage.stages.running import run_stage
     from vcage.stages.verify import judge_pair
 
 __all__ = [
@@ -58,7 +58,7 @@ _PLACES = {
     "judge_pair": "vcage.stages.verify",
     "pack": "vcage.datasets.packing.pack",
     "run_chain": "vcage.stages.chain",
-    "run_stage": "vcage.stages.stage",
+    "run_stage": "vcage.stages.running",
     "write_report": "vcage.apps.report.page",
 }
 """Name → its module. The simulator and the video codec take seconds to import, and many programs need neither."""

@@ -14,7 +14,7 @@ import pytest
 from threadpoolctl import threadpool_info
 
 from vcage.base.errors import DamagedFile, PartlyDone
-from vcage.base.workers import cores, in_processes, one_blas_thread
+from vcage.base.workers import Processes, TimeIsUp, cores, in_processes, one_blas_thread, time_limit
 
 WAIT = 20.0
 """Seconds after which a process that should have ended counts as left behind."""
@@ -80,6 +80,76 @@ def test_a_worker_that_is_killed_is_work_that_remains():
         list(in_processes(vanish, [0, 1, 2], 2))
     assert "--workers" in partly.value.hint
     assert nothing_left()
+
+
+def until_twice(folder: Path) -> str:
+    """Is ended from outside the first time."""
+    if not (folder / "begun").exists():
+        (folder / "begun").touch()
+        os.kill(os.getpid(), signal.SIGKILL)
+    return "done"
+
+
+def silent_once(folder: Path) -> str:
+    if not (folder / "begun").exists():
+        (folder / "begun").touch()
+        time.sleep(600)
+    return "done"
+
+
+def answers(work, tasks, workers: int, limit_s: float | None = None) -> list:
+    with Processes(work, workers, limit_s) as processes:
+        for task in tasks:
+            processes.submit(task)
+        return list(processes.results())
+
+
+def test_a_process_that_is_killed_loses_only_its_task_which_is_begun_again(tmp_path):
+    folders = [tmp_path / name for name in "ab"]
+    for folder in folders:
+        folder.mkdir()
+    assert answers(until_twice, folders, 2) == ["done", "done"]
+    assert nothing_left()
+
+
+def test_a_process_that_is_silent_is_ended_and_its_task_begun_again(tmp_path):
+    assert answers(silent_once, [tmp_path], 1, limit_s=3.0) == ["done"]
+    assert nothing_left()
+
+
+def test_more_may_be_submitted_while_results_come():
+    with Processes(double, 2) as processes:
+        processes.submit(1)
+        found = []
+        for result, _ in processes.results():
+            found.append(result)
+            if result < 8:
+                processes.submit(result)
+    assert found == [2, 4, 8]
+
+
+def give_what_cannot_be_sent(_task: int):
+    return lambda: None
+
+
+def test_a_result_that_cannot_be_sent_is_an_error_that_says_so():
+    with pytest.raises(TypeError, match="cannot be sent between processes"):
+        answers(give_what_cannot_be_sent, [0], 1)
+
+
+def test_what_takes_too_long_is_interrupted_past_every_handler_of_errors():
+    with pytest.raises(TimeIsUp), time_limit(0.05):
+        while True:
+            try:
+                time.sleep(0.01)
+            except Exception:
+                continue
+
+
+def test_what_is_quick_enough_is_not_interrupted():
+    with time_limit(0.2):
+        pass
+    time.sleep(0.3)
 
 
 def test_who_goes_away_leaves_no_process():

@@ -24,7 +24,7 @@ CAMERAS = ["cam_high", "cam_left_wrist", "cam_right_wrist"]
 
 
 def options(**changes: Any) -> collect.Options:
-    return collect.Options(**{"models": "offline", "episodes": 1, "fps": FPS, **changes})
+    return collect.Options(**{"models": "offline", "episodes": 1, "fps": FPS, "workers": 1, **changes})
 
 
 # --- what a real episode holds -------------------------------------------------------------------------
@@ -187,7 +187,7 @@ def attempt(index: int, accepted: bool) -> Attempt:
 @pytest.fixture
 def cheap(monkeypatch) -> type[Cheap]:
     kind = type("ThisCheap", (Cheap,), {"made": []})
-    monkeypatch.setattr(collect, "_Collection", kind)
+    monkeypatch.setattr(collect, "EpisodeRunner", kind)
     return kind
 
 
@@ -245,7 +245,7 @@ def test_a_kill_while_earlier_episodes_are_taken_over_loses_none(finished, begun
     with pytest.raises(KeyboardInterrupt):
         collect.execute(begun, options(episodes=3), finished.context)
     monkeypatch.undo()
-    monkeypatch.setattr(collect, "_Collection", cheap)
+    monkeypatch.setattr(collect, "EpisodeRunner", cheap)
     record = collect.execute(begun, options(episodes=3), finished.context).record
     assert all((begun.root / e.file).is_file() for e in record.episodes) and len(record.episodes) == 3
 

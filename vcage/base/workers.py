@@ -5,23 +5,33 @@ Processes end with the one that started them, however it ends.
 
 from __future__ import annotations
 
+import logging
 import multiprocessing
 import os
 import signal
 import threading
+import time
+from collections import deque
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
-from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
+from dataclasses import dataclass
 from functools import cache
-from typing import TypeVar
+from multiprocessing.connection import Connection, wait
+from multiprocessing.process import BaseProcess
+from pickle import PicklingError
+from typing import Any, Generic, Self, TypeVar
 
 from threadpoolctl import ThreadpoolController
 
 from vcage.base.errors import PartlyDone
 
+log = logging.getLogger(__name__)
+
 T = TypeVar("T")
 R = TypeVar("R")
+
+TRIES = 3
+"""Processes that may be lost over one task before it is given up."""
 
 
 def cores() -> int:
@@ -41,32 +51,168 @@ def in_processes(work: Callable[[T], R], tasks: Sequence[T], workers: int) -> It
         workers: processes at most.
 
     Raises:
-        PartlyDone: a process ended without an answer, as when the system took its memory.
+        PartlyDone: see :class:`Processes`.
     """
-    if workers <= 1 or len(tasks) < 2:
-        yield from map(work, tasks)
-        return
-    before = set(multiprocessing.active_children())
-    context = multiprocessing.get_context("spawn")
-    pool = ProcessPoolExecutor(min(workers, len(tasks)), context, _start)
-    try:
-        for done in as_completed([pool.submit(work, task) for task in tasks]):
-            yield done.result()
-        pool.shutdown()
-    except BrokenProcessPool as error:
-        raise PartlyDone(
-            "a worker process was ended from outside, perhaps for want of memory",
-            hint="run the same command again with fewer --workers; what is finished is kept",
-        ) from error
-    finally:
-        pool.shutdown(wait=False, cancel_futures=True)
-        for child in set(multiprocessing.active_children()) - before:
-            child.terminate()
+    crew = Processes(work, min(workers, len(tasks))) if workers > 1 and len(tasks) > 1 else ThisProcess(work)
+    with crew:
+        for task in tasks:
+            crew.submit(task)
+        yield from crew.results()
 
 
-def _start() -> None:
+class ThisProcess(Generic[T, R]):
+    """Does what :class:`Processes` does, in this process: one task after the other, when a result is asked for.
+
+    Args:
+        work: a function.
+    """
+
+    def __init__(self, work: Callable[[T], R]):
+        self._work = work
+        self._waiting: deque[T] = deque()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._waiting.clear()
+
+    def submit(self, task: T) -> None:
+        """Something to work on."""
+        self._waiting.append(task)
+
+    def results(self) -> Iterator[R]:
+        """What the tasks gave, in their order, until none is left; more may be submitted meanwhile."""
+        while self._waiting:
+            yield self._work(self._waiting.popleft())
+
+
+@dataclass(eq=False)
+class _Process:
+    """A process, the way to it, and what it works on since when (:func:`time.monotonic`)."""
+
+    process: BaseProcess
+    connection: Connection
+    task: Any
+    since: float
+
+    def end(self) -> None:
+        self.process.kill()
+        self.process.join()
+        self.connection.close()
+
+
+class Processes(Generic[T, R]):
+    """Processes that work on tasks, each on one at a time; a context manager that ends them all.
+
+    Each has a pipe of its own, so one that is ended from outside, or that is silent for too long and is ended here,
+    takes nothing with it but its task, and that is given to another.
+
+    Args:
+        work: a function of a module; task, result and errors are pickled.
+        workers: processes at most.
+        limit_s: seconds after which a process that has not answered is ended; None for any time.
+    """
+
+    def __init__(self, work: Callable[[T], R], workers: int, limit_s: float | None = None):
+        self._work, self._workers, self._limit_s = work, workers, limit_s
+        self._waiting: deque[tuple[T, int]] = deque()
+        self._busy: list[_Process] = []
+        self._idle: list[_Process] = []
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        for process in [*self._busy, *self._idle]:
+            process.end()
+
+    def submit(self, task: T) -> None:
+        """Something to work on, begun as soon as a process is free."""
+        self._waiting.append((task, 1))
+        self._begin()
+
+    def results(self) -> Iterator[R]:
+        """What the tasks gave, as they are finished, until none is left; more may be submitted meanwhile.
+
+        Raises:
+            PartlyDone: a task lost :data:`TRIES` processes, as when the system takes their memory.
+            Exception: what a task raised.
+        """
+        while self._busy:
+            for process in self._that_answered():
+                self._busy.remove(process)
+                try:
+                    done, value = process.connection.recv()
+                except (EOFError, OSError):
+                    self._lost(process, "was ended from outside")
+                    continue
+                self._idle.append(process)
+                self._begin()
+                if not done:
+                    raise value
+                yield value
+            for process in self._silent():
+                self._busy.remove(process)
+                self._lost(process, f"gave no answer for {self._limit_s:.0f} s")
+
+    def _begin(self) -> None:
+        """Give free processes, or new ones while there may be more, what waits."""
+        while self._waiting and len(self._busy) < self._workers:
+            process = self._idle.pop() if self._idle else self._started()
+            process.task, process.since = self._waiting.popleft(), time.monotonic()
+            try:
+                process.connection.send(process.task[0])
+            except OSError:
+                process.since = time.monotonic()  # ended while it was idle: its pipe says so when it is read
+            self._busy.append(process)
+
+    def _started(self) -> _Process:
+        context = multiprocessing.get_context("spawn")
+        ours, theirs = context.Pipe()
+        process = context.Process(target=_serve, args=(self._work, theirs), daemon=True)
+        process.start()
+        theirs.close()  # so that ours ends with the process
+        return _Process(process, ours, None, 0.0)
+
+    def _that_answered(self) -> list[_Process]:
+        patience = None
+        if self._limit_s is not None:
+            patience = max(0.0, min(p.since for p in self._busy) + self._limit_s - time.monotonic())
+        ready = wait([process.connection for process in self._busy], patience)
+        return [process for process in self._busy if process.connection in ready]
+
+    def _silent(self) -> list[_Process]:
+        now = time.monotonic()
+        return [p for p in self._busy if self._limit_s is not None and now - p.since > self._limit_s]
+
+    def _lost(self, process: _Process, how: str) -> None:
+        task, tries = process.task
+        process.end()
+        if tries >= TRIES:
+            raise PartlyDone(
+                f"a worker process {how}, {tries} times with the same work, perhaps for want of memory",
+                hint="run the same command again with fewer --workers; what is finished is kept",
+            )
+        log.warning("a worker process %s; its work is begun again", how)
+        self._waiting.appendleft((task, tries + 1))
+        self._begin()
+
+
+def _serve(work: Callable[[Any], Any], connection: Connection) -> None:
+    """What a process does: answers each task with (True, result) or (False, error), until it is ended."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the parent's business
     threading.Thread(target=_end_with_parent, daemon=True).start()
+    while True:
+        task = connection.recv()
+        try:
+            answer = (True, work(task))
+        except Exception as error:  # it is raised again where the result was waited for
+            answer = (False, error)
+        try:
+            connection.send(answer)
+        except (TypeError, AttributeError, PicklingError) as error:
+            connection.send((False, TypeError(f"{answer[1]!r} cannot be sent between processes: {error}")))
 
 
 def _end_with_parent() -> None:
@@ -75,6 +221,29 @@ def _end_with_parent() -> None:
     if parent is not None:
         parent.join()
         os._exit(1)
+
+
+class TimeIsUp(BaseException):
+    """Raised inside :func:`time_limit`; no handler of errors stops it on its way."""
+
+
+@contextmanager
+def time_limit(seconds: float) -> Iterator[None]:
+    """Raise :class:`TimeIsUp` in the block when it takes longer; in the main thread of a process alone.
+
+    Code outside Python is not interrupted: the block ends when that returns.
+    """
+
+    def ring(_number: int, _frame: object) -> None:
+        raise TimeIsUp
+
+    before = signal.signal(signal.SIGALRM, ring)
+    signal.setitimer(signal.ITIMER_REAL, seconds)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, before)
 
 
 @contextmanager

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import contextlib
 import logging
+import time
 from collections.abc import Iterator
 from dataclasses import dataclass
+from pathlib import Path
 
-from vcage.apps.report.page import write_report
+from vcage.apps.report.page import report_shows, write_report
 from vcage.base.files import RunFolder
 from vcage.base.progress import Progress
 from vcage.cli.arguments import Command
@@ -16,7 +18,7 @@ from vcage.cli.progress import progress
 from vcage.cli.stage import BeginCommand
 from vcage.stages import chain, select_place
 from vcage.stages.chain import STAGES
-from vcage.stages.stage import timed
+from vcage.stages.running import note_seconds
 
 logger = logging.getLogger(__name__)
 
@@ -42,13 +44,19 @@ class Run(BeginCommand[chain.ChainOptions], Command):
             select_place.job(run, options, context)
             return Result(output=run.root, summary={"would_run": list(STAGES)})
         done = chain.run_chain(run, options, context, _shown)
-        with timed(run, "report"):
-            page = write_report(run)
+        page = run.report if report_shows(run) else _report(run)
         facts = {
             name: {"fresh": done[name].fresh, **STAGES[name].summary(done[name].record)}
             for name in ("collect", "compress")
         }
         return Result(output=page, summary=facts["collect"] | {"compress": facts["compress"]}, next=f"open {page}")
+
+
+def _report(run: RunFolder) -> Path:
+    start = time.perf_counter()
+    page = write_report(run)
+    note_seconds(run, "report", time.perf_counter() - start)
+    return page
 
 
 @contextlib.contextmanager

@@ -16,7 +16,8 @@ from vcage.base.options import FOLDER, Flag
 from vcage.cli import arguments
 from vcage.cli.output import Result
 from vcage.cli.progress import progress
-from vcage.stages.stage import PRODUCERS, Stage, StageOptions, run_stage
+from vcage.stages.running import Stage, run_stage
+from vcage.stages.stage import PRODUCERS, StageOptions
 
 StageO = TypeVar("StageO", bound=StageOptions)
 

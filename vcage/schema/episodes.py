@@ -22,6 +22,7 @@ class Verdict(Record):
     pictures: list[str] = Field(
         default=[], description="paths of the pictures, relative to the file that holds the verdict"
     )
+    question: str = Field(default="", description="SHA-256 of what was asked: text, goals, and the pictures' pixels")
 
 
 class Truth(Record):
@@ -58,12 +59,12 @@ class Episode(Record):
     seed: int = Field(ge=0)
     accepted: bool
     reason: str
-    file: str | None = Field(description="HDF5 in the run folder; none when nothing was rendered")
-    frames: int = Field(ge=0)
+    file: str | None = Field(default=None, description="HDF5 in the run folder; none when nothing was recorded")
+    frames: int = Field(default=0, ge=0)
     fps: Finite
-    subtasks: list[Identifier]
-    verdicts: list[Verdict]
-    attempts: int = Field(ge=0)
+    subtasks: list[Identifier] = []
+    verdicts: list[Verdict] = []
+    attempts: int = Field(default=0, ge=0)
 
 
 class Episodes(StageDocument):
@@ -85,6 +86,9 @@ class Verdicts(StageDocument):
     SCHEMA: ClassVar[str] = "vcage.verdicts/1"
 
     episodes: dict[str, list[Verdict]] = Field(description="episode file → one verdict per sub-task")
+    taken_over: int = Field(
+        default=0, ge=0, description="verdicts of the collection that the same critic had given on the same question"
+    )
 
 
 class SingleVerdict(Document):

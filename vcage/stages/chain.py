@@ -24,7 +24,8 @@ from vcage.stages import (
     verify,
 )
 from vcage.stages.context import StageContext
-from vcage.stages.stage import Stage, StageResult, timed
+from vcage.stages.running import Stage, at_work, timed
+from vcage.stages.stage import StageResult
 
 logger = logging.getLogger(__name__)
 
@@ -76,14 +77,16 @@ def run_chain(
         Stage → its result, in order.
 
     Raises:
+        OutputFolderError: another process works on the run.
         VcageError: what a stage raises; those before it are finished.
     """
     context = context or options.context()
     done = {}
-    for name, stage in STAGES.items():
-        with show(name) as progress, timed(run, name):
-            own = export.Options(seed=options.seed, force=options.force) if name == "export" else options
-            done[name] = _up_to_date(name, stage, run, own, context, progress)
+    with at_work(run):
+        for name, stage in STAGES.items():
+            with show(name) as progress:
+                own = export.Options(seed=options.seed, force=options.force) if name == "export" else options
+                done[name] = _up_to_date(name, stage, run, own, context, progress)
     return done
 
 
@@ -97,9 +100,9 @@ def _up_to_date(
 ) -> StageResult[Any]:
     """Run a stage; what was made from fewer episodes than there are now is made again without being asked."""
     try:
-        return stage.execute(run, options, context, progress)
+        return timed(stage, run, options, context, progress)
     except StaleStage as error:
         if name not in OF_THE_EPISODES or not all(what.startswith("input ") for what in error.details["changed"]):
             raise
         logger.info("%s: made again, as the episodes are others than before", name)
-        return stage.execute(run, replace(options, force=True), context, progress)
+        return timed(stage, run, replace(options, force=True), context, progress)

@@ -5,49 +5,31 @@ Takes about 20 s per episode without a GPU; goes on where it stopped when run ag
 
 examples:
   vcage collect --run runs/stationery --episodes 10
+  vcage collect --run runs/stationery --episodes 100 --workers 2 --episode-limit 120
   vcage collect --run runs/stationery --episodes 10 --on-failure abort --force
 """
 
 from __future__ import annotations
 
 import logging
-import platform
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from importlib import metadata
+from functools import cache, lru_cache, partial
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-import numpy as np
-
 from vcage.base.errors import PartlyDone
 from vcage.base.files import RunFolder
-from vcage.base.geometry import Pose
 from vcage.base.options import NATURAL, POSITIVE, UNSAID
-from vcage.base.pictures import write_picture
 from vcage.base.progress import Progress, silent
-from vcage.base.version import __version__
-from vcage.datasets.hdf5 import write_episode
-from vcage.objects.table_tops import TABLES, table_texture
-from vcage.schema.base import PoseRecord
-from vcage.schema.episodes import Attempt, Episode, Episodes, Verdict
-from vcage.schema.scene import Scene
-from vcage.schema.subtasks import Subtask, Subtasks
-from vcage.sim.appearance import Appearance
-from vcage.sim.cameras import shoot
-from vcage.sim.replay import camera_paths, render_log
-from vcage.sim.robots import load_robot
-from vcage.sim.state import WorldState
-from vcage.sim.world import World
-from vcage.stages.context import TOP, StageContext
-from vcage.stages.episode_store import EpisodeStore, background_name
+from vcage.base.workers import Processes, ThisProcess, cores
+from vcage.datasets.packing.memory import free_memory
+from vcage.schema.episodes import Attempt, Episode, Episodes
+from vcage.schema.subtasks import Subtasks
+from vcage.stages.context import StageContext
+from vcage.stages.episode_runner import EpisodeRunner
+from vcage.stages.episode_store import EpisodeStore
 from vcage.stages.stage import Job, ModelOptions, StageResult, stage_seed
-from vcage.tasks.assemble import episode_data
-from vcage.tasks.loop import EpisodeRun, Setting, run_episode
-from vcage.tasks.slots import slots_for_chain
-from vcage.tasks.synthesis import Script, load_script
-from vcage.tasks.task import Asked
-from vcage.tasks.variation import shifted_poses
 
 logger = logging.getLogger(__name__)
 
@@ -55,6 +37,13 @@ OnFailure = Literal["resample", "abort"]
 
 RUNS_PER_EPISODE = 3
 """Episodes that are tried for each that is wanted, before the collection gives up."""
+
+OF_A_PROCESS = 1_500_000_000
+"""Bytes of memory that there must be for a process that collects."""
+
+SILENT, START = 1.5, 60.0
+"""A process is taken to hang, and is ended, after this many times the limit of an episode and so many seconds for its
+start: an episode that is merely slow ends itself before."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -69,10 +58,15 @@ class Options(ModelOptions):
     """further attempts per sub-task, when resampling"""
     fps: Literal[5, 10, 25, 50] = 10
     """frames per second of the recording"""
+    workers: Annotated[int | None, POSITIVE, UNSAID] = None
+    """processes that collect (default: as many as cores, memory and the episodes that are wanted allow)"""
+    episode_limit: Annotated[float, POSITIVE] = 900.0
+    """seconds after which an episode is given up"""
 
 
 def job(run: RunFolder, options: Options, context: StageContext) -> Job:
-    """What the stage has to do; the number of episodes is left out, as more can be added later."""
+    """What the stage has to do. The number of episodes is left out, as more can be added later, and so is what changes
+    no episode: processes, and how long one may take."""
     scripts = []
     if run.subtasks.exists():
         record = Subtasks.read(run.subtasks)
@@ -113,11 +107,7 @@ def execute(
         return done
     store = EpisodeStore(stage, Path(f"{run.episodes.parent}.collecting"))
     store.begin(done)
-    collection = _Collection(stage, options, context)
-    limit = RUNS_PER_EPISODE * options.episodes
-    while (have := _accepted(store.episodes)) < options.episodes and len(store.episodes) < limit:
-        progress(f"episode {len(store.episodes)}", have, options.episodes)
-        store.add(*collection.one(len(store.episodes), store.folder))
+    _fill(store, options, context, progress)
     record = store.finish()
     accepted = _accepted(record.episodes)
     if accepted == 0:
@@ -126,119 +116,77 @@ def execute(
             hint=f"see {run.episodes.parent / 'log.jsonl'}; another --seed gives another layout",
         )
     if accepted < options.episodes:
-        logger.warning("only %d of %d episodes were verified in %d runs", accepted, options.episodes, limit)
-    return StageResult(record, run.episodes, fresh=True)
+        ran = len(record.episodes)
+        logger.warning("only %d of %d episodes were verified in %d runs", accepted, options.episodes, ran)
+    return StageResult(record, run.episodes, fresh=True, grown=done is not None)
 
 
 def _accepted(episodes: Sequence[Episode]) -> int:
     return sum(episode.accepted for episode in episodes)
 
 
-# --- one episode after the other -----------------------------------------------------------------------
+# --- as many episodes as are wanted --------------------------------------------------------------------
 
 
-class _Collection:
-    """What all episodes of a collection share."""
+@dataclass(frozen=True)
+class _Task:
+    """An episode to be run: its number, and all that it depends on besides."""
 
-    def __init__(self, stage: Job, options: Options, context: StageContext):
-        run = stage.run
-        self._stage, self._options, self._context = stage, options, context
-        self._scene = Scene.read(run.layout)
-        self._robot = load_robot(self._scene.robot)
-        self._models = context.physical_models(self._scene)
-        subtasks = Subtasks.read(run.subtasks)
-        kept = {s.id: s for s in subtasks.kept}
-        self._chain: list[tuple[Subtask, Script]] = [
-            (kept[i], load_script(run.root / kept[i].script)) for i in subtasks.chain
-        ]
-
-    def one(self, index: int, folder: Path) -> tuple[Episode, list[Attempt]]:
-        """Run an episode and write its files."""
-        rng = np.random.default_rng([self._stage.seed, index])
-        objects = self._context.objects(self._scene)
-        objects = [o.moved(pose) for o, pose in zip(objects, shifted_poses(objects, rng).values(), strict=True)]
-        look = Appearance.random(rng, [table_texture(name) for name in TABLES])
-        scene = self._scene.model_copy(
-            update={"objects": [o.record.model_copy(update={"pose": PoseRecord.of(o.pose)}) for o in objects]}
-        )
-        drawn = World.of_scene(scene, self._models, self._robot, look, render=True)
-        background = self._empty_table(drawn)
-        write_picture(folder / background_name(index), background)
-        setting = Setting(
-            build=lambda: World.of_scene(scene, self._models, self._robot),
-            objects={o.id: o for o in objects},
-            slots=slots_for_chain([subtask for subtask, _ in self._chain], objects, rng),
-            photograph=lambda state: self._photograph(drawn, state),
-            judge=lambda asked, before, after: self._judge(asked, before, after, background),
-            on_failure=self._options.on_failure,
-            retries=self._options.retries,
-            fps=self._options.fps,
-        )
-        done = run_episode(setting, self._chain, index)
-        for name, picture in done.pictures.items():
-            write_picture(folder / name, picture)
-        return self._write(done, index, drawn, folder), done.attempts
-
-    def _photograph(self, drawn: World, state: WorldState) -> dict[str, np.ndarray]:
-        drawn.set_state(state)
-        return {TOP: shoot(drawn, self._scene.top_camera)}
-
-    def _empty_table(self, drawn: World) -> np.ndarray:
-        """The table in the episode's light with nothing on it, the robot at home."""
-        state = drawn.state()
-        away = {key: Pose([0.0, 0.0, -9.0 - number]) for number, key in enumerate(state.objects)}
-        picture = self._photograph(drawn, WorldState(away, state.joints, state.object_joints))[TOP]
-        drawn.set_state(state)
-        return picture
-
-    def _judge(
-        self, asked: Asked, before: Mapping[str, np.ndarray], after: Mapping[str, np.ndarray], background: np.ndarray
-    ) -> Verdict:
-        question = self._context.critic_question(
-            self._scene, asked.text, asked.goals, before[TOP], after[TOP], background
-        )
-        return self._context.models.critic.judge(question)
-
-    def _write(self, done: EpisodeRun, index: int, drawn: World, folder: Path) -> Episode:
-        """Write the HDF5: with pictures when accepted, states alone when not."""
-        name = f"episode_{index:06d}.hdf5" if done.accepted else f"rejected/episode_{index:06d}.hdf5"
-        frames = len(done.log)
-        if frames:
-            cameras = camera_paths(drawn, done.log) if done.accepted else {}
-            data = episode_data(done.log, done.segments, cameras, self._facts(index, done))
-            pictures: Iterator[Mapping[str, np.ndarray]] = iter([{}] * frames)
-            if done.accepted:
-                pictures = (frame.pictures for frame in render_log(drawn, done.log))
-            write_episode(folder / name, data, pictures)
-        return Episode(
-            index=index,
-            seed=self._stage.seed,
-            accepted=done.accepted,
-            reason=done.reason,
-            file=self._stage.inside(name) if frames else None,
-            frames=frames,
-            fps=self._options.fps,
-            subtasks=[segment.subtask for segment in done.segments],
-            verdicts=[segment.verdict for segment in done.segments],
-            attempts=len(done.attempts),
-        )
-
-    def _facts(self, index: int, done: EpisodeRun) -> dict[str, Any]:
-        """What travels inside the episode."""
-        return {
-            "instruction": self._scene.instruction,
-            "seed": self._stage.seed,
-            "episode": index,
-            "accepted": done.accepted,
-            "reason": done.reason,
-            "robot": self._scene.robot,
-            "scene": self._scene.model_dump(mode="json", by_alias=True),
-            "providers": self._context.models.providers("reasoner", "editor", "detector", "embedder", "critic"),
-            "versions": versions(),
-        }
+    run: Path
+    options: Options
+    folder: Path
+    index: int
 
 
-def versions() -> dict[str, str]:
-    """What made the data."""
-    packages = ("sapien", "mani_skill", "mplib", "numpy")
-    return {"vcage": __version__, "python": platform.python_version(), **{p: metadata.version(p) for p in packages}}
+_Done = tuple[Episode, list[Attempt]]
+
+
+def _fill(store: EpisodeStore, options: Options, context: StageContext, progress: Progress) -> None:
+    """Run episodes until as many as are wanted are accepted, or :data:`RUNS_PER_EPISODE` times as many were run.
+
+    An episode depends on its number alone, they are kept in the order of their numbers, and none is begun that would
+    not be needed if all that run are accepted: so the number of processes changes no file.
+    """
+    begun, finished = len(store.episodes), dict[int, _Done]()
+    crew = _crew(options, options.episodes - _accepted(store.episodes), context)
+
+    def submit() -> None:
+        nonlocal begun
+        needed = options.episodes - _accepted([*store.episodes, *(episode for episode, _ in finished.values())])
+        running = begun - len(store.episodes) - len(finished)
+        for _ in range(min(needed - running, RUNS_PER_EPISODE * options.episodes - begun)):
+            crew.submit(_Task(store.run.root, options, store.folder, begun))
+            begun += 1
+
+    with crew:
+        submit()
+        progress("episode 0", _accepted(store.episodes), options.episodes)
+        for done in crew.results():
+            finished[done[0].index] = done
+            while len(store.episodes) in finished:
+                store.add(*finished.pop(len(store.episodes)))
+            progress(f"{len(store.episodes)} run", _accepted(store.episodes), options.episodes)
+            submit()
+
+
+def _crew(options: Options, wanted: int, context: StageContext) -> ThisProcess[_Task, _Done] | Processes[_Task, _Done]:
+    """Who runs the episodes; one that does all works in this process, with what it has loaded already."""
+    workers = min(options.workers or min(cores(), free_memory() // OF_A_PROCESS), wanted)
+    if workers <= 1:
+        runner = cache(partial(_runner, context=context))
+        return ThisProcess(lambda task: runner(task.run, task.options).one(task.index, task.folder))
+    return Processes(_in_process, workers, SILENT * options.episode_limit + START)
+
+
+def _in_process(task: _Task) -> _Done:
+    """Run an episode in a process of its own, which keeps what all episodes share."""
+    return _shared(task.run, task.options).one(task.index, task.folder)
+
+
+@lru_cache(maxsize=1)
+def _shared(run: Path, options: Options) -> EpisodeRunner:
+    return _runner(run, options, options.context())
+
+
+def _runner(run: Path, options: Options, context: StageContext) -> EpisodeRunner:
+    return EpisodeRunner(job(RunFolder(run), options, context), context, options.episode_limit)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Mapping, Sequence
 from functools import cached_property
 
@@ -17,6 +18,7 @@ from vcage.objects.asset import Asset
 from vcage.objects.library import Library
 from vcage.objects.table_tops import table_texture
 from vcage.schema.asset import CatalogueEntry, PhysicalModel
+from vcage.schema.episodes import Verdict
 from vcage.schema.scene import ObjectRecord, Scene, Table, Workspace
 from vcage.schema.subtasks import Goal
 from vcage.sim.appearance import Appearance
@@ -115,7 +117,7 @@ class StageContext:
         """The plain look of the scene: studio light and the table's own texture."""
         return Appearance(table_texture=table_texture(texture))
 
-    def critic_question(
+    def verdict(
         self,
         scene: Scene,
         text: str,
@@ -123,21 +125,24 @@ class StageContext:
         before: np.ndarray,
         after: np.ndarray,
         background: np.ndarray | None = None,
-    ) -> CriticQuestion:
-        """What the critic is asked about one sub-task.
+    ) -> Verdict:
+        """What the critic says about one sub-task.
 
         Args:
             scene: where it was done.
             text, goals: the sub-task in words and in the closed vocabulary.
             before, after: (H, W, 3) uint8 RGB of the scene's top camera, whose calibration every critic may rely on.
             background: the same of the empty table.
+
+        Raises:
+            VcageError: the critic cannot be asked, or gives no answer of use.
         """
         camera = scene.top_camera.camera()
         references = {}
         for record in scene.objects:
             x, y, z = (float(length) for length in self.asset(record).size)
             references[record.id] = Reference(record.phrase, *self.reference(record), (x, y, z))
-        return CriticQuestion(
+        question = CriticQuestion(
             text=text,
             goals=list(goals),
             before={TOP: View(before, camera)},
@@ -146,3 +151,19 @@ class StageContext:
             table_height=scene.table.height,
             background=background,
         )
+        asked = question_hash(text, goals, before, after, background)
+        return self.models.critic.judge(question).model_copy(update={"question": asked})
+
+
+def question_hash(
+    text: str, goals: Sequence[Goal], before: np.ndarray, after: np.ndarray, background: np.ndarray | None
+) -> str:
+    """Hex SHA-256 of what a critic is asked about a scene (see :meth:`StageContext.verdict`); what else it is shown
+    follows from the scene."""
+    told = (text, [goal.model_dump_json() for goal in goals])
+    digest = hashlib.sha256(repr(told).encode())
+    for picture in (before, after, background):
+        digest.update(
+            b"" if picture is None else repr(picture.shape).encode() + np.ascontiguousarray(picture).tobytes()
+        )
+    return digest.hexdigest()

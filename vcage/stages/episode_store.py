@@ -28,7 +28,7 @@ class EpisodeStore:
     """
 
     def __init__(self, stage: Job, folder: Path):
-        self.folder = folder
+        self.folder, self.run = folder, stage.run
         self.episodes: list[Episode] = []
         self._attempts: list[Attempt] = []
         self._stage = stage
@@ -43,7 +43,7 @@ class EpisodeStore:
         if self._go_on():
             logger.info("collect: going on with the episodes of a run that was interrupted")
             return
-        self._stage.run.make()
+        self.run.make()
         shutil.rmtree(self.folder, ignore_errors=True)
         with atomic_folder(self.folder) as folder:
             if done is not None:
@@ -92,11 +92,11 @@ class EpisodeStore:
         return record
 
     def _record(self) -> Episodes:
-        scene = Scene.read(self._stage.run.layout)
+        scene = Scene.read(self.run.layout)
         return Episodes(
             provenance=self._stage.provenance(),
             instruction=scene.instruction,
-            chain=Subtasks.read(self._stage.run.subtasks).chain,
+            chain=Subtasks.read(self.run.subtasks).chain,
             episodes=self.episodes,
             attempts=len(self._attempts),
             acceptance=acceptance(self._attempts),

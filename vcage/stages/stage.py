@@ -7,22 +7,19 @@ so that nothing of an earlier run is lost by accident.
 
 from __future__ import annotations
 
-import contextlib
 import logging
-import time
 import zlib
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Annotated, Any, Generic, Protocol, TypeVar
+from typing import Annotated, Any, Generic, TypeVar
 
 import numpy as np
 
 from vcage.base.errors import InputFileError, MissingStage, OutputFolderError, StaleStage
-from vcage.base.files import RunFolder, atomic_folder, read_json, recover, sha256_file, write_json
+from vcage.base.files import RunFolder, atomic_folder, recover, sha256_file
 from vcage.base.keeper import Keeper
 from vcage.base.options import NATURAL, UNSAID, Flag, choice
-from vcage.base.progress import Progress, silent
 from vcage.models.registry import CHOICES
 from vcage.schema.base import Provenance, StageDocument
 from vcage.schema.scene import Scene
@@ -73,11 +70,19 @@ class ModelOptions(StageOptions):
 
 @dataclass(frozen=True)
 class StageResult(Generic[D]):
-    """A stage's record, where it lies, and whether it was made just now."""
+    """What a stage left.
+
+    Args:
+        record: its JSON.
+        path: where that lies.
+        fresh: whether it was made just now.
+        grown: whether something was added to what an earlier call had finished.
+    """
 
     record: D
     path: Path
     fresh: bool
+    grown: bool = False
 
 
 @dataclass(frozen=True)
@@ -173,42 +178,15 @@ class Job:
         if done is not None:
             logger.info("%s: finished before, nothing to do", self.stage)
             return done
-        begun = self.run.root.exists()
         self.run.make()
-        try:
-            with atomic_folder(self.output.parent) as folder:
-                record = make(folder, provenance)
-                record.write(folder / self.output.name)
-        finally:
-            if not begun:
-                with contextlib.suppress(OSError):  # not empty: the stage is done
-                    self.run.root.rmdir()
+        with atomic_folder(self.output.parent) as folder:
+            record = make(folder, provenance)
+            record.write(folder / self.output.name)
         return StageResult(record, self.output, fresh=True)
 
     def inside(self, name: str) -> str:
         """The path, relative to the run folder, that a file of the stage's folder will have."""
         return f"{self.output.parent.name}/{name}"
-
-
-class Stage(Protocol):
-    """What a module of a stage offers."""
-
-    __name__: str
-
-    @property
-    def Options(self) -> type[Any]: ...
-
-    def job(self, run: RunFolder, options: Any, context: StageContext, /) -> Job:
-        """What the stage has to do."""
-        ...
-
-    def execute(self, run: RunFolder, options: Any, context: StageContext, progress: Progress, /) -> StageResult[Any]:
-        """Do it, unless it is done."""
-        ...
-
-    def summary(self, record: Any, /) -> dict[str, Any]:
-        """A few facts for whoever ran the stage."""
-        ...
 
 
 def differences(before: Provenance, now: Provenance) -> list[str]:
@@ -242,58 +220,3 @@ def stage_seed(run: RunFolder, seed: int | None) -> int:
             details={"missing": str(run.scene), "stage": "select_place"},
         )
     return Scene.read(scenes[0]).provenance.seed
-
-
-# --- how long stages took: apart from their own files, which are the same for the same seed ---------------
-
-
-@contextlib.contextmanager
-def timed(run: RunFolder, stage: str) -> Iterator[None]:
-    """Note the wall time of the block in ``timings.json``, beside those of the other stages.
-
-    Nothing is noted when the block fails or takes less than a tenth of a second (the stage was finished before).
-    """
-    start = time.perf_counter()
-    yield
-    seconds = time.perf_counter() - start
-    if seconds > 0.1 and run.root.is_dir():
-        recover(run.timings)
-        write_json(run.timings, {**read_timings(run), stage: round(seconds, 2)})
-
-
-def read_timings(run: RunFolder) -> dict[str, float]:
-    """Seconds by stage; empty when nothing was timed or the file is damaged (it is a by-product)."""
-    try:
-        timings = read_json(run.timings)
-    except InputFileError:
-        return {}
-    return timings if isinstance(timings, dict) else {}
-
-
-def run_stage(
-    stage: Stage,
-    run: RunFolder,
-    options: StageOptions | None = None,
-    context: StageContext | None = None,
-    progress: Progress = silent,
-) -> StageResult[Any]:
-    """Run one stage, unless it is finished, and note how long it took.
-
-    Example:
-        >>> from vcage.stages import match
-        >>> run_stage(match, RunFolder("runs/blocks"), match.Options(threshold=0.7, force=True))
-
-    Args:
-        stage: a module of :mod:`vcage.stages`.
-        run: the run folder, with what the stages before it wrote.
-        options: the stage's ``Options``; None for the defaults.
-        context: what stages share; None for what the options choose.
-        progress: told of every step.
-
-    Raises:
-        VcageError: what the stage raises.
-    """
-    options = options or stage.Options()
-    name = stage.__name__.rpartition(".")[2]
-    with timed(run, name):
-        return stage.execute(run, options, context or options.context(), progress)

@@ -14,8 +14,8 @@ from vcage.base.progress import Progress, silent
 from vcage.schema.base import Provenance
 from vcage.schema.episodes import Episode, Episodes, SingleVerdict, Verdict, Verdicts
 from vcage.schema.scene import Scene
-from vcage.schema.subtasks import Subtask, Subtasks
-from vcage.stages.context import StageContext
+from vcage.schema.subtasks import Subtasks
+from vcage.stages.context import StageContext, question_hash
 from vcage.stages.episode_store import background_name
 from vcage.stages.stage import Job, ModelOptions, StageResult, stage_seed
 
@@ -37,39 +37,62 @@ def job(run: RunFolder, options: Options, context: StageContext) -> Job:
 def summary(record: Verdicts) -> dict[str, Any]:
     """A few facts for whoever ran the stage."""
     verified = sum(all(v.accepted for v in verdicts) for verdicts in record.episodes.values())
-    return {"episodes": len(record.episodes), "verified": verified}
+    return {"episodes": len(record.episodes), "verified": verified, "taken_over": record.taken_over}
 
 
 def execute(
     run: RunFolder, options: Options, context: StageContext, progress: Progress = silent
 ) -> StageResult[Verdicts]:
-    """Write ``verify/verdicts.json``: one verdict per sub-task of every accepted episode, from the pictures kept."""
+    """Write ``verify/verdicts.json``: one verdict per sub-task of every accepted episode, from the pictures kept.
+
+    What the same critic said of the same pictures while they were collected is taken over, unless ``force`` asks for it
+    to look again.
+    """
     stage = job(run, options, context)
 
     def make(_folder: Path, provenance: Provenance) -> Verdicts:
-        scene = Scene.read(run.layout)
-        subtasks = {s.id: s for s in Subtasks.read(run.subtasks).kept}
-        accepted = [e for e in Episodes.read(run.episodes).episodes if e.accepted]
-        judged = {}
+        collected = Episodes.read(run.episodes)
+        now, then = provenance, collected.provenance
+        same_critic = (now.version, now.providers["critic"]) == (then.version, then.providers.get("critic"))
+        judge = _Judge(run, context, take_over=same_critic and not options.force)
+        accepted = [e for e in collected.episodes if e.accepted]
+        judged, known = {}, 0
         for number, episode in enumerate(accepted):
             progress(f"episode {episode.index}", number, len(accepted))
-            judged[episode.file or f"episode {episode.index}"] = _judge_episode(run, scene, context, episode, subtasks)
-        return Verdicts(provenance=provenance, episodes=judged)
+            verdicts = judge.episode(episode)
+            judged[episode.file or f"episode {episode.index}"] = [verdict for verdict, _ in verdicts]
+            known += sum(taken_over for _, taken_over in verdicts)
+        return Verdicts(provenance=provenance, episodes=judged, taken_over=known)
 
     return stage.do(Verdicts, make, force=options.force)
 
 
-def _judge_episode(
-    run: RunFolder, scene: Scene, context: StageContext, episode: Episode, subtasks: dict[str, Subtask]
-) -> list[Verdict]:
-    verdicts = []
-    for name, earlier in zip(episode.subtasks, episode.verdicts, strict=True):
-        before, after = (run.episodes.parent / picture for picture in earlier.pictures[:2])
-        empty = read_picture(run.episodes.parent / background_name(episode.index))
-        verdict = _judge(scene, context, subtasks[name], before, after, empty)
-        pictures = [f"../{run.episodes.parent.name}/{picture}" for picture in earlier.pictures]
-        verdicts.append(verdict.model_copy(update={"pictures": pictures}))
-    return verdicts
+class _Judge:
+    """Judges the episodes of a run.
+
+    Args:
+        run: the run folder.
+        context: with the critic.
+        take_over: whether an earlier verdict stands where the question is the same.
+    """
+
+    def __init__(self, run: RunFolder, context: StageContext, *, take_over: bool):
+        self._folder, self._context, self._take_over = run.episodes.parent, context, take_over
+        self._scene = Scene.read(run.layout)
+        self._subtasks = {s.id: s for s in Subtasks.read(run.subtasks).kept}
+
+    def episode(self, episode: Episode) -> list[tuple[Verdict, bool]]:
+        """A verdict for each sub-task, and whether it was taken over."""
+        empty = read_picture(self._folder / background_name(episode.index))
+        told = []
+        for name, earlier in zip(episode.subtasks, episode.verdicts, strict=True):
+            before, after = (_view(self._folder / picture, self._scene) for picture in earlier.pictures[:2])
+            asked = (self._subtasks[name].text, self._subtasks[name].goals, before, after, empty)
+            known = self._take_over and earlier.question == question_hash(*asked)
+            verdict = earlier if known else self._context.verdict(self._scene, *asked)
+            pictures = [f"../{self._folder.name}/{picture}" for picture in earlier.pictures]
+            told.append((verdict.model_copy(update={"pictures": pictures}), known))
+        return told
 
 
 def judge_pair(run: RunFolder, context: StageContext, subtask_id: str, before: Path, after: Path) -> SingleVerdict:
@@ -89,8 +112,8 @@ def judge_pair(run: RunFolder, context: StageContext, subtask_id: str, before: P
     kept = {s.id: s for s in Subtasks.read(run.subtasks).kept}
     if subtask_id not in kept:
         raise UnknownName("sub-task", subtask_id, kept)
-    subtask = kept[subtask_id]
-    verdict = _judge(Scene.read(run.layout), context, subtask, before, after)
+    subtask, scene = kept[subtask_id], Scene.read(run.layout)
+    verdict = context.verdict(scene, subtask.text, subtask.goals, _view(before, scene), _view(after, scene))
     pictures = [str(before), str(after)]
     return SingleVerdict(text=subtask.text, verdict=verdict.model_copy(update={"pictures": pictures}))
 
@@ -105,17 +128,3 @@ def _view(path: Path, scene: Scene) -> np.ndarray:
             hint="give pictures as collect keeps them in episodes/critic",
         )
     return picture
-
-
-def _judge(
-    scene: Scene,
-    context: StageContext,
-    subtask: Subtask,
-    before: Path,
-    after: Path,
-    background: np.ndarray | None = None,
-) -> Verdict:
-    views = (_view(path, scene) for path in (before, after))
-    return context.models.critic.judge(
-        context.critic_question(scene, subtask.text, subtask.goals, *views, background=background)
-    )

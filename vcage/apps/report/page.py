@@ -33,7 +33,7 @@ from vcage.schema.plan import Plan
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Subtasks
 from vcage.stages.episode_store import read_log
-from vcage.stages.stage import read_timings
+from vcage.stages.running import read_timings
 
 D = TypeVar("D", bound=StageDocument)
 
@@ -56,6 +56,15 @@ def write_report(run: RunFolder) -> Path:
         )
     recover(run.report)
     return write_text(run.report, _template().render(**_context(run)))
+
+
+def report_shows(run: RunFolder) -> bool:
+    """Whether the page of a run is there and younger than all that it shows."""
+    shown = [run.scene, run.plan, run.matches, run.layout, run.subtasks, run.episodes, run.verdicts, run.compression]
+    if not run.report.exists():
+        return False
+    made = run.report.stat().st_mtime_ns
+    return all(path.stat().st_mtime_ns < made for path in [*shown, run.export] if path.exists())
 
 
 def _context(run: RunFolder) -> dict[str, Any]:

@@ -1,0 +1,160 @@
+"""One episode of a collection: its world, its light, the closed loop, and the files that it leaves."""
+
+from __future__ import annotations
+
+import logging
+import platform
+from collections.abc import Iterator, Mapping
+from importlib import metadata
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from vcage.base.geometry import Pose
+from vcage.base.pictures import write_picture
+from vcage.base.version import __version__
+from vcage.base.workers import TimeIsUp, time_limit
+from vcage.datasets.hdf5 import write_episode
+from vcage.objects.table_tops import TABLES, table_texture
+from vcage.schema.base import PoseRecord
+from vcage.schema.episodes import Attempt, Episode, Verdict
+from vcage.schema.scene import Scene
+from vcage.schema.subtasks import Subtask, Subtasks
+from vcage.sim.appearance import Appearance
+from vcage.sim.cameras import shoot
+from vcage.sim.replay import camera_paths, render_log
+from vcage.sim.robots import load_robot
+from vcage.sim.state import WorldState
+from vcage.sim.world import World
+from vcage.stages.context import TOP, StageContext
+from vcage.stages.episode_store import background_name
+from vcage.stages.stage import Job
+from vcage.tasks.assemble import episode_data
+from vcage.tasks.loop import EpisodeRun, Setting, run_episode
+from vcage.tasks.slots import slots_for_chain
+from vcage.tasks.synthesis import Script, load_script
+from vcage.tasks.task import Asked
+from vcage.tasks.variation import shifted_poses
+
+logger = logging.getLogger(__name__)
+
+
+class EpisodeRunner:
+    """Runs the episodes of a collection, with what all of them share.
+
+    Args:
+        stage: the collection; its options say what follows a failed sub-task, and the frames per second.
+        context: the library and the models.
+        limit_s: seconds after which an episode is given up.
+    """
+
+    def __init__(self, stage: Job, context: StageContext, limit_s: float):
+        run = stage.run
+        self._stage, self._context, self._limit_s = stage, context, limit_s
+        self._scene = Scene.read(run.layout)
+        self._robot = load_robot(self._scene.robot)
+        self._models = context.physical_models(self._scene)
+        subtasks = Subtasks.read(run.subtasks)
+        kept = {s.id: s for s in subtasks.kept}
+        self._chain: list[tuple[Subtask, Script]] = [
+            (kept[i], load_script(run.root / kept[i].script)) for i in subtasks.chain
+        ]
+
+    def one(self, index: int, folder: Path) -> tuple[Episode, list[Attempt]]:
+        """Run an episode and write its files; one that takes too long is rejected, and nothing of it is kept."""
+        try:
+            with time_limit(self._limit_s):
+                return self._run(index, folder)
+        except TimeIsUp:
+            reason = f"given up after {self._limit_s:g} s"
+            logger.warning("episode %d: %s", index, reason)
+            fps = self._stage.options["fps"]
+            return Episode(index=index, seed=self._stage.seed, accepted=False, reason=reason, fps=fps), []
+
+    def _run(self, index: int, folder: Path) -> tuple[Episode, list[Attempt]]:
+        rng = np.random.default_rng([self._stage.seed, index])
+        objects = self._context.objects(self._scene)
+        objects = [o.moved(pose) for o, pose in zip(objects, shifted_poses(objects, rng).values(), strict=True)]
+        look = Appearance.random(rng, [table_texture(name) for name in TABLES])
+        scene = self._scene.model_copy(
+            update={"objects": [o.record.model_copy(update={"pose": PoseRecord.of(o.pose)}) for o in objects]}
+        )
+        drawn = World.of_scene(scene, self._models, self._robot, look, render=True)
+        background = self._empty_table(drawn)
+        write_picture(folder / background_name(index), background)
+        setting = Setting(
+            build=lambda: World.of_scene(scene, self._models, self._robot),
+            objects={o.id: o for o in objects},
+            slots=slots_for_chain([subtask for subtask, _ in self._chain], objects, rng),
+            photograph=lambda state: self._photograph(drawn, state),
+            judge=lambda asked, before, after: self._judge(asked, before, after, background),
+            on_failure=self._stage.options["on_failure"],
+            retries=self._stage.options["retries"],
+            fps=self._stage.options["fps"],
+        )
+        done = run_episode(setting, self._chain, index)
+        for name, picture in done.pictures.items():
+            write_picture(folder / name, picture)
+        return self._write(done, index, drawn, folder), done.attempts
+
+    def _photograph(self, drawn: World, state: WorldState) -> dict[str, np.ndarray]:
+        drawn.set_state(state)
+        return {TOP: shoot(drawn, self._scene.top_camera)}
+
+    def _empty_table(self, drawn: World) -> np.ndarray:
+        """The table in the episode's light with nothing on it, the robot at home."""
+        state = drawn.state()
+        away = {key: Pose([0.0, 0.0, -9.0 - number]) for number, key in enumerate(state.objects)}
+        picture = self._photograph(drawn, WorldState(away, state.joints, state.object_joints))[TOP]
+        drawn.set_state(state)
+        return picture
+
+    def _judge(
+        self, asked: Asked, before: Mapping[str, np.ndarray], after: Mapping[str, np.ndarray], background: np.ndarray
+    ) -> Verdict:
+        return self._context.verdict(self._scene, asked.text, asked.goals, before[TOP], after[TOP], background)
+
+    def _write(self, done: EpisodeRun, index: int, drawn: World, folder: Path) -> Episode:
+        """Write the HDF5: with pictures when accepted, states alone when not."""
+        name = f"episode_{index:06d}.hdf5" if done.accepted else f"rejected/episode_{index:06d}.hdf5"
+        frames = len(done.log)
+        if frames:
+            cameras = camera_paths(drawn, done.log) if done.accepted else {}
+            data = episode_data(done.log, done.segments, cameras, self._facts(index, done))
+            pictures: Iterator[Mapping[str, np.ndarray]] = iter([{}] * frames)
+            if done.accepted:
+                pictures = (frame.pictures for frame in render_log(drawn, done.log))
+            write_episode(folder / name, data, pictures)
+        return Episode(
+            index=index,
+            seed=self._stage.seed,
+            accepted=done.accepted,
+            reason=done.reason,
+            file=self._stage.inside(name) if frames else None,
+            frames=frames,
+            fps=self._stage.options["fps"],
+            subtasks=[segment.subtask for segment in done.segments],
+            verdicts=[segment.verdict for segment in done.segments],
+            attempts=len(done.attempts),
+        )
+
+    def _facts(self, index: int, done: EpisodeRun) -> dict[str, Any]:
+        """What travels inside the episode."""
+        return {
+            "instruction": self._scene.instruction,
+            "seed": self._stage.seed,
+            "episode": index,
+            "accepted": done.accepted,
+            "reason": done.reason,
+            "robot": self._scene.robot,
+            "scene": self._scene.model_dump(mode="json", by_alias=True),
+            "providers": self._context.models.providers("reasoner", "editor", "detector", "embedder", "critic"),
+            "versions": versions(),
+        }
+
+
+def versions() -> dict[str, str]:
+    """What made the data."""
+    packages = ("sapien", "mani_skill", "mplib", "numpy")
+    return {"vcage": __version__, "python": platform.python_version(), **{p: metadata.version(p) for p in packages}}
