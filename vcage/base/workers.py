@@ -33,6 +33,9 @@ R = TypeVar("R")
 TRIES = 3
 """Processes that may be lost over one task before it is given up."""
 
+DONE, FAILED, SAID = range(3)
+"""What a process sends: a result, an error, or a record of its log."""
+
 
 def cores() -> int:
     """Processor cores that this process may use."""
@@ -143,13 +146,18 @@ class Processes(Generic[T, R]):
             for process in self._that_answered():
                 self._busy.remove(process)
                 try:
-                    done, value = process.connection.recv()
+                    kind, value = process.connection.recv()
                 except (EOFError, OSError):
                     self._lost(process, "was ended from outside")
                     continue
+                if kind == SAID:
+                    name, level, text = value
+                    logging.getLogger(name).log(level, "%s", text)
+                    self._busy.append(process)
+                    continue
                 self._idle.append(process)
                 self._begin()
-                if not done:
+                if kind == FAILED:
                     raise value
                 yield value
             for process in self._silent():
@@ -170,7 +178,8 @@ class Processes(Generic[T, R]):
     def _started(self) -> _Process:
         context = multiprocessing.get_context("spawn")
         ours, theirs = context.Pipe()
-        process = context.Process(target=_serve, args=(self._work, theirs), daemon=True)
+        level = logging.getLogger().getEffectiveLevel()
+        process = context.Process(target=_serve, args=(self._work, theirs, level), daemon=True)
         process.start()
         theirs.close()  # so that ours ends with the process
         return _Process(process, ours, None, 0.0)
@@ -199,20 +208,32 @@ class Processes(Generic[T, R]):
         self._begin()
 
 
-def _serve(work: Callable[[Any], Any], connection: Connection) -> None:
-    """What a process does: answers each task with (True, result) or (False, error), until it is ended."""
+def _serve(work: Callable[[Any], Any], connection: Connection, level: int) -> None:
+    """What a process does: answers each task with (DONE, result) or (FAILED, error), until it is ended."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the parent's business
     threading.Thread(target=_end_with_parent, daemon=True).start()
+    logging.basicConfig(level=level, format="%(message)s", handlers=[_ToParent(connection)], force=True)
     while True:
         task = connection.recv()
         try:
-            answer = (True, work(task))
+            answer = (DONE, work(task))
         except Exception as error:  # it is raised again where the result was waited for
-            answer = (False, error)
+            answer = (FAILED, error)
         try:
             connection.send(answer)
         except (TypeError, AttributeError, PicklingError) as error:
-            connection.send((False, TypeError(f"{answer[1]!r} cannot be sent between processes: {error}")))
+            connection.send((FAILED, TypeError(f"{answer[1]!r} cannot be sent between processes: {error}")))
+
+
+class _ToParent(logging.Handler):
+    """Sends what is logged to the process that logs it for all."""
+
+    def __init__(self, connection: Connection):
+        super().__init__()
+        self._connection = connection
+
+    def emit(self, record: logging.LogRecord) -> None:
+        self._connection.send((SAID, (record.name, record.levelno, self.format(record))))
 
 
 def _end_with_parent() -> None:
@@ -221,29 +242,6 @@ def _end_with_parent() -> None:
     if parent is not None:
         parent.join()
         os._exit(1)
-
-
-class TimeIsUp(BaseException):
-    """Raised inside :func:`time_limit`; no handler of errors stops it on its way."""
-
-
-@contextmanager
-def time_limit(seconds: float) -> Iterator[None]:
-    """Raise :class:`TimeIsUp` in the block when it takes longer; in the main thread of a process alone.
-
-    Code outside Python is not interrupted: the block ends when that returns.
-    """
-
-    def ring(_number: int, _frame: object) -> None:
-        raise TimeIsUp
-
-    before = signal.signal(signal.SIGALRM, ring)
-    signal.setitimer(signal.ITIMER_REAL, seconds)
-    try:
-        yield
-    finally:
-        signal.setitimer(signal.ITIMER_REAL, 0)
-        signal.signal(signal.SIGALRM, before)
 
 
 @contextmanager

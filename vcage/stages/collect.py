@@ -160,13 +160,14 @@ def _fill(store: EpisodeStore, options: Options, context: StageContext, progress
 
     with crew:
         submit()
-        progress("episode 0", _accepted(store.episodes), options.episodes)
+        progress(f"{len(store.episodes)} episodes run", _accepted(store.episodes), options.episodes)
         for done in crew.results():
             finished[done[0].index] = done
             while len(store.episodes) in finished:
                 store.add(*finished.pop(len(store.episodes)))
-            progress(f"{len(store.episodes)} run", _accepted(store.episodes), options.episodes)
             submit()
+            if (accepted := _accepted(store.episodes)) < options.episodes:
+                progress(f"{len(store.episodes)} episodes run", accepted, options.episodes)
 
 
 def _crew(options: Options, wanted: int, context: StageContext) -> ThisProcess[_Task, _Done] | Processes[_Task, _Done]:

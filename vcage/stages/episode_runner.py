@@ -13,8 +13,8 @@ import numpy as np
 
 from vcage.base.geometry import Pose
 from vcage.base.pictures import write_picture
+from vcage.base.time_limit import TimeIsUp, time_limit
 from vcage.base.version import __version__
-from vcage.base.workers import TimeIsUp, time_limit
 from vcage.datasets.hdf5 import write_episode
 from vcage.objects.table_tops import TABLES, table_texture
 from vcage.schema.base import PoseRecord
