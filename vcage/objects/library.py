@@ -2,16 +2,25 @@
 
 from __future__ import annotations
 
+import contextlib
+import logging
 import os
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from vcage.base.errors import AssetLeftOut, InputFileError, SchemaMismatch, UnknownName
 from vcage.base.files import data_path, resource, whole
+from vcage.base.progress import Progress, silent
+from vcage.base.workers import cores, in_processes
 from vcage.objects import sources
 from vcage.objects.asset import Asset
 from vcage.objects.points import check_points, check_size
-from vcage.schema.asset import Annotation, CatalogueEntry
+from vcage.schema.asset import Annotation, CatalogueEntry, Variant
+
+logger = logging.getLogger(__name__)
+
+A_FEW = 8
+"""Models that are built sooner than processes that build them are started."""
 
 
 class Library:
@@ -115,7 +124,13 @@ class Library:
         return self.asset(name).entry()
 
     def entries(self) -> list[CatalogueEntry]:
-        """What a model sees of the library, in the order of the names."""
+        """What a model sees of the library, in the order of the names; models that this needs are built first.
+
+        Raises:
+            InputFileError: see :meth:`asset`.
+        """
+        firsts = {(name, self.annotation(name).variants[0].id) for name in self.names}
+        self._make([key for key in self.unbuilt() if key in firsts])
         return [self.entry(name) for name in self.names]
 
     def unbuilt(self) -> list[tuple[str, str]]:
@@ -127,21 +142,40 @@ class Library:
             if not sources.model_folder(annotation, variant, self._folders[name]).is_dir()
         ]
 
-    def build_all(self, progress: Callable[[str, int, int], None] | None = None) -> list[InputFileError]:
+    def build_all(self, progress: Progress = silent) -> list[InputFileError]:
         """Build every variant that is not in the cache; returns why some could not be built.
 
         Args:
-            progress: called before each variant with its name, its number from 0, and how many there are.
+            progress: told of every variant.
         """
         wanted, failures = self.unbuilt(), []
-        for i, (name, variant) in enumerate(wanted):
-            if progress is not None:
-                progress(f"{name}/{variant}", i, len(wanted))
+        self._make(wanted, progress)
+        for name, variant in wanted:
             try:
                 self.asset(name, variant)
             except InputFileError as error:
                 failures.append(error)
         return failures
+
+    def _make(self, wanted: Sequence[tuple[str, str]], progress: Progress = silent) -> None:
+        """Make models into the cache, by as many processes as there are cores when it takes long. One that cannot be
+        made is left for :meth:`asset` to complain about."""
+        if len(wanted) > A_FEW:
+            logger.info("building %d models of objects, once for all runs", len(wanted))
+        tasks = []
+        for name, variant in wanted:
+            annotation = self._annotations[name]
+            tasks.append((annotation, next(v for v in annotation.variants if v.id == variant), self._folders[name]))
+        made = in_processes(_make_one, tasks, cores() if len(tasks) > A_FEW else 1)
+        for number, name in enumerate(made):
+            progress(name, number, len(tasks))
+
+
+def _make_one(task: tuple[Annotation, Variant, Path]) -> str:
+    annotation, variant, folder = task
+    with contextlib.suppress(InputFileError):
+        sources.model(annotation, variant, folder)
+    return f"{annotation.name}/{variant.id}"
 
 
 def package_models() -> dict[str, list[str]]:
