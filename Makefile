@@ -1,6 +1,6 @@
 # Everything is made inside the repository (.venv) and the user's cache; nothing needs root.
 #
-#   make demo     environment, Vulkan driver, assets, then one instruction through the whole chain
+#   make demo     environment and Vulkan driver, then one instruction through the whole chain; says how long it took
 #   make test     the same environment, then lint and the tests
 #   make lint     ruff and the types (pyrefly)
 #   make doctor   what was found, and the command that mends what is missing
@@ -51,11 +51,12 @@ $(STAMP): pyproject.toml
 	  echo "make: $(PYTHON) is $$($(PYTHON) -V 2>&1); 3.11 or 3.12 is needed: make PYTHON=/path/to/python3.11" >&2; exit 4; }
 	@"$(PYTHON)" -c 'import ensurepip, venv' 2>/dev/null || { \
 	  echo "make: $(PYTHON) cannot make environments: apt install python3-venv, or name another: make PYTHON=…" >&2; exit 4; }
+	$(eval BEGUN := $(shell date +%s))
 	@test -x $(BIN)/python && $(BIN)/python -m pip --version >/dev/null 2>&1 || "$(PYTHON)" -m venv --clear .venv
 	@$(PIP) show -q torch 2>/dev/null || $(TORCH_FOR_CPU) || $(PIP) install -q $(INDEX) torch==$(TORCH)
 	$(PIP) install -q -e '.[test]'
 	@for part in opencv cvvdp efficientnet; do $(BIN)/vcage setup $$part >/dev/null || exit; done
-	@touch $@
+	@echo $$(($$(date +%s) - $(BEGUN))) > $@
 
 vulkan: venv
 	@$(BIN)/vcage setup vulkan
@@ -65,8 +66,13 @@ assets: vulkan
 
 setup: assets
 
-demo: setup
-	$(BIN)/vcage run "$(DEMO)" --out runs/pack-stationery --episodes 3
+# Models are built when a run needs them, so all of `setup` is not waited for.
+demo: venv
+	@begun=$$(date +%s); \
+	$(BIN)/vcage setup vulkan && $(BIN)/vcage run "$(DEMO)" --out runs/pack-stationery --episodes 3 || exit; \
+	rest=$$(($$(date +%s) - begun)); packages=$$(cat $(STAMP)); test -n "$$packages" || exit 0; \
+	echo "the packages took $$packages s to install, from there to the report it took $$rest s:" \
+	  "$$(awk "BEGIN {printf \"%.1f\", ($$packages + $$rest) / ($$packages > 0 ? $$packages : 1)}") times the packages alone" >&2
 
 lint: venv
 	@$(BIN)/ruff check . && $(BIN)/ruff format --check -q . && $(BIN)/pyrefly check --output-format min-text

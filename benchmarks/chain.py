@@ -1,4 +1,4 @@
-"""The demo's instruction from the sentence to the export, beside ManiSkill's runner recording as many pick-and-places."""
+"""The demo from the sentence to the export, beside ManiSkill's runner recording as many pick-and-places."""
 
 from __future__ import annotations
 
@@ -25,9 +25,10 @@ INSTRUCTION = "Pack the marker pens and the eraser into the box"
 def run(quick: bool) -> dict[str, object]:
     """Wall seconds per pick-and-place.
 
-    - ``vcage_seconds``: ``vcage run`` in a process of its own, from its start to its end (objects chosen, placed, drawn,
-      matched and optimised, sub-tasks searched, episodes collected, verified, compressed, exported, and the report),
-      divided by the pick-and-places in the episodes that were accepted. The models of the objects are built before.
+    - ``vcage_seconds``: ``vcage run`` in a process of its own, from its start to its end (objects chosen, placed,
+      drawn, matched and optimised, sub-tasks searched, episodes collected, verified, compressed, exported, and the
+      report), divided by the pick-and-places in the episodes that were accepted. The models of the objects are built
+      before.
     - ``maniskill_seconds``: ManiSkill's motion-planning runner on StackCube in one process, with three cameras of the
       same size and frame rate, pictures written as they are, divided by the trajectories that succeeded; half of them
       before ours and half after, each without the start of its process and its first trajectory.

@@ -19,6 +19,7 @@ from vcage.schema.episodes import Attempt, Episode, Episodes, Truth, Verdict
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Subtasks
 from vcage.stages import collect, episode_store
+from vcage.stages.context import StageContext
 
 CAMERAS = ["cam_high", "cam_left_wrist", "cam_right_wrist"]
 
@@ -132,6 +133,12 @@ def test_asking_for_more_adds_to_those_there_are(finished, more):
     before, after = (digests(run.root / "episodes") for run in (finished.run, more))
     assert after["episode_000000.hdf5"] == before["episode_000000.hdf5"]
     assert before.keys() < after.keys()
+
+
+def test_the_number_of_processes_changes_no_file(finished, more, tmp_path):
+    run = copied(finished.run, tmp_path / "run", before="collect")
+    collect.execute(run, options(episodes=2, workers=2), StageContext("offline"))
+    assert digests(run.root / "episodes") == digests(more.root / "episodes")
 
 
 def test_asking_for_fewer_changes_nothing(finished, more):
@@ -270,6 +277,46 @@ def test_a_collection_without_success_ends_and_says_why(finished, begun, cheap):
     with pytest.raises(PartlyDone, match=r"none of 6 episodes was verified: it slipped"):
         collect.execute(begun, options(episodes=2), finished.context)
     assert len(episode_store.read_log(begun.episodes.parent)) == 6
+
+
+def test_no_more_episodes_are_begun_than_may_be_needed(finished, begun, cheap, monkeypatch):
+    submitted = Submitted()
+    monkeypatch.setattr(collect, "Processes", lambda *_: submitted)
+    cheap.bad = frozenset({1, 2})
+    submitted.order = [1, 0, 2, 3, 4]
+    collect.execute(begun, options(episodes=3, workers=4), finished.context)
+    assert [e.index for e in Episodes.read(begun.episodes).episodes] == [0, 1, 2, 3, 4]
+    assert submitted.running == [3, 3, 2, 2, 1]
+
+
+class Submitted:
+    """In place of processes: finishes the tasks in an order of its own, and notes how many were running."""
+
+    order: list[int]
+
+    def __init__(self):
+        self.tasks: dict[int, Any] = {}
+        self.running: list[int] = []
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_: object):
+        assert not self.tasks
+
+    def submit(self, task: Any) -> None:
+        self.tasks[task.index] = task
+
+    def results(self):
+        for index in self.order:
+            self.running.append(len(self.tasks))
+            task = self.tasks.pop(index)
+            yield Cheap.one(collect.EpisodeRunner(), task.index, task.folder)
+
+
+def test_an_episode_that_takes_too_long_is_given_up_and_says_so(finished, begun):
+    with pytest.raises(PartlyDone, match=r"none of 3 episodes was verified: given up after 0\.05 s"):
+        collect.execute(begun, options(episode_limit=0.05), finished.context)
 
 
 def test_a_damaged_script_is_named_before_anything_is_collected(finished, begun):

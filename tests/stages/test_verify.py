@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -25,6 +27,36 @@ def test_the_same_critic_says_the_same_again(finished):
     assert [v.reason for v in verdicts] == [v.reason for v in episode.verdicts]
     for verdict in verdicts:
         assert all((finished.run.verdicts.parent / name).is_file() for name in verdict.pictures)
+
+
+class Never:
+    """A critic that must not be asked."""
+
+    provider = "offline"
+
+    def judge(self, _question):
+        raise AssertionError("asked again")
+
+
+def test_a_verdict_of_the_same_critic_on_the_same_pictures_is_taken_over(finished, tmp_path, monkeypatch):
+    run = copied(finished.run, tmp_path / "run", before="verify")
+    monkeypatch.setattr(finished.context.models, "critic", Never())
+    record = verify.execute(run, OPTIONS, finished.context).record
+    (episode,) = Episodes.read(run.episodes).episodes
+    assert record.taken_over == len(episode.subtasks) > 0
+    assert verify.summary(record)["taken_over"] == record.taken_over
+    with pytest.raises(AssertionError, match="asked again"):
+        verify.execute(run, replace(OPTIONS, force=True), finished.context)
+
+
+def test_another_picture_is_judged_anew(finished, tmp_path):
+    run = copied(finished.run, tmp_path / "run", before="verify")
+    (episode,) = Episodes.read(run.episodes).episodes
+    before, after = (run.episodes.parent / name for name in episode.verdicts[0].pictures)
+    write_picture(after, read_picture(before))
+    record = verify.execute(run, OPTIONS, finished.context).record
+    assert record.taken_over == len(episode.subtasks) - 1
+    assert not record.episodes[episode.file][0].accepted
 
 
 def test_a_pair_is_judged_by_what_it_shows(finished):
