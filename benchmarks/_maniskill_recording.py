@@ -14,12 +14,12 @@ from typing import Any
 import gymnasium
 import h5py
 import numpy as np
+import sapien
 from mani_skill.envs.tasks.tabletop.stack_cube import StackCubeEnv
 from mani_skill.examples.motionplanning.panda.solutions import solveStackCube
 from mani_skill.sensors.camera import CameraConfig
 from mani_skill.utils import sapien_utils
 from mani_skill.utils.registration import register_env
-from mani_skill.utils.structs.pose import Pose
 
 from vcage.setup.vulkan import ensure_driver
 
@@ -46,7 +46,7 @@ class RecordedStackCube(StackCubeEnv):
         high = sapien_utils.look_at(eye=[-0.6, 0.0, 0.9], target=[0.0, 0.0, 0.0])
         side = sapien_utils.look_at(eye=[0.3, 0.4, 0.5], target=[-0.05, 0.0, 0.1])
         hand = self.agent.robot.links_map["panda_hand"]
-        wrist = Pose.create_from_pq([0.075, 0.0, 0.035], [0.70710678, 0.0, -0.70710678, 0.0])
+        wrist: Any = sapien.Pose([0.075, 0.0, 0.035], [0.70710678, 0.0, -0.70710678, 0.0])
         return [
             CameraConfig("high", high, WIDTH, HEIGHT, 0.95, 0.01, 20),
             CameraConfig("side", side, WIDTH, HEIGHT, 1.3, 0.01, 20),
@@ -61,7 +61,7 @@ class RecordedStackCube(StackCubeEnv):
         self._steps += 1
         if (self._steps - 1) % EVERY:
             return {}
-        seen = super().get_obs(*args, **kwargs)
+        seen: Any = super().get_obs(*args, **kwargs)
         pictures = {name: data["rgb"][0].cpu().numpy() for name, data in seen["sensor_data"].items()}
         self.frames.append({**pictures, "qpos": seen["agent"]["qpos"][0].cpu().numpy()})
         return seen
@@ -71,7 +71,7 @@ def record(count: int, folder: Path) -> None:
     """Record successful trajectories into one HDF5 file, pictures as they are."""
     start = time.perf_counter()
     ensure_driver()
-    env = gymnasium.make(TASK, robot_uids="panda", obs_mode="rgb", control_mode="pd_joint_pos", sim_backend="cpu")
+    env: Any = gymnasium.make(TASK, robot_uids="panda", obs_mode="rgb", control_mode="pd_joint_pos", sim_backend="cpu")
     task, done, seed = env.unwrapped, 0, 0
     assert isinstance(task, RecordedStackCube)
     with h5py.File(folder / "trajectories.h5", "w") as file:

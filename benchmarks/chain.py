@@ -14,7 +14,7 @@ from vcage.base.errors import VcageError
 from vcage.base.files import RunFolder
 from vcage.objects.library import Library
 from vcage.schema.episodes import Episodes
-from vcage.stages.stage import read_timings
+from vcage.stages.running import read_timings
 
 logger = logging.getLogger(__name__)
 

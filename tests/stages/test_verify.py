@@ -40,7 +40,7 @@ class Never:
 
 def test_a_verdict_of_the_same_critic_on_the_same_pictures_is_taken_over(finished, tmp_path, monkeypatch):
     run = copied(finished.run, tmp_path / "run", before="verify")
-    monkeypatch.setattr(finished.context.models, "critic", Never())
+    monkeypatch.setattr(finished.context, "models", replace(finished.context.models, critic=Never()))
     record = verify.execute(run, OPTIONS, finished.context).record
     (episode,) = Episodes.read(run.episodes).episodes
     assert record.taken_over == len(episode.subtasks) > 0
