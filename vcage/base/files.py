@@ -11,14 +11,10 @@ import errno
 import hashlib
 import json
 import os
-import platform
 import shutil
-import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
-
-from filelock import FileLock, Timeout
 
 from vcage.base.errors import DamagedFile, DiskFull, MissingStage, OutputFolderError
 
@@ -128,35 +124,6 @@ def atomic_path(path: Path) -> Iterator[Path]:
             os.replace(part, path)
         finally:
             part.unlink(missing_ok=True)
-
-
-IN_USE = "in-use"
-"""File in a folder in which a process works: says which."""
-
-
-@contextlib.contextmanager
-def held(folder: Path) -> Iterator[None]:
-    """Keep a folder to work in for this process alone; the system lets go of it however the process ends.
-
-    Raises:
-        OutputFolderError: another process holds it; says which.
-    """
-    path = folder / IN_USE
-    lock = FileLock(path)
-    try:
-        lock.acquire(timeout=0)
-    except Timeout as error:
-        holder = " ".join(path.read_text(encoding="utf-8").split()) or "another process"
-        raise OutputFolderError(
-            f"{folder} is in use by {holder}", hint="wait for its end, or give another --out"
-        ) from error
-    try:
-        command = " ".join([Path(sys.argv[0]).name, *sys.argv[1:]])
-        path.write_text(f"process {os.getpid()} on {platform.node()}: {command}\n", encoding="utf-8")
-        yield
-    finally:
-        path.unlink(missing_ok=True)
-        lock.release()
 
 
 def write_bytes(path: Path, data: bytes) -> Path:

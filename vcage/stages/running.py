@@ -8,7 +8,8 @@ from collections.abc import Iterator
 from typing import Any, Protocol
 
 from vcage.base.errors import InputFileError
-from vcage.base.files import RunFolder, held, read_json, recover, write_json
+from vcage.base.files import RunFolder, read_json, recover, write_json
+from vcage.base.hold import held
 from vcage.base.progress import Progress, silent
 from vcage.stages.context import StageContext
 from vcage.stages.stage import Job, StageOptions, StageResult

@@ -140,12 +140,10 @@ def template_of(
     """
     centre, extent = _middle_and_extent(mask)
     step = max(1.0, extent / FINE_EXTENT)
-    (low, high), base = box[:, 2].tolist(), np.array([*origin, box[0, 2]])
-    top = _top_face(mask, source_camera, low, high)
-    if top.sum() < LEAST_TOP * mask.sum():
-        top, low, high = mask, (low + high) / 2, (low + high) / 2
-    inner = _spread_out(_inner(mask, step, shell), POINTS)
-    points, facing = _on_proxy(inner, mask, source_camera, low, high)
+    base = np.array([*origin, box[0, 2]])
+    top, low, high = _top_and_heights(mask, source_camera, *box[:, 2].tolist())
+    seen = _inner(mask, step, shell)
+    points, facing = _on_proxy(seen, mask, source_camera, low, high)
     return ObjectTemplate(
         source=source,
         source_camera=source_camera,
@@ -156,13 +154,19 @@ def template_of(
         box=box,
         origin=base,
         layers=np.linspace(low, high, LAYERS if low < high else 1) - base[2],
-        surface=Surface(points - base, facing, source.sample(inner[None], step)[0, :, :3]),
+        surface=Surface(points - base, facing, source.sample(seen[None], step)[0, :, :3]),
         rim=_rim(top, source_camera, low, high, base),
         extent=extent,
         step=step,
         pixel=_metres_per_pixel(source_camera, centre, (low + high) / 2),
         shell=shell,
     )
+
+
+def _top_and_heights(mask: np.ndarray, camera: Camera, low: float, high: float) -> tuple[np.ndarray, float, float]:
+    """(H, W) bool the top face of the proxy, and from which height to which it stands."""
+    top = _top_face(mask, camera, low, high)
+    return (top, low, high) if top.sum() >= LEAST_TOP * mask.sum() else (mask, (low + high) / 2, (low + high) / 2)
 
 
 def template_from_reference(
@@ -263,14 +267,13 @@ def _rim(top: np.ndarray, camera: Camera, low: float, high: float, base: np.ndar
 
 
 def _inner(mask: np.ndarray, step: float, shell: float) -> np.ndarray:
-    """(n, 2) pixels of a mask that lie deep enough not to mix with what is around, and no deeper than the shell; all
-    when it is thin."""
+    """(n, 2) at most :data:`POINTS` pixels of a mask, deep enough not to mix with what is around, within the shell."""
     u, v, width, height = cv2.boundingRect(mask.astype(np.uint8))
     window = np.s_[v : v + height, u : u + width]
     depth = cv2.distanceTransform(np.pad(mask[window].astype(np.uint8), 1), cv2.DIST_L2, 5)[1:-1, 1:-1]
     deep = (depth >= min(step, 0.5 * depth.max())) & (depth <= shell * depth.max())
     rows, columns = np.nonzero(deep)
-    return np.stack([columns + u, rows + v], axis=1) + 0.5
+    return _spread_out(np.stack([columns + u, rows + v], axis=1) + 0.5, POINTS)
 
 
 def _spread_out(points: np.ndarray, count: int) -> np.ndarray:

@@ -24,7 +24,7 @@ from vcage.base.errors import (
     UnknownName,
     UsageError,
 )
-from vcage.base.files import held
+from vcage.base.hold import held
 from vcage.base.videos import decode
 from vcage.datasets.packing import clips as clip_module
 from vcage.datasets.packing.pack import RECORD, WORKING, pack

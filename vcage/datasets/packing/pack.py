@@ -14,7 +14,8 @@ from pathlib import Path
 from typing import TypeVar
 
 from vcage.base.errors import DamagedFile, InputFileError, OutputFolderError, StaleStage
-from vcage.base.files import RunFolder, atomic_folder, held
+from vcage.base.files import RunFolder, atomic_folder
+from vcage.base.hold import held
 from vcage.base.keeper import Keeper
 from vcage.base.progress import Progress, silent
 from vcage.datasets.packing.clips import Clip

@@ -1,0 +1,42 @@
+"""A folder for one process alone."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import platform
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+from filelock import FileLock, Timeout
+
+from vcage.base.errors import OutputFolderError
+
+IN_USE = "in-use"
+"""File in a folder in which a process works: says which."""
+
+
+@contextlib.contextmanager
+def held(folder: Path) -> Iterator[None]:
+    """Keep a folder to work in for this process alone; the system lets go of it however the process ends.
+
+    Raises:
+        OutputFolderError: another process holds it; says which.
+    """
+    path = folder / IN_USE
+    lock = FileLock(path)
+    try:
+        lock.acquire(timeout=0)
+    except Timeout as error:
+        holder = " ".join(path.read_text(encoding="utf-8").split()) or "another process"
+        raise OutputFolderError(
+            f"{folder} is in use by {holder}", hint="wait for its end, or give another --out"
+        ) from error
+    try:
+        command = " ".join([Path(sys.argv[0]).name, *sys.argv[1:]])
+        path.write_text(f"process {os.getpid()} on {platform.node()}: {command}\n", encoding="utf-8")
+        yield
+    finally:
+        path.unlink(missing_ok=True)
+        lock.release()
