@@ -1,62 +1,121 @@
-"""What decimating the robot's visual meshes is worth: milliseconds for a frame of a full scene."""
+"""What pictures cost: the first of a process, and a frame of a robot's three cameras in a full scene.
+
+Beside it the same with SAPIEN's ``default`` shaders, and with the robot's meshes as they came. Figures are CPU time of
+all threads, which other work on the machine changes less than wall time; the worlds take turns, frame by frame.
+"""
 
 from __future__ import annotations
 
-import statistics
+import multiprocessing
 import time
+from collections.abc import Iterator
+from concurrent.futures import ProcessPoolExecutor
+from contextlib import contextmanager
 
 import numpy as np
 
-from vcage.base.geometry import Camera, Pose
+from vcage.base.geometry import Pose
 from vcage.objects.library import Library
 from vcage.schema.robot import Robot
 from vcage.sim.bodies import Body
 from vcage.sim.cameras import robot_cameras, shoot
+from vcage.sim.render import new_render_system
 from vcage.sim.robots import load_robot, load_template
 from vcage.sim.world import World
 
-OBJECTS = 8
+OBJECTS = 10
+
+SAPIENS = "default"
+"""The shaders that SAPIEN draws with unless told otherwise."""
 
 
 def run(quick: bool) -> dict[str, float]:
-    """Median wall time of a 320×240 frame of ``cam_high``, original and decimated meshes by turns.
+    """CPU seconds before the first picture of a process, and mean CPU milliseconds of a frame of three cameras.
 
     Args:
         quick: fewer frames.
     """
     robot = load_robot("dual_panda")
-    original = _full_world(robot.model_copy(update={"visual_faces": 1.0}))
-    decimated = _full_world(robot)
-    camera = robot_cameras(decimated)["cam_high"]
-    for world in (original, decimated):
-        shoot(world, camera)  # shaders and meshes are loaded with the first picture
-    times: dict[str, list[float]] = {"original": [], "decimated": []}
-    for i in range(8 if quick else 40):
-        times["original"].append(_milliseconds(original, camera, i))
-        times["decimated"].append(_milliseconds(decimated, camera, i))
-    before, after = (statistics.median(times[key]) for key in ("original", "decimated"))
-    return {"ms_original": round(before, 2), "ms_decimated": round(after, 2), "ratio": round(before / after, 2)}
+    worlds = {"": _full_world(robot), "_sapien": _full_world(robot)}
+    worlds["_original_meshes"] = _full_world(robot.model_copy(update={"visual_faces": 1.0}))
+    with _shaders(SAPIENS):
+        theirs = _pictures(worlds["_sapien"])  # cameras are made, and shaders chosen, with the first picture
+    difference = np.abs(_pictures(worlds[""]).astype(int) - theirs)
+    _pictures(worlds["_original_meshes"])
+    frames = 10 if quick else 50
+    seconds = dict.fromkeys(worlds, 0.0)
+    for i in range(frames):
+        for name, world in worlds.items():
+            seconds[name] += _frame_seconds(world, i)
+    figures = {f"frame_cpu_ms{name}": round(1000 * total / frames, 1) for name, total in seconds.items()}
+    return {
+        "first_picture_cpu_s": _in_a_new_process(None),
+        "first_picture_cpu_s_sapien": _in_a_new_process(SAPIENS),
+        **figures,
+        "ratio": round(seconds[""] / seconds["_sapien"], 3),
+        "mean_difference": round(float(difference.mean()), 3),
+        "largest_difference": int(difference.max()),
+    }
+
+
+@contextmanager
+def _shaders(name: str) -> Iterator[None]:
+    """Cameras that are made inside draw with these of SAPIEN's shaders."""
+    import sapien
+
+    new_render_system()  # which chooses ours
+    ours = sapien.render.get_camera_shader_dir()
+    sapien.render.set_camera_shader_dir(name)
+    try:
+        yield
+    finally:
+        sapien.render.set_camera_shader_dir(ours)
+
+
+def _in_a_new_process(shaders: str | None) -> float:
+    with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn")) as process:
+        return round(process.submit(_first_picture_seconds, shaders).result(), 2)
+
+
+def _first_picture_seconds(shaders: str | None) -> float:
+    """CPU time of the first picture, ours for None, when all else is loaded."""
+    new_render_system()
+    world = _full_world(load_robot("dual_panda"))
+    camera = robot_cameras(world)["cam_high"]
+    start = time.process_time()
+    if shaders is None:
+        shoot(world, camera)
+    else:
+        with _shaders(shaders):
+            shoot(world, camera)
+    return time.process_time() - start
 
 
 def _full_world(robot: Robot) -> World:
-    """Both arms and :data:`OBJECTS` objects of the library on the table."""
+    """Both arms and :data:`OBJECTS` objects, taken evenly from the library, on the table."""
     library = Library.load()
-    names = library.names[:OBJECTS]
-    places = [(x, y) for y in (-0.12, 0.1) for x in np.linspace(-0.4, 0.4, OBJECTS // 2)]
+    names = library.names[:: len(library.names) // OBJECTS][:OBJECTS]
+    places = [(x, y) for y in (-0.12, 0.12) for x in np.linspace(-0.42, 0.42, OBJECTS // 2)]
     table = load_template("table").table
+    models = [library.asset(name).model for name in names]
     bodies = {
-        name: Body(library.asset(name).model, Pose([x, y, table.height]))
-        for name, (x, y) in zip(names, places, strict=True)
+        name: Body(model, Pose([x, y, table.height - model.lower[2]]))
+        for name, model, (x, y) in zip(names, models, places, strict=True)
     }
     return World(table, bodies, robot, render=True)
 
 
-def _milliseconds(world: World, camera: Camera, frame: int) -> float:
-    """Time to move an arm a little and take a picture, as a replay does."""
+def _pictures(world: World) -> np.ndarray:
+    """(n, H, W, 3) of the robot's cameras, which are of one size."""
+    return np.stack([shoot(world, camera) for camera in robot_cameras(world).values()])
+
+
+def _frame_seconds(world: World, frame: int) -> float:
+    """CPU time to move an arm a little and take the pictures, as a replay does."""
     arm = next(iter(world.arms.values()))
     joints = arm.articulation.get_qpos()
     joints[0] = 0.01 * frame
-    start = time.perf_counter()
+    start = time.process_time()
     arm.articulation.set_qpos(joints)
-    shoot(world, camera)
-    return 1000 * (time.perf_counter() - start)
+    _pictures(world)
+    return time.process_time() - start

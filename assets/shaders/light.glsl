@@ -6,28 +6,28 @@
 
 const float PI = 3.14159265;
 
-// The share of a square of 5 × 5 texels of the shadow map, around the point, that the key light reaches there.
+// The share of a square of 3 × 3 texels of the shadow map, around the point, that the key light reaches there.
 //
-// The square lies between texels: the 36 it touches count fully inside and by the share that it covers at the edges.
-// A gather fetches four, so that nine do: first.x and last.x are the weights of a row's outer texels.
+// The square lies between texels: the 16 it touches count fully inside and by the share that it covers at the edges.
+// A gather fetches four of them, so that four do.
 float reached(vec3 point) {
   LightView view = views.directionalLightBuffers[0];
   vec4 seen = view.projectionMatrix * (view.viewMatrix * vec4(point, 1.0));
   vec2 size = vec2(textureSize(samplerDirectionalLightDepths[0], 0));
   vec2 texel = (0.5 * seen.xy + 0.5) * size - 0.5;
-  vec2 last = fract(texel), first = 1.0 - last;
+  vec2 corner = floor(texel), over = fract(texel);
   float sum = 0.0;
-  for (int row = 0; row < 3; row++) {
-    vec2 y = vec2(row == 0 ? first.y : 1.0, row == 2 ? last.y : 1.0);
-    for (int column = 0; column < 3; column++) {
-      vec2 x = vec2(column == 0 ? first.x : 1.0, column == 2 ? last.x : 1.0);
-      vec2 between = floor(texel) + vec2(2 * column - 1, 2 * row - 1);
+  for (int row = 0; row < 2; row++) {
+    vec2 y = row == 0 ? vec2(1.0 - over.y, 1.0) : vec2(1.0, over.y);
+    for (int column = 0; column < 2; column++) {
+      vec2 x = column == 0 ? vec2(1.0 - over.x, 1.0) : vec2(1.0, over.x);
+      vec2 between = corner + vec2(2 * column, 2 * row);
       vec4 depth = textureGather(samplerDirectionalLightDepths[0], between / size);
       vec4 free = step(vec4(seen.z), depth);  // (left, upper), (right, upper), (right, lower), (left, lower)
       sum += dot(x, free.wz) * y.x + dot(x, free.xy) * y.y;
     }
   }
-  return sum / 25.0;
+  return sum / 9.0;
 }
 
 // The key light's share, its emission 1: what is matt and what shines.
