@@ -2,7 +2,7 @@
 // The whole picture in one pass: colour (sRGB, alpha 0 where nothing is), SAPIEN's ids, and depth, which the engine
 // keeps as GbufferDepth. Nothing is computed that our worlds do not have: no light from an environment map (for which
 // SAPIEN's own packs integrate a table, seconds before the first picture of a process), no normal maps, nothing that
-// is seen through. Colours are those of SAPIEN's `default` pack within two of 255 levels.
+// is seen through. Colours are those of SAPIEN's `default` pack within two of 255 levels, but for the edges of shadows.
 #include "camera.glsl"
 #include "object.glsl"
 #include "material.glsl"
