@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
+import os
 import shutil
+import signal
+import subprocess
+import sys
+import time
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -11,7 +16,7 @@ import h5py
 import numpy as np
 import pytest
 
-from tests.runs import FPS, INSTRUCTION, Finished, copied, digests
+from tests.runs import FPS, INSTRUCTION, Finished, clean_environment, copied, digests
 from vcage.base.errors import DamagedFile, PartlyDone, StaleStage
 from vcage.base.files import RunFolder, read_json, write_json
 from vcage.datasets.reader import EpisodeReader
@@ -19,8 +24,9 @@ from vcage.schema.episodes import Attempt, Episode, Episodes, Truth, Verdict
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Subtasks
 from vcage.stages import collect, episode_store
-from vcage.stages.context import StageContext
 
+KILLS = 20
+WITH_WORKERS = ["collect", "--models", "offline", "--episodes", "2", "--fps", str(FPS), "--workers", "2"]
 CAMERAS = ["cam_high", "cam_left_wrist", "cam_right_wrist"]
 
 
@@ -135,10 +141,37 @@ def test_asking_for_more_adds_to_those_there_are(finished, more):
     assert before.keys() < after.keys()
 
 
-def test_the_number_of_processes_changes_no_file(finished, more, tmp_path):
+def children(process: int) -> list[int]:
+    try:
+        return [int(pid) for pid in Path(f"/proc/{process}/task/{process}/children").read_text().split()]
+    except FileNotFoundError:
+        return []
+
+
+@pytest.mark.slow
+def test_a_collection_whose_workers_are_killed_twenty_times_leaves_the_files_of_one_that_was_left_alone(
+    finished, more, tmp_path
+):
     run = copied(finished.run, tmp_path / "run", before="collect")
-    collect.execute(run, options(episodes=2, workers=2), StageContext("offline"))
+    rng, killed, calls = np.random.default_rng(0), 0, 0
+    while not run.episodes.exists():
+        calls += 1
+        assert calls < KILLS, "it does not come to an end"
+        with open(tmp_path / "log", "ab") as log:
+            process = subprocess.Popen(
+                [sys.executable, "-m", "vcage.cli.main", *WITH_WORKERS, "--run", str(run)],
+                env=clean_environment(), stdout=log, stderr=log,
+            )  # fmt: skip
+            while process.poll() is None:
+                time.sleep(float(rng.uniform(0.2, 4.0)) if killed < KILLS else 0.1)
+                workers = children(process.pid)
+                if killed < KILLS and workers:
+                    os.kill(int(rng.choice(workers)), signal.SIGKILL)
+                    killed += 1
+        assert process.returncode in (0, 7), (tmp_path / "log").read_text()  # 7: a task lost all its tries
+    assert killed == KILLS, "it was over before"
     assert digests(run.root / "episodes") == digests(more.root / "episodes")
+    assert not list(run.root.glob("episodes.*"))
 
 
 def test_asking_for_fewer_changes_nothing(finished, more):
