@@ -152,7 +152,7 @@ class _Making:
         setting = Setting(
             build=lambda: self._world(objects),
             objects={o.id: o for o in objects},
-            slots=slots_for_chain([subtask for subtask, _ in self._chain], objects, rng),
+            slots=slots_for_chain([subtask for subtask, _ in self._chain], objects, self._robot, rng),
             photograph=lambda _state: {},
             judge=_accept,
             on_failure="resample",

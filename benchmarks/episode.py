@@ -118,7 +118,7 @@ class _Episodes:
         setting = Setting(
             build=lambda: self._world(objects),
             objects={o.id: o for o in objects},
-            slots=slots_for_chain([self._step[0]], objects, rng),
+            slots=slots_for_chain([self._step[0]], objects, self._robot, rng),
             photograph=lambda _state: {},
             judge=_always_accept,
             on_failure="resample",

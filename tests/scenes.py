@@ -22,10 +22,14 @@ from vcage.sim.robots import load_robot, load_template
 from vcage.sim.world import World
 from vcage.tasks.loop import EpisodeRun, PicturesByCamera, Setting, run_episode
 from vcage.tasks.scene_objects import SceneObject
+from vcage.tasks.slots import Slot
 from vcage.tasks.synthesis import Script
 from vcage.tasks.task import Asked, Task
 
 TABLE_TOP = 0.74
+
+ON_PLATE = Slot("plate", 0, Pose([0.0, 0.0, 0.0066]))
+"""The middle of the plate."""
 
 
 @functools.cache
@@ -160,7 +164,7 @@ class Critic:
 
 def setting(
     objects: Sequence[SceneObject],
-    slots: Mapping[str, Pose],
+    slots: Mapping[str, Slot],
     critic: Critic,
     on_failure: str = "resample",
     retries: int = 2,
@@ -187,5 +191,5 @@ def play_once(
     """An episode with one sub-task: the block onto the middle of the plate."""
     objects = block_and_plate()
     step = step or subtask()
-    slots = {"block": Pose([0.0, 0.0, 0.0066])}
+    slots = {"block": ON_PLATE}
     return run_episode(setting(objects, slots, critic, **options), [(step, script_of(step, play))], 0)

@@ -13,7 +13,8 @@ from vcage.base.geometry import Camera, Pose, frame_from_axes, look_at
 from vcage.sim.bodies import Body
 from vcage.sim.cameras import observe
 from vcage.sim.collision import CollisionScene
-from vcage.sim.motion import Load, MotionPlanner
+from vcage.sim.motion import MotionPlanner
+from vcage.sim.paths import Load
 from vcage.sim.recording import StateLog
 from vcage.sim.replay import render_state
 from vcage.sim.world import World
@@ -95,9 +96,10 @@ def test_a_finger_that_pushes_an_open_drawer_closes_it(build):
     # 2 cm in front of the drawer's front, above its fin's side, fingers closed
     start = frame_from_axes(pose.apply([0.05, -TRAVEL - 0.12, 0.165]), [0, 0.5, -0.866], pose.rotation()[:, 0])
     arm.command_gripper(0.0)
-    arm.move(planner.move(arm.joints, start, Load(opening=0.0)))
+    arm.move(planner.fastest(planner.move(arm.joints, start, Load(opening=0.0))))
     way = Pose(start.p + pose.rotation()[:, 1] * 0.08, start.q)
-    arm.move(planner.line(arm.joints, way, Load(opening=0.0, ignore=["cabinet/drawer_upper"])))
+    push = planner.line(arm.joints, way, Load(opening=0.0, ignore=["cabinet/drawer_upper"], speed=0.4))
+    arm.move(planner.fastest(push))
     assert world.object_joints("cabinet")[1] < TRAVEL - 0.03
 
 

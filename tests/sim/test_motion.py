@@ -6,7 +6,8 @@ import pytest
 from vcage.base.geometry import Pose, frame_from_axes
 from vcage.sim.bodies import Body
 from vcage.sim.collision import CollisionScene, Contact, Held
-from vcage.sim.motion import Load, MotionFailed, MotionPlanner
+from vcage.sim.motion import MotionFailed, MotionPlanner
+from vcage.sim.paths import Load
 from vcage.sim.world import World
 
 UP = np.array([0.0, 0.0, 1.0])
@@ -29,11 +30,11 @@ def pick(world: World) -> Held:
     """The right arm holds the cube, lifted by 12 cm."""
     arm, grasp = world.arms["right"], grasp_of(world, "cube")
     planner = planner_of(world)
-    arm.move(planner.move(arm.joints, above(grasp, 0.09), then=[grasp]))
-    arm.move(planner.line(arm.joints, grasp, Load(ignore={"cube"})))
+    reach = planner.move(arm.joints, above(grasp, 0.09), then=[grasp])
+    arm.move(planner.fastest(reach.then(planner.line(reach.end, grasp, Load(ignore={"cube"})))))
     arm.grip(0.0)
     held = Held("cube", world.bodies["cube"].model, arm.tool_pose.inverse() * world.object_pose("cube"))
-    arm.move(planner.line(arm.joints, above(grasp, 0.12), Load(opening=arm.opening, held=held)))
+    arm.move(planner.fastest(planner.line(arm.joints, above(grasp, 0.12), Load(opening=arm.opening, held=held))))
     return held
 
 
@@ -50,10 +51,11 @@ def test_a_carried_cube_is_set_down_where_it_was_planned(world):
     arm, planner = world.arms["right"], planner_of(world)
     goal = Pose.from_yaw([0.03, 0.1, 0.748], 0.0) * held.in_gripper.inverse()
     load = Load(opening=arm.opening, held=held)
-    arm.move(planner.move(arm.joints, above(goal, 0.12), load, then=[goal]))
-    arm.move(planner.line(arm.joints, goal, load))
+    carry = planner.move(arm.joints, above(goal, 0.12), load, then=[goal])
+    arm.move(planner.fastest(carry.then(planner.line(carry.end, goal, load))))
     arm.grip(0.8)
-    arm.move(planner_of(world).line(arm.joints, above(goal, 0.12), Load(opening=0.8, ignore={"cube"})))
+    away = planner_of(world)
+    arm.move(away.fastest(away.line(arm.joints, above(goal, 0.12), Load(opening=0.8, ignore={"cube"}))))
     assert world.settle().settled
     assert "tray" in world.touching("cube")
     assert np.allclose(world.object_pose("cube").p, [0.03, 0.1, 0.745], atol=0.005)
@@ -74,7 +76,7 @@ def test_the_gripper_stays_on_a_straight_line(world):
     q = planner.move(arm.joints, start).end
     goal = Pose(start.p + np.array([0.1, 0.05, 0.05]), start.q)
     direction = (goal.p - start.p) / np.linalg.norm(goal.p - start.p)
-    for point in planner.line(q, goal).q[::20]:
+    for point in planner.fastest(planner.line(q, goal)).q[::20]:
         offset = planner.kinematics.fk(point).p - start.p
         assert np.linalg.norm(offset - (offset @ direction) * direction) < 0.002
 
@@ -107,10 +109,10 @@ def test_a_move_goes_around_a_wall(template, models, robot):
     assert planner.scene.first_contact(q) is None
     with pytest.raises(MotionFailed):
         planner.line(q, goal)
-    path = planner.move(q, goal)
+    path = planner.fastest(planner.move(q, goal))
     assert all(planner.scene.first_contact(x) is None for x in path.q[::10])
     assert np.allclose(planner.kinematics.fk(path.end).p, goal.p, atol=1e-3)
-    assert np.array_equal(path.q, planner_of(world).move(q, goal).q)
+    assert np.array_equal(path.q, planner.fastest(planner_of(world).move(q, goal)).q)
 
 
 def test_arms_at_home_touch_nothing(world):
@@ -142,13 +144,14 @@ def test_the_gripper_passes_through_all_poses_in_one_motion(world):
     arm, planner = world.arms["right"], planner_of(world)
     start = grasp_of(world, "cube", 0.15)
     q = planner.move(arm.joints, start).end
-    corners = [Pose(start.p + offset, start.q) for offset in ([0.05, 0, 0], [0.08, 0.03, 0.02], [0.08, 0.06, 0.05])]
-    path = planner.follow(q, corners)
+    turns = np.linspace(0, np.pi / 2, 13)[1:]
+    arc = [Pose(start.p + 0.08 * np.array([np.sin(a), 0, 1 - np.cos(a)]), start.q) for a in turns]
+    path = planner.fastest(planner.follow(q, arc))
     passed = np.array([planner.kinematics.fk(x).p for x in path.q])
-    for corner in corners:
-        assert np.linalg.norm(passed - corner.p, axis=1).min() < 0.003
+    for pose in arc:
+        assert np.linalg.norm(passed - pose.p, axis=1).min() < 0.004
     speeds = np.abs(path.velocity).max(axis=1)
-    assert speeds[len(path) // 4 : 3 * len(path) // 4].min() > 0.05  # it does not stop in between
+    assert speeds[len(path) // 4 : 3 * len(path) // 4].min() > 0.2  # it does not stop in between
     assert speeds[-1] < 0.01
 
 

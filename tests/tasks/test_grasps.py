@@ -85,3 +85,11 @@ def test_the_hand_that_must_stay_free_is_that_of_the_robot():
     np.testing.assert_allclose((left[1] - left[0])[:2], [0.01, 0.008])
     np.testing.assert_allclose(left[:, 1], -right[::-1, 1])
     assert palm[1, 2] - palm[0, 2] == pytest.approx(0.05)
+
+
+def test_fingers_that_open_fill_all_that_they_sweep():
+    for opened, closed, swept in zip(
+        hand_boxes(GRIPPER, 0.06), hand_boxes(GRIPPER, 0.02), hand_boxes(GRIPPER, 0.06, 0.02), strict=True
+    ):
+        np.testing.assert_array_equal(swept[0], np.minimum(opened, closed)[0])
+        np.testing.assert_array_equal(swept[1], np.maximum(opened, closed)[1])

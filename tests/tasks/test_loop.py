@@ -5,7 +5,18 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.scenes import TABLE_TOP, Critic, block_and_plate, play_once, script_of, setting, subtask, thing
+from tests.scenes import (
+    ON_PLATE,
+    TABLE_TOP,
+    Critic,
+    block_and_plate,
+    play_once,
+    robot,
+    script_of,
+    setting,
+    subtask,
+    thing,
+)
 from vcage.base.geometry import Pose
 from vcage.schema.subtasks import Grasp
 from vcage.sim.recording import StateLog
@@ -169,7 +180,7 @@ def test_a_failure_after_an_accepted_sub_task_keeps_what_was_accepted():
         subtask("marker", "packaging_box", "inside"),
         subtask("block", "packaging_box", "inside", grasps=[Grasp(contact=0, arm="right", score=0.0)]),
     ]
-    slots = slots_for_chain(steps, objects, np.random.default_rng(0))
+    slots = slots_for_chain(steps, objects, robot(), np.random.default_rng(0))
     there = setting(objects, slots, Critic([True, False, True]), retries=1)
     run = run_episode(there, [(step, script_of(step)) for step in steps], 0)
     assert run.accepted
@@ -202,7 +213,7 @@ def test_the_recording_of_a_rejected_episode_ends_with_its_last_attempt_as_no_se
 def test_a_failed_sub_task_ends_the_chain():
     objects, step = block_and_plate(), subtask()
     critic = Critic([False])
-    there = setting(objects, {"block": Pose([0, 0, 0.0066])}, critic, on_failure="abort")
+    there = setting(objects, {"block": ON_PLATE}, critic, on_failure="abort")
     run = run_episode(there, [(step, script_of(step)), (step, script_of(step))], 0)
     assert {a.step for a in run.attempts} == {0}
 
@@ -215,20 +226,35 @@ def test_a_grasp_that_cannot_be_planned_is_an_attempt_that_ends_at_the_plan(unpl
     assert critic.asked == []
 
 
-def test_a_failed_plan_is_tried_again_like_a_refusal():
+def test_a_plan_that_nothing_can_change_is_not_tried_again(unplanned: tuple[EpisodeRun, Critic]):
+    run = play_once(Critic(), play=pick_out_of_reach, retries=3)
+    assert [a.stage for a in run.attempts] == ["plan"]
+    assert run.reason == f"block-onto-plate failed at plan: {unplanned[0].attempts[0].reason}"
+
+
+def test_a_place_that_fails_is_tried_again():
     tries = []
 
     def fail_once(task: Task) -> None:
         tries.append(task)
-        if len(tries) == 1:
-            pick_out_of_reach(task)
         task.pick("block", [(0, "left")])
+        if len(tries) == 1:
+            task.world.set_object_pose("plate", Pose([0.0, 1.2, TABLE_TOP]))
         task.place("plate")
         task.home()
 
     run = play_once(Critic(), play=fail_once)
     assert [a.stage for a in run.attempts] == ["plan", "done"]
     assert run.segments[0].truth.success
+
+
+def test_an_attempt_says_what_was_changed():
+    grasps = [Grasp(contact=0, arm="left", score=-1.0), Grasp(contact=1, arm="right", score=-2.0)]
+    run = play_once(Critic([False, True]), subtask(grasps=grasps))
+    assert run.attempts[0].changes == []
+    grasp, slot = run.attempts[1].changes
+    assert grasp == "contact 1 with the right arm instead of contact 0 with the left arm"
+    assert "cm from the slot that was planned" in slot
 
 
 # --- the simulator's truth -----------------------------------------------------------------------------

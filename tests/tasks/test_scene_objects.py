@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from shapely.geometry import MultiPoint
 
 from tests.scenes import TABLE_TOP, thing
 from vcage.base.geometry import Pose
-from vcage.tasks.scene_objects import SolidBox
+from vcage.tasks.scene_objects import SolidBox, seen_apart
 
 
 def test_the_walls_of_a_box_leave_its_opening_free():
@@ -15,8 +18,20 @@ def test_the_walls_of_a_box_leave_its_opening_free():
     opening = box.asset.opening(box.asset.annotation.functional_point(0))
     centre = box.pose.apply([*opening.centre, opening.floor])
     inside = SolidBox(np.array([[-0.1, -0.08, 0.0], [0.1, 0.08, 0.01]]), Pose(centre, box.pose.q))
-    for wall in box.walls(0):
-        assert wall.outline.intersection(inside.outline).area == pytest.approx(0.0, abs=1e-9)
+    assert seen_apart(inside, box.walls(0)).all()
+
+
+@settings(deadline=None)
+@given(st.lists(st.floats(-1, 1), min_size=8, max_size=8), st.floats(-0.2, 0.2), st.floats(-0.2, 0.2))
+def test_boxes_are_seen_apart_when_their_outlines_are(turns: list[float], x: float, y: float):
+    """Against shapely, for boxes turned in any way."""
+    bounds = np.array([[-0.1, -0.04, -0.02], [0.1, 0.04, 0.02]])
+    a, b = (np.array(q) + [1.1, 0, 0, 0] for q in (turns[:4], turns[4:]))
+    boxes = SolidBox(bounds, Pose(q=a)), SolidBox(bounds, Pose([x, y, 0.5], b))
+    outlines = [MultiPoint(box.corners[:, :2]).convex_hull for box in boxes]
+    gap = outlines[0].distance(outlines[1])
+    if gap > 1e-6 or outlines[0].intersection(outlines[1]).area > 1e-6:
+        assert seen_apart(boxes[0], [boxes[1]]).tolist() == [gap > 0]
 
 
 def test_the_walls_of_a_box_reach_from_its_bottom_to_its_rim():

@@ -9,13 +9,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tests.scenes import subtask, thing
+from tests.scenes import robot, subtask, thing
 from vcage.base.errors import InfeasibleScene
 from vcage.base.geometry import Pose, boxes_overlap, world_aabb
 from vcage.tasks.scene_objects import SceneObject
-from vcage.tasks.slots import GAP, allocate, slots_for_chain
+from vcage.tasks.slots import GAP, OTHERS, allocate, other_slots, slots_for_chain
 
 CONTENTS = ["marker", "marker", "marker", "whiteboard_eraser", "block", "rubber_eraser"]
+rng = np.random.default_rng
 seeds = st.integers(0, 2**32 - 1)
 
 
@@ -32,7 +33,7 @@ def boxes(slots: dict[str, Pose], objects: list[SceneObject]) -> list[np.ndarray
 @given(seeds, st.integers(1, len(CONTENTS)), st.floats(-np.pi, np.pi))
 def test_slots_never_overlap(seed: int, count: int, yaw: float):
     objects = contents(count)
-    slots = allocate(thing("packaging_box", yaw=yaw), 0, objects, np.random.default_rng(seed))
+    slots = allocate(thing("packaging_box", yaw=yaw), 0, objects, rng(seed))
     for a, b in combinations(boxes(slots, objects), 2):
         assert not boxes_overlap(a, b, GAP - 1e-9)
 
@@ -43,7 +44,7 @@ def test_slots_keep_a_gap_to_the_walls(seed: int, count: int):
     objects, box = contents(count), thing("packaging_box")
     opening = box.asset.opening(box.asset.annotation.functional_point(0))
     centre, half = np.array(opening.centre), np.array(opening.size) / 2 - GAP
-    for lower, upper in boxes(allocate(box, 0, objects, np.random.default_rng(seed)), objects):
+    for lower, upper in boxes(allocate(box, 0, objects, rng(seed)), objects):
         assert np.all(lower[:2] >= centre - half - 1e-9)
         assert np.all(upper[:2] <= centre + half + 1e-9)
         assert lower[2] == pytest.approx(opening.floor)
@@ -55,21 +56,21 @@ def test_a_slot_leaves_room_for_what_lies_there_already(seed: int, yaw: float):
     box, eraser = thing("packaging_box", (0.1, 0.05), yaw), thing("whiteboard_eraser")
     there = eraser.moved(box.pose * Pose([0.03, 0.02, 0.004]))
     marker = thing("marker")
-    (box_of_slot,) = boxes(allocate(box, 0, [marker], np.random.default_rng(seed), [there]), [marker])
+    (box_of_slot,) = boxes(allocate(box, 0, [marker], rng(seed), [there]), [marker])
     taken = world_aabb(eraser.asset.bounds, Pose([0.03, 0.02, 0.004]))
     assert not boxes_overlap(box_of_slot[:, :2], taken[:, :2], GAP - 1e-9)
 
 
 def test_the_same_seed_gives_the_same_slots():
     box, objects = thing("packaging_box"), contents(4)
-    first, second = (allocate(box, 0, objects, np.random.default_rng(7)) for _ in range(2))
+    first, second = (allocate(box, 0, objects, rng(7)) for _ in range(2))
     assert all(np.array_equal(first[key].matrix(), second[key].matrix()) for key in first)
 
 
 def test_what_does_not_fit_together_is_refused_by_name():
     pens = [thing("marker", id=f"marker-{i}") for i in range(30)]
     with pytest.raises(InfeasibleScene) as caught:
-        allocate(thing("packaging_box"), 0, pens, np.random.default_rng(0))
+        allocate(thing("packaging_box"), 0, pens, rng(0))
     assert set(caught.value.details["objects"]) <= {o.id for o in pens}
 
 
@@ -77,8 +78,8 @@ def test_what_does_not_fit_together_is_refused_by_name():
 def test_the_slots_of_a_chain_do_not_overlap(seed: int):
     objects = [thing("marker", (-0.2, 0.0)), thing("whiteboard_eraser", (0.22, 0.0)), thing("packaging_box", (0, 0.05))]
     chain = [subtask(o.id, "packaging_box", "inside") for o in objects[:2]]
-    slots = slots_for_chain(chain, objects, np.random.default_rng(seed))
-    a, b = (world_aabb(o.asset.bounds, slots[o.id]) for o in objects[:2])
+    slots = slots_for_chain(chain, objects, robot(), rng(seed))
+    a, b = (world_aabb(o.asset.bounds, slots[o.id].pose) for o in objects[:2])
     assert not boxes_overlap(a, b)
 
 
@@ -86,4 +87,32 @@ def test_a_chain_whose_contents_do_not_fit_together_is_refused():
     box = thing("packaging_box", (0.0, 0.05))
     pens = [thing("marker", (-0.3 + 0.02 * i, 0.0), id=f"marker-{i}") for i in range(30)]
     with pytest.raises(InfeasibleScene):
-        slots_for_chain([subtask(p.id, box.id, "inside") for p in pens], [*pens, box], np.random.default_rng(0))
+        slots_for_chain([subtask(p.id, box.id, "inside") for p in pens], [*pens, box], robot(), rng(0))
+
+
+def test_a_marker_is_not_put_where_the_fingers_would_open_over_a_wall():
+    """Right beside the short wall of a box the fingers must let go from above its rim."""
+    objects = [thing("marker", (-0.2, 0.0)), thing("packaging_box", (0, 0.05))]
+    for seed in range(10):
+        slots = slots_for_chain([subtask("marker", "packaging_box", "inside")], objects, robot(), rng(seed))
+        across = abs(slots["marker"].pose.p[0 if abs(slots["marker"].pose.yaw) > 0.8 else 1])
+        half = 0.11 if abs(slots["marker"].pose.yaw) > 0.8 else 0.09
+        assert half - across > 0.04
+
+
+def test_another_slot_keeps_away_from_those_of_the_other_objects():
+    objects = [thing("marker", (-0.2, 0.0)), thing("whiteboard_eraser", (0.22, 0.0)), thing("packaging_box", (0, 0.05))]
+    chain = [subtask(o.id, "packaging_box", "inside") for o in objects[:2]]
+    slots = slots_for_chain(chain, objects, robot(), rng(0))
+    there = world_aabb(objects[1].asset.bounds, slots["whiteboard_eraser"].pose)
+    others = other_slots(slots, "marker", {o.id: o for o in objects})
+    assert len(others) == OTHERS
+    for slot in others:
+        assert not boxes_overlap(world_aabb(objects[0].asset.bounds, slot.pose), there)
+
+
+def test_the_other_slots_are_always_the_same():
+    objects = [thing("marker", (-0.2, 0.0)), thing("packaging_box", (0, 0.05))]
+    slots = slots_for_chain([subtask("marker", "packaging_box", "inside")], objects, robot(), rng(0))
+    first, second = (other_slots(slots, "marker", {o.id: o for o in objects}) for _ in range(2))
+    assert first == second

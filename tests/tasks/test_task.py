@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
-from tests.scenes import TABLE_TOP, block_and_plate, thing, world_of
+from tests.scenes import ON_PLATE, TABLE_TOP, block_and_plate, thing, world_of
 from vcage.base.errors import UnknownName
 from vcage.base.geometry import Pose
 from vcage.schema.subtasks import Goal
@@ -15,14 +15,13 @@ from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.task import Task, TaskFailed
 
 GRASPS = [(0, "left"), (0, "right"), (1, "left"), (1, "right")]
-SLOT = Pose([0.0, 0.0, 0.0066])
 
 
 def task_on(objects: Sequence[SceneObject], attempt: int = 0) -> Task:
     """A task in a settled world; the block's slot is the middle of the plate."""
     world = world_of(objects)
     world.settle()
-    return Task(world, {o.id: o for o in objects}, {"block": SLOT}, attempt)
+    return Task(world, {o.id: o for o in objects}, {"block": ON_PLATE}, attempt)
 
 
 @pytest.fixture
@@ -40,10 +39,19 @@ def done() -> Task:
     return task
 
 
-def test_a_picked_object_hangs_between_the_fingers(task: Task):
+def test_a_picked_object_is_between_the_fingers(task: Task):
     task.pick("block", GRASPS)
     assert task.world.holds(task.arm, "block")
-    assert task.world.object_pose("block").p[2] > TABLE_TOP + 0.03
+
+
+def test_what_was_picked_is_lifted_before_anything_else(task: Task):
+    heights = []
+    task.world.before_step.append(lambda world: heights.append(world.object_pose("block").p[2]))
+    task.pick("block", GRASPS)
+    here = task.world.object_pose("block").p
+    task.home()
+    assert max(heights) > TABLE_TOP + 0.08
+    assert np.linalg.norm(here[:2] - task.world.object_pose("block").p[:2]) > 0.05
 
 
 def test_the_first_grasp_that_can_be_planned_is_taken(task: Task):
@@ -58,7 +66,7 @@ def test_a_later_attempt_begins_with_another_grasp():
 
 
 def test_a_placed_object_comes_to_rest_in_its_slot(done: Task):
-    slot = done.world.object_pose("plate") * SLOT
+    slot = done.world.object_pose("plate") * ON_PLATE.pose
     np.testing.assert_allclose(done.world.object_pose("block").p, slot.p, atol=0.006)
 
 

@@ -111,6 +111,17 @@ class Asset:
         Raises:
             ValueError: there is none: the point lies inside the material, or over nothing.
         """
+        key = (point.model_dump_json(), standing)
+        if key not in self._openings:
+            self._openings[key] = self._measured_opening(point, standing)
+        return self._openings[key]
+
+    @cached_property
+    def _openings(self) -> dict[tuple[str, bool], Opening]:
+        """Those that were asked for: an episode asks for the same one many times."""
+        return {}
+
+    def _measured_opening(self, point: FunctionalPoint, standing: bool) -> Opening:
         pieces = self.pieces_of(point.link)
         if point.holds == "in" and point.sideways:
             return openings.room_under_roof(pieces, point.position)

@@ -44,6 +44,7 @@ class Attempt(Record):
     variant: Identifier
     arm: str | None
     contact: int | None
+    changes: list[str] = Field(default=[], description="what was done otherwise than planned: grasp, arm, slot")
     stage: AttemptStage
     reason: str
     accepted: bool

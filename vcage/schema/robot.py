@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
+from typing import Annotated, ClassVar, Self
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from vcage.schema.base import Document, Finite, Identifier, PoseRecord, Record, UnitVec3, Vec3
+
+Positive = Annotated[Finite, Field(gt=0)]
+
+JointLimit = Positive | list[Positive]
+"""Of every joint, or of each."""
 
 
 class Gripper(Record):
@@ -51,11 +56,38 @@ class Arm(Record):
     stiffness: Finite = Field(default=1000.0, gt=0, description="of each joint's drive, N m/rad")
     damping: Finite = Field(default=100.0, gt=0, description="of each joint's drive, N m s/rad")
     force: Finite = Field(default=100.0, gt=0, description="limit of each joint's drive, N m")
-    max_speed: Finite = Field(default=2.1, gt=0, description="of every joint, rad/s")
-    max_acceleration: Finite = Field(default=7.5, gt=0, description="of every joint, rad/s²")
+    max_speed: JointLimit = Field(default=2.1, description="rad/s: of every joint, or a list with one number for each")
+    max_acceleration: JointLimit = Field(default=7.5, description="rad/s², in the same way")
+    max_jerk: JointLimit = Field(default=3750.0, description="rad/s³, in the same way")
     self_collision_gap: int = Field(
         default=4, ge=1, description="links that are so many solid links apart are checked against each other"
     )
+
+    @property
+    def speeds(self) -> list[float]:
+        """JointLimit of each joint, rad/s."""
+        return self._of_each(self.max_speed)
+
+    @property
+    def accelerations(self) -> list[float]:
+        """JointLimit of each joint, rad/s²."""
+        return self._of_each(self.max_acceleration)
+
+    @property
+    def jerks(self) -> list[float]:
+        """JointLimit of each joint, rad/s³."""
+        return self._of_each(self.max_jerk)
+
+    def _of_each(self, limit: JointLimit) -> list[float]:
+        return list(limit) if isinstance(limit, list) else [limit] * len(self.joints)
+
+    @model_validator(mode="after")
+    def _limits_name_every_joint(self) -> Self:
+        for name in ("max_speed", "max_acceleration", "max_jerk"):
+            given = len(self._of_each(getattr(self, name)))
+            if given != len(self.joints):
+                raise ValueError(f"{name} has {given} numbers for {len(self.joints)} joints")
+        return self
 
 
 class RobotCamera(Record):

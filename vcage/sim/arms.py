@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import functools
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Callable
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -28,6 +30,9 @@ ARRIVAL_STEPS = 125
 FINGERS_STILL = 2e-5
 """Movement of the fingers per physics step below which they stand still, metres."""
 
+FINGERS_APART = 0.006
+"""What is let go is free when the fingers are this near to where they open, metres."""
+
 FINGER_STEPS = (25, 250)
 """Shortest and longest time that the fingers are given, physics steps."""
 
@@ -38,20 +43,33 @@ def build_arm(scene: sapien.Scene, arm: Arm, visual_faces: float | None) -> sapi
     Args:
         visual_faces: share of the visual triangles to keep, or None for an arm that is not drawn.
     """
+    builder = _builder(arm.model_dump_json(), visual_faces)
+    builder.set_scene(scene)
+    articulation = builder.build()
+    builder.scene = None  # pyrefly: ignore[bad-assignment]  it would keep the scene alive
+    articulation.set_root_pose(to_sapien(arm.base.pose()))
+    for link in articulation.links:
+        link.disable_gravity = True
+    return articulation
+
+
+@functools.lru_cache(maxsize=8)
+def _builder(arm_json: str, visual_faces: float | None) -> sapien.ArticulationBuilder:
+    """The arm read from its files, which takes longer than building it: once per process."""
+    import sapien
+
+    arm = Arm.model_validate_json(arm_json)
     source = package_file(arm.urdf)
     urdf = physics_urdf(source) if visual_faces is None else render_urdf(source, visual_faces)
-    loader = scene.create_urdf_loader()
+    loader = sapien.Scene([sapien.physx.PhysxCpuSystem()]).create_urdf_loader()
     loader.fix_root_link = True
     for link in _finger_links(arm, urdf):
         loader.set_link_material(link, arm.gripper.friction, arm.gripper.friction, 0.0)
         loader.set_link_patch_radius(link, arm.gripper.friction_patch)
         loader.set_link_min_patch_radius(link, arm.gripper.friction_patch)
     srdf = None if arm.srdf is None else str(package_file(arm.srdf))
-    articulation = loader.load(str(urdf), srdf_file=srdf)
-    articulation.set_root_pose(to_sapien(arm.base.pose()))
-    for link in articulation.links:
-        link.disable_gravity = True
-    return articulation
+    (builder,), _, _ = loader.parse(str(urdf), srdf_file=srdf)
+    return builder
 
 
 def _finger_links(arm: Arm, urdf: Path) -> list[str]:
@@ -81,6 +99,7 @@ class ArmControl:
         order = {joint.name: i for i, joint in enumerate(articulation.active_joints)}
         self._arm_index = np.array([order[j] for j in arm.joints])
         self._finger_index = np.array([order[j] for j in arm.gripper.joints])
+        self._joints = [articulation.active_joints[i] for i in self._arm_index]
         self._tool = articulation.find_link_by_name(arm.tool_link)
         self._offset = arm.tool_offset.pose() if arm.tool_offset else Pose()
         for joint in articulation.active_joints:
@@ -91,10 +110,21 @@ class ArmControl:
     # --- actions: these advance the world ---
 
     def move(self, trajectory: Trajectory) -> None:
-        """Follow a trajectory, one target for each physics step, and wait until the arm has arrived."""
-        for q, velocity in zip(trajectory.q, trajectory.velocity, strict=True):
+        """Follow a trajectory, one target for each physics step, and wait until the arm has arrived.
+
+        Like a robot's own controller, the drives are helped by the torque that the arm's inertia asks for, so that
+        the arm is where it is told to be while it speeds up and slows down.
+        """
+        openings = dict(trajectory.openings)
+        torques = self._torques(trajectory)
+        rows = zip(trajectory.q, trajectory.velocity, torques, strict=True)
+        for i, (q, velocity, torque) in enumerate(rows):
+            if i in openings:
+                self.command_gripper(openings[i])
             self.command_joints(q, velocity)
+            self.articulation.set_qf(torque)
             self._step()
+        self.articulation.set_qf(np.zeros(self.articulation.dof))
         self.command_joints(trajectory.end)
         for _ in range(ARRIVAL_STEPS):
             if np.abs(self.joints - trajectory.end).max() < ARRIVED:
@@ -110,6 +140,27 @@ class ArmControl:
             self._step()
             if count >= shortest and abs(self.finger_width - before) < FINGERS_STILL:
                 break
+
+    def release(self, opening: float) -> None:
+        """Drive the fingers apart to ``opening`` until they are nearly there; they go on while the arm moves."""
+        self.command_gripper(opening)
+        for _ in range(FINGER_STEPS[1]):
+            if (opening - self.opening) * self.arm.gripper.max_width < FINGERS_APART:
+                break
+            self._step()
+
+    def _torques(self, trajectory: Trajectory) -> np.ndarray:
+        """(T, dof) mass matrix × acceleration, N m; the empty hand's, as nothing weighs what it holds."""
+        joints = np.tile(self.articulation.get_qpos(), (len(trajectory), 1)).astype(np.float64)
+        joints[:, self._arm_index] = trajectory.q
+        acceleration = np.zeros_like(joints)
+        acceleration[:, self._arm_index] = trajectory.acceleration
+        mass = self._dynamics.compute_generalized_mass_matrix
+        return np.stack([mass(q) @ a for q, a in zip(joints, acceleration, strict=True)])
+
+    @cached_property
+    def _dynamics(self) -> sapien.PinocchioModel:
+        return self.articulation.create_pinocchio_model()  # pyrefly: ignore[missing-argument]  a wrong stub
 
     # --- commands ---
 
@@ -127,10 +178,9 @@ class ArmControl:
         """Drive the arm's joints (n,) to ``q``, rad, passing at ``velocity``, rad/s (0 when not given)."""
         self._joint_target = np.asarray(q, dtype=np.float64).copy()
         velocity = np.zeros_like(self._joint_target) if velocity is None else velocity
-        joints = self.articulation.active_joints
-        for index, target, speed in zip(self._arm_index, self._joint_target, velocity, strict=True):
-            joints[index].set_drive_target(float(target))
-            joints[index].set_drive_velocity_target(float(speed))
+        for joint, target, speed in zip(self._joints, self._joint_target.tolist(), velocity.tolist(), strict=True):
+            joint.set_drive_target(target)
+            joint.set_drive_velocity_target(speed)
 
     def command_gripper(self, opening: float) -> None:
         """Drive the fingers to ``opening``, 0 closed to 1 open."""

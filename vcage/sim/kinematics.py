@@ -105,6 +105,11 @@ class ArmKinematics:
                 found.append(q)
         return found
 
+    def distance(self, q: np.ndarray, pose: Pose) -> float:
+        """How far ``pose`` is from joints ``q`` (n,): the time at full speed, seconds; infinite out of reach."""
+        goal = self.ik(pose, q)
+        return np.inf if goal is None else float((np.abs(goal - q) / self.arm.speeds).max())
+
     def reachable(self, pose: Pose) -> bool:
         """Whether :meth:`ik` has a solution."""
         return self.ik(pose) is not None

@@ -9,17 +9,18 @@ from __future__ import annotations
 
 import functools
 import itertools
-from collections.abc import Callable, Collection, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 from scipy.spatial.transform import Rotation, Slerp
 
 from vcage.base.errors import VcageError
 from vcage.base.geometry import Pose
-from vcage.sim.collision import CollisionScene, Contact, Held
+from vcage.sim.collision import CollisionScene, Contact
+from vcage.sim.paths import OPEN_HAND, JointPath, Leg, Load, stretches
 from vcage.sim.rrt import connect
-from vcage.sim.trajectory import Trajectory, minimum_jerk
+from vcage.sim.trajectory import Trajectory, time_optimal
 from vcage.sim.world import PHYSICS_HZ
 
 LINE_STEP, LINE_TURN = 0.01, 0.06
@@ -41,25 +42,6 @@ class MotionFailed(VcageError):
     code = "motion_failed"
 
 
-@dataclass(frozen=True)
-class Load:
-    """What the hand does while it moves.
-
-    Args:
-        opening: of the gripper, 0 closed to 1 open.
-        held: what it holds.
-        ignore: obstacles that may be touched (see :meth:`CollisionScene.first_contact`).
-        fingers_may_touch: obstacles that the fingers may touch, and nothing else of the arm.
-        speed: share of the speed limit.
-    """
-
-    opening: float = 1.0
-    held: Held | None = None
-    ignore: Collection[str] = ()
-    speed: float = 1.0
-    fingers_may_touch: Collection[str] = ()
-
-
 class MotionPlanner:
     """Plans for one arm in surroundings that stand still.
 
@@ -71,7 +53,17 @@ class MotionPlanner:
         self.scene = scene
         self.kinematics = scene.kinematics
 
-    def line(self, q: np.ndarray, pose: Pose, load: Load = Load()) -> Trajectory:
+    def fastest(self, path: JointPath) -> Trajectory:
+        """The path as fast as the arm can, with a stop only at a corner that cannot be bent."""
+        done: list[Trajectory] = []
+        for stretch in stretches(path, lambda q, load: self._touches(q, load) is None):
+            part = time_optimal(stretch.points, PHYSICS_HZ, self.kinematics.arm, stretch.speed)
+            # The step at which the arm passes the point: the nearest one.
+            steps = [(int(np.abs(part.q - stretch.points[i]).max(axis=1).argmin()), o) for i, o in stretch.opens]
+            done.append(replace(part, openings=tuple(steps)))
+        return functools.reduce(Trajectory.then, done)
+
+    def line(self, q: np.ndarray, pose: Pose, load: Load = OPEN_HAND) -> JointPath:
         """Move the gripper frame straight to ``pose``, turning evenly on the way.
 
         Args:
@@ -80,9 +72,9 @@ class MotionPlanner:
         Raises:
             MotionFailed: a joint limit or an obstacle stops it.
         """
-        return self._timed(self._line(q, pose, load), load)
+        return _path(self._line(q, pose, load), load)
 
-    def follow(self, q: np.ndarray, poses: Sequence[Pose], load: Load = Load()) -> Trajectory:
+    def follow(self, q: np.ndarray, poses: Sequence[Pose], load: Load = OPEN_HAND) -> JointPath:
         """Take the gripper frame through ``poses`` in one motion, straight from each to the next.
 
         Args:
@@ -97,11 +89,11 @@ class MotionPlanner:
                 path = np.concatenate([path, self._line(path[-1], pose, load)[1:]])
             except MotionFailed as error:
                 raise MotionFailed(f"at pose {i} of {len(poses)}: {error.message}") from error
-        return self._timed(path, load)
+        return _path(path, load)
 
     def move(
-        self, q: np.ndarray, goal: Pose | np.ndarray, load: Load = Load(), then: Sequence[Pose] = ()
-    ) -> Trajectory:
+        self, q: np.ndarray, goal: Pose | np.ndarray, load: Load = OPEN_HAND, then: Sequence[Pose] = ()
+    ) -> JointPath:
         """Move to a gripper pose or to joints, by any free way.
 
         Args:
@@ -127,36 +119,39 @@ class MotionPlanner:
 
     def _ways(
         self, q: np.ndarray, goal: Pose | np.ndarray, load: Load, then: Sequence[Pose]
-    ) -> Iterator[Callable[[], Trajectory]]:
+    ) -> Iterator[Callable[[], JointPath]]:
         """Ways to try, the plainest first."""
         if isinstance(goal, Pose):
-            yield lambda: self._timed(self._line(q, goal, load, then), load)
+            near = self.kinematics.ik(goal, q, attempts=0)
+            if near is not None and self._continues(near, then):
+                yield lambda: _path(self._straight(q, near, load), load)
+            yield lambda: _path(self._line(q, goal, load, then), load)
             goals = sorted(self.kinematics.ik_all(goal, q), key=lambda g: float(np.abs(g - q).max()))
             goals = [g for g in goals if self._continues(g, then)]
             goals = [g for g in goals if self._touches(g, load) is None] or goals
         else:
             goals = [np.asarray(goal, dtype=np.float64)]
         for g in goals:
-            yield lambda g=g: self._timed(self._straight(q, g, load), load)
+            yield lambda g=g: _path(self._straight(q, g, load), load)
         for rise in RISES:
             for g in goals[:2]:
                 yield lambda g=g, rise=rise: self._raised(q, g, rise, load)
         for g in goals[:2]:
             yield lambda g=g: self._around(q, g, load)
 
-    def _raised(self, q: np.ndarray, goal: np.ndarray, rise: float, load: Load) -> Trajectory:
+    def _raised(self, q: np.ndarray, goal: np.ndarray, rise: float, load: Load) -> JointPath:
         """Straight up, across in joint space, straight down."""
         up = [0.0, 0.0, rise]
         here, there = self.kinematics.fk(q), self.kinematics.fk(goal)
         first = self._line(q, Pose(here.p + up, here.q), load)
         last = self._line(goal, Pose(there.p + up, there.q), load)[::-1]
         across = self._straight(first[-1], last[0], load)
-        return self._timed(first, load).then(self._timed(across, load)).then(self._timed(last, load))
+        return JointPath(tuple(Leg(points, load) for points in (first, across, last)))
 
-    def _around(self, q: np.ndarray, goal: np.ndarray, load: Load) -> Trajectory:
-        """A way found by a random tree with a fixed seed; the arm rests at its corners."""
+    def _around(self, q: np.ndarray, goal: np.ndarray, load: Load) -> JointPath:
+        """A way found by a random tree with a fixed seed."""
         for end in (q, goal):
-            self._check(end, load)
+            self.check(end, load)
         path = connect(
             q,
             goal,
@@ -167,14 +162,13 @@ class MotionPlanner:
         )
         if path is None:
             raise MotionFailed("no way around the obstacles was found")
-        legs = [self._timed(_between(a, b), load) for a, b in itertools.pairwise(path)]
-        return functools.reduce(Trajectory.then, legs)
+        return JointPath(tuple(Leg(_between(a, b), load) for a, b in itertools.pairwise(path)))
 
     def _straight(self, q: np.ndarray, goal: np.ndarray, load: Load) -> np.ndarray:
         """(k, n) evenly spaced points of a straight line in joint space."""
         path = _between(q, goal)
         for point in path[1:]:
-            self._check(point, load)
+            self.check(point, load)
         return path
 
     def _line(self, q: np.ndarray, pose: Pose, load: Load, then: Sequence[Pose] = ()) -> np.ndarray:
@@ -187,7 +181,7 @@ class MotionPlanner:
             if solution is None or np.abs(solution - path[-1]).max() > MAX_JUMP:
                 share = f"{100 * i / len(poses):.0f} %"
                 raise MotionFailed(f"the arm cannot follow the straight line to its end (joint limit at {share})")
-            self._check(solution, load)
+            self.check(solution, load)
             path.append(solution)
         if not self._continues(path[-1], then):
             raise MotionFailed("the arm gets there, but could not go on from there")
@@ -203,18 +197,24 @@ class MotionPlanner:
                 q = solution
         return True
 
-    # --- checks and timing ---
+    # --- checks ---
 
     def _touches(self, q: np.ndarray, load: Load) -> Contact | None:
         return self.scene.first_contact(q, load.opening, load.held, load.ignore, load.fingers_may_touch)
 
-    def _check(self, q: np.ndarray, load: Load) -> None:
+    def check(self, q: np.ndarray, load: Load) -> None:
+        """That the arm touches nothing at joints ``q`` (n,).
+
+        Raises:
+            MotionFailed: it does; says what.
+        """
         contact = self._touches(q, load)
         if contact is not None:
             raise MotionFailed(f"{contact.moving} would touch {contact.other}")
 
-    def _timed(self, path: np.ndarray, load: Load) -> Trajectory:
-        return minimum_jerk(path, PHYSICS_HZ, self.kinematics.arm, load.speed)
+
+def _path(points: np.ndarray, load: Load) -> JointPath:
+    return JointPath((Leg(points, load),))
 
 
 def _poses_between(start: Pose, end: Pose) -> list[Pose]:

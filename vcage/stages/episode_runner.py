@@ -86,7 +86,7 @@ class EpisodeRunner:
         setting = Setting(
             build=lambda: World.of_scene(scene, self._models, self._robot),
             objects={o.id: o for o in objects},
-            slots=slots_for_chain([subtask for subtask, _ in self._chain], objects, rng),
+            slots=slots_for_chain([subtask for subtask, _ in self._chain], objects, self._robot, rng),
             photograph=lambda state: self._photograph(drawn, state),
             judge=lambda asked, before, after: self._judge(asked, before, after, background),
             on_failure=self._stage.options["on_failure"],

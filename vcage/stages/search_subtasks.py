@@ -17,6 +17,7 @@ from vcage.base.progress import Progress, silent
 from vcage.schema.base import Provenance
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Subtasks
+from vcage.sim.robots import load_robot
 from vcage.stages.context import StageContext
 from vcage.stages.stage import Job, ModelOptions, StageResult, stage_seed
 from vcage.tasks.search import compose, find_subtasks
@@ -65,7 +66,7 @@ def execute(
         found = find_subtasks(objects, context.kinematics(scene.robot), reasoner.judge_pairs, scene.table.height, rng)
         chain = compose(scene.instruction, found.kept, found.refused, objects, reasoner.compose_chain)
         by_id = {subtask.id: subtask for subtask in found.kept}
-        slots_for_chain([by_id[i] for i in chain], objects, rng)
+        slots_for_chain([by_id[i] for i in chain], objects, load_robot(scene.robot), rng)
         for subtask in found.kept:
             write_script(subtask, scene, folder / f"{subtask.id}.py")
         return Subtasks(

@@ -259,9 +259,10 @@ def _best_place(
 def _blocked_by(pose: Pose, transfer: Transfer, kinematics: ArmKinematics) -> str | None:
     """The phrase of the first object that the open hand would touch at a grasp, or None."""
     gripper = kinematics.arm.gripper
-    opening = approach_opening(transfer.target.asset.grasp_width(transfer.contact), gripper)
+    width = transfer.target.asset.grasp_width(transfer.contact)
+    hand = hand_boxes(gripper, approach_opening(width, gripper), width)
     for other in [transfer.receptacle, *transfer.others]:
-        for part in hand_boxes(gripper, opening):
+        for part in hand:
             if oriented_boxes_overlap(part, pose, other.asset.bounds, other.pose):
                 return other.record.phrase
     return None

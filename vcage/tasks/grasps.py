@@ -76,12 +76,18 @@ def command_of(width: float, gripper: Gripper) -> float:
     return width / gripper.max_width
 
 
-def hand_boxes(gripper: Gripper, opening: float) -> list[np.ndarray]:
-    """Boxes (2, 3) in the gripper frame that the hand fills when its fingers are ``opening`` metres apart.
+def hand_boxes(gripper: Gripper, opening: float, closed: float | None = None) -> list[np.ndarray]:
+    """Boxes (2, 3) in the gripper frame that the hand fills while its fingers go from ``closed`` to ``opening``.
 
     The fingers come first, then the palm with what must stay free above it.
+
+    Args:
+        gripper: whose hand it is.
+        opening: the fingers' widest distance, metres.
+        closed: their narrowest; they stand still when it is not given.
     """
-    x, inner, outer = gripper.finger_width / 2, opening / 2, opening / 2 + gripper.finger_thickness
+    x, outer = gripper.finger_width / 2, opening / 2 + gripper.finger_thickness
+    inner = (opening if closed is None else closed) / 2
     palm_x, palm_y = (size / 2 for size in gripper.palm_size)
     bottom, top = gripper.tip_depth, -gripper.finger_length
     return [

@@ -14,7 +14,6 @@ from typing import Literal
 
 import numpy as np
 
-from vcage.base.geometry import Pose
 from vcage.datasets.episode import Segment
 from vcage.schema.episodes import Attempt, AttemptStage, Truth, Verdict
 from vcage.schema.subtasks import Subtask
@@ -22,6 +21,7 @@ from vcage.sim.recording import StateLog
 from vcage.sim.state import WorldState
 from vcage.sim.world import World
 from vcage.tasks.scene_objects import SceneObject
+from vcage.tasks.slots import Slot
 from vcage.tasks.synthesis import Script
 from vcage.tasks.task import Asked, Task, TaskFailed
 from vcage.tasks.truth import goals_hold
@@ -39,7 +39,7 @@ class Setting:
     Args:
         build: makes the world of the episode's start, robot at home, physics only.
         objects: by id, with their geometry.
-        slots: object id → where the chain puts it, in its receptacle's frame.
+        slots: object id → where the chain puts it.
         photograph: pictures of a state.
         judge: the critic's verdict on text, goals, pictures before and after.
         on_failure: what follows a failed sub-task.
@@ -49,7 +49,7 @@ class Setting:
 
     build: Callable[[], World]
     objects: Mapping[str, SceneObject]
-    slots: Mapping[str, Pose]
+    slots: Mapping[str, Slot]
     photograph: Callable[[WorldState], PicturesByCamera]
     judge: Callable[[Asked, PicturesByCamera, PicturesByCamera], Verdict]
     on_failure: Literal["resample", "abort"]
@@ -121,11 +121,13 @@ class _Trial:
         attempt: its record.
         pictures: file name → picture that the verdict looked at.
         segment: of the recording, if it was accepted.
+        exhausted: another attempt would fail in the same way.
     """
 
     attempt: Attempt
     pictures: Mapping[str, np.ndarray] = field(default_factory=dict)
     segment: Segment | None = None
+    exhausted: bool = False
 
 
 @dataclass(frozen=True)
@@ -158,7 +160,7 @@ class _Step:
                 world.restore(snapshot)
                 self.recording.record(world)
             trials.append(self._try(world, attempt, start, before))
-            if trials[-1].attempt.accepted:
+            if trials[-1].attempt.accepted or trials[-1].exhausted:
                 break
         return world, trials
 
@@ -168,7 +170,8 @@ class _Step:
             self.script.play(task)
             asked = self.script.verify(task)
         except TaskFailed as error:
-            return _Trial(self._attempt(task, attempt, error.stage, error.message, world.steps - start))
+            record = self._attempt(task, attempt, error.stage, error.message, world.steps - start)
+            return _Trial(record, exhausted=error.exhausted)
         after = self.setting.photograph(world.state())
         pictures = self._named(attempt, before, after)
         verdict = self.setting.judge(asked, before, after).model_copy(update={"pictures": list(pictures)})
@@ -228,6 +231,7 @@ class _Step:
             variant=record.variant,
             arm=task.arm,
             contact=task.contact,
+            changes=task.changes,
             stage=stage,
             reason=reason,
             accepted=accepted,

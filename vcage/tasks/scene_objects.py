@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from shapely.geometry import MultiPoint
-from shapely.geometry.base import BaseGeometry
 
 from vcage.base.geometry import Pose, box_corners, world_aabb
 from vcage.objects.asset import Asset
@@ -28,11 +27,6 @@ class SolidBox:
         return self.pose.apply(box_corners(self.bounds[0], self.bounds[1]))
 
     @cached_property
-    def outline(self) -> BaseGeometry:
-        """The box seen from straight above."""
-        return MultiPoint(self.corners[:, :2]).convex_hull
-
-    @property
     def top(self) -> float:
         """z of its highest corner, metres."""
         return float(self.corners[:, 2].max())
@@ -41,6 +35,22 @@ class SolidBox:
     def bottom(self) -> float:
         """z of its lowest corner, metres."""
         return float(self.corners[:, 2].min())
+
+
+def seen_apart(box: SolidBox, others: Sequence[SolidBox]) -> np.ndarray:
+    """(n,) whether each of ``others`` and the box lie apart when they are seen from straight above.
+
+    The outline of a box is a polygon with edges along those of the box, so that one of their normals separates two
+    outlines if anything does.
+    """
+    if not others:
+        return np.zeros(0, dtype=bool)
+    corners = np.stack([o.corners[:, :2] for o in others])  # (n, 8, 2)
+    edges = np.stack([np.concatenate([box.pose.rotation()[:2].T, o.pose.rotation()[:2].T]) for o in others])
+    normals = edges[:, :, ::-1] * [-1.0, 1.0]  # (n, 6, 2)
+    here, there = normals @ box.corners[:, :2].T, normals @ corners.transpose(0, 2, 1)  # (n, 6, 8)
+    gaps = np.maximum(here.min(axis=2) - there.max(axis=2), there.min(axis=2) - here.max(axis=2))
+    return np.any(gaps > 0, axis=1)
 
 
 @dataclass(frozen=True)

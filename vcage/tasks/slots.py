@@ -1,23 +1,53 @@
 """Where in a receptacle each of the objects goes that a task puts there.
 
 The exact free-region placement of the scene (:mod:`vcage.layout.placement.place`) is used again, with the opening as
-the workspace: what fits together gets places side by side, and what does not is refused by name.
+the workspace: what fits together gets places side by side, and what does not is refused by name. Of several ways to
+put things side by side, the one is taken from which the hand that brings them drops them least.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
+from vcage.base.errors import InfeasibleScene
 from vcage.base.geometry import Pose, world_aabb
 from vcage.layout.items import TableItem
 from vcage.layout.placement.place import place
+from vcage.schema.robot import Robot
 from vcage.schema.subtasks import Subtask
+from vcage.tasks.grasps import grasp_poses
+from vcage.tasks.primitives.place import SET_DOWN, goals_in_slot, place_way
 from vcage.tasks.scene_objects import SceneObject
 
 GAP = 0.006
 """Metres kept between contents, and between contents and wall."""
+
+DRAWS = 8
+"""Ways to put the contents of a receptacle side by side that are compared."""
+
+OTHERS = 6
+"""Other slots that are drawn for an object that cannot be brought to its own."""
+
+THERE = 0.05
+"""An object nearer to its slot than this lies where it lies, metres."""
+
+
+@dataclass(frozen=True)
+class Slot:
+    """Where an object goes.
+
+    Args:
+        receptacle: id of what receives it.
+        point: id of the receptacle's functional point.
+        pose: object frame in the receptacle's frame.
+    """
+
+    receptacle: str
+    point: int
+    pose: Pose
 
 
 def allocate(
@@ -50,28 +80,96 @@ def allocate(
 
 
 def slots_for_chain(
-    chain: Sequence[Subtask], objects: Sequence[SceneObject], rng: np.random.Generator
-) -> dict[str, Pose]:
-    """A slot for each object that the chain moves, in its receptacle's frame, so that all fit together.
+    chain: Sequence[Subtask], objects: Sequence[SceneObject], robot: Robot, rng: np.random.Generator
+) -> dict[str, Slot]:
+    """A slot for each object that the chain moves, so that all fit together and the hand has room to let go of them.
 
     Args:
         chain: the sub-tasks.
         objects: of the scene.
+        robot: whose hands bring them.
         rng: of all choices.
 
     Raises:
         InfeasibleScene: the contents of one receptacle do not fit together.
     """
     by_id = {o.id: o for o in objects}
-    groups: dict[tuple[str, int], list[SceneObject]] = {}
+    groups: dict[tuple[str, int], list[Subtask]] = {}
     for subtask in chain:
-        groups.setdefault((subtask.receptacle, subtask.functional_point), []).append(by_id[subtask.object])
-    slots: dict[str, Pose] = {}
-    for (receptacle, point), contents in groups.items():
-        moved = {o.id for o in contents}
-        present = lying_in(by_id[receptacle], [o for o in objects if o.id not in moved])
-        slots |= allocate(by_id[receptacle], point, contents, rng, present)
+        groups.setdefault((subtask.receptacle, subtask.functional_point), []).append(subtask)
+    slots: dict[str, Slot] = {}
+    for (receptacle, point), subtasks in groups.items():
+        contents = [by_id[s.object] for s in subtasks]
+        present = lying_in(by_id[receptacle], [o for o in objects if o.id not in {c.id for c in contents}])
+        best, least = {}, np.inf
+        for _ in range(DRAWS):
+            poses = allocate(by_id[receptacle], point, contents, rng, present)
+            drop = _drop(subtasks, poses, by_id, present, robot)
+            best, least = (poses, drop) if drop < least else (best, least)
+            if least <= SET_DOWN * len(contents) + 1e-9:
+                break
+        slots |= {key: Slot(receptacle, point, pose) for key, pose in best.items()}
     return slots
+
+
+def _drop(
+    subtasks: Sequence[Subtask],
+    poses: Mapping[str, Pose],
+    objects: Mapping[str, SceneObject],
+    present: Sequence[SceneObject],
+    robot: Robot,
+) -> float:
+    """How far the objects fall in all when each is let go as low as the hand can, metres: one after the other.
+
+    Args:
+        subtasks: that bring them to one functional point, in order.
+        poses: in the receptacle's frame, by id.
+        objects: of the scene by id.
+        present: what lies in the receptacle already.
+        robot: whose hands bring them.
+    """
+    receptacle = objects[subtasks[0].receptacle]
+    obstacles = [*receptacle.walls(subtasks[0].functional_point), *(o.box for o in present)]
+    total = 0.0
+    for subtask in subtasks:
+        target, drops = objects[subtask.object], []
+        goals = goals_in_slot(receptacle, poses[target.id])
+        hands = {grasp.contact: robot.arms[grasp.arm].gripper for grasp in subtask.grasps}
+        for contact_id, gripper in hands.items():
+            contact = target.asset.annotation.contact_point(contact_id)
+            width = target.asset.grasp_width(contact)
+            held = next(grasp_poses(target.pose, contact, gripper, target.box.bottom)).in_object
+            drops += [place_way(held, goal, obstacles, gripper, width, goal.p[2]).drop for goal in goals]
+        total += min(drops, default=0.0)
+        obstacles.append(target.moved(goals[0]).box)
+    return total
+
+
+def other_slots(slots: Mapping[str, Slot], object_id: str, objects: Mapping[str, SceneObject]) -> list[Slot]:
+    """Further slots for an object, always the same ones; those of the other objects stay theirs.
+
+    Args:
+        slots: of all objects that a chain moves.
+        object_id: which of them.
+        objects: of the scene as they stand now, by id.
+    """
+    own = slots[object_id]
+    receptacle = objects[own.receptacle]
+    present = lying_in(receptacle, [o for o in objects.values() if o.id not in slots])
+    for key, slot in slots.items():
+        if key != object_id and slot.receptacle == own.receptacle:
+            goal = receptacle.pose * slot.pose
+            there = np.linalg.norm(objects[key].pose.p - goal.p) < THERE
+            present.append(objects[key] if there else objects[key].moved(goal))
+    rng = np.random.default_rng(list(object_id.encode()))
+    found: list[Slot] = []
+    for _ in range(OTHERS):
+        try:
+            poses = allocate(receptacle, own.point, [objects[object_id]], rng, present)
+        except InfeasibleScene:
+            break
+        found.append(Slot(own.receptacle, own.point, poses[object_id]))
+    return found
 
 
 def lying_in(receptacle: SceneObject, objects: Sequence[SceneObject]) -> list[SceneObject]:

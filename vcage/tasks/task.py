@@ -5,20 +5,26 @@ A task knows the state of its world, as an expert does; whether the sub-task was
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+import itertools
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from vcage.base.errors import UnknownName
 from vcage.base.geometry import Pose
+from vcage.schema.asset import ContactPoint
 from vcage.schema.plan import RelationWord
 from vcage.schema.subtasks import Goal
+from vcage.sim.collision import Held
+from vcage.sim.motion import MotionPlanner
+from vcage.sim.paths import JointPath
 from vcage.sim.world import PHYSICS_HZ, World
 from vcage.tasks.primitives.operate import Operation
-from vcage.tasks.primitives.pick import Grip, carry_out_pick, feel, plan_pick
-from vcage.tasks.primitives.place import carry_out_place, plan_place
+from vcage.tasks.primitives.pick import Grip, LeadsOn, PickPlan, PickWay, carry_out_pick, feel, plan_pick
+from vcage.tasks.primitives.place import Placing, carry_out_place, plan_place
 from vcage.tasks.scene_objects import SceneObject
+from vcage.tasks.slots import Slot, other_slots
 from vcage.tasks.workcell import TaskFailed, Workcell, failing_at
 
 
@@ -36,21 +42,29 @@ class Task:
     Args:
         world: where it happens; the robot is at home.
         objects: by id, with their geometry; poses are read from the world.
-        slots: object id → where it goes, in its receptacle's frame.
-        attempt: number of the attempt; later ones begin with other grasps.
+        slots: object id → where it goes.
+        attempt: number of the attempt; later ones begin with other grasps and slots.
+
+    Attributes:
+        arm, contact: that took hold of something.
+        changes: what is done otherwise than planned, in words.
     """
 
-    def __init__(self, world: World, objects: Mapping[str, SceneObject], slots: Mapping[str, Pose], attempt: int = 0):
+    def __init__(self, world: World, objects: Mapping[str, SceneObject], slots: Mapping[str, Slot], attempt: int = 0):
         self.world = world
         self.arm: str | None = None
         self.contact: int | None = None
+        self.changes: list[str] = []
         self._cell = Workcell(world, objects)
         self._slots = slots
         self._attempt = attempt
         self._grip: Grip | None = None
+        self._left: Iterator[Slot] = iter(())
 
     def pick(self, object_id: str, grasps: Sequence[tuple[int, str]]) -> None:
-        """Grasp an object with the first of ``grasps`` (contact point, arm) that can be planned, and lift it.
+        """Grasp an object with the first of ``grasps`` (contact point, arm) from which it can be brought to its slot.
+
+        Where none leads to the slot, other slots are tried. The object is lifted with the motion that follows.
 
         Raises:
             TaskFailed: none can be planned, or the fingers closed on nothing.
@@ -58,12 +72,17 @@ class Task:
         """
         target = self._cell.object(object_id)
         first = self._attempt % max(1, len(grasps))
-        plan = plan_pick(self._cell, target, [*grasps[first:], *grasps[:first]])
+        plan = self._choose(target, [*grasps[first:], *grasps[:first]])
         self.arm, self.contact = plan.arm, plan.contact
+        if (plan.contact, plan.arm) != grasps[0]:
+            planned = f"contact {grasps[0][0]} with the {grasps[0][1]} arm"
+            self.changes.append(f"contact {plan.contact} with the {plan.arm} arm instead of {planned}")
         self._grip = carry_out_pick(self._cell, plan)
 
     def place(self, receptacle_id: str, point: int = 0) -> None:
-        """Carry what is held to its slot in the receptacle, let it go, and draw the hand back.
+        """Carry what is held to its slot in the receptacle, or another that is free, and let it go.
+
+        The hand is drawn back with the motion that follows.
 
         Raises:
             TaskFailed: nothing is held any more, or no way can be planned.
@@ -75,7 +94,8 @@ class Task:
         receptacle, held = self._cell.object(receptacle_id), self._grip.object_id
         if held not in self._slots:
             raise UnknownName("slot", held, self._slots)
-        plan = plan_place(self._cell, self._grip, receptacle, point, self._slots[held])
+        plan, slot = plan_place(self._cell, self._grip, receptacle, point, (slot.pose for slot in self._left))
+        self._say_slot(held, slot)
         carry_out_place(self._cell, plan)
         self._grip = None
 
@@ -106,16 +126,60 @@ class Task:
     def home(self) -> None:
         """Bring every arm home, open the grippers, and wait until everything is at rest."""
         for name, control in self.world.arms.items():
-            if np.abs(self._cell.joints(name) - control.arm.home).max() > 1e-3:
+            begun, home = self._cell.begun(name), np.array(control.arm.home)
+            if np.abs(begun.points() - home).max() > 1e-3:
                 with failing_at("place"):
-                    way = self._cell.planner(name).move(self._cell.joints(name), np.array(control.arm.home))
-                control.move(way)
-            control.grip(1.0)
+                    way = self._cell.planner(name).move(begun.end, home)
+                first, *others = way.legs
+                self._cell.carry_out(name, begun.then(JointPath((replace(first, opens=1.0), *others))))
+            control.release(1.0)
         self.world.settle(max_steps=PHYSICS_HZ)
 
     def ask(self, text: str, goals: Sequence[tuple[str, RelationWord, str]]) -> Asked:
         """The question for the critic: the sub-task in words, and its goals (subject, relation, reference)."""
         return Asked(text, [Goal(subject=s, relation=r, reference=o) for s, r, o in goals])
+
+    def _choose(self, target: SceneObject, grasps: Sequence[tuple[int, str]]) -> PickPlan:
+        """The first grasp that leads to the object's slot; else to another slot; any grasp for what has none."""
+        if target.id not in self._slots:
+            return plan_pick(self._cell, target, grasps)
+        failures: list[TaskFailed] = []
+        choices = self._choices(target.id)
+        for slot in choices:
+            try:
+                plan = plan_pick(self._cell, target, grasps, self._leads_to(target, slot))
+            except TaskFailed as error:
+                failures.append(error)
+            else:
+                self._left = itertools.chain([slot], choices)
+                return plan
+        raise failures[0]
+
+    def _leads_to(self, target: SceneObject, slot: Slot) -> LeadsOn:
+        place = Placing.of(self._cell, target.id, self._cell.object(slot.receptacle), slot.point)
+
+        def check(planner: MotionPlanner, way: PickWay, contact: ContactPoint) -> None:
+            held = Held(target.id, target.asset.model, way.grasp.inverse() * target.pose, target.joints)
+            place.check(planner, way, held, target.asset.grasp_width(contact), slot.pose)
+
+        return check
+
+    def _choices(self, object_id: str) -> Iterator[Slot]:
+        """The slot that was planned, then others; a later attempt begins with another."""
+        own = self._slots[object_id]
+        if self._attempt == 0:
+            yield own
+        others = other_slots(self._slots, object_id, self._cell.objects())
+        first = max(0, self._attempt - 1) % max(1, len(others))
+        yield from [*others[first:], *others[:first]]
+        if self._attempt > 0:
+            yield own
+
+    def _say_slot(self, object_id: str, slot: Pose) -> None:
+        planned = self._slots[object_id].pose
+        if slot != planned:
+            x, y = 100 * (slot.p - planned.p)[:2]
+            self.changes.append(f"{object_id} is put {x:+.1f}, {y:+.1f} cm from the slot that was planned")
 
     def _nearest_first(self, thing: SceneObject) -> list[str]:
         """The arms, the one whose base is nearest to an object first."""

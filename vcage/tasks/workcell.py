@@ -5,13 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 
-import numpy as np
-
 from vcage.base.errors import UnknownName, VcageError
 from vcage.schema.episodes import AttemptStage
 from vcage.sim.collision import CollisionScene
 from vcage.sim.joints import part_names
 from vcage.sim.motion import MotionFailed, MotionPlanner
+from vcage.sim.paths import OPEN_HAND, JointPath, Leg
 from vcage.sim.world import World
 from vcage.tasks.scene_objects import SceneObject
 
@@ -24,13 +23,15 @@ class TaskFailed(VcageError):
 
     Args:
         stage: how far the attempt came.
+        exhausted: everything that could be changed was; another attempt would end in the same way.
     """
 
     code = "task_failed"
 
-    def __init__(self, stage: AttemptStage, message: str):
+    def __init__(self, stage: AttemptStage, message: str, exhausted: bool = False):
         super().__init__(message)
-        self.stage = stage
+        self.stage: AttemptStage = stage
+        self.exhausted = exhausted
 
 
 @contextmanager
@@ -60,6 +61,7 @@ class Workcell:
     def __init__(self, world: World, objects: Mapping[str, SceneObject]):
         self.world = world
         self._objects = objects
+        self._put_off: dict[str, JointPath] = {}
 
     def object(self, object_id: str) -> SceneObject:
         """An object as it stands now.
@@ -72,6 +74,10 @@ class Workcell:
         body = self.world.body(object_id)
         return self._objects[object_id].moved(body.pose, body.joints)
 
+    def objects(self) -> dict[str, SceneObject]:
+        """All objects as they stand now, by id."""
+        return {key: self.object(key) for key in self._objects}
+
     def objects_but(self, *object_ids: str) -> list[SceneObject]:
         """All other objects as they stand now."""
         return [self.object(key) for key in self._objects if key not in object_ids]
@@ -80,9 +86,19 @@ class Workcell:
         """The names of all parts of objects, as the planner's obstacles are called."""
         return [name for key in object_ids for name in part_names(key, self.world.bodies[key].model)]
 
-    def joints(self, arm: str) -> np.ndarray:
-        """(n,) joints that the arm was last told to take, rad: plans go on from there without a jump."""
-        return self.world.arms[arm].command[:-1]
+    def begun(self, arm: str) -> JointPath:
+        """What the arm is to do first, before whatever is planned next: plans go on from its end without a jump."""
+        here = JointPath((Leg(self.world.arms[arm].command[None, :-1], OPEN_HAND),))
+        return self._put_off.get(arm, here)
+
+    def put_off(self, arm: str, path: JointPath) -> None:
+        """Begin the arm's next motion with ``path``, so that it need not stop where that ends."""
+        self._put_off[arm] = path
+
+    def carry_out(self, arm: str, path: JointPath) -> None:
+        """Move an arm along a path that begins with what it is to do first."""
+        self._put_off.pop(arm, None)
+        self.world.arms[arm].move(self.planner(arm).fastest(path))
 
     def planner(self, arm: str) -> MotionPlanner:
         """A planner around everything as it stands now."""

@@ -15,10 +15,11 @@ from vcage.schema.asset import ContactPoint
 from vcage.schema.proof import ProofCheck
 from vcage.schema.robot import Gripper
 from vcage.sim.collision import CollisionScene, Held, overlap
-from vcage.sim.motion import Load, MotionFailed, MotionPlanner
+from vcage.sim.motion import MotionFailed, MotionPlanner
+from vcage.sim.paths import Load
 from vcage.sim.poses import to_sapien
 from vcage.sim.shapes import box_shape, model_shapes
-from vcage.sim.trajectory import minimum_jerk
+from vcage.sim.trajectory import time_optimal
 from vcage.sim.world import PHYSICS_HZ, World
 from vcage.tasks.feasibility import GRIP_ROOM
 from vcage.tasks.grasps import approach_opening, grasp_poses, hand_boxes
@@ -139,7 +140,8 @@ class _Shaking:
         held = Held(OBJECT, self.asset.model, self._in_hand())
         here = planner.kinematics.fk(control.command[:-1])
         load = Load(opening=control.opening, held=held, ignore=("table",))
-        control.move(planner.move(control.command[:-1], Pose(here.p + [0, 0, max(rise, 0.0)], here.q), load))
+        up = Pose(here.p + [0, 0, max(rise, 0.0)], here.q)
+        control.move(planner.fastest(planner.move(control.command[:-1], up, load)))
 
     def _shake(self) -> None:
         """To and fro in joint space, where no arm meets the end of its reach."""
@@ -150,7 +152,7 @@ class _Shaking:
         ends = [np.clip(middle + sign * swing, kinematics.lower, kinematics.upper) for sign in (1, -1)]
         points = [middle, *(ends * SHAKES), middle]
         for here, there in itertools.pairwise(points):
-            control.move(minimum_jerk(np.stack([here, there]), PHYSICS_HZ, control.arm))
+            control.move(time_optimal(np.stack([here, there]), PHYSICS_HZ, control.arm))
 
     def _in_hand(self) -> Pose:
         return self.world.arms[self.arm].tool_pose.inverse() * self.world.object_pose(OBJECT)

@@ -11,8 +11,8 @@ from vcage.schema.asset import ContactPoint
 from vcage.sim.arms import ArmControl
 from vcage.sim.collision import CollisionScene
 from vcage.sim.joints import carried_by, part_name
-from vcage.sim.motion import Load, MotionFailed, MotionPlanner
-from vcage.sim.trajectory import Trajectory
+from vcage.sim.motion import MotionFailed, MotionPlanner
+from vcage.sim.paths import JointPath, Load
 from vcage.tasks.grasps import command_of
 from vcage.tasks.primitives.handles import Handle, OperatingWay, operating_ways
 from vcage.tasks.scene_objects import SceneObject
@@ -30,8 +30,7 @@ class _Plan:
     """A way with the arm that takes it.
 
     Args:
-        reach: to the way's first pose.
-        down: from there to the handle.
+        reach: to the way's first pose, and from there to the handle.
         push: along the joint's motion to the target.
         back: the rest of the way's motion; only a press has one.
         clear: whether the open hand touches nothing at the handle, not even the part itself.
@@ -39,10 +38,9 @@ class _Plan:
 
     arm: str
     way: OperatingWay
-    reach: Trajectory
-    down: Trajectory
-    push: Trajectory
-    back: Trajectory | None
+    reach: JointPath
+    push: JointPath
+    back: JointPath | None
     clear: bool
 
 
@@ -91,17 +89,16 @@ class Operation:
         plan = self._choose(arms, attempt)
         control = self._world.arms[plan.arm]
         control.command_gripper(command_of(plan.way.opening, control.arm.gripper))
-        control.move(plan.reach)
-        control.move(plan.down)
+        self._cell.carry_out(plan.arm, plan.reach)
         if self._contact.use == "grasp":
             control.grip(0.0)
             if control.empty:
                 where = f"{self._contact.name!r} of {self._thing.record.phrase}"
                 raise TaskFailed("grasp", f"the fingers closed on nothing where {where} should be")
-        control.move(plan.push)
+        self._cell.carry_out(plan.arm, plan.push)
         reached = self._position()
         if plan.back is not None:
-            control.move(plan.back)
+            self._cell.carry_out(plan.arm, plan.back)
         self._let_go(plan, control)
         # A spring takes what was pressed back: there, only the end of the push counts.
         if self._contact.use == "press":
@@ -133,13 +130,14 @@ class Operation:
         plans = clear + others
         if not plans:
             named = f"{self._contact.name!r} of {self._thing.record.phrase}"
-            raise TaskFailed("plan", f"no way to operate {named} can be planned: {first_reasons(reasons)}")
+            message = f"no way to operate {named} can be planned: {first_reasons(reasons)}"
+            raise TaskFailed("plan", message, exhausted=True)
         return plans[attempt % len(plans)]
 
     def _plans(self, arms: Sequence[str]) -> Iterator[_Plan | str]:
         """For each way of each arm: a plan, or why there is none."""
         for arm in arms:
-            joints, where = self._cell.joints(arm), f"{arm} arm at {self._contact.name!r}"
+            joints, where = self._cell.begun(arm).end, f"{arm} arm at {self._contact.name!r}"
             now = self._cell.planner(arm)
             then = now if self._contact.use == "press" else self._planner_at_target(arm)
             gripper = self._world.arms[arm].arm.gripper
@@ -176,11 +174,12 @@ class Operation:
         back = now.follow(push.end, rest, moving) if rest else None
         away = then.line((back or push).end, way.after, near)
         # The hand must get there, and home again: that it does is worth nothing if it then stands in a corner.
-        reach = now.move(self._cell.joints(arm), start, Load(opening))
+        begun = self._cell.begun(arm)
+        reach = begun.then(now.move(begun.end, start, Load(opening))).then(down)
         then.move(away.end, np.array(record.home), Load(opening))
         touched = self._own if self._contact.use == "press" else ()
         clear = now.scene.first_contact(down.end, opening, ignore=touched) is None
-        return _Plan(arm, way, reach, down, push, back, clear)
+        return _Plan(arm, way, reach, push, back, clear)
 
     def _planner_at_target(self, arm: str) -> MotionPlanner:
         """A planner around everything as it stands when the part is where it shall be."""
@@ -191,13 +190,13 @@ class Operation:
     # --- execution -------------------------------------------------------------------------------------
 
     def _let_go(self, plan: _Plan, control: ArmControl) -> None:
-        """Open the fingers and draw the hand back from where it stands."""
+        """Open the fingers; drawing the hand back begins what the arm does next."""
         opened = command_of(plan.way.opening, control.arm.gripper)
-        control.grip(opened)
-        planner = self._cell.planner(plan.arm)
+        control.release(opened)
+        planner, here = self._cell.planner(plan.arm), self._cell.begun(plan.arm).end
         away = Load(opened, fingers_may_touch=[self._thing.id, *self._own], speed=CAREFUL)
         try:
-            control.move(planner.line(self._cell.joints(plan.arm), plan.way.after, away))
+            self._cell.put_off(plan.arm, planner.line(here, plan.way.after, away))
         except MotionFailed as error:
             raise TaskFailed("place", f"the hand cannot be drawn back: {error.message}") from error
 

@@ -1,16 +1,17 @@
-"""Pick: take hold of an object at a contact point, and lift it."""
+"""Pick: take hold of an object at a contact point, to lift it with what follows."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 from vcage.base.errors import UnknownName
 from vcage.base.geometry import Pose
+from vcage.schema.asset import ContactPoint
 from vcage.schema.robot import Gripper
 from vcage.sim.collision import Held
-from vcage.sim.motion import Load, MotionFailed
-from vcage.sim.trajectory import Trajectory
+from vcage.sim.motion import MotionFailed, MotionPlanner
+from vcage.sim.paths import JointPath, Load
 from vcage.tasks.grasps import GraspPose, approach_opening, command_of, grasp_poses
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.workcell import CAREFUL, TaskFailed, Workcell, failing_at, first_reasons
@@ -38,7 +39,7 @@ class PickPlan:
         arm: that takes it.
         opening: command of the gripper on the way, 0 closed to 1 open.
         way: poses of the gripper.
-        reach, down: to the first pose, and from there to the grasp.
+        path: to the first pose, and from there to the grasp.
     """
 
     target: SceneObject
@@ -46,8 +47,7 @@ class PickPlan:
     arm: str
     opening: float
     way: PickWay
-    reach: Trajectory
-    down: Trajectory
+    path: JointPath
 
 
 @dataclass(frozen=True)
@@ -57,6 +57,10 @@ class Grip:
     arm: str
     object_id: str
     load: Load
+
+
+LeadsOn = Callable[[MotionPlanner, PickWay, ContactPoint], None]
+"""Raises MotionFailed where an arm (the planner's) cannot go on from a way to grasp at a contact point."""
 
 
 def transfer_height(others: Sequence[SceneObject], table_height: float) -> float:
@@ -81,13 +85,16 @@ def pick_way(target: SceneObject, grasp: GraspPose, gripper: Gripper, height: fl
     )
 
 
-def plan_pick(cell: Workcell, target: SceneObject, grasps: Sequence[tuple[int, str]]) -> PickPlan:
-    """The first of ``grasps`` (contact point, arm) that has a free way.
+def plan_pick(
+    cell: Workcell, target: SceneObject, grasps: Sequence[tuple[int, str]], leads_on: LeadsOn | None = None
+) -> PickPlan:
+    """The first of ``grasps`` (contact point, arm) that has a free way, and from which the task can go on.
 
     Args:
         cell: as it stands.
         target: what is picked, where it stands.
         grasps: in the order in which they are tried.
+        leads_on: whether a grasp does; all do when not given.
 
     Raises:
         TaskFailed: none has.
@@ -95,14 +102,17 @@ def plan_pick(cell: Workcell, target: SceneObject, grasps: Sequence[tuple[int, s
     """
     reasons: list[str] = []
     for contact, arm in grasps:
-        for plan in _plans(cell, target, contact, arm):
+        for plan in _plans(cell, target, contact, arm, leads_on):
             if isinstance(plan, PickPlan):
                 return plan
             reasons.append(plan)
-    raise TaskFailed("plan", f"no grasp of {target.record.phrase} can be planned: {first_reasons(reasons)}")
+    message = f"no grasp of {target.record.phrase} can be planned: {first_reasons(reasons)}"
+    raise TaskFailed("plan", message, exhausted=True)
 
 
-def _plans(cell: Workcell, target: SceneObject, contact_id: int, arm: str) -> Iterator[PickPlan | str]:
+def _plans(
+    cell: Workcell, target: SceneObject, contact_id: int, arm: str, leads_on: LeadsOn | None
+) -> Iterator[PickPlan | str]:
     """For each pose of the hand at a contact point, the straightest first: a plan, or why there is none."""
     contact = target.asset.annotation.contact_point(contact_id)
     if arm not in cell.world.arms:
@@ -115,27 +125,30 @@ def _plans(cell: Workcell, target: SceneObject, contact_id: int, arm: str) -> It
     planner = cell.planner(arm)
     opening = command_of(approach_opening(target.asset.grasp_width(contact), gripper), gripper)
     closing = Load(opening, ignore=cell.parts(target.id), speed=CAREFUL)
-    for grasp in grasp_poses(target.pose, contact, gripper, target.box.bottom):
-        way = pick_way(target, grasp, gripper, height)
-        try:
-            reach = planner.move(cell.joints(arm), way.before, then=[way.grasp, way.lifted])
-            down = planner.line(reach.end, way.grasp, closing)
-        except MotionFailed as error:
-            yield f"{arm} arm at {contact.name!r}: {error.message}"
-        else:
-            yield PickPlan(target, contact_id, arm, opening, way, reach, down)
+    begun = cell.begun(arm)
+    ways = [pick_way(target, g, gripper, height) for g in grasp_poses(target.pose, contact, gripper, target.box.bottom)]
+    for flips in zip(ways[::2], ways[1::2], strict=True):
+        for way in sorted(flips, key=lambda way: planner.kinematics.distance(begun.end, way.before)):
+            try:
+                if leads_on is not None:
+                    leads_on(planner, way, contact)
+                reach = planner.move(begun.end, way.before, Load(opening), then=[way.grasp, way.lifted])
+                down = planner.line(reach.end, way.grasp, closing)
+            except MotionFailed as error:
+                yield f"{arm} arm at {contact.name!r}: {error.message}"
+            else:
+                yield PickPlan(target, contact_id, arm, opening, way, begun.then(reach).then(down))
 
 
 def carry_out_pick(cell: Workcell, plan: PickPlan) -> Grip:
-    """Reach, close the fingers, and lift.
+    """Reach and close the fingers; the lift begins what the arm does next.
 
     Raises:
-        TaskFailed: the fingers closed on nothing, lost the object, or cannot lift it.
+        TaskFailed: the fingers closed on nothing, or the object cannot be lifted.
     """
     control, target = cell.world.arms[plan.arm], plan.target
     control.command_gripper(plan.opening)
-    control.move(plan.reach)
-    control.move(plan.down)
+    cell.carry_out(plan.arm, plan.path)
     control.grip(0.0)
     if control.empty:
         raise TaskFailed("grasp", f"the fingers closed on nothing where {target.record.phrase} should be")
@@ -144,8 +157,7 @@ def carry_out_pick(cell: Workcell, plan: PickPlan) -> Grip:
     lift = Load(opening=control.opening, ignore=[*cell.parts(target.id), "table"], speed=CAREFUL)
     grip = Grip(plan.arm, target.id, Load(opening=control.opening, held=held))
     with failing_at("grasp"):
-        control.move(cell.planner(plan.arm).line(cell.joints(plan.arm), plan.way.lifted, lift))
-    feel(cell, grip)
+        cell.put_off(plan.arm, cell.planner(plan.arm).line(plan.path.end, plan.way.lifted, lift))
     return grip
 
 

@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from vcage.base.geometry import Pose
 from vcage.schema.robot import Gripper
-from vcage.sim.motion import Load, MotionFailed
-from vcage.sim.trajectory import Trajectory
+from vcage.sim.collision import Held
+from vcage.sim.kinematics import ArmKinematics
+from vcage.sim.motion import MotionFailed, MotionPlanner
+from vcage.sim.paths import JointPath, Load
 from vcage.tasks.grasps import approach_opening, command_of, hand_boxes
-from vcage.tasks.primitives.pick import Grip, feel, transfer_height
-from vcage.tasks.scene_objects import SceneObject, SolidBox
+from vcage.tasks.primitives.pick import Grip, PickWay, feel, transfer_height
+from vcage.tasks.scene_objects import SceneObject, SolidBox, seen_apart
 from vcage.tasks.workcell import CAREFUL, TaskFailed, Workcell, failing_at, first_reasons
 
 SET_DOWN = 0.004
@@ -21,6 +23,9 @@ SET_DOWN = 0.004
 
 MAX_DROP = 0.075
 """An object may fall this far into a receptacle whose rim keeps the hand out, metres."""
+
+RAISES = (0.01, 0.02, 0.035)
+"""How much higher an object is let go where the hand meets something at the lowest height, metres."""
 
 TURNS = (0.0, np.pi)
 """Headings that an object may take in its slot, relative to it: both fill the same rectangle."""
@@ -35,6 +40,12 @@ class PlaceWay:
     after: Pose
     drop: float
 
+    def raised(self, rise: float) -> PlaceWay:
+        """The same, but let go higher, metres."""
+        up = np.array([0.0, 0.0, rise])
+        higher = (Pose(pose.p + up, pose.q) for pose in (self.above, self.release, self.after))
+        return PlaceWay(*higher, drop=self.drop + rise)
+
 
 @dataclass(frozen=True)
 class PlacePlan:
@@ -44,14 +55,13 @@ class PlacePlan:
         grip: what is held.
         receptacle: id of what receives it.
         way: poses of the gripper.
-        carry, lower: to the first pose, and from there to where the object is let go.
+        path: the lift, the way to the first pose, and from there to where the object is let go.
     """
 
     grip: Grip
     receptacle: str
     way: PlaceWay
-    carry: Trajectory
-    lower: Trajectory
+    path: JointPath
 
 
 def place_way(
@@ -68,21 +78,21 @@ def place_way(
         height: z that the object's bottom keeps on the way, metres.
     """
     lowest = Pose(goal.p + [0, 0, SET_DOWN], goal.q) * held
-    rise = _rise_to_clear(lowest, obstacles, gripper, approach_opening(width, gripper))
+    hand = hand_boxes(gripper, approach_opening(width, gripper), width)
+    rise = _rise_to_clear(lowest, obstacles, hand)
     release = Pose(lowest.p + [0, 0, rise], lowest.q)
     above = Pose(release.p + [0, 0, max(height - goal.p[2] - SET_DOWN - rise, 0.02)], release.q)
     after = Pose(release.p + [0, 0, max(above.p[2] - release.p[2], gripper.approach)], release.q)
     return PlaceWay(above=above, release=release, after=after, drop=rise + SET_DOWN)
 
 
-def _rise_to_clear(pose: Pose, obstacles: Sequence[SolidBox], gripper: Gripper, opening: float) -> float:
+def _rise_to_clear(pose: Pose, obstacles: Sequence[SolidBox], hand: Sequence[np.ndarray]) -> float:
     """How far the hand must go up so that none of its boxes touches an obstacle below it."""
     rise = 0.0
-    for bounds in hand_boxes(gripper, opening):
+    for bounds in hand:
         part = SolidBox(bounds, pose)
-        for obstacle in obstacles:
-            if part.outline.intersects(obstacle.outline):
-                rise = max(rise, obstacle.top + SET_DOWN - part.bottom)
+        below = [o.top for o, apart in zip(obstacles, seen_apart(part, obstacles), strict=True) if not apart]
+        rise = max(rise, max(below, default=-np.inf) + SET_DOWN - part.bottom)
     return float(np.round(rise, 6))
 
 
@@ -95,54 +105,138 @@ def goals_in_slot(receptacle: SceneObject, slot: Pose) -> list[Pose]:
     return [receptacle.pose * slot * Pose.from_yaw([0, 0, 0], turn) for turn in TURNS]
 
 
-def plan_place(cell: Workcell, grip: Grip, receptacle: SceneObject, point: int, slot: Pose) -> PlacePlan:
-    """The first free way to bring what is held to its slot.
+def plan_place(
+    cell: Workcell, grip: Grip, receptacle: SceneObject, point: int, slots: Iterable[Pose]
+) -> tuple[PlacePlan, Pose]:
+    """The first free way to bring what is held to one of the slots, and which.
+
+    Each slot is tried with both headings of the object, the nearer one first, and let go ever higher where the hand
+    has no room.
 
     Args:
         cell: as it stands.
         grip: what is held.
         receptacle: what receives it, where it stands.
         point: id of its functional point.
-        slot: where the object goes, in the receptacle's frame.
+        slots: where the object may go, in the receptacle's frame, in the order in which they are tried.
 
     Raises:
         TaskFailed: there is none.
     """
     control = cell.world.arms[grip.arm]
-    others = cell.objects_but(grip.object_id, receptacle.id)
-    obstacles = [*receptacle.walls(point), *(o.box for o in others)]
-    height = transfer_height([*others, receptacle], cell.world.table.height)
     held = cell.object(grip.object_id).pose.inverse() * control.tool_pose
+    place = Placing.of(cell, grip.object_id, receptacle, point)
     careful = Load(grip.load.opening, grip.load.held, grip.load.ignore, CAREFUL)
-    planner = cell.planner(grip.arm)
+    planner, begun = cell.planner(grip.arm), cell.begun(grip.arm)
     reasons: list[str] = []
-    for goal in goals_in_slot(receptacle, slot):
-        way = place_way(held, goal, obstacles, control.arm.gripper, control.finger_width, height)
-        if way.drop > MAX_DROP:
-            reasons.append(f"it would fall {way.drop * 100:.1f} cm")
-            continue
+    for slot in slots:
         try:
-            carry = planner.move(cell.joints(grip.arm), way.above, grip.load, then=[way.release, way.after])
-            return PlacePlan(grip, receptacle.id, way, carry, planner.line(carry.end, way.release, careful))
+            ways = place.ways(planner.kinematics, held, control.finger_width, slot, begun.end)
         except MotionFailed as error:
             reasons.append(error.message)
+            continue
+        for way in ways:
+            try:
+                carry = planner.move(begun.end, way.above, grip.load, then=[way.release, way.after])
+                lower = planner.line(carry.end, way.release, careful)
+                return PlacePlan(grip, receptacle.id, way, begun.then(carry).then(lower)), slot
+            except MotionFailed as error:
+                reasons.append(error.message)
     raise TaskFailed("plan", f"{grip.object_id} cannot be brought to {receptacle.id}: {first_reasons(reasons)}")
 
 
+@dataclass(frozen=True)
+class Placing:
+    """What a place has to do with, as it stands.
+
+    Args:
+        receptacle: what receives the object.
+        obstacles: its walls and contents, and the neighbours.
+        height: z that the object's bottom keeps on the way, metres.
+    """
+
+    receptacle: SceneObject
+    obstacles: Sequence[SolidBox]
+    height: float
+
+    @classmethod
+    def of(cls, cell: Workcell, object_id: str, receptacle: SceneObject, point: int) -> Placing:
+        """Everything but the object itself is in its way."""
+        others = cell.objects_but(object_id, receptacle.id)
+        height = transfer_height([*others, receptacle], cell.world.table.height)
+        return cls(receptacle, [*receptacle.walls(point), *(o.box for o in others)], height)
+
+    def ways(
+        self, kinematics: ArmKinematics, held: Pose, width: float, slot: Pose, start: np.ndarray
+    ) -> list[PlaceWay]:
+        """Ways within reach to let go of an object in a slot: each heading as low as it can be, then higher.
+
+        Args:
+            kinematics: of the arm that holds it.
+            held: gripper frame in the object frame.
+            width: material between the fingers, metres.
+            slot: in the receptacle's frame.
+            start: (n,) joints before, rad.
+
+        Raises:
+            MotionFailed: there is none.
+        """
+        gripper = kinematics.arm.gripper
+        goals = goals_in_slot(self.receptacle, slot)
+        ways = [place_way(held, goal, self.obstacles, gripper, width, self.height) for goal in goals]
+        least = min(way.drop for way in ways)
+        if least > MAX_DROP:
+            raise MotionFailed(f"it would fall {least * 100:.1f} cm")
+        far = {way: kinematics.distance(start, way.above) for way in ways if way.drop <= MAX_DROP}
+        near = sorted((way for way in far if np.isfinite(far[way])), key=far.__getitem__)
+        if not near:
+            raise MotionFailed("its place is out of reach")
+        return [*near, *(way.raised(x) for way in near for x in RAISES if way.drop + x <= MAX_DROP)]
+
+    def check(self, planner: MotionPlanner, pick: PickWay, held: Held, width: float, slot: Pose) -> None:
+        """That a grasp leads to a slot: the arm comes down to it with the object, and the fingers can open.
+
+        Args:
+            planner: of the arm.
+            pick: the way to grasp.
+            held: what is then between the fingers.
+            width: of it, metres.
+            slot: in the receptacle's frame.
+
+        Raises:
+            MotionFailed: it does not.
+        """
+        gripper = planner.kinematics.arm.gripper
+        carrying = Load(command_of(width, gripper), held)
+        leaving = Load(command_of(approach_opening(width, gripper), gripper), ignore=[held.object_id])
+        start = planner.kinematics.ik(pick.lifted)
+        if start is None:
+            raise MotionFailed("no joint angles lift it")
+        reasons: list[str] = []
+        for way in self.ways(planner.kinematics, held.in_gripper.inverse(), width, slot, start):
+            try:
+                above = planner.kinematics.ik(way.above, start)
+                assert above is not None  # `ways` are within reach
+                planner.check(planner.line(above, way.release, carrying).end, leaving)
+                return
+            except MotionFailed as error:
+                reasons.append(error.message)
+        raise MotionFailed(f"at its place, {first_reasons(reasons)}")
+
+
 def carry_out_place(cell: Workcell, plan: PlacePlan) -> None:
-    """Carry, let go, and draw the hand back.
+    """Carry and let go; drawing the hand back begins what the arm does next.
 
     Raises:
         TaskFailed: the object was lost on the way, or the hand cannot be drawn back.
     """
     grip = plan.grip
     control = cell.world.arms[grip.arm]
-    control.move(plan.carry)
+    cell.carry_out(grip.arm, plan.path)
     feel(cell, grip)
-    control.move(plan.lower)
     gripper = control.arm.gripper
     opened = command_of(approach_opening(control.finger_width, gripper), gripper)
-    control.grip(opened)
+    control.release(opened)
     away = Load(opening=opened, ignore=cell.parts(grip.object_id, plan.receptacle), speed=CAREFUL)
     with failing_at("place"):
-        control.move(cell.planner(grip.arm).line(cell.joints(grip.arm), plan.way.after, away))
+        cell.put_off(grip.arm, cell.planner(grip.arm).line(plan.path.end, plan.way.after, away))

@@ -1,0 +1,159 @@
+"""Joint paths before they are timed: legs that follow each other, and the bends that join them without a stop."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Collection, Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from vcage.sim.collision import Held
+
+BENDS = (0.5, 0.25, 0.12)
+"""Shares of the shorter of two legs that their bend may take, the widest first."""
+
+BEND_POINTS = 7
+"""Points of a bend."""
+
+
+@dataclass(frozen=True)
+class Load:
+    """What the hand does while it moves.
+
+    Args:
+        opening: of the gripper, 0 closed to 1 open.
+        held: what it holds.
+        ignore: obstacles that may be touched (see :meth:`CollisionScene.first_contact`).
+        fingers_may_touch: obstacles that the fingers may touch, and nothing else of the arm.
+        speed: share of the speed limit.
+    """
+
+    opening: float = 1.0
+    held: Held | None = None
+    ignore: Collection[str] = ()
+    speed: float = 1.0
+    fingers_may_touch: Collection[str] = ()
+
+
+OPEN_HAND = Load()
+"""Nothing is held, and nothing may be touched."""
+
+
+@dataclass(frozen=True)
+class Leg:
+    """A free piece of a path.
+
+    Args:
+        points: (k, n) joints, rad, k ≥ 1, so near to each other that nothing is between them.
+        load: what the hand does on it.
+        opens: command for the gripper when the leg begins, 0 closed to 1 open; none when it is left as it is.
+    """
+
+    points: np.ndarray
+    load: Load
+    opens: float | None = None
+
+
+@dataclass(frozen=True)
+class JointPath:
+    """Legs, each beginning where the one before ends."""
+
+    legs: tuple[Leg, ...]
+
+    @property
+    def end(self) -> np.ndarray:
+        """(n,) joints at the end."""
+        return self.legs[-1].points[-1]
+
+    def then(self, other: JointPath) -> JointPath:
+        """This one, and the other after it."""
+        return JointPath((*self.legs, *other.legs))
+
+    def points(self) -> np.ndarray:
+        """(k, n) of all legs."""
+        return np.concatenate([leg.points for leg in self.legs])
+
+
+@dataclass(frozen=True)
+class Stretch:
+    """What of a path is passed without a stop.
+
+    Args:
+        points: (k, n) joints, rad.
+        speed: (k,) share of the speed limit at each.
+        opens: (index of a point, opening) commands for the gripper.
+    """
+
+    points: np.ndarray
+    speed: np.ndarray
+    opens: tuple[tuple[int, float], ...]
+
+
+def stretches(path: JointPath, free: Callable[[np.ndarray, Load], bool]) -> Iterator[Stretch]:
+    """The path with its corners bent where what a bend cuts off is free; it stops at the others.
+
+    Args:
+        path: its legs are free.
+        free: whether joints (n,) are, with the load of a leg.
+    """
+    legs = [leg for leg in path.legs if _length(leg.points) > 1e-6] or [path.legs[-1]]
+    points, speed, opens = legs[0].points, _speeds(legs[0]), _commands(legs[0], 0)
+    for before, after in itertools.pairwise(legs):
+        bent = _bent(points, before, after, free)
+        if bent is None:
+            yield Stretch(points, speed, opens)
+            points, speed, opens = after.points, _speeds(after), _commands(after, 0)
+            continue
+        head, bend, tail = bent
+        slower = np.full(len(bend), min(before.load.speed, after.load.speed))
+        opens += _commands(after, len(head) + len(bend))
+        points = np.concatenate([head, bend, tail])
+        speed = np.concatenate([speed[: len(head)], slower, np.full(len(tail), after.load.speed)])
+    yield Stretch(points, speed, opens)
+
+
+def _bent(
+    points: np.ndarray, before: Leg, after: Leg, free: Callable[[np.ndarray, Load], bool]
+) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
+    """What is left of ``points`` and of the next leg's, and the bend between them: the widest that is free."""
+    alike = replace(after.load, speed=before.load.speed) == before.load
+    loads = [before.load] if alike else [before.load, after.load]
+    # Of a leg between two bends, each may take half.
+    shorter = min(_length(before.points), _length(after.points))
+    for share in BENDS:
+        head, start = _without_end(points, share * shorter)
+        tail, end = _without_end(after.points[::-1], share * shorter)
+        bend = _bend(start, after.points[0], end)
+        if all(free(q, load) for load in loads for q in bend):
+            return head, bend, tail[::-1]
+    return None
+
+
+def _bend(start: np.ndarray, corner: np.ndarray, end: np.ndarray) -> np.ndarray:
+    """(:data:`BEND_POINTS`, n) points of the parabola that touches both legs."""
+    t = np.linspace(0, 1, BEND_POINTS)[:, None]
+    return (1 - t) ** 2 * start + 2 * t * (1 - t) * corner + t**2 * end
+
+
+def _without_end(points: np.ndarray, length: float) -> tuple[np.ndarray, np.ndarray]:
+    """The points but the last ``length`` of the way, and the point where it was cut."""
+    steps = np.linalg.norm(np.diff(points, axis=0), axis=1)[::-1]
+    passed = np.cumsum(steps)
+    cut = min(int(np.searchsorted(passed, length)), len(steps) - 1)
+    share = (passed[cut] - length) / steps[cut]
+    last = len(points) - 2 - cut
+    kept = points[: last + 1] if share > 1e-6 else points[:last]
+    return kept, points[last] + max(share, 0.0) * (points[last + 1] - points[last])
+
+
+def _length(points: np.ndarray) -> float:
+    return float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())
+
+
+def _speeds(leg: Leg) -> np.ndarray:
+    return np.full(len(leg.points), leg.load.speed)
+
+
+def _commands(leg: Leg, index: int) -> tuple[tuple[int, float], ...]:
+    return () if leg.opens is None else ((index, leg.opens),)
