@@ -162,3 +162,14 @@ def test_following_into_the_table_says_at_which_pose(world):
     poses = [Pose(start.p + [0.1, 0, 0], start.q), Pose(start.p + [0.1, 0, -0.25], start.q)]
     with pytest.raises(MotionFailed, match=r"at pose 2 of 2: .* would touch table"):
         planner.follow(q, poses)
+
+
+def test_an_arm_is_where_it_is_told_to_be_all_the_way(world):
+    """The drives alone lag where the arm speeds up, and would have to be waited for."""
+    arm, planner = world.arms["right"], planner_of(world)
+    lag = []
+    world.before_step.append(lambda _world: lag.append(np.abs(arm.joints - arm.command[:-1]).max()))
+    trajectory = planner.fastest(planner.move(arm.joints, grasp_of(world, "cube", 0.15)))
+    arm.move(trajectory)
+    assert max(lag) < 0.02
+    assert len(lag) == len(trajectory)  # it need not be waited for

@@ -1,9 +1,11 @@
 from __future__ import annotations
 
 import pytest
+from pydantic import ValidationError
 
 from vcage.base.errors import DamagedFile, MissingDependency, UnknownName
 from vcage.objects.table_tops import TABLES
+from vcage.schema.robot import Arm
 from vcage.sim.robots import available, load_robot, load_template, package_file
 
 
@@ -49,3 +51,15 @@ def test_the_arms_at_home_leave_the_workspace_free_in_the_top_view(template, rob
 def test_the_five_scenes_of_the_paper_are_there_with_their_table_tops():
     assert {"kitchen", "bathroom", "office_desk", "cashier_desk", "cabinet"} <= set(available("scenes"))
     assert {load_template(name).table.texture for name in available("scenes")} <= set(TABLES)
+
+
+def test_a_limit_is_one_number_for_every_joint_or_one_for_each():
+    arm = load_robot("dual_panda").arms["left"]
+    assert arm.model_copy(update={"max_speed": 1.5}).speeds == [1.5] * 7
+    assert arm.speeds == [2.175] * 4 + [2.61] * 3
+
+
+def test_limits_for_another_number_of_joints_are_refused():
+    record = load_robot("dual_panda").arms["left"].model_dump() | {"max_jerk": [5000.0, 5000.0]}
+    with pytest.raises(ValidationError, match="max_jerk has 2 numbers for 7 joints"):
+        Arm.model_validate(record)

@@ -12,6 +12,7 @@ from vcage.base.errors import UnknownName
 from vcage.base.geometry import Pose
 from vcage.schema.subtasks import Goal
 from vcage.tasks.scene_objects import SceneObject
+from vcage.tasks.slots import Slot
 from vcage.tasks.task import Task, TaskFailed
 
 GRASPS = [(0, "left"), (0, "right"), (1, "left"), (1, "right")]
@@ -165,3 +166,28 @@ def test_a_question_holds_the_words_and_the_goals(task: Task):
     asked = task.ask("Put it there.", [("block", "on", "plate")])
     assert asked.text == "Put it there."
     assert asked.goals == [Goal(subject="block", relation="on", reference="plate")]
+
+
+def test_a_slot_that_no_grasp_leads_to_gives_way_to_another():
+    objects = block_and_plate()
+    world = world_of(objects)
+    world.settle()
+    task = Task(world, {o.id: o for o in objects}, {"block": Slot("plate", 0, Pose([0.0, 0.9, 0.0066]))})
+    task.pick("block", GRASPS)
+    task.place("plate")
+    task.home()
+    plate, block = task.world.object_pose("plate").p, task.world.object_pose("block").p
+    assert np.linalg.norm(block[:2] - plate[:2]) < 0.08
+    assert [change for change in task.changes if "cm from the slot that was planned" in change]
+
+
+def test_nothing_is_grasped_that_could_not_be_put_anywhere():
+    objects = block_and_plate()
+    world = world_of(objects)
+    task = Task(world, {o.id: o for o in objects}, {"block": ON_PLATE})
+    world.set_object_pose("plate", Pose([0.0, 1.2, TABLE_TOP]))
+    before = world.steps
+    with pytest.raises(TaskFailed, match="its place is out of reach") as caught:
+        task.pick("block", GRASPS)
+    assert (caught.value.stage, caught.value.exhausted) == ("plan", True)
+    assert world.steps == before
