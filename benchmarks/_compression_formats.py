@@ -20,7 +20,8 @@ from vcage.video.choices import Choices, Criterion
 from vcage.video.codec import encode
 from vcage.video.encoders import CODECS, kept_priority
 from vcage.video.jod import JodMetric
-from vcage.video.search import SearchResult, search_clip
+from vcage.video.judge import Judge
+from vcage.video.settling import SearchResult, search_clip
 
 LIMIT = 0.1
 """Loss that every searched format must stay below, JOD."""
@@ -164,7 +165,7 @@ class Searched:
         choices, limit = self._task(film, metric, before)
         criterion = Criterion(limit, guard=self._has_lossless)
         start = time.process_time()
-        result = search_clip(film.frames, film.keyframes, film.fps, choices, criterion, metric, THREADS)
+        result = search_clip(Judge(film.frames, film.keyframes, film.fps, criterion, metric, THREADS), choices)
         search_ms = _ms(start, film)
         path = folder / f"{self.name}.mp4"
         path.write_bytes(result.video)

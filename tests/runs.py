@@ -24,10 +24,10 @@ from vcage.stages.stage import PRODUCERS
 REPOSITORY = Path(__file__).resolve().parents[1]
 INSTRUCTION = "Put the blocks on the plate"
 FPS = 5
-VIDEOS = CompressionSettings(crf=20, preset="ultrafast", keyframes=2)
+VIDEOS = CompressionSettings(crf=20, effort="fast", keyframes=2)
 """Nothing is searched: that is for tests/video, tests/datasets and tests/stages/test_compress_export.py."""
 
-QUICK_VIDEOS = ["--crf", "20", "--preset", "ultrafast", "--keyframes", "2"]
+QUICK_VIDEOS = ["--crf", "20", "--effort", "fast", "--keyframes", "2"]
 """The same as options."""
 
 OPTIONS = chain.ChainOptions(

@@ -177,7 +177,7 @@ def test_a_file_without_pictures_is_damaged(tmp_path):
 @pytest.mark.parametrize("fps", [10.0, 16.67, 30000 / 1001, 250 / 15, 0.5])
 @pytest.mark.parametrize("frames", [1, 3])
 def test_the_frame_rate_is_the_one_it_was_encoded_with(fps, frames):
-    video = encode(clip(frames), fps, EncoderSettings(preset="ultrafast"), 30)
+    video = encode(clip(frames), fps, EncoderSettings(effort="fast"), 30)
     assert frame_rate(video) == pytest.approx(fps, rel=1e-9)
 
 

@@ -18,7 +18,7 @@ from vcage.cli.main import main
 from vcage.datasets.packing import clips as clip_module
 from vcage.datasets.packing.pack import WORKING
 
-QUICK = ("--fps", 10, "--crf", 20, "--preset", "ultrafast", "--keyframes", 3)
+QUICK = ("--fps", 10, "--crf", 20, "--effort", "fast", "--keyframes", 3)
 
 
 @pytest.fixture
@@ -100,12 +100,12 @@ def test_a_dry_run_of_a_run_estimates_what_the_stage_would_write(capsys, tmp_pat
     ("options", "code", "said"),
     [
         (["--display", "cinema"], "unknown_name", "standard_fhd"),
-        (["--preset", "hasty"], "unknown_name", "ultrafast"),
+        (["--effort", "hasty"], "usage", "default"),
         (["--pixel-format", "yuv999"], "unknown_name", "yuv420p"),
         (["--crf", "52"], "usage", "51"),
         (["--crf", "best"], "usage", "lossless"),
         (["--crf=-1"], "usage", "lossless"),
-        (["--codec", "av1", "--crf", "lossless", "--preset", "8"], "usage", "--codec hevc or h264"),
+        (["--codec", "av1", "--crf", "lossless"], "usage", "--codec hevc or h264"),
         (["--max-loss", "0", "--crf", "1"], "usage", "above 0"),
         (["--max-loss", "nan"], "usage", "not between"),
         (["--gop", "0"], "usage", "positive"),

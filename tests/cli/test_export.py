@@ -18,7 +18,7 @@ from vcage.stages.context import StageContext
 @pytest.fixture
 def run(tmp_path) -> RunFolder:
     run = collected(tmp_path / "run", count=1, frames=6)
-    options = compress.Options(seed=7, workers=1, compression=CompressionSettings(crf=20, preset="ultrafast"))
+    options = compress.Options(seed=7, workers=1, compression=CompressionSettings(crf=20, effort="fast"))
     compress.execute(run, options, StageContext())
     return run
 

@@ -35,7 +35,7 @@ def exported(
     run = collected(root, count=count, frames=6)
     for index in range(count):
         written(run.root / f"episodes/episode_{index:06d}.hdf5", 6, seed=seed + 10 * index)
-    compression = CompressionSettings(**{"crf": 8, "preset": "ultrafast", **changes})
+    compression = CompressionSettings(**{"crf": 8, "effort": "fast", **changes})
     redone = {"seed": 7, "workers": 1, "force": True}
     compress.execute(run, compress.Options(compression=compression, **redone), StageContext())
     crf = None if codec is None else 30
@@ -148,7 +148,7 @@ def test_videos_are_those_of_the_export_and_searched_no_second_time(tmp_path, ou
 def test_runs_that_were_compressed_by_different_degrees_are_one_data_set(runs, tmp_path, out):
     append_to(out, runs[0])
     assert encoding(out)["video.crf"] == 8
-    append_to(out, exported(tmp_path / "other", crf=20, pixel_format="yuv420p", preset="superfast"))
+    append_to(out, exported(tmp_path / "other", crf=20, pixel_format="yuv420p", effort="default"))
     assert episodes(out) == 2
     assert not {"video.crf", "video.pix_fmt", "video.preset"} & set(encoding(out))
     assert (encoding(out)["video.codec"], encoding(out)["video.g"]) == ("hevc", 10)

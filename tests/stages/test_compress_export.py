@@ -27,7 +27,7 @@ from vcage.video.choices import LOSSLESS
 from vcage.video.jod import JodMetric
 
 FRAMES = 12
-QUICK = {"preset": "ultrafast", "pixel_format": "yuv444p10le"}
+QUICK = {"effort": "fast", "pixel_format": "yuv444p10le"}
 
 
 def options_with(**changes: Any) -> compress.Options:

@@ -20,7 +20,7 @@ from vcage.video.codec import EncoderSettings, encode, only_converted
 from vcage.video.encoders import CODECS, encoder_version, kept_priority
 
 SETTINGS = EncoderSettings()
-FORMATS = CODECS["hevc"].pixel_formats
+FORMATS = CODECS["hevc"].pixel_formats + CODECS["hevc"].other_formats
 
 
 @pytest.fixture(scope="module")
@@ -156,7 +156,7 @@ def test_the_conversion_alone_is_what_a_decoder_would_give(frames):
     [
         ({"codec": "vp9"}, "unknown codec 'vp9'"),
         ({"pixel_format": "yuv410p"}, "unknown pixel format of hevc"),
-        ({"preset": "swift"}, "unknown preset of hevc"),
+        ({"effort": "swift"}, "unknown effort"),
         ({"gop": 0}, "gop is 0"),
     ],
 )
@@ -183,7 +183,7 @@ def test_a_crf_out_of_range_is_refused(frames):
 
 def test_no_encoder_keeps_this_process_at_real_time_priority():
     before = scheduling()
-    encode(clip(2), FPS, EncoderSettings("av1", preset="12"), 40)
+    encode(clip(2), FPS, EncoderSettings("av1", effort="fast"), 40)
     assert scheduling() == before
 
 

@@ -10,16 +10,17 @@ import pytest
 from tests.recordings import FPS, clip
 from vcage.base.errors import UsageError
 from vcage.base.videos import decode
+from vcage.video import excerpt, judge
 from vcage.video import search as search_module
-from vcage.video.bisection import BUDGET
 from vcage.video.choices import LOSSLESS, Choices, Criterion
 from vcage.video.codec import EncoderSettings, encode
 from vcage.video.encoders import CODECS
 from vcage.video.jod import JodMetric
-from vcage.video.search import held_out_frames, search_clip
+from vcage.video.judge import Judge
+from vcage.video.settling import search_clip
 
 MAX_CRF = CODECS["hevc"].max_crf
-CHOICES = Choices(preset="ultrafast", pixel_formats=("yuv444p10le",))
+CHOICES = Choices(effort="fast", pixel_formats=("yuv444p10le",))
 SETTINGS = CHOICES.settings("yuv444p10le")
 KEYFRAMES = [0, 5, 9]
 
@@ -30,7 +31,7 @@ def metric():
 
 
 def search(frames, metric, *, choices=CHOICES, keyframes=KEYFRAMES, threshold=0.1, guard=False, reduce="max"):
-    return search_clip(frames, keyframes, FPS, choices, Criterion(threshold, reduce, guard), metric)
+    return search_clip(Judge(frames, keyframes, FPS, Criterion(threshold, reduce, guard), metric), choices)
 
 
 @pytest.mark.slow
@@ -53,7 +54,8 @@ def test_the_video_of_a_result_is_the_one_that_was_judged(metric):
     result = search(frames, metric)
     assert result.video == encode(frames, FPS, result.settings, result.crf)
     assert result.loss_max < 0.1
-    assert next(t for t in result.trials if t.crf == result.crf).bytes == len(result.video)
+    whole = next(trial for trial in result.trials if trial.crf == result.crf and trial.frames == len(frames))
+    assert whole.bytes == len(result.video)
 
 
 def test_where_nothing_passes_the_video_is_lossless(metric):
@@ -66,7 +68,7 @@ def test_where_nothing_passes_the_video_is_lossless(metric):
 
 
 def test_h264_without_loss_is_rgb(metric):
-    result = search(clip(4), metric, keyframes=[0, 3], choices=Choices("h264", "ultrafast", upper=LOSSLESS))
+    result = search(clip(4), metric, keyframes=[0, 3], choices=Choices("h264", "fast", upper=LOSSLESS))
     assert (result.crf, result.pixel_format, result.trials[-1].pixel_format) == (None, "rgb24", "rgb24")
     assert np.array_equal(decode(result.video), clip(4))
 
@@ -81,27 +83,23 @@ def test_a_codec_without_a_lossless_form_says_what_its_colour_costs(metric):
 def test_a_bound_of_an_earlier_clip_is_tried_first_and_kept(metric):
     result = search(clip(10), metric, threshold=5.0, choices=CHOICES.fixed(SETTINGS, 7))
     assert result.crf == 7
-    assert [trial.crf for trial in result.trials] == [7]
+    assert [(trial.crf, trial.frames) for trial in result.trials] == [(7, 10)]
+
+
+def test_a_search_encodes_the_whole_clip_once_and_else_what_is_scored(metric):
+    frames = clip(40)
+    result = search(frames, metric, keyframes=[0, 13, 39])
+    *searched, whole = result.trials
+    assert {trial.frames for trial in searched} == {1 + 4 + 10}
+    assert whole.frames == 40
+    found = next(trial for trial in searched if trial.crf == result.crf)
+    assert (found.loss_max, found.loss_mean) == (whole.loss_max, whole.loss_mean)
 
 
 def test_no_crf_for_an_earlier_clip_means_lossless_at_once(metric):
     result = search(clip(4), metric, keyframes=[0, 3], choices=CHOICES.fixed(SETTINGS, -1))
     assert result.crf is None and [trial.crf for trial in result.trials] == [None]
     assert np.array_equal(decode(result.video), clip(4))
-
-
-def test_one_of_every_ten_frames_is_held_out_unless_it_was_scored():
-    assert held_out_frames(40, [16]) == [3, 29, 32]
-
-
-def test_even_a_short_clip_has_held_out_frames_that_are_no_keyframes():
-    assert held_out_frames(13, [0, 12]) == [3, 10]
-    assert held_out_frames(1, [0]) == []
-
-
-def test_held_out_frames_do_not_keep_step_with_any_gop():
-    places = held_out_frames(100, [])
-    assert sorted(place % 10 for place in places) == list(range(10))
 
 
 def flickering(frames: int = 34) -> np.ndarray:
@@ -140,15 +138,14 @@ def test_a_longer_gop_is_taken_where_it_passes_with_fewer_bytes(metric):
     assert len(free.video) < len(short.video)
 
 
-def test_of_all_pixel_formats_one_is_found_that_passes_within_the_budget(metric):
-    result = search(clip(10), metric, choices=Choices(preset="ultrafast"))
+def test_of_all_pixel_formats_that_with_the_fewest_bytes_is_taken(metric):
+    result = search(clip(10), metric, choices=Choices(effort="fast"))
     assert result.loss_max < 0.1
-    assert len(result.trials) <= BUDGET
     assert len(result.video) == min(t.bytes for t in result.trials if t.crf == result.crf and t.loss_max < 0.1)
 
 
 def test_a_pixel_format_whose_conversion_alone_loses_too_much_is_not_tried(metric):
-    choices = Choices(preset="ultrafast", pixel_formats=("yuv420p",))
+    choices = Choices(effort="fast", pixel_formats=("yuv420p",))
     stripes = np.zeros((3, 48, 64, 3), np.uint8)
     stripes[:, :, ::2, 0] = stripes[:, :, 1::2, 2] = 255
     both = replace(choices, pixel_formats=("yuv420p", "yuv444p10le"))
@@ -156,7 +153,7 @@ def test_a_pixel_format_whose_conversion_alone_loses_too_much_is_not_tried(metri
 
 
 def test_pictures_of_odd_size_go_into_full_colour(metric):
-    result = search(clip(3)[:, :47, :63], metric, keyframes=[0, 2], choices=Choices(preset="ultrafast"))
+    result = search(clip(3)[:, :47, :63], metric, keyframes=[0, 2], choices=Choices(effort="fast"))
     assert decode(result.video).shape == (3, 47, 63, 3)
 
 
@@ -173,28 +170,33 @@ def test_a_size_that_does_not_fit_the_only_format_is_refused(metric):
 # --- with losses that are made up ----------------------------------------------------------------------
 
 BEST, CHEAP = "yuv444p10le", "yuv420p10le"
-LONG = np.zeros((60, 48, 64, 3), np.uint8)
+LONG = np.arange(60, dtype=np.uint8)[:, None, None, None] * np.ones((1, 48, 64, 3), np.uint8)
+"""Frames that say which they are."""
 
 
-class Judge:
+class Losses:
     """Stands for encoder, decoder and metric: what a frame loses is a function of pixel format, CRF and the frame."""
 
     def __init__(self, patch: pytest.MonkeyPatch, loss_of):
         self.loss_of = loss_of
-        patch.setattr(search_module, "encode", self._encode)
-        patch.setattr(search_module, "decode", lambda video, indices: (video, indices))
+        self.encoded: list[tuple[str, int, int]] = []
+        patch.setattr(judge, "encode", self._encode)
+        patch.setattr(excerpt, "encode", self._encode)
+        patch.setattr(judge, "decode", lambda video, indices: (video, indices))
         patch.setattr(search_module, "only_converted", lambda pictures, _name: (None, range(len(pictures))))
 
-    def _encode(self, _frames, _fps, settings: EncoderSettings, crf: int, _threads) -> bytes:
+    def _encode(self, frames, _fps, settings: EncoderSettings, crf: int, _threads, _starts=()) -> bytes:
+        self.encoded.append((settings.pixel_format, crf, len(frames)))
         size = (1000 if settings.pixel_format == BEST else 500) - crf
-        return f"{settings.pixel_format} {crf}".encode().ljust(size)
+        places = " ".join(str(number) for number in frames[:, 0, 0, 0])
+        return f"{settings.pixel_format} {crf} {places}".encode().ljust(size)
 
     def loss(self, test, _reference) -> np.ndarray:
         video, indices = test
         if video is None:
             return np.zeros(len(indices))
-        name, crf = video.split()
-        return np.array([self.loss_of(name.decode(), int(crf), index) for index in indices])
+        name, crf, *places = video.decode().split()
+        return np.array([self.loss_of(name, int(crf), int(places[index])) for index in indices])
 
 
 def growing(crf: int) -> float:
@@ -202,33 +204,28 @@ def growing(crf: int) -> float:
     return 0.1 * np.exp(0.17 * (crf - 15.5))
 
 
-def encodings(result) -> int:
-    return len({(trial.pixel_format, trial.gop, trial.crf) for trial in result.trials})
-
-
 def test_where_held_out_frames_fail_in_a_cheaper_format_the_best_one_gets_its_turn(monkeypatch):
     def loss_of(name: str, crf: int, frame: int) -> float:
         return 1.0 if name == CHEAP and frame not in (0, 59) else growing(crf)
 
-    judge = Judge(monkeypatch, loss_of)
-    result = search(LONG, judge, keyframes=[0, 59], guard=True, choices=Choices(pixel_formats=(BEST, CHEAP)))
+    metric = Losses(monkeypatch, loss_of)
+    result = search(LONG, metric, keyframes=[0, 59], guard=True, choices=Choices(pixel_formats=(BEST, CHEAP)))
     assert (result.pixel_format, result.crf) == (BEST, 15)
     assert result.added and result.held_out is None
 
 
 @pytest.mark.parametrize("factor", [1.1, 1.5, 3.0])
-def test_the_guard_stays_within_the_budget_where_losses_grow_as_usual(monkeypatch, factor):
+def test_what_the_guard_finds_costs_one_more_whole_encoding(monkeypatch, factor):
     def loss_of(_name: str, crf: int, frame: int) -> float:
         return growing(crf) * (1 if frame in (0, 59) else factor)
 
-    judge = Judge(monkeypatch, loss_of)
-    result = search(LONG, judge, keyframes=[0, 59], guard=True, choices=Choices(gops=(10, 30)))
-    assert result.added and result.loss_max < 0.1
-    assert growing(result.crf + 2) * factor >= 0.1
-    assert encodings(result) <= BUDGET
+    metric = Losses(monkeypatch, loss_of)
+    result = search(LONG, metric, keyframes=[0, 59], guard=True, choices=Choices(pixel_formats=(BEST,)))
+    assert result.added and result.loss_max < 0.1 <= growing(result.crf + 1) * factor
+    assert sum(frames == len(LONG) for *_, frames in metric.encoded) == 2
 
 
 def test_a_fixed_crf_is_encoded_once_whatever_it_loses(metric):
     result = search(clip(10), metric, threshold=float("inf"), choices=replace(CHOICES, upper=40))
     assert (result.crf, len(result.trials)) == (40, 1)
-    assert result.settings == EncoderSettings(preset="ultrafast")
+    assert result.settings == EncoderSettings(effort="fast")

@@ -10,18 +10,20 @@ from vcage.schema.base import Document, Finite, Record, StageDocument
 
 Reduce = Literal["max", "mean"]
 SharedBy = Literal["camera", "episode"]
+Effort = Literal["fast", "default", "best"]
 Scope = Literal["camera", "episode", "fixed"]
 
 
 class Evaluation(Record):
-    """One encoding that was tried on one video."""
+    """One encoding that was tried on one video, or on the groups of pictures of it that are scored."""
 
     pixel_format: str
     gop: int
     crf: int | None = Field(description="none: without loss")
     loss_max: Finite = Field(description="largest JOD loss over the scored frames")
     loss_mean: Finite
-    bytes: int
+    frames: int = Field(description="that were encoded")
+    bytes: int = Field(description="of these")
 
 
 class HeldOutLoss(Record):
@@ -61,6 +63,19 @@ class VideoStream(Record):
         return self.crf is None
 
 
+class FindingRecord(Document):
+    """What was found in the search of one video on its scored groups of pictures, before it is encoded as a whole."""
+
+    SCHEMA: ClassVar[str] = "vcage.finding/1"
+
+    made_from: str = Field(description="hash of everything that the result depends on")
+    pixel_format: str
+    gop: int
+    crf: int | None = Field(description="the highest that passes; none: without loss")
+    loss: Finite = Field(description="largest JOD loss over the scored frames at that CRF")
+    evaluations: list[Evaluation]
+
+
 class ClipRecord(Document):
     """What was found in the search of one video, kept beside it while others are searched."""
 
@@ -76,7 +91,8 @@ class Encoding(Record):
     codec: str
     encoder: str
     encoder_version: str
-    preset: str
+    effort: Effort = Field(description="how much time the encoder took for how few bytes")
+    preset: str = Field(description="the encoder's own")
     metric: str = Field(description="name and version of what judges")
     display: str = Field(description="ColorVideoVDP display model")
     reduce: Reduce = Field(description="over the scored frames")
@@ -102,7 +118,7 @@ class CameraCompression(Record):
 class Compression(StageDocument):
     """``compress/compression.json``."""
 
-    SCHEMA: ClassVar[str] = "vcage.compression/3"
+    SCHEMA: ClassVar[str] = "vcage.compression/4"
 
     encoding: Encoding
     cameras: list[CameraCompression]

@@ -144,7 +144,7 @@ def _other_encoding(compressed: CompressionSettings, options: Options) -> Compre
         return None if crf in (None, compressed.crf) else replace(compressed, crf=crf)
     if crf is None:
         crf = _same_quality(compressed, codec)
-    return replace(compressed, codec=codec, crf=crf, preset="", pixel_format=AUTO)
+    return replace(compressed, codec=codec, crf=crf, pixel_format=AUTO)
 
 
 def _same_quality(compressed: CompressionSettings, codec: str) -> int | None:

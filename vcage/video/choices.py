@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from vcage.schema.compression import Reduce
+from vcage.schema.compression import Effort, Reduce
 from vcage.video.codec import EncoderSettings
 
 LOSSLESS = -1
@@ -46,26 +46,33 @@ class Choices:
 
     Args:
         codec: see :class:`EncoderSettings`.
-        preset: the encoder's; none takes the codec's usual one.
-        pixel_formats: none takes all that the codec has.
+        effort: of the encoder.
+        pixel_formats: none takes those that the codec's searches choose from.
         gops: the first is searched, the others are tried at the CRF that it allows.
         upper: the highest CRF to consider, :data:`LOSSLESS` for none; None takes the codec's.
     """
 
     codec: str = "hevc"
-    preset: str = ""
+    effort: Effort = "default"
     pixel_formats: tuple[str, ...] = ()
     gops: tuple[int, ...] = (10,)
     upper: int | None = None
 
     def settings(self, pixel_format: str = "", gop: int = 0) -> EncoderSettings:
         """The encoder's settings with one of the choices."""
-        return EncoderSettings(self.codec, pixel_format, self.preset, gop or self.gops[0])
+        return EncoderSettings(self.codec, pixel_format, self.effort, gop or self.gops[0])
 
     @property
     def highest(self) -> int:
         """The highest CRF to consider."""
         return self.settings().facts.max_crf if self.upper is None else self.upper
+
+    @property
+    def settled(self) -> EncoderSettings | None:
+        """The only choice, where a bound for the CRF leaves one; None where there is something to search."""
+        if self.upper is None or len(self.pixel_formats) != 1 or len(self.gops) != 1:
+            return None
+        return self.settings(self.pixel_formats[0])
 
     def fixed(self, settings: EncoderSettings, upper: int) -> Choices:
         """The same with nothing left to choose but a CRF of at most ``upper``."""

@@ -18,10 +18,12 @@ from typing import cast
 
 import av
 import numpy as np
+from av.video.frame import PictureType
 from av.video.reformatter import ColorPrimaries, ColorRange, Colorspace, ColorTrc, Interpolation
 from numpy.typing import NDArray
 
 from vcage.base.errors import UnknownName, UsageError
+from vcage.schema.compression import Effort
 from vcage.video.encoders import CODECS, Codec, kept_priority, require_encoder
 
 CONTAINER = "mp4"
@@ -53,28 +55,28 @@ class EncoderSettings:
         pixel_format: FFmpeg's name; none takes the codec's best. 10-bit 4:4:4 gives the conversion itself no loss
             (measured: 0.000 JOD, against 0.06–0.13 for ``yuv420p``, which takes up most of the usual threshold of 0.1
             or exceeds it).
-        preset: the encoder's own; none takes the codec's usual one.
+        effort: how much time it takes for how few bytes.
         gop: frames from one random-access point to the next.
 
     Raises:
-        UnknownName: there is no such codec, or it has no such pixel format or preset.
+        UnknownName: there is no such codec, or it has no such pixel format, or there is no such effort.
         UsageError: the gop is not positive.
     """
 
     codec: str = "hevc"
     pixel_format: str = ""
-    preset: str = ""
+    effort: Effort = "default"
     gop: int = 10
 
     def __post_init__(self) -> None:
         if self.codec not in CODECS:
             raise UnknownName("codec", self.codec, CODECS)
         object.__setattr__(self, "pixel_format", self.pixel_format or self.facts.pixel_formats[0])
-        object.__setattr__(self, "preset", self.preset or self.facts.preset)
-        if self.pixel_format not in self.facts.pixel_formats:
-            raise UnknownName(f"pixel format of {self.codec}", self.pixel_format, self.facts.pixel_formats)
-        if self.preset not in self.facts.presets:
-            raise UnknownName(f"preset of {self.codec}", self.preset, self.facts.presets)
+        formats = self.facts.pixel_formats + self.facts.other_formats
+        if self.pixel_format not in formats:
+            raise UnknownName(f"pixel format of {self.codec}", self.pixel_format, formats)
+        if self.effort not in self.facts.presets:
+            raise UnknownName("effort", self.effort, self.facts.presets)
         if self.gop < 1:
             raise UsageError(f"gop is {self.gop}, expected at least 1")
 
@@ -83,9 +85,19 @@ class EncoderSettings:
         """What its codec's encoder can do."""
         return CODECS[self.codec]
 
+    @property
+    def preset(self) -> str:
+        """The encoder's own."""
+        return self.facts.presets[self.effort]
+
 
 def encode(
-    frames: NDArray[np.uint8], fps: float, settings: EncoderSettings, crf: int | None, threads: int = 0
+    frames: NDArray[np.uint8],
+    fps: float,
+    settings: EncoderSettings,
+    crf: int | None,
+    threads: int = 0,
+    starts: Collection[int] = (),
 ) -> bytes:
     """Encode pictures as an MP4 file with one stream.
 
@@ -95,6 +107,7 @@ def encode(
         settings: the encoder's.
         crf: constant rate factor, of those that the codec has; None encodes RGB without any loss.
         threads: of the encoder; 0 leaves it the choice.
+        starts: frames at which a group of pictures begins, besides those that the GOP makes.
 
     Raises:
         UsageError: the size does not fit the pixel format or is too small, the CRF is out of range, or the codec has
@@ -115,11 +128,14 @@ def encode(
         stream.pix_fmt = pixel_format
         stream.codec_tag = codec.tag
         _tag_colour(stream.codec_context, rgb=is_rgb(pixel_format))
-        stream.options = {**codec.options(settings.preset, settings.gop, crf, threads)}
+        stream.options = {**codec.options(settings.effort, settings.preset, settings.gop, crf, threads)}
         with kept_priority():
             stream.codec_context.open()
         for index, picture in enumerate(frames):
-            container.mux(stream.encode(converted(picture, pixel_format, index)))
+            frame = converted(picture, pixel_format, index)
+            if index in starts:
+                frame.pict_type = PictureType.I
+            container.mux(stream.encode(frame))
         container.mux(stream.encode(None))
     return target.getvalue()
 
@@ -130,7 +146,7 @@ def formats_for(settings: EncoderSettings, width: int, height: int, names: Colle
     Args:
         settings: the encoder's; only its codec counts.
         width, height: of the pictures, pixels.
-        names: the formats to choose from; none for all of the codec.
+        names: the formats to choose from; none for those that the codec's searches choose from.
 
     Returns:
         At least one, the best first.
@@ -138,14 +154,15 @@ def formats_for(settings: EncoderSettings, width: int, height: int, names: Colle
     Raises:
         UsageError: no format can.
     """
-    fitting = [name for name in settings.facts.pixel_formats if _fits(name, width, height)]
+    codec = settings.facts
+    fitting = [name for name in codec.pixel_formats + codec.other_formats if _fits(name, width, height)]
     if not fitting or min(width, height) < SMALLEST:
         raise UsageError(
             f"pictures of {width}x{height} cannot be encoded as {settings.codec}",
             hint=f"sides are at least {SMALLEST} pixels"
             + ("" if settings.codec != "av1" else ", and even for av1: take --codec hevc, which allows odd ones"),
         )
-    chosen = [name for name in fitting if not names or name in names]
+    chosen = [name for name in fitting if name in (names or codec.pixel_formats)]
     if not chosen:
         raise UsageError(
             f"pictures of {width}x{height} do not fit the pixel format {', '.join(names)}",

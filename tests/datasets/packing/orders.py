@@ -1,4 +1,4 @@
-"""Orders that take a moment: a fixed CRF, the quickest preset, few scored frames, this process alone."""
+"""Orders that take a moment: a fixed CRF, the least effort, few scored frames, this process alone."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ FPS = 16.67
 
 
 def settings(**changes: Any) -> CompressionSettings:
-    return CompressionSettings(**{"crf": 20, "preset": "ultrafast", "keyframes": 3, **changes})
+    return CompressionSettings(**{"crf": 20, "effort": "fast", "keyframes": 3, **changes})
 
 
 def order(root: Path, out: Path, *, target: str | None = None, task: str | None = None, **changes: Any) -> Order:

@@ -1,6 +1,5 @@
 from __future__ import annotations
 
-import dataclasses
 from pathlib import Path
 
 import av
@@ -10,15 +9,17 @@ from tests.datasets.packing.orders import act_folder, add_camera, settings
 from tests.datasets.packing.searching import ALL, NONE_PASSES, Searches, episode
 from tests.runs import digests
 from vcage.base.errors import DamagedFile, MissingDependency, UnknownName
+from vcage.base.workers import ThisProcess
 from vcage.datasets.packing import clips as clip_module
 from vcage.datasets.packing.clips import Clip, perform
 from vcage.datasets.packing.dataset_search import search_data_set, workers_for
 from vcage.datasets.packing.settings import CompressionSettings
 from vcage.datasets.packing.sources import find_sources
 from vcage.schema.compression import VideoStream
+from vcage.video.choices import Choices
 from vcage.video.encoders import CODECS
 
-SEARCHED = CompressionSettings(preset="ultrafast")
+SEARCHED = CompressionSettings(effort="fast")
 
 
 @pytest.fixture
@@ -55,7 +56,7 @@ def test_each_episode_gets_its_own_crf_where_the_scope_is_the_episode(tmp_path, 
     clips = episodes(tmp_path / "in", high=[24, 19, 21])
     found = streams(clips, tmp_path / "work", CompressionSettings(scope="episode"))
     assert [stream.crf for stream in found] == [24, 19, 21]
-    assert len(searches.calls) == 3
+    assert [whole for *_, whole in searches.calls] == [True] * 3
 
 
 def test_a_crf_that_is_given_is_taken_without_rounds(tmp_path, searches):
@@ -70,17 +71,14 @@ def test_a_camera_of_which_one_episode_passes_at_no_crf_is_without_loss_in_all(t
 
 
 def test_where_none_passes_in_the_chosen_pixel_format_the_best_one_gets_its_turn(tmp_path, searches, monkeypatch):
-    other = "yuv420p"
-    monkeypatch.setattr(Searches, "_search", _choosing(other))
-    Searches(monkeypatch)
+    Preferring("yuv420p10le", monkeypatch)
     clips = episodes(tmp_path / "in", high=[(20, 22), (20, 22), (20, 22), (17, NONE_PASSES), (20, 22)])
     found = streams(clips, tmp_path / "work")
     assert {(stream.pixel_format, stream.crf) for stream in found} == {(ALL, 17)}
 
 
 def test_a_pixel_format_that_some_sizes_do_not_fit_is_not_agreed_on(tmp_path, monkeypatch):
-    monkeypatch.setattr(Searches, "_search", _choosing("yuv420p"))
-    Searches(monkeypatch)
+    Preferring("yuv420p10le", monkeypatch)
     episodes(tmp_path / "in", high=[(20, 22)] * 5)
     episode(tmp_path / "in/1.hdf5", size=17, high=21)  # not of the sample
     found = streams(clips_of(tmp_path / "in"), tmp_path / "work")
@@ -88,51 +86,72 @@ def test_a_pixel_format_that_some_sizes_do_not_fit_is_not_agreed_on(tmp_path, mo
 
 
 def test_a_codec_without_a_lossless_form_gets_the_pixel_format_that_loses_least(tmp_path, monkeypatch):
-    monkeypatch.setattr(Searches, "_search", _choosing("yuv420p"))
-    Searches(monkeypatch)
+    Preferring("yuv420p", monkeypatch)
     clips = episodes(tmp_path / "in", high=[22, 22, 22, 21])
     found = streams(clips, tmp_path / "work", CompressionSettings(codec="av1"))
     assert {(stream.pixel_format, stream.crf) for stream in found} == {("yuv420p10le", 21)}
 
 
-def _choosing(pixel_format: str):
-    """A search that prefers a pixel format where it may choose."""
-    search = Searches._search
+class Preferring(Searches):
+    """Searches that prefer a pixel format where they may choose it."""
 
-    def preferring(self, frames, keyframes, fps, choices, *rest):
-        if not choices.pixel_formats:
-            choices = dataclasses.replace(choices, pixel_formats=(pixel_format,))
-        return search(self, frames, keyframes, fps, choices, *rest)
+    def __init__(self, pixel_format: str, patch: pytest.MonkeyPatch):
+        super().__init__(patch)
+        self.pixel_format = pixel_format
 
-    return preferring
+    def preferred(self, choices: Choices) -> str:
+        return self.pixel_format if self.pixel_format in choices.pixel_formats else choices.pixel_formats[0]
 
 
 def test_the_later_episodes_are_searched_below_what_the_first_allow(tmp_path, searches):
-    clips = episodes(tmp_path / "in", high=[24, 25, 25, 25, 25, 25, 24])
+    clips = episodes(tmp_path / "in", high=[24, 25, 23, 25, 25, 22, 25])
     streams(clips, tmp_path / "work")
-    sampled, later = searches.calls[:3], searches.calls[3:]
-    assert [choices.highest for _, choices in sampled] == [CODECS["hevc"].max_crf] * 3
-    assert {choices.highest for _, choices in later} == {24}
-    assert {choices.pixel_formats for _, choices in later} == {(ALL,)}
+    bounds = [choices.highest for _, choices, whole in searches.calls if not whole]
+    assert bounds == [CODECS["hevc"].max_crf, 24, 24, 24, 23, 23, 23]
+    assert {choices.pixel_formats for _, choices, _ in searches.calls[1:]} == {(ALL,)}
+
+
+def test_each_video_is_encoded_once_as_agreed_that_with_the_least_to_spare_first(tmp_path, searches):
+    clips = episodes(tmp_path / "in", high=[24, 25, 19, 25, 20])
+    streams(clips, tmp_path / "work")
+    encoded = [(allowed, choices.highest) for allowed, choices, whole in searches.calls if whole]
+    assert encoded == [(19, 19), (24, 19), (25, 19), (25, 19), (20, 19)]
+
+
+def test_what_fails_in_the_whole_video_lowers_all_and_only_what_lies_above_is_encoded_again(tmp_path, searches):
+    clips = episodes(tmp_path / "in", high=[(24, 24, 20), 25, (25, 25, 18), 25])
+    found = streams(clips, tmp_path / "work")
+    assert {stream.crf for stream in found} == {18}
+    encoded = [choices.highest for _, choices, whole in searches.calls if whole]
+    assert encoded == [24, 20, 20, 20, 18, 18, 18]
 
 
 # --- order, progress, memory ---------------------------------------------------------------------------
 
 
-def test_videos_come_in_the_order_of_the_clips_however_they_were_finished(tmp_path, searches, monkeypatch):
+class LastFirst(ThisProcess):
+    """Finishes tasks in another order than they were submitted in."""
+
+    def results(self):
+        while self._waiting:
+            yield self._work(self._waiting.pop())
+
+
+def test_videos_and_what_was_tried_come_in_order_however_clips_were_finished(tmp_path, searches, monkeypatch):
     clips = episodes(tmp_path / "in", high=[24, 20, 22, 24], low=[9, 9, 8, 9])
-    monkeypatch.setattr(
-        "vcage.datasets.packing.dataset_search.in_processes", lambda work, tasks, _n: map(work, reversed(tasks))
-    )
-    assert list(search_data_set(clips, SEARCHED, tmp_path / "work")) == [(clip.name, clip.camera) for clip in clips]
+    found = search_data_set(clips, SEARCHED, tmp_path / "a", workers=1)
+    monkeypatch.setattr("vcage.datasets.packing.dataset_search.ThisProcess", LastFirst)
+    again = search_data_set(clips, SEARCHED, tmp_path / "b", workers=1)
+    assert list(again) == [clip.key for clip in clips]
+    assert [video.stream for video in again.values()] == [video.stream for video in found.values()]
 
 
 def test_progress_never_claims_more_clips_than_there_are(tmp_path, searches):
     clips = episodes(tmp_path / "in", high=[24, 20, 22, 18, 25])
     told: list[tuple[str, int, int]] = []
     streams(clips, tmp_path / "work", progress=lambda *step: told.append(step))
-    assert [number for _, number, _ in told][:5] == [0, 1, 2, 1, 2]
-    assert all(number < total == 5 for _, number, total in told)
+    assert [number for _, number, _ in told] == [0] * 6 + [1, 2, 3, 4]
+    assert {total for *_, total in told} == {5}
     assert told[-1][1] == 4
 
 
@@ -154,7 +173,7 @@ def test_a_single_clip_gets_all_cores_for_its_encoder(tmp_path, searches, monkey
         "vcage.datasets.packing.dataset_search.perform", lambda task: (threads.append(task.threads), perform(task))[1]
     )
     search_data_set(clips, SEARCHED, tmp_path / "work", workers=8)
-    assert threads == [16]
+    assert set(threads) == {16}
 
 
 # --- taken up again ------------------------------------------------------------------------------------
@@ -210,7 +229,7 @@ def test_what_was_made_of_another_input_or_otherwise_is_not_taken(tmp_path, sear
     if what == "the input":
         clips = episodes(tmp_path / "in", high=[12, 11])
     else:
-        chosen = CompressionSettings(preset="ultrafast", scope="episode", max_loss=0.2)
+        chosen = CompressionSettings(effort="fast", scope="episode", max_loss=0.2)
     searches.calls.clear()
     streams(clips, tmp_path / "work", chosen)
     assert searches.calls

@@ -111,7 +111,7 @@ def test_a_data_set_says_how_its_videos_were_encoded(tmp_path, source):
     info = json.loads((tmp_path / "out/meta/info.json").read_text())
     facts = info["features"]["observation.images.cam_high"]["info"]
     assert (facts["video.crf"], facts["video.g"], facts["video.codec"]) == (20, 10, "hevc")
-    assert facts["video.preset"] == "ultrafast"
+    assert facts["video.preset"] == "faster"
 
 
 @pytest.mark.parametrize(

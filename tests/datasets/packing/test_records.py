@@ -89,9 +89,10 @@ def test_the_encoding_says_what_shares_a_crf_and_whether_held_out_frames_counted
 
 
 @pytest.mark.parametrize("codec", CODECS)
-def test_the_encoding_names_the_encoder_and_its_preset(codec):
+def test_the_encoding_names_the_encoder_its_effort_and_its_preset(codec):
     encoding = record(stream(), codec=codec).encoding
-    assert (encoding.encoder, encoding.preset) == (CODECS[codec].encoder, CODECS[codec].preset)
+    assert (encoding.encoder, encoding.effort) == (CODECS[codec].encoder, "default")
+    assert encoding.preset == CODECS[codec].presets["default"]
     assert encoding.encoder_version
 
 

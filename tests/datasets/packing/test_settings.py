@@ -11,8 +11,7 @@ from vcage.video.choices import LOSSLESS
     ("changes", "named"),
     [
         ({"codec": "vp9"}, "codec 'vp9'"),
-        ({"preset": "hasty"}, "preset of hevc 'hasty'"),
-        ({"codec": "av1", "preset": "medium"}, "preset of av1"),
+        ({"effort": "hasty"}, "effort 'hasty'"),
         ({"pixel_format": "yuv999p"}, "pixel format of hevc 'yuv999p'"),
         ({"codec": "av1", "pixel_format": "yuv444p"}, "pixel format of av1"),
     ],

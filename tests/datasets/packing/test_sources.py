@@ -146,7 +146,7 @@ def test_pictures_that_are_too_small_are_refused_with_the_smallest_size(tmp_path
 
 @pytest.mark.parametrize(
     ("changes", "way_out"),
-    [({"codec": "av1", "preset": "13"}, "hevc"), ({"pixel_format": "yuv420p"}, "yuv444p10le")],
+    [({"codec": "av1", "effort": "fast"}, "hevc"), ({"pixel_format": "yuv420p"}, "yuv444p10le")],
 )
 def test_odd_sizes_that_do_not_fit_are_refused_with_what_would_fit(tmp_path, changes, way_out):
     path = filled(tmp_path / "a.hdf5", rooms()[:, :31, :47])

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from pathlib import Path
@@ -18,12 +17,17 @@ from vcage.base.pictures import jpeg
 from vcage.base.version import __version__
 from vcage.datasets.recordings.recording import Recording
 from vcage.datasets.robotwin import JPEG_QUALITY
-from vcage.schema.compression import ClipRecord, VideoStream
+from vcage.schema.compression import ClipRecord, FindingRecord, VideoStream
 from vcage.video.choices import Choices, Criterion
 from vcage.video.encoders import encoder_version
 from vcage.video.jod import JodMetric, metric_version
+from vcage.video.judge import Judge
 from vcage.video.keyframes import keyframes, picture_keyframes
-from vcage.video.search import SearchResult, search_clip
+from vcage.video.search import find_encoding
+from vcage.video.settling import SearchResult, search_clip
+
+Key = tuple[str, str]
+"""Recording and camera."""
 
 
 @dataclass(frozen=True)
@@ -43,6 +47,11 @@ class Clip:
     camera: str
     fps: float
     window: range | None = None
+
+    @property
+    def key(self) -> Key:
+        """What tells it from others."""
+        return self.name, self.camera
 
     @property
     def video(self) -> str:
@@ -82,6 +91,7 @@ class SearchTask:
         keyframes: how many frames are scored.
         folder: where the video and what is known of it are kept.
         threads: of the encoder; 0 leaves it the choice.
+        whole: whether what is found is encoded and written; else it is told only.
     """
 
     clip: Clip
@@ -91,6 +101,7 @@ class SearchTask:
     keyframes: int
     folder: Path
     threads: int = 0
+    whole: bool = True
 
     @cached_property
     def made_from(self) -> str:
@@ -114,8 +125,10 @@ class SearchTask:
 
     @property
     def record(self) -> Path:
-        """Where a :class:`ClipRecord` is kept; videos of one clip made with other choices lie beside each other."""
-        return self.folder / f"{self.clip.video.removesuffix('.mp4')}.{self.made_from[:12]}.json"
+        """Where a :class:`ClipRecord` or a :class:`FindingRecord` is kept; those of one clip made with other choices
+        lie beside each other."""
+        kind = "json" if self.whole else "found.json"
+        return self.folder / f"{self.clip.video.removesuffix('.mp4')}.{self.made_from[:12]}.{kind}"
 
     @property
     def video(self) -> Path:
@@ -123,8 +136,10 @@ class SearchTask:
         return self.record.with_suffix(".mp4")
 
 
-def known(task: SearchTask) -> VideoStream | None:
+def known(task: SearchTask) -> VideoStream | FindingRecord | None:
     """What an earlier call of :func:`perform` found, or None."""
+    if not task.whole:
+        return Keeper(task.record, FindingRecord, task.made_from).kept()
     record = Keeper(task.record, ClipRecord, task.made_from).kept()
     return None if record is None else record.stream
 
@@ -132,32 +147,52 @@ def known(task: SearchTask) -> VideoStream | None:
 def is_finished(task: SearchTask) -> bool:
     """Whether the video is there, as :func:`perform` left it."""
     stream = known(task)
-    return stream is not None and task.video.is_file() and task.video.stat().st_size == stream.bytes
+    return isinstance(stream, VideoStream) and task.video.is_file() and task.video.stat().st_size == stream.bytes
 
 
-def perform(task: SearchTask) -> tuple[Clip, VideoStream]:
-    """Search one clip, and write its video and then its record; does nothing where both are there.
+Done = tuple[Key, VideoStream | FindingRecord]
+"""A clip, and its video or what was found for it."""
+
+
+def perform(task: SearchTask) -> Done:
+    """Search one clip, write its video where one is asked for, and then its record; does nothing where both are there.
 
     Raises:
         DamagedFile: its pictures cannot be read; ``details`` name the recording.
-        UsageError, MissingDependency: see :func:`vcage.video.search.search_clip`.
+        UsageError, MissingDependency: see :func:`vcage.video.search.find_encoding`.
         DiskFull, OutputFolderError: it cannot be written.
     """
     done = known(task)
-    if done is not None and is_finished(task):
-        return task.clip, done
-    clip = task.clip
+    if done is not None and (isinstance(done, FindingRecord) or is_finished(task)):
+        return task.clip.key, done
+    judge = _judge(task)
+    if task.whole:
+        result = search_clip(judge, task.choices)
+        write_bytes(task.video, result.video)
+        stream = _stream(task.clip, judge, result)
+        ClipRecord(made_from=task.made_from, stream=stream).write(task.record)
+        return task.clip.key, stream
+    found = find_encoding(judge, task.choices)
+    record = FindingRecord(
+        made_from=task.made_from,
+        pixel_format=found.settings.pixel_format,
+        gop=found.settings.gop,
+        crf=found.crf,
+        loss=found.loss,
+        evaluations=found.trials,
+    )
+    record.write(task.record)
+    return task.clip.key, record
+
+
+def _judge(task: SearchTask) -> Judge:
     try:
-        frames = clip.pictures()
-        scored = clip.keyframes(frames, task.keyframes)
+        frames = task.clip.pictures()
+        scored = task.clip.keyframes(frames, task.keyframes)
     except DamagedFile as error:
-        error.details["recording"] = clip.name
+        error.details["recording"] = task.clip.name
         raise
-    result = search_clip(frames, scored, clip.fps, task.choices, task.criterion, _metric(task.display), task.threads)
-    write_bytes(task.video, result.video)
-    stream = _stream(clip, frames, scored, result)
-    ClipRecord(made_from=task.made_from, stream=stream).write(task.record)
-    return clip, stream
+    return Judge(frames, scored, task.clip.fps, task.criterion, _metric(task.display), task.threads)
 
 
 @lru_cache(maxsize=1)
@@ -166,7 +201,8 @@ def _metric(display: str) -> JodMetric:
     return JodMetric(display)
 
 
-def _stream(clip: Clip, frames: NDArray[np.uint8], scored: Sequence[int], result: SearchResult) -> VideoStream:
+def _stream(clip: Clip, judge: Judge, result: SearchResult) -> VideoStream:
+    frames = judge.frames
     return VideoStream(
         episode=clip.name,
         camera=clip.camera,
@@ -183,7 +219,7 @@ def _stream(clip: Clip, frames: NDArray[np.uint8], scored: Sequence[int], result
         loss_max=result.loss_max,
         loss_mean=result.loss_mean,
         held_out=result.held_out,
-        keyframes=list(scored),
+        keyframes=list(judge.keyframes),
         guarded=result.added,
         evaluations=result.trials,
     )

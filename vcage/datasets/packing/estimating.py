@@ -9,18 +9,22 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from vcage.base.progress import Progress, silent
 from vcage.datasets.packing.clips import Clip
 from vcage.datasets.packing.dataset_search import (
     cameras_of,
     encoder_threads,
-    sample_of,
     search_data_set,
     workers_for,
 )
 from vcage.datasets.packing.pack import Order, prepare
 from vcage.datasets.packing.settings import CompressionSettings
 from vcage.schema.compression import VideoStream
+
+SAMPLE = 3
+"""Clips of each camera that are looked at."""
 
 WINDOW = 60
 """Frames that are searched of a clip, from its middle."""
@@ -107,3 +111,13 @@ def _middle(clip: Clip) -> Clip:
     frames = clip.recording.camera(clip.camera).frames
     first = max(0, (frames - WINDOW) // 2)
     return replace(clip, window=range(first, min(frames, first + WINDOW)))
+
+
+def sample_of(clips: Sequence[Clip]) -> list[Clip]:
+    """A few clips of each camera, evenly spaced over the data set."""
+    sample = []
+    for camera in cameras_of(clips):
+        own = [clip for clip in clips if clip.camera == camera]
+        places = np.unique(np.linspace(0, len(own) - 1, SAMPLE).round().astype(int))
+        sample += [own[place] for place in places]
+    return sample

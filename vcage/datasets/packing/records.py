@@ -47,6 +47,7 @@ def _encoding(settings: CompressionSettings) -> Encoding:
         codec=settings.codec,
         encoder=CODECS[settings.codec].encoder,
         encoder_version=encoder_version(settings.codec),
+        effort=settings.effort,
         preset=settings.choices().settings().preset,
         metric=metric_version(),
         display=settings.display,

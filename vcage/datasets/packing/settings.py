@@ -9,7 +9,7 @@ from tyro.conf import arg
 
 from vcage.base.errors import UnknownName, UsageError
 from vcage.base.options import POSITIVE, UNSAID, between, choice, positive, value
-from vcage.schema.compression import Reduce, SharedBy
+from vcage.schema.compression import Effort, Reduce, SharedBy
 from vcage.video.choices import LOSSLESS, Choices, Criterion
 from vcage.video.encoders import CODECS
 from vcage.video.jod import DISPLAY
@@ -67,8 +67,8 @@ class CompressionSettings:
     """this CRF instead of a search; or 'lossless'"""
     codec: Annotated[str, choice(tuple(CODECS))] = "hevc"
     """video codec"""
-    preset: Annotated[str, arg(metavar="NAME"), UNSAID] = ""
-    """the encoder's (default: the codec's usual one)"""
+    effort: Effort = "default"
+    """of the encoder: best takes about a tenth fewer bytes in 2.5 times its time, fast a fifth more in two thirds"""
     pixel_format: Annotated[str, arg(metavar="NAME")] = AUTO
     """FFmpeg's name; auto tries those of the codec"""
     gop: Annotated[int | str, value(_gop, "N"), arg(help=GOP_HELP)] = 10
@@ -102,9 +102,9 @@ class CompressionSettings:
         """What the search may choose from."""
         gops = GOPS if self.gop == AUTO else (int(self.gop),)
         if self.crf is None:
-            return Choices(self.codec, self.preset, self.pixel_formats, gops)
+            return Choices(self.codec, self.effort, self.pixel_formats, gops)
         formats = self.pixel_formats or CODECS[self.codec].pixel_formats[:1]
-        return Choices(self.codec, self.preset, formats, gops[:1], upper=self.crf)
+        return Choices(self.codec, self.effort, formats, gops[:1], upper=self.crf)
 
     def criterion(self) -> Criterion:
         """When a video passes; a given CRF always does."""

@@ -21,8 +21,7 @@ from vcage.datasets.lerobot.formats import open_writer
 from vcage.datasets.lerobot.repack import repack
 from vcage.datasets.lerobot.statistics import picture_histogram
 from vcage.datasets.packed import write_packed
-from vcage.datasets.packing.clips import EncodedVideo
-from vcage.datasets.packing.dataset_search import Key
+from vcage.datasets.packing.clips import EncodedVideo, Key
 from vcage.datasets.packing.output import OutputSpec, keeps_version
 from vcage.datasets.packing.sources import SourceRecording
 from vcage.datasets.picture_links import Stream, find_links

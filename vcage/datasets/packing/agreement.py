@@ -1,0 +1,149 @@
+"""What all episodes of a camera agree on: pixel format, GOP and CRF, in as few encodings as that takes.
+
+The first episode chooses, on the groups of pictures that are scored. The others are tried with that at its CRF, in
+batches that grow, each below what those before it allow. Then the episode that allowed least is encoded as a whole, for
+it is the likeliest to fail where its other frames are looked at; and once it passes, all others. The steps do not
+depend on the number of processes, so neither does the result.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+from vcage.schema.compression import FindingRecord, VideoStream
+from vcage.video.choices import LOSSLESS, Choices
+
+BATCH_GROWTH = 4
+"""Episodes that have been searched after a batch, for each before it: more keep more processes busy, fewer tell the
+next batch sooner what need not be tried."""
+
+
+@dataclass(frozen=True)
+class Bound:
+    """What a camera's episodes agree on so far.
+
+    Args:
+        pixel_format, gop: of all.
+        crf: the highest that is still possible; :data:`LOSSLESS` when none is.
+    """
+
+    pixel_format: str
+    gop: int
+    crf: int
+
+    def kept_by(self, stream: VideoStream) -> bool:
+        """Whether a stream is already encoded so."""
+        if self.crf == LOSSLESS:
+            return stream.lossless
+        return (stream.pixel_format, stream.gop, stream.crf) == (self.pixel_format, self.gop, self.crf)
+
+
+@dataclass(frozen=True)
+class Step:
+    """The next work on some episodes.
+
+    Args:
+        episodes: their names.
+        choices: what their searches may choose from.
+        whole: whether their videos are encoded.
+    """
+
+    episodes: Sequence[str]
+    choices: Choices
+    whole: bool
+
+
+@dataclass
+class Agreement:
+    """One camera's episodes on the way to their agreement.
+
+    Args:
+        episodes: their names; at least one.
+        choices: what the first may choose from: of pixel formats those that all episodes can have, the best first.
+    """
+
+    episodes: Sequence[str]
+    choices: Choices
+    bound: Bound | None = None
+    _findings: dict[str, FindingRecord] = field(default_factory=dict)
+    _streams: dict[str, VideoStream] = field(default_factory=dict)
+
+    def next_step(self) -> Step | None:
+        """What is to be done next; None when all are encoded as agreed."""
+        bound = self.bound
+        if bound is None:
+            return Step(self.episodes[:1], self.choices, whole=False)
+        searched = len(self._findings)
+        if searched < len(self.episodes) and bound.crf != LOSSLESS:
+            return Step(self.episodes[searched : BATCH_GROWTH * searched], self._below(bound), whole=False)
+        waiting = [name for name in self.episodes if not self._kept(name, bound)]
+        if len(waiting) == len(self.episodes) and bound.crf != LOSSLESS:
+            waiting = [min(self.episodes, key=self._slack)]
+        return Step(waiting, self._below(bound), whole=True) if waiting else None
+
+    def take(self, found: Mapping[str, VideoStream | FindingRecord]) -> None:
+        """Go on from what a step found.
+
+        Args:
+            found: episode → its video, or what was found for it.
+        """
+        for name, one in found.items():
+            if isinstance(one, VideoStream):
+                self._streams[name] = one
+            else:
+                self._findings[name] = one
+        bound, first = self.bound, next(iter(found.values()))
+        if any(one.crf is None for one in found.values()):
+            self._none_passes(bound or Bound(first.pixel_format, first.gop, LOSSLESS))
+            return
+        lowest = min(one.crf for one in found.values() if one.crf is not None)
+        if bound is None:
+            self.bound = Bound(first.pixel_format, first.gop, lowest)
+        else:
+            self.bound = replace(bound, crf=min(bound.crf, lowest))
+
+    def _none_passes(self, bound: Bound) -> None:
+        """Where an episode passes at no CRF, the best pixel format gets its turn, and after it what has no loss."""
+        best = self.choices.pixel_formats[0]
+        if bound.crf == LOSSLESS or bound.pixel_format == best:
+            self.bound = replace(bound, crf=LOSSLESS)
+            return
+        self.bound, self.choices = None, replace(self.choices, pixel_formats=(best,), gops=(bound.gop,))
+        self._findings.clear()
+
+    def _below(self, bound: Bound) -> Choices:
+        settings = self.choices.settings(gop=bound.gop)
+        if bound.crf != LOSSLESS:
+            settings = self.choices.settings(bound.pixel_format, bound.gop)
+        return self.choices.fixed(settings, bound.crf)
+
+    def _kept(self, name: str, bound: Bound) -> bool:
+        return name in self._streams and bound.kept_by(self._streams[name])
+
+    def _slack(self, name: str) -> tuple[int, float]:
+        """The lower, the likelier an episode fails when it is encoded as a whole."""
+        found = self._findings[name]
+        return (LOSSLESS if found.crf is None else found.crf), -found.loss
+
+
+@dataclass
+class Apart:
+    """One camera's episodes that need not agree: each is searched for itself, or all have a CRF that was given.
+
+    Args:
+        episodes: their names.
+        choices: what each may choose from.
+    """
+
+    episodes: Sequence[str]
+    choices: Choices
+    _done: bool = False
+
+    def next_step(self) -> Step | None:
+        """All at once, and then nothing."""
+        return None if self._done else Step(self.episodes, self.choices, whole=True)
+
+    def take(self, _found: Mapping[str, VideoStream | FindingRecord]) -> None:
+        """Nothing depends on what was found."""
+        self._done = True

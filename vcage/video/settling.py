@@ -1,0 +1,172 @@
+"""What was found on some frames of a clip, held against the whole of it: encoded once, and again only where it fails.
+
+In the whole video frames are looked at that no search has seen (the guard). Those that fail are scored from then on: a
+lower CRF is sought at which what failed passes, on no more than that takes, and the whole is encoded with it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vcage.schema.compression import Evaluation, HeldOutLoss
+from vcage.video.bisection import steps_to
+from vcage.video.choices import Choices
+from vcage.video.codec import EncoderSettings
+from vcage.video.judge import Judge
+from vcage.video.search import Finding, find_encoding, require_lossless
+
+HELD_OUT_EVERY = 10
+
+WANDER = 3
+"""Step of the held-out frame's place from each ten frames to the next; it visits all ten places."""
+
+
+@dataclass(frozen=True)
+class SearchResult:
+    """What a search found.
+
+    Args:
+        settings: the encoder's.
+        crf: the highest CRF that passes; None when not even the best quality does.
+        video: the MP4 file at that CRF; of a lossless encoding when there is none.
+        loss_max, loss_mean: of ``video`` over the scored frames, JOD.
+        added: frames that the guard added to the keyframes.
+        held_out: of ``video``; None when no held-out frame is left.
+        trials: all that was tried, in order.
+    """
+
+    settings: EncoderSettings
+    crf: int | None
+    video: bytes
+    loss_max: float
+    loss_mean: float
+    added: list[int]
+    held_out: HeldOutLoss | None
+    trials: list[Evaluation]
+
+    @property
+    def pixel_format(self) -> str:
+        """Of ``video``; the lossless form has its own."""
+        return self.settings.facts.lossless_format if self.crf is None else self.settings.pixel_format
+
+
+def search_clip(judge: Judge, choices: Choices) -> SearchResult:
+    """Find the encoding of one clip with the fewest bytes that passes, and encode it.
+
+    Choices that leave nothing open but a CRF below a bound are encoded at the bound at once.
+
+    Raises:
+        UsageError, MissingDependency: see :func:`vcage.video.search.find_encoding`.
+    """
+    settled = choices.settled
+    if settled is None:
+        return _Settling(judge, find_encoding(judge, choices)).run()
+    crf = choices.highest if choices.highest >= settled.facts.min_crf else None
+    return _Settling(judge, Finding(settled, crf, 0.0, settled, judge.trials)).run()
+
+
+@dataclass
+class _Settling:
+    judge: Judge
+    found: Finding
+    added: list[int] = field(default_factory=list)
+
+    def run(self) -> SearchResult:
+        settings, crf = self.found.settings, self.found.crf
+        while crf is not None:
+            look = _Look.at(self.judge, settings, crf, self._scored())
+            if not look.failing:
+                return self._result(settings, crf, look.scored, look.held_out)
+            self.added = sorted({*self.added, *look.failing} - set(self.judge.keyframes))
+            lower = self._passing(settings, look.failing, crf - 1, crf + self._steps(look.failing))
+            if lower is None and settings != self.found.best:
+                settings = self.found.best
+                lower = self._passing(settings, look.failing, self.found.crf or 0, self.found.crf or 0)
+            crf = lower
+        return self._lossless()
+
+    def _scored(self) -> list[int]:
+        return sorted({*self.judge.keyframes, *self.added})
+
+    def _steps(self, failing: dict[int, float]) -> int:
+        """How much lower the CRF must be for what failed, if it loses as usual."""
+        worst = self.judge.criterion.loss(np.array(list(failing.values())))
+        return math.floor(steps_to(self.judge.criterion.threshold, worst))
+
+    def _passing(self, settings: EncoderSettings, failing: Collection[int], upper: int, first: int) -> int | None:
+        """The highest CRF at which what failed passes: the frames themselves, or all where their mean counts."""
+        scored = sorted(failing) if self.judge.criterion.reduce == "max" else self._scored()
+        return self.judge.highest(settings, scored, upper, first)
+
+    def _lossless(self) -> SearchResult:
+        settings = self.found.settings
+        require_lossless(self.judge, settings)
+        unseen = held_out_frames(len(self.judge.frames), self._scored())
+        held_out = HeldOutLoss(worst=0.0, mean=0.0, frame=unseen[0], count=len(unseen)) if unseen else None
+        return self._result(settings, None, np.zeros(1), held_out)
+
+    def _result(
+        self, settings: EncoderSettings, crf: int | None, losses: NDArray[np.float64], held_out: HeldOutLoss | None
+    ) -> SearchResult:
+        video = self.judge.whole(settings, crf)
+        if crf is None:
+            self.judge.note(settings, None, losses, video, len(self.judge.frames))
+        largest, mean = float(losses.max()), round(float(losses.mean()), 5)
+        return SearchResult(settings, crf, video, largest, mean, self.added, held_out, self.judge.trials)
+
+
+@dataclass(frozen=True)
+class _Look:
+    """What a whole video loses.
+
+    Args:
+        scored: (N,) in the scored frames, JOD.
+        held_out: in those that no search has seen; None where there is none.
+        failing: frames to blame where it does not pass, and their losses.
+    """
+
+    scored: NDArray[np.float64]
+    held_out: HeldOutLoss | None
+    failing: dict[int, float]
+
+    @classmethod
+    def at(cls, judge: Judge, settings: EncoderSettings, crf: int, scored: Sequence[int]) -> _Look:
+        """Encode a clip as a whole and look at it."""
+        unseen = held_out_frames(len(judge.frames), scored)
+        video = judge.whole(settings, crf)
+        frames = sorted({*scored, *unseen})
+        losses = dict(zip(frames, judge.losses(video, frames).tolist(), strict=True))
+        seen = np.array([losses[frame] for frame in scored])
+        judge.note(settings, crf, seen, video, len(judge.frames))
+        blamed = judge.criterion.failing(scored, seen)
+        held_out = None
+        if unseen:
+            others = np.array([losses[frame] for frame in unseen])
+            worst = int(others.argmax())
+            mean = round(float(others.mean()), 5)
+            held_out = HeldOutLoss(worst=float(others[worst]), mean=mean, frame=unseen[worst], count=len(unseen))
+            if judge.criterion.guard:
+                blamed += judge.criterion.failing(unseen, others)
+        return cls(seen, held_out, {frame: losses[frame] for frame in blamed})
+
+
+def held_out_frames(count: int, scored: Sequence[int], wander: int = WANDER) -> list[int]:
+    """One of every ten of ``count`` frames, and of the rest at the end, but for those in ``scored``.
+
+    Not every tenth: where the GOP is ten frames long, all of them might be intra-coded, which are better than the rest.
+    Nor the very first, which is a keyframe in every clip.
+
+    Args:
+        count: how many frames there are.
+        scored: those that are judged anyway.
+        wander: step of the place from each ten frames to the next.
+    """
+    starts = range(0, count, HELD_OUT_EVERY)
+    lengths = (min(HELD_OUT_EVERY, count - start) for start in starts)
+    places = {start + wander * (n + 1) % length for n, (start, length) in enumerate(zip(starts, lengths, strict=True))}
+    return sorted(places - set(scored))
