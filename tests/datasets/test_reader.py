@@ -1,11 +1,13 @@
 from __future__ import annotations
 
+import shutil
+
 import numpy as np
 import pytest
 
 from tests.datasets.packed_files import pack
 from tests.recordings import CAMERAS, written
-from vcage.base.errors import DamagedFile, InputFileError
+from vcage.base.errors import DamagedFile
 from vcage.datasets.reader import EpisodeReader
 
 
@@ -17,10 +19,19 @@ def packed(tmp_path_factory):
     return source, pack(source, folder / "small/episode.hdf5")
 
 
-def test_an_episode_whose_pictures_lie_in_videos_says_so_and_how_to_put_them_back(packed):
-    with EpisodeReader(packed[1]) as reader, pytest.raises(InputFileError, match="is compressed") as refused:
-        reader.images("cam_high")
-    assert f"vcage decompress {packed[1]}" in refused.value.hint
+def test_pictures_that_lie_in_a_video_are_read_from_it(packed):
+    with EpisodeReader(packed[1]) as reader:
+        images = reader.images(reader.cameras[0])
+        every = np.stack(list(images))
+        assert every.shape == images.shape
+        assert np.array_equal(images[1:4], every[1:4])
+        assert np.array_equal(images[2], every[2])
+
+
+def test_a_video_that_is_gone_is_named(packed, tmp_path):
+    alone = shutil.copyfile(packed[1], tmp_path / "alone.hdf5")
+    with EpisodeReader(alone) as reader, pytest.raises(DamagedFile, match="which is not there"):
+        reader.images(reader.cameras[0])
 
 
 def test_everything_else_of_it_is_read_as_ever(packed):

@@ -31,8 +31,9 @@ QUICK = {"effort": "fast", "pixel_format": "yuv444p10le"}
 
 
 def options_with(**changes: Any) -> compress.Options:
-    """One process, which need not import everything again, and what is asked for of the compression."""
-    return compress.Options(seed=7, workers=1, compression=CompressionSettings(**{**QUICK, **changes}))
+    """One process, which need not import everything again, what is asked for of the compression, and raw pictures to
+    compare with."""
+    return compress.Options(seed=7, workers=1, keep_raw=True, compression=CompressionSettings(**{**QUICK, **changes}))
 
 
 OPTIONS = options_with()

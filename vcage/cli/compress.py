@@ -112,6 +112,8 @@ class Compress(Command):
         if not self.dry_run:
             return done
         clips, _ = compress.clips_of(RunFolder(run))
+        if not clips:  # all were compressed before
+            return done
         with progress("estimate") as show:
             told = estimate_clips(clips, self.stage.compression, workers=self.stage.workers, progress=show)
         return replace(done, summary={**done.summary, **told})

@@ -14,10 +14,11 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from vcage.base.errors import DamagedFile, InputFileError, MissingStage, SchemaMismatch, UnknownName
+from vcage.base.errors import DamagedFile, MissingStage, SchemaMismatch, UnknownName
+from vcage.base.videos import decode, pictures
 from vcage.datasets.episode import CameraTrack, EpisodeData, Segment
 from vcage.datasets.hdf5 import SCHEMA, SEGMENT_NUMBERS
-from vcage.datasets.picture_links import read_link
+from vcage.datasets.picture_links import Link, read_link
 from vcage.schema.episodes import Truth, Verdict
 
 
@@ -33,7 +34,7 @@ def _damage(path: Path) -> Iterator[None]:
 
 
 class Pictures:
-    """The pictures of one camera, read when indexed: an int, a slice or a list of increasing indices."""
+    """The pictures of one camera, read when indexed (an int, a slice or a list of increasing indices) or in order."""
 
     def __init__(self, path: Path, dataset: h5py.Dataset):
         self._path = path
@@ -43,6 +44,10 @@ class Pictures:
     def __len__(self) -> int:
         return self.shape[0]
 
+    def __iter__(self) -> Iterator[NDArray[np.uint8]]:
+        """One (H, W, 3) after the other."""
+        return (self[index] for index in range(len(self)))
+
     def __getitem__(self, index: int | slice | Sequence[int]) -> NDArray[np.uint8]:
         """(H, W, 3) or (N, H, W, 3) uint8 RGB.
 
@@ -51,6 +56,22 @@ class Pictures:
         """
         with _damage(self._path):
             return self._dataset[index]
+
+
+class PicturesInVideo(Pictures):
+    """The same of an episode that was compressed: they come from the video beside its file."""
+
+    def __init__(self, path: Path, link: Link):
+        self._video = link.whole_video(path)
+        self.shape = (link.stream.frames, link.stream.height, link.stream.width, 3)
+
+    def __iter__(self) -> Iterator[NDArray[np.uint8]]:
+        return pictures(self._video)
+
+    def __getitem__(self, index: int | slice | Sequence[int]) -> NDArray[np.uint8]:
+        if isinstance(index, int):
+            return decode(self._video, [range(len(self))[index]])[0]
+        return decode(self._video, range(len(self))[index] if isinstance(index, slice) else list(index))
 
 
 class EpisodeReader:
@@ -126,18 +147,14 @@ class EpisodeReader:
 
         Raises:
             UnknownName: the episode has no such camera.
-            InputFileError: its pictures lie in videos beside the file (:mod:`vcage.datasets.packed`).
+            DamagedFile: they lie in a video beside the file, which is missing or damaged.
         """
         if camera not in self.cameras:
             raise UnknownName("camera", camera, self.cameras)
         with _damage(self.path):
             dataset = self._file["observations/images"][camera]
-            if read_link(dataset) is not None:
-                raise InputFileError(
-                    f"{self.path} is compressed: the pictures of {camera} lie in a video beside it",
-                    hint=f"put them back first: vcage decompress {self.path} --out DIR",
-                )
-            return Pictures(self.path, dataset)
+            link = read_link(dataset)
+        return Pictures(self.path, dataset) if link is None else PicturesInVideo(self.path, link)
 
     def _camera(self, name: str) -> CameraTrack:
         dataset = self._file["observations/images"][name]

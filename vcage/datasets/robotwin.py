@@ -105,6 +105,6 @@ def _write_pictures(group: h5py.Group, pictures: Pictures, folder: Path) -> None
 
 
 def _swapped_jpegs(pictures: Pictures) -> Iterator[bytes]:
-    for index in range(len(pictures)):
+    for picture in pictures:
         # OpenCV takes BGR; given RGB it swaps red and blue, as RoboTwin does
-        yield cv2.imencode(".jpg", pictures[index], [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY])[1].tobytes()
+        yield cv2.imencode(".jpg", picture, [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY])[1].tobytes()

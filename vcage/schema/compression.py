@@ -126,6 +126,10 @@ class Compression(StageDocument):
     notes: dict[str, list[str]] = Field(
         default_factory=dict, description="recording → what a user must know about how it was read"
     )
+    packed: dict[str, str] = Field(
+        default_factory=dict,
+        description="of a run: episode → SHA-256 of its file once it refers to its videos in place of raw pictures",
+    )
     reduction_raw: Finite = Field(description="1 − bytes / raw bytes")
     reduction_jpeg: Finite
     reduction_stored: Finite = Field(description="1 − bytes / bytes before")

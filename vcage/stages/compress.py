@@ -11,17 +11,19 @@ from tyro.conf import OmitArgPrefixes, arg
 
 from vcage.base.errors import MissingStage
 from vcage.base.files import RunFolder
-from vcage.base.options import POSITIVE, UNSAID
+from vcage.base.options import POSITIVE, UNSAID, Flag
 from vcage.base.progress import Progress, silent
+from vcage.datasets.packing.agreement import agreed_by
 from vcage.datasets.packing.clips import Clip
 from vcage.datasets.packing.dataset_search import search_data_set
 from vcage.datasets.packing.records import compression_record
 from vcage.datasets.packing.settings import CompressionSettings
 from vcage.datasets.recordings.opening import open_hdf5
 from vcage.schema.base import Provenance
-from vcage.schema.compression import Compression
+from vcage.schema.compression import Compression, VideoStream
 from vcage.schema.episodes import Episode, Episodes
 from vcage.stages.context import StageContext
+from vcage.stages.raw_pictures import holds_links, originals, packed_hash, refer_to_videos, require_raw
 from vcage.stages.stage import Job, StageOptions, StageResult, stage_seed
 
 WORKING = "compress.working"
@@ -45,6 +47,8 @@ class Options(StageOptions):
     """how videos are encoded and judged"""
     workers: Annotated[int | None, POSITIVE, UNSAID] = None
     """processes that compress (default: as many as cores and memory allow)"""
+    keep_raw: Flag = False
+    """leave raw pictures in the episodes' files, which else refer to the videos once these are verified"""
 
 
 def job(run: RunFolder, options: Options, _context: StageContext) -> Job:
@@ -55,6 +59,7 @@ def job(run: RunFolder, options: Options, _context: StageContext) -> Job:
         inputs=[run.episodes, *(run.root / str(e.file) for e in accepted_episodes(run))],
         seed=stage_seed(run, options.seed),
         options=options.compression.options(),
+        stand_for=originals(run),
     )
 
 
@@ -76,32 +81,51 @@ def execute(
 ) -> StageResult[Compression]:
     """Write ``compress/``: an MP4 per episode and camera, and ``compression.json``.
 
+    Unless raw pictures are to be kept, the episodes' files refer to the videos from then on, which lie beside them too.
+
     Raises:
-        MissingStage, StaleStage: see :class:`vcage.stages.stage.Job`; also when no episode was accepted.
+        MissingStage, StaleStage: see :class:`vcage.stages.stage.Job`; also when no episode was accepted, or the raw
+            pictures that it takes are gone.
         DamagedFile, SchemaMismatch: an episode cannot be read.
         MissingDependency: ColorVideoVDP or the encoder is missing.
     """
     stage = job(run, options, context)
+    working = run.root / WORKING
 
     def make(folder: Path, provenance: Provenance) -> Compression:
+        earlier = _earlier(run, options.compression)
         clips, files = clips_of(run)
         videos = search_data_set(
-            clips, options.compression, run.root / WORKING, workers=options.workers, progress=progress
+            clips,
+            options.compression,
+            working,
+            agreed=agreed_by(earlier),
+            workers=options.workers,
+            progress=progress,
         )
+        found = [(video.file, files[name], video.stream) for (name, _), video in videos.items()]
+        found += [((run.root / s.episode).with_name(Path(s.file).name), s.episode, s) for s in earlier]
         streams = []
-        for (name, _), video in videos.items():
-            stream = video.stream
-            shutil.copyfile(video.file, folder / stream.file)
-            streams.append(stream.model_copy(update={"episode": files[name], "file": stage.inside(stream.file)}))
-        return compression_record(provenance, options.compression, streams)
+        for video, episode, stream in sorted(found, key=lambda one: (one[1], one[2].camera)):
+            file = Path(stream.file).name
+            shutil.copyfile(video, folder / file)
+            streams.append(stream.model_copy(update={"episode": episode, "file": stage.inside(file)}))
+        packed = {
+            file: packed_hash(run, [s for s in streams if s.episode == file], working)
+            for file in dict.fromkeys(s.episode for s in streams)
+        }
+        return compression_record(provenance, options.compression, streams, packed=packed)
 
     result = stage.do(Compression, make, force=options.force)
-    shutil.rmtree(run.root / WORKING, ignore_errors=True)  # not before the stage is whole: a search takes long
+    if not options.keep_raw:
+        refer_to_videos(run, result.record, working)
+    shutil.rmtree(working, ignore_errors=True)  # not before the stage is whole: a search takes long
     return result
 
 
 def clips_of(run: RunFolder) -> tuple[list[Clip], dict[str, str]]:
-    """Every camera of every accepted episode, and name of the episode → its file, relative to the run folder.
+    """Every camera of every accepted episode with raw pictures, and name of the episode → its file, relative to the run
+    folder.
 
     Raises:
         MissingStage: none was accepted.
@@ -112,6 +136,24 @@ def clips_of(run: RunFolder) -> tuple[list[Clip], dict[str, str]]:
         raise MissingStage(f"{run.episodes} holds no accepted episode", hint="collect more: run collect --episodes N")
     clips = []
     for name, file in files.items():
-        recording = open_hdf5(run.root / file)
-        clips += [Clip(name, recording, camera.name, float(recording.fps or 0)) for camera in recording.cameras]
+        if not holds_links(run.root / file):
+            recording = open_hdf5(run.root / file)
+            clips += [Clip(name, recording, camera.name, float(recording.fps or 0)) for camera in recording.cameras]
     return clips, files
+
+
+def _earlier(run: RunFolder, settings: CompressionSettings) -> list[VideoStream]:
+    """The videos of episodes that have no raw pictures any more, which stay as they are while others join them.
+
+    Raises:
+        MissingStage: they would have to be made again, for there are no others, or other settings are asked for.
+    """
+    gone = {str(e.file): run.root / str(e.file) for e in accepted_episodes(run) if holds_links(run.root / str(e.file))}
+    if not gone:
+        return []
+    record = Compression.read(run.compression) if run.compression.exists() else None
+    streams = [stream for stream in record.streams if stream.episode in gone] if record else []
+    same = record is not None and record.provenance.options == settings.options()
+    if not same or {s.episode for s in streams} != gone.keys() or len(gone) == len(accepted_episodes(run)):
+        require_raw(gone.values())
+    return streams

@@ -31,6 +31,7 @@ from vcage.schema.compression import Compression
 from vcage.schema.export import Export, ExportedDataset
 from vcage.stages.compress import accepted_episodes, clips_of
 from vcage.stages.context import StageContext
+from vcage.stages.raw_pictures import originals, require_raw
 from vcage.stages.stage import Job, StageOptions, StageResult, stage_seed
 from vcage.video.choices import LOSSLESS
 from vcage.video.encoders import CODECS
@@ -83,6 +84,7 @@ def job(run: RunFolder, options: Options, _context: StageContext) -> Job:
         inputs=[run.episodes, run.compression, *episodes, *videos],
         seed=stage_seed(run, options.seed),
         options={"formats": list(options.formats), "codec": options.codec, "crf": options.crf},
+        stand_for=originals(run),
     )
 
 
@@ -121,7 +123,7 @@ def find_footage(run: RunFolder, options: Options, progress: Progress = silent) 
     """The compressed videos; where another codec or CRF is asked for, others that are made now.
 
     Raises:
-        MissingStage: nothing was compressed yet.
+        MissingStage: nothing was compressed yet; or the raw pictures that another encoding takes are gone.
         UsageError: the codec cannot stay under the loss that the compression allowed; or the compression had a CRF
             given, which tells nothing to another codec.
     """
@@ -130,6 +132,7 @@ def find_footage(run: RunFolder, options: Options, progress: Progress = silent) 
     if wanted is None:
         files = {(stream.episode, stream.camera): run.root / stream.file for stream in compression.streams}
         return Footage(files, encodings(compression.streams, compression.encoding.preset))
+    require_raw(run.root / str(episode.file) for episode in accepted_episodes(run))
     clips, names = clips_of(run)
     videos = search_data_set(clips, wanted, run.root / WORKING, workers=options.workers, progress=progress)
     streams = [video.stream for video in videos.values()]

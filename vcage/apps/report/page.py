@@ -143,7 +143,7 @@ def _preview(path: Path, fps: float) -> str | None:
         if not reader.cameras:
             return None
         tracks = [reader.images(camera) for camera in reader.cameras]
-        return _video_url((np.concatenate([t[i] for t in tracks], axis=1) for i in range(len(tracks[0]))), fps)
+        return _video_url((np.concatenate(row, axis=1) for row in zip(*tracks, strict=True)), fps)
 
 
 @cache

@@ -8,8 +8,9 @@ depend on the number of processes, so neither does the result.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import groupby
 
 from vcage.schema.compression import FindingRecord, VideoStream
 from vcage.video.choices import LOSSLESS, Choices
@@ -39,6 +40,18 @@ class Bound:
         return (stream.pixel_format, stream.gop, stream.crf) == (self.pixel_format, self.gop, self.crf)
 
 
+def agreed_by(streams: Iterable[VideoStream]) -> dict[str, Bound]:
+    """Camera → what its videos agree on; without those whose pixel formats or GOPs differ."""
+    bounds: dict[str, Bound] = {}
+    cameras = groupby(sorted(streams, key=lambda stream: stream.camera), key=lambda stream: stream.camera)
+    for camera, group in cameras:
+        own = list(group)
+        if len({(stream.pixel_format, stream.gop) for stream in own}) == 1:
+            lowest = min(LOSSLESS if stream.crf is None else stream.crf for stream in own)
+            bounds[camera] = Bound(own[0].pixel_format, own[0].gop, lowest)
+    return bounds
+
+
 @dataclass(frozen=True)
 class Step:
     """The next work on some episodes.
@@ -61,6 +74,7 @@ class Agreement:
     Args:
         episodes: their names; at least one.
         choices: what the first may choose from: of pixel formats those that all episodes can have, the best first.
+        bound: what is agreed on so far; at first, what other episodes agreed on before.
     """
 
     episodes: Sequence[str]
@@ -76,7 +90,7 @@ class Agreement:
             return Step(self.episodes[:1], self.choices, whole=False)
         searched = len(self._findings)
         if searched < len(self.episodes) and bound.crf != LOSSLESS:
-            return Step(self.episodes[searched : BATCH_GROWTH * searched], self._below(bound), whole=False)
+            return Step(self.episodes[searched : max(1, BATCH_GROWTH * searched)], self._below(bound), whole=False)
         waiting = [name for name in self.episodes if not self._kept(name, bound)]
         if len(waiting) == len(self.episodes) and bound.crf != LOSSLESS:
             waiting = [min(self.episodes, key=self._slack)]

@@ -6,13 +6,13 @@ of all cameras are taken side by side.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from vcage.base.progress import Progress, silent
 from vcage.base.workers import Processes, ThisProcess, cores
-from vcage.datasets.packing.agreement import Agreement, Apart, Step
+from vcage.datasets.packing.agreement import Agreement, Apart, Bound, Step
 from vcage.datasets.packing.clips import Clip, Done, EncodedVideo, Key, SearchTask, is_finished, known, perform
 from vcage.datasets.packing.memory import free_memory
 from vcage.datasets.packing.settings import CompressionSettings
@@ -33,6 +33,7 @@ def search_data_set(
     settings: CompressionSettings,
     folder: Path,
     *,
+    agreed: Mapping[str, Bound] | None = None,
     workers: int | None = None,
     threads: int | None = None,
     progress: Progress = silent,
@@ -43,6 +44,7 @@ def search_data_set(
         clips: every camera of every recording.
         settings: how.
         folder: for the videos and what is known of them.
+        agreed: camera → what other episodes of it, which stay as they are, agreed on before.
         workers: processes at most, no more than there are clips; None takes as many as there are cores and memory for.
         threads: of the encoder in each process; None shares the cores out.
         progress: told of each clip that was encoded; its number falls where clips must be encoded again.
@@ -58,7 +60,9 @@ def search_data_set(
     require_tools(settings)
     workers = workers_for(clips, workers)
     with Processes(perform, workers) if workers > 1 else ThisProcess(perform) as crew:
-        return _DataSetSearch(list(clips), settings, folder, threads or encoder_threads(workers), crew, progress).run()
+        return _DataSetSearch(
+            list(clips), settings, folder, threads or encoder_threads(workers), crew, progress, agreed or {}
+        ).run()
 
 
 def require_tools(settings: CompressionSettings) -> None:
@@ -102,6 +106,7 @@ class _DataSetSearch:
     threads: int
     crew: ThisProcess[SearchTask, Done] | Processes[SearchTask, Done]
     progress: Progress
+    agreed: Mapping[str, Bound]
     plans: dict[str, Agreement | Apart] = field(default_factory=dict)
     waiting: dict[str, list[SearchTask]] = field(default_factory=dict)
     found: dict[Key, VideoStream | FindingRecord] = field(default_factory=dict)
@@ -139,7 +144,7 @@ class _DataSetSearch:
         common = [name for name in fitting[0] if all(name in names for names in fitting)]
         # where nothing could be kept without loss, only the best is sure to leave no episode behind
         formats = common if choices.settings().facts.lossless_format else common[:1]
-        return Agreement(names, replace(choices, pixel_formats=tuple(formats)))
+        return Agreement(names, replace(choices, pixel_formats=tuple(formats)), self.agreed.get(camera))
 
     def _go_on(self, camera: str) -> None:
         """Begin a camera's next step of which something is left to do; what an earlier call found is not sought again.

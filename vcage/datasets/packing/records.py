@@ -20,6 +20,7 @@ def compression_record(
     settings: CompressionSettings,
     streams: Sequence[VideoStream],
     notes: Mapping[str, Sequence[str]] | None = None,
+    packed: Mapping[str, str] | None = None,
 ) -> Compression:
     """The record of streams that were all made with the same settings.
 
@@ -28,6 +29,7 @@ def compression_record(
         settings: how the streams were made.
         streams: at least one.
         notes: recording → what a user must know of it.
+        packed: of a run, see :class:`Compression`.
     """
     cameras = sorted({stream.camera for stream in streams})
     return Compression(
@@ -36,6 +38,7 @@ def compression_record(
         cameras=[_camera(name, [s for s in streams if s.camera == name]) for name in cameras],
         streams=list(streams),
         notes={name: list(texts) for name, texts in (notes or {}).items() if texts},
+        packed=dict(packed or {}),
         reduction_raw=_reduction(streams, "raw_bytes"),
         reduction_jpeg=_reduction(streams, "jpeg_bytes"),
         reduction_stored=_reduction(streams, "stored_bytes"),

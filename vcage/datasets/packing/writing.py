@@ -93,7 +93,7 @@ def _write_hdf5(compressed: Compressed, out: Path, progress: Progress) -> None:
     """The files, with links to the videos that lie there."""
     links: dict[str, list[Stream]] = {}
     for source in compressed.sources:
-        own = [_link(source.recording, video.stream) for video in compressed.by_recording[source.name].values()]
+        own = [link_to(source.recording, video.stream) for video in compressed.by_recording[source.name].values()]
         links.setdefault(source.file, []).extend(own)
     paths = {source.file: source.recording.path for source in compressed.sources}
     for number, (file, path) in enumerate(paths.items()):
@@ -113,7 +113,8 @@ def _kept_videos(path: Path, replaced: Sequence[Stream]) -> list[Path]:
     return [video for name in kept if (video := path.with_name(name)).is_file()]
 
 
-def _link(recording: Recording, stream: VideoStream) -> Stream:
+def link_to(recording: Recording, stream: VideoStream) -> Stream:
+    """What stands in a recording's file for the pictures of a camera that were compressed."""
     camera = recording.camera(stream.camera)
     return Stream(
         camera=camera.name,
