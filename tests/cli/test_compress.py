@@ -114,6 +114,7 @@ def test_a_dry_run_of_a_run_estimates_what_the_stage_would_write(capsys, tmp_pat
         (["--cameras", "cam_none"], "unknown_name", "cam_high"),
         (["--to", "lerobot-v3.0"], "usage", "--task"),
         (["--run", "runs/one"], "usage", "INPUT or --run"),
+        (["--keep-raw"], "usage", "only read"),
     ],
 )
 def test_a_wrong_option_is_refused_with_what_would_be_right_before_any_work(

@@ -39,7 +39,7 @@ def make_run(root: Path, kind: str) -> RunFolder:
         written(run.root / file, frames, seed=10 * index, **_of_its_own(index, frames))
         record.episodes[index] = record.episodes[index].model_copy(update={"frames": frames})
     record.write(run.episodes)
-    compress.execute(run, compress.Options(seed=7, compression=KINDS[kind]), StageContext())
+    compress.execute(run, compress.Options(seed=7, keep_raw=True, compression=KINDS[kind]), StageContext())
     export.execute(run, export.Options(seed=7), StageContext())
     return run
 

@@ -37,7 +37,7 @@ def exported(
         written(run.root / f"episodes/episode_{index:06d}.hdf5", 6, seed=seed + 10 * index)
     compression = CompressionSettings(**{"crf": 8, "effort": "fast", **changes})
     redone = {"seed": 7, "workers": 1, "force": True}
-    compress.execute(run, compress.Options(compression=compression, **redone), StageContext())
+    compress.execute(run, compress.Options(compression=compression, keep_raw=True, **redone), StageContext())
     crf = None if codec is None else 30
     export.execute(run, export.Options(formats=formats, codec=codec, crf=crf, **redone), StageContext())
     return run

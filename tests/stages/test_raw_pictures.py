@@ -13,7 +13,7 @@ import pytest
 
 from tests.recordings import CAMERAS, collected
 from vcage.base.errors import DamagedFile, MissingStage, StaleStage
-from vcage.base.files import RunFolder
+from vcage.base.files import RunFolder, read_json, sha256_file, write_json
 from vcage.base.videos import decode
 from vcage.datasets.packing.settings import CompressionSettings
 from vcage.datasets.reader import EpisodeReader
@@ -167,6 +167,14 @@ def test_episodes_that_join_later_leave_the_videos_of_the_first_as_they_are(coll
     assert len(both.streams) == 2 * len(CAMERAS)
     assert all(holds_links(file) for file in files_of(run))
     assert all((run.root / stream.file).stat().st_size == stream.bytes for stream in both.streams)
+
+
+def test_a_list_of_episodes_that_changed_takes_the_videos_over(run):
+    record = compressed(run)
+    write_json(run.episodes, {**read_json(run.episodes), "attempts": 9})
+    again = compressed(run, force=True)
+    assert (again.streams, again.packed) == (record.streams, record.packed)
+    assert again.provenance.inputs["episodes/episodes.json"] == sha256_file(run.episodes)
 
 
 def test_episodes_that_join_later_are_not_mixed_with_other_settings(collection, run):

@@ -51,7 +51,8 @@ class Compress(Command):
     Searches the highest CRF whose loss stays under a threshold in JOD (ColorVideoVDP), through the real loop of
     encoding and decoding, on keyframes; then looks at one in ten of the other frames.
 
-    With --run: reads episodes/ of a run; writes compress/*.mp4 and compress/compression.json.
+    With --run: reads episodes/ of a run; writes compress/*.mp4 and compress/compression.json. The episodes' files then
+    refer to the videos in place of raw pictures, which only --keep-raw keeps: without them nothing is compressed again.
     With INPUT: an HDF5 file or a folder of them (this project's, RoboTwin's, ACT's, robomimic's), a LeRobot data set,
     or a folder of pictures, which are only read. Writes a new folder: HDF5 with its videos beside it and everything
     else as it was (`vcage decompress` puts the pictures back), a LeRobot data set, or videos; and compression.json. An
@@ -64,7 +65,7 @@ class Compress(Command):
 
     examples:
       vcage compress --run runs/stationery
-      vcage compress --run runs/stationery --max-loss 0.05 --force
+      vcage compress --run runs/stationery --max-loss 0.05 --effort best --keep-raw
       vcage compress robotwin/ --inspect
       vcage compress robotwin/ --fps 16.67 --out small --dry-run
       vcage compress robotwin/ --fps 16.67 --out small
@@ -88,6 +89,8 @@ class Compress(Command):
             return self._compress_run(self.run)
         if self.input is None or self.run is not None:
             raise UsageError("give either INPUT or --run DIR", hint="see: vcage compress --help")
+        if self.stage.keep_raw:
+            raise UsageError("--keep-raw is for --run", hint="leave it out: INPUT is only read")
         if self.recordings.inspect:
             found = inspect(self.input)
             return Result(text=as_lines(found), summary=totals(found))

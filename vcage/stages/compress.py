@@ -24,7 +24,7 @@ from vcage.schema.compression import Compression, VideoStream
 from vcage.schema.episodes import Episode, Episodes
 from vcage.stages.context import StageContext
 from vcage.stages.raw_pictures import holds_links, originals, packed_hash, refer_to_videos, require_raw
-from vcage.stages.stage import Job, StageOptions, StageResult, stage_seed
+from vcage.stages.stage import Job, StageOptions, StageResult, differences, stage_seed
 
 WORKING = "compress.working"
 """Folder of the run in which videos gather; an interrupted stage goes on there."""
@@ -93,7 +93,7 @@ def execute(
     working = run.root / WORKING
 
     def make(folder: Path, provenance: Provenance) -> Compression:
-        earlier = _earlier(run, options.compression)
+        earlier = _earlier(run, provenance)
         clips, files = clips_of(run)
         videos = search_data_set(
             clips,
@@ -142,18 +142,19 @@ def clips_of(run: RunFolder) -> tuple[list[Clip], dict[str, str]]:
     return clips, files
 
 
-def _earlier(run: RunFolder, settings: CompressionSettings) -> list[VideoStream]:
+def _earlier(run: RunFolder, provenance: Provenance) -> list[VideoStream]:
     """The videos of episodes that have no raw pictures any more, which stay as they are while others join them.
 
     Raises:
-        MissingStage: they would have to be made again, for there are no others, or other settings are asked for.
+        MissingStage: they would have to be made again, for it is not other episodes that are asked for.
     """
     gone = {str(e.file): run.root / str(e.file) for e in accepted_episodes(run) if holds_links(run.root / str(e.file))}
     if not gone:
         return []
     record = Compression.read(run.compression) if run.compression.exists() else None
     streams = [stream for stream in record.streams if stream.episode in gone] if record else []
-    same = record is not None and record.provenance.options == settings.options()
-    if not same or {s.episode for s in streams} != gone.keys() or len(gone) == len(accepted_episodes(run)):
+    changed = differences(record.provenance, provenance) if record else []
+    others = changed and all(what.startswith("input ") for what in changed)
+    if not others or {stream.episode for stream in streams} != gone.keys():
         require_raw(gone.values())
     return streams

@@ -32,7 +32,11 @@ X265_EFFORTS: dict[Effort, dict[str, str | int]] = {
     "best": {"rect": 1},
 }
 """What x265 tries besides what its preset does: rectangular blocks, everywhere or where they promise something; deep
-transforms, likewise; more earlier frames than one. docs/compression.md says what each gives."""
+transforms, likewise; more earlier frames than one.
+
+Measured on three clips of 320x240 at 0.1 JOD in the worst frame, against ``default``: without the blocks a tenth more
+bytes in a sixth less time, everything tried everywhere with more frames 4 % fewer bytes in a fifth more time. What the
+efforts come to is in the README."""
 
 
 @dataclass(frozen=True)
@@ -152,7 +156,7 @@ CODECS: dict[str, Codec] = {
             name="h264",
             encoder="libx264",
             tag="avc1",
-            presets={"fast": "veryfast", "default": "medium", "best": "slower"},
+            presets={"fast": "veryfast", "default": "medium", "best": "veryslow"},
             pixel_formats=("yuv444p10le", "yuv422p10le", "yuv420p10le"),
             other_formats=("yuv444p", "yuv420p"),
             max_crf=51,

@@ -27,7 +27,7 @@ def compressed(run: RunFolder, frames: int = FRAMES) -> RunFolder:
         video.write_bytes(encode(clip(frames), FPS, EncoderSettings(), 30))
         where = {"episode": FILE, "camera": camera, "file": run.relative(video), "frames": frames}
         streams.append(VideoStream(**where, **sizes, **found, **searched))
-    how = {"codec": "hevc", "encoder": "libx265", "encoder_version": "4", "preset": "medium"}
+    how = {"codec": "hevc", "encoder": "libx265", "encoder_version": "4", "effort": "default", "preset": "medium"}
     judged = {"metric": "cvvdp", "display": "standard_fhd", "reduce": "max", "threshold": 0.1, "guard": True}
     Compression(
         provenance=Provenance(producer="compress", seed=0),
