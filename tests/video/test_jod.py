@@ -74,3 +74,11 @@ def test_the_stand_in_blur_keeps_a_constant_and_spreads_a_point():
 
 def test_no_false_torchvision_is_left_behind(metric):
     assert "torchvision" not in sys.modules or hasattr(sys.modules["torchvision"], "__file__")
+
+
+def test_losses_are_those_of_the_library_with_its_own_convolutions(metric):
+    frames = clip(4)
+    worse = frames // 16 * 16
+    jod, _ = metric._metric.predict(worse, frames, dim_order="BHWC")
+    assert torch.backends.mkldnn.set_flags()[0] == torch.backends.mkldnn.is_available()
+    assert metric.loss(worse, frames) == pytest.approx(10 - jod.numpy(), abs=2e-5)

@@ -11,6 +11,7 @@ from tests.runs import digests
 from vcage.base.errors import DamagedFile, MissingDependency, UnknownName
 from vcage.base.workers import ThisProcess
 from vcage.datasets.packing import clips as clip_module
+from vcage.datasets.packing.agreement import Bound
 from vcage.datasets.packing.clips import Clip, perform
 from vcage.datasets.packing.dataset_search import search_data_set, workers_for
 from vcage.datasets.packing.settings import CompressionSettings
@@ -90,6 +91,14 @@ def test_a_codec_without_a_lossless_form_gets_the_pixel_format_that_loses_least(
     clips = episodes(tmp_path / "in", high=[22, 22, 22, 21])
     found = streams(clips, tmp_path / "work", CompressionSettings(codec="av1"))
     assert {(stream.pixel_format, stream.crf) for stream in found} == {("yuv420p10le", 21)}
+
+
+@pytest.mark.parametrize(("allowed", "agreed"), [([24, 23, 25], 20), ([24, 18, 25], 18)])
+def test_episodes_that_join_others_are_encoded_as_these_are_or_below(tmp_path, searches, allowed, agreed):
+    before = {"high": Bound(ALL, 10, 20)}
+    clips = episodes(tmp_path / "in", high=allowed)
+    assert {stream.crf for stream in streams(clips, tmp_path / "work", agreed=before)} == {agreed}
+    assert searches.calls[0][1].highest == 20
 
 
 class Preferring(Searches):
