@@ -132,10 +132,7 @@ def encode(
         with kept_priority():
             stream.codec_context.open()
         for index, picture in enumerate(frames):
-            frame = converted(picture, pixel_format, index)
-            if index in starts:
-                frame.pict_type = PictureType.I
-            container.mux(stream.encode(frame))
+            container.mux(stream.encode(converted(picture, pixel_format, index, start=index in starts)))
         container.mux(stream.encode(None))
     return target.getvalue()
 
@@ -202,13 +199,14 @@ def _tag_colour(context: av.VideoCodecContext, *, rgb: bool) -> None:
     context.color_trc = ColorTrc.IEC61966_2_1
 
 
-def converted(picture: NDArray[np.uint8], pixel_format: str, index: int = 0) -> av.VideoFrame:
+def converted(picture: NDArray[np.uint8], pixel_format: str, index: int = 0, *, start: bool = False) -> av.VideoFrame:
     """A picture, (H, W, 3) uint8 RGB, as the encoder gets it, for the time ``index`` in frames.
 
     Args:
         picture: (H, W, 3) uint8 RGB.
         pixel_format: FFmpeg's name.
         index: the time of the picture, in frames.
+        start: whether a group of pictures begins with it, wherever the encoder would begin one.
     """
     frame = av.VideoFrame.from_ndarray(np.ascontiguousarray(picture), format="rgb24")
     if pixel_format.startswith("gbr"):
@@ -222,6 +220,8 @@ def converted(picture: NDArray[np.uint8], pixel_format: str, index: int = 0) -> 
             threads=1,
         )
     frame.pts = index
+    if start:
+        frame.pict_type = PictureType.I
     return frame
 
 
