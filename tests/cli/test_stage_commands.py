@@ -316,8 +316,8 @@ def test_a_disk_that_fills_up_while_episodes_are_written_loses_none(run, capsys,
     def full(*_: object) -> None:
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
-    monkeypatch.setattr(collect._Collection, "one", full)
-    answer = command(capsys, *arguments("collect", run)[:3], "--episodes", "2", "--fps", str(FPS))
+    monkeypatch.setattr(collect.EpisodeRunner, "one", full)
+    answer = command(capsys, *arguments("collect", run)[:3], "--episodes", "2", "--fps", str(FPS), "--workers", "1")
     assert (answer.code, answer.error["code"]) == (7, "disk_full")
     assert {k: v for k, v in digests(run.root).items() if ".collecting" not in k} == files
 
