@@ -148,30 +148,41 @@ def children(process: int) -> list[int]:
         return []
 
 
+def _with_pictures(files: dict[str, str]) -> dict[str, str]:
+    """All but the first episode, whose pictures became videos before the second was asked for."""
+    return {name: digest for name, digest in files.items() if not name.startswith(("episode_000000.", "episodes.json"))}
+
+
 @pytest.mark.slow
-def test_a_collection_whose_workers_are_killed_twenty_times_leaves_the_files_of_one_that_was_left_alone(
+def test_collections_whose_workers_are_killed_twenty_times_leave_the_files_of_one_that_was_left_alone(
     finished, more, tmp_path
 ):
-    run = copied(finished.run, tmp_path / "run", before="collect")
-    rng, killed, calls = np.random.default_rng(0), 0, 0
-    while not run.episodes.exists():
-        calls += 1
-        assert calls < KILLS, "it does not come to an end"
-        with open(tmp_path / "log", "ab") as log:
-            process = subprocess.Popen(
-                [sys.executable, "-m", "vcage.cli.main", *WITH_WORKERS, "--run", str(run)],
-                env=clean_environment(), stdout=log, stderr=log,
-            )  # fmt: skip
-            while process.poll() is None:
-                time.sleep(float(rng.uniform(0.2, 4.0)) if killed < KILLS else 0.1)
-                workers = children(process.pid)
-                if killed < KILLS and workers:
-                    os.kill(int(rng.choice(workers)), signal.SIGKILL)
-                    killed += 1
-        assert process.returncode in (0, 7), (tmp_path / "log").read_text()  # 7: a task lost all its tries
-    assert killed == KILLS, "it was over before"
-    assert digests(run.root / "episodes") == digests(more.root / "episodes")
-    assert not list(run.root.glob("episodes.*"))
+    rng, killed = np.random.default_rng(0), 0
+    while killed < KILLS:
+        run = copied(finished.run, tmp_path / f"run-{killed}", before="collect")
+        while not run.episodes.exists():  # a call gives up when one episode lost all its tries
+            killed += _killed_workers(run, rng, KILLS - killed)
+        mine, theirs = (_with_pictures(digests(one.root / "episodes")) for one in (run, more))
+        assert mine == theirs and "episode_000001.hdf5" in mine
+        assert not list(run.root.glob("episodes.*"))
+
+
+def _killed_workers(run: RunFolder, rng: np.random.Generator, most: int) -> int:
+    """Call ``vcage collect`` and kill its workers at random moments, at most so many; returns how many were."""
+    killed = 0
+    with open(run.root.with_suffix(".log"), "ab") as log:
+        process = subprocess.Popen(
+            [sys.executable, "-m", "vcage.cli.main", *WITH_WORKERS, "--run", str(run)],
+            env=clean_environment(), stdout=log, stderr=log,
+        )  # fmt: skip
+        while process.poll() is None:
+            time.sleep(float(rng.uniform(0.2, 2.5)) if killed < most else 0.1)
+            workers = children(process.pid)
+            if killed < most and workers:
+                os.kill(int(rng.choice(workers)), signal.SIGKILL)
+                killed += 1
+    assert process.returncode in (0, PartlyDone.exit_code), run.root.with_suffix(".log").read_text()
+    return killed
 
 
 def test_asking_for_fewer_changes_nothing(finished, more):
