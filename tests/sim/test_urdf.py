@@ -1,9 +1,11 @@
 from __future__ import annotations
 
+import os
 import xml.etree.ElementTree as ElementTree
 
 import trimesh
 
+from vcage.base.workers import in_processes
 from vcage.sim.robots import package_file
 from vcage.sim.urdf import physics_urdf, render_urdf
 
@@ -19,6 +21,17 @@ def test_the_copy_for_physics_has_collisions_and_no_visuals():
     root = ElementTree.parse(physics_urdf(package_file(PANDA))).getroot()
     assert root.findall(".//visual") == []
     assert len(root.findall(".//collision")) > 8
+
+
+def rendered_in(cache: str) -> list[str]:
+    os.environ["VCAGE_CACHE"] = cache
+    folder = render_urdf(package_file(PANDA), 0.1).parent
+    return sorted(path.name for path in folder.iterdir())
+
+
+def test_two_processes_that_lack_a_copy_do_not_disturb_each_other(tmp_path):
+    first, second = in_processes(rendered_in, [str(tmp_path)] * 2, 2)
+    assert first == second and "hand.glb" in first
 
 
 def test_the_copy_for_rendering_keeps_about_the_share_that_was_asked_for():

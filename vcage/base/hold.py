@@ -1,4 +1,4 @@
-"""A folder for one process alone."""
+"""A folder for one process alone: refused to others while it is worked in, or waited for while it is made."""
 
 from __future__ import annotations
 
@@ -40,3 +40,10 @@ def held(folder: Path) -> Iterator[None]:
     finally:
         path.unlink(missing_ok=True)
         lock.release()
+
+
+@contextlib.contextmanager
+def one_at_a_time(folder: Path) -> Iterator[None]:
+    """Wait while another process is in such a block about the same folder of the cache, which both would make."""
+    with FileLock(f"{folder}.lock"):
+        yield

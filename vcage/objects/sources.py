@@ -6,15 +6,13 @@ is in it. An imported object has its model beside its annotation.
 
 from __future__ import annotations
 
-import contextlib
-import fcntl
 import functools
 import hashlib
-from collections.abc import Iterator
 from pathlib import Path
 
 from vcage.base.errors import InputFileError
 from vcage.base.files import atomic_folder, cache_dir, cache_path
+from vcage.base.hold import one_at_a_time
 from vcage.objects import parametric
 from vcage.objects.model import DESCRIPTION, read_model, write_model
 from vcage.schema.asset import FETCHED, IMPORTED, Annotation, PhysicalModel, Variant
@@ -55,7 +53,8 @@ def model(annotation: Annotation, variant: Variant, folder: Path) -> PhysicalMod
             )
         return read_model(made)
     if not made.is_dir():
-        with _only_one(made):
+        cache_dir("assets")  # in which the lock lies
+        with one_at_a_time(made):
             if not made.is_dir():
                 _make(annotation, variant, folder, made)
     return read_model(made)
@@ -90,14 +89,6 @@ def _make(annotation: Annotation, variant: Variant, folder: Path, made: Path) ->
     with atomic_folder(made) as part:
         write_model(built, part)
         package.write_attribution(variant.package, part)
-
-
-@contextlib.contextmanager
-def _only_one(folder: Path) -> Iterator[None]:
-    """Keep other processes from building into the same folder."""
-    with open(cache_dir("assets") / f"{folder.name}.lock", "w") as handle:
-        fcntl.flock(handle, fcntl.LOCK_EX)
-        yield
 
 
 # --- what decides what a model looks like ------------------------------------------------------------------

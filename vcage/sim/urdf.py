@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from vcage.base.files import atomic_folder, cache_dir, sha256_file
+from vcage.base.hold import one_at_a_time
 
 RECIPE = 1
 """Raised when these functions change what they write, so that older cached copies are not used."""
@@ -33,8 +34,10 @@ def _cached(source: Path, kind: str, faces: float | None) -> Path:
     folder = cache_dir("robots") / f"{source.stem}-{kind}-{hashlib.sha256(key.encode()).hexdigest()[:16]}"
     target = folder / source.name
     if not target.is_file():
-        with atomic_folder(folder) as part:
-            (part / source.name).write_bytes(_rewritten(source, part, folder, faces))
+        with one_at_a_time(folder):
+            if not target.is_file():
+                with atomic_folder(folder) as part:
+                    (part / source.name).write_bytes(_rewritten(source, part, folder, faces))
     return target
 
 
