@@ -33,6 +33,9 @@ R = TypeVar("R")
 TRIES = 3
 """Processes that may be lost over one task before it is given up."""
 
+PATIENCE = 5.0
+"""Seconds within which a process that is dismissed ends by itself."""
+
 DONE, FAILED, SAID = range(3)
 """What a process sends: a result, an error, or a record of its log."""
 
@@ -99,6 +102,12 @@ class _Process:
     task: Any
     since: float
 
+    def dismiss(self) -> None:
+        """Let a process that has nothing to do end by itself, so that it leaves nothing behind."""
+        self.connection.close()
+        self.process.join(PATIENCE)
+        self.process.kill()
+
     def end(self) -> None:
         self.process.kill()
         self.process.join()
@@ -127,7 +136,9 @@ class Processes(Generic[T, R]):
         return self
 
     def __exit__(self, *_: object) -> None:
-        for process in [*self._busy, *self._idle]:
+        for process in self._idle:
+            process.dismiss()
+        for process in self._busy:
             process.end()
 
     def submit(self, task: T) -> None:
@@ -214,7 +225,10 @@ def _serve(work: Callable[[Any], Any], connection: Connection, level: int) -> No
     threading.Thread(target=_end_with_parent, daemon=True).start()
     logging.basicConfig(level=level, format="%(message)s", handlers=[_ToParent(connection)], force=True)
     while True:
-        task = connection.recv()
+        try:
+            task = connection.recv()
+        except EOFError:  # nothing more to do
+            return
         try:
             answer = (DONE, work(task))
         except Exception as error:  # it is raised again where the result was waited for
