@@ -5,7 +5,7 @@ Of the groups only who lies in what is used, and who could not be where it is al
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 
@@ -21,9 +21,20 @@ TOLERANCE = 1e-6
 
 
 def require_exact(
-    groups: Groups, positions: Mapping[str, Sequence[float]], workspace: np.ndarray, margin: float
+    groups: Groups,
+    positions: Mapping[str, Sequence[float]],
+    workspace: np.ndarray,
+    margin: float,
+    out_of_reach: Collection[str],
 ) -> None:
     """Check all pairs, the workspace, the contents of every container, and where objects are allowed.
+
+    Args:
+        groups: who lies in what.
+        positions: (x, y, z) of every object, by id.
+        workspace: (2, 2) what every box stays within, metres.
+        margin: between boxes, metres.
+        out_of_reach: ids of what need not be where it is allowed.
 
     Raises:
         InfeasibleScene: names what touches, sticks out, is not where it is allowed, or has no finite position.
@@ -41,7 +52,7 @@ def require_exact(
     for container in groups.innermost_first():
         _require_inside(groups, container, positions)
     for item in groups.items.values():
-        if item.allowed is not None and item.id not in groups.out_of_reach:
+        if item.allowed is not None and item.id not in out_of_reach:
             allowed = as_rectangles(item.allowed, f"where {item.id} may stand")
             _require_allowed(item, allowed, positions[item.id])
 

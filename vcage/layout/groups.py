@@ -79,8 +79,17 @@ class Groups:
             found += [(inner, way + further) for inner, further in self.carried(content)]
         return found
 
-    def table_problem(self, workspace: np.ndarray, margin: float, table: np.ndarray) -> LayoutProblem:
-        """The problem of what stands on the table; ``table`` (2, 2) is its rectangle."""
+    def table_problem(
+        self, workspace: np.ndarray, margin: float, table: np.ndarray, allowed: Sequence[np.ndarray | None]
+    ) -> LayoutProblem:
+        """The problem of what stands on the table.
+
+        Args:
+            workspace: (2, 2) what every box stays within, metres.
+            margin: between boxes, metres.
+            table: (2, 2) its rectangle.
+            allowed: where each group may stand, see :meth:`allowed`.
+        """
         roots = self.roots
         extents = np.array([self.extent(item) for item in roots])
         middles = extents.mean(axis=1)
@@ -91,7 +100,7 @@ class Groups:
             target=np.array([item.target for item in roots]) + middles,
             bounds=workspace,
             margin=margin,
-            allowed=tuple(self._allowed(item)[0] for item in roots),
+            allowed=tuple(allowed),
             extra=hand_gaps(roots, margin),
             relations=relation_terms(self.relations, spots, len(roots)),
             fixed=np.array([item.fixed for item in roots]) if any(item.fixed for item in roots) else None,
@@ -142,10 +151,11 @@ class Groups:
                 spots[item.id] = RelatedBox(k, way + body.mean(axis=0) - middle, (body[1] - body[0]) / 2)
         return spots
 
-    @property
-    def out_of_reach(self) -> list[str]:
-        """Ids of what is carried that is nowhere it is allowed where its group may stand."""
-        return [name for root in self.roots for name in self._allowed(root)[1]]
+    def allowed(self) -> tuple[list[np.ndarray | None], list[str]]:
+        """(m, 2, 2) rectangles for the middle of each group on the table, None for anywhere; and the ids of what is
+        carried that is nowhere it is allowed there."""
+        found = [self._allowed(root) for root in self.roots]
+        return [region for region, _ in found], [name for _, names in found for name in names]
 
     def _allowed(self, root: TableItem) -> tuple[np.ndarray | None, list[str]]:
         """(m, 2, 2) rectangles for the middle of a group, from which all that it carries is where it is allowed.

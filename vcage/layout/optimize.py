@@ -110,16 +110,17 @@ def optimize_layout(
     groups = Groups(items, relations)
     search = partial(_solve, options=options, rng=rng)
     repaired, released = _fill_containers(groups, search)
-    for name in groups.out_of_reach:
+    allowed, out_of_reach = groups.allowed()
+    for name in out_of_reach:
         logger.warning("%s cannot be reached where %s may stand", name, groups.root(groups.items[name]).id)
-    problem = groups.table_problem(bounds, options.margin, table.rectangle)
+    problem = groups.table_problem(bounds, options.margin, table.rectangle, allowed)
     solution, moved = search(problem, groups.roots)
     if solution.extra < 1:
         logger.warning("the table has space for %.0f %% of the room for hands", 100 * solution.extra)
     origins = solution.centres - problem.target + np.array([item.target for item in groups.roots])
     positions = groups.positions(groups.roots, origins, table.height)
-    require_exact(groups, positions, bounds, options.margin)
-    return _result(groups, positions, problem, solution, options.weights, repaired | moved, released)
+    require_exact(groups, positions, bounds, options.margin, out_of_reach)
+    return _result(groups, positions, problem, solution, options.weights, repaired | moved, released, out_of_reach)
 
 
 def _result(
@@ -130,6 +131,7 @@ def _result(
     weights: CostWeights,
     repaired: set[str],
     released: list[str],
+    out_of_reach: list[str],
 ) -> LayoutResult:
     return LayoutResult(
         positions=positions,
@@ -143,7 +145,7 @@ def _result(
         starts=solution.starts,
         repaired=sorted(repaired),
         released=released,
-        out_of_reach=groups.out_of_reach,
+        out_of_reach=out_of_reach,
         hand_room=solution.extra,
     )
 
