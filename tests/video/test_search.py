@@ -86,14 +86,14 @@ def test_a_bound_of_an_earlier_clip_is_tried_first_and_kept(metric):
     assert [(trial.crf, trial.frames) for trial in result.trials] == [(7, 10)]
 
 
-def test_a_search_encodes_the_whole_clip_once_and_else_what_is_scored(metric):
+def test_a_search_encodes_the_whole_clip_once_and_else_what_is_scored_or_decides(metric):
     frames = clip(40)
     result = search(frames, metric, keyframes=[0, 13, 39])
     *searched, whole = result.trials
-    assert {trial.frames for trial in searched} == {1 + 4 + 10}
+    assert [trial.frames for trial in searched] == [1 + 4 + 10] + [10] * (len(searched) - 1)
     assert whole.frames == 40
     found = next(trial for trial in searched if trial.crf == result.crf)
-    assert (found.loss_max, found.loss_mean) == (whole.loss_max, whole.loss_mean)
+    assert found.loss_max <= whole.loss_max < 0.1
 
 
 def test_no_crf_for_an_earlier_clip_means_lossless_at_once(metric):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -10,6 +11,11 @@ from numpy.typing import NDArray
 
 from vcage.schema.compression import Effort, Reduce
 from vcage.video.codec import EncoderSettings
+
+NEAR = 0.85
+"""Share of the worst frame's loss from which on a frame may be the worst at another CRF. Measured on nine clips between
+pairs of CRFs at most 4 apart: it leaves 6 of 19 frames, and in 2 % of the pairs the worst is not among them, but one
+that loses up to 7 % less; then the whole video tells."""
 
 LOSSLESS = -1
 """Stands for a CRF below all: none passes."""
@@ -32,6 +38,11 @@ class Criterion:
     def loss(self, losses: NDArray[np.float64]) -> float:
         """The one number of the losses of several frames."""
         return float(losses.max() if self.reduce == "max" else losses.mean())
+
+    def deciding(self, frames: Sequence[int], losses: NDArray[np.float64]) -> list[int]:
+        """The frames of which one should be the worst at other CRFs too; all where their mean counts."""
+        least = NEAR * losses.max() if self.reduce == "max" else -math.inf
+        return [frame for frame, loss in zip(frames, losses, strict=True) if loss >= least]
 
     def failing(self, frames: Sequence[int], losses: NDArray[np.float64]) -> list[int]:
         """The frames to blame where their losses together do not pass."""

@@ -6,10 +6,14 @@ loss is 10 − JOD (paper, section III-D). What a score means depends on the dis
 
 from __future__ import annotations
 
+import json
+import os
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from importlib import metadata
+from importlib.util import find_spec
+from pathlib import Path
 from types import ModuleType
 from typing import Any
 
@@ -25,6 +29,11 @@ BATCH = {"cpu": 2, "cuda": 16}
 
 DIGITS = 5
 """Decimals that are kept: finer ones differ from machine to machine."""
+
+DISPLAYS = "display_models.json"
+"""Of ColorVideoVDP, which looks for it where ``CVVDP_PATH`` says, and then among its own files."""
+
+SET_UP = "run: vcage setup cvvdp"
 
 _LOCK = threading.Lock()
 
@@ -84,25 +93,25 @@ def _import_pycvvdp() -> ModuleType:
             with torchvision_names():
                 import pycvvdp
         except ImportError as error:
-            raise MissingDependency(
-                f"ColorVideoVDP cannot be imported: {error}", hint="run: vcage setup cvvdp"
-            ) from error
+            raise MissingDependency(f"ColorVideoVDP cannot be imported: {error}", hint=SET_UP) from error
     return pycvvdp
 
 
 def require_display(name: str) -> None:
-    """Nothing, if ColorVideoVDP has a display model of that name.
+    """Nothing, if ColorVideoVDP has a display model of that name; without loading it, which takes seconds.
 
     Raises:
-        MissingDependency: pycvvdp or torch is not installed.
+        MissingDependency: pycvvdp is not installed.
         UnknownName: it has not; lists those it has.
     """
-    _import_pycvvdp()
-    from pycvvdp import utils
-
-    displays = sorted(utils.json2dict(utils.config_files.find("display_models.json", [])))
+    package = find_spec("pycvvdp")
+    if package is None or package.origin is None:
+        raise MissingDependency("ColorVideoVDP is not installed", hint=SET_UP)
+    own = Path(package.origin).parent / "vvdp_data"
+    folders = [Path(os.environ.get("CVVDP_PATH", own)), own]
+    displays = json.loads(next(f / DISPLAYS for f in folders if (f / DISPLAYS).is_file()).read_text())
     if name not in displays:
-        raise UnknownName("display", name, displays)
+        raise UnknownName("display", name, sorted(displays))
 
 
 @contextmanager

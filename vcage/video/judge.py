@@ -57,6 +57,8 @@ class Judge:
     ) -> int | None:
         """The highest CRF at which some frames pass; None where they do at none.
 
+        The first trial tells which of them decide (:meth:`Criterion.deciding`); the others look at these alone.
+
         Args:
             settings: the encoder's.
             scored: the frames, increasing.
@@ -64,14 +66,15 @@ class Judge:
             first: the first to try.
             gops: see :meth:`part`.
         """
-        part = self.part(settings, scored, gops)
-        return highest_passing(
-            lambda crf: self.tried(settings, crf, part, scored).loss(self.criterion),
-            self.criterion.threshold,
-            upper,
-            first,
-            settings.facts.min_crf,
-        )
+        deciding = list(scored)
+
+        def loss_at(crf: int) -> float:
+            nonlocal deciding
+            tried = self.tried(settings, crf, self.part(settings, deciding, gops), deciding)
+            deciding = self.criterion.deciding(deciding, tried.losses)
+            return tried.loss(self.criterion)
+
+        return highest_passing(loss_at, self.criterion.threshold, upper, first, settings.facts.min_crf)
 
     def part(self, settings: EncoderSettings, scored: Sequence[int], gops: Sequence[int] = ()) -> Excerpt:
         """What must be encoded for a score.

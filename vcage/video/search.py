@@ -65,12 +65,12 @@ def find_encoding(judge: Judge, choices: Choices) -> Finding:
         require_lossless(judge, first)
         return Finding(first, None, 0.0, first, judge.trials)
     settings = _cheapest(judge, choices, first, crf, others)
-    loss = next(t.loss_max for t in judge.trials if (t.pixel_format, t.gop, t.crf) == _key(settings, crf))
-    return Finding(settings, crf, loss, first, judge.trials)
-
-
-def _key(settings: EncoderSettings, crf: int) -> tuple[str, int, int]:
-    return settings.pixel_format, settings.gop, crf
+    tried = (
+        t
+        for t in reversed(judge.trials)
+        if (t.pixel_format, t.gop, t.crf) == (settings.pixel_format, settings.gop, crf)
+    )
+    return Finding(settings, crf, next(tried).loss_max, first, judge.trials)
 
 
 def _formats(judge: Judge, choices: Choices) -> list[str]:
@@ -102,8 +102,7 @@ def _cheapest(
     if not variants:
         return first
     part = judge.part(first, judge.keyframes, choices.gops)
-    chosen = first
-    fewest = next(t.bytes for t in judge.trials if (t.pixel_format, t.gop, t.crf) == _key(first, crf))
+    chosen, fewest = first, judge.tried(first, crf, part, judge.keyframes).bytes
     for settings in variants:
         tried = judge.tried(settings, crf, part, judge.keyframes)
         if tried.loss(judge.criterion) < judge.criterion.threshold and tried.bytes < fewest:
