@@ -86,3 +86,13 @@ def test_a_gentler_jerk_takes_longer_and_keeps_to_it():
     trajectory = time_optimal(path, HZ, gentle)
     assert len(trajectory) > len(time_optimal(path, HZ, ARM))
     assert np.abs(np.diff(trajectory.acceleration[:, 0]) * HZ).max() <= 155
+
+
+def test_a_bend_slows_the_bend_alone():
+    straight, bent = np.linspace(0.0, 3.0, 40), np.full(40, 3.0)
+    path = np.zeros((79, 7))
+    path[:, 0] = np.concatenate([straight, bent[1:]])
+    path[:, 1] = np.concatenate([np.zeros(39), straight])
+    speed = np.abs(time_optimal(path, HZ, ARM).velocity)
+    assert speed[:, 0].max() > 0.97 * ARM.speeds[0]
+    assert speed[:, 1].max() > 0.97 * ARM.speeds[1]

@@ -13,11 +13,19 @@ from toppra.constraint import DiscretizationType, LinearConstraint
 from vcage.base.errors import VcageError
 from vcage.schema.robot import Arm
 
-GRID = 0.012
+GRID = 0.006
 """Spacing of the grid on which the fastest profile is found, seconds at full speed."""
 
-GRID_SIZE = (30, 150)
+GRID_SIZE = (30, 300)
 """Fewest and most points of that grid."""
+
+BETWEEN = 4
+"""Places between two grid points at which the limits are looked at too."""
+
+ROUNDS = 2
+"""How often what passed them there is slowed, where it did, and the fastest profile found again. Measured on 12 paths of
+one episode: 16.6 s without a look between the points, 20.4 s when the whole path is slowed by the worst of them, 17.1 s
+so."""
 
 
 @dataclass(frozen=True)
@@ -94,6 +102,8 @@ class _Limits(LinearConstraint):
         self.identical = True
         self.dof = len(speed)
         self._along, self._share, self._speed, self._acceleration = along, share, speed, acceleration
+        self.used: np.ndarray | float = 1.0
+        """At each grid point, the share of that share which the profile may use."""
 
     def share(self, s: np.ndarray) -> np.ndarray:
         """(N,) of the speed limit."""
@@ -112,7 +122,7 @@ class _Limits(LinearConstraint):
     ) -> tuple[np.ndarray | None, ...]:
         """The coefficients of toppra's ``LinearConstraint``: F (a s̈ + b ṡ² + c) ≤ g, and the bounds of ṡ²."""
         # What holds at the next grid point holds on the way there.
-        share = minimum_filter1d(self.share(gridpoints), 3, mode="nearest")
+        share = minimum_filter1d(self.share(gridpoints) * self.used, 3, mode="nearest")
         speed, first, second = self.scaled(path, gridpoints, share)
         identity = np.eye(self.dof)
         fastest = np.maximum(np.abs(speed).max(axis=1), 1e-6) ** -2.0
@@ -142,16 +152,21 @@ class _Profile:
         """
         length = float(path.path_interval[1])
         s = np.linspace(0.0, length, int(np.clip(np.ceil(length / GRID), *GRID_SIZE)) + 1)
-        _, speed, _ = TOPPRA([limits], path, gridpoints=s, solver_wrapper="seidel").compute_parameterization(0, 0)
-        if speed is None or not np.all(np.isfinite(speed)):
-            raise VcageError("no profile of speed was found for a path")
-        return cls(path, s, speed)
+        used = np.ones(len(s))
+        for _ in range(ROUNDS + 1):
+            limits.used = used
+            _, speed, _ = TOPPRA([limits], path, gridpoints=s, solver_wrapper="seidel").compute_parameterization(0, 0)
+            if speed is None or not np.all(np.isfinite(speed)):
+                raise VcageError("no profile of speed was found for a path")
+            profile = cls(path, s, speed)
+            excess = np.maximum(profile.excess(limits), 1.0)
+            used = used / np.maximum(np.append(excess, 1.0), np.append(1.0, excess))
+        return profile
 
     def samples(self, hz: float, limits: _Limits) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """(T, n) positions, velocities and accelerations; slowed where limits are passed between grid points."""
-        durations = 2 * np.diff(self.s) / (self.speed[1:] + self.speed[:-1])
-        times = np.concatenate([[0.0], np.cumsum(durations)])
-        slower = max(1.0, self._excess(np.linspace(0, times[-1], 2 * int(times[-1] * hz) + 2), times, limits))
+        """(T, n) positions, velocities and accelerations; slowed by what little it is too fast somewhere."""
+        times = self._times()
+        slower = max(1.0, float(self.excess(limits).max()))
         count = max(2, int(np.ceil(slower * times[-1] * hz)))
         slower = count / hz / times[-1]
         s, ds, dds = self._at(np.arange(1, count + 1) / count * times[-1], times)
@@ -160,19 +175,25 @@ class _Profile:
         acceleration = (second * ds[:, None] ** 2 + first * dds[:, None]) / slower**2
         return self.path(s), velocity, acceleration
 
+    def excess(self, limits: _Limits) -> np.ndarray:
+        """(N − 1,) by which factor it is too fast between two grid points; at most 1 where all limits are kept."""
+        times = self._times()
+        t = times[:-1, None] + np.diff(times)[:, None] * np.linspace(0.0, 0.999, BETWEEN + 2)
+        s, ds, dds = self._at(t.ravel(), times)
+        speed, first, second = limits.scaled(self.path, s, limits.share(s))
+        strength = np.abs(second * ds[:, None] ** 2 + first * dds[:, None]).max(axis=1)
+        return np.maximum(np.abs(speed * ds[:, None]).max(axis=1), np.sqrt(strength)).reshape(t.shape).max(axis=1)
+
+    def _times(self) -> np.ndarray:
+        """(N,) when it passes the grid points."""
+        return np.concatenate([[0.0], np.cumsum(2 * np.diff(self.s) / (self.speed[1:] + self.speed[:-1]))])
+
     def _at(self, t: np.ndarray, times: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """s and its two derivatives at times."""
         change = np.diff(self.speed) / np.diff(times)
         i = np.clip(np.searchsorted(times, t, side="right") - 1, 0, len(change) - 1)
         dt = t - times[i]
         return self.s[i] + dt * (self.speed[i] + dt * change[i] / 2), self.speed[i] + dt * change[i], change[i]
-
-    def _excess(self, t: np.ndarray, times: np.ndarray, limits: _Limits) -> float:
-        """By which factor it is too fast somewhere; at most 1 where all limits are kept."""
-        s, ds, dds = self._at(t, times)
-        speed, first, second = limits.scaled(self.path, s, limits.share(s))
-        strength = np.abs(second * ds[:, None] ** 2 + first * dds[:, None]).max()
-        return float(max(np.abs(speed * ds[:, None]).max(), np.sqrt(strength)))
 
 
 def _smoothed(start: np.ndarray, samples: tuple[np.ndarray, np.ndarray, np.ndarray], window: int) -> Trajectory:
