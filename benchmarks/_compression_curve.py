@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FormatStrFormatter, LogLocator, NullFormatter
 
 from benchmarks._compression_clips import Clip
-from benchmarks._compression_formats import GOP, LEROBOT, LIMIT, THREADS
+from benchmarks._compression_formats import GOP, LEROBOT, LIMIT
 from benchmarks._compression_measures import code_hash
 from vcage.base.files import atomic_path, cache_dir, read_json, write_json
 from vcage.base.videos import decode
@@ -54,7 +54,7 @@ def _points(clip: Clip) -> list[Point]:
     for codec in CODECS:
         settings = EncoderSettings(codec, gop=GOP)
         name = f"{codec}-g{GOP}"
-        points += [point(name, crf, encode(film.frames, film.fps, settings, crf, THREADS)) for crf in CRFS[codec]]
+        points += [point(name, crf, encode(film.frames, film.fps, settings, crf)) for crf in CRFS[codec]]
     with tempfile.TemporaryDirectory() as folder:
         LEROBOT.make(film, metric, Path(folder), {})
         video = (Path(folder) / f"{LEROBOT.name}.mp4").read_bytes()

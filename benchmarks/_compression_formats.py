@@ -35,9 +35,6 @@ AHEAD = 3
 TIMED = 40
 """Frames that are encoded to time one."""
 
-THREADS = 1
-"""Of every encoder, so that times compare."""
-
 
 @dataclass(frozen=True)
 class Made:
@@ -128,7 +125,7 @@ class LeRobot:
         return Made(Video(path), ms, ms, 1, self.gop, self.crf, self.pixel_format)
 
     def _encode(self, film: Film, path: Path) -> None:
-        options = {"g": self.gop, "crf": self.crf, "preset": self.preset, "svtav1-params": f"lp={THREADS}"}
+        options = {"g": self.gop, "crf": self.crf, "preset": self.preset, "svtav1-params": "lp=1"}
         with av.open(str(path), "w") as container:
             rate = Fraction(film.fps).limit_denominator(1001)
             stream = container.add_stream("libsvtav1", rate, options={k: str(v) for k, v in options.items()})
@@ -165,7 +162,7 @@ class Searched:
         choices, limit = self._task(film, metric, before)
         criterion = Criterion(limit, guard=self._has_lossless)
         start = time.process_time()
-        result = search_clip(Judge(film.frames, film.keyframes, film.fps, criterion, metric, THREADS), choices)
+        result = search_clip(Judge(film.frames, film.keyframes, film.fps, criterion, metric), choices)
         search_ms = _ms(start, film)
         path = folder / f"{self.name}.mp4"
         path.write_bytes(result.video)
@@ -201,7 +198,7 @@ class Searched:
         reference, losses = film.frames[film.keyframes], {}
         for name in self.choices.settings().facts.pixel_formats:
             settings = self.choices.settings(name)
-            video = encode(film.frames, film.fps, settings, settings.facts.min_crf, THREADS)
+            video = encode(film.frames, film.fps, settings, settings.facts.min_crf)
             losses[name] = float(metric.loss(decode(video, film.keyframes), reference).max())
         best = min(losses, key=losses.__getitem__)
         return replace(self.choices, pixel_formats=(best,)), max(LIMIT, SLACK * losses[best])
@@ -211,7 +208,7 @@ def _encode_ms(film: Film, result: SearchResult) -> float:
     """CPU time to encode a frame once more as the search found best; a part of the clip is enough to tell."""
     part = film.frames[len(film.frames) // 3 :][:TIMED]
     start = time.process_time()
-    encode(part, film.fps, result.settings, result.crf, THREADS)
+    encode(part, film.fps, result.settings, result.crf)
     return 1000 * (time.process_time() - start) / len(part)
 
 

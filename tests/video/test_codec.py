@@ -98,12 +98,6 @@ def test_one_core_gives_the_same_bytes_as_several(video):
     assert done.stdout == video
 
 
-@pytest.mark.parametrize("codec", ["hevc", "h264"])
-def test_more_threads_give_the_same_bytes(codec):
-    frames = np.tile(clip(6), (1, 4, 4, 1))
-    assert encode(frames, FPS, EncoderSettings(codec), 12, 1) == encode(frames, FPS, EncoderSettings(codec), 12, 3)
-
-
 def test_one_frame_is_a_video_too():
     assert decode(encode(clip(1), FPS, SETTINGS, 10)).shape == (1, 48, 64, 3)
 

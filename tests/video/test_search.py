@@ -185,7 +185,7 @@ class Losses:
         patch.setattr(judge, "decode", lambda video, indices: (video, indices))
         patch.setattr(search_module, "only_converted", lambda pictures, _name: (None, range(len(pictures))))
 
-    def _encode(self, frames, _fps, settings: EncoderSettings, crf: int, _threads, _starts=()) -> bytes:
+    def _encode(self, frames, _fps, settings: EncoderSettings, crf: int, _starts=()) -> bytes:
         self.encoded.append((settings.pixel_format, crf, len(frames)))
         size = (1000 if settings.pixel_format == BEST else 500) - crf
         places = " ".join(str(number) for number in frames[:, 0, 0, 0])

@@ -151,16 +151,19 @@ class _Profile:
         """
         length = float(path.path_interval[1])
         s = np.linspace(0.0, length, int(np.clip(np.ceil(length / GRID), *GRID_SIZE)) + 1)
-        used = np.ones(len(s))
-        for _ in range(ROUNDS + 1):
-            limits.used = used
-            _, speed, _ = TOPPRA([limits], path, gridpoints=s, solver_wrapper="seidel").compute_parameterization(0, 0)
-            if speed is None or not np.all(np.isfinite(speed)):
-                raise VcageError("no profile of speed was found for a path")
-            profile = cls(path, s, speed)
+        profile = cls._on(path, s, limits)
+        for _ in range(ROUNDS):
             excess = np.maximum(profile.excess(limits), 1.0)
-            used = used / np.maximum(np.append(excess, 1.0), np.append(1.0, excess))
+            limits.used = limits.used / np.maximum(np.append(excess, 1.0), np.append(1.0, excess))
+            profile = cls._on(path, s, limits)
         return profile
+
+    @classmethod
+    def _on(cls, path: SplineInterpolator, s: np.ndarray, limits: _Limits) -> _Profile:
+        _, speed, _ = TOPPRA([limits], path, gridpoints=s, solver_wrapper="seidel").compute_parameterization(0, 0)
+        if speed is None or not np.all(np.isfinite(speed)):
+            raise VcageError("no profile of speed was found for a path")
+        return cls(path, s, speed)
 
     def samples(self, hz: float, limits: _Limits) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """(T, n) positions, velocities and accelerations; slowed by what little it is too fast somewhere."""

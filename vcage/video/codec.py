@@ -3,8 +3,8 @@
 Colour: the pictures are converted with the BT.601 matrix in limited range, and tagged so. That matrix is what readers
 assume that ignore the tag (OpenCV, swscale's default), so they and those that honour it show the same colours.
 
-The same frames and settings give the same HEVC bytes on every number of cores: x265's frame threads and look-ahead
-slices, which change its decisions, are fixed, and its info message, which names the machine, is left out.
+The same frames and settings give the same bytes on every machine: each encoder has one thread, and x265's info message,
+which names the machine, is left out. A process for each core, with a video of its own, is quicker anyway.
 """
 
 from __future__ import annotations
@@ -96,7 +96,6 @@ def encode(
     fps: float,
     settings: EncoderSettings,
     crf: int | None,
-    threads: int = 0,
     starts: Collection[int] = (),
 ) -> bytes:
     """Encode pictures as an MP4 file with one stream.
@@ -106,7 +105,6 @@ def encode(
         fps: frames per second.
         settings: the encoder's.
         crf: constant rate factor, of those that the codec has; None encodes RGB without any loss.
-        threads: of the encoder; 0 leaves it the choice.
         starts: frames at which a group of pictures begins, besides those that the GOP makes.
 
     Raises:
@@ -128,7 +126,7 @@ def encode(
         stream.pix_fmt = pixel_format
         stream.codec_tag = codec.tag
         _tag_colour(stream.codec_context, rgb=is_rgb(pixel_format))
-        stream.options = {**codec.options(settings.effort, settings.preset, settings.gop, crf, threads)}
+        stream.options = {**codec.options(settings.effort, settings.preset, settings.gop, crf)}
         with kept_priority():
             stream.codec_context.open()
         for index, picture in enumerate(frames):

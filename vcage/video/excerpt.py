@@ -32,9 +32,7 @@ class Excerpt:
     frames: tuple[int, ...]
     starts: frozenset[int]
 
-    def encoded(
-        self, pictures: NDArray[np.uint8], fps: float, settings: EncoderSettings, crf: int, threads: int = 0
-    ) -> bytes:
+    def encoded(self, pictures: NDArray[np.uint8], fps: float, settings: EncoderSettings, crf: int) -> bytes:
         """The excerpt as a video.
 
         Args:
@@ -42,9 +40,8 @@ class Excerpt:
             fps: frames per second.
             settings: the encoder's, with one of the GOPs for which the excerpt was made.
             crf: constant rate factor.
-            threads: of the encoder; 0 leaves it the choice.
         """
-        return encode(pictures[list(self.frames)], fps, settings, crf, threads, self.starts)
+        return encode(pictures[list(self.frames)], fps, settings, crf, self.starts)
 
     def places(self, frames: Sequence[int]) -> list[int]:
         """Where frames of the whole video, which the excerpt holds, lie in it."""

@@ -27,7 +27,6 @@ class Judge:
         fps: frames per second.
         criterion: when the clip passes.
         metric: gives the losses.
-        threads: of the encoder; 0 leaves it the choice.
 
     Attributes:
         trials: all that was tried, in order.
@@ -38,14 +37,13 @@ class Judge:
     fps: float
     criterion: Criterion
     metric: JodMetric
-    threads: int = 0
     trials: list[Evaluation] = field(default_factory=list)
     _wholes: dict[tuple[EncoderSettings, int | None], bytes] = field(default_factory=dict)
 
     def whole(self, settings: EncoderSettings, crf: int | None) -> bytes:
         """The whole clip as a video, encoded once; a CRF of None is without loss."""
         if (settings, crf) not in self._wholes:
-            self._wholes[settings, crf] = encode(self.frames, self.fps, settings, crf, self.threads)
+            self._wholes[settings, crf] = encode(self.frames, self.fps, settings, crf)
         return self._wholes[settings, crf]
 
     def losses(self, video: bytes, frames: Sequence[int]) -> NDArray[np.float64]:
@@ -98,7 +96,7 @@ class Judge:
         if len(part.frames) == len(self.frames):
             video, places = self.whole(settings, crf), list(scored)
         else:
-            video, places = part.encoded(self.frames, self.fps, settings, crf, self.threads), part.places(scored)
+            video, places = part.encoded(self.frames, self.fps, settings, crf), part.places(scored)
         losses = self.metric.loss(decode(video, places), self.frames[list(scored)])
         self.note(settings, crf, losses, video, len(part.frames))
         return Tried(losses, len(video))

@@ -121,8 +121,11 @@ def gripper_midpoints(commands: NDArray[np.float64]) -> list[int]:
 
 def motion_peaks(speed: NDArray[np.float64]) -> list[int]:
     """Local maxima of (T − 1,) ‖a(t) − a(t−1)‖₂ as frames t, fastest first; of a plateau its middle."""
-    from scipy.signal import find_peaks  # imported late: it takes as long as all that a worker needs beside it
-
     # zeros around it make a peak of motion that begins at once or lasts to the end
-    peaks, _ = find_peaks(np.concatenate([[0.0], speed, [0.0]]))
+    padded = np.concatenate([[0.0], speed, [0.0]])
+    starts = np.concatenate([[0], np.flatnonzero(np.diff(padded)) + 1])
+    ends = np.append(starts[1:], len(padded))
+    height = padded[starts]
+    higher = np.flatnonzero((height[1:-1] > height[:-2]) & (height[1:-1] > height[2:])) + 1
+    peaks = (starts[higher] + ends[higher] - 1) // 2
     return [int(peak) for peak in sorted(peaks, key=lambda peak: (-speed[peak - 1], peak))]

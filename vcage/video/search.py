@@ -21,7 +21,7 @@ from vcage.video.codec import EncoderSettings, formats_for, only_converted
 from vcage.video.judge import Judge
 
 HOPELESS = 0.6
-"""Share of the threshold that a conversion alone may cost in a pixel format that is tried besides the best."""
+"""Share of the threshold that a conversion alone must stay below in a pixel format that is tried besides the best."""
 
 
 @dataclass(frozen=True)
@@ -54,42 +54,37 @@ def find_encoding(judge: Judge, choices: Choices) -> Finding:
             form.
         MissingDependency: the encoder is missing.
     """
-    best, *others = _formats(judge, choices) or [""]
+    best, *others = _formats(judge, choices)
     first = choices.settings(best)
-    facts, highest = first.facts, choices.highest
-    crf = None
-    if best:
-        start = facts.first_crf if choices.upper is None else highest
-        crf = judge.highest(first, judge.keyframes, highest, start, choices.gops)
+    start = first.facts.first_crf if choices.upper is None else choices.highest
+    crf = judge.highest(first, judge.keyframes, choices.highest, start, choices.gops)
     if crf is None:
         require_lossless(judge, first)
         return Finding(first, None, 0.0, first, judge.trials)
     settings = _cheapest(judge, choices, first, crf, others)
-    tried = (
-        t
-        for t in reversed(judge.trials)
-        if (t.pixel_format, t.gop, t.crf) == (settings.pixel_format, settings.gop, crf)
-    )
-    return Finding(settings, crf, next(tried).loss_max, first, judge.trials)
+    chosen = settings.pixel_format, settings.gop, crf
+    loss = next(t.loss_max for t in reversed(judge.trials) if (t.pixel_format, t.gop, t.crf) == chosen)
+    return Finding(settings, crf, loss, first, judge.trials)
 
 
 def _formats(judge: Judge, choices: Choices) -> list[str]:
-    """Pixel formats worth a trial, that with the least loss of its own first; none where each loses too much."""
+    """Pixel formats worth a trial: the best, and others whose conversion alone leaves room for an encoder's loss."""
     height, width = judge.frames.shape[1:3]
-    names = formats_for(choices.settings(), width, height, choices.pixel_formats)
-    if len(names) == 1:
-        return names
-    threshold = judge.criterion.threshold
-    floors = {name: judge.criterion.loss(_conversion(judge, name)) for name in names}
-    best, *others = sorted(names, key=lambda name: floors[name])
-    if floors[best] >= threshold:
-        return []
-    return [best, *(name for name in others if floors[name] < HOPELESS * threshold)]
+    best, *others = formats_for(choices.settings(), width, height, choices.pixel_formats)
+    return [best, *(name for name in others if _hopeful(judge, name))]
 
 
-def _conversion(judge: Judge, pixel_format: str) -> NDArray[np.float64]:
-    """What the scored frames lose in a pixel format without any codec."""
-    reference = judge.frames[list(judge.keyframes)]
+def _hopeful(judge: Judge, pixel_format: str) -> bool:
+    """Whether no scored frame loses much in a pixel format without any codec; looked at until one does."""
+    most, frames = HOPELESS * judge.criterion.threshold, judge.keyframes
+    step = 2 if judge.criterion.reduce == "max" else len(frames)
+    parts = (frames[i : i + step] for i in range(0, len(frames), step))
+    return all(judge.criterion.loss(_conversion(judge, pixel_format, part)) < most for part in parts)
+
+
+def _conversion(judge: Judge, pixel_format: str, frames: Sequence[int]) -> NDArray[np.float64]:
+    """What frames lose in a pixel format without any codec."""
+    reference = judge.frames[list(frames)]
     return judge.metric.loss(only_converted(reference, pixel_format), reference)
 
 
@@ -121,7 +116,7 @@ def require_lossless(judge: Judge, settings: EncoderSettings) -> None:
         return
     height, width = judge.frames.shape[1:3]
     names = formats_for(settings, width, height)
-    best = min(judge.criterion.loss(_conversion(judge, name)) for name in names)
+    best = min(judge.criterion.loss(_conversion(judge, name, judge.keyframes)) for name in names)
     raise UsageError(
         f"no {codec.name} video stays under {judge.criterion.threshold} JOD: storing colour at half the size "
         f"costs {best:.3f} already, and {codec.name} has no lossless form here",

@@ -12,7 +12,7 @@ from vcage.base.errors import DamagedFile, MissingDependency, UnknownName
 from vcage.base.workers import ThisProcess
 from vcage.datasets.packing import clips as clip_module
 from vcage.datasets.packing.agreement import Bound
-from vcage.datasets.packing.clips import Clip, perform
+from vcage.datasets.packing.clips import Clip
 from vcage.datasets.packing.dataset_search import search_data_set, workers_for
 from vcage.datasets.packing.settings import CompressionSettings
 from vcage.datasets.packing.sources import find_sources
@@ -173,16 +173,10 @@ def test_there_is_at_least_one_worker_and_never_more_than_cores(tmp_path, search
     assert workers_for(clips) == 1
 
 
-def test_a_single_clip_gets_all_cores_for_its_encoder(tmp_path, searches, monkeypatch):
+def test_there_are_no_more_processes_than_clips(tmp_path, searches, monkeypatch):
     clips = episodes(tmp_path / "in", high=[24])
     monkeypatch.setattr("vcage.datasets.packing.dataset_search.cores", lambda: 16)
     assert workers_for(clips) == workers_for(clips, 8) == 1
-    threads = []
-    monkeypatch.setattr(
-        "vcage.datasets.packing.dataset_search.perform", lambda task: (threads.append(task.threads), perform(task))[1]
-    )
-    search_data_set(clips, SEARCHED, tmp_path / "work", workers=8)
-    assert set(threads) == {16}
 
 
 # --- taken up again ------------------------------------------------------------------------------------

@@ -90,7 +90,6 @@ class SearchTask:
         display: of the metric.
         keyframes: how many frames are scored.
         folder: where the video and what is known of it are kept.
-        threads: of the encoder; 0 leaves it the choice.
         whole: whether what is found is encoded and written; else it is told only.
     """
 
@@ -100,7 +99,6 @@ class SearchTask:
     display: str
     keyframes: int
     folder: Path
-    threads: int = 0
     whole: bool = True
 
     @cached_property
@@ -192,7 +190,7 @@ def _judge(task: SearchTask) -> Judge:
     except DamagedFile as error:
         error.details["recording"] = task.clip.name
         raise
-    return Judge(frames, scored, task.clip.fps, task.criterion, _metric(task.display), task.threads)
+    return Judge(frames, scored, task.clip.fps, task.criterion, _metric(task.display))
 
 
 @lru_cache(maxsize=1)

@@ -35,7 +35,6 @@ def search_data_set(
     *,
     agreed: Mapping[str, Bound] | None = None,
     workers: int | None = None,
-    threads: int | None = None,
     progress: Progress = silent,
 ) -> dict[Key, EncodedVideo]:
     """Search and encode all clips; what an interrupted call left in ``folder`` is taken up.
@@ -46,7 +45,6 @@ def search_data_set(
         folder: for the videos and what is known of them.
         agreed: camera → what other episodes of it, which stay as they are, agreed on before.
         workers: processes at most, no more than there are clips; None takes as many as there are cores and memory for.
-        threads: of the encoder in each process; None shares the cores out.
         progress: told of each clip that was encoded; its number falls where clips must be encoded again.
 
     Returns:
@@ -60,9 +58,7 @@ def search_data_set(
     require_tools(settings)
     workers = workers_for(clips, workers)
     with Processes(perform, workers) if workers > 1 else ThisProcess(perform) as crew:
-        return _DataSetSearch(
-            list(clips), settings, folder, threads or encoder_threads(workers), crew, progress, agreed or {}
-        ).run()
+        return _DataSetSearch(list(clips), settings, folder, crew, progress, agreed or {}).run()
 
 
 def require_tools(settings: CompressionSettings) -> None:
@@ -88,11 +84,6 @@ def workers_for(clips: Sequence[Clip], most: int | None = None) -> int:
     return max(1, min(most, len(clips)))
 
 
-def encoder_threads(workers: int) -> int:
-    """Threads of the encoder in each of so many processes."""
-    return max(1, cores() // workers)
-
-
 def cameras_of(clips: Iterable[Clip]) -> list[str]:
     """Names of the cameras, sorted."""
     return sorted({clip.camera for clip in clips})
@@ -103,7 +94,6 @@ class _DataSetSearch:
     clips: list[Clip]
     settings: CompressionSettings
     folder: Path
-    threads: int
     crew: ThisProcess[SearchTask, Done] | Processes[SearchTask, Done]
     progress: Progress
     agreed: Mapping[str, Bound]
@@ -195,7 +185,6 @@ class _DataSetSearch:
             display=self.settings.display,
             keyframes=self.settings.keyframes,
             folder=self.folder,
-            threads=self.threads,
             whole=step.whole,
         )
 

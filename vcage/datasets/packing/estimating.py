@@ -15,7 +15,6 @@ from vcage.base.progress import Progress, silent
 from vcage.datasets.packing.clips import Clip
 from vcage.datasets.packing.dataset_search import (
     cameras_of,
-    encoder_threads,
     search_data_set,
     workers_for,
 )
@@ -71,9 +70,7 @@ def estimate_clips(
     sample = [_middle(clip) for clip in sample_of(clips)]
     begun = time.perf_counter()
     with tempfile.TemporaryDirectory() as folder:
-        videos = search_data_set(
-            sample, settings, Path(folder), workers=1, threads=encoder_threads(workers), progress=progress
-        )
+        videos = search_data_set(sample, settings, Path(folder), workers=1, progress=progress)
         streams = [video.stream for video in videos.values()]
     seconds = time.perf_counter() - begun
     cameras = {
