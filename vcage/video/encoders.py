@@ -27,7 +27,7 @@ PATTERNS = {"hevc": rb"x265 \(build \d+\) - ([\w.+-]+)", "h264": rb"x264 - (core
 """Codec → where its encoder's message in the stream (user data SEI) names the version."""
 
 X265_EFFORTS: dict[Effort, dict[str, str | int]] = {
-    "fast": {"rect": 0, "limit-tu": 4, "ref": 1},
+    "fast": {"min-cu-size": 16, "rect": 1, "limit-modes": 1, "limit-tu": 4, "ref": 1},
     "default": {"rd": 2, "rect": 1, "limit-modes": 1, "limit-tu": 4, "ref": 1},
     "best": {"rect": 1},
 }
