@@ -20,10 +20,10 @@ from typing import Annotated, Any, Literal
 
 from vcage.base.errors import PartlyDone
 from vcage.base.files import RunFolder
+from vcage.base.memory import free_memory
 from vcage.base.options import NATURAL, POSITIVE, UNSAID
 from vcage.base.progress import Progress, silent
 from vcage.base.workers import Processes, ThisProcess, cores
-from vcage.datasets.packing.memory import free_memory
 from vcage.schema.episodes import Attempt, Episode, Episodes
 from vcage.schema.subtasks import Subtasks
 from vcage.stages.context import StageContext

@@ -10,11 +10,11 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
+from vcage.base.memory import free_memory
 from vcage.base.progress import Progress, silent
 from vcage.base.workers import Processes, ThisProcess, cores
 from vcage.datasets.packing.agreement import Agreement, Apart, Bound, Step
 from vcage.datasets.packing.clips import Clip, Done, EncodedVideo, Key, SearchTask, is_finished, known, perform
-from vcage.datasets.packing.memory import free_memory
 from vcage.datasets.packing.settings import CompressionSettings
 from vcage.schema.compression import Evaluation, FindingRecord, VideoStream
 from vcage.video.codec import formats_for

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from vcage.datasets.packing import memory
+from vcage.base import memory
 
 KB = 1024
 
