@@ -18,6 +18,7 @@ from typing import Any
 
 import av
 import numpy as np
+from av.video.reformatter import VideoReformatter
 from numpy.typing import NDArray
 
 from vcage.base.errors import DamagedFile, UsageError
@@ -205,6 +206,7 @@ class _Source:
         self.name = name
         self.container = container
         self.stream = container.streams.video[0]
+        self._converter = VideoReformatter()  # a frame's own makes its tables anew, which takes longer than their use
 
     @property
     def size(self) -> tuple[int, int]:
@@ -276,7 +278,7 @@ class _Source:
     def _picture(self, frame: av.VideoFrame) -> NDArray[np.uint8]:
         if frame.is_corrupt:
             raise DamagedFile(f"{self.name} is damaged {frame.time or 0:.3f} s after its start", hint=MEND)
-        return np.asarray(frame.to_ndarray(format="rgb24"), np.uint8)
+        return np.asarray(self._converter.reformat(frame, format="rgb24").to_ndarray(), np.uint8)
 
 
 @contextmanager

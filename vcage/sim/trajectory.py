@@ -6,12 +6,15 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from scipy.ndimage import minimum_filter1d
-from toppra import SplineInterpolator
-from toppra.algorithm import TOPPRA
-from toppra.constraint import DiscretizationType, LinearConstraint
 
 from vcage.base.errors import VcageError
+from vcage.base.imports import left_out
 from vcage.schema.robot import Arm
+
+with left_out("matplotlib", "pyplot"):  # toppra can draw with it; a third of all that the import of a stage takes
+    from toppra import SplineInterpolator
+    from toppra.algorithm import TOPPRA
+    from toppra.constraint import DiscretizationType, LinearConstraint
 
 GRID = 0.006
 """Spacing of the grid on which the fastest profile is found, seconds at full speed."""

@@ -6,23 +6,18 @@ Stages that have not run are said to be missing; the page never computes a resul
 from __future__ import annotations
 
 import base64
-import io
 from collections import Counter
-from collections.abc import Iterable
-from fractions import Fraction
 from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar
 
-import av
 import cv2
 import jinja2
-import numpy as np
 
+from vcage.apps.report.previews import previews
 from vcage.base.errors import MissingStage
 from vcage.base.files import RunFolder, recover, write_text
 from vcage.base.version import __version__
-from vcage.datasets.reader import EpisodeReader
 from vcage.plans.kept import relations_kept_in
 from vcage.schema.base import StageDocument
 from vcage.schema.compression import Compression
@@ -122,12 +117,13 @@ def _stage_pictures(run: RunFolder) -> list[dict[str, str]]:
 
 
 def _episode_cards(run: RunFolder, episodes: Episodes | None) -> list[dict[str, Any]]:
-    return [_episode_card(run, episode) for episode in episodes.episodes] if episodes else []
+    shown = episodes.episodes if episodes else []
+    files = {e.index: run.root / e.file for e in shown if e.file and (run.root / e.file).is_file()}
+    videos = dict(zip(files, previews([(files[e.index], e.fps) for e in shown if e.index in files]), strict=True))
+    return [_episode_card(run, episode, videos.get(episode.index)) for episode in shown]
 
 
-def _episode_card(run: RunFolder, episode: Episode) -> dict[str, Any]:
-    path = run.root / episode.file if episode.file else None
-    video = _preview(path, episode.fps) if path and path.is_file() else None
+def _episode_card(run: RunFolder, episode: Episode, video: str | None) -> dict[str, Any]:
     judged = zip(episode.verdicts, episode.subtasks, strict=True)
     return {"episode": episode, "video": video, "verdicts": [_verdict_card(run, v, s) for v, s in judged]}
 
@@ -135,15 +131,6 @@ def _episode_card(run: RunFolder, episode: Episode) -> dict[str, Any]:
 def _verdict_card(run: RunFolder, verdict: Verdict, subtask: str) -> dict[str, Any]:
     urls = [_picture_url(run.episodes.parent / picture, max_width=480) for picture in verdict.pictures]
     return {"verdict": verdict, "subtask": subtask, "pictures": [url for url in urls if url]}
-
-
-def _preview(path: Path, fps: float) -> str | None:
-    """All cameras of an episode side by side; None of a rejected one, which is kept without pictures."""
-    with EpisodeReader(path) as reader:
-        if not reader.cameras:
-            return None
-        tracks = [reader.images(camera) for camera in reader.cameras]
-        return _video_url((np.concatenate(row, axis=1) for row in zip(*tracks, strict=True)), fps)
 
 
 @cache
@@ -163,7 +150,7 @@ def _percent(share: float) -> str:
     return f"{100 * share:.2f} %"
 
 
-# --- pictures and videos as data URLs, so that the page is one file ------------------------------------
+# --- pictures as data URLs, so that the page is one file ------------------------------------
 
 
 def _picture_url(path: Path, max_width: int = 960) -> str | None:
@@ -178,24 +165,3 @@ def _picture_url(path: Path, max_width: int = 960) -> str | None:
         picture = cv2.resize(picture, (max_width, round(height * max_width / width)), interpolation=cv2.INTER_AREA)
     encoded = cv2.imencode(".jpg", picture, [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY])[1]
     return "data:image/jpeg;base64," + base64.b64encode(encoded.tobytes()).decode()
-
-
-def _video_url(frames: Iterable[np.ndarray], fps: float) -> str:
-    """Frames (H, W, 3) uint8 RGB as an H.264 data URL that every browser plays.
-
-    A preview only: the data set's own streams are HEVC, which most browsers do not decode.
-    """
-    buffer = io.BytesIO()
-    with av.open(buffer, "w", format="mp4") as container:
-        stream = None
-        for frame in frames:
-            if stream is None:
-                stream = container.add_stream("libx264", rate=Fraction(fps).limit_denominator(1000))
-                stream.height, stream.width = frame.shape[0] // 2 * 2, frame.shape[1] // 2 * 2
-                stream.pix_fmt = "yuv420p"
-                stream.options = {"crf": "26", "preset": "veryfast"}
-            even = np.ascontiguousarray(frame[: stream.height, : stream.width])
-            container.mux(stream.encode(av.VideoFrame.from_ndarray(even, format="rgb24")))
-        if stream is not None:
-            container.mux(stream.encode())
-    return "data:video/mp4;base64," + base64.b64encode(buffer.getvalue()).decode()
