@@ -23,8 +23,8 @@ ENCODING = {
     "crf": "27.5",
     "x264-params": "mbtree=1:rc-lookahead=10:partitions=p8x8,i8x8,i4x4:threads=1",
 }
-"""Of x264, H.264. What stands still gets its bits once (``mbtree``): the bytes of the preset ``veryfast`` at CRF 26 in 0.6
-of its time, and 0.6 dB less (654 frames of 960×240). Episodes are encoded side by side, so each by one thread."""
+"""Of x264, H.264. What stands still gets its bits once (``mbtree``): the bytes of the preset ``veryfast`` at CRF 26 in
+0.6 of its time, and 0.6 dB less (654 frames of 960×240). Episodes are encoded side by side, so each by one thread."""
 
 
 def previews(episodes: Sequence[tuple[Path, float]]) -> list[str | None]:

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
-from scipy.signal import fftconvolve
+from scipy.fft import irfft2, next_fast_len, rfft2
 
 from vcage.base.geometry import Camera
 from vcage.models.rules.cutouts import Cutout
@@ -116,7 +116,9 @@ def _middle(seen: Sequence[np.ndarray]) -> np.ndarray:
 
     It is the peak of the self-convolution of the slices; a mug's is in its middle, though its handle sticks out.
     """
-    total = np.sum([fftconvolve(cells, cells) for cells in seen], axis=0)
+    rows, columns = (2 * length - 1 for length in seen[0].shape)
+    size = next_fast_len(rows, real=True), next_fast_len(columns, real=True)
+    total = irfft2((rfft2(np.stack(seen), size) ** 2).sum(axis=0), size)[:rows, :columns]
     middle = np.array(total.shape) // 2
     peak = np.array(np.unravel_index(int(np.argmax(total)), total.shape))
     better = total[tuple(peak)] > BETTER_MIDDLE * total[tuple(middle)]
