@@ -9,7 +9,7 @@ import pytest
 
 from vcage.base.errors import DamagedFile, SchemaMismatch
 from vcage.objects.library import Library
-from vcage.objects.points import check_points, outside_by
+from vcage.objects.points import check_meshes, check_points, outside_by
 from vcage.schema.asset import Annotation
 
 GRASP = {"id": 0, "name": "x", "position": (0, 0, 0.02), "approach": (0, 0, -1), "closing": (0, 1, 0)}
@@ -76,7 +76,7 @@ def test_a_mesh_that_does_not_load_is_named(block, tmp_path: Path, content: byte
         path.write_bytes(content)
     broken = type(block)(block.annotation, block.variant, block.model.model_copy(update={"visual": str(path)}))
     with pytest.raises(DamagedFile, match=r"visual\.glb is not a mesh that loads"):
-        check_points(broken, Path("asset.json"))
+        check_meshes(broken)
 
 
 def test_a_piece_that_does_not_load_is_named(block, tmp_path: Path) -> None:
@@ -84,14 +84,19 @@ def test_a_piece_that_does_not_load_is_named(block, tmp_path: Path) -> None:
     path.write_text("v 0 0 0\n")
     broken = type(block)(block.annotation, block.variant, block.model.model_copy(update={"hulls": [str(path)]}))
     with pytest.raises(DamagedFile, match=r"hull-00\.obj"):
-        check_points(broken, Path("asset.json"))
+        check_meshes(broken)
 
 
 def test_the_library_checks_what_it_makes(library: Library, monkeypatch: pytest.MonkeyPatch) -> None:
     seen = []
     monkeypatch.setattr("vcage.objects.library.check_points", lambda asset, path: seen.append((asset.name, path.name)))
-    Library.load().asset("block")
+    monkeypatch.setattr("vcage.objects.library.check_meshes", lambda asset: seen.append(asset.name))
+    made = Library.load()
+    made.entry("block")
     assert seen == [("block", "asset.json")]
+    for _ in range(2):
+        made.asset("block")
+    assert seen == [("block", "asset.json"), "block"]
 
 
 @pytest.mark.parametrize(("point", "distance"), [((0, 0, 0), 0.0), ((2, 0, 0), 1.0), ((4, 5, 0), 5.0)])

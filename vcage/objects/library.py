@@ -14,7 +14,7 @@ from vcage.base.progress import Progress, silent
 from vcage.base.workers import cores, in_processes
 from vcage.objects import sources
 from vcage.objects.asset import Asset
-from vcage.objects.points import check_points, check_size
+from vcage.objects.points import check_meshes, check_points, check_size
 from vcage.schema.asset import Annotation, CatalogueEntry, Variant
 
 logger = logging.getLogger(__name__)
@@ -42,6 +42,7 @@ class Library:
         self._annotations = dict(sorted(annotations.items()))
         self._folders = folders
         self._assets: dict[tuple[str, str], Asset] = {}
+        self._whole: set[tuple[str, str]] = set()
         self.left_out = dict(sorted((left_out or {}).items()))
 
     @classmethod
@@ -102,8 +103,16 @@ class Library:
         Raises:
             UnknownName: there is no such asset or variant.
             InputFileError: the annotation has no builder, or does not fit the model (see
-                :func:`vcage.objects.points.check_points`).
+                :func:`vcage.objects.points.check_points`), or a mesh of that does not load.
         """
+        asset = self._described(name, variant)
+        if (name, asset.variant.id) not in self._whole:
+            check_meshes(asset)
+            self._whole.add((name, asset.variant.id))
+        return asset
+
+    def _described(self, name: str, variant: str | None = None) -> Asset:
+        """An asset of whose model only the description is read."""
         annotation = self.annotation(name)
         by_id = {v.id: v for v in annotation.variants}
         variant = variant if variant is not None else annotation.variants[0].id
@@ -120,8 +129,12 @@ class Library:
         return self._assets[key]
 
     def entry(self, name: str) -> CatalogueEntry:
-        """What a model sees of one asset."""
-        return self.asset(name).entry()
+        """What a model sees of one asset; the meshes are not looked at, for a library has thousands of them.
+
+        Raises:
+            UnknownName, InputFileError: see :meth:`asset`.
+        """
+        return self._described(name).entry()
 
     def entries(self) -> list[CatalogueEntry]:
         """What a model sees of the library, in the order of the names; models that this needs are built first.

@@ -148,7 +148,7 @@ def _imports(path: Path) -> dict[str, Path]:
     except (OSError, SyntaxError, ValueError):  # building it says what is wrong
         return {}
     names = set()
-    for node in ast.walk(tree):
+    for node in _statements(tree):
         if isinstance(node, ast.ImportFrom) and node.module:
             names |= {node.module, *(f"{node.module}.{alias.name}" for alias in node.names)}
         elif isinstance(node, ast.Import):
@@ -161,3 +161,11 @@ def _imports(path: Path) -> dict[str, Path]:
         if name.startswith(package)
     }
     return {name: path for name, path in files.items() if path.is_file()}
+
+
+def _statements(tree: ast.AST) -> Iterator[ast.AST]:
+    """All statements of a module, however deep; most of a tree are expressions, and hold none."""
+    for node in ast.iter_child_nodes(tree):
+        if not isinstance(node, ast.expr):
+            yield node
+            yield from _statements(node)

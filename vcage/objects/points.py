@@ -23,7 +23,7 @@ GLB_HEADER = struct.Struct("<4sII")
 
 
 def check_points(asset: Asset, path: Path) -> None:
-    """Check an asset when its model is first made.
+    """Check an annotation against what its model says of itself.
 
     Args:
         asset: with its model.
@@ -32,10 +32,8 @@ def check_points(asset: Asset, path: Path) -> None:
     Raises:
         SchemaMismatch: the model has no extent, or a point names no part or lies off the object; names the field,
             the value, and what was expected.
-        DamagedFile: a mesh of the model does not load.
     """
     _check_extent(asset, path)
-    _check_meshes(asset)
     parts = [link.name for link in asset.model.links]
     for kind in ("contact_points", "functional_points"):
         for i, point in enumerate(getattr(asset.annotation, kind)):
@@ -53,6 +51,25 @@ def check_points(asset: Asset, path: Path) -> None:
         if point.position[2] < asset.bounds[0, 2] - BELOW:
             text = f"the point lies {-point.position[2]:.3g} m under the table; expected a height from 0"
             raise _misfit(asset, path, f"functional_points.{i}.position", text)
+
+
+def check_meshes(asset: Asset) -> None:
+    """Read all collision pieces, and the first bytes of what is seen: whole files would take too long.
+
+    Raises:
+        DamagedFile: a mesh of the model does not load.
+    """
+    for visual in (asset.model.visual, *(link.visual for link in asset.model.links)):
+        try:
+            with open(visual, "rb") as handle:
+                magic, _, length = GLB_HEADER.unpack(handle.read(GLB_HEADER.size))
+            whole = magic == b"glTF" and length == Path(visual).stat().st_size
+        except (OSError, struct.error) as error:
+            raise _broken(visual, str(error)) from error
+        if not whole:
+            raise _broken(visual, "expected a whole binary glTF file")
+    for link in (None, *(link.name for link in asset.model.links)):
+        asset.pieces_of(link)  # reads them
 
 
 def check_size(annotation: Annotation, variant: str, path: Path) -> None:
@@ -92,21 +109,6 @@ def _check_extent(asset: Asset, path: Path) -> None:
     name = f"variants.{[v.id for v in asset.annotation.variants].index(asset.variant.id)}"
     size = ", ".join(f"{x:g}" for x in asset.size)
     raise _misfit(asset, path, name, f"the model measures ({size}) m; expected edge lengths above 0")
-
-
-def _check_meshes(asset: Asset) -> None:
-    """Read all collision pieces, and the first bytes of what is seen: whole files would take too long."""
-    for visual in (asset.model.visual, *(link.visual for link in asset.model.links)):
-        try:
-            with open(visual, "rb") as handle:
-                magic, _, length = GLB_HEADER.unpack(handle.read(GLB_HEADER.size))
-            whole = magic == b"glTF" and length == Path(visual).stat().st_size
-        except (OSError, struct.error) as error:
-            raise _broken(visual, str(error)) from error
-        if not whole:
-            raise _broken(visual, "expected a whole binary glTF file")
-    for link in (None, *(link.name for link in asset.model.links)):
-        asset.pieces_of(link)  # reads them
 
 
 def _broken(path: str, reason: str) -> DamagedFile:

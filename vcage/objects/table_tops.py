@@ -1,27 +1,46 @@
-"""Table tops: 1024 × 1024 pictures for 1.2 m."""
+"""Table tops: 1024 × 1024 pictures for 1.2 m, painted once and kept in the user's cache."""
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Callable
+from functools import cache
+from pathlib import Path
 
 import numpy as np
 
 from vcage.base.errors import UnknownName
-from vcage.objects.modelling import materials
+from vcage.base.files import cache_dir, cache_path
+from vcage.base.pictures import read_picture, write_picture
+from vcage.objects.modelling import materials, noise
 from vcage.objects.modelling.noise import blend, clouds, over, shaded
 
 SIZE = 1024
 
 
+@cache
 def table_texture(name: str) -> np.ndarray:
-    """A table top (H, W, 3) uint8, always the same for the same name; see :data:`TABLES`.
+    """A table top (H, W, 3) uint8, always the same for the same name and not to be written to; see :data:`TABLES`.
 
     Raises:
         UnknownName: no texture has that name.
     """
     if name not in TABLES:
         raise UnknownName("table texture", name, TABLES)
-    return TABLES[name](np.random.default_rng(len(name)))
+    kept = cache_path("textures", f"{name}-{_painters()}.png")
+    if not kept.is_file():
+        cache_dir("textures")
+        write_picture(kept, TABLES[name](np.random.default_rng(len(name))))
+    picture = read_picture(kept)
+    picture.flags.writeable = False
+    return picture
+
+
+@cache
+def _painters() -> str:
+    """Hash of the sources that decide what is painted."""
+    sources = [Path(module.__file__ or "").read_bytes() for module in (materials, noise)]
+    return hashlib.sha256(b"\0".join([Path(__file__).read_bytes(), *sources])).hexdigest()[:16]
 
 
 def _oak(rng: np.random.Generator) -> np.ndarray:

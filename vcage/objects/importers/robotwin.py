@@ -25,7 +25,7 @@ from vcage.objects.importers.robotwin_names import NUMBERED, TakenNames, called,
 from vcage.objects.importers.robotwin_points import same_points
 from vcage.objects.library import imported_objects
 from vcage.objects.model import read_model, schema_errors, write_model
-from vcage.objects.points import check_points
+from vcage.objects.points import check_meshes, check_points
 from vcage.schema.asset import Annotation, Words
 
 
@@ -211,5 +211,7 @@ def _write(annotations: Mapping[str, Annotation], groups: Mapping[str, Sequence[
                 folder = part / one.variant.id
                 folder.mkdir()
                 write_model(one.built, folder)
-                check_points(Asset(annotation, one.variant, read_model(folder)), into / name / "asset.json")
+                asset = Asset(annotation, one.variant, read_model(folder))
+                check_points(asset, into / name / "asset.json")
+                check_meshes(asset)
             annotation.write(part / "asset.json")
