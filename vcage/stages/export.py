@@ -7,8 +7,10 @@ from __future__ import annotations
 
 import shutil
 from collections.abc import Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -16,6 +18,7 @@ from vcage.base.errors import MissingStage, UsageError
 from vcage.base.files import RunFolder
 from vcage.base.options import POSITIVE, UNSAID, choice, several
 from vcage.base.progress import Progress, silent
+from vcage.base.workers import cores
 from vcage.datasets.lerobot.episode import LeRobotEpisode
 from vcage.datasets.lerobot.features import encodings
 from vcage.datasets.lerobot.formats import FORMATS, open_writer
@@ -182,16 +185,21 @@ def lerobot_episodes(
         MissingStage: a camera of an episode has no video.
         DamagedFile: an episode cannot be read.
     """
-    for number, file in enumerate(files):
-        progress(Path(file).stem, number, len(files))
-        recording = open_hdf5(run.root / file)
-        cameras = [camera.name for camera in recording.cameras]
-        missing = [camera for camera in cameras if (file, camera) not in footage.files]
-        if missing:
-            raise MissingStage(
-                f"{file} has no compressed video of {', '.join(missing)}", hint="run compress with --force first"
-            )
-        yield lerobot_episode(recording, {camera: footage.files[file, camera] for camera in cameras}, OutputSpec())
+    with ThreadPoolExecutor(cores()) as pool:  # nearly all of it is decoding, which threads do side by side
+        for number, episode in enumerate(pool.map(partial(_lerobot_episode, run, footage), files)):
+            progress(Path(files[number]).stem, number, len(files))
+            yield episode
+
+
+def _lerobot_episode(run: RunFolder, footage: Footage, file: str) -> LeRobotEpisode:
+    recording = open_hdf5(run.root / file)
+    cameras = [camera.name for camera in recording.cameras]
+    missing = [camera for camera in cameras if (file, camera) not in footage.files]
+    if missing:
+        raise MissingStage(
+            f"{file} has no compressed video of {', '.join(missing)}", hint="run compress with --force first"
+        )
+    return lerobot_episode(recording, {camera: footage.files[file, camera] for camera in cameras}, OutputSpec())
 
 
 def _write_lerobot(run: RunFolder, versions: Sequence[str], folder: Path, footage: Footage, progress: Progress) -> None:
