@@ -1,6 +1,11 @@
 """What a peer's recording takes: ManiSkill's motion-planning runner on StackCube, with cameras like ours.
 
-A process of its own (``python -m benchmarks._maniskill_recording COUNT FOLDER``) that prints a line whenever a
+As ``mani_skill.examples.motionplanning.panda.run`` does it with ``--only-count-success``: the same solver, the same
+``RecordEpisode`` with the same arguments, which keeps actions, states of the environment and pictures (gzip) in HDF5,
+and by default the same shaders. Its own environment has one camera and keeps no pictures; this one has three, and
+keeps a frame of every second step.
+
+A process of its own (``python -m benchmarks._maniskill_recording COUNT FOLDER SHADERS``) that prints a line whenever a
 successful trajectory is written: its number, the seconds since the start of the process, and its frames.
 """
 
@@ -12,14 +17,13 @@ from pathlib import Path
 from typing import Any
 
 import gymnasium
-import h5py
-import numpy as np
 import sapien
 from mani_skill.envs.tasks.tabletop.stack_cube import StackCubeEnv
 from mani_skill.examples.motionplanning.panda.solutions import solveStackCube
 from mani_skill.sensors.camera import CameraConfig
 from mani_skill.utils import sapien_utils
 from mani_skill.utils.registration import register_env
+from mani_skill.utils.wrappers.record import RecordEpisode
 
 from vcage.setup.vulkan import ensure_driver
 
@@ -34,10 +38,9 @@ TASK = "RecordedStackCube-v1"
 
 @register_env(TASK, max_episode_steps=200)
 class RecordedStackCube(StackCubeEnv):
-    """StackCube seen by three cameras, one of them at the hand, in every second step."""
+    """StackCube seen by three cameras, one of them at the hand; they draw in every second step, from the reset on."""
 
     def __init__(self, *args: Any, **kwargs: Any):
-        self.frames: list[dict[str, np.ndarray]] = []
         self._steps = 0
         super().__init__(*args, **kwargs)
 
@@ -54,40 +57,81 @@ class RecordedStackCube(StackCubeEnv):
         ]
 
     def reset(self, *args: Any, **kwargs: Any) -> Any:
-        self.frames, self._steps = [], 0
+        self._steps = 0
         return super().reset(*args, **kwargs)
 
+    @property
+    def next_is_drawn(self) -> bool:
+        """Whether the observation that comes next has pictures."""
+        return self._steps % EVERY == 0
+
     def get_obs(self, *args: Any, **kwargs: Any) -> Any:
+        drawn = self.next_is_drawn
         self._steps += 1
-        if (self._steps - 1) % EVERY:
-            return {}
-        seen: Any = super().get_obs(*args, **kwargs)
-        pictures = {name: data["rgb"][0].cpu().numpy() for name, data in seen["sensor_data"].items()}
-        self.frames.append({**pictures, "qpos": seen["agent"]["qpos"][0].cpu().numpy()})
-        return seen
+        return super().get_obs(*args, **kwargs) if drawn else {}
 
 
-def record(count: int, folder: Path) -> None:
-    """Record successful trajectories into one HDF5 file, pictures as they are."""
+class EverySecond(RecordEpisode):
+    """Records the steps that are drawn."""
+
+    def __init__(self, env: Any, **options: Any):
+        super().__init__(env, **options)
+        self.frames = 0
+
+    def reset(self, *args: Any, **kwargs: Any) -> Any:
+        self.frames = 1
+        return super().reset(*args, **kwargs)
+
+    def step(self, action: Any) -> Any:
+        if not self.base_env.next_is_drawn:
+            return self.env.step(action)
+        self.frames += 1
+        return super().step(action)
+
+
+def record(count: int, folder: Path, shaders: str) -> None:
+    """Record successful trajectories.
+
+    Args:
+        count: how many.
+        folder: in which ``trajectories.h5`` is written.
+        shaders: the runner's ``--shader``, or ``minimal``.
+    """
     start = time.perf_counter()
     ensure_driver()
-    env: Any = gymnasium.make(TASK, robot_uids="panda", obs_mode="rgb", control_mode="pd_joint_pos", sim_backend="cpu")
-    task, done, seed = env.unwrapped, 0, 0
-    assert isinstance(task, RecordedStackCube)
-    with h5py.File(folder / "trajectories.h5", "w") as file:
-        while done < count:
-            outcome = solveStackCube(env, seed=seed, debug=False, vis=False)
-            seed += 1
-            if outcome == -1 or not outcome[-1]["success"].item():
-                continue
-            group = file.create_group(f"traj_{done}")
-            for name in task.frames[0]:
-                group[name] = np.stack([frame[name] for frame in task.frames])
-            file.flush()
-            done += 1
-            print(done, round(time.perf_counter() - start, 3), len(task.frames), flush=True)
+    env = EverySecond(
+        gymnasium.make(
+            TASK,
+            robot_uids="panda",  # the environment's own choice has another camera at the hand
+            obs_mode="rgb",
+            control_mode="pd_joint_pos",
+            render_mode="rgb_array",
+            sensor_configs={"shader_pack": shaders},
+            human_render_camera_configs={"shader_pack": shaders},
+            viewer_camera_configs={"shader_pack": shaders},
+            sim_backend="cpu",
+        ),
+        output_dir=str(folder),
+        trajectory_name="trajectories",
+        save_video=False,
+        source_type="motionplanning",
+        source_desc="official motion planning solution from ManiSkill contributors",
+        video_fps=30,
+        record_reward=False,
+        save_on_reset=False,
+    )
+    done = seed = 0
+    while done < count:
+        outcome = solveStackCube(env, seed=seed, debug=False, vis=False)
+        seed += 1
+        if outcome == -1 or not outcome[-1]["success"].item():
+            env.flush_trajectory(save=False)
+            continue
+        env.flush_trajectory()
+        done += 1
+        print(done, round(time.perf_counter() - start, 3), env.frames, flush=True)
     env.close()
 
 
 if __name__ == "__main__":
-    record(int(sys.argv[1]), Path(sys.argv[2]))
+    record(int(sys.argv[1]), Path(sys.argv[2]), sys.argv[3])
