@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vcage.base.errors import MissingDependency, UnknownName
+from vcage.base.imports import left_out
 
 DISPLAY = "standard_fhd"
 PERFECT = 10.0
@@ -90,7 +91,7 @@ def _import_pycvvdp() -> ModuleType:
         try:
             from vcage.video._torchvision_shim import torchvision_names
 
-            with torchvision_names():
+            with torchvision_names(), left_out("matplotlib", "pyplot"):  # which it draws charts with
                 import pycvvdp
         except ImportError as error:
             raise MissingDependency(f"ColorVideoVDP cannot be imported: {error}", hint=SET_UP) from error
