@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from tests.apps.viewer.conftest import FRAMES, ReadBack
+from tests.datasets.recordings.layouts import robotwin
 from tests.runs import command
 from vcage.apps.viewer import show
 from vcage.apps.viewer.show import view
@@ -30,6 +31,11 @@ def test_without_pictures_all_else_is_there(episode_file, tmp_path, capsys):
     assert answer.record["summary"]["cameras"] == []
     assert "Blob" not in seen.components["/world/cameras/cam_high"]
     assert "PinholeProjection" in seen.components["/world/cameras/cam_high"]
+
+
+def test_a_recording_of_others_has_no_compressed_videos(tmp_path):
+    with pytest.raises(UsageError, match="compressed"):
+        view(robotwin(tmp_path / "a.hdf5"), save=tmp_path / "look.rrd", footage="compressed")
 
 
 def test_a_name_that_the_viewer_would_not_open_is_refused(episode_file, tmp_path):

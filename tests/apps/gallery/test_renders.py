@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from vcage.apps.gallery.page import write_gallery
 from vcage.apps.gallery.renders import METRES_PER_PIXEL, portrait
 from vcage.objects.library import Library
 
@@ -38,11 +37,3 @@ def test_all_views_have_one_scale(plain, block) -> None:
 
 def test_points_are_drawn_on_the_picture(block, plain) -> None:
     assert all((picture != plain[name]).any() for name, picture in portrait(block).items())
-
-
-def test_the_page_shows_every_variant_that_is_asked_for(tmp_path) -> None:
-    library = Library.load()
-    page = write_gallery(library, tmp_path, ["block"])
-    text = page.read_text()
-    variants = [v.id for v in library.annotation("block").variants]
-    assert all(f"pictures/block-{v}.png" in text and (tmp_path / f"pictures/block-{v}.png").is_file() for v in variants)

@@ -1,4 +1,4 @@
-"""``vcage assets import``, ``vcage robots import`` and ``vcage robots list``."""
+"""``vcage assets import``."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ from typing import Any
 import pytest
 
 from tests.objects.importers.conftest import Rigid
-from tests.sim.robotwin.embodiment import config, write
 from vcage.cli.main import main
 
 
@@ -86,20 +85,3 @@ def test_names_of_the_ycb_set_are_handed_on(tmp_path, capsys, monkeypatch):
     monkeypatch.setattr(ycb, "import_ycb", import_ycb)
     code, record, _ = run(capsys, "assets", "import", "ycb", "banana", "--into", tmp_path, "--force")
     assert (code, record["summary"]["imported"], asked) == (0, ["ycb_banana"], [(["banana"], tmp_path, True)])
-
-
-def test_a_robot_is_imported_and_listed(tmp_path, data, capsys):
-    folder = write(tmp_path / "box-arm", config())
-    code, record, text = run(capsys, "robots", "import", "robotwin", folder, "--distance", "0.7")
-    assert (code, record["summary"]["robot"]) == (0, "box-arm")
-    assert record["summary"]["warnings"] == text.count("warning: ") > 0
-    assert record["output"] == str(data / "robots" / "box-arm.yml")
-    code, record, text = run(capsys, "robots", "list")
-    assert (code, record["summary"]["robots"]) == (0, ["box-arm", "dual_panda"])
-    assert "box-arm: left, right." in text
-
-
-@pytest.mark.parametrize("distance", ["0", "-1", "far", "nan"])
-def test_a_distance_must_be_metres_above_0(tmp_path, capsys, distance):
-    code, record, _ = run(capsys, "robots", "import", "robotwin", tmp_path, f"--distance={distance}")
-    assert (code, record["error"]["code"]) == (2, "usage")

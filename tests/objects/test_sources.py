@@ -31,8 +31,13 @@ def root(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return folder.parent
 
 
+@pytest.fixture(autouse=True)
+def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("VCAGE_CACHE", str(tmp_path / "cache"))
+
+
 @pytest.fixture
-def fetched(cache: Path) -> Path:
+def fetched() -> Path:
     """The package's folder, with the model."""
     folder = Ycb().folder()
     folder.mkdir(parents=True)
