@@ -2,14 +2,17 @@ from __future__ import annotations
 
 import numpy as np
 
-from vcage.video.choices import Criterion
+from vcage.video.choices import DECIDING, Criterion
 
-LOSSES = np.array([0.05, 0.099, 0.09])
+FRAMES = range(0, 40, 2)
+LOSSES = np.random.default_rng(0).permutation(len(FRAMES)) / 100
 
 
-def test_the_worst_frames_decide_and_those_that_lose_almost_as_much():
-    assert Criterion().deciding([3, 5, 8], LOSSES) == [5, 8]
+def test_the_worst_frames_decide_in_order_of_time():
+    deciding = Criterion().deciding(FRAMES, LOSSES)
+    assert deciding == sorted(deciding) and len(deciding) == DECIDING
+    assert min(LOSSES[frame // 2] for frame in deciding) == sorted(LOSSES)[-DECIDING]
 
 
 def test_all_frames_decide_where_their_mean_counts():
-    assert Criterion(reduce="mean").deciding([3, 5, 8], LOSSES) == [3, 5, 8]
+    assert Criterion(reduce="mean").deciding(FRAMES, LOSSES) == list(FRAMES)
