@@ -83,7 +83,8 @@ class EverySecond(RecordEpisode):
         return super().reset(*args, **kwargs)
 
     def step(self, action: Any) -> Any:
-        if not self.base_env.next_is_drawn:
+        task: Any = self.base_env
+        if not task.next_is_drawn:
             return self.env.step(action)
         self.frames += 1
         return super().step(action)
@@ -99,7 +100,7 @@ def record(count: int, folder: Path, shaders: str) -> None:
     """
     start = time.perf_counter()
     ensure_driver()
-    env = EverySecond(
+    env: Any = EverySecond(
         gymnasium.make(
             TASK,
             robot_uids="panda",  # the environment's own choice has another camera at the hand
