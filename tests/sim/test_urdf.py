@@ -7,14 +7,16 @@ import trimesh
 
 from vcage.base.workers import in_processes
 from vcage.sim.robots import package_file
+from vcage.sim.shadows import SEEN
 from vcage.sim.urdf import physics_urdf, render_urdf
 
 PANDA = "mani_skill:assets/robots/panda/panda_v2.urdf"
 
 
-def faces(urdf):
-    meshes = ElementTree.parse(urdf).getroot().iterfind(".//visual//mesh")
-    return sum(len(g.faces) for m in meshes for g in trimesh.load_scene(m.attrib["filename"]).geometry.values())
+def faces(urdf, shadows=False):
+    visuals = ElementTree.parse(urdf).getroot().iterfind(".//visual")
+    meshes = [v.find("geometry/mesh").attrib["filename"] for v in visuals if (v.get("name") != SEEN) == shadows]
+    return sum(len(mesh.faces) for name in meshes for mesh in trimesh.load_scene(name).geometry.values())
 
 
 def test_the_copy_for_physics_has_collisions_and_no_visuals():
@@ -36,8 +38,13 @@ def test_two_processes_that_lack_a_copy_do_not_disturb_each_other(tmp_path):
 
 def test_the_copy_for_rendering_keeps_about_the_share_that_was_asked_for():
     source = package_file(PANDA)
-    share = faces(render_urdf(source, 0.1)) / faces(render_urdf(source, 1.0))
+    share = faces(render_urdf(source, 0.1)) / faces(render_urdf(source, 1.0), shadows=True)
     assert 0.08 < share < 0.13
+
+
+def test_every_mesh_has_a_twin_of_few_triangles_that_throws_its_shadow():
+    half = render_urdf(package_file(PANDA), 0.5)
+    assert 0 < faces(half, shadows=True) < 0.1 * faces(half)
 
 
 def test_decimated_meshes_keep_their_size_and_colours():

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import functools
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+import cv2
 import numpy as np
 
 from vcage.base.geometry import Camera, Pose, look_at
@@ -68,10 +70,15 @@ def robot_cameras(world: World) -> dict[str, Camera]:
 
 
 def _placed(world: World, camera: RobotCamera) -> Camera:
-    position = np.asarray(camera.position)
-    local = look_at(position, position + np.asarray(camera.forward), camera.up)
     carrier = world.arms[camera.arm].link_pose(camera.link) if camera.arm and camera.link else Pose()
-    return Camera(camera.width, camera.height, camera.fovy, carrier * local)
+    return Camera(camera.width, camera.height, camera.fovy, carrier * _mounted(camera))
+
+
+@functools.cache
+def _mounted(camera: RobotCamera) -> Pose:
+    """Pose of a camera on what carries it."""
+    position = np.asarray(camera.position)
+    return look_at(position, position + np.asarray(camera.forward), camera.up)
 
 
 def _take(world: World, camera: Camera | CameraRecord, near: float = NEAR) -> sapien.render.RenderCameraComponent:
@@ -89,11 +96,12 @@ def _take(world: World, camera: Camera | CameraRecord, near: float = NEAR) -> sa
 
 def _colour(world: World, component: sapien.render.RenderCameraComponent) -> np.ndarray:
     """(H, W, 3) uint8: what was drawn, and the sky, as bright as the light from everywhere, where nothing was."""
+    sky = np.round(255 * np.clip([*world.appearance.ambient, 1], 0, 1) ** (1 / 2.2)).astype(np.uint8)
     drawn = component.get_picture("Color")
-    picture, empty = np.ascontiguousarray(drawn[..., :3]), drawn[..., 3] == 0
-    if empty.any():
-        picture[empty] = np.round(255 * np.clip(world.appearance.ambient, 0, 1) ** (1 / 2.2))
-    return picture
+    # of four bytes at a time, and by OpenCV: with masks and strides, numpy takes thirty times as long
+    pixels = drawn.view(np.uint32)
+    np.putmask(pixels, pixels == 0, sky.view(np.uint32))
+    return cv2.cvtColor(drawn, cv2.COLOR_RGBA2RGB)
 
 
 def _object_ids(world: World, entities: np.ndarray) -> np.ndarray:

@@ -17,10 +17,9 @@ if TYPE_CHECKING:
 THICKNESS = 0.04
 """Thickness of the table top, metres."""
 
-SHADOW_REACH, SHADOW_TEXELS = 1.5, 640
-"""Half the side of the square that the shadow map covers, metres, and its texels along a side: 4.7 mm each. The shaders
-take the mean of three by three, so that the edge of a shadow is as wide as of 1024 texels and five by five, for a sixth
-less CPU a frame."""
+SHADOW_REACH, SHADOW_TEXELS = 1.25, 512
+"""Half the side of the square around the table that the shadow map covers, metres, and its texels along a side: 4.9 mm
+each. The shaders take the mean of three by three."""
 
 FRICTION = 0.8
 """Coulomb coefficient of the table top."""

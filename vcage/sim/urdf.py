@@ -1,22 +1,40 @@
 """URDF copies in the cache: one without visuals for physics, one with decimated visuals for rendering.
 
 Physics needs a file without visuals, because SAPIEN makes render materials while parsing, which aborts where
-there is no rendering device. Rendering time is ruled by the triangle count (see the render benchmark).
+there is no rendering device. Rendering time is ruled by the triangle count (see the render benchmark), of what is seen
+and of what throws shadows alike: a shadow needs far fewer, so that every mesh has a twin that throws it.
 """
 
 from __future__ import annotations
 
+import copy
 import hashlib
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from vcage.base.files import atomic_folder, cache_dir, sha256_file
 from vcage.base.hold import one_at_a_time
+from vcage.sim.shadows import SEEN, UNSEEN
 
-RECIPE = 1
+if TYPE_CHECKING:
+    import trimesh
+
+RECIPE = 2
 """Raised when these functions change what they write, so that older cached copies are not used."""
+
+LEAST_FACES = 200
+"""Triangles of a mesh of one material that are always kept: a finger's tip fills much of a wrist camera's picture."""
+
+SHADOW_FACES = 120
+"""Triangles of what throws the shadow of a mesh, where so few will do: its edge is three texels of 5 mm wide."""
+
+AGGRESSION = 3
+"""How much fast-simplification may collapse at a time, 0 (little) to 10. At its own, 7, pictures of the Panda with a
+tenth of its triangles differ three times as much from those of the whole as with 3 and a thirtieth, and shadows get
+holes; at 1 it stops where there are four times as many."""
 
 
 def physics_urdf(source: Path) -> Path:
@@ -25,7 +43,11 @@ def physics_urdf(source: Path) -> Path:
 
 
 def render_urdf(source: Path, faces: float) -> Path:
-    """The whole URDF, with the share ``faces`` of the triangles of its visual meshes (1: the originals)."""
+    """The whole URDF, with the share ``faces`` of the triangles of its visual meshes (1: as they came).
+
+    With less than 1, every visual mesh has a twin, invisible, that throws its shadow; the mesh itself, whose name is
+    then :data:`vcage.sim.shadows.SEEN`, need throw none.
+    """
     return _cached(source, "render", faces)
 
 
@@ -52,25 +74,64 @@ def _rewritten(source: Path, part: Path, folder: Path, faces: float | None) -> b
         path = (source.parent / mesh.attrib["filename"].removeprefix("package://")).resolve()
         mesh.set("filename", str(path))
     if faces is not None and faces < 1:
-        for mesh in root.iterfind(".//visual//mesh"):
-            path = Path(mesh.attrib["filename"])
-            small = part / f"{path.stem}.glb"
-            if not small.exists():
-                decimate(path, small, faces)
-            mesh.set("filename", str(folder / small.name))
+        for link in root.iter("link"):
+            for visual in link.findall("visual"):
+                if visual.find("geometry/mesh") is not None:
+                    link.append(_shadow_of(visual, part, folder))
+                    _lighten(visual, part, folder, faces)
     return ElementTree.tostring(root, encoding="utf-8")
+
+
+def _shadow_of(visual: ElementTree.Element, part: Path, folder: Path) -> ElementTree.Element:
+    """The visual's twin, whose mesh of few triangles is written to ``part``; from now on the visual itself has none."""
+    twin = copy.deepcopy(visual)
+    visual.set("name", SEEN)
+    for material in twin.findall("material"):
+        twin.remove(material)
+    colour = ElementTree.SubElement(ElementTree.SubElement(twin, "material", name="unseen"), "color")
+    colour.set("rgba", " ".join(str(value) for value in UNSEEN))
+    mesh = _mesh_of(twin)
+    path = Path(mesh.attrib["filename"])
+    coarse = part / f"{path.stem}.shadow.glb"
+    if not coarse.exists():
+        _write_shadow(path, coarse)
+    mesh.set("filename", str(folder / coarse.name))
+    return twin
+
+
+def _lighten(visual: ElementTree.Element, part: Path, folder: Path, faces: float) -> None:
+    """Let a visual have the share ``faces`` of its triangles."""
+    mesh = _mesh_of(visual)
+    path = Path(mesh.attrib["filename"])
+    small = part / f"{path.stem}.glb"
+    if not small.exists():
+        decimate(path, small, faces)
+    mesh.set("filename", str(folder / small.name))
+
+
+def _mesh_of(visual: ElementTree.Element) -> ElementTree.Element:
+    mesh = visual.find("geometry/mesh")
+    assert mesh is not None
+    return mesh
+
+
+def _write_shadow(source: Path, target: Path) -> None:
+    """Write a GLB with about :data:`SHADOW_FACES` triangles for the whole of ``source``."""
+    import trimesh
+
+    whole = trimesh.load_scene(source).to_mesh()
+    target.write_bytes(trimesh.Scene(_reduced(whole, SHADOW_FACES)).export(file_type="glb", include_normals=True))
 
 
 def decimate(source: Path, target: Path, share: float) -> None:
     """Write a GLB with about ``share`` of the triangles of each mesh of ``source``, with its materials.
 
-    Quadric edge collapse (Garland and Heckbert, 1997) after welding vertices; the shading stays smooth except at
-    edges sharper than 30 degrees.
+    The shading stays smooth except at edges sharper than 30 degrees.
 
     Args:
         source: a mesh file.
         target: the GLB.
-        share: of the triangles, in (0, 1].
+        share: of the triangles, in (0, 1]; a mesh keeps :data:`LEAST_FACES` anyway.
     """
     import trimesh
 
@@ -79,10 +140,19 @@ def decimate(source: Path, target: Path, share: float) -> None:
     for name in scene.graph.nodes_geometry:
         transform, geometry = scene.graph[name]
         mesh = scene.geometry[str(geometry)]
-        welded = trimesh.Trimesh(mesh.vertices, mesh.faces, process=True)
-        count = max(32, int(np.ceil(len(welded.faces) * share)))
-        reduced = welded.simplify_quadric_decimation(face_count=count) if len(welded.faces) > count else welded
+        reduced = _reduced(mesh, max(LEAST_FACES, int(np.ceil(len(mesh.faces) * share))))
         shaded = trimesh.graph.smooth_shade(reduced, angle=np.radians(30))
         shaded.visual = trimesh.visual.TextureVisuals(material=mesh.visual.material)
         small.add_geometry(shaded, node_name=name, geom_name=str(geometry), transform=transform)
     target.write_bytes(small.export(file_type="glb", include_normals=True))
+
+
+def _reduced(mesh: trimesh.Trimesh, faces: int) -> trimesh.Trimesh:
+    """A mesh with about so many triangles at most: vertices are welded, then edges collapse (Garland and Heckbert,
+    "Surface simplification using quadric error metrics", SIGGRAPH 1997)."""
+    import trimesh
+
+    welded = trimesh.Trimesh(mesh.vertices, mesh.faces, process=True)
+    if len(welded.faces) <= faces:
+        return welded
+    return welded.simplify_quadric_decimation(face_count=faces, aggression=AGGRESSION)

@@ -17,6 +17,7 @@ from vcage.sim.arms import ArmControl, build_arm
 from vcage.sim.bodies import ArticulatedObject, Body, RigidObject, add_object
 from vcage.sim.contacts import ContactNames
 from vcage.sim.render import new_render_system
+from vcage.sim.shadows import keep_one_shadow
 from vcage.sim.state import SettleReport, WorldState, pack_arrays, unpack_arrays
 from vcage.sim.surroundings import add_surroundings, add_table
 
@@ -83,6 +84,7 @@ class World:
         self._contact_names = ContactNames(self._objects, self.arms)
         if render:
             add_surroundings(self.scene, table, robot, self.appearance)
+            keep_one_shadow(self.scene)
 
     @classmethod
     def of_scene(

@@ -1,0 +1,32 @@
+from __future__ import annotations
+
+from vcage.base.geometry import Camera, look_at
+from vcage.schema.scene import Table
+from vcage.sim.appearance import Appearance
+from vcage.sim.cameras import shoot
+from vcage.sim.robots import load_robot
+from vcage.sim.shadows import SEEN
+from vcage.sim.world import World
+
+TABLE, LOOK = Table(), Appearance(light_direction=(0.0, 0.0, -1.0))
+ABOVE = Camera(64, 48, 0.5, look_at([0, 0, 2.0], [0, 0, TABLE.height], up=(0, 1, 0)))  # sees nothing but the table
+
+
+def test_what_throws_the_shadow_of_an_arm_is_not_seen_itself():
+    empty = shoot(World(TABLE, {}, appearance=LOOK, render=True), ABOVE).astype(int)
+    world = World(TABLE, {}, load_robot("dual_panda"), LOOK, render=True)
+    for body in world.scene.render_system.render_bodies:
+        for shape, node in zip(body.render_shapes, body._internal_node.children, strict=True):
+            if shape.name == SEEN:
+                node.transparency = 1.0
+    darker = empty - shoot(world, ABOVE)
+    assert darker.min() == 0 and darker[0, 0].max() == 0 and (darker.max(axis=2) > 20).mean() > 0.02
+
+
+def test_what_is_seen_of_an_arm_throws_no_shadow_of_its_own():
+    world = World(TABLE, {}, load_robot("dual_panda"), LOOK, render=True)
+    for body in world.scene.render_system.render_bodies:
+        names = [shape.name for shape in body.render_shapes]
+        thrown = [node.cast_shadow for node in body._internal_node.children]
+        assert thrown == [name != SEEN for name in names]
+        assert SEEN not in names or any(thrown)
