@@ -12,6 +12,7 @@ import tempfile
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -162,7 +163,7 @@ class _Making:
         return run_episode(setting, self._chain, self._recipe.seed)
 
     def _draw(self, done: EpisodeRun, objects: Sequence[SceneObject], rng: np.random.Generator, path: Path) -> int:
-        look = Appearance.random(rng, [table_texture(name) for name in TABLES])
+        look = Appearance.random(rng, [partial(table_texture, name) for name in TABLES])
         done.log.frames = done.log.frames[:FRAMES]
         world = self._world(objects, look)
         facts = {

@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
@@ -19,6 +21,6 @@ def test_variations_stay_moderate(seed):
 
 
 def test_a_texture_is_chosen_from_those_given():
-    textures = [np.full((2, 2, 3), i, np.uint8) for i in range(3)]
+    textures = [partial(np.full, (2, 2, 3), i, np.uint8) for i in range(3)]
     chosen = {int(Appearance.random(np.random.default_rng(s), textures).table_texture[0, 0, 0]) for s in range(30)}
     assert chosen == {0, 1, 2}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -35,12 +35,12 @@ class Appearance:
     shadows: bool = True
 
     @classmethod
-    def random(cls, rng: np.random.Generator, textures: Sequence[np.ndarray] = ()) -> Appearance:
+    def random(cls, rng: np.random.Generator, textures: Sequence[Callable[[], np.ndarray]] = ()) -> Appearance:
         """A moderate variation: direction, strength and warmth of the light, table texture, floor and wall.
 
         Args:
             rng: source of every choice.
-            textures: table pictures to choose from; the plain table colour varies when there are none.
+            textures: paint the table pictures to choose from; the plain table colour varies when there are none.
         """
         heading, slant = rng.uniform(-np.pi + 0.4, -0.4), rng.uniform(0.25, 0.6)
         strength, warmth = rng.uniform(1.3, 1.8), rng.uniform(-0.08, 0.08)
@@ -49,7 +49,7 @@ class Appearance:
         tint = rng.uniform(0.9, 1.1, size=(2, 3))
         base = cls()
         return cls(
-            table_texture=textures[int(rng.integers(len(textures)))] if textures else None,
+            table_texture=textures[int(rng.integers(len(textures)))]() if textures else None,
             table_colour=_colour(np.array(base.table_colour) * rng.uniform(0.7, 1.3)),
             floor_colour=_colour(floor * tint[0]),
             wall_colour=_colour(wall * tint[1]),

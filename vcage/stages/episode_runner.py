@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 import platform
 from collections.abc import Iterator, Mapping
+from functools import partial
 from importlib import metadata
 from pathlib import Path
 from typing import Any
@@ -76,7 +77,7 @@ class EpisodeRunner:
         rng = np.random.default_rng([self._stage.seed, index])
         objects = self._context.objects(self._scene)
         objects = [o.moved(pose) for o, pose in zip(objects, shifted_poses(objects, rng).values(), strict=True)]
-        look = Appearance.random(rng, [table_texture(name) for name in TABLES])
+        look = Appearance.random(rng, [partial(table_texture, name) for name in TABLES])
         scene = self._scene.model_copy(
             update={"objects": [o.record.model_copy(update={"pose": PoseRecord.of(o.pose)}) for o in objects]}
         )

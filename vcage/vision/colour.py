@@ -82,9 +82,10 @@ def to_lab(picture: np.ndarray) -> np.ndarray:
 
 def distance(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """(...) colour distance of Lab arrays (..., 3), lightness counting less."""
-    delta = a - b
-    delta = delta * np.array([LIGHTNESS_WEIGHT, 1, 1], dtype=np.float32)
-    return np.sqrt((delta * delta).sum(axis=-1))
+    # channel by channel: sums along an axis of three take numpy six times as long
+    lightness, green_red, blue_yellow = np.moveaxis(a - b, -1, 0)
+    lightness = lightness * np.float32(LIGHTNESS_WEIGHT)
+    return np.sqrt(lightness * lightness + green_red * green_red + blue_yellow * blue_yellow)
 
 
 def palette(colours: np.ndarray, count: int = 4) -> tuple[np.ndarray, np.ndarray]:
