@@ -172,11 +172,16 @@ def _fill(store: EpisodeStore, options: Options, context: StageContext, progress
 
 def _crew(options: Options, wanted: int, context: StageContext) -> ThisProcess[_Task, _Done] | Processes[_Task, _Done]:
     """Who runs the episodes; one that does all works in this process, with what it has loaded already."""
-    workers = min(options.workers or min(cores(), free_memory() // OF_A_PROCESS), wanted)
+    workers = min(options.workers or min(_enough(wanted), free_memory() // OF_A_PROCESS), wanted)
     if workers <= 1:
         runner = cache(partial(_runner, context=context))
         return ThisProcess(lambda task: runner(task.run, task.options).one(task.index, task.folder))
     return Processes(_in_process, workers, SILENT * options.episode_limit + START)
+
+
+def _enough(wanted: int) -> int:
+    """As many processes as there are cores; one more where the last episodes would leave some of these idle."""
+    return cores() + (wanted % cores() > 0)
 
 
 def _in_process(task: _Task) -> _Done:

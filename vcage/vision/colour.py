@@ -106,7 +106,7 @@ def palette(colours: np.ndarray, count: int = 4) -> tuple[np.ndarray, np.ndarray
 
 
 def palette_distance(lab: np.ndarray, centres: np.ndarray) -> np.ndarray:
-    """(H, W) distance of each pixel to the nearest palette colour."""
+    """(...) distance of each pixel (..., 3) to the nearest palette colour."""
     return np.min([distance(lab, centre) for centre in centres.astype(np.float32)], axis=0)
 
 

@@ -98,8 +98,9 @@ def gather(
     old_mask, new_mask = (mask_at(receptacle, fit.poses[0]) for fit in (old_place, new_place))
     standing += components(change & ~old_mask, MIN_AREA * change.size)
     old = _object(image, thing, change, old_mask, _middles(standing))
-    unlike_before, unlike_after = (_unlikeness(lab, moved) for lab in (lab_before, lab_after))
-    new = change & (unlike_after < ALIKE) & (unlike_after < unlike_before)
+    unlike_before, unlike_after = (_unlikeness(lab[change], moved) for lab in (lab_before, lab_after))
+    new = np.zeros_like(change)
+    new[change] = (unlike_after < ALIKE) & (unlike_after < unlike_before)
     area = float(old.sum())
     within = _grown(new_mask, 0.006 / receptacle.pixel)
     elsewhere = new & ~within & ~_grown(old, 0.004 / thing.pixel)
@@ -177,7 +178,7 @@ def _changed(before: np.ndarray, after: np.ndarray) -> np.ndarray:
 
 
 def _unlikeness(lab: np.ndarray, reference: Reference) -> np.ndarray:
-    """(H, W) colour distance of each pixel to the reference's main colours, in light or in shade."""
+    """(n,) colour distance of each of the pixels (n, 3) to the reference's main colours, in light or in shade."""
     colours = to_lab(np.ascontiguousarray(reference.picture[..., :3]))[reference.picture[..., 3] > 200]
     centres, shares = palette(colours)
     centres = centres[shares > 0.08]
