@@ -4,7 +4,7 @@ import time
 
 import pytest
 
-from vcage.base.time_limit import TimeIsUp, time_limit
+from vcage.base.time_limit import TimeIsUp, time_limit, undisturbed
 
 
 def test_what_takes_too_long_is_interrupted_past_every_handler_of_errors():
@@ -20,3 +20,20 @@ def test_what_is_quick_enough_is_not_interrupted():
     with time_limit(0.2):
         pass
     time.sleep(0.3)
+
+
+def test_what_is_undisturbed_is_done_before_the_time_is_up():
+    done = []
+    with pytest.raises(TimeIsUp), time_limit(0.05):
+        with undisturbed(), undisturbed():
+            time.sleep(0.1)
+            done.append("inside")
+        done.append("after")
+    assert done == ["inside"]
+
+
+def test_a_time_that_was_up_is_not_held_against_the_next():
+    with pytest.raises(TimeIsUp), time_limit(0.05), undisturbed():
+        time.sleep(0.1)
+    with time_limit(5.0), undisturbed():
+        pass

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import signal
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 
@@ -11,15 +12,24 @@ class TimeIsUp(BaseException):
     """Raised inside :func:`time_limit`; no handler of errors stops it on its way."""
 
 
+class _Held:
+    """How many :func:`undisturbed` blocks are open, and whether the time was up meanwhile."""
+
+    depth = 0
+    rung = False
+
+
 @contextmanager
 def time_limit(seconds: float) -> Iterator[None]:
     """Raise :class:`TimeIsUp` in the block when it takes longer; in the main thread of a process alone.
 
-    Code outside Python is not interrupted: the block ends when that returns.
+    Code outside Python is not interrupted, nor is what is :func:`undisturbed`: the block ends when that returns.
     """
 
     def ring(_number: int, _frame: object) -> None:
-        raise TimeIsUp
+        if not _Held.depth:
+            raise TimeIsUp
+        _Held.rung = True
 
     before = signal.signal(signal.SIGALRM, ring)
     signal.setitimer(signal.ITIMER_REAL, seconds)
@@ -28,3 +38,23 @@ def time_limit(seconds: float) -> Iterator[None]:
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0)
         signal.signal(signal.SIGALRM, before)
+        _Held.rung = False
+
+
+@contextmanager
+def undisturbed() -> Iterator[None]:
+    """Keep :class:`TimeIsUp` back until the end of what must not be left half done (a block or a decorated function).
+
+    So is drawing: a world that goes away while the driver still draws it takes the whole process with it.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    _Held.depth += 1
+    try:
+        yield
+    finally:
+        _Held.depth -= 1
+        if _Held.rung and not _Held.depth:
+            _Held.rung = False
+            raise TimeIsUp

@@ -10,6 +10,7 @@ import cv2
 import numpy as np
 
 from vcage.base.geometry import Camera, Pose, look_at
+from vcage.base.time_limit import undisturbed
 from vcage.schema.base import CameraRecord
 from vcage.schema.robot import RobotCamera
 from vcage.sim.poses import to_sapien
@@ -37,11 +38,13 @@ class Shot:
     depth: np.ndarray
 
 
+@undisturbed()
 def shoot(world: World, camera: Camera | CameraRecord) -> np.ndarray:
     """(H, W, 3) uint8 picture of a world made with ``render=True``."""
     return _colour(world, _take(world, camera))
 
 
+@undisturbed()
 def observe(world: World, camera: Camera | CameraRecord, near: float = NEAR) -> Shot:
     """Colour, segmentation and depth of the same moment.
 

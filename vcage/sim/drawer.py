@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 
 from vcage.base.geometry import Camera, Pose, look_at
+from vcage.base.time_limit import undisturbed
 from vcage.schema.asset import PhysicalModel
 from vcage.schema.scene import Table
 from vcage.sim.appearance import Appearance
@@ -87,6 +88,7 @@ class ModelDrawer:
         """What an object looks like; None for one that has no model here."""
         return self._models.get(object_id)
 
+    @undisturbed()
     def draw(self, object_id: str, pose: Pose, camera: Camera, window: Window) -> Drawing:
         """The object alone at a pose, as the camera sees it through the window.
 
