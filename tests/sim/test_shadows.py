@@ -1,8 +1,13 @@
 from __future__ import annotations
 
-from vcage.base.geometry import Camera, look_at
+import numpy as np
+import trimesh
+
+from vcage.base.geometry import Camera, Pose, look_at
 from vcage.schema.scene import Table
+from vcage.sim import bodies
 from vcage.sim.appearance import Appearance
+from vcage.sim.bodies import Body
 from vcage.sim.cameras import shoot
 from vcage.sim.robots import load_robot
 from vcage.sim.shadows import SEEN
@@ -10,6 +15,10 @@ from vcage.sim.world import World
 
 TABLE, LOOK = Table(), Appearance(light_direction=(0.0, 0.0, -1.0))
 ABOVE = Camera(64, 48, 0.5, look_at([0, 0, 2.0], [0, 0, TABLE.height], up=(0, 1, 0)))  # sees nothing but the table
+
+
+def shapes(world):
+    return world.scene.render_system.render_bodies[0].render_shapes
 
 
 def test_what_throws_the_shadow_of_an_arm_is_not_seen_itself():
@@ -30,3 +39,15 @@ def test_what_is_seen_of_an_arm_throws_no_shadow_of_its_own():
         thrown = [node.cast_shadow for node in body._internal_node.children]
         assert thrown == [name != SEEN for name in names]
         assert SEEN not in names or any(thrown)
+
+
+def test_an_object_of_many_triangles_throws_the_shadow_of_its_hulls(models, tmp_path, monkeypatch):
+    cube = models["cube"]
+    fine = trimesh.creation.box(np.array(cube.upper) - np.array(cube.lower)).subdivide().subdivide().subdivide()
+    fine.export(tmp_path / "fine.glb")
+    body = Body(cube.model_copy(update={"visual": str(tmp_path / "fine.glb")}), Pose([0, 0, TABLE.height + 0.05]))
+    hulls = World(TABLE, {"cube": body}, appearance=LOOK, render=True)
+    monkeypatch.setattr(bodies, "FAR_FEWER", np.inf)
+    itself = World(TABLE, {"cube": body}, appearance=LOOK, render=True)
+    assert len(shapes(itself)) == 1 and len(shapes(hulls)) == 1 + len(cube.hulls)
+    assert np.abs(shoot(hulls, ABOVE).astype(int) - shoot(itself, ABOVE)).max() <= 2

@@ -16,6 +16,7 @@ from vcage.base.geometry import Pose
 from vcage.schema.asset import MovingLink, PhysicalModel
 from vcage.sim.joints import joint_positions
 from vcage.sim.poses import from_sapien, to_sapien
+from vcage.sim.shadows import SEEN, unseen_material
 
 if TYPE_CHECKING:
     import sapien
@@ -24,6 +25,9 @@ Loaded = TypeVar("Loaded")
 
 REST_SPEED, REST_SPIN = 0.005, 0.05
 """Below these a part counts as at rest: m/s, rad/s."""
+
+FAR_FEWER = 3
+"""How many times fewer: hulls share no vertices between their triangles."""
 
 
 @dataclass(frozen=True)
@@ -222,10 +226,28 @@ def _entity(
     _make_solid(component, part.hulls, part.mass, friction)
     entity.add_component(component)
     if render:
-        visual = sapien.render.RenderBodyComponent()
-        visual.attach(_load(sapien.render.RenderShapeTriangleMesh, part.visual))
-        entity.add_component(visual)
+        entity.add_component(_visual(part))
     return entity
+
+
+def _visual(part: PhysicalModel | MovingLink) -> sapien.render.RenderBodyComponent:
+    """The mesh that is seen; the shadow is thrown by the hulls where they have far fewer triangles."""
+    import sapien
+
+    mesh = sapien.render.RenderShapeTriangleMesh
+    seen = _load(mesh, part.visual)
+    hulls = [_load(mesh, path, scale=[1, 1, 1], material=unseen_material()) for path in part.hulls]
+    body = sapien.render.RenderBodyComponent()
+    body.attach(seen)
+    if hulls and FAR_FEWER * sum(_triangles(hull) for hull in hulls) < _triangles(seen):
+        seen.name = SEEN
+        for hull in hulls:
+            body.attach(hull)
+    return body
+
+
+def _triangles(shape: sapien.render.RenderShapeTriangleMesh) -> int:
+    return sum(len(part.triangles) for part in shape.parts)
 
 
 def _make_solid(
