@@ -153,3 +153,11 @@ def test_a_damaged_by_product_does_not_matter(finished, tmp_path):
     run = copied(finished.run, tmp_path / "run", before="inpaint_plan")
     run.timings.write_text("[1, 2")
     assert "Timings" not in Page(write_report(run).read_text(encoding="utf-8")).headings
+
+
+def test_only_the_first_accepted_episodes_have_their_videos_in_it(finished, tmp_path, monkeypatch):
+    accepted = [e for e in Episodes.read(finished.run.episodes).episodes if e.accepted]
+    monkeypatch.setattr("vcage.apps.report.page.PREVIEWED", len(accepted) - 1)
+    page = Page(write_report(copied(finished.run, tmp_path / "run")).read_text(encoding="utf-8"))
+    assert len(page.of("video")) == len(accepted) - 1
+    assert f"The first {len(accepted) - 1} accepted ones" in page.text

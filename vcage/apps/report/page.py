@@ -34,6 +34,9 @@ D = TypeVar("D", bound=StageDocument)
 
 JPEG_QUALITY = 88
 
+PREVIEWED = 12
+"""Accepted episodes, the first ones, that are shown as videos: no browser opens a page that holds hundreds of them."""
+
 
 def write_report(run: RunFolder) -> Path:
     """Write ``report.html`` of a run, whole or partly done.
@@ -86,6 +89,7 @@ def _context(run: RunFolder) -> dict[str, Any]:
         "name": run.root.name,
         "pictures": _stage_pictures(run),
         "cards": _episode_cards(run, episodes),
+        "previewed": PREVIEWED,
         "rejections": rejections,
         "refused": [_verdict_card(run, a.verdict, a.subtask) for a in rejections if a.verdict],
         "timings": read_timings(run),
@@ -118,9 +122,10 @@ def _stage_pictures(run: RunFolder) -> list[dict[str, str]]:
 
 def _episode_cards(run: RunFolder, episodes: Episodes | None) -> list[dict[str, Any]]:
     shown = episodes.episodes if episodes else []
-    files = {e.index: run.root / e.file for e in shown if e.file and (run.root / e.file).is_file()}
-    videos = dict(zip(files, previews([(files[e.index], e.fps) for e in shown if e.index in files]), strict=True))
-    return [_episode_card(run, episode, videos.get(episode.index)) for episode in shown]
+    seen = [e for e in shown if e.accepted and e.file and (run.root / e.file).is_file()][:PREVIEWED]
+    videos = previews([(run.root / str(e.file), e.fps) for e in seen])
+    by_index = {e.index: video for e, video in zip(seen, videos, strict=True)}
+    return [_episode_card(run, episode, by_index.get(episode.index)) for episode in shown]
 
 
 def _episode_card(run: RunFolder, episode: Episode, video: str | None) -> dict[str, Any]:
