@@ -11,7 +11,7 @@ import torch
 from tests.recordings import clip
 from vcage.base.errors import MissingDependency, UnknownName
 from vcage.video._torchvision_shim import GaussianBlur
-from vcage.video.jod import JodMetric
+from vcage.video.jod import JodMetric, require_display
 
 
 @pytest.fixture(scope="module")
@@ -53,6 +53,14 @@ def test_the_number_of_threads_of_torch_is_left_as_it_was(metric):
     before = torch.get_num_threads()
     metric.loss(clip(1), clip(1))
     assert torch.get_num_threads() == before
+
+
+def test_displays_of_a_folder_of_ones_own_are_known(monkeypatch, tmp_path):
+    (tmp_path / "display_models.json").write_text('{"cinema": {}}')
+    monkeypatch.setenv("CVVDP_PATH", str(tmp_path))
+    require_display("cinema")
+    with pytest.raises(UnknownName, match="cinema"):
+        require_display("standard_fhd")
 
 
 def test_a_missing_cvvdp_says_what_to_install(monkeypatch):

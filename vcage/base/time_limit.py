@@ -55,6 +55,5 @@ def undisturbed() -> Iterator[None]:
         yield
     finally:
         _Held.depth -= 1
-        if _Held.rung and not _Held.depth:
-            _Held.rung = False
-            raise TimeIsUp
+    if _Held.rung and not _Held.depth:
+        raise TimeIsUp

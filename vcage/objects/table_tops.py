@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from vcage.base.errors import UnknownName
-from vcage.base.files import cache_dir, cache_path
+from vcage.base.files import cache_dir
 from vcage.base.pictures import read_picture, write_picture
 from vcage.objects.modelling import materials, noise
 from vcage.objects.modelling.noise import blend, clouds, over, shaded
@@ -27,9 +27,8 @@ def table_texture(name: str) -> np.ndarray:
     """
     if name not in TABLES:
         raise UnknownName("table texture", name, TABLES)
-    kept = cache_path("textures", f"{name}-{_painters()}.png")
+    kept = cache_dir("textures") / f"{name}-{_painters()}.png"
     if not kept.is_file():
-        cache_dir("textures")
         write_picture(kept, TABLES[name](np.random.default_rng(len(name))))
     picture = read_picture(kept)
     picture.flags.writeable = False

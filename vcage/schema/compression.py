@@ -20,7 +20,7 @@ class Evaluation(Record):
     pixel_format: str
     gop: int
     crf: int | None = Field(description="none: without loss")
-    loss_max: Finite = Field(description="largest JOD loss over the scored frames")
+    loss_max: Finite = Field(description="largest JOD loss over the frames that were scored in it")
     loss_mean: Finite
     frames: int = Field(description="that were encoded")
     bytes: int = Field(description="of these")
@@ -72,7 +72,7 @@ class FindingRecord(Document):
     pixel_format: str
     gop: int
     crf: int | None = Field(description="the highest that passes; none: without loss")
-    loss: Finite = Field(description="largest JOD loss over the scored frames at that CRF")
+    loss: Finite = Field(description="largest JOD loss over the frames that were scored at that CRF")
     evaluations: list[Evaluation]
 
 

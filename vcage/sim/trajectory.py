@@ -157,6 +157,8 @@ class _Profile:
         profile = cls._on(path, s, limits)
         for _ in range(ROUNDS):
             excess = np.maximum(profile.excess(limits), 1.0)
+            if excess.max() == 1.0:
+                break
             limits.used = limits.used / np.maximum(np.append(excess, 1.0), np.append(1.0, excess))
             profile = cls._on(path, s, limits)
         return profile

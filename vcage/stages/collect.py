@@ -59,7 +59,8 @@ class Options(ModelOptions):
     fps: Literal[5, 10, 25, 50] = 10
     """frames per second of the recording"""
     workers: Annotated[int | None, POSITIVE, UNSAID] = None
-    """processes that collect (default: as many as cores, memory and the episodes that are wanted allow)"""
+    """processes that collect (default: as many as cores and memory allow; one more for a few episodes that these cannot
+    share evenly)"""
     episode_limit: Annotated[float, POSITIVE] = 900.0
     """seconds after which an episode is given up"""
 
@@ -180,8 +181,8 @@ def _crew(options: Options, wanted: int, context: StageContext) -> ThisProcess[_
 
 
 def _enough(wanted: int) -> int:
-    """As many processes as there are cores; one more where the last episodes would leave some of these idle."""
-    return cores() + (wanted % cores() > 0)
+    """As many processes as there are cores; one more where a few episodes would leave some of these idle for long."""
+    return cores() + (cores() < wanted < 2 * cores())
 
 
 def _in_process(task: _Task) -> _Done:

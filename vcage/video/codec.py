@@ -3,8 +3,8 @@
 Colour: the pictures are converted with the BT.601 matrix in limited range, and tagged so. That matrix is what readers
 assume that ignore the tag (OpenCV, swscale's default), so they and those that honour it show the same colours.
 
-The same frames and settings give the same bytes on every machine: each encoder has one thread, and x265's info message,
-which names the machine, is left out. A process for each core, with a video of its own, is quicker anyway.
+The same frames and settings give the same bytes on any number of cores: each encoder has one thread, and x265's info
+message, which names the machine, is left out. Cores are kept busy by videos side by side.
 """
 
 from __future__ import annotations

@@ -110,7 +110,10 @@ def require_display(name: str) -> None:
         raise MissingDependency("ColorVideoVDP is not installed", hint=SET_UP)
     own = Path(package.origin).parent / "vvdp_data"
     folders = [Path(os.environ.get("CVVDP_PATH", own)), own]
-    displays = json.loads(next(f / DISPLAYS for f in folders if (f / DISPLAYS).is_file()).read_text())
+    found = next((folder / DISPLAYS for folder in folders if (folder / DISPLAYS).is_file()), None)
+    if found is None:
+        raise MissingDependency(f"ColorVideoVDP has no {DISPLAYS}", hint=SET_UP)
+    displays = json.loads(found.read_text())
     if name not in displays:
         raise UnknownName("display", name, sorted(displays))
 

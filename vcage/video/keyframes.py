@@ -121,6 +121,7 @@ def gripper_midpoints(commands: NDArray[np.float64]) -> list[int]:
 
 def motion_peaks(speed: NDArray[np.float64]) -> list[int]:
     """Local maxima of (T − 1,) ‖a(t) − a(t−1)‖₂ as frames t, fastest first; of a plateau its middle."""
+    # scipy.signal finds peaks too, but its import takes a second in every process that compresses;
     # zeros around it make a peak of motion that begins at once or lasts to the end
     padded = np.concatenate([[0.0], speed, [0.0]])
     starts = np.concatenate([[0], np.flatnonzero(np.diff(padded)) + 1])

@@ -1,7 +1,7 @@
 """The cheapest encoding of a clip whose loss stays under a threshold (paper, section III-D, "Perception-Driven CRF").
 
-Each trial encodes with the settings of production, decodes as a reader would, and scores the decoded keyframes against
-the originals; it encodes no more than these take (:mod:`vcage.video.excerpt`). The paper searches the CRF alone; here
+Each trial encodes with the settings of production, decodes as a reader would, and scores decoded keyframes against the
+originals; it encodes no more than these take (:mod:`vcage.video.excerpt`). The paper searches the CRF alone; here
 the pixel format and the GOP are part of it. What is found is then encoded as a whole and looked at again:
 :mod:`vcage.video.settling`.
 """
@@ -31,8 +31,8 @@ class Finding:
     Args:
         settings: the encoder's.
         crf: the highest CRF that passes; None when not even the best quality does.
-        loss: at that CRF, largest over the scored frames, JOD.
-        best: the settings with the pixel format that loses least, which has its turn where the other fails.
+        loss: at that CRF, largest over the frames that were scored at it, JOD.
+        best: the settings with the first of the codec's pixel formats, which has its turn where another fails.
         trials: all that was tried, in order.
     """
 
@@ -46,32 +46,26 @@ class Finding:
 def find_encoding(judge: Judge, choices: Choices) -> Finding:
     """Find the encoding of one clip with the fewest bytes with which its keyframes pass.
 
-    The best pixel format and the first GOP are searched for the highest CRF that passes; the others are tried at that
-    CRF, and taken where they pass with fewer bytes.
+    The first of the codec's pixel formats and the first GOP are searched for the highest CRF that passes; the others
+    are tried at that CRF, and taken where they pass with fewer bytes.
 
     Raises:
         UsageError: the pictures' size fits none of the pixel formats, or nothing passes and the codec has no lossless
             form.
         MissingDependency: the encoder is missing.
     """
-    best, *others = _formats(judge, choices)
+    height, width = judge.frames.shape[1:3]
+    best, *others = formats_for(choices.settings(), width, height, choices.pixel_formats)
     first = choices.settings(best)
     start = first.facts.first_crf if choices.upper is None else choices.highest
     crf = judge.highest(first, judge.keyframes, choices.highest, start, choices.gops)
     if crf is None:
         require_lossless(judge, first)
         return Finding(first, None, 0.0, first, judge.trials)
-    settings = _cheapest(judge, choices, first, crf, others)
+    settings = _cheapest(judge, choices, first, crf, [name for name in others if _hopeful(judge, name)])
     chosen = settings.pixel_format, settings.gop, crf
     loss = next(t.loss_max for t in reversed(judge.trials) if (t.pixel_format, t.gop, t.crf) == chosen)
     return Finding(settings, crf, loss, first, judge.trials)
-
-
-def _formats(judge: Judge, choices: Choices) -> list[str]:
-    """Pixel formats worth a trial: the best, and others whose conversion alone leaves room for an encoder's loss."""
-    height, width = judge.frames.shape[1:3]
-    best, *others = formats_for(choices.settings(), width, height, choices.pixel_formats)
-    return [best, *(name for name in others if _hopeful(judge, name))]
 
 
 def _hopeful(judge: Judge, pixel_format: str) -> bool:
