@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import logging
 import platform
 from collections.abc import Iterator, Mapping
@@ -72,6 +73,8 @@ class EpisodeRunner:
             logger.warning("episode %d: %s", index, reason)
             fps = self._stage.options["fps"]
             return Episode(index=index, seed=self._stage.seed, accepted=False, reason=reason, fps=fps), []
+        finally:
+            gc.collect()  # worlds refer to themselves, and Python does not count what a driver holds for them
 
     def _run(self, index: int, folder: Path) -> tuple[Episode, list[Attempt]]:
         rng = np.random.default_rng([self._stage.seed, index])
