@@ -38,8 +38,8 @@ OnFailure = Literal["resample", "abort"]
 RUNS_PER_EPISODE = 3
 """Episodes that are tried for each that is wanted, before the collection gives up."""
 
-OF_A_PROCESS = 1_500_000_000
-"""Bytes of memory that there must be for a process that collects."""
+OF_A_PROCESS = 1_000_000_000
+"""Bytes of memory that there must be for a process that collects; measured, it takes half of them."""
 
 SILENT, START = 1.5, 60.0
 """A process is taken to hang, and is ended, after this many times the limit of an episode and so many seconds for its
@@ -59,8 +59,7 @@ class Options(ModelOptions):
     fps: Literal[5, 10, 25, 50] = 10
     """frames per second of the recording"""
     workers: Annotated[int | None, POSITIVE, UNSAID] = None
-    """processes that collect (default: as many as cores and memory allow; one more for a few episodes that these cannot
-    share evenly)"""
+    """processes that collect (default: as many as cores, memory and the episodes that are wanted allow)"""
     episode_limit: Annotated[float, POSITIVE] = 900.0
     """seconds after which an episode is given up"""
 
@@ -173,16 +172,11 @@ def _fill(store: EpisodeStore, options: Options, context: StageContext, progress
 
 def _crew(options: Options, wanted: int, context: StageContext) -> ThisProcess[_Task, _Done] | Processes[_Task, _Done]:
     """Who runs the episodes; one that does all works in this process, with what it has loaded already."""
-    workers = min(options.workers or min(_enough(wanted), free_memory() // OF_A_PROCESS), wanted)
+    workers = min(options.workers or min(cores(), free_memory() // OF_A_PROCESS), wanted)
     if workers <= 1:
         runner = cache(partial(_runner, context=context))
         return ThisProcess(lambda task: runner(task.run, task.options).one(task.index, task.folder))
     return Processes(_in_process, workers, SILENT * options.episode_limit + START)
-
-
-def _enough(wanted: int) -> int:
-    """As many processes as there are cores; one more where a few episodes would leave some of these idle for long."""
-    return cores() + (cores() < wanted < 2 * cores())
 
 
 def _in_process(task: _Task) -> _Done:

@@ -46,9 +46,9 @@ X265_EFFORTS: dict[Effort, dict[str, str | int]] = {
 splits blocks and their transforms, and into what shapes.
 
 Measured on three clips of 320x240 at the same loss, in the encoder's own time: against exact weighing, a wider look and
-transforms split twice, ``default`` takes a tenth more bytes in two thirds of the time; without rectangular blocks it
-would be another seventh, and with no block smaller than 16 pixels it is half as many bytes again in less than half the
-time. What the efforts come to is in the README."""
+transforms split twice, ``default`` takes an eighth more bytes in seven tenths of the time. Without rectangular blocks
+it would be another seventh, and with no block smaller than 16 pixels it is half as many bytes again in less than half
+the time. What the efforts come to is in the README."""
 
 
 @dataclass(frozen=True)

@@ -2,27 +2,12 @@
 
 from __future__ import annotations
 
-import json
-from pathlib import Path
-from typing import Any
-
 import pytest
 
+from tests.cli.command import run
 from tests.objects.importers.conftest import Rigid
-from vcage.cli.main import main
 
-
-@pytest.fixture(autouse=True)
-def data(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.setenv("VCAGE_DATA", str(tmp_path / "data"))
-    return tmp_path / "data"
-
-
-def run(capsys: pytest.CaptureFixture[str], *arguments: object) -> tuple[int, dict[str, Any], str]:
-    """Exit code, the last line as a record, and the lines before it."""
-    code = main([str(x) for x in arguments])
-    *lines, last = capsys.readouterr().out.splitlines()
-    return code, json.loads(last), "\n".join(lines)
+pytestmark = pytest.mark.usefixtures("data")
 
 
 def test_objects_are_imported_where_the_library_finds_them(tmp_path, data, capsys):
