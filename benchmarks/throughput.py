@@ -5,17 +5,18 @@ from __future__ import annotations
 import argparse
 import json
 import logging
-import os
 import re
 import subprocess
 import sys
 import tempfile
 import time
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import psutil
 
 from vcage.base.errors import VcageError
 from vcage.base.files import RunFolder
@@ -93,16 +94,21 @@ class _Watch:
 
     Args:
         peak: most bytes that each held, by process.
+        used: seconds of all cores that each used, by process.
         samples: episodes that were finished, and bytes that the largest process held then.
     """
 
     peak: dict[int, int] = field(default_factory=dict)
+    used: dict[int, float] = field(default_factory=dict)
     samples: list[tuple[int, int]] = field(default_factory=list)
 
     def look(self, process: int, episodes: int) -> None:
-        held = [_memory(pid, "VmRSS") for pid in (process, *_children(process))]
-        for pid in (process, *_children(process)):
-            self.peak[pid] = max(self.peak.get(pid, 0), _memory(pid, "VmHWM"))
+        held = [0]
+        for one in _processes(process):
+            held.append(_memory(one.pid, "VmRSS"))
+            self.peak[one.pid] = max(self.peak.get(one.pid, 0), _memory(one.pid, "VmHWM"))
+            with suppress(psutil.NoSuchProcess):
+                self.used[one.pid] = sum(one.cpu_times()[:2])
         self.samples.append((episodes, max(held)))
 
     def growth(self) -> float:
@@ -120,11 +126,10 @@ def _collected(first: RunFolder, folder: Path, workers: int, episodes: int) -> d
     command = _command("collect", "--run", folder, "--episodes", str(episodes), "--workers", str(workers))
     process = subprocess.Popen([*command, "--models", "offline"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     log = folder / "episodes.collecting" / "episodes.json"
-    while (ended := os.wait4(process.pid, os.WNOHANG))[0] == 0:
+    while process.poll() is None:
         watch.look(process.pid, len(json.loads(log.read_text())["episodes"]) if log.exists() else 0)
         time.sleep(WATCHED)
-    elapsed, used = time.perf_counter() - start, ended[2]
-    process.returncode = os.waitstatus_to_exitcode(ended[1])
+    elapsed, used = time.perf_counter() - start, sum(watch.used.values())
     if process.returncode != 0:
         raise VcageError(f"vcage collect ended with {process.returncode}")
     verified = sum(episode.accepted for episode in Episodes.read(run.episodes).episodes)
@@ -133,17 +138,19 @@ def _collected(first: RunFolder, folder: Path, workers: int, episodes: int) -> d
         "verified": verified,
         "episodes_per_hour": round(3600 * verified / elapsed, 1),
         "seconds": round(elapsed, 1),
-        "cpu_seconds": round(used.ru_utime + used.ru_stime, 1),
-        "cpu_share": round((used.ru_utime + used.ru_stime) / elapsed / cores(), 2),
+        "cpu_seconds": round(used, 1),
+        "cpu_share": round(used / elapsed / cores(), 2),
         "peak_mb": round(max(watch.peak.values()) / 1e6),
         "mb_per_episode": round(watch.growth() / 1e6, 2),
     }
 
 
-def _children(process: int) -> list[int]:
+def _processes(process: int) -> list[psutil.Process]:
+    """A process and all that it started, and these started, which still run."""
     try:
-        return [int(pid) for pid in Path(f"/proc/{process}/task/{process}/children").read_text().split()]
-    except OSError:
+        first = psutil.Process(process)
+        return [first, *first.children(recursive=True)]
+    except psutil.NoSuchProcess:
         return []
 
 

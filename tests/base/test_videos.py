@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from tests.recordings import FPS, clip
 from vcage.base.errors import DamagedFile, UsageError
-from vcage.base.videos import codec_name, decode, frame_count, frame_rate, frame_times, pictures
+from vcage.base.videos import codec_name, decode, decoded_count, frame_count, frame_rate, frame_times, pictures
 from vcage.video.codec import EncoderSettings, encode
 
 FRAMES = 40
@@ -80,7 +80,7 @@ def test_pictures_come_one_by_one_as_in_the_whole_video(videos, name):
     path, whole = videos[name]
     assert all(np.array_equal(*pair) for pair in zip(pictures(path), whole, strict=True))
     assert np.array_equal(decode(path), whole)
-    assert frame_count(path) == FRAMES
+    assert frame_count(path) == decoded_count(path) == FRAMES
 
 
 @pytest.mark.parametrize("name", [*OTHERS, *OURS])
@@ -131,7 +131,12 @@ def test_a_video_says_how_it_is_encoded(videos, name, codec):
     assert codec_name(videos[name][0]) == codec
 
 
-READERS = {"decode": decode, "one": lambda path: decode(path, [0]), "pictures": lambda path: list(pictures(path))}
+READERS = {
+    "decode": decode,
+    "one": lambda path: decode(path, [0]),
+    "pictures": lambda path: list(pictures(path)),
+    "count": decoded_count,
+}
 READERS["count"] = frame_count
 
 

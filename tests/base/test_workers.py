@@ -11,6 +11,7 @@ import sys
 import time
 from pathlib import Path
 
+import psutil
 import pytest
 from threadpoolctl import threadpool_info
 
@@ -139,6 +140,46 @@ def test_what_a_process_logs_is_logged_here(caplog):
     assert {record.name for record in caplog.records} == {"vcage.elsewhere"}
 
 
+def environment_of(_task: int) -> str | None:
+    return os.environ.get("VCAGE_OF_THIS_TEST")
+
+
+def test_a_process_has_the_environment_that_this_one_has_when_it_begins(monkeypatch):
+    assert answers(environment_of, [0], 1) == [None]
+    monkeypatch.setenv("VCAGE_OF_THIS_TEST", "set later")
+    assert answers(environment_of, [0], 1) == ["set later"]
+
+
+def kill_the_parent(_task: int) -> int:
+    os.kill(os.getppid(), signal.SIGKILL)
+    return os.getpid()
+
+
+def test_work_goes_on_when_the_process_is_killed_that_processes_are_forked_from():
+    with Processes(kill_the_parent, 2) as processes:
+        found = []
+        for task in range(3):
+            processes.submit(task)
+            found += processes.results()
+    assert len(found) == 3 and os.getpid() not in found
+
+
+LOADED_AHEAD = """
+from vcage.base.workers import Processes, load_ahead
+load_ahead("colorsys", "of_no_package")
+LOADED = "'colorsys' in __import__('sys').modules"
+with Processes(eval, 1) as processes:
+    processes.submit(LOADED)
+    print(*processes.results(), eval(LOADED))
+"""
+
+
+@pytest.mark.skipif(cores() == 1, reason="nothing is loaded ahead on one core")
+def test_what_is_loaded_ahead_is_there_in_processes_alone():
+    done = subprocess.run([sys.executable, "-c", LOADED_AHEAD], capture_output=True, text=True)
+    assert (done.stdout, done.stderr) == ("True False\n", "")
+
+
 def give_what_cannot_be_sent(_task: int):
     return lambda: None
 
@@ -185,15 +226,8 @@ def test_workers_end_with_the_process_that_started_them(number):
     with subprocess.Popen([sys.executable, "-c", PARENT], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL) as parent:
         assert parent.stdout is not None
         assert [parent.stdout.readline() for _ in range(2)] == [b"working\n"] * 2
-        children = Path(f"/proc/{parent.pid}/task/{parent.pid}/children").read_text().split()
+        children = psutil.Process(parent.pid).children(recursive=True)
         assert len(children) >= 2
         parent.send_signal(number)
         assert parent.wait(WAIT) != 0
-    assert _before_long(lambda: not any(_running(child) for child in children))
-
-
-def _running(process: str) -> bool:
-    try:
-        return Path(f"/proc/{process}/stat").read_text().rsplit(")", 1)[1].split()[0] != "Z"
-    except OSError:
-        return False
+    assert not psutil.wait_procs(children, WAIT)[1]

@@ -6,9 +6,9 @@ import os
 import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 
+import psutil
 import pytest
 
 from tests.datasets.packing.orders import act_folder, add_camera
@@ -204,14 +204,11 @@ def _ended_early(source: Path, out: Path, number: signal.Signals) -> int:
         for line in process.stderr:
             if line.startswith("compress: ["):
                 break
-        children = Path(f"/proc/{process.pid}/task/{process.pid}/children").read_text().split()
+        children = psutil.Process(process.pid).children(recursive=True)
         process.send_signal(number)
         process.stderr.read()
         code = process.wait(30)
-    end = time.monotonic() + 20
-    while any(Path(f"/proc/{child}").exists() for child in children) and time.monotonic() < end:
-        time.sleep(0.05)
-    assert not any(Path(f"/proc/{child}").exists() for child in children)
+    assert not psutil.wait_procs(children, 20)[1]
     return code
 
 

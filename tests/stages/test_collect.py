@@ -8,12 +8,14 @@ import signal
 import subprocess
 import sys
 import time
+from contextlib import suppress
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 import h5py
 import numpy as np
+import psutil
 import pytest
 
 from tests.runs import FPS, INSTRUCTION, Finished, clean_environment, copied, digests
@@ -141,13 +143,6 @@ def test_asking_for_more_adds_to_those_there_are(finished, more):
     assert before.keys() < after.keys()
 
 
-def children(process: int) -> list[int]:
-    try:
-        return [int(pid) for pid in Path(f"/proc/{process}/task/{process}/children").read_text().split()]
-    except FileNotFoundError:
-        return []
-
-
 def _with_pictures(files: dict[str, str]) -> dict[str, str]:
     """All but the first episode, whose pictures became videos before the second was asked for."""
     return {name: digest for name, digest in files.items() if not name.startswith(("episode_000000.", "episodes.json"))}
@@ -167,6 +162,13 @@ def test_collections_whose_workers_are_killed_twenty_times_leave_the_files_of_on
         assert not list(run.root.glob("episodes.*"))
 
 
+def _workers(process: int) -> list[int]:
+    """Processes that were forked for it by the one which has loaded what they need."""
+    with suppress(psutil.NoSuchProcess):
+        return [worker.pid for server in psutil.Process(process).children() for worker in server.children()]
+    return []
+
+
 def _killed_workers(run: RunFolder, rng: np.random.Generator, most: int) -> int:
     """Call ``vcage collect`` and kill its workers at random moments, at most so many; returns how many were."""
     killed = 0
@@ -177,10 +179,11 @@ def _killed_workers(run: RunFolder, rng: np.random.Generator, most: int) -> int:
         )  # fmt: skip
         while process.poll() is None:
             time.sleep(float(rng.uniform(0.2, 2.5)) if killed < most else 0.1)
-            workers = children(process.pid)
+            workers = _workers(process.pid)
             if killed < most and workers:
-                os.kill(int(rng.choice(workers)), signal.SIGKILL)
-                killed += 1
+                with suppress(ProcessLookupError):
+                    os.kill(int(rng.choice(workers)), signal.SIGKILL)
+                    killed += 1
     assert process.returncode in (0, PartlyDone.exit_code), run.root.with_suffix(".log").read_text()
     return killed
 

@@ -70,8 +70,17 @@ def pictures(video: bytes | Path) -> Iterator[NDArray[np.uint8]]:
         DamagedFile: it is no video, is cut off, or holds fewer frames than it claims; after the pictures before that.
     """
     with _opened(video) as source:
-        source.decode_ahead(True)
-        yield from source.all()
+        yield from map(source.picture, source.all())
+
+
+def decoded_count(video: bytes | Path) -> int:
+    """How many frames there truly are, each decoded.
+
+    Raises:
+        DamagedFile: it is no video, is cut off, or holds fewer frames than it claims, or one is damaged.
+    """
+    with _opened(video) as source:
+        return sum(1 for _ in source.all())
 
 
 def frame_count(video: bytes | Path) -> int:
@@ -217,19 +226,24 @@ class _Source:
         """Whether several frames are decoded at the same time; to be said before the first."""
         self.stream.thread_type = "AUTO" if ahead else "SLICE"
 
-    def all(self) -> Iterator[NDArray[np.uint8]]:
-        """All pictures, decoded from the start."""
+    def all(self) -> Iterator[av.VideoFrame]:
+        """All frames, decoded from the start."""
+        self.decode_ahead(True)
         shown = decoded = 0
         for packet in self._packets():
             shown += not packet.is_discard
             for frame in packet.decode():
                 decoded += 1
-                yield self._picture(frame)
+                yield self._whole(frame)
         for frame in self.stream.decode(None):
             decoded += 1
-            yield self._picture(frame)
+            yield self._whole(frame)
         if decoded < shown:
             raise DamagedFile(f"{self.name}: only {decoded} of its {shown} frames can be decoded", hint=MEND)
+
+    def picture(self, frame: av.VideoFrame) -> NDArray[np.uint8]:
+        """(H, W, 3) uint8 RGB of a frame."""
+        return np.asarray(self._converter.reformat(frame, format="rgb24").to_ndarray(), np.uint8)
 
     def scan(self) -> _Table:
         """The times of the frames, read from the file's packets."""
@@ -256,7 +270,7 @@ class _Source:
             started = started or packet.pts == run.entry.time
             for frame in packet.decode() if started else ():
                 if frame.pts in run.times:
-                    yield self._picture(frame)
+                    yield self.picture(self._whole(frame))
                     left -= 1
             if not left:
                 return
@@ -275,10 +289,10 @@ class _Source:
         if count < claimed:
             raise DamagedFile(f"{self.name} claims {claimed} frames and holds {count}", hint=MEND)
 
-    def _picture(self, frame: av.VideoFrame) -> NDArray[np.uint8]:
+    def _whole(self, frame: av.VideoFrame) -> av.VideoFrame:
         if frame.is_corrupt:
             raise DamagedFile(f"{self.name} is damaged {frame.time or 0:.3f} s after its start", hint=MEND)
-        return np.asarray(self._converter.reformat(frame, format="rgb24").to_ndarray(), np.uint8)
+        return frame
 
 
 @contextmanager

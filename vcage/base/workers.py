@@ -12,10 +12,11 @@ import signal
 import threading
 import time
 from collections import deque
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cache
+from multiprocessing import forkserver
 from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
 from pickle import PicklingError
@@ -40,9 +41,27 @@ DONE, FAILED, SAID = range(3)
 """What a process sends: a result, an error, or a record of its log."""
 
 
+_CONTEXT = multiprocessing.get_context("forkserver")
+"""Not ``fork``: a renderer and BLAS have threads, which a child would not have."""
+
+
 def cores() -> int:
     """Processor cores that this process may use."""
     return len(os.sched_getaffinity(0))
+
+
+def load_ahead(*modules: str) -> None:
+    """Begin to load modules that processes will need, in a process of its own, beside what this one does meanwhile.
+
+    The first call counts, if no process was begun before: those that are begun later are forked from the one that has
+    loaded the modules. Nothing happens where there is one core.
+
+    Args:
+        modules: their names; one that cannot be imported is left to whoever needs it.
+    """
+    if cores() > 1:
+        _CONTEXT.set_forkserver_preload(list(modules))
+        forkserver.ensure_running()
 
 
 def in_processes(work: Callable[[T], R], tasks: Sequence[T], workers: int) -> Iterator[R]:
@@ -187,10 +206,9 @@ class Processes(Generic[T, R]):
             self._busy.append(process)
 
     def _started(self) -> _Process:
-        context = multiprocessing.get_context("spawn")
-        ours, theirs = context.Pipe()
+        ours, theirs = _CONTEXT.Pipe()
         level = logging.getLogger().getEffectiveLevel()
-        process = context.Process(target=_serve, args=(self._work, theirs, level), daemon=True)
+        process = _CONTEXT.Process(target=_serve, args=(self._work, theirs, level, dict(os.environ)), daemon=True)
         process.start()
         theirs.close()  # so that ours ends with the process
         return _Process(process, ours, None, 0.0)
@@ -219,8 +237,18 @@ class Processes(Generic[T, R]):
         self._begin()
 
 
-def _serve(work: Callable[[Any], Any], connection: Connection, level: int) -> None:
-    """What a process does: answers each task with (DONE, result) or (FAILED, error), until it is ended."""
+def _serve(work: Callable[[Any], Any], connection: Connection, level: int, environment: Mapping[str, str]) -> None:
+    """What a process does: answers each task with (DONE, result) or (FAILED, error), until it is ended.
+
+    Args:
+        work: see :class:`Processes`.
+        connection: to the process that gives the tasks.
+        level: of what is logged.
+        environment: of the process that gives the tasks, which may have changed since the one that this is forked from
+            was begun.
+    """
+    os.environ.clear()
+    os.environ.update(environment)
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the parent's business
     threading.Thread(target=_end_with_parent, daemon=True).start()
     logging.basicConfig(level=level, format="%(message)s", handlers=[_ToParent(connection)], force=True)

@@ -12,6 +12,7 @@ from typing import Any
 from vcage.base.errors import StaleStage
 from vcage.base.files import RunFolder
 from vcage.base.progress import Progress, silent
+from vcage.base.workers import load_ahead
 from vcage.stages import (
     collect,
     compress,
@@ -42,6 +43,9 @@ STAGES: dict[str, Stage] = {
     "export": export,
 }
 """The nine stages, in the order in which they run."""
+
+AHEAD = ("vcage.stages.collect", "sapien", "vcage.datasets.packing.clips", "vcage.video.colorvideovdp")
+"""What the processes that collect and compress need, which is loaded while the first stages work."""
 
 OF_THE_EPISODES = ("verify", "compress", "export")
 """Stages whose files can be had again from the episodes."""
@@ -83,6 +87,8 @@ def run_chain(
     context = context or options.context()
     done = {}
     with at_work(run):
+        if options.workers != 1 and not run.compression.exists():
+            load_ahead(*AHEAD)
         for name, stage in STAGES.items():
             with show(name) as progress:
                 own = export.Options(seed=options.seed, force=options.force) if name == "export" else options

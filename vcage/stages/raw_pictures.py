@@ -17,7 +17,7 @@ import h5py
 
 from vcage.base.errors import DamagedFile, InputFileError, MissingStage, StaleStage
 from vcage.base.files import RunFolder, atomic_path, sha256_file
-from vcage.base.videos import pictures
+from vcage.base.videos import decoded_count
 from vcage.datasets.hdf5_files import damage
 from vcage.datasets.packed import write_packed
 from vcage.datasets.packing.writing import link_to
@@ -111,7 +111,7 @@ def _packed(run: RunFolder, streams: list[VideoStream], scratch: Path) -> Path:
 
 def _verify(video: Path, stream: VideoStream) -> None:
     """Decode all of a video."""
-    frames = sum(1 for _ in pictures(video))
+    frames = decoded_count(video)
     if frames != stream.frames or video.stat().st_size != stream.bytes:
         raise DamagedFile(
             f"{video} holds {frames} frames in {video.stat().st_size} bytes, {stream.frames} in {stream.bytes} were "

@@ -14,14 +14,15 @@ from contextlib import contextmanager
 from importlib import metadata
 from importlib.util import find_spec
 from pathlib import Path
-from types import ModuleType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vcage.base.errors import MissingDependency, UnknownName
-from vcage.base.imports import left_out
+
+if TYPE_CHECKING:
+    from vcage.video.colorvideovdp import cvvdp
 
 DISPLAY = "standard_fhd"
 PERFECT = 10.0
@@ -53,13 +54,13 @@ class JodMetric:
 
     def __init__(self, display: str = DISPLAY, device: str | None = None):
         require_display(display)
-        pycvvdp = _import_pycvvdp()
+        metric = _metric_class()
         import torch
 
         self._torch = torch
         self.device = torch.device(device or ("cuda" if torch.cuda.is_available() else "cpu"))
         self.display = display
-        self._metric = pycvvdp.cvvdp(display_name=display, device=self.device, quiet=True)
+        self._metric = metric(display_name=display, device=self.device, quiet=True)
 
     def loss(self, test: NDArray[np.uint8], reference: NDArray[np.uint8]) -> NDArray[np.float64]:
         """Loss of each of N pictures against its reference, both (N, H, W, 3) uint8 RGB.
@@ -86,16 +87,13 @@ def metric_version() -> str:
     return f"ColorVideoVDP {metadata.version('cvvdp')}"
 
 
-def _import_pycvvdp() -> ModuleType:
+def _metric_class() -> type[cvvdp]:
     with _LOCK:
         try:
-            from vcage.video._torchvision_shim import torchvision_names
-
-            with torchvision_names(), left_out("matplotlib", "pyplot"):  # which it draws charts with
-                import pycvvdp
+            from vcage.video.colorvideovdp import cvvdp
         except ImportError as error:
             raise MissingDependency(f"ColorVideoVDP cannot be imported: {error}", hint=SET_UP) from error
-    return pycvvdp
+    return cvvdp
 
 
 def require_display(name: str) -> None:
