@@ -9,7 +9,7 @@ import pytest
 import torch
 
 from tests.recordings import clip
-from vcage.base.errors import MissingDependency, UnknownName
+from vcage.base.errors import MissingDependency, UnknownName, UsageError
 from vcage.video._torchvision_shim import GaussianBlur
 from vcage.video.jod import JodMetric, require_display
 
@@ -49,6 +49,12 @@ def test_an_unknown_display_is_refused_with_those_there_are():
         JodMetric("cinema")
 
 
+@pytest.mark.parametrize("name", ["standard_hdr_hlg", "standard_hdr_pq", "standard_hdr_linear"])
+def test_a_display_that_takes_no_srgb_is_refused(name):
+    with pytest.raises(UsageError, match="sRGB"):
+        JodMetric(name)
+
+
 def test_the_number_of_threads_of_torch_is_left_as_it_was(metric):
     before = torch.get_num_threads()
     metric.loss(clip(1), clip(1))
@@ -84,7 +90,7 @@ def test_no_false_torchvision_is_left_behind(metric):
     assert "torchvision" not in sys.modules or hasattr(sys.modules["torchvision"], "__file__")
 
 
-def test_losses_are_those_of_the_library_with_its_own_convolutions(metric):
+def test_losses_are_those_of_the_library_with_its_own_reading_and_convolutions(metric):
     frames = clip(4)
     worse = frames // 16 * 16
     jod, _ = metric._metric.predict(worse, frames, dim_order="BHWC")

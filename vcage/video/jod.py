@@ -14,15 +14,13 @@ from contextlib import contextmanager
 from importlib import metadata
 from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from types import ModuleType
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vcage.base.errors import MissingDependency, UnknownName
-
-if TYPE_CHECKING:
-    from vcage.video.colorvideovdp import cvvdp
+from vcage.base.errors import MissingDependency, UnknownName, UsageError
 
 DISPLAY = "standard_fhd"
 PERFECT = 10.0
@@ -34,6 +32,9 @@ DIGITS = 5
 
 DISPLAYS = "display_models.json"
 """Of ColorVideoVDP, which looks for it where ``CVVDP_PATH`` says, and then among its own files."""
+
+NOT_SRGB = ("-PQ", "-HLG", "-linear")
+"""Ends of the names of colour spaces in which a display takes other values than those of a recording."""
 
 SET_UP = "run: vcage setup cvvdp"
 
@@ -50,17 +51,18 @@ class JodMetric:
     Raises:
         MissingDependency: pycvvdp or torch is not installed.
         UnknownName: there is no such display.
+        UsageError: the display does not show sRGB.
     """
 
     def __init__(self, display: str = DISPLAY, device: str | None = None):
         require_display(display)
-        metric = _metric_class()
+        self._parts = _colorvideovdp()
         import torch
 
         self._torch = torch
         self.device = torch.device(device or ("cuda" if torch.cuda.is_available() else "cpu"))
         self.display = display
-        self._metric = metric(display_name=display, device=self.device, quiet=True)
+        self._metric = self._parts.cvvdp(display_name=display, device=self.device, quiet=True)
 
     def loss(self, test: NDArray[np.uint8], reference: NDArray[np.uint8]) -> NDArray[np.float64]:
         """Loss of each of N pictures against its reference, both (N, H, W, 3) uint8 RGB.
@@ -78,7 +80,8 @@ class JodMetric:
         return np.round(np.concatenate(losses), DIGITS)
 
     def _predict(self, test: NDArray[np.uint8], reference: NDArray[np.uint8]) -> NDArray[np.float64]:
-        jod, _ = self._metric.predict(np.ascontiguousarray(test), np.ascontiguousarray(reference), dim_order="BHWC")
+        pairs = self._parts.Pairs(test, reference, self._metric.display_photometry)
+        jod, _ = self._metric.predict_video_source(pairs)
         return PERFECT - np.atleast_1d(jod.cpu().numpy()).astype(np.float64)
 
 
@@ -87,13 +90,13 @@ def metric_version() -> str:
     return f"ColorVideoVDP {metadata.version('cvvdp')}"
 
 
-def _metric_class() -> type[cvvdp]:
+def _colorvideovdp() -> ModuleType:
     with _LOCK:
         try:
-            from vcage.video.colorvideovdp import cvvdp
+            from vcage.video import colorvideovdp
         except ImportError as error:
             raise MissingDependency(f"ColorVideoVDP cannot be imported: {error}", hint=SET_UP) from error
-    return cvvdp
+    return colorvideovdp
 
 
 def require_display(name: str) -> None:
@@ -102,6 +105,7 @@ def require_display(name: str) -> None:
     Raises:
         MissingDependency: pycvvdp is not installed.
         UnknownName: it has not; lists those it has.
+        UsageError: it shows pictures in another code than sRGB.
     """
     package = find_spec("pycvvdp")
     if package is None or package.origin is None:
@@ -114,6 +118,9 @@ def require_display(name: str) -> None:
     displays = json.loads(found.read_text())
     if name not in displays:
         raise UnknownName("display", name, sorted(displays))
+    code = displays[name].get("colorspace", "sRGB")
+    if code.endswith(NOT_SRGB):
+        raise UsageError(f"the display {name!r} takes {code}, and the pictures are sRGB", hint=f"take {DISPLAY}")
 
 
 @contextmanager
