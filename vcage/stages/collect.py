@@ -59,7 +59,8 @@ class Options(ModelOptions):
     fps: Literal[5, 10, 25, 50] = 10
     """frames per second of the recording"""
     workers: Annotated[int | None, POSITIVE, UNSAID] = None
-    """processes that collect (default: as many as cores, memory and the episodes that are wanted allow)"""
+    """processes that collect (default: as many as cores and memory allow; one more for a few episodes that these cannot
+    share evenly)"""
     episode_limit: Annotated[float, POSITIVE] = 900.0
     """seconds after which an episode is given up"""
 
@@ -172,11 +173,19 @@ def _fill(store: EpisodeStore, options: Options, context: StageContext, progress
 
 def _crew(options: Options, wanted: int, context: StageContext) -> ThisProcess[_Task, _Done] | Processes[_Task, _Done]:
     """Who runs the episodes; one that does all works in this process, with what it has loaded already."""
-    workers = min(options.workers or min(cores(), free_memory() // OF_A_PROCESS), wanted)
+    workers = min(options.workers or min(_enough(wanted), free_memory() // OF_A_PROCESS), wanted)
     if workers <= 1:
         runner = cache(partial(_runner, context=context))
         return ThisProcess(lambda task: runner(task.run, task.options).one(task.index, task.folder))
     return Processes(_in_process, workers, SILENT * options.episode_limit + START)
+
+
+def _enough(wanted: int) -> int:
+    """As many processes as there are cores; one more where a few episodes would leave some of these idle for long.
+
+    Measured on two cores in ``vcage run``: three episodes take a twelfth less time with three, twelve take a tenth more.
+    """
+    return cores() + (cores() < wanted < 2 * cores())
 
 
 def _in_process(task: _Task) -> _Done:
