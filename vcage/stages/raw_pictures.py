@@ -10,7 +10,9 @@ from __future__ import annotations
 import os
 import shutil
 from collections.abc import Iterable
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
+from functools import partial
 from pathlib import Path
 
 import h5py
@@ -18,6 +20,7 @@ import h5py
 from vcage.base.errors import DamagedFile, InputFileError, MissingStage, StaleStage
 from vcage.base.files import RunFolder, atomic_path, sha256_file
 from vcage.base.videos import decoded_count
+from vcage.base.workers import cores
 from vcage.datasets.hdf5_files import damage
 from vcage.datasets.packed import write_packed
 from vcage.datasets.packing.writing import link_to
@@ -86,13 +89,14 @@ def refer_to_videos(run: RunFolder, record: Compression, scratch: Path) -> None:
         DamagedFile: a video does not hold what it should; then the episode keeps its pictures.
         DiskFull, OutputFolderError: the episodes cannot be written.
     """
-    for file in record.packed:
+    files = [file for file in record.packed if not holds_links(run.root / file)]
+    with ThreadPoolExecutor(cores()) as pool:  # FFmpeg releases the interpreter
+        for _ in pool.map(partial(_verify, run), (s for s in record.streams if s.episode in files)):
+            pass
+    for file in files:
         path = run.root / file
-        if holds_links(path):
-            continue
         streams = [stream for stream in record.streams if stream.episode == file]
         for stream in streams:
-            _verify(run.root / stream.file, stream)
             _beside(run.root / stream.file, path)
         packed = _packed(run, streams, scratch)
         if sha256_file(packed) != record.packed[file]:
@@ -109,8 +113,9 @@ def _packed(run: RunFolder, streams: list[VideoStream], scratch: Path) -> Path:
     return write_packed(path, scratch / path.name, [link_to(recording, stream) for stream in streams])
 
 
-def _verify(video: Path, stream: VideoStream) -> None:
+def _verify(run: RunFolder, stream: VideoStream) -> None:
     """Decode all of a video."""
+    video = run.root / stream.file
     frames = decoded_count(video)
     if frames != stream.frames or video.stat().st_size != stream.bytes:
         raise DamagedFile(
