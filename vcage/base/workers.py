@@ -60,7 +60,7 @@ def load_ahead(*modules: str) -> None:
         modules: their names; one that cannot be imported is left to whoever needs it.
     """
     if cores() > 1:
-        _CONTEXT.set_forkserver_preload(list(modules))
+        _CONTEXT.set_forkserver_preload([*modules, "vcage.base.frozen"])
         forkserver.ensure_running()
 
 

@@ -183,7 +183,7 @@ def _crew(options: Options, wanted: int, context: StageContext) -> ThisProcess[_
 def _enough(wanted: int) -> int:
     """As many processes as there are cores; one more where a few episodes would leave some of these idle for long.
 
-    Measured on two cores: with three processes, three episodes of ``vcage run`` take a twelfth less, twelve a tenth more.
+    Measured on two cores with three: three episodes of ``vcage run`` take a twelfth less, twelve a tenth more.
     """
     return cores() + (cores() < wanted < 2 * cores())
 
