@@ -85,6 +85,15 @@ class ClipRecord(Document):
     stream: VideoStream
 
 
+class LossesRecord(Document):
+    """What was scored in the searches of one video, kept beside it for the next of them."""
+
+    SCHEMA: ClassVar[str] = "vcage.losses/1"
+
+    made_from: str = Field(description="display model, name and version of what judges")
+    losses: dict[str, Finite] = Field(description="JOD by a hash of both pictures")
+
+
 class Encoding(Record):
     """How all streams were encoded and judged."""
 

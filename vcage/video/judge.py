@@ -15,6 +15,7 @@ from vcage.video.choices import Criterion
 from vcage.video.codec import EncoderSettings, encode
 from vcage.video.excerpt import Excerpt, excerpt
 from vcage.video.jod import JodMetric
+from vcage.video.known_losses import KnownLosses
 
 
 @dataclass
@@ -36,7 +37,7 @@ class Judge:
     keyframes: Sequence[int]
     fps: float
     criterion: Criterion
-    metric: JodMetric
+    metric: JodMetric | KnownLosses
     trials: list[Evaluation] = field(default_factory=list)
     _wholes: dict[tuple[EncoderSettings, int | None], bytes] = field(default_factory=dict)
 

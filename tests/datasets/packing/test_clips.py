@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import os
+from dataclasses import replace
 from pathlib import Path
 
 import cv2
@@ -16,6 +17,7 @@ from vcage.datasets.packing.clips import Clip, SearchTask, is_finished, jpeg_byt
 from vcage.datasets.recordings.opening import open_recordings
 from vcage.schema.compression import VideoStream
 from vcage.video.choices import LOSSLESS
+from vcage.video.jod import JodMetric
 
 
 def task(path: Path, folder: Path, **changes) -> SearchTask:
@@ -43,6 +45,27 @@ def test_what_was_performed_is_known_and_whole_and_not_done_again(tmp_path, sear
     assert known(one) == stream and is_finished(one)
     assert perform(one) == (one.clip.key, stream)
     assert len(searches.calls) == 1
+
+
+@pytest.mark.slow
+def test_what_a_search_scored_is_not_scored_for_the_whole_video_again(tmp_path, monkeypatch):
+    one = task(written(tmp_path / "a.hdf5"), tmp_path / "work", crf=None)
+    scored: list[int] = []
+    loss = JodMetric.loss
+    monkeypatch.setattr(JodMetric, "loss", lambda self, test, of: (scored.append(len(test)), loss(self, test, of))[1])
+    _, found = perform(replace(one, whole=False))
+    before = sum(scored)
+    whole = replace(one, choices=one.choices.fixed(one.choices.settings(found.pixel_format, found.gop), found.crf))
+    perform(whole)
+    assert before > 0 and sum(scored) - before < len(known(whole).keyframes)
+
+
+def test_losses_on_another_display_are_not_taken_over(tmp_path, searches):
+    path = episode(tmp_path / "a.hdf5", top=20)
+    one = task(path, tmp_path)
+    perform(one)
+    assert one.losses.kept() is not None
+    assert task(path, tmp_path, display="standard_4k").losses.kept() is None
 
 
 def test_a_video_without_its_record_counts_for_nothing(tmp_path, searches):

@@ -17,12 +17,13 @@ from vcage.base.pictures import jpeg
 from vcage.base.version import __version__
 from vcage.datasets.recordings.recording import Recording
 from vcage.datasets.robotwin import JPEG_QUALITY
-from vcage.schema.compression import ClipRecord, FindingRecord, VideoStream
+from vcage.schema.compression import ClipRecord, FindingRecord, LossesRecord, VideoStream
 from vcage.video.choices import Choices, Criterion
 from vcage.video.encoders import encoder_version
 from vcage.video.jod import JodMetric, metric_version
 from vcage.video.judge import Judge
 from vcage.video.keyframes import keyframes, picture_keyframes
+from vcage.video.known_losses import KnownLosses
 from vcage.video.search import find_encoding
 from vcage.video.settling import SearchResult, search_clip
 
@@ -133,6 +134,12 @@ class SearchTask:
         """The encoded video."""
         return self.record.with_suffix(".mp4")
 
+    @property
+    def losses(self) -> Keeper[LossesRecord]:
+        """What earlier searches of the clip scored, whatever they chose from."""
+        path = self.folder / f"{self.clip.video.removesuffix('.mp4')}.losses.json"
+        return Keeper(path, LossesRecord, f"{self.display} {metric_version()}")
+
 
 def known(task: SearchTask) -> VideoStream | FindingRecord | None:
     """What an earlier call of :func:`perform` found, or None."""
@@ -163,15 +170,24 @@ def perform(task: SearchTask) -> Done:
     done = known(task)
     if done is not None and (isinstance(done, FindingRecord) or is_finished(task)):
         return task.clip.key, done
-    judge = _judge(task)
-    if task.whole:
-        result = search_clip(judge, task.choices)
-        write_bytes(task.video, result.video)
-        stream = _stream(task.clip, judge, result)
-        ClipRecord(made_from=task.made_from, stream=stream).write(task.record)
-        return task.clip.key, stream
+    earlier = task.losses.kept()
+    metric = KnownLosses(_metric(task.display), dict(earlier.losses) if earlier else {})
+    judge = _judge(task, metric)
+    found = _video(task, judge) if task.whole else _finding(task, judge)
+    LossesRecord(made_from=task.losses.made_from, losses=metric.losses).write(task.losses.path)
+    found.write(task.record)
+    return task.clip.key, found.stream if isinstance(found, ClipRecord) else found
+
+
+def _video(task: SearchTask, judge: Judge) -> ClipRecord:
+    result = search_clip(judge, task.choices)
+    write_bytes(task.video, result.video)
+    return ClipRecord(made_from=task.made_from, stream=_stream(task.clip, judge, result))
+
+
+def _finding(task: SearchTask, judge: Judge) -> FindingRecord:
     found = find_encoding(judge, task.choices)
-    record = FindingRecord(
+    return FindingRecord(
         made_from=task.made_from,
         pixel_format=found.settings.pixel_format,
         gop=found.settings.gop,
@@ -179,18 +195,16 @@ def perform(task: SearchTask) -> Done:
         loss=found.loss,
         evaluations=found.trials,
     )
-    record.write(task.record)
-    return task.clip.key, record
 
 
-def _judge(task: SearchTask) -> Judge:
+def _judge(task: SearchTask, metric: KnownLosses) -> Judge:
     try:
         frames = task.clip.pictures()
         scored = task.clip.keyframes(frames, task.keyframes)
     except DamagedFile as error:
         error.details["recording"] = task.clip.name
         raise
-    return Judge(frames, scored, task.clip.fps, task.criterion, _metric(task.display))
+    return Judge(frames, scored, task.clip.fps, task.criterion, metric)
 
 
 @lru_cache(maxsize=1)

@@ -1,0 +1,37 @@
+"""Losses that are known are not computed again: a frame often comes out of a whole video as of its search's excerpt."""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vcage.video.jod import JodMetric
+
+
+@dataclass
+class KnownLosses:
+    """A metric that judges a picture against a reference once; a loss depends on their pixels alone.
+
+    Args:
+        metric: judges what is not known.
+        losses: what is known, by a hash of both pictures; what is judged is added.
+    """
+
+    metric: JodMetric
+    losses: dict[str, float] = field(default_factory=dict)
+
+    def loss(self, test: NDArray[np.uint8], reference: NDArray[np.uint8]) -> NDArray[np.float64]:
+        """Loss of each of N pictures against its reference, see :meth:`vcage.video.jod.JodMetric.loss`."""
+        keys = [_hash(*pair) for pair in zip(test, reference, strict=True)]
+        new = [index for index, key in enumerate(keys) if key not in self.losses]
+        if new:
+            found = self.metric.loss(test[new], reference[new]).tolist()
+            self.losses |= zip((keys[index] for index in new), found, strict=True)
+        return np.array([self.losses[key] for key in keys])
+
+
+def _hash(test: NDArray[np.uint8], reference: NDArray[np.uint8]) -> str:
+    return hashlib.blake2b(test.tobytes() + reference.tobytes(), digest_size=16).hexdigest()
