@@ -1,7 +1,7 @@
 """Let the robot do the task, check every sub-task by looking, keep what is verified, record it.
 
 Reads optimize/ and subtasks/. Writes episodes/*.hdf5, episodes/log.jsonl (every attempt) and episodes/rejected/.
-Takes about 20 s per episode without a GPU; goes on where it stopped when run again.
+Takes about 10 s per episode without a GPU; goes on where it stopped when run again.
 
 examples:
   vcage collect --run runs/stationery --episodes 10
