@@ -180,6 +180,14 @@ def test_what_is_loaded_ahead_is_there_in_processes_alone():
     assert (done.stdout, done.stderr) == ("True False\n", "")
 
 
+def test_processes_begin_by_themselves_where_temporary_files_lie_too_deep_for_a_socket(tmp_path):
+    deep = tmp_path / ("deep" * 30)
+    deep.mkdir()
+    environment = os.environ | {"TMPDIR": str(deep)}
+    done = subprocess.run([sys.executable, "-c", LOADED_AHEAD], capture_output=True, text=True, env=environment)
+    assert (done.stdout, done.stderr) == ("False False\n", "")
+
+
 def give_what_cannot_be_sent(_task: int):
     return lambda: None
 

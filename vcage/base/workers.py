@@ -18,6 +18,7 @@ from dataclasses import dataclass
 from functools import cache
 from multiprocessing import forkserver
 from multiprocessing.connection import Connection, wait
+from multiprocessing.context import ForkServerContext, SpawnContext
 from multiprocessing.process import BaseProcess
 from pickle import PicklingError
 from typing import Any, Generic, Self, TypeVar
@@ -41,10 +42,6 @@ DONE, FAILED, SAID = range(3)
 """What a process sends: a result, an error, or a record of its log."""
 
 
-_CONTEXT = multiprocessing.get_context("forkserver")
-"""Not ``fork``: a renderer and BLAS have threads, which a child would not have."""
-
-
 def cores() -> int:
     """Processor cores that this process may use."""
     return len(os.sched_getaffinity(0))
@@ -54,14 +51,25 @@ def load_ahead(*modules: str) -> None:
     """Begin to load modules that processes will need, in a process of its own, beside what this one does meanwhile.
 
     The first call counts, if no process was begun before: those that are begun later are forked from the one that has
-    loaded the modules. Nothing happens where there is one core.
+    loaded the modules. With one core there is nothing beside, and nothing happens.
 
     Args:
         modules: their names; one that cannot be imported is left to whoever needs it.
     """
     if cores() > 1:
-        _CONTEXT.set_forkserver_preload([*modules, "vcage.base.frozen"])
+        multiprocessing.set_forkserver_preload([*modules, "vcage.base.frozen"])
+        _context()
+
+
+@cache
+def _context() -> SpawnContext | ForkServerContext:
+    """How processes are begun: forked from one without threads, for a renderer and BLAS have threads that a child would
+    not have; each by itself where the path of a socket in ``TMPDIR`` would be too long."""
+    try:
         forkserver.ensure_running()
+    except OSError:
+        return multiprocessing.get_context("spawn")
+    return multiprocessing.get_context("forkserver")
 
 
 def in_processes(work: Callable[[T], R], tasks: Sequence[T], workers: int) -> Iterator[R]:
@@ -206,9 +214,9 @@ class Processes(Generic[T, R]):
             self._busy.append(process)
 
     def _started(self) -> _Process:
-        ours, theirs = _CONTEXT.Pipe()
+        ours, theirs = _context().Pipe()
         level = logging.getLogger().getEffectiveLevel()
-        process = _CONTEXT.Process(target=_serve, args=(self._work, theirs, level, dict(os.environ)), daemon=True)
+        process = _context().Process(target=_serve, args=(self._work, theirs, level, dict(os.environ)), daemon=True)
         process.start()
         theirs.close()  # so that ours ends with the process
         return _Process(process, ours, None, 0.0)

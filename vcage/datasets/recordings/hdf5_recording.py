@@ -116,10 +116,11 @@ class Hdf5Recording(Recording):
         key = self.camera(camera).key
         what = f"{self.path}:{key}"
         with self._file() as file:
-            link = read_link(file[key])
+            dataset = file[key]
+            link = read_link(dataset)
             if link is None:
-                wanted = range(len(file[key])) if indices is None else indices
-                found = stacked([stored_picture(file[key], index, what) for index in wanted], what)
+                wanted = range(len(dataset)) if indices is None else indices
+                found = stacked([stored_picture(dataset, index, what) for index in wanted], what)
                 return found[..., ::-1] if self.swapped(camera) else found
         return decode(link.video(self.path), indices)
 
