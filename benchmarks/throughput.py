@@ -48,7 +48,8 @@ def run(quick: bool, episodes: int, workers: list[int]) -> dict[str, Any]:
 
     Each row: ``episodes_per_hour`` that were verified, start of the processes included; ``peak_mb``, the most that the
     largest process held; ``mb_per_episode``, by how much the largest process grew with every episode after the first
-    few (least squares); ``cpu_share`` of all cores. ``speedup`` is that of the last number over the first.
+    few (least squares); ``cpu_seconds`` as of the last look, one every :data:`WATCHED` s, and ``cpu_share`` of all
+    cores. ``speedup`` is that of the last number over the first.
 
     Args:
         quick: four episodes.
@@ -90,7 +91,7 @@ def _command(*arguments: str | Path) -> list[str]:
 
 @dataclass
 class _Watch:
-    """What is seen of a process and its children while they run.
+    """What is seen of a process and all that come of it while they run.
 
     Args:
         peak: most bytes that each held, by process.
@@ -105,9 +106,9 @@ class _Watch:
     def look(self, process: int, episodes: int) -> None:
         held = [0]
         for one in _processes(process):
-            held.append(_memory(one.pid, "VmRSS"))
-            self.peak[one.pid] = max(self.peak.get(one.pid, 0), _memory(one.pid, "VmHWM"))
+            self.peak[one.pid] = max(self.peak.get(one.pid, 0), _peak(one.pid))
             with suppress(psutil.NoSuchProcess):
+                held.append(one.memory_info().rss)
                 self.used[one.pid] = sum(one.cpu_times()[:2])
         self.samples.append((episodes, max(held)))
 
@@ -154,10 +155,10 @@ def _processes(process: int) -> list[psutil.Process]:
         return []
 
 
-def _memory(process: int, name: str) -> int:
-    """Bytes of a process that has not ended; 0 of one that has."""
+def _peak(process: int) -> int:
+    """Most bytes that a process held which has not ended; 0 of one that has."""
     try:
-        found = re.search(rf"^{name}:\s+(\d+) kB$", Path(f"/proc/{process}/status").read_text(), re.MULTILINE)
+        found = re.search(r"^VmHWM:\s+(\d+) kB$", Path(f"/proc/{process}/status").read_text(), re.MULTILINE)
     except OSError:
         return 0
     return int(found[1]) * 1024 if found else 0

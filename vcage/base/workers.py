@@ -47,24 +47,24 @@ def cores() -> int:
     return len(os.sched_getaffinity(0))
 
 
-def load_ahead(*modules: str) -> None:
-    """Begin to load modules that processes will need, in a process of its own, beside what this one does meanwhile.
+def load_ahead(module: str) -> None:
+    """Begin to import a module that processes will need, in a process of its own, beside what this one does meanwhile.
 
-    The first call counts, if no process was begun before: those that are begun later are forked from the one that has
-    loaded the modules. With one core there is nothing beside, and nothing happens.
+    To be called before any process is begun: all are then forked from the one that has imported it. With one core there
+    is nothing beside, and nothing happens.
 
     Args:
-        modules: their names; one that cannot be imported is left to whoever needs it.
+        module: its name. An ImportError is left to whoever needs it; with another error no process can be begun.
     """
     if cores() > 1:
-        multiprocessing.set_forkserver_preload([*modules, "vcage.base.frozen"])
+        multiprocessing.set_forkserver_preload([module])
         _context()
 
 
 @cache
 def _context() -> SpawnContext | ForkServerContext:
-    """How processes are begun: forked from one without threads, for a renderer and BLAS have threads that a child would
-    not have; each by itself where the path of a socket in ``TMPDIR`` would be too long."""
+    """How processes are begun: forked from one that never works, for the threads of a renderer would be missing in a
+    child of this one; each by itself where there can be no socket, as when the path in ``TMPDIR`` is too long."""
     try:
         forkserver.ensure_running()
     except OSError:

@@ -90,7 +90,7 @@ class LossesRecord(Document):
 
     SCHEMA: ClassVar[str] = "vcage.losses/1"
 
-    made_from: str = Field(description="display model, name and version of what judges")
+    made_from: str = Field(description="display model, name and version of what judges, and of this package")
     losses: dict[str, Finite] = Field(description="JOD by a hash of both pictures")
 
 

@@ -44,9 +44,6 @@ STAGES: dict[str, Stage] = {
 }
 """The nine stages, in the order in which they run."""
 
-AHEAD = ("vcage.stages.collect", "sapien", "vcage.datasets.packing.clips", "vcage.video.colorvideovdp")
-"""What the processes that collect and compress need, which is loaded while the first stages work."""
-
 OF_THE_EPISODES = ("verify", "compress", "export")
 """Stages whose files can be had again from the episodes."""
 
@@ -87,8 +84,8 @@ def run_chain(
     context = context or options.context()
     done = {}
     with at_work(run):
-        if options.workers != 1 and not run.compression.exists():
-            load_ahead(*AHEAD)
+        if options.workers != 1 and not run.compression.exists():  # else no process may be begun
+            load_ahead("vcage.stages.ahead")
         for name, stage in STAGES.items():
             with show(name) as progress:
                 own = export.Options(seed=options.seed, force=options.force) if name == "export" else options

@@ -13,6 +13,7 @@ from collections.abc import Iterable
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from functools import partial
+from itertools import chain
 from pathlib import Path
 
 import h5py
@@ -86,16 +87,18 @@ def refer_to_videos(run: RunFolder, record: Compression, scratch: Path) -> None:
         scratch: a folder on the same file system for what is written meanwhile.
 
     Raises:
-        DamagedFile: a video does not hold what it should; then the episode keeps its pictures.
+        DamagedFile: a video does not hold what it should; then all episodes keep their pictures.
         DiskFull, OutputFolderError: the episodes cannot be written.
     """
-    files = [file for file in record.packed if not holds_links(run.root / file)]
+    waiting = {
+        file: [stream for stream in record.streams if stream.episode == file]
+        for file in record.packed
+        if not holds_links(run.root / file)
+    }
     with ThreadPoolExecutor(cores()) as pool:  # FFmpeg releases the interpreter
-        for _ in pool.map(partial(_verify, run), (s for s in record.streams if s.episode in files)):
-            pass
-    for file in files:
+        list(pool.map(partial(_verify, run), chain(*waiting.values())))
+    for file, streams in waiting.items():
         path = run.root / file
-        streams = [stream for stream in record.streams if stream.episode == file]
         for stream in streams:
             _beside(run.root / stream.file, path)
         packed = _packed(run, streams, scratch)
@@ -114,7 +117,11 @@ def _packed(run: RunFolder, streams: list[VideoStream], scratch: Path) -> Path:
 
 
 def _verify(run: RunFolder, stream: VideoStream) -> None:
-    """Decode all of a video."""
+    """Decode all of a video.
+
+    Raises:
+        DamagedFile: it does not hold what was written.
+    """
     video = run.root / stream.file
     frames = decoded_count(video)
     if frames != stream.frames or video.stat().st_size != stream.bytes:

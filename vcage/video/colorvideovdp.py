@@ -30,7 +30,7 @@ class Pairs:
 
     Args:
         test, reference: (N, H, W, 3) uint8 RGB.
-        photometry: of a display that shows each channel by itself (all but those that take HLG).
+        photometry: of a display that takes sRGB, and so shows each channel by itself.
     """
 
     def __init__(self, test: NDArray[np.uint8], reference: NDArray[np.uint8], photometry: vvdp_display_photometry):

@@ -33,8 +33,8 @@ DIGITS = 5
 DISPLAYS = "display_models.json"
 """Of ColorVideoVDP, which looks for it where ``CVVDP_PATH`` says, and then among its own files."""
 
-NOT_SRGB = ("-PQ", "-HLG", "-linear")
-"""Ends of the names of colour spaces in which a display takes other values than those of a recording."""
+SRGB = "sRGB"
+"""The colour space of recordings, and of display models that name none."""
 
 SET_UP = "run: vcage setup cvvdp"
 
@@ -100,12 +100,12 @@ def _colorvideovdp() -> ModuleType:
 
 
 def require_display(name: str) -> None:
-    """Nothing, if ColorVideoVDP has a display model of that name; without loading it, which takes seconds.
+    """Nothing, if ColorVideoVDP has a display model of that name; without loading it, which takes a second.
 
     Raises:
         MissingDependency: pycvvdp is not installed.
         UnknownName: it has not; lists those it has.
-        UsageError: it shows pictures in another code than sRGB.
+        UsageError: it takes another colour space than sRGB.
     """
     package = find_spec("pycvvdp")
     if package is None or package.origin is None:
@@ -118,9 +118,8 @@ def require_display(name: str) -> None:
     displays = json.loads(found.read_text())
     if name not in displays:
         raise UnknownName("display", name, sorted(displays))
-    code = displays[name].get("colorspace", "sRGB")
-    if code.endswith(NOT_SRGB):
-        raise UsageError(f"the display {name!r} takes {code}, and the pictures are sRGB", hint=f"take {DISPLAY}")
+    if (space := displays[name].get("colorspace", SRGB)) != SRGB:
+        raise UsageError(f"the display {name!r} takes {space}, and the pictures are {SRGB}", hint=f"take {DISPLAY}")
 
 
 @contextmanager

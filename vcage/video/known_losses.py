@@ -26,10 +26,10 @@ class KnownLosses:
     def loss(self, test: NDArray[np.uint8], reference: NDArray[np.uint8]) -> NDArray[np.float64]:
         """Loss of each of N pictures against its reference, see :meth:`vcage.video.jod.JodMetric.loss`."""
         keys = [_hash(*pair) for pair in zip(test, reference, strict=True)]
-        new = [index for index, key in enumerate(keys) if key not in self.losses]
+        new = {key: index for index, key in enumerate(keys) if key not in self.losses}
         if new:
-            found = self.metric.loss(test[new], reference[new]).tolist()
-            self.losses |= zip((keys[index] for index in new), found, strict=True)
+            places = list(new.values())
+            self.losses |= zip(new, self.metric.loss(test[places], reference[places]).tolist(), strict=True)
         return np.array([self.losses[key] for key in keys])
 
 

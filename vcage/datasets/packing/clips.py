@@ -138,7 +138,7 @@ class SearchTask:
     def losses(self) -> Keeper[LossesRecord]:
         """What earlier searches of the clip scored, whatever they chose from."""
         path = self.folder / f"{self.clip.video.removesuffix('.mp4')}.losses.json"
-        return Keeper(path, LossesRecord, f"{self.display} {metric_version()}")
+        return Keeper(path, LossesRecord, f"{self.display} {metric_version()} {__version__}")
 
 
 def known(task: SearchTask) -> VideoStream | FindingRecord | None:
