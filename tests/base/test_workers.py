@@ -178,6 +178,42 @@ def test_what_is_loaded_ahead_is_there_in_processes_alone():
     assert (done.stdout, done.stderr) == ("True False\n", "")
 
 
+@pytest.mark.skipif(cores() == 1, reason="nothing is loaded ahead on one core")
+def test_what_lies_in_the_current_folder_is_not_taken_for_what_is_loaded_ahead(tmp_path):
+    (tmp_path / "colorsys.py").write_text("raise RuntimeError('another one')")
+    done = subprocess.run([sys.executable, "-c", LOADED_AHEAD], capture_output=True, text=True, cwd=tmp_path)
+    assert (done.stdout, done.stderr) == ("True False\n", "")
+
+
+INTERRUPTED = """
+import os, signal, time
+from vcage.base.workers import leave_nothing, load_ahead
+signal.signal(signal.SIGINT, lambda *_: None)
+load_ahead("slow")
+time.sleep(0.5)
+os.killpg(0, signal.SIGINT)
+time.sleep(0.5)
+leave_nothing()
+os._exit(0)
+"""
+
+
+@pytest.mark.skipif(cores() == 1, reason="nothing is loaded ahead on one core")
+def test_ctrl_c_while_something_is_loaded_ahead_leaves_no_trace(tmp_path):
+    (tmp_path / "slow.py").write_text("import time; time.sleep(1)")
+    temporary = tmp_path / "temporary"
+    temporary.mkdir()
+    done = subprocess.run(
+        [sys.executable, "-c", INTERRUPTED],
+        capture_output=True,
+        text=True,
+        env=os.environ | {"PYTHONPATH": str(tmp_path), "TMPDIR": str(temporary)},
+        start_new_session=True,
+    )
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+    assert not list(temporary.iterdir())
+
+
 def test_processes_begin_by_themselves_where_temporary_files_lie_too_deep_for_a_socket(tmp_path):
     deep = tmp_path / ("deep" * 30)
     deep.mkdir()

@@ -8,6 +8,7 @@ from __future__ import annotations
 import logging
 import multiprocessing
 import os
+import shutil
 import signal
 import threading
 import time
@@ -16,10 +17,11 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cache
-from multiprocessing import forkserver
+from multiprocessing import forkserver, resource_tracker
 from multiprocessing.connection import Connection, wait
 from multiprocessing.context import ForkServerContext, SpawnContext
 from multiprocessing.process import BaseProcess
+from multiprocessing.util import get_temp_dir
 from pickle import PicklingError
 from typing import Any, Generic, Self, TypeVar
 
@@ -37,6 +39,9 @@ TRIES = 3
 
 PATIENCE = 5.0
 """Seconds within which a process that is dismissed ends by itself."""
+
+SAFE_PATH = "PYTHONSAFEPATH"
+"""Python's switch: nothing is imported from the current folder."""
 
 DONE, FAILED, SAID = range(3)
 """What a process sends: a result, an error, or a record of its log."""
@@ -65,11 +70,25 @@ def load_ahead(module: str) -> None:
 def _context() -> SpawnContext | ForkServerContext:
     """How processes are begun: forked from one that never works, for the threads of a renderer would be missing in a
     child of this one; each by itself where there can be no socket, as when the path in ``TMPDIR`` is too long."""
+    resource_tracker.ensure_running()  # which would let Ctrl-C through again
+    through = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})  # Ctrl-C is this process's business
+    safe = os.environ.get(SAFE_PATH)
+    os.environ[SAFE_PATH] = safe or "1"  # else it would import what lies in the current folder
     try:
         forkserver.ensure_running()
     except OSError:
         return multiprocessing.get_context("spawn")
+    finally:
+        if safe is None:
+            del os.environ[SAFE_PATH]
+        signal.pthread_sigmask(signal.SIG_SETMASK, through)
     return multiprocessing.get_context("forkserver")
+
+
+def leave_nothing() -> None:
+    """Remove what a process that is about to end by ``os._exit`` would leave of the one that others are forked from."""
+    if _context.cache_info().currsize:
+        shutil.rmtree(get_temp_dir(), ignore_errors=True)
 
 
 def in_processes(work: Callable[[T], R], tasks: Sequence[T], workers: int) -> Iterator[R]:

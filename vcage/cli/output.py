@@ -150,6 +150,9 @@ def end_process(code: int) -> int:
     The simulator's tear-down crashes when it was stopped in the middle of its work.
     """
     if code == INTERRUPTED:
+        from vcage.base.workers import leave_nothing
+
+        leave_nothing()
         logging.shutdown()
         os._exit(code)
     gc.freeze()  # what is loaded need not be looked through once more: a fifth of a second
