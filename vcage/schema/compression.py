@@ -63,19 +63,6 @@ class VideoStream(Record):
         return self.crf is None
 
 
-class FindingRecord(Document):
-    """What was found in the search of one video on its scored groups of pictures, before it is encoded as a whole."""
-
-    SCHEMA: ClassVar[str] = "vcage.finding/1"
-
-    made_from: str = Field(description="hash of everything that the result depends on")
-    pixel_format: str
-    gop: int
-    crf: int | None = Field(description="the highest that passes; none: without loss")
-    loss: Finite = Field(description="largest JOD loss over the frames that were scored at that CRF")
-    evaluations: list[Evaluation]
-
-
 class ClipRecord(Document):
     """What was found in the search of one video, kept beside it while others are searched."""
 
@@ -83,15 +70,6 @@ class ClipRecord(Document):
 
     made_from: str = Field(description="hash of everything that the result depends on")
     stream: VideoStream
-
-
-class LossesRecord(Document):
-    """What was scored in the searches of one video, kept beside it for the next of them."""
-
-    SCHEMA: ClassVar[str] = "vcage.losses/1"
-
-    made_from: str = Field(description="display model, name and version of what judges, and of this package")
-    losses: dict[str, Finite] = Field(description="JOD by a hash of both pictures")
 
 
 class Encoding(Record):

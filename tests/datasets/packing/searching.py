@@ -13,7 +13,6 @@ from vcage.schema.compression import Evaluation
 from vcage.video.choices import LOSSLESS, Choices
 from vcage.video.codec import EncoderSettings
 from vcage.video.judge import Judge
-from vcage.video.search import Finding
 from vcage.video.settling import SearchResult
 
 NONE_PASSES = 255
@@ -24,23 +23,21 @@ ALL = "yuv444p10le"
 
 def episode(path: Path, size: int = 16, **cameras: int | tuple[int, ...]) -> Path:
     """A file in ACT's layout with square pictures of a size. Each camera's number is the highest CRF that passes in the
-    chosen pixel format; a second one is that of all others, a third what the whole video allows where that is less."""
+    chosen pixel format; a second one is that of all others."""
     with h5py.File(path, "w") as file:
         for name, allowed in cameras.items():
-            best, *more = allowed if isinstance(allowed, tuple) else (allowed,)
+            best, other = allowed if isinstance(allowed, tuple) else (allowed, allowed)
             pictures = np.zeros((2, size, size, 3), np.uint8)
-            pictures[..., 0], pictures[..., 1] = best, more[0] if more else best
-            pictures[..., 2] = more[1] if more[1:] else NONE_PASSES
+            pictures[..., 0], pictures[..., 1] = best, other
             file[f"observations/images/{name}"] = pictures
     return path
 
 
 class Searches:
-    """Stands for both searches, and remembers every call: what was allowed, the choices, and whether it was whole."""
+    """Stands for the search of a clip, and remembers every call: what was allowed, and the choices."""
 
     def __init__(self, patch: pytest.MonkeyPatch):
-        self.calls: list[tuple[int, Choices, bool]] = []
-        patch.setattr(clips, "find_encoding", self._find)
+        self.calls: list[tuple[int, Choices]] = []
         patch.setattr(clips, "search_clip", self._search)
         patch.setattr(clips, "_metric", lambda display: None)
 
@@ -48,21 +45,12 @@ class Searches:
         """The pixel format that is chosen."""
         return ALL if ALL in (choices.pixel_formats or (ALL,)) else choices.pixel_formats[0]
 
-    def _found(self, judge: Judge, choices: Choices, *, whole: bool) -> tuple[EncoderSettings, int | None]:
-        best, other, guarded = judge.frames[0, 0, 0].tolist()
+    def _search(self, judge: Judge, choices: Choices) -> SearchResult:
+        best, other, _ = judge.frames[0, 0, 0].tolist()
         settings = choices.settings(self.preferred(choices))
         allowed = best if settings.pixel_format == ALL else other
-        self.calls.append((best, choices, whole))
-        if allowed == NONE_PASSES or choices.highest == LOSSLESS:
-            return settings, None
-        return settings, min(allowed, choices.highest, guarded if whole else NONE_PASSES)
-
-    def _find(self, judge: Judge, choices: Choices) -> Finding:
-        settings, crf = self._found(judge, choices, whole=False)
-        return Finding(settings, crf, 0.05, settings, [_trial(settings, crf, 1, 10)])
-
-    def _search(self, judge: Judge, choices: Choices) -> SearchResult:
-        settings, crf = self._found(judge, choices, whole=True)
+        self.calls.append((best, choices))
+        crf = None if allowed == NONE_PASSES or choices.highest == LOSSLESS else min(allowed, choices.highest)
         video = f"{settings.pixel_format} {crf}".encode()
         trial = _trial(settings, crf, len(judge.frames), len(video))
         return SearchResult(settings, crf, video, 0.05, 0.05, [], None, [trial])

@@ -57,7 +57,7 @@ def test_each_episode_gets_its_own_crf_where_the_scope_is_the_episode(tmp_path, 
     clips = episodes(tmp_path / "in", high=[24, 19, 21])
     found = streams(clips, tmp_path / "work", CompressionSettings(scope="episode"))
     assert [stream.crf for stream in found] == [24, 19, 21]
-    assert [whole for *_, whole in searches.calls] == [True] * 3
+    assert len(searches.calls) == 3
 
 
 def test_a_crf_that_is_given_is_taken_without_rounds(tmp_path, searches):
@@ -112,27 +112,28 @@ class Preferring(Searches):
         return self.pixel_format if self.pixel_format in choices.pixel_formats else choices.pixel_formats[0]
 
 
-def test_the_later_episodes_are_searched_below_what_the_first_allow(tmp_path, searches):
-    clips = episodes(tmp_path / "in", high=[24, 25, 23, 25, 25, 22, 25])
+def test_the_first_episode_chooses_and_the_others_are_encoded_with_that(tmp_path, searches):
+    clips = episodes(tmp_path / "in", high=[19, 25, 20, 19, 25])
     streams(clips, tmp_path / "work")
-    bounds = [choices.highest for _, choices, whole in searches.calls if not whole]
-    assert bounds == [CODECS["hevc"].max_crf, 24, 24, 24, 23, 23, 23]
-    assert {choices.pixel_formats for _, choices, _ in searches.calls[1:]} == {(ALL,)}
+    bounds = [choices.highest for _, choices in searches.calls]
+    assert bounds == [CODECS["hevc"].max_crf, 19, 19, 19, 19]
+    assert {choices.pixel_formats for _, choices in searches.calls[1:]} == {(ALL,)}
 
 
-def test_each_video_is_encoded_once_as_agreed_that_with_the_least_to_spare_first(tmp_path, searches):
-    clips = episodes(tmp_path / "in", high=[24, 25, 19, 25, 20])
-    streams(clips, tmp_path / "work")
-    encoded = [(allowed, choices.highest) for allowed, choices, whole in searches.calls if whole]
-    assert encoded == [(19, 19), (24, 19), (25, 19), (25, 19), (20, 19)]
+def test_what_allows_less_lowers_all_and_only_what_lies_above_is_encoded_again(tmp_path, searches):
+    clips = episodes(tmp_path / "in", high=[24, 25, 20, 25, 25, 18, 25])
+    assert {stream.crf for stream in streams(clips, tmp_path / "work")} == {18}
+    calls = [(allowed, choices.highest) for allowed, choices in searches.calls]
+    assert calls[1:4] == [(25, 24), (20, 24), (25, 24)]
+    assert calls[4:7] == [(25, 20), (18, 20), (25, 20)]
+    assert calls[7:] == [(24, 18), (25, 18), (20, 18), (25, 18), (25, 18), (25, 18)]
 
 
-def test_what_fails_in_the_whole_video_lowers_all_and_only_what_lies_above_is_encoded_again(tmp_path, searches):
-    clips = episodes(tmp_path / "in", high=[(24, 24, 20), 25, (25, 25, 18), 25])
-    found = streams(clips, tmp_path / "work")
-    assert {stream.crf for stream in found} == {18}
-    encoded = [choices.highest for _, choices, whole in searches.calls if whole]
-    assert encoded == [24, 20, 20, 20, 18, 18, 18]
+def test_the_episode_that_was_hardest_to_store_is_the_first(tmp_path, searches):
+    episodes(tmp_path / "in", high=[24, 23, 21])
+    episode(tmp_path / "in/2.hdf5", size=32, high=21)
+    streams(clips_of(tmp_path / "in"), tmp_path / "work")
+    assert [allowed for allowed, _ in searches.calls] == [21, 24, 23]
 
 
 # --- order, progress, memory ---------------------------------------------------------------------------
@@ -159,7 +160,7 @@ def test_progress_never_claims_more_clips_than_there_are(tmp_path, searches):
     clips = episodes(tmp_path / "in", high=[24, 20, 22, 18, 25])
     told: list[tuple[str, int, int]] = []
     streams(clips, tmp_path / "work", progress=lambda *step: told.append(step))
-    assert [number for _, number, _ in told] == [0] * 6 + [1, 2, 3, 4]
+    assert [number for _, number, _ in told] == [0, 1, 2, 3, 4, 2, 3, 4]
     assert {total for *_, total in told} == {5}
     assert told[-1][1] == 4
 

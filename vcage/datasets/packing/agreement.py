@@ -1,8 +1,7 @@
 """What all episodes of a camera agree on: pixel format, GOP and CRF, in as few encodings as that takes.
 
-The first episode chooses, on the groups of pictures that are scored. The others are tried with that at its CRF, in
-batches that grow, each below what those before it allow. Then the episode that allowed least is encoded as a whole, for
-it is the likeliest to fail where its other frames are looked at; and once it passes, all others. The steps do not
+The episode that is likely to allow least chooses. The others are encoded with that at its CRF, in batches that grow,
+each below what those before it allow; those that were encoded above what all allow are encoded again. The steps do not
 depend on the number of processes, so neither does the result.
 """
 
@@ -12,12 +11,12 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import groupby
 
-from vcage.schema.compression import FindingRecord, VideoStream
+from vcage.schema.compression import VideoStream
 from vcage.video.choices import LOSSLESS, Choices
 
 BATCH_GROWTH = 4
-"""Episodes that have been searched after a batch, for each before it: more keep more processes busy, fewer tell the
-next batch sooner what need not be tried."""
+"""Episodes that have been encoded after a batch, for each before it: more keep more processes busy, fewer are encoded
+in vain where one of them allows less."""
 
 
 @dataclass(frozen=True)
@@ -59,12 +58,10 @@ class Step:
     Args:
         episodes: their names.
         choices: what their searches may choose from.
-        whole: whether their videos are encoded.
     """
 
     episodes: Sequence[str]
     choices: Choices
-    whole: bool
 
 
 @dataclass
@@ -72,7 +69,7 @@ class Agreement:
     """One camera's episodes on the way to their agreement.
 
     Args:
-        episodes: their names; at least one.
+        episodes: their names, those that are likely to allow least first; at least one.
         choices: what the first may choose from: of pixel formats those that all episodes can have, the best first.
         bound: what is agreed on so far; at first, what other episodes agreed on before.
     """
@@ -80,33 +77,25 @@ class Agreement:
     episodes: Sequence[str]
     choices: Choices
     bound: Bound | None = None
-    _findings: dict[str, FindingRecord] = field(default_factory=dict)
     _streams: dict[str, VideoStream] = field(default_factory=dict)
 
     def next_step(self) -> Step | None:
         """What is to be done next; None when all are encoded as agreed."""
-        bound = self.bound
+        bound, encoded = self.bound, len(self._streams)
         if bound is None:
-            return Step(self.episodes[:1], self.choices, whole=False)
-        searched = len(self._findings)
-        if searched < len(self.episodes) and bound.crf != LOSSLESS:
-            return Step(self.episodes[searched : max(1, BATCH_GROWTH * searched)], self._below(bound), whole=False)
+            return Step(self.episodes[:1], self.choices)
+        if encoded < len(self.episodes) and bound.crf != LOSSLESS:
+            return Step(self.episodes[encoded : max(1, BATCH_GROWTH * encoded)], self._below(bound))
         waiting = [name for name in self.episodes if not self._kept(name, bound)]
-        if len(waiting) == len(self.episodes) and bound.crf != LOSSLESS:
-            waiting = [min(self.episodes, key=self._slack)]
-        return Step(waiting, self._below(bound), whole=True) if waiting else None
+        return Step(waiting, self._below(bound)) if waiting else None
 
-    def take(self, found: Mapping[str, VideoStream | FindingRecord]) -> None:
+    def take(self, found: Mapping[str, VideoStream]) -> None:
         """Go on from what a step found.
 
         Args:
-            found: episode → its video, or what was found for it.
+            found: episode → its video.
         """
-        for name, one in found.items():
-            if isinstance(one, VideoStream):
-                self._streams[name] = one
-            else:
-                self._findings[name] = one
+        self._streams |= found
         bound, first = self.bound, next(iter(found.values()))
         if any(one.crf is None for one in found.values()):
             self._none_passes(bound or Bound(first.pixel_format, first.gop, LOSSLESS))
@@ -124,7 +113,7 @@ class Agreement:
             self.bound = replace(bound, crf=LOSSLESS)
             return
         self.bound, self.choices = None, replace(self.choices, pixel_formats=(best,), gops=(bound.gop,))
-        self._findings.clear()
+        self._streams.clear()
 
     def _below(self, bound: Bound) -> Choices:
         settings = self.choices.settings(gop=bound.gop)
@@ -134,11 +123,6 @@ class Agreement:
 
     def _kept(self, name: str, bound: Bound) -> bool:
         return name in self._streams and bound.kept_by(self._streams[name])
-
-    def _slack(self, name: str) -> tuple[int, float]:
-        """The lower, the likelier an episode fails when it is encoded as a whole."""
-        found = self._findings[name]
-        return (LOSSLESS if found.crf is None else found.crf), -found.loss
 
 
 @dataclass
@@ -156,8 +140,8 @@ class Apart:
 
     def next_step(self) -> Step | None:
         """All at once, and then nothing."""
-        return None if self._done else Step(self.episodes, self.choices, whole=True)
+        return None if self._done else Step(self.episodes, self.choices)
 
-    def take(self, _found: Mapping[str, VideoStream | FindingRecord]) -> None:
+    def take(self, _found: Mapping[str, VideoStream]) -> None:
         """Nothing depends on what was found."""
         self._done = True

@@ -17,14 +17,13 @@ from vcage.base.pictures import jpeg
 from vcage.base.version import __version__
 from vcage.datasets.recordings.recording import Recording
 from vcage.datasets.robotwin import JPEG_QUALITY
-from vcage.schema.compression import ClipRecord, FindingRecord, LossesRecord, VideoStream
+from vcage.schema.compression import ClipRecord, VideoStream
 from vcage.video.choices import Choices, Criterion
 from vcage.video.encoders import encoder_version
 from vcage.video.jod import JodMetric, metric_version
 from vcage.video.judge import Judge
 from vcage.video.keyframes import keyframes, picture_keyframes
 from vcage.video.known_losses import KnownLosses
-from vcage.video.search import find_encoding
 from vcage.video.settling import SearchResult, search_clip
 
 Key = tuple[str, str]
@@ -91,7 +90,6 @@ class SearchTask:
         display: of the metric.
         keyframes: how many frames are scored.
         folder: where the video and what is known of it are kept.
-        whole: whether what is found is encoded and written; else it is told only.
     """
 
     clip: Clip
@@ -100,7 +98,6 @@ class SearchTask:
     display: str
     keyframes: int
     folder: Path
-    whole: bool = True
 
     @cached_property
     def made_from(self) -> str:
@@ -124,27 +121,17 @@ class SearchTask:
 
     @property
     def record(self) -> Path:
-        """Where a :class:`ClipRecord` or a :class:`FindingRecord` is kept; those of one clip made with other choices
-        lie beside each other."""
-        kind = "json" if self.whole else "found.json"
-        return self.folder / f"{self.clip.video.removesuffix('.mp4')}.{self.made_from[:12]}.{kind}"
+        """Where its :class:`ClipRecord` is kept; those of one clip made with other choices lie beside each other."""
+        return self.folder / f"{self.clip.video.removesuffix('.mp4')}.{self.made_from[:12]}.json"
 
     @property
     def video(self) -> Path:
         """The encoded video."""
         return self.record.with_suffix(".mp4")
 
-    @property
-    def losses(self) -> Keeper[LossesRecord]:
-        """What earlier searches of the clip scored, whatever they chose from."""
-        path = self.folder / f"{self.clip.video.removesuffix('.mp4')}.losses.json"
-        return Keeper(path, LossesRecord, f"{self.display} {metric_version()} {__version__}")
 
-
-def known(task: SearchTask) -> VideoStream | FindingRecord | None:
+def known(task: SearchTask) -> VideoStream | None:
     """What an earlier call of :func:`perform` found, or None."""
-    if not task.whole:
-        return Keeper(task.record, FindingRecord, task.made_from).kept()
     record = Keeper(task.record, ClipRecord, task.made_from).kept()
     return None if record is None else record.stream
 
@@ -152,59 +139,40 @@ def known(task: SearchTask) -> VideoStream | FindingRecord | None:
 def is_finished(task: SearchTask) -> bool:
     """Whether the video is there, as :func:`perform` left it."""
     stream = known(task)
-    return isinstance(stream, VideoStream) and task.video.is_file() and task.video.stat().st_size == stream.bytes
+    return stream is not None and task.video.is_file() and task.video.stat().st_size == stream.bytes
 
 
-Done = tuple[Key, VideoStream | FindingRecord]
-"""A clip, and its video or what was found for it."""
+Done = tuple[Key, VideoStream]
+"""A clip, and its video."""
 
 
 def perform(task: SearchTask) -> Done:
-    """Search one clip, write its video where one is asked for, and then its record; does nothing where both are there.
+    """Search one clip, write its video, and then its record; does nothing where both are there.
 
     Raises:
         DamagedFile: its pictures cannot be read; ``details`` name the recording.
-        UsageError, MissingDependency: see :func:`vcage.video.search.find_encoding`.
+        UsageError, MissingDependency: see :func:`vcage.video.settling.search_clip`.
         DiskFull, OutputFolderError: it cannot be written.
     """
     done = known(task)
-    if done is not None and (isinstance(done, FindingRecord) or is_finished(task)):
+    if done is not None and is_finished(task):
         return task.clip.key, done
-    earlier = task.losses.kept()
-    metric = KnownLosses(_metric(task.display), dict(earlier.losses) if earlier else {})
-    judge = _judge(task, metric)
-    found = _video(task, judge) if task.whole else _finding(task, judge)
-    LossesRecord(made_from=task.losses.made_from, losses=metric.losses).write(task.losses.path)
-    found.write(task.record)
-    return task.clip.key, found.stream if isinstance(found, ClipRecord) else found
-
-
-def _video(task: SearchTask, judge: Judge) -> ClipRecord:
+    judge = _judge(task)
     result = search_clip(judge, task.choices)
     write_bytes(task.video, result.video)
-    return ClipRecord(made_from=task.made_from, stream=_stream(task.clip, judge, result))
+    stream = _stream(task.clip, judge, result)
+    ClipRecord(made_from=task.made_from, stream=stream).write(task.record)
+    return task.clip.key, stream
 
 
-def _finding(task: SearchTask, judge: Judge) -> FindingRecord:
-    found = find_encoding(judge, task.choices)
-    return FindingRecord(
-        made_from=task.made_from,
-        pixel_format=found.settings.pixel_format,
-        gop=found.settings.gop,
-        crf=found.crf,
-        loss=found.loss,
-        evaluations=found.trials,
-    )
-
-
-def _judge(task: SearchTask, metric: KnownLosses) -> Judge:
+def _judge(task: SearchTask) -> Judge:
     try:
         frames = task.clip.pictures()
         scored = task.clip.keyframes(frames, task.keyframes)
     except DamagedFile as error:
         error.details["recording"] = task.clip.name
         raise
-    return Judge(frames, scored, task.clip.fps, task.criterion, metric)
+    return Judge(frames, scored, task.clip.fps, task.criterion, KnownLosses(_metric(task.display)))
 
 
 @lru_cache(maxsize=1)
