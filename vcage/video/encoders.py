@@ -104,8 +104,12 @@ def _x265(effort: Effort, preset: str, gop: int, crf: int | None) -> EncoderOpti
         "aq-mode": 1,  # measured on three clips at the same loss: 4 % fewer bytes than mode 2
         # What counts is the worst frame, never the I-frame alone.
         "ipratio": "1.0",
-        "psy-rd": "0.5",
+        # Measured on three clips of 320x240 at the same loss: a tenth less time than with psy-rd, in as many bytes, and
+        # 2 % fewer bytes with colour coded by so much coarser steps, which psy-rd did of itself where it has full size.
+        "psy-rd": "0.0",
         "psy-rdoq": "0.0",
+        "cbqpoffs": 6,
+        "crqpoffs": 6,
         # Measured on three clips of 320x240 at the same loss: 2 % fewer bytes than blocks of 64, in as much time.
         "ctu": 16,
         # Nothing is decided by what comes later; a frame depends on those before it in its group alone.
