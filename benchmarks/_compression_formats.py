@@ -30,7 +30,7 @@ SLACK = 1.1
 """Where a codec that has no form without loss cannot reach the limit, a clip may lose so much more than at its best."""
 
 AHEAD = 3
-"""So far above the CRF that is known of another GOP a search begins."""
+"""So far above the CRF that is known of another GOP the first encoding is."""
 
 TIMED = 40
 """Frames that are encoded to time one."""
@@ -190,7 +190,7 @@ class Searched:
         known = before[self.after] if self.after is not None else None
         if known is None or known.crf is None or known.pixel_format is None:
             return self.choices, LIMIT
-        upper = min(known.crf + AHEAD, self.choices.highest)
+        upper = min(known.crf + AHEAD, self.choices.settings().facts.max_crf)
         return replace(self.choices, pixel_formats=(known.pixel_format,), upper=upper), LIMIT
 
     def _at_its_best(self, film: Film, metric: JodMetric) -> tuple[Choices, float]:

@@ -50,11 +50,3 @@ def test_where_either_picture_is_another_it_is_judged_anew(changed):
     pair[changed] = pair[changed] ^ np.uint8(1)
     known.loss(*pair)
     assert metric.asked == [1, 1]
-
-
-def test_what_is_known_is_taken_over():
-    known = KnownLosses(Counting())
-    known.loss(PICTURES[:2] // 2, PICTURES[:2])
-    other = Counting()
-    assert KnownLosses(other, known.losses).loss(PICTURES[:2] // 2, PICTURES[:2]).tolist() == [*known.losses.values()]
-    assert other.asked == []

@@ -68,7 +68,9 @@ def test_where_nothing_passes_the_video_is_lossless(metric):
 
 
 def test_h264_without_loss_is_rgb(metric):
-    result = search(clip(4), metric, keyframes=[0, 3], choices=Choices("h264", "fast", upper=LOSSLESS))
+    result = search(
+        clip(4), metric, keyframes=[0, 3], choices=Choices("h264", "fast", ("yuv444p10le",), upper=LOSSLESS)
+    )
     assert (result.crf, result.pixel_format, result.trials[-1].pixel_format) == (None, "rgb24", "rgb24")
     assert np.array_equal(decode(result.video), clip(4))
 
@@ -80,8 +82,8 @@ def test_a_codec_without_a_lossless_form_says_what_its_colour_costs(metric):
     assert "--codec hevc" in caught.value.hint
 
 
-def test_a_bound_of_an_earlier_clip_is_tried_first_and_kept(metric):
-    result = search(clip(10), metric, threshold=5.0, choices=CHOICES.fixed(SETTINGS, 7))
+def test_where_the_bound_of_another_clip_passes_nothing_is_searched(metric):
+    result = search(clip(10), metric, threshold=5.0, choices=replace(CHOICES, upper=7))
     assert result.crf == 7
     assert [(trial.crf, trial.frames) for trial in result.trials] == [(7, 10)]
 
@@ -97,7 +99,7 @@ def test_a_search_encodes_the_whole_clip_once_and_else_what_is_scored(metric):
 
 
 def test_no_crf_for_an_earlier_clip_means_lossless_at_once(metric):
-    result = search(clip(4), metric, keyframes=[0, 3], choices=CHOICES.fixed(SETTINGS, -1))
+    result = search(clip(4), metric, keyframes=[0, 3], choices=replace(CHOICES, upper=LOSSLESS))
     assert result.crf is None and [trial.crf for trial in result.trials] == [None]
     assert np.array_equal(decode(result.video), clip(4))
 
@@ -169,7 +171,8 @@ def test_a_size_that_does_not_fit_the_only_format_is_refused(metric):
 
 # --- with losses that are made up ----------------------------------------------------------------------
 
-BEST, CHEAP = "yuv444p10le", "yuv420p10le"
+FORMATS = BEST, CHEAP = "yuv444p10le", "yuv420p10le"
+NO_LOSS = -1
 LONG = np.arange(60, dtype=np.uint8)[:, None, None, None] * np.ones((1, 48, 64, 3), np.uint8)
 """Frames that say which they are."""
 
@@ -182,8 +185,8 @@ class Losses:
         self.encoded: list[tuple[str, int, int]] = []
         patch.setattr(judge, "encode", self._encode)
         patch.setattr(excerpt, "encode", self._encode)
-        patch.setattr(judge, "decode", lambda video, indices: (video, indices))
-        patch.setattr(search_module, "only_converted", lambda pictures, _name: (None, range(len(pictures))))
+        patch.setattr(judge, "decode", self._decode)
+        patch.setattr(search_module, "only_converted", lambda pictures, _name: np.full((len(pictures), 3), NO_LOSS))
 
     def _encode(self, frames, _fps, settings: EncoderSettings, crf: int, _starts=()) -> bytes:
         self.encoded.append((settings.pixel_format, crf, len(frames)))
@@ -191,12 +194,14 @@ class Losses:
         places = " ".join(str(number) for number in frames[:, 0, 0, 0])
         return f"{settings.pixel_format} {crf} {places}".encode().ljust(size)
 
-    def loss(self, test, _reference) -> np.ndarray:
-        video, indices = test
-        if video is None:
-            return np.zeros(len(indices))
+    def _decode(self, video: bytes, indices: list[int]) -> np.ndarray:
         name, crf, *places = video.decode().split()
-        return np.array([self.loss_of(name, int(crf), int(places[index])) for index in indices])
+        return np.array([(FORMATS.index(name), int(crf), int(places[index])) for index in indices])
+
+    def loss(self, test, _reference) -> np.ndarray:
+        return np.array(
+            [0.0 if crf == NO_LOSS else self.loss_of(FORMATS[name], crf, frame) for name, crf, frame in test]
+        )
 
 
 def growing(crf: int) -> float:
@@ -247,6 +252,32 @@ def test_what_the_guard_finds_costs_one_more_whole_encoding(monkeypatch, factor)
     result = search(LONG, metric, keyframes=[0, 59], guard=True, choices=Choices(pixel_formats=(BEST,)))
     assert result.added and result.loss_max < 0.1 <= growing(result.crf + 1) * factor
     assert sum(frames == len(LONG) for *_, frames in metric.encoded) == 2
+
+
+BOUND = Choices(pixel_formats=(BEST,), upper=20)
+"""What an earlier clip allowed."""
+
+
+@pytest.mark.parametrize("keyframes", [[0, 30, 59], list(range(0, 60, 3))])
+def test_a_clip_that_fails_at_its_bound_is_searched_below_and_encoded_whole_twice(monkeypatch, keyframes):
+    metric = Losses(monkeypatch, lambda _name, crf, frame: growing(crf) * (1 + frame / 6000))
+    result = search(LONG, metric, keyframes=keyframes, guard=True, choices=BOUND)
+    assert (result.crf, result.pixel_format) == (15, BEST)
+    assert [crf for _, crf, frames in metric.encoded if frames == len(LONG)] == [20, 15]
+    assert all(frames <= 5 * 10 for _, _, frames in metric.encoded[1:-1])
+
+
+def test_a_clip_that_fails_at_its_bound_on_held_out_frames_alone_gets_a_lower_crf(monkeypatch):
+    metric = Losses(monkeypatch, lambda _name, crf, frame: growing(crf) if frame % 59 else 0.01)
+    result = search(LONG, metric, keyframes=[0, 59], guard=True, choices=BOUND)
+    assert result.crf == 15 and result.added
+
+
+def test_a_clip_that_passes_at_nothing_below_its_bound_is_without_loss(metric):
+    frames = np.random.default_rng(0).integers(0, 256, (4, 48, 64, 3), np.uint8)
+    result = search(frames, metric, keyframes=[0, 3], threshold=1e-5, choices=BOUND)
+    assert (result.crf, result.pixel_format) == (None, "gbrp")
+    assert np.array_equal(decode(result.video), frames)
 
 
 def test_a_fixed_crf_is_encoded_once_whatever_it_loses(metric):

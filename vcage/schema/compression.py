@@ -49,7 +49,9 @@ class VideoStream(Record):
     codec: str
     pixel_format: str
     gop: int = Field(description="frames from one random-access point to the next")
-    crf: int | None = Field(description="the highest that passes, or the one given; none: without loss")
+    crf: int | None = Field(
+        description="the highest at which all that share it pass, or the one given; none: without loss"
+    )
     loss_max: Finite = Field(description="largest JOD loss over the scored frames")
     loss_mean: Finite
     held_out: HeldOutLoss | None = Field(description="none when no held-out frame was left")

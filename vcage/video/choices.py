@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -60,7 +60,8 @@ class Choices:
         effort: of the encoder.
         pixel_formats: none takes those that the codec's searches choose from.
         gops: the first is searched, the others are tried at the CRF that it allows.
-        upper: the highest CRF to consider, :data:`LOSSLESS` for none; None takes the codec's.
+        upper: the CRF to encode at, or below it where that loses too much, with the first of the other choices and
+            without a search; :data:`LOSSLESS` for none. None searches.
     """
 
     codec: str = "hevc"
@@ -72,19 +73,3 @@ class Choices:
     def settings(self, pixel_format: str = "", gop: int = 0) -> EncoderSettings:
         """The encoder's settings with one of the choices."""
         return EncoderSettings(self.codec, pixel_format, self.effort, gop or self.gops[0])
-
-    @property
-    def highest(self) -> int:
-        """The highest CRF to consider."""
-        return self.settings().facts.max_crf if self.upper is None else self.upper
-
-    @property
-    def settled(self) -> EncoderSettings | None:
-        """The only choice, where a bound for the CRF leaves one; None where there is something to search."""
-        if self.upper is None or len(self.pixel_formats) != 1 or len(self.gops) != 1:
-            return None
-        return self.settings(self.pixel_formats[0])
-
-    def fixed(self, settings: EncoderSettings, upper: int) -> Choices:
-        """The same with nothing left to choose but a CRF of at most ``upper``."""
-        return replace(self, pixel_formats=(settings.pixel_format,), gops=(settings.gop,), upper=upper)

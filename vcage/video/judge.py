@@ -37,9 +37,13 @@ class Judge:
     keyframes: Sequence[int]
     fps: float
     criterion: Criterion
-    metric: JodMetric | KnownLosses
+    metric: JodMetric
     trials: list[Evaluation] = field(default_factory=list)
     _wholes: dict[tuple[EncoderSettings, int | None], bytes] = field(default_factory=dict)
+    _known: KnownLosses = field(init=False)
+
+    def __post_init__(self) -> None:
+        self._known = KnownLosses(self.metric)
 
     def whole(self, settings: EncoderSettings, crf: int | None) -> bytes:
         """The whole clip as a video, encoded once; a CRF of None is without loss."""
@@ -49,7 +53,11 @@ class Judge:
 
     def losses(self, video: bytes, frames: Sequence[int]) -> NDArray[np.float64]:
         """(N,) what N increasing frames lose in a whole video, JOD."""
-        return self.metric.loss(decode(video, frames), self.frames[list(frames)])
+        return self.loss(decode(video, frames), frames)
+
+    def loss(self, pictures: NDArray[np.uint8], frames: Sequence[int]) -> NDArray[np.float64]:
+        """(N,) what (N, H, W, 3) pictures lose against N frames, JOD."""
+        return self._known.loss(pictures, self.frames[list(frames)])
 
     def highest(
         self, settings: EncoderSettings, scored: Sequence[int], upper: int, first: int, gops: Sequence[int] = ()
@@ -98,7 +106,7 @@ class Judge:
             video, places = self.whole(settings, crf), list(scored)
         else:
             video, places = part.encoded(self.frames, self.fps, settings, crf), part.places(scored)
-        losses = self.metric.loss(decode(video, places), self.frames[list(scored)])
+        losses = self.loss(decode(video, places), scored)
         self.note(settings, crf, losses, video, len(part.frames))
         return Tried(losses, len(video))
 

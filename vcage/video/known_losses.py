@@ -17,21 +17,20 @@ class KnownLosses:
 
     Args:
         metric: judges what is not known.
-        losses: what is known, by a hash of both pictures; what is judged is added.
     """
 
     metric: JodMetric
-    losses: dict[str, float] = field(default_factory=dict)
+    _losses: dict[bytes, float] = field(default_factory=dict, init=False)
 
     def loss(self, test: NDArray[np.uint8], reference: NDArray[np.uint8]) -> NDArray[np.float64]:
         """Loss of each of N pictures against its reference, see :meth:`vcage.video.jod.JodMetric.loss`."""
         keys = [_hash(*pair) for pair in zip(test, reference, strict=True)]
-        new = {key: index for index, key in enumerate(keys) if key not in self.losses}
+        new = {key: index for index, key in enumerate(keys) if key not in self._losses}
         if new:
             places = list(new.values())
-            self.losses |= zip(new, self.metric.loss(test[places], reference[places]).tolist(), strict=True)
-        return np.array([self.losses[key] for key in keys])
+            self._losses |= zip(new, self.metric.loss(test[places], reference[places]).tolist(), strict=True)
+        return np.array([self._losses[key] for key in keys])
 
 
-def _hash(test: NDArray[np.uint8], reference: NDArray[np.uint8]) -> str:
-    return hashlib.blake2b(test.tobytes() + reference.tobytes(), digest_size=16).hexdigest()
+def _hash(test: NDArray[np.uint8], reference: NDArray[np.uint8]) -> bytes:
+    return hashlib.blake2b(test.tobytes() + reference.tobytes(), digest_size=16).digest()

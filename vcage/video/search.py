@@ -15,7 +15,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vcage.base.errors import UsageError
-from vcage.schema.compression import Evaluation
 from vcage.video.choices import Choices
 from vcage.video.codec import EncoderSettings, formats_for, only_converted
 from vcage.video.judge import Judge
@@ -31,41 +30,32 @@ class Finding:
     Args:
         settings: the encoder's.
         crf: the highest CRF that passes; None when not even the best quality does.
-        loss: at that CRF, largest over the frames that were scored at it, JOD.
         best: the settings with the first of the codec's pixel formats, which has its turn where another fails.
-        trials: all that was tried, in order.
     """
 
     settings: EncoderSettings
     crf: int | None
-    loss: float
     best: EncoderSettings
-    trials: list[Evaluation]
 
 
 def find_encoding(judge: Judge, choices: Choices) -> Finding:
-    """Find the encoding of one clip with the fewest bytes with which its keyframes pass.
+    """Find the encoding of one clip with the fewest bytes with which its keyframes pass, whatever ``choices.upper``.
 
     The first of the codec's pixel formats and the first GOP are searched for the highest CRF that passes; the others
     are tried at that CRF, and taken where they pass with fewer bytes.
 
     Raises:
-        UsageError: the pictures' size fits none of the pixel formats, or nothing passes and the codec has no lossless
-            form.
+        UsageError: the pictures' size fits none of the pixel formats.
         MissingDependency: the encoder is missing.
     """
     height, width = judge.frames.shape[1:3]
     best, *others = formats_for(choices.settings(), width, height, choices.pixel_formats)
     first = choices.settings(best)
-    start = first.facts.first_crf if choices.upper is None else choices.highest
-    crf = judge.highest(first, judge.keyframes, choices.highest, start, choices.gops)
+    crf = judge.highest(first, judge.keyframes, first.facts.max_crf, first.facts.first_crf, choices.gops)
     if crf is None:
-        require_lossless(judge, first)
-        return Finding(first, None, 0.0, first, judge.trials)
+        return Finding(first, None, first)
     settings = _cheapest(judge, choices, first, crf, [name for name in others if _hopeful(judge, name)])
-    chosen = settings.pixel_format, settings.gop, crf
-    loss = next(t.loss_max for t in reversed(judge.trials) if (t.pixel_format, t.gop, t.crf) == chosen)
-    return Finding(settings, crf, loss, first, judge.trials)
+    return Finding(settings, crf, first)
 
 
 def _hopeful(judge: Judge, pixel_format: str) -> bool:
@@ -78,8 +68,7 @@ def _hopeful(judge: Judge, pixel_format: str) -> bool:
 
 def _conversion(judge: Judge, pixel_format: str, frames: Sequence[int]) -> NDArray[np.float64]:
     """What frames lose in a pixel format without any codec."""
-    reference = judge.frames[list(frames)]
-    return judge.metric.loss(only_converted(reference, pixel_format), reference)
+    return judge.loss(only_converted(judge.frames[list(frames)], pixel_format), frames)
 
 
 def _cheapest(

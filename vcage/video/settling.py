@@ -7,7 +7,7 @@ lower CRF is sought at which what failed passes, on no more than that takes, and
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -32,7 +32,7 @@ class SearchResult:
 
     Args:
         settings: the encoder's.
-        crf: the highest CRF that passes; None when not even the best quality does.
+        crf: the highest CRF that passes, of those that were allowed; None when not even the best quality does.
         video: the MP4 file at that CRF; of a lossless encoding when there is none.
         loss_max, loss_mean: of ``video`` over the scored frames, JOD.
         added: frames that the guard added to the keyframes.
@@ -58,16 +58,16 @@ class SearchResult:
 def search_clip(judge: Judge, choices: Choices) -> SearchResult:
     """Find the encoding of one clip with the fewest bytes that passes, and encode it.
 
-    Choices that leave nothing open but a CRF below a bound are encoded at the bound at once.
-
     Raises:
-        UsageError, MissingDependency: see :func:`vcage.video.search.find_encoding`.
+        UsageError: nothing passes and the codec has no lossless form; or see
+            :func:`vcage.video.search.find_encoding`.
+        MissingDependency: the encoder is missing.
     """
-    settled = choices.settled
-    if settled is None:
+    if choices.upper is None:
         return _Settling(judge, find_encoding(judge, choices)).run()
-    crf = choices.highest if choices.highest >= settled.facts.min_crf else None
-    return _Settling(judge, Finding(settled, crf, 0.0, settled, judge.trials)).run()
+    settings = choices.settings(choices.pixel_formats[0])
+    crf = choices.upper if choices.upper >= settings.facts.min_crf else None
+    return _Settling(judge, Finding(settings, crf, settings)).run()
 
 
 @dataclass
@@ -98,10 +98,11 @@ class _Settling:
         worst = self.judge.criterion.loss(np.array(list(failing.values())))
         return math.floor(steps_to(self.judge.criterion.threshold, worst))
 
-    def _passing(self, settings: EncoderSettings, failing: Collection[int], upper: int, first: int) -> int | None:
-        """The highest CRF at which what failed passes: the frames themselves, or all where their mean counts."""
-        scored = sorted(failing) if self.judge.criterion.reduce == "max" else self._scored()
-        return self.judge.highest(settings, scored, upper, first)
+    def _passing(self, settings: EncoderSettings, failing: dict[int, float], upper: int, first: int) -> int | None:
+        """The highest CRF at which what failed passes: those frames that lost most, or all where their mean counts."""
+        criterion = self.judge.criterion
+        worst = criterion.deciding(sorted(failing), np.array([failing[frame] for frame in sorted(failing)]))
+        return self.judge.highest(settings, worst if criterion.reduce == "max" else self._scored(), upper, first)
 
     def _lossless(self) -> SearchResult:
         settings = self.found.settings

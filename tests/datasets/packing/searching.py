@@ -11,7 +11,6 @@ import pytest
 from vcage.datasets.packing import clips
 from vcage.schema.compression import Evaluation
 from vcage.video.choices import LOSSLESS, Choices
-from vcage.video.codec import EncoderSettings
 from vcage.video.judge import Judge
 from vcage.video.settling import SearchResult
 
@@ -21,13 +20,13 @@ ALL = "yuv444p10le"
 """The pixel format that is taken where the search may choose."""
 
 
-def episode(path: Path, size: int = 16, **cameras: int | tuple[int, ...]) -> Path:
+def episode(path: Path, size: int = 16, frames: int = 2, **cameras: int | tuple[int, int]) -> Path:
     """A file in ACT's layout with square pictures of a size. Each camera's number is the highest CRF that passes in the
     chosen pixel format; a second one is that of all others."""
     with h5py.File(path, "w") as file:
         for name, allowed in cameras.items():
             best, other = allowed if isinstance(allowed, tuple) else (allowed, allowed)
-            pictures = np.zeros((2, size, size, 3), np.uint8)
+            pictures = np.zeros((frames, size, size, 3), np.uint8)
             pictures[..., 0], pictures[..., 1] = best, other
             file[f"observations/images/{name}"] = pictures
     return path
@@ -50,19 +49,16 @@ class Searches:
         settings = choices.settings(self.preferred(choices))
         allowed = best if settings.pixel_format == ALL else other
         self.calls.append((best, choices))
-        crf = None if allowed == NONE_PASSES or choices.highest == LOSSLESS else min(allowed, choices.highest)
+        upper = allowed if choices.upper is None else choices.upper
+        crf = None if allowed == NONE_PASSES or upper == LOSSLESS else min(allowed, upper)
         video = f"{settings.pixel_format} {crf}".encode()
-        trial = _trial(settings, crf, len(judge.frames), len(video))
+        trial = Evaluation(
+            pixel_format=settings.pixel_format,
+            gop=settings.gop,
+            crf=crf,
+            loss_max=0.05,
+            loss_mean=0.05,
+            frames=len(judge.frames),
+            bytes=len(video),
+        )
         return SearchResult(settings, crf, video, 0.05, 0.05, [], None, [trial])
-
-
-def _trial(settings: EncoderSettings, crf: int | None, frames: int, size: int) -> Evaluation:
-    return Evaluation(
-        pixel_format=settings.pixel_format,
-        gop=settings.gop,
-        crf=crf,
-        loss_max=0.05,
-        loss_mean=0.05,
-        frames=frames,
-        bytes=size,
-    )

@@ -51,5 +51,5 @@ def test_a_pixel_format_that_is_given_is_the_only_choice():
 def test_a_crf_that_is_given_leaves_nothing_to_search_and_always_passes(crf):
     settings = CompressionSettings(crf=crf, gop="auto")
     choices = settings.choices()
-    assert (len(choices.pixel_formats), len(choices.gops), choices.highest) == (1, 1, crf)
+    assert (len(choices.pixel_formats), len(choices.gops), choices.upper) == (1, 1, crf)
     assert settings.criterion().threshold == float("inf") and not settings.criterion().guard

@@ -101,10 +101,7 @@ class Agreement:
             self._none_passes(bound or Bound(first.pixel_format, first.gop, LOSSLESS))
             return
         lowest = min(one.crf for one in found.values() if one.crf is not None)
-        if bound is None:
-            self.bound = Bound(first.pixel_format, first.gop, lowest)
-        else:
-            self.bound = replace(bound, crf=min(bound.crf, lowest))
+        self.bound = Bound(first.pixel_format, first.gop, lowest)
 
     def _none_passes(self, bound: Bound) -> None:
         """Where an episode passes at no CRF, the best pixel format gets its turn, and after it what has no loss."""
@@ -116,10 +113,8 @@ class Agreement:
         self._streams.clear()
 
     def _below(self, bound: Bound) -> Choices:
-        settings = self.choices.settings(gop=bound.gop)
-        if bound.crf != LOSSLESS:
-            settings = self.choices.settings(bound.pixel_format, bound.gop)
-        return self.choices.fixed(settings, bound.crf)
+        pixel_format = self.choices.pixel_formats[0] if bound.crf == LOSSLESS else bound.pixel_format
+        return replace(self.choices, pixel_formats=(pixel_format,), gops=(bound.gop,), upper=bound.crf)
 
     def _kept(self, name: str, bound: Bound) -> bool:
         return name in self._streams and bound.kept_by(self._streams[name])

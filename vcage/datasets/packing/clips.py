@@ -23,7 +23,6 @@ from vcage.video.encoders import encoder_version
 from vcage.video.jod import JodMetric, metric_version
 from vcage.video.judge import Judge
 from vcage.video.keyframes import keyframes, picture_keyframes
-from vcage.video.known_losses import KnownLosses
 from vcage.video.settling import SearchResult, search_clip
 
 Key = tuple[str, str]
@@ -142,27 +141,20 @@ def is_finished(task: SearchTask) -> bool:
     return stream is not None and task.video.is_file() and task.video.stat().st_size == stream.bytes
 
 
-Done = tuple[Key, VideoStream]
-"""A clip, and its video."""
-
-
-def perform(task: SearchTask) -> Done:
-    """Search one clip, write its video, and then its record; does nothing where both are there.
+def perform(task: SearchTask) -> VideoStream:
+    """Search one clip, write its video, and then its record.
 
     Raises:
         DamagedFile: its pictures cannot be read; ``details`` name the recording.
         UsageError, MissingDependency: see :func:`vcage.video.settling.search_clip`.
         DiskFull, OutputFolderError: it cannot be written.
     """
-    done = known(task)
-    if done is not None and is_finished(task):
-        return task.clip.key, done
     judge = _judge(task)
     result = search_clip(judge, task.choices)
     write_bytes(task.video, result.video)
     stream = _stream(task.clip, judge, result)
     ClipRecord(made_from=task.made_from, stream=stream).write(task.record)
-    return task.clip.key, stream
+    return stream
 
 
 def _judge(task: SearchTask) -> Judge:
@@ -172,7 +164,7 @@ def _judge(task: SearchTask) -> Judge:
     except DamagedFile as error:
         error.details["recording"] = task.clip.name
         raise
-    return Judge(frames, scored, task.clip.fps, task.criterion, KnownLosses(_metric(task.display)))
+    return Judge(frames, scored, task.clip.fps, task.criterion, _metric(task.display))
 
 
 @lru_cache(maxsize=1)

@@ -61,7 +61,8 @@ def estimate_clips(
         progress: told of each clip of the sample.
 
     Returns:
-        JSON-serialisable: per camera the CRFs of the sample, and bytes of all frames; the sums of these, and seconds.
+        JSON-serialisable: per camera the CRFs of the sample, and bytes of all frames; the sums of these, and seconds,
+        rather too many, as the one clip of each camera that is searched weighs more among few.
 
     Raises:
         VcageError: see :func:`vcage.datasets.packing.dataset_search.search_data_set`.
