@@ -265,6 +265,7 @@ def test_a_clip_that_fails_at_its_bound_is_searched_below_and_encoded_whole_twic
     assert (result.crf, result.pixel_format) == (15, BEST)
     assert [crf for _, crf, frames in metric.encoded if frames == len(LONG)] == [20, 15]
     assert all(frames <= 5 * 10 for _, _, frames in metric.encoded[1:-1])
+    assert result.added == [] and result.held_out is not None
 
 
 def test_a_clip_that_fails_at_its_bound_on_held_out_frames_alone_gets_a_lower_crf(monkeypatch):

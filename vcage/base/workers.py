@@ -10,6 +10,7 @@ import multiprocessing
 import os
 import shutil
 import signal
+import sys
 import threading
 import time
 from collections import deque
@@ -43,6 +44,9 @@ PATIENCE = 5.0
 SAFE_PATH = "PYTHONSAFEPATH"
 """Python's switch: nothing is imported from the current folder."""
 
+UNTOLD = "ignore:resource_tracker:UserWarning"
+"""What libraries open in a process that is killed, Python's resource tracker removes, and would tell the user."""
+
 DONE, FAILED, SAID = range(3)
 """What a process sends: a result, an error, or a record of its log."""
 
@@ -70,7 +74,9 @@ def load_ahead(module: str) -> None:
 def _context() -> SpawnContext | ForkServerContext:
     """How processes are begun: forked from one that never works, for the threads of a renderer would be missing in a
     child of this one; each by itself where there can be no socket, as when the path in ``TMPDIR`` is too long."""
+    sys.warnoptions.append(UNTOLD)
     resource_tracker.ensure_running()  # which would let Ctrl-C through again
+    sys.warnoptions.remove(UNTOLD)
     through = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})  # Ctrl-C is this process's business
     safe = os.environ.get(SAFE_PATH)
     os.environ[SAFE_PATH] = safe or "1"  # else it would import what lies in the current folder

@@ -151,8 +151,8 @@ class _Look:
             worst = int(others.argmax())
             mean = round(float(others.mean()), 5)
             held_out = HeldOutLoss(worst=float(others[worst]), mean=mean, frame=unseen[worst], count=len(unseen))
-            if judge.criterion.guard:
-                blamed += judge.criterion.failing(unseen, others)
+            if judge.criterion.guard and not blamed:  # else the CRF is not one that a search found
+                blamed = judge.criterion.failing(unseen, others)
         return cls(seen, held_out, {frame: losses[frame] for frame in blamed})
 
 

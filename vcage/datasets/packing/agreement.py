@@ -103,6 +103,13 @@ class Agreement:
         lowest = min(one.crf for one in found.values() if one.crf is not None)
         self.bound = Bound(first.pixel_format, first.gop, lowest)
 
+    def staying(self, streams: Sequence[VideoStream]) -> int:
+        """How many of its videos are encoded as those that are known allow all to be."""
+        if self.bound is None:
+            return 0
+        lowest = min([self.bound.crf, *(LOSSLESS if one.crf is None else one.crf for one in streams)])
+        return sum(replace(self.bound, crf=lowest).kept_by(one) for one in streams)
+
     def _none_passes(self, bound: Bound) -> None:
         """Where an episode passes at no CRF, the best pixel format gets its turn, and after it what has no loss."""
         best = self.choices.pixel_formats[0]
@@ -140,3 +147,7 @@ class Apart:
     def take(self, _found: Mapping[str, VideoStream]) -> None:
         """Nothing depends on what was found."""
         self._done = True
+
+    def staying(self, streams: Sequence[VideoStream]) -> int:
+        """How many of its videos stay: all."""
+        return len(streams)

@@ -101,7 +101,7 @@ class SearchTask:
     @cached_property
     def made_from(self) -> str:
         """Hash of everything that the result depends on, as it was when first asked for."""
-        recording = self.clip.recording
+        recording, encoder = self.clip.recording, self.choices.settings()
         told = (
             str(recording.path.resolve()),
             str(recording),
@@ -113,6 +113,7 @@ class SearchTask:
             self.display,
             self.keyframes,
             encoder_version(self.choices.codec),
+            encoder.facts.options(encoder.effort, encoder.preset, encoder.gop, encoder.facts.min_crf),
             metric_version(),
             __version__,
         )

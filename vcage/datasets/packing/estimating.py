@@ -16,6 +16,7 @@ from vcage.datasets.packing.clips import Clip
 from vcage.datasets.packing.dataset_search import (
     cameras_of,
     search_data_set,
+    stored_per_frame,
     workers_for,
 )
 from vcage.datasets.packing.pack import Order, prepare
@@ -112,10 +113,10 @@ def _middle(clip: Clip) -> Clip:
 
 
 def sample_of(clips: Sequence[Clip]) -> list[Clip]:
-    """A few clips of each camera, evenly spaced over the data set."""
+    """A few clips of each camera: of those in the order of their pictures' bytes the first, the last, and between."""
     sample = []
     for camera in cameras_of(clips):
-        own = [clip for clip in clips if clip.camera == camera]
+        own = sorted((clip for clip in clips if clip.camera == camera), key=stored_per_frame, reverse=True)
         places = np.unique(np.linspace(0, len(own) - 1, SAMPLE).round().astype(int))
         sample += [own[place] for place in places]
     return sample
