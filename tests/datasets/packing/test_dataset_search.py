@@ -165,6 +165,13 @@ def test_progress_never_claims_more_clips_than_there_are(tmp_path, searches):
     assert {total for *_, total in told} == {5}
 
 
+def test_progress_counts_the_first_episode_of_every_camera(tmp_path, searches):
+    clips = episodes(tmp_path / "in", high=[24, 24], low=[9, 9])
+    told: list[int] = []
+    streams(clips, tmp_path / "work", progress=lambda _what, number, _total: told.append(number))
+    assert told == [0, 1, 2, 3]
+
+
 def test_there_is_at_least_one_worker_and_never_more_than_cores(tmp_path, searches, monkeypatch):
     clips = episodes(tmp_path / "in", high=[24] * 4)
     monkeypatch.setattr("vcage.datasets.packing.dataset_search.cores", lambda: 3)

@@ -106,7 +106,7 @@ class Agreement:
     def staying(self, streams: Sequence[VideoStream]) -> int:
         """How many of its videos are encoded as those that are known allow all to be."""
         if self.bound is None:
-            return 0
+            return sum(one.episode == self.episodes[0] for one in streams)
         lowest = min([self.bound.crf, *(LOSSLESS if one.crf is None else one.crf for one in streams)])
         return sum(replace(self.bound, crf=lowest).kept_by(one) for one in streams)
 
