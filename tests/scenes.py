@@ -13,9 +13,10 @@ from vcage.base.geometry import Pose, world_aabb
 from vcage.objects.library import Library
 from vcage.schema.base import PoseRecord, Provenance
 from vcage.schema.episodes import Verdict
+from vcage.schema.goals import Goal
 from vcage.schema.robot import Robot
 from vcage.schema.scene import ObjectRecord, Role, Scene, SceneTemplate
-from vcage.schema.subtasks import Goal, Grasp, PairAnswer, PairQuestion, Subtask
+from vcage.schema.subtasks import Grasp, PairAnswer, PairQuestion, Subtask
 from vcage.sim.bodies import Body
 from vcage.sim.kinematics import ArmKinematics, kinematics_of
 from vcage.sim.robots import load_robot, load_template
@@ -104,24 +105,14 @@ def scene_of(objects: Sequence[SceneObject], instruction: str = "Put the block o
 
 def sensible(questions: Sequence[PairQuestion]) -> list[PairAnswer]:
     """A reasoner that finds every pair sensible."""
-    return [
-        PairAnswer(
-            object=q.object,
-            receptacle=q.receptacle,
-            sensible=True,
-            reason="it fits",
-            text=f"Put the {q.object} {q.holds} the {q.receptacle}.",
-            relation="inside" if q.holds == "in" else "on",
-        )
-        for q in questions
-    ]
+    return [PairAnswer(object=q.object, receptacle=q.receptacle, sensible=True, reason="it fits") for q in questions]
 
 
 def subtask(target: str = "block", receptacle: str = "plate", relation: str = "on", **changes: object) -> Subtask:
     """A sub-task record with one grasp."""
     fields = {
         "id": f"{target}-{'onto' if relation == 'on' else 'into'}-{receptacle}",
-        "template": "pick_and_place",
+        "template": "place",
         "text": f"Put the {target} {relation} the {receptacle}.",
         "object": target,
         "receptacle": receptacle,

@@ -7,12 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from vcage.base.errors import NoAssetFits
-from vcage.models.rules.chain import compose_chain
+from vcage.base.errors import NoAssetFits, UnreadInstruction
+from vcage.models.rules.goals import read_goals
 from vcage.models.rules.selection import select_assets
-from vcage.models.rules.words import COLOURS
-from vcage.schema.asset import CatalogueEntry, Variant, Words
-from vcage.schema.subtasks import ChainOption
+from vcage.schema.asset import CatalogueEntry, ContactPoint, FunctionalPoint, Variant, Words
 
 _HOLDERS = ("box", "plate", "tray", "bowl", "basket")
 
@@ -26,17 +24,15 @@ def answer_question(schema: dict[str, Any], prompt: str, pictures: list[np.ndarr
         return _arrange(fields["relations"]["items"]["properties"]["subject"]["enum"], prompt)
     if "pairs" in fields:
         return {"pairs": [_pair(*found) for found in _PAIR.findall(prompt)]}
-    if "chain" in fields:
-        options = [_option(*found) for found in _OPTION.findall(prompt)]
-        return {"reason": "in order", "chain": compose_chain(_section(prompt, "The task"), options)}
+    if "goals" in fields:
+        return _read(_section(prompt, "The instruction"), prompt)
     changed = len(pictures) > 1 and bool(np.abs(pictures[0].astype(int) - pictures[-1]).max() > 40)
     seen = "the pictures differ" if changed else "the pictures are the same"
     return {"observations": seen, "accepted": changed, "reason": seen, "confidence": 0.8}
 
 
 _PAIR = re.compile(r"^(\d+)\. Put the (.+?) \([^()]*\) (?:in|on) the (.+?) \(free", re.MULTILINE)
-_OPTION = re.compile(r"^- `([\w-]+)`: (.+?) \(moves `([\w-]+)` to `([\w-]+)`\)", re.MULTILINE)
-_SENTENCE = re.compile(r"Put the (.+?) (?:into|onto) the (.+)\.")
+_THING = re.compile(r"^- `([\w-]+)`: (.+?)(?: \(also: (.+?)\))?(?:; .*?things go (in|on) it.*)?$", re.MULTILINE)
 _OBJECT = re.compile(r"^- `([\w-]+)`: .*?, role (\w+),", re.MULTILINE)
 
 
@@ -55,7 +51,7 @@ def _select(looks: list[str], instruction: str) -> dict[str, Any]:
     ]
     try:
         chosen = select_assets(instruction, catalogue, np.random.default_rng(0)).objects
-    except NoAssetFits as error:
+    except (NoAssetFits, UnreadInstruction) as error:
         return {"missing": error.details.get("unmatched", [instruction]), "objects": []}
     return {
         "missing": [],
@@ -70,21 +66,40 @@ def _words(name: str) -> Words:
     return Words(name=name, plural=f"{name}s", description=name, category="thing")
 
 
-def _option(name: str, text: str, thing: str, place: str) -> ChainOption:
-    sentence = _SENTENCE.fullmatch(text)
-    if sentence is None:
-        raise ValueError(f"not a sentence of the stand-in: {text!r}")
-    thing_kind, place_kind = (_kind(words) for words in sentence.groups())
-    return ChainOption(
-        id=name, text=text, object=thing, receptacle=place, object_kind=thing_kind, receptacle_kind=place_kind
+def _read(instruction: str, prompt: str) -> dict[str, Any]:
+    """The goals as the rules read them among the things that the prompt lists."""
+    things = {name: _thing(*found) for name, *found in _THING.findall(_section(prompt, "The objects"))}
+    try:
+        found = read_goals(instruction, things)
+    except UnreadInstruction as error:
+        return {"unread": [error.details["unread"]], "goals": [], "untouched": []}
+    goals = [
+        {
+            "relation": asked.goal.relation,
+            "subject": asked.goal.subject,
+            "reference": asked.goal.reference or "",
+            "part": asked.goal.part or "",
+            "step": asked.step,
+            "words": asked.words,
+        }
+        for asked in found.goals
+    ]
+    return {"unread": [], "goals": goals, "untouched": found.untouched}
+
+
+def _thing(phrase: str, synonyms: str, holds: str) -> CatalogueEntry:
+    colour, _, name = phrase.partition(" ")
+    words = _words(name or phrase).model_copy(update={"synonyms": [s for s in synonyms.split(", ") if s]})
+    contact = ContactPoint(id=0, name="middle", position=(0, 0, 0.02), approach=(0, 0, -1), closing=(1, 0, 0))
+    points = [FunctionalPoint(id=0, name="floor", holds=holds, position=(0, 0, 0.005))] if holds else []
+    return CatalogueEntry(
+        name=(name or phrase).replace(" ", "_"),
+        words=words,
+        variants=[Variant(id="look", colour=colour)],
+        size=(0.05, 0.05, 0.05),
+        contact_points=[contact],
+        functional_points=points,
     )
-
-
-def _kind(phrase: str) -> CatalogueEntry:
-    """What a phrase of a scene says of its object: 'red block'."""
-    name = " ".join(word for word in phrase.split() if word not in COLOURS) or phrase
-    look = Variant(id="look", colour=phrase)
-    return CatalogueEntry(name=name.replace(" ", "_"), words=_words(name), variants=[look], size=(0.05, 0.05, 0.05))
 
 
 def _arrange(ids: list[str], prompt: str) -> dict[str, Any]:
@@ -99,5 +114,4 @@ def _arrange(ids: list[str], prompt: str) -> dict[str, Any]:
 
 def _pair(number: str, thing: str, place: str) -> dict[str, Any]:
     sensible = place.split()[-1] in _HOLDERS
-    text = f"Put the {thing} into the {place}." if sensible else ""
-    return {"number": int(number), "sensible": sensible, "reason": "it is a holder" if sensible else "no", "text": text}
+    return {"number": int(number), "sensible": sensible, "reason": "it is a holder" if sensible else "no"}

@@ -49,7 +49,7 @@ def test_it_collects_episodes_of_its_own_and_other_commands_go_on_from_there(fin
 def test_its_help_says_what_it_does(script, capsys):
     assert run_script(str(script), ["--help"]) == 0
     out = capsys.readouterr().out
-    assert Subtasks.read(script.with_name("subtasks.json")).kept[0].template == "pick_and_place"
+    assert Subtasks.read(script.with_name("subtasks.json")).kept[0].template == "place"
     assert out.startswith(f"usage: {script.name}") and "--episodes" in out
 
 

@@ -20,6 +20,7 @@ from vcage.base.errors import (
     ModelRefused,
     NoAssetFits,
     UnknownName,
+    UnreadInstruction,
 )
 from vcage.layout.capacities import size_complaints
 from vcage.models import pictures
@@ -27,8 +28,9 @@ from vcage.models.protocols import CriticQuestion, EditRequest, Models
 from vcage.models.registry import build_models
 from vcage.models.selection_check import validate_selection
 from vcage.plans.check import plan_complaints
+from vcage.schema.goals import Goal
 from vcage.schema.plan import LayoutPlan, Relation
-from vcage.schema.subtasks import ChainOption, Goal, PairQuestion
+from vcage.schema.subtasks import PairQuestion
 
 RNG = np.random.default_rng(0)
 PROVIDERS = ("gemini", "openai", "openrouter")
@@ -193,13 +195,30 @@ def test_pairs_are_answered_in_order(models: Models) -> None:
     assert [(a.receptacle, a.sensible) for a in answers] == [("s", False), ("b", True)]
 
 
-def test_a_chain_names_options(models: Models) -> None:
-    kinds = {kind.name: kind for kind in CATALOGUE}
-    ids = {"id": "a", "object": "block_1", "receptacle": "plate_1"}
-    text = "Put the red block onto the plate."
-    options = [ChainOption(**ids, text=text, object_kind=kinds["block"], receptacle_kind=kinds["plate"])]
-    assert models.reasoner.compose_chain("Put the red block on the plate", options) == ["a"]
-    assert models.reasoner.compose_chain("Put the red block on the plate", []) == []
+THINGS = {
+    kind.name: kind.model_copy(update={"variants": kind.variants[:1]})
+    for kind in CATALOGUE
+    if kind.name in ("block", "plate", "mug")
+}
+
+
+def test_goals_name_objects_and_the_words_that_they_answer(models: Models) -> None:
+    (asked,) = models.reasoner.read_goals("Put the red block on the plate", THINGS).goals
+    assert asked.goal == Goal(subject="block", relation="on", reference="plate")
+    assert asked.words == "Put the red block on the plate"
+
+
+def test_what_a_model_could_not_read_is_refused_by_its_words(models: Models) -> None:
+    with pytest.raises(UnreadInstruction, match="stir the soup"):
+        models.reasoner.read_goals("Put the block on the plate and stir the soup", THINGS)
+
+
+def test_a_goal_in_words_that_the_instruction_has_not_goes_back_to_the_model(models: Models, server: StandIn) -> None:
+    goal = {"relation": "on", "subject": "block", "reference": "plate", "part": "", "step": 1, "words": "block up"}
+    wrong = text_answer(json.dumps({"unread": [], "goals": [goal], "untouched": []}))
+    server.queue(wrong)
+    models.reasoner.read_goals("Put the red block on the plate", THINGS)
+    assert "words are not copied from the instruction" in str(server.requests[1])
 
 
 @pytest.mark.parametrize("moved", [True, False])

@@ -10,7 +10,7 @@ from vcage.models import prompts
 
 def test_every_model_call_has_a_prompt() -> None:
     assert prompts.names() == [
-        "compose_chain", "judge_pairs", "judge_subtask", "plan_layout", "rearrange", "select_assets",
+        "judge_pairs", "judge_subtask", "plan_layout", "read_goals", "rearrange", "select_assets",
     ]  # fmt: skip
 
 
@@ -19,10 +19,10 @@ def test_an_unknown_prompt_is_named() -> None:
         prompts.fill("nonsense")
 
 
-@pytest.mark.parametrize("values", [{}, {"instruction": "x", "options": [], "more": 1}])
+@pytest.mark.parametrize("values", [{}, {"instruction": "x", "things": {}, "more": 1}])
 def test_placeholders_and_values_must_be_the_same(values: dict[str, object]) -> None:
     with pytest.raises(ConfigurationError, match="placeholders"):
-        prompts.fill("compose_chain", **values)
+        prompts.fill("read_goals", **values)
 
 
 def test_a_broken_prompt_names_its_line(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:

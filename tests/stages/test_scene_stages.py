@@ -23,6 +23,7 @@ from vcage.base.files import RunFolder
 from vcage.base.geometry import boxes_overlap
 from vcage.base.pictures import read_labels, read_picture
 from vcage.plans.check import plan_complaints
+from vcage.schema.goals import AskedGoal, Goal, Reading
 from vcage.schema.matches import Matches
 from vcage.schema.plan import LayoutPlan, Plan, Relation, SelectedAsset, Selection
 from vcage.schema.scene import Scene
@@ -122,6 +123,8 @@ def test_more_than_the_table_holds_is_refused_with_names_and_area(finished, tmp_
         return [type(first)(f"plate_{i}", "plate", "white", "white plate", "context") for i in range(60)]
 
     monkeypatch.setattr(select_place, "name_objects", many)
+    chooser = Chooser(("plate", "white", None))
+    monkeypatch.setattr(finished.context, "models", replace(finished.context.models, reasoner=chooser))
     with pytest.raises(InfeasibleScene, match="m² are missing") as caught:
         select_place.execute(RunFolder(tmp_path), select_place.Options(instruction=INSTRUCTION), finished.context)
     assert "plate_59" in caught.value.details["objects"]
@@ -143,6 +146,11 @@ class Chooser:
         if self.complaints:
             raise ModelRefused("; ".join(self.complaints))
         return selection
+
+    def read_goals(self, instruction, things) -> Reading:
+        names = list(things)
+        goal = Goal(subject=names[0], relation="on", reference="table")
+        return Reading(goals=[AskedGoal(goal=goal, step=1, words=instruction)])
 
 
 def chosen(finished: Finished, folder: Path, chooser: Chooser, monkeypatch: pytest.MonkeyPatch) -> Scene:

@@ -21,6 +21,7 @@ from tests.articulated import (
 from tests.scenes import TABLE_TOP, block_and_plate, kinematics, sensible, thing
 from vcage.base.geometry import Pose
 from vcage.schema.asset import FunctionalPoint
+from vcage.schema.goals import Goal
 from vcage.tasks.feasibility import Feasibility, Transfer, access, carrying_points, examine, fits, opens_wide_enough
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.search import find_subtasks
@@ -184,9 +185,9 @@ def test_what_opens_to_the_front_is_reached_from_the_side(cabinet):
     assert check.message == "'shelf' of brown cabinet can only be reached from the side"
 
 
-def test_the_search_refuses_the_closed_drawer_with_the_reason(cabinet):
+def test_a_thing_goes_into_a_drawer_that_is_opened_first(cabinet):
     objects = [thing("block", (-0.2, -0.1)), standing(cabinet, PLACE)]
     found = find_subtasks(objects, kinematics(), sensible, TABLE_TOP, np.random.default_rng(0))
-    reasons = {(r.object, r.functional_point): r.reason for r in found.refused}
-    assert reasons["block", 0] == "the drawer upper of brown cabinet is closed"
-    assert reasons["cabinet", None] == "brown cabinet has no contact point to carry it by"
+    into = next(s for s in found.kept if s.functional_point == 0)
+    assert into.requires == [Goal(subject="cabinet", relation="open", part="drawer_upper")]
+    assert "brown cabinet has no contact point to carry it by" in [r.reason for r in found.refused]

@@ -7,9 +7,10 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
-from tests.scenes import TABLE_TOP, block_and_plate, kinematics, sensible, thing
+from tests.scenes import TABLE_TOP, block_and_plate, kinematics, scene_of, sensible, thing
 from vcage.base.errors import NoFeasibleTask
-from vcage.schema.subtasks import ChainOption, PairAnswer, PairQuestion
+from vcage.schema.goals import AskedGoal, Goal
+from vcage.schema.subtasks import PairAnswer, PairQuestion
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.search import FoundSubtasks, compose, find_subtasks
 
@@ -28,14 +29,6 @@ def stationery() -> list[SceneObject]:
 
 def nonsense(questions: Sequence[PairQuestion]) -> list[PairAnswer]:
     return [a.model_copy(update={"sensible": False, "reason": "nobody does that"}) for a in sensible(questions)]
-
-
-def everything(_instruction: str, options: Sequence[ChainOption]) -> list[str]:
-    return [option.id for option in options]
-
-
-def nothing(_instruction: str, _options: Sequence[ChainOption]) -> list[str]:
-    return []
 
 
 # --- search --------------------------------------------------------------------------------------------
@@ -121,41 +114,33 @@ def test_the_same_seed_finds_the_same_sub_tasks():
 # --- chain ---------------------------------------------------------------------------------------------
 
 
-def test_the_chain_is_what_the_reasoner_chose():
-    objects = stationery()
+def chain_for(objects: Sequence[SceneObject], *goals: tuple[str, str, str], untouched: Sequence[str] = ()) -> list[str]:
+    """The chain of sub-tasks for goals (subject, relation, reference), one step after another."""
+    asked = [
+        AskedGoal(goal=Goal(subject=s, relation=r, reference=o), step=step, words=f"{s} {r} {o}")
+        for step, (s, r, o) in enumerate(goals)
+    ]
     result = found_in(objects)
-    chain = compose("pack it", result.kept, result.refused, objects, everything)
-    assert chain == ["marker-into-packaging_box", "whiteboard_eraser-into-packaging_box"]
+    asking = scene_of(objects).model_copy(update={"goals": asked, "untouched": list(untouched)})
+    return compose(asking, objects, result.kept, result.refused)
 
 
-def test_the_reasoner_sees_what_the_catalogue_calls_the_things_and_only_their_own_look():
-    objects = stationery()
-    asked: list[ChainOption] = []
-
-    def choose(_instruction: str, options: Sequence[ChainOption]) -> list[str]:
-        asked.extend(options)
-        return [option.id for option in options]
-
-    compose("pack it", found_in(objects).kept, [], objects, choose)
-    kinds = [asked[0].object_kind, asked[0].receptacle_kind]
-    assert [kind.words for kind in kinds] == [objects[i].asset.annotation.words for i in (0, 2)]
-    assert [[v.id for v in kind.variants] for kind in kinds] == [[objects[i].record.variant] for i in (0, 2)]
+def test_the_chain_brings_about_the_goals_in_their_order():
+    goals = [(name, "inside", "packaging_box") for name in ("whiteboard_eraser", "marker")]
+    assert chain_for(stationery(), *goals) == [f"{name}-into-packaging_box" for name, _, _ in goals]
 
 
-def test_no_chain_names_the_objects_that_stay_where_they_are():
-    with pytest.raises(NoFeasibleTask, match="black marker pen, blue whiteboard eraser"):
-        compose("pack it", [], [], stationery(), nothing)
+def test_a_goal_that_no_sub_task_brings_about_is_named_with_the_words_for_it():
+    with pytest.raises(NoFeasibleTask, match=r"marker left_of packaging_box \('marker left_of packaging_box'\)"):
+        chain_for(stationery(), ("marker", "left_of", "packaging_box"))
 
 
 def test_a_content_without_a_feasible_sub_task_is_named_with_the_reason():
     block, plate = thing("block", (0.0, 0.9), role="content"), thing("plate", (0.05, 0.05), role="receptacle")
-    result = found_in([block, plate])
-    with pytest.raises(NoFeasibleTask, match=r"red block.*does not reach"):
-        compose("Put the block on the plate", result.kept, result.refused, [block, plate], everything)
+    with pytest.raises(NoFeasibleTask, match=r"block on plate.*does not reach"):
+        chain_for([block, plate], ("block", "on", "plate"))
 
 
-def test_a_chain_that_forgets_a_content_is_refused():
-    objects = stationery()
-    result = found_in(objects)
-    with pytest.raises(NoFeasibleTask, match="whiteboard eraser"):
-        compose("pack it", result.kept, result.refused, objects, lambda _i, options: [options[0].id])
+def test_what_shall_be_left_alone_is_not_moved():
+    with pytest.raises(NoFeasibleTask, match="marker inside packaging_box"):
+        chain_for(stationery(), ("marker", "inside", "packaging_box"), untouched=["marker"])

@@ -47,7 +47,7 @@ def test_a_script_carries_the_scene_and_the_sub_task(tmp_path: Path):
     values = written(tmp_path).values
     assert set(values["SCENE"]) == {"block", "plate"}
     assert values["GRASPS"] == [(0, "left", -1.0)]
-    assert values["GOALS"] == [("block", "on", "plate")]
+    assert values["GOALS"] == [("block", "on", "plate", None)]
     assert (values["TEMPLATE"], values["POINT"]) == ("table", 0)
 
 

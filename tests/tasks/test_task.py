@@ -10,7 +10,7 @@ import pytest
 from tests.scenes import ON_PLATE, TABLE_TOP, block_and_plate, thing, world_of
 from vcage.base.errors import UnknownName
 from vcage.base.geometry import Pose
-from vcage.schema.subtasks import Goal
+from vcage.schema.goals import Goal
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.slots import Slot
 from vcage.tasks.task import Task, TaskFailed

@@ -11,7 +11,7 @@ Exit codes: 0 done, 1 a bug, 2 usage, 3 bad input file or schema, 4 key or confi
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import Any, ClassVar
 
 
@@ -90,6 +90,30 @@ class AssetLeftOut(UsageError):
     """An object is annotated, but its package was not fetched."""
 
     code = "asset_left_out"
+
+
+class UnreadInstruction(UsageError):
+    """Words of an instruction answer to nothing that the robot can do: names them, and what was understood."""
+
+    code = "unread_instruction"
+
+    @classmethod
+    def of(cls, instruction: str, words: str, why: str, understood: Sequence[str] = ()) -> UnreadInstruction:
+        """The error about some words.
+
+        Args:
+            instruction: the whole.
+            words: what was not understood.
+            why: what is wrong with it.
+            understood: the clauses that were.
+        """
+        told = "; ".join(repr(clause) for clause in understood)
+        rest = f"understood is {told}; say the rest otherwise, or leave it out" if told else ""
+        return cls(
+            f"{words!r} in {instruction!r} is not understood: {why}",
+            hint=rest or "write it like 'Put the blocks on the plate'",
+            details={"unread": words, "understood": list(understood)},
+        )
 
 
 class NoAssetFits(UsageError):

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
-from vcage.base.errors import NoAssetFits
+from vcage.base.errors import NoAssetFits, UnreadInstruction
 from vcage.models import prompts
 from vcage.models.chat import Chat
 from vcage.models.search import Search, best_search, narrow
@@ -14,6 +14,7 @@ from vcage.models.structured import Answer, ask, narrowed, one_of
 from vcage.objects.catalogue import LEGEND, catalogue_text
 from vcage.plans.check import PlanCheck
 from vcage.schema.asset import CatalogueEntry
+from vcage.schema.goals import OF_A_PART, OF_TWO, AskedGoal, Goal, GoalWord, Reading
 from vcage.schema.plan import (
     TABLE,
     LayoutPlan,
@@ -25,7 +26,7 @@ from vcage.schema.plan import (
     starting_complaints,
 )
 from vcage.schema.scene import Role, Scene
-from vcage.schema.subtasks import ChainOption, PairAnswer, PairQuestion
+from vcage.schema.subtasks import PairAnswer, PairQuestion
 
 PAIRS_PER_CALL = 30
 """Pairs that one prompt asks about."""
@@ -58,16 +59,25 @@ class _JudgedPair(Answer):
     number: int
     sensible: bool
     reason: str
-    text: str
 
 
 class _PairsAnswer(Answer):
     pairs: list[_JudgedPair]
 
 
-class _ChainAnswer(Answer):
-    reason: str
-    chain: list[str]
+class _ReadGoal(Answer):
+    relation: GoalWord
+    subject: str
+    reference: str
+    part: str
+    step: int
+    words: str
+
+
+class _GoalsAnswer(Answer):
+    unread: list[str]
+    goals: list[_ReadGoal]
+    untouched: list[str]
 
 
 class LlmReasoner:
@@ -132,21 +142,26 @@ class LlmReasoner:
                 receptacle=question.receptacle,
                 sensible=pair.sensible,
                 reason=pair.reason,
-                text=pair.text if pair.sensible else "",
-                relation="inside" if question.holds == "in" else "on",
             )
             for question, pair in zip(questions, found.pairs, strict=True)
         ]
 
-    def compose_chain(self, instruction: str, options: Sequence[ChainOption]) -> list[str]:
-        """The model's chain; without options there is nothing to ask."""
-        if not options:
-            return []
-        step = one_of([option.id for option in options])
-        answer = narrowed(_ChainAnswer, chain=list[step])
-        objects = {option.id: option.object for option in options}
-        prompt = prompts.fill("compose_chain", instruction=instruction, options=list(options))
-        return list(ask(self._chat, prompt, answer, complaints=lambda a: _chain_complaints(a.chain, objects)).chain)
+    def read_goals(self, instruction: str, things: Mapping[str, CatalogueEntry]) -> Reading:
+        """The model's reading; goals name objects and parts of the scene only, and words of the instruction."""
+        parts = sorted({part for entry in things.values() for part in entry.moving_parts})
+        item = narrowed(
+            _ReadGoal,
+            subject=one_of(list(things)),
+            reference=one_of(["", TABLE, "left", "right", *things]),
+            part=one_of(["", *parts]),
+        )
+        answer = narrowed(_GoalsAnswer, goals=list[item], untouched=list[one_of(list(things))])  # pyrefly: ignore
+        prompt = prompts.fill("read_goals", instruction=instruction, things=dict(things))
+        found = ask(self._chat, prompt, answer, complaints=lambda a: _goal_complaints(a, instruction, things))
+        if found.unread:
+            understood = [goal.words for goal in found.goals]
+            raise UnreadInstruction.of(instruction, "; ".join(found.unread), "no goal answers it", understood)
+        return Reading(goals=[_asked(goal) for goal in found.goals], untouched=list(found.untouched))
 
 
 def _selection_complaints(answer: _SelectionAnswer, check: SelectionCheck) -> list[str]:
@@ -186,13 +201,33 @@ def _pair_complaints(pairs: Sequence[_JudgedPair], count: int) -> list[str]:
     numbers = [pair.number for pair in pairs]
     if numbers != list(range(1, count + 1)):
         return [f"pairs: expected the numbers 1 to {count} once each, in order, got {numbers}"]
-    found = [f"pairs.{p.number}: reason is empty" for p in pairs if not p.reason.strip()]
-    return found + [
-        f"pairs.{p.number}: text is empty though sensible" for p in pairs if p.sensible and not p.text.strip()
-    ]
+    return [f"pairs.{p.number}: reason is empty" for p in pairs if not p.reason.strip()]
 
 
-def _chain_complaints(chain: Sequence[str], objects: dict[str, str]) -> list[str]:
-    moved = [objects[option] for option in chain]
-    twice = sorted({name for name in moved if moved.count(name) > 1})
-    return [f"chain: moves {name} more than once" for name in twice]
+def _goal_complaints(answer: _GoalsAnswer, instruction: str, things: Mapping[str, CatalogueEntry]) -> list[str]:
+    if answer.unread:
+        return []
+    found = [] if answer.goals else ["goals: is empty, and so is unread"]
+    for number, goal in enumerate(answer.goals):
+        where = f"goals.{number}"
+        owner = goal.subject if goal.relation in OF_A_PART else goal.reference
+        if not goal.words.strip() or goal.words not in instruction:
+            found.append(f"{where}: words are not copied from the instruction: {goal.words!r}")
+        if goal.step < 1:
+            found.append(f"{where}: step counts from 1, got {goal.step}")
+        if (goal.relation in OF_TWO) != bool(goal.reference):
+            found.append(f"{where}: {goal.relation!r} takes {'a' if goal.relation in OF_TWO else 'no'} reference")
+        elif (goal.relation == "handed") != (goal.reference in ("left", "right")):
+            found.append(f"{where}: {goal.reference!r} is no reference for {goal.relation!r}")
+        if goal.relation in OF_A_PART and not goal.part:
+            found.append(f"{where}: {goal.relation!r} needs the part")
+        if goal.part and (owner not in things or goal.part not in things[owner].moving_parts):
+            found.append(f"{where}: {owner} has no moving part {goal.part!r}")
+        if goal.subject in (goal.reference, *answer.untouched):
+            found.append(f"{where}: {goal.subject} is its own reference, or to be left alone")
+    return found
+
+
+def _asked(goal: _ReadGoal) -> AskedGoal:
+    told = Goal(subject=goal.subject, relation=goal.relation, reference=goal.reference or None, part=goal.part or None)
+    return AskedGoal(goal=told, step=goal.step, words=goal.words)

@@ -6,24 +6,27 @@ file that its answers touched.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
+from vcage.base.geometry import Camera, Pose
 from vcage.plans.check import PlanCheck
 from vcage.schema.asset import CatalogueEntry
 from vcage.schema.episodes import Verdict
+from vcage.schema.goals import Goal, Reading
 from vcage.schema.plan import LayoutPlan, Relation, Selection, SelectionCheck
 from vcage.schema.scene import Scene
-from vcage.schema.subtasks import ChainOption, Goal, PairAnswer, PairQuestion
+from vcage.schema.subtasks import PairAnswer, PairQuestion
 from vcage.vision.protocols import Detector, Embedder, Reference, View
 
 if TYPE_CHECKING:
     from vcage.layout.intended import IntendedLayout
     from vcage.layout.items import TableItem
+    from vcage.sim.drawer import Drawing, Window
 
 
 @dataclass(frozen=True)
@@ -75,6 +78,11 @@ class CriticQuestion:
         goals: the same in the closed vocabulary.
         before, after: view by camera name; ``top`` is always there, with the robot at its home in both.
         references: object id → what it looks like, for every object of the scene.
+        looks: for goals about a moving part: object id → what it looks like with the part where it was, and where it
+            should be afterwards.
+        draw: draws the object of such a goal alone at a pose, as a camera sees it through a window, with the part at a
+            share of its range.
+        moment: view by camera name while the part was touched; only where something is pressed.
         table_height: z of the table top, metres (part of the calibration).
         background: the ``top`` view of the empty table in the same light, where there is one.
     """
@@ -84,6 +92,9 @@ class CriticQuestion:
     before: dict[str, View]
     after: dict[str, View]
     references: dict[str, Reference] = field(default_factory=dict)
+    looks: dict[str, tuple[Reference, Reference]] = field(default_factory=dict)
+    draw: Callable[[Goal, Pose, Camera, Window, float], Drawing] | None = None
+    moment: dict[str, View] = field(default_factory=dict)
     table_height: float = 0.74
     background: np.ndarray | None = None
 
@@ -124,8 +135,16 @@ class Reasoner(Protocol):
         """Whether each object can sensibly be put in or on each receptacle; one answer per question, in order."""
         ...
 
-    def compose_chain(self, instruction: str, options: Sequence[ChainOption]) -> list[str]:
-        """Ids of the options that together fulfil the instruction, in order of execution; empty when none do."""
+    def read_goals(self, instruction: str, things: Mapping[str, CatalogueEntry]) -> Reading:
+        """What the instruction asks for in a scene, each goal with the words that it answers.
+
+        Args:
+            things: what there is, by object id: the catalogue's entries with no other look than the object's.
+
+        Raises:
+            UnreadInstruction: words of it answer to no goal, or leave open what is meant; names them.
+            ModelRefused: the last round's answer is still complained about; lists the complaints.
+        """
         ...
 
 

@@ -162,7 +162,7 @@ def _named(instruction: str) -> list[str]:
     named = [
         phrase.text
         for request in parse_instruction(instruction)
-        for phrase in (*request.contents, *request.tools, *([request.receptacle] if request.receptacle else []))
+        for phrase in (*request.things, *request.tools, *([request.place] if request.place else []))
     ]
     return list(dict.fromkeys(named))
 

@@ -76,6 +76,17 @@ class Asset:
             self.model.link(link)
         return self._pieces_by_link[link]
 
+    def bounds_of(self, link: str | None) -> np.ndarray:
+        """(2, 3) lower and upper corner of one moving part, or of the body (None); of all where nothing moves.
+
+        Raises:
+            UnknownName: there is no such part.
+        """
+        if link is None and not self.articulated:
+            return self.bounds
+        corners = np.concatenate([piece.vertices for piece in self.pieces_of(link)])
+        return np.array([corners.min(axis=0), corners.max(axis=0)])
+
     @cached_property
     def _pieces_by_link(self) -> dict[str | None, list[Convex]]:
         hulls = {None: self.model.hulls, **{link.name: link.hulls for link in self.model.links}}

@@ -20,6 +20,7 @@ from vcage.schema.base import (
     StageDocument,
     Vec2,
 )
+from vcage.schema.goals import AskedGoal
 
 Role = Literal["content", "receptacle", "context"]
 """What the instruction does with an object: moves it, puts things into it, or nothing."""
@@ -82,6 +83,9 @@ class ObjectRecord(Record):
     role: Role
     pose: PoseRecord = Field(description="object frame (origin at the centre of the bottom) in the world")
     aabb: Box = Field(description="axis-aligned box in the world, computed when the scene was written")
+    joints: tuple[Finite, ...] = Field(
+        default=(), description="position of each moving part, metres or radians; all at rest when empty"
+    )
     container: Identifier | None = Field(default=None, description="id of the object that this one lies in or on")
 
 
@@ -96,6 +100,8 @@ class Scene(StageDocument):
     SCHEMA: ClassVar[str] = "vcage.scene/1"
 
     instruction: str = Field(min_length=1)
+    goals: list[AskedGoal] = Field(default=[], description="what the instruction asks for, with the words for it")
+    untouched: list[Identifier] = Field(default=[], description="objects that the instruction wants left alone")
     template: Identifier = Field(description="name of the scene template")
     robot: Identifier
     table: Table

@@ -6,17 +6,16 @@ from typing import ClassVar, Literal
 
 from pydantic import Field
 
-from vcage.schema.asset import CatalogueEntry
 from vcage.schema.base import Finite, Identifier, Record, StageDocument, Vec3
-from vcage.schema.plan import RelationWord
+from vcage.schema.goals import Goal
 
-TemplateName = Literal["pick_and_place"]
+TemplateName = Literal["place", "open", "close", "press", "turn"]
 
 
 class Check(Record):
     """One feasibility check of a candidate, with what was measured against what is allowed."""
 
-    name: Literal["fits", "opening", "way_free", "reach_grasp", "reach_place", "drop"]
+    name: Literal["fits", "opening", "way_free", "reach_grasp", "reach_place", "reach_motion", "drop"]
     passed: bool
     message: str = Field(description="one sentence for a person")
     value: Finite | None = None
@@ -31,25 +30,22 @@ class Grasp(Record):
     score: Finite = Field(description="higher is better: minus the joint travel of the whole motion, radians")
 
 
-class Goal(Record):
-    """What must be true afterwards, in the closed vocabulary of relations."""
-
-    subject: Identifier
-    relation: RelationWord
-    reference: Identifier
-
-
 class Subtask(Record):
     """A kept sub-task: proven feasible, with a script of its own."""
 
     id: Identifier
     template: TemplateName
     text: str = Field(min_length=1, description="the sub-task in words: what the critic is asked about")
-    object: Identifier
-    receptacle: Identifier
-    functional_point: int = Field(ge=0)
+    texts: list[str] = Field(default=[], description="the same in other words, for training on language")
+    object: Identifier = Field(description="what is moved, or whose part is")
+    receptacle: Identifier | None = Field(default=None, description="where it is put")
+    functional_point: int | None = Field(default=None, ge=0, description="of the receptacle")
+    target: Finite | None = Field(
+        default=None, description="where the joint of a part is brought to, metres or radians"
+    )
     grasps: list[Grasp] = Field(min_length=1, description="feasible grasps, best first")
-    goals: list[Goal] = Field(min_length=1)
+    requires: list[Goal] = Field(default=[], description="what must be true before")
+    goals: list[Goal] = Field(min_length=1, description="what it brings about")
     script: str = Field(description="path in the run folder")
     checks: list[Check] = Field(description="of the best grasp")
 
@@ -60,7 +56,7 @@ class Refusal(Record):
     template: TemplateName
     object: Identifier
     contact: int | None = None
-    receptacle: Identifier
+    receptacle: Identifier | None = None
     functional_point: int | None = None
     reason: str = Field(min_length=1)
     checks: list[Check] = []
@@ -93,34 +89,9 @@ class PairQuestion(Record):
 
 
 class PairAnswer(Record):
-    """A reasoner's answer to a :class:`PairQuestion`: the filter, and the slots of the template."""
+    """A reasoner's answer to a :class:`PairQuestion`."""
 
     object: Identifier
     receptacle: Identifier
     sensible: bool
     reason: str = Field(min_length=1)
-    text: str = Field(default="", description="the sub-task as an imperative sentence; empty when not sensible")
-    relation: Literal["inside", "on"] = Field(default="inside", description="what must hold afterwards")
-
-
-class ChainOption(Record):
-    """A feasible sub-task as a reasoner sees it when it composes the task."""
-
-    id: Identifier
-    text: str
-    object: Identifier
-    receptacle: Identifier
-    object_kind: CatalogueEntry = Field(description="the catalogue's entry of the object, with the look that it has")
-    receptacle_kind: CatalogueEntry = Field(description="likewise of the receptacle")
-
-    @classmethod
-    def of(cls, subtask: Subtask, object_kind: CatalogueEntry, receptacle_kind: CatalogueEntry) -> ChainOption:
-        """The option of a kept sub-task."""
-        return cls(
-            id=subtask.id,
-            text=subtask.text,
-            object=subtask.object,
-            receptacle=subtask.receptacle,
-            object_kind=object_kind,
-            receptacle_kind=receptacle_kind,
-        )

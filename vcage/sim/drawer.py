@@ -89,7 +89,9 @@ class ModelDrawer:
         return self._models.get(object_id)
 
     @undisturbed()
-    def draw(self, object_id: str, pose: Pose, camera: Camera, window: Window) -> Drawing:
+    def draw(
+        self, object_id: str, pose: Pose, camera: Camera, window: Window, joints: tuple[float, ...] = ()
+    ) -> Drawing:
         """The object alone at a pose, as the camera sees it through the window.
 
         Args:
@@ -97,6 +99,7 @@ class ModelDrawer:
             pose: object frame in the world.
             camera: that sees it.
             window: the part of its picture that is drawn.
+            joints: positions of its moving parts; all at rest when empty.
 
         Raises:
             NoRenderer: nothing here can draw.
@@ -104,6 +107,7 @@ class ModelDrawer:
         """
         self._show(object_id)
         self._world.set_object_pose(object_id, pose)
+        self._world.set_object_joints(object_id, joints)
         component = self._world.camera_component(window.side, window.side, camera.fovy, NEAR, FAR)
         focal, step = camera.focal / window.step, window.step
         middle = (camera.width / 2 - window.left) / step, (camera.height / 2 - window.top) / step
@@ -140,7 +144,10 @@ def _set_visible(entity: sapien.Entity, visible: bool) -> None:
 
 
 def reference_view(
-    model: PhysicalModel, metres_per_pixel: float = 0.0015, appearance: Appearance | None = None
+    model: PhysicalModel,
+    metres_per_pixel: float = 0.0015,
+    appearance: Appearance | None = None,
+    joints: tuple[float, ...] = (),
 ) -> np.ndarray:
     """(h, w, 4) uint8 RGBA of the object from above, its origin in the middle; object x to the right, y up.
 
@@ -150,16 +157,24 @@ def reference_view(
         model: of the object.
         metres_per_pixel: scale.
         appearance: light; the default when not given.
+        joints: positions of its moving parts; all at rest when empty.
 
     Raises:
         NoRenderer: nothing here can draw.
     """
-    reach = np.maximum(np.abs(model.lower[:2]), np.abs(model.upper[:2]))
+    reach = np.maximum(np.abs(model.lower[:2]), np.abs(model.upper[:2])) + _outreach(model, joints)
     width, height = (2 * (int(np.ceil(r / metres_per_pixel)) + MARGIN) for r in reach)
     fovy = 2 * np.arctan(height * metres_per_pixel / 2 / DISTANCE)
     # The table stands far below: no shadow and no colour of it reach the object.
-    world = World(Table(height=-2.0), {"object": Body(model, Pose())}, appearance=appearance, render=True)
+    world = World(Table(height=-2.0), {"object": Body(model, Pose(), joints)}, appearance=appearance, render=True)
     camera = Camera(width, height, fovy, look_at([0, 0, DISTANCE], [0, 0, 0], up=(0, 1, 0)))
     shot = observe(world, camera, near=DISTANCE - 1.0)
     alpha = np.where(shot.segmentation > 0, 255, 0).astype(np.uint8)
     return np.dstack([shot.picture, alpha])
+
+
+def _outreach(model: PhysicalModel, joints: tuple[float, ...]) -> float:
+    """How far moving parts may stick out beyond the object at rest, metres."""
+    extent = float(np.linalg.norm(np.subtract(model.upper, model.lower)))
+    moved = [(link.joint, position) for link, position in zip(model.links, joints, strict=False) if position]
+    return max((abs(position) if joint.kind == "slide" else extent / 2 for joint, position in moved), default=0.0)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -102,7 +102,7 @@ class World:
             models: by object id.
             robot, appearance, render: as of the world.
         """
-        bodies = {o.id: Body(models[o.id], o.pose.pose()) for o in scene.objects}
+        bodies = {o.id: Body(models[o.id], o.pose.pose(), o.joints) for o in scene.objects}
         return cls(scene.table, bodies, robot, appearance, render)
 
     # --- objects ---
@@ -138,6 +138,10 @@ class World:
         thing = self._object(object_id)
         thing.set_pose(pose)
         thing.stop()
+
+    def set_object_joints(self, object_id: str, joints: Sequence[float]) -> None:
+        """Put the moving parts of an object at (n,) positions, at rest; all at 0 when empty."""
+        self._object(object_id).set_joints(joints)
 
     def object_joints(self, object_id: str) -> np.ndarray:
         """(n,) position of each moving part in the order of its model's links, metres or radians; (0,) without."""

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from functools import cached_property
 
 import numpy as np
 
-from vcage.base.geometry import Pose
+from vcage.base.geometry import Camera, Pose
 from vcage.layout.capacities import capacity_of
 from vcage.layout.items import TableItem
 from vcage.layout.placement.reach import GRASP_HEIGHTS, robot_reach
@@ -19,10 +19,10 @@ from vcage.objects.library import Library
 from vcage.objects.table_tops import table_texture
 from vcage.schema.asset import CatalogueEntry, PhysicalModel
 from vcage.schema.episodes import Verdict
+from vcage.schema.goals import OF_A_PART, Goal
 from vcage.schema.scene import ObjectRecord, Scene, Table, Workspace
-from vcage.schema.subtasks import Goal
 from vcage.sim.appearance import Appearance
-from vcage.sim.drawer import reference_view
+from vcage.sim.drawer import Drawing, ModelDrawer, Window, reference_view
 from vcage.sim.kinematics import ArmKinematics, kinematics_of
 from vcage.sim.robots import load_robot
 from vcage.tasks.scene_objects import SceneObject
@@ -49,8 +49,9 @@ class StageContext:
 
     def __init__(self, models: str = "auto", detector: str = DETECTORS[0], embedder: str = EMBEDDERS[0]):
         self._models = (models, detector, embedder)
-        self._references: dict[tuple[str, str], np.ndarray] = {}
+        self._references: dict[tuple[str, str, tuple[float, ...]], np.ndarray] = {}
         self._symmetries: dict[tuple[str, str], int] = {}
+        self._drawers: dict[tuple[str, str], ModelDrawer] = {}
         self._reach: dict[tuple[str, Workspace, Table], np.ndarray] = {}
 
     @cached_property
@@ -89,7 +90,7 @@ class StageContext:
     def objects(self, scene: Scene, poses: Mapping[str, Pose] | None = None) -> list[SceneObject]:
         """The scene's objects with their geometry, at the record's poses or at those given."""
         poses = poses or {}
-        return [SceneObject(r, self.asset(r), poses.get(r.id, r.pose.pose())) for r in scene.objects]
+        return [SceneObject(r, self.asset(r), poses.get(r.id, r.pose.pose()), r.joints) for r in scene.objects]
 
     def capacities(self, scene: Scene) -> dict[str, TableItem]:
         """What each object takes up and can hold, by object id."""
@@ -99,12 +100,33 @@ class StageContext:
         """What the simulator needs, by object id."""
         return {record.id: self.asset(record).model for record in scene.objects}
 
-    def reference(self, record: ObjectRecord) -> tuple[np.ndarray, float]:
-        """What an object looks like from above: (h, w, 4) RGBA, and metres per pixel."""
-        key = (record.asset, record.variant)
+    def reference(self, record: ObjectRecord, joints: tuple[float, ...] = ()) -> tuple[np.ndarray, float]:
+        """What an object looks like from above: (h, w, 4) RGBA, and metres per pixel.
+
+        Args:
+            joints: positions of its moving parts; all at rest when empty.
+        """
+        key = (record.asset, record.variant, joints)
         if key not in self._references:
-            self._references[key] = reference_view(self.asset(record).model, METRES_PER_PIXEL)
+            self._references[key] = reference_view(self.asset(record).model, METRES_PER_PIXEL, joints=joints)
         return self._references[key], METRES_PER_PIXEL
+
+    def _draw_part(
+        self, record: ObjectRecord, goal: Goal, pose: Pose, camera: Camera, window: Window, share: float
+    ) -> Drawing:
+        """An object with the part that a goal is about at a share of its range, its other parts at rest."""
+        model, key = self.asset(record).model, (record.asset, record.variant)
+        if key not in self._drawers:
+            self._drawers[key] = ModelDrawer({record.asset: model})
+        joints = tuple(share * link.joint.far_end if link.name == goal.part else 0.0 for link in model.links)
+        return self._drawers[key].draw(record.asset, pose, camera, window, joints)
+
+    def look(self, record: ObjectRecord, opened: Collection[str] = ()) -> Reference:
+        """What an object looks like to the critic, with these of its parts open, pressed or turned."""
+        asset = self.asset(record)
+        joints = tuple(link.joint.far_end if link.name in opened else 0.0 for link in asset.model.links if opened)
+        x, y, z = (float(length) for length in asset.size)
+        return Reference(record.phrase, *self.reference(record, joints), (x, y, z))
 
     def symmetry(self, record: ObjectRecord) -> int:
         """The n-fold rotational symmetry of an object's look from above; 0 is round, 1 none."""
@@ -125,6 +147,8 @@ class StageContext:
         before: np.ndarray,
         after: np.ndarray,
         background: np.ndarray | None = None,
+        requires: Sequence[Goal] = (),
+        moment: np.ndarray | None = None,
     ) -> Verdict:
         """What the critic says about one sub-task.
 
@@ -133,36 +157,59 @@ class StageContext:
             text, goals: the sub-task in words and in the closed vocabulary.
             before, after: (H, W, 3) uint8 RGB of the scene's top camera, whose calibration every critic may rely on.
             background: the same of the empty table.
+            requires: what was true before, by the plan: which drawers are open.
+            moment: the top view while a part was pressed.
 
         Raises:
             VcageError: the critic cannot be asked, or gives no answer of use.
         """
         camera = scene.top_camera.camera()
-        references = {}
-        for record in scene.objects:
-            x, y, z = (float(length) for length in self.asset(record).size)
-            references[record.id] = Reference(record.phrase, *self.reference(record), (x, y, z))
+        opened: dict[str, list[str]] = {}
+        for goal in (*requires, *(g for g in goals if g.relation == "inside" and g.part)):
+            owner = goal.subject if goal.relation in ("open", "closed") else goal.reference
+            if goal.relation in ("open", "inside") and goal.part and owner:
+                opened.setdefault(owner, []).append(goal.part)
+        references = {record.id: self.look(record, opened.get(record.id, ())) for record in scene.objects}
+        looks = {
+            goal.subject: (
+                references[goal.subject],
+                self.look(scene.object(goal.subject), () if goal.relation == "closed" else [goal.part]),
+            )
+            for goal in goals
+            if goal.relation in OF_A_PART and goal.part is not None
+        }
         question = CriticQuestion(
             text=text,
             goals=list(goals),
             before={TOP: View(before, camera)},
             after={TOP: View(after, camera)},
             references=references,
+            looks=looks,
+            draw=lambda goal, pose, seen_by, window, share: self._draw_part(
+                scene.object(goal.subject), goal, pose, seen_by, window, share
+            ),
+            moment={} if moment is None else {TOP: View(moment, camera)},
             table_height=scene.table.height,
             background=background,
         )
-        asked = question_hash(text, goals, before, after, background)
+        asked = question_hash(text, goals, before, after, background, requires, moment)
         return self.models.critic.judge(question).model_copy(update={"question": asked})
 
 
 def question_hash(
-    text: str, goals: Sequence[Goal], before: np.ndarray, after: np.ndarray, background: np.ndarray | None
+    text: str,
+    goals: Sequence[Goal],
+    before: np.ndarray,
+    after: np.ndarray,
+    background: np.ndarray | None,
+    requires: Sequence[Goal] = (),
+    moment: np.ndarray | None = None,
 ) -> str:
     """Hex SHA-256 of what a critic is asked about a scene (see :meth:`StageContext.verdict`); what else it is shown
     follows from the scene."""
-    told = (text, [goal.model_dump_json() for goal in goals])
+    told = (text, [goal.model_dump_json() for goal in (*goals, *requires)])
     digest = hashlib.sha256(repr(told).encode())
-    for picture in (before, after, background):
+    for picture in (before, after, background, moment):
         digest.update(
             b"" if picture is None else repr(picture.shape).encode() + np.ascontiguousarray(picture).tobytes()
         )

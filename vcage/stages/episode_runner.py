@@ -5,7 +5,7 @@ from __future__ import annotations
 import gc
 import logging
 import platform
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from importlib import metadata
 from pathlib import Path
@@ -21,6 +21,7 @@ from vcage.datasets.hdf5 import write_episode
 from vcage.objects.table_tops import TABLES, table_texture
 from vcage.schema.base import PoseRecord
 from vcage.schema.episodes import Attempt, Episode, Verdict
+from vcage.schema.goals import Goal
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Subtask, Subtasks
 from vcage.sim.appearance import Appearance
@@ -92,7 +93,7 @@ class EpisodeRunner:
             objects={o.id: o for o in objects},
             slots=slots_for_chain([subtask for subtask, _ in self._chain], objects, self._robot, rng),
             photograph=lambda state: self._photograph(drawn, state),
-            judge=lambda asked, before, after: self._judge(asked, before, after, background),
+            judge=lambda asked, requires, seen: self._judge(asked, requires, seen, background),
             on_failure=self._stage.options["on_failure"],
             retries=self._stage.options["retries"],
             fps=self._stage.options["fps"],
@@ -115,9 +116,11 @@ class EpisodeRunner:
         return picture
 
     def _judge(
-        self, asked: Asked, before: Mapping[str, np.ndarray], after: Mapping[str, np.ndarray], background: np.ndarray
+        self, asked: Asked, requires: Sequence[Goal], seen: Sequence[Mapping[str, np.ndarray]], background: np.ndarray
     ) -> Verdict:
-        return self._context.verdict(self._scene, asked.text, asked.goals, before[TOP], after[TOP], background)
+        before, after, *moments = (views[TOP] for views in seen)
+        moment = moments[0] if moments else None
+        return self._context.verdict(self._scene, asked.text, asked.goals, before, after, background, requires, moment)
 
     def _write(self, done: EpisodeRun, index: int, drawn: World, folder: Path) -> Episode:
         """Write the HDF5: with pictures when accepted, states alone when not."""

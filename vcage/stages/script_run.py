@@ -10,8 +10,9 @@ from vcage.base.files import RunFolder, sha256_file, write_bytes
 from vcage.base.geometry import Pose
 from vcage.objects.library import Library
 from vcage.schema.base import PoseRecord, Provenance, box_record
+from vcage.schema.goals import goal_of
 from vcage.schema.scene import ObjectRecord, Scene
-from vcage.schema.subtasks import Goal, Grasp, Subtask, Subtasks
+from vcage.schema.subtasks import Grasp, Subtask, Subtasks
 from vcage.sim.robots import load_template
 from vcage.stages.stage import Job
 from vcage.tasks.synthesis import Script, load_script
@@ -27,7 +28,7 @@ def prepare_run(run: RunFolder, path: Path, *, seed: int, force: bool) -> None:
     """
     script = load_script(path)
     values = script.values
-    missing = [n for n in ("TEMPLATE", "INSTRUCTION", "SCENE", "TEXT", "GRASPS", "POINT", "GOALS") if n not in values]
+    missing = [n for n in ("TEMPLATE", "SUBTASK", "INSTRUCTION", "SCENE", "TEXT", "GRASPS", "GOALS") if n not in values]
     if missing:
         raise DamagedFile(f"{path} defines no {', '.join(missing)}", hint="run search_subtasks --force")
     origin = {"script": sha256_file(path)}
@@ -65,7 +66,7 @@ def _scene(values: dict[str, Any], provenance: Provenance) -> Scene:
 
 
 def _object(key: str, fields: tuple, library: Library) -> ObjectRecord:
-    asset, variant, role, phrase, position, quaternion = fields
+    asset, variant, role, phrase, position, quaternion, joints, container = fields
     pose = Pose(position, quaternion)
     return ObjectRecord(
         id=key,
@@ -75,20 +76,24 @@ def _object(key: str, fields: tuple, library: Library) -> ObjectRecord:
         role=role,
         pose=PoseRecord.of(pose),
         aabb=box_record(library.asset(asset, variant).bounds, pose),
+        joints=joints,
+        container=container,
     )
 
 
 def _subtask(script: Script, path: str) -> Subtask:
     values = script.values
+    goals = [goal_of(goal) for goal in values["GOALS"]]
     return Subtask(
         id=script.path.stem,
-        template="pick_and_place",
+        template=values["SUBTASK"],
         text=values["TEXT"],
-        object=values["GOALS"][0][0],
-        receptacle=values["GOALS"][0][2],
-        functional_point=values["POINT"],
+        object=goals[0].subject,
+        receptacle=goals[0].reference,
+        functional_point=values.get("POINT"),
+        target=values.get("TARGET"),
         grasps=[Grasp(contact=contact, arm=arm, score=score) for contact, arm, score in values["GRASPS"]],
-        goals=[Goal(subject=s, relation=r, reference=o) for s, r, o in values["GOALS"]],
+        goals=goals,
         script=path,
         checks=[],
     )

@@ -64,7 +64,7 @@ def execute(
         scene, rng = Scene.read(run.layout), stage.rng()
         objects, reasoner = context.objects(scene), context.models.reasoner
         found = find_subtasks(objects, context.kinematics(scene.robot), reasoner.judge_pairs, scene.table.height, rng)
-        chain = compose(scene.instruction, found.kept, found.refused, objects, reasoner.compose_chain)
+        chain = compose(scene, objects, found.kept, found.refused)
         by_id = {subtask.id: subtask for subtask in found.kept}
         slots_for_chain([by_id[i] for i in chain], objects, load_robot(scene.robot), rng)
         for subtask in found.kept:

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import logging
 import unicodedata
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -34,6 +34,7 @@ from vcage.layout.placement.view import view_rectangles
 from vcage.models.selection_check import NamedObject, name_objects, validate_selection, with_room
 from vcage.objects.asset import Asset
 from vcage.objects.openings import Opening
+from vcage.schema.asset import CatalogueEntry
 from vcage.schema.base import PoseRecord, Provenance, box_record
 from vcage.schema.scene import ObjectRecord, Scene, SceneTemplate
 from vcage.sim.cameras import observe, shoot
@@ -98,7 +99,8 @@ def job(run: RunFolder, options: Options, context: StageContext) -> Job:
 
 def summary(record: Scene) -> dict[str, Any]:
     """A few facts for whoever ran the stage."""
-    return {"objects": [o.id for o in record.objects], **record.checks}
+    goals = [str(asked.goal) for asked in record.goals]
+    return {"objects": [o.id for o in record.objects], "goals": goals, **record.checks}
 
 
 def execute(run: RunFolder, options: Options, context: StageContext, progress: Progress = silent) -> StageResult[Scene]:
@@ -106,6 +108,7 @@ def execute(run: RunFolder, options: Options, context: StageContext, progress: P
 
     Raises:
         NoAssetFits: the catalogue has nothing that the instruction names.
+        UnreadInstruction: words of the instruction answer to no goal.
         ModelRefused: the reasoner was told what is wrong with its selection and found no better one in its rounds.
         InfeasibleScene: the objects have no place, or do not stay where they are put.
     """
@@ -123,11 +126,24 @@ def execute(run: RunFolder, options: Options, context: StageContext, progress: P
         for note in notes:
             logger.warning("%s", note)
         scene = _empty_scene(template, instruction, provenance, stage)
+        reading = context.models.reasoner.read_goals(instruction, _kinds(objects, context))
+        scene |= {"goals": reading.goals, "untouched": reading.untouched}
         placed = _place_until_stable(scene, objects, template, context, rng)
         noted = placed.model_copy(update={"checks": {**placed.checks, "notes": notes}})
         return _photograph(noted, context, folder)
 
     return stage.do(Scene, make, force=options.force)
+
+
+def _kinds(objects: Sequence[NamedObject], context: StageContext) -> dict[str, CatalogueEntry]:
+    """The catalogue's entry of each object, with no other look than its own, by its id."""
+    entries = {entry.name: entry for entry in context.catalogue}
+    return {
+        o.id: entries[o.asset].model_copy(
+            update={"variants": [v for v in entries[o.asset].variants if v.id == o.variant]}
+        )
+        for o in objects
+    }
 
 
 def _empty_scene(template: SceneTemplate, instruction: str, provenance: Provenance, stage: Job) -> dict:

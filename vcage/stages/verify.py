@@ -86,8 +86,9 @@ class _Judge:
         empty = read_picture(self._folder / background_name(episode.index))
         told = []
         for name, earlier in zip(episode.subtasks, episode.verdicts, strict=True):
-            before, after = (_view(self._folder / picture, self._scene) for picture in earlier.pictures[:2])
-            asked = (self._subtasks[name].text, self._subtasks[name].goals, before, after, empty)
+            before, after, *moments = (_view(self._folder / picture, self._scene) for picture in earlier.pictures)
+            subtask, moment = self._subtasks[name], moments[0] if moments else None
+            asked = (subtask.text, subtask.goals, before, after, empty, subtask.requires, moment)
             known = self._take_over and earlier.question == question_hash(*asked)
             verdict = earlier if known else self._context.verdict(self._scene, *asked)
             pictures = [f"../{self._folder.name}/{picture}" for picture in earlier.pictures]
@@ -113,7 +114,9 @@ def judge_pair(run: RunFolder, context: StageContext, subtask_id: str, before: P
     if subtask_id not in kept:
         raise UnknownName("sub-task", subtask_id, kept)
     subtask, scene = kept[subtask_id], Scene.read(run.layout)
-    verdict = context.verdict(scene, subtask.text, subtask.goals, _view(before, scene), _view(after, scene))
+    verdict = context.verdict(
+        scene, subtask.text, subtask.goals, _view(before, scene), _view(after, scene), requires=subtask.requires
+    )
     pictures = [str(before), str(after)]
     return SingleVerdict(text=subtask.text, verdict=verdict.model_copy(update={"pictures": pictures}))
 

@@ -16,21 +16,17 @@ import numpy as np
 from vcage.base.geometry import Pose, oriented_boxes_overlap
 from vcage.schema.asset import Annotation, ContactPoint, FunctionalPoint
 from vcage.schema.subtasks import Check, Grasp
-from vcage.sim.joints import link_poses
+from vcage.sim.joints import joint_positions
 from vcage.sim.kinematics import ArmKinematics
+from vcage.tasks.access import access, headroom
 from vcage.tasks.grasps import GraspPose, approach_opening, grasp_poses, hand_boxes
+from vcage.tasks.primitives.handles import Handle, operating_ways
 from vcage.tasks.primitives.pick import pick_way, transfer_height
 from vcage.tasks.primitives.place import MAX_DROP, goals_in_slot, place_way
 from vcage.tasks.scene_objects import SceneObject
 
 GRIP_ROOM = 0.006
 """The gripper must open this much wider than the material, metres."""
-
-UPRIGHT = 0.7
-"""Least share of a functional point's axis that points up: things are put there from above."""
-
-COVER = 0.01
-"""What is nearer above a functional point than this belongs to its floor, metres."""
 
 
 @dataclass(frozen=True)
@@ -67,39 +63,6 @@ def carrying_points(annotation: Annotation) -> list[ContactPoint]:
     return [point for point in annotation.contact_points if point.link is None and point.use == "grasp"]
 
 
-def access(receptacle: SceneObject, point: FunctionalPoint) -> Check:
-    """Whether a functional point is reached from above: it faces up, and no closed drawer or lid keeps it in."""
-    poses = link_poses(receptacle.asset.model, receptacle.joints)
-    part = receptacle.pose * poses[point.link]
-    upright = float((part.rotation() @ np.asarray(point.axis))[2])
-    where = f"{point.name!r} of {receptacle.record.phrase}"
-    if upright < UPRIGHT:
-        message = f"{where} can only be reached from the side"
-        return Check(name="way_free", passed=False, value=upright, limit=UPRIGHT, message=message)
-    lid = _closed_part(receptacle, point)
-    if lid is not None:
-        message = f"the {lid.replace('_', ' ')} of {receptacle.record.phrase} is closed"
-        return Check(name="way_free", passed=False, message=message)
-    return Check(name="way_free", passed=True, message=f"{where} is open at the top")
-
-
-def _closed_part(receptacle: SceneObject, point: FunctionalPoint) -> str | None:
-    """The moving part that must be opened first, or None: the point's own, or the one that lies over it."""
-    model = receptacle.asset.model
-    poses = link_poses(model, receptacle.joints)
-    origin = (receptacle.pose * poses[point.link]).apply(point.position)
-    for name, local in poses.items():
-        if name == point.link:
-            continue  # its own ceiling is the opening's business
-        to_part = (receptacle.pose * local).inverse()
-        start, up = to_part.apply(origin), to_part.rotation() @ [0.0, 0.0, 1.0]
-        for piece in receptacle.asset.pieces_of(name):
-            stretch = piece.interval(start, up)
-            if stretch is not None and stretch[1] > COVER:
-                return point.link or name
-    return None
-
-
 def fits(target: SceneObject, receptacle: SceneObject, point: FunctionalPoint) -> Check:
     """Whether the object's footprint goes into the opening, straight or turned by a quarter.
 
@@ -108,6 +71,13 @@ def fits(target: SceneObject, receptacle: SceneObject, point: FunctionalPoint) -
         receptacle: where.
         point: functional point of the receptacle.
     """
+    height, room = float(target.asset.size[2]), headroom(receptacle, point)
+    if height > room:
+        message = (
+            f"{target.record.phrase} ({height * 100:.1f} cm tall) does not fit under what closes {point.name!r} of "
+            f"{receptacle.record.phrase} ({room * 100:.1f} cm)"
+        )
+        return Check(name="fits", passed=False, value=room - height, limit=0.0, message=message)
     size, opening = target.asset.footprint, np.array(receptacle.asset.opening(point).size)
     spare = max(float(np.min(opening - size)), float(np.min(opening - size[::-1])))
     needs = f"{size[0] * 100:.1f} × {size[1] * 100:.1f} cm"
@@ -171,6 +141,68 @@ def examine(
     # the arm that came furthest explains the transfer best
     best = grasps[0].arm if grasps else max(reports, key=lambda arm: sum(c.passed for c in reports[arm][0]))
     return Feasibility(checks + reports[best][0], grasps)
+
+
+def examine_operation(
+    thing: SceneObject,
+    contact: ContactPoint,
+    target: float,
+    others: Sequence[SceneObject],
+    kinematics: Mapping[str, ArmKinematics],
+) -> Feasibility:
+    """Whether some arm can bring the part that a contact point is on to a joint position.
+
+    Args:
+        thing: the object, its joints where they are before.
+        contact: on the part.
+        target: position of the joint, metres or radians.
+        others: the other objects of the scene.
+        kinematics: by arm.
+    """
+    width = thing.asset.grasp_width(contact)
+    handle = Handle(contact, thing.asset.model, thing.pose, joint_positions(thing.asset.model, thing.joints), width)
+    wide = opens_wide_enough(thing, contact, kinematics)
+    if contact.use == "grasp" and not wide.passed:
+        return Feasibility([wide], [])
+    checks, grasps = [wide] if contact.use == "grasp" else [], []
+    for arm, k in kinematics.items():
+        found, score = _examine_ways(handle, thing, target, others, arm, k)
+        if score is not None:
+            grasps.append(Grasp(contact=contact.id, arm=arm, score=round(score, 4)))
+        if score is not None or not grasps:
+            checks = [*checks[:1], *found] if contact.use == "grasp" else found
+    grasps.sort(key=lambda grasp: (-grasp.score, grasp.arm))
+    return Feasibility(checks, grasps)
+
+
+def _examine_ways(
+    handle: Handle,
+    thing: SceneObject,
+    target: float,
+    others: Sequence[SceneObject],
+    arm: str,
+    kinematics: ArmKinematics,
+) -> tuple[list[Check], float | None]:
+    """The checks of the way that came furthest, and the score of the first that an arm can follow."""
+    gripper = kinematics.arm.gripper
+    where = f"{handle.contact.name!r} of {thing.record.phrase}"
+    furthest: list[Check] = []
+    for way in operating_ways(handle, target, gripper, thing.box.bottom):
+        blocked = _hand_meets(way.grasp, way.opening, handle.width, others, kinematics)
+        free = f"the hand has room at {where}"
+        message = free if blocked is None else f"{blocked} is in the way of the hand at {where}"
+        checks = [Check(name="way_free", passed=blocked is None, message=message)]
+        reached = None if blocked else _follow(kinematics, [way.before, way.grasp], kinematics.home)
+        moved = None
+        if not blocked:
+            checks.append(_reach_check("reach_grasp", where, reached is not None, arm))
+        if reached is not None:
+            moved = _follow(kinematics, [*way.motion, way.after], reached[-1])
+            checks.append(_reach_check("reach_motion", f"{where} all along its way", moved is not None, arm))
+        if reached is not None and moved is not None:
+            return checks, -_travel([kinematics.home, *reached, *moved, kinematics.home])
+        furthest = checks if len(checks) > len(furthest) else furthest
+    return furthest, None
 
 
 def examine_arm(
@@ -243,10 +275,10 @@ def _best_place(
 ) -> tuple[float, list[np.ndarray] | None]:
     """The drop and joint path of the first turn of the object that the arm can place; else the least drop and None."""
     receptacle = transfer.receptacle
-    obstacles = [*receptacle.walls(transfer.point.id), *(o.box for o in transfer.others)]
+    obstacles = [*receptacle.around(transfer.point.id), *(box for o in transfer.others for box in o.boxes)]
     width = transfer.target.asset.grasp_width(transfer.contact)
     drops = []
-    for goal in goals_in_slot(receptacle, slot):
+    for goal in goals_in_slot(receptacle, transfer.point.id, slot):
         way = place_way(grasp.in_object, goal, obstacles, kinematics.arm.gripper, width, height)
         drops.append(way.drop)
         poses = [way.above, way.release, way.after]
@@ -260,10 +292,18 @@ def _blocked_by(pose: Pose, transfer: Transfer, kinematics: ArmKinematics) -> st
     """The phrase of the first object that the open hand would touch at a grasp, or None."""
     gripper = kinematics.arm.gripper
     width = transfer.target.asset.grasp_width(transfer.contact)
-    hand = hand_boxes(gripper, approach_opening(width, gripper), width)
-    for other in [transfer.receptacle, *transfer.others]:
+    others = [transfer.receptacle, *transfer.others]
+    return _hand_meets(pose, approach_opening(width, gripper), width, others, kinematics)
+
+
+def _hand_meets(
+    pose: Pose, opening: float, width: float, others: Sequence[SceneObject], kinematics: ArmKinematics
+) -> str | None:
+    """The phrase of the first object that the hand would touch while its fingers go from ``width`` to ``opening``."""
+    hand = hand_boxes(kinematics.arm.gripper, opening, min(width, opening))
+    for other in others:
         for part in hand:
-            if oriented_boxes_overlap(part, pose, other.asset.bounds, other.pose):
+            if any(oriented_boxes_overlap(part, pose, box.bounds, box.pose) for box in other.boxes):
                 return other.record.phrase
     return None
 
@@ -291,6 +331,8 @@ def _drop_check(phrase: str, where: str, drop: float) -> Check:
     return Check(name="drop", passed=passed, value=drop, limit=MAX_DROP, message=message)
 
 
-def _reach_check(name: Literal["reach_grasp", "reach_place"], where: str, reached: bool, arm: str) -> Check:
+def _reach_check(
+    name: Literal["reach_grasp", "reach_place", "reach_motion"], where: str, reached: bool, arm: str
+) -> Check:
     verb = "reaches" if reached else "does not reach"
     return Check(name=name, passed=reached, message=f"the {arm} arm {verb} {where}")

@@ -16,6 +16,7 @@ import numpy as np
 
 from vcage.datasets.episode import Segment
 from vcage.schema.episodes import Attempt, AttemptStage, Truth, Verdict
+from vcage.schema.goals import Goal
 from vcage.schema.subtasks import Subtask
 from vcage.sim.recording import StateLog
 from vcage.sim.state import WorldState
@@ -24,7 +25,7 @@ from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.slots import Slot
 from vcage.tasks.synthesis import Script
 from vcage.tasks.task import Asked, Task, TaskFailed
-from vcage.tasks.truth import goals_hold
+from vcage.tasks.truth import Watch, goals_hold
 
 logger = logging.getLogger(__name__)
 
@@ -41,7 +42,8 @@ class Setting:
         objects: by id, with their geometry.
         slots: object id → where the chain puts it.
         photograph: pictures of a state.
-        judge: the critic's verdict on text, goals, pictures before and after.
+        judge: the critic's verdict on a question, what was true before by the plan, and the pictures before, after and,
+            where something was pressed, at that moment.
         on_failure: what follows a failed sub-task.
         retries: further attempts per sub-task, when resampling.
         fps: frames per second of the recording.
@@ -51,7 +53,7 @@ class Setting:
     objects: Mapping[str, SceneObject]
     slots: Mapping[str, Slot]
     photograph: Callable[[WorldState], PicturesByCamera]
-    judge: Callable[[Asked, PicturesByCamera, PicturesByCamera], Verdict]
+    judge: Callable[[Asked, Sequence[Goal], Sequence[PicturesByCamera]], Verdict]
     on_failure: Literal["resample", "abort"]
     retries: int
     fps: int
@@ -166,16 +168,19 @@ class _Step:
 
     def _try(self, world: World, attempt: int, start: int, before: PicturesByCamera) -> _Trial:
         task = Task(world, self.setting.objects, self.setting.slots, attempt)
+        watch = Watch(world)
         try:
             self.script.play(task)
             asked = self.script.verify(task)
         except TaskFailed as error:
             record = self._attempt(task, attempt, error.stage, error.message, world.steps - start)
             return _Trial(record, exhausted=error.exhausted)
-        after = self.setting.photograph(world.state())
-        pictures = self._named(attempt, before, after)
-        verdict = self.setting.judge(asked, before, after).model_copy(update={"pictures": list(pictures)})
-        truth = self._truth(asked, world)
+        seen = [before, self.setting.photograph(world.state())]
+        seen += [self.setting.photograph(task.moment)] if task.moment is not None else []
+        pictures = self._named(attempt, seen)
+        verdict = self.setting.judge(asked, self.subtask.requires, seen)
+        verdict = verdict.model_copy(update={"pictures": list(pictures)})
+        truth = self._truth(asked, world, watch)
         stage: AttemptStage = "done" if verdict.accepted else "verify"
         record = self._attempt(task, attempt, stage, verdict.reason, world.steps - start, verdict, truth)
         if not verdict.accepted:
@@ -193,17 +198,17 @@ class _Step:
         )
         return _Trial(record, pictures, segment)
 
-    def _truth(self, asked: Asked, world: World) -> Truth:
-        poses = world.object_poses()
-        objects = {key: o.moved(poses[key]) for key, o in self.setting.objects.items()}
-        return goals_hold(asked.goals, objects, {self.subtask.receptacle: self.subtask.functional_point})
+    def _truth(self, asked: Asked, world: World, watch: Watch) -> Truth:
+        bodies = {key: world.body(key) for key in self.setting.objects}
+        objects = {key: o.moved(bodies[key].pose, bodies[key].joints) for key, o in self.setting.objects.items()}
+        return goals_hold(asked.goals, objects, watch)
 
-    def _named(self, attempt: int, before: PicturesByCamera, after: PicturesByCamera) -> dict[str, np.ndarray]:
+    def _named(self, attempt: int, seen: Sequence[PicturesByCamera]) -> dict[str, np.ndarray]:
         """The pictures of a verdict under names that say what they show."""
         prefix = f"critic/e{self.episode:06d}-s{self.number}-a{attempt}"
         return {
             f"{prefix}-{moment}-{camera}.png": picture
-            for moment, pictures in (("before", before), ("after", after))
+            for moment, pictures in zip(("before", "after", "moment"), seen, strict=False)
             for camera, picture in pictures.items()
         }
 

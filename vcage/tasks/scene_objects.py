@@ -12,6 +12,7 @@ from vcage.base.geometry import Pose, box_corners, world_aabb
 from vcage.objects.asset import Asset
 from vcage.schema.asset import CatalogueEntry
 from vcage.schema.scene import ObjectRecord
+from vcage.sim.joints import link_poses
 
 
 @dataclass(frozen=True)
@@ -92,10 +93,36 @@ class SceneObject:
         """The same object at another pose, and at other joint positions if they are given."""
         return replace(self, pose=pose, joints=self.joints if joints is None else joints)
 
+    @cached_property
+    def boxes(self) -> list[SolidBox]:
+        """The bounding box of each part where it is now."""
+        return [self.part_box(link) for link in self._frames]
+
+    def part_box(self, link: str | None) -> SolidBox:
+        """The bounding box of a part, or of the body (None), where it is now."""
+        return SolidBox(self.asset.bounds_of(link), self._frames[link])
+
+    @cached_property
+    def _frames(self) -> dict[str | None, Pose]:
+        """The frame of each part in the world: with all joints at 0 that of the object."""
+        if not self.asset.articulated:
+            return {None: self.pose}
+        return {link: self.pose * local for link, local in link_poses(self.asset.model, self.joints).items()}
+
+    def frame(self, functional_point: int) -> Pose:
+        """The frame of the part that a functional point belongs to, in the world: a drawer's moves with the drawer."""
+        return self._frames[self.asset.annotation.functional_point(functional_point).link]
+
+    def around(self, functional_point: int) -> list[SolidBox]:
+        """What stands around a functional point: the rim of its opening, and the object's other parts."""
+        own = self.asset.annotation.functional_point(functional_point).link
+        return [*self.walls(functional_point), *(self.part_box(link) for link in self._frames if link != own)]
+
     def walls(self, functional_point: int) -> list[SolidBox]:
-        """The rim around an opening as up to four boxes from the object's bottom to the rim; none for a flat top."""
-        opening = self.asset.opening(self.asset.annotation.functional_point(functional_point))
-        lower, upper = self.asset.bounds
+        """The rim around an opening as up to four boxes from the part's bottom to the rim; none for a flat top."""
+        point = self.asset.annotation.functional_point(functional_point)
+        opening = self.asset.opening(point)
+        lower, upper = self.asset.bounds_of(point.link)
         centre, half = np.array(opening.centre), np.array(opening.size) / 2
         (x0, y0), (x1, y1) = centre - half, centre + half
         if opening.depth < 1e-3:
@@ -107,7 +134,7 @@ class SceneObject:
             (lower[0], y1, upper[0], upper[1]),
         )
         return [
-            SolidBox(np.array([[a, b, lower[2]], [c, d, opening.rim]]), self.pose)
+            SolidBox(np.array([[a, b, lower[2]], [c, d, opening.rim]]), self._frames[point.link])
             for a, b, c, d in rectangles
             if c - a > 1e-4 and d - b > 1e-4
         ]

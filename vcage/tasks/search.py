@@ -11,8 +11,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vcage.base.errors import ModelRefused, NoFeasibleTask
-from vcage.schema.subtasks import ChainOption, PairAnswer, PairQuestion, Refusal, Subtask
+from vcage.base.errors import NoFeasibleTask
+from vcage.plans.actions import Action
+from vcage.plans.planner import Task, complaints, find_chain
+from vcage.plans.relations import holds
+from vcage.schema.goals import Goal, StateWord, part_that
+from vcage.schema.plan import TABLE
+from vcage.schema.scene import Scene
+from vcage.schema.subtasks import PairAnswer, PairQuestion, Refusal, Subtask
+from vcage.sim.joints import joint_positions
 from vcage.sim.kinematics import ArmKinematics
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.templates import TEMPLATES, Proposal
@@ -59,9 +66,11 @@ def find_subtasks(
             possible.append(proposal)
         else:
             refused.append(refusal)
-    answers = judge([proposal.question() for proposal in possible]) if possible else []
-    for proposal, answer in zip(possible, answers, strict=True):
-        if not answer.sensible:
+    questions = {number: asked for number, p in enumerate(possible) if (asked := p.question()) is not None}
+    answers = dict(zip(questions, judge(list(questions.values())) if questions else [], strict=True))
+    for number, proposal in enumerate(possible):
+        answer = answers.get(number)
+        if answer is not None and not answer.sensible:
             refused.append(proposal.senseless(answer.reason))
             continue
         subtask, complaints = proposal.examine(answer, objects, kinematics, table_height, rng)
@@ -71,55 +80,67 @@ def find_subtasks(
 
 
 def compose(
-    instruction: str,
-    kept: Sequence[Subtask],
-    refused: Sequence[Refusal],
-    objects: Sequence[SceneObject],
-    choose: Callable[[str, Sequence[ChainOption]], list[str]],
+    scene: Scene, objects: Sequence[SceneObject], kept: Sequence[Subtask], refused: Sequence[Refusal]
 ) -> list[str]:
-    """The chain T₁…T_k for the instruction: ids of kept sub-tasks, in order.
+    """The chain T₁…T_k for the scene's goals: ids of kept sub-tasks, in order, proven to bring about every goal.
 
     Args:
-        instruction: of the user.
-        kept, refused: what the search found.
+        scene: with its goals.
         objects: of the scene.
-        choose: the reasoner's :meth:`~vcage.models.protocols.Reasoner.compose_chain`.
+        kept, refused: what the search found.
 
     Raises:
-        ModelRefused: the reasoner names a sub-task that was not offered.
-        NoFeasibleTask: none fulfils it, or a content has no feasible sub-task, or the contents do not fit
-            together; says why.
+        NoFeasibleTask: no chain does what is asked; says why.
     """
-    kinds = {o.id: o.kind() for o in objects}
-    options = [ChainOption.of(s, kinds[s.object], kinds[s.receptacle]) for s in kept]
-    chain = choose(instruction, options) if options else []
-    by_id = {s.id: s for s in kept}
-    strangers = [i for i in chain if i not in by_id]
-    if strangers:
-        raise ModelRefused(
-            f"the reasoner chained sub-tasks that do not exist: {', '.join(strangers)}", hint="run it again"
-        )
-    moved = {by_id[i].object for i in chain}
-    missing = [o for o in objects if o.record.role == "content" and o.id not in moved]
-    if not chain or missing:
-        raise _unfulfilled(instruction, missing, refused, objects)
+    steps = sorted({asked.step for asked in scene.goals})
+    goals = tuple(frozenset(a.goal for a in scene.goals if a.step == step) for step in steps)
+    task = Task(initial_state(objects), goals)
+    actions = [action_of(s) for s in kept if s.object not in scene.untouched]
+    chain = find_chain(task, actions)
+    if not chain:
+        raise _unfulfilled(scene, kept, refused)
+    by_name = {action.name: action for action in actions}
+    unproven = complaints(task, [by_name[name] for name in chain])
+    if unproven:
+        raise RuntimeError(f"the planner's own chain does not do what is asked: {'; '.join(unproven)}")
     return chain
 
 
-def _unfulfilled(
-    instruction: str, missing: Sequence[SceneObject], refused: Sequence[Refusal], objects: Sequence[SceneObject]
-) -> NoFeasibleTask:
-    """Why no chain does what the instruction asks for.
+def action_of(subtask: Subtask) -> Action:
+    """A sub-task as the planner sees it."""
+    moves = subtask.object if subtask.receptacle is not None else None
+    return Action(subtask.id, frozenset(subtask.requires), frozenset(subtask.goals), moves)
 
-    Args:
-        missing: the contents that no sub-task of the chain moves.
-    """
-    goals = {o.id for o in objects if o.record.role == "receptacle"}
-    reasons = [r.reason for o in missing for r in refused if r.object == o.id and r.receptacle in goals]
-    named = ", ".join(o.record.phrase for o in missing) or "any object"
-    why = "; ".join(reasons[:3]) or ("none was kept" if goals else "it names no place that holds things")
+
+def initial_state(objects: Sequence[SceneObject]) -> frozenset[Goal]:
+    """Where everything is at the start, and which parts are open."""
+    by_id = {o.id: o for o in objects}
+    found = []
+    for o in objects:
+        holder = o.record.container
+        word: StateWord = "on" if holder is None or not holds("inside", o.aabb, by_id[holder].aabb) else "inside"
+        found.append(Goal(subject=o.id, relation=word, reference=holder or TABLE))
+        for link, position in zip(o.asset.model.links, joint_positions(o.asset.model, o.joints), strict=True):
+            if part_that("open", link.name):
+                word = "open" if abs(position) > abs(link.joint.far_end) / 2 else "closed"
+                found.append(Goal(subject=o.id, relation=word, part=link.name))
+    return frozenset(found)
+
+
+def _unfulfilled(scene: Scene, kept: Sequence[Subtask], refused: Sequence[Refusal]) -> NoFeasibleTask:
+    """Why no chain does what the instruction asks for: the goals that nothing brings about, and the reasons."""
+    possible = {goal for subtask in kept for goal in subtask.goals}
+    missing = [asked for asked in scene.goals if asked.goal not in possible] or list(scene.goals)
+    reasons = [
+        refusal.reason
+        for asked in missing
+        for refusal in refused
+        if refusal.object == asked.goal.subject and refusal.receptacle == asked.goal.reference
+    ]
+    named = "; ".join(dict.fromkeys(f"{asked.goal} ({asked.words!r})" for asked in missing))
+    why = "; ".join(dict.fromkeys(reasons[:3])) or "no sub-task of this scene does that"
     return NoFeasibleTask(
-        f"no feasible sub-task moves {named} as {instruction!r} asks: {why}",
+        f"no chain of feasible sub-tasks brings about {named}: {why}",
         hint="another --seed gives another layout; another instruction other objects",
-        details={"missing": [o.id for o in missing], "reasons": reasons},
+        details={"missing": [str(asked.goal) for asked in missing], "reasons": reasons},
     )

@@ -18,12 +18,17 @@ from vcage.layout.items import TableItem
 from vcage.layout.placement.place import place
 from vcage.schema.robot import Robot
 from vcage.schema.subtasks import Subtask
+from vcage.sim.joints import joint_index, joint_positions
+from vcage.tasks.access import closed_part
 from vcage.tasks.grasps import grasp_poses
 from vcage.tasks.primitives.place import SET_DOWN, goals_in_slot, place_way
 from vcage.tasks.scene_objects import SceneObject
 
 GAP = 0.006
 """Metres kept between contents, and between contents and wall."""
+
+FLUSH = 1e-4
+"""Room that what stands flush on its own like is given, metres."""
 
 DRAWS = 8
 """Ways to put the contents of a receptacle side by side that are compared."""
@@ -42,7 +47,7 @@ class Slot:
     Args:
         receptacle: id of what receives it.
         point: id of the receptacle's functional point.
-        pose: object frame in the receptacle's frame.
+        pose: object frame in the frame of the part that the point belongs to.
     """
 
     receptacle: str
@@ -57,7 +62,7 @@ def allocate(
     rng: np.random.Generator,
     present: Sequence[SceneObject] = (),
 ) -> dict[str, Pose]:
-    """A place for each of ``contents`` in the receptacle: object frame in the *receptacle's* frame, by id.
+    """A place for each of ``contents`` in the receptacle: object frame in :meth:`SceneObject.frame`, by id.
 
     Args:
         receptacle: where they go.
@@ -70,9 +75,14 @@ def allocate(
         InfeasibleScene: they do not fit together; names them and the area that is missing.
     """
     opening = receptacle.asset.opening(receptacle.asset.annotation.functional_point(functional_point))
-    centre, half = np.array(opening.centre), np.array(opening.size) / 2 - GAP
+    centre = np.array(opening.centre)
+    widest = np.max([np.sort(o.asset.footprint) for o in contents], axis=0)
+    spare = float(np.min(np.sort(opening.size) - widest)) / 2
+    # On top of a thing of its own size an object stands flush: a block on a block.
+    flush = receptacle.asset.annotation.functional_point(functional_point).holds == "on" and spare < GAP
+    half = np.array(opening.size) / 2 - (max(0.0, spare) - FLUSH if flush else GAP)
     inside = np.stack([centre - half, centre + half])
-    to_receptacle = receptacle.pose.inverse()
+    to_receptacle = receptacle.frame(functional_point).inverse()
     taken = [world_aabb(o.asset.bounds, to_receptacle * o.pose)[:, :2] for o in present]
     items = [TableItem(id=o.id, size=tuple(o.asset.size), yaws=(0.0, np.pi / 2)) for o in contents]
     places = place(items, inside, rng, margin=GAP, obstacles=taken)
@@ -96,15 +106,17 @@ def slots_for_chain(
     by_id = {o.id: o for o in objects}
     groups: dict[tuple[str, int], list[Subtask]] = {}
     for subtask in chain:
-        groups.setdefault((subtask.receptacle, subtask.functional_point), []).append(subtask)
+        if subtask.receptacle is not None and subtask.functional_point is not None:
+            groups.setdefault((subtask.receptacle, subtask.functional_point), []).append(subtask)
     slots: dict[str, Slot] = {}
     for (receptacle, point), subtasks in groups.items():
+        by_id[receptacle] = opened_for(by_id[receptacle], point)
         contents = [by_id[s.object] for s in subtasks]
         present = lying_in(by_id[receptacle], [o for o in objects if o.id not in {c.id for c in contents}])
         best, least = {}, np.inf
         for _ in range(DRAWS):
             poses = allocate(by_id[receptacle], point, contents, rng, present)
-            drop = _drop(subtasks, poses, by_id, present, robot)
+            drop = _drop(subtasks, poses, by_id, present, robot, by_id[receptacle], point)
             best, least = (poses, drop) if drop < least else (best, least)
             if least <= SET_DOWN * len(contents) + 1e-9:
                 break
@@ -118,6 +130,8 @@ def _drop(
     objects: Mapping[str, SceneObject],
     present: Sequence[SceneObject],
     robot: Robot,
+    receptacle: SceneObject,
+    point: int,
 ) -> float:
     """How far the objects fall in all when each is let go as low as the hand can, metres: one after the other.
 
@@ -127,13 +141,13 @@ def _drop(
         objects: of the scene by id.
         present: what lies in the receptacle already.
         robot: whose hands bring them.
+        receptacle, point: where.
     """
-    receptacle = objects[subtasks[0].receptacle]
-    obstacles = [*receptacle.walls(subtasks[0].functional_point), *(o.box for o in present)]
+    obstacles = [*receptacle.around(point), *(o.box for o in present)]
     total = 0.0
     for subtask in subtasks:
         target, drops = objects[subtask.object], []
-        goals = goals_in_slot(receptacle, poses[target.id])
+        goals = goals_in_slot(receptacle, point, poses[target.id])
         hands = {grasp.contact: robot.arms[grasp.arm].gripper for grasp in subtask.grasps}
         for contact_id, gripper in hands.items():
             contact = target.asset.annotation.contact_point(contact_id)
@@ -158,7 +172,7 @@ def other_slots(slots: Mapping[str, Slot], object_id: str, objects: Mapping[str,
     present = lying_in(receptacle, [o for o in objects.values() if o.id not in slots])
     for key, slot in slots.items():
         if key != object_id and slot.receptacle == own.receptacle:
-            goal = receptacle.pose * slot.pose
+            goal = receptacle.frame(slot.point) * slot.pose
             there = np.linalg.norm(objects[key].pose.p - goal.p) < THERE
             present.append(objects[key] if there else objects[key].moved(goal))
     rng = np.random.default_rng(list(object_id.encode()))
@@ -170,6 +184,26 @@ def other_slots(slots: Mapping[str, Slot], object_id: str, objects: Mapping[str,
             break
         found.append(Slot(own.receptacle, own.point, poses[object_id]))
     return found
+
+
+def opened_for(receptacle: SceneObject, functional_point: int) -> SceneObject:
+    """The receptacle with the drawer or lid open that keeps a functional point in, as far as it goes."""
+    part = kept_in_by(receptacle, functional_point)
+    if part is None:
+        return receptacle
+    model = receptacle.asset.model
+    joints = joint_positions(model, receptacle.joints)
+    joints[joint_index(model, part)] = model.link(part).joint.far_end
+    return receptacle.moved(receptacle.pose, tuple(joints.tolist()))
+
+
+def kept_in_by(receptacle: SceneObject, functional_point: int) -> str | None:
+    """The moving part that must be open before something is put there: the point's own, or a lid over it."""
+    point = receptacle.asset.annotation.functional_point(functional_point)
+    if not receptacle.asset.articulated:
+        return None
+    shut = SceneObject(receptacle.record, receptacle.asset, receptacle.pose)
+    return closed_part(shut, point)
 
 
 def lying_in(receptacle: SceneObject, objects: Sequence[SceneObject]) -> list[SceneObject]:

@@ -14,11 +14,11 @@ import numpy as np
 from vcage.base.errors import UnknownName
 from vcage.base.geometry import Pose
 from vcage.schema.asset import ContactPoint
-from vcage.schema.plan import RelationWord
-from vcage.schema.subtasks import Goal
+from vcage.schema.goals import Goal, goal_of
 from vcage.sim.collision import Held
 from vcage.sim.motion import MotionPlanner
 from vcage.sim.paths import JointPath
+from vcage.sim.state import WorldState
 from vcage.sim.world import PHYSICS_HZ, World
 from vcage.tasks.primitives.operate import Operation
 from vcage.tasks.primitives.pick import Grip, LeadsOn, PickPlan, PickWay, carry_out_pick, feel, plan_pick
@@ -48,6 +48,7 @@ class Task:
     Attributes:
         arm, contact: that took hold of something.
         changes: what is done otherwise than planned, in words.
+        moment: state of the world when a part was pressed as far as it was.
     """
 
     def __init__(self, world: World, objects: Mapping[str, SceneObject], slots: Mapping[str, Slot], attempt: int = 0):
@@ -55,6 +56,7 @@ class Task:
         self.arm: str | None = None
         self.contact: int | None = None
         self.changes: list[str] = []
+        self.moment: WorldState | None = None
         self._cell = Workcell(world, objects)
         self._slots = slots
         self._attempt = attempt
@@ -99,27 +101,27 @@ class Task:
         carry_out_place(self._cell, plan)
         self._grip = None
 
-    def operate(self, object_id: str, contact_id: int, target: float, arm: str | None = None) -> None:
+    def operate(self, object_id: str, contact_id: int, target: float, arms: Sequence[str] = ()) -> None:
         """Bring a moving part to a joint position by its handle or button, and the arm home again.
 
         Args:
             object_id: the object that the part belongs to.
             contact_id: contact point on the part.
             target: position of the part's joint, metres or radians; what is pressed may spring back.
-            arm: which arm; the first that can, the nearest first, when not given.
+            arms: which may do it, best first; all, the nearest first, when none is given.
 
         Raises:
             TaskFailed: no way can be planned, the fingers miss the handle, or the part did not get there.
             UnknownName: there is no such object, contact point or arm.
         """
-        if arm is not None and arm not in self.world.arms:
-            raise UnknownName("arm", arm, self.world.arms)
+        for arm in arms:
+            if arm not in self.world.arms:
+                raise UnknownName("arm", arm, self.world.arms)
         thing = self._cell.object(object_id)
         contact = thing.asset.annotation.contact_point(contact_id)
-        arms = [arm] if arm is not None else self._nearest_first(thing)
         operation = Operation(self._cell, thing, contact, target)
-        self.arm = operation.run(arms, self._attempt)
-        self.contact = contact_id
+        self.arm = operation.run(list(arms) or self._nearest_first(thing), self._attempt)
+        self.contact, self.moment = contact_id, operation.moment
         self.home()
         operation.confirm()
 
@@ -135,9 +137,9 @@ class Task:
             control.release(1.0)
         self.world.settle(max_steps=PHYSICS_HZ)
 
-    def ask(self, text: str, goals: Sequence[tuple[str, RelationWord, str]]) -> Asked:
-        """The question for the critic: the sub-task in words, and its goals (subject, relation, reference)."""
-        return Asked(text, [Goal(subject=s, relation=r, reference=o) for s, r, o in goals])
+    def ask(self, text: str, goals: Sequence[Sequence[str | None]]) -> Asked:
+        """The question for the critic: the sub-task in words, and its goals (subject, relation, reference, part)."""
+        return Asked(text, [goal_of(values) for values in goals])
 
     def _choose(self, target: SceneObject, grasps: Sequence[tuple[int, str]]) -> PickPlan:
         """The first grasp that leads to the object's slot; else to another slot; any grasp for what has none."""

@@ -6,8 +6,11 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from vcage.schema.asset import FunctionalPoint
 from vcage.schema.episodes import Truth
-from vcage.schema.subtasks import Goal
+from vcage.schema.goals import Goal
+from vcage.sim.joints import joint_index, joint_positions
+from vcage.sim.world import World
 from vcage.tasks.scene_objects import SceneObject
 
 EDGE_TOLERANCE = 0.005
@@ -19,31 +22,83 @@ RIM_MARGIN = 0.005
 HEIGHT_TOLERANCE = 0.02
 """An object's bottom may be this far off the floor that carries it, metres: it may lie on another content's edge."""
 
+OPENED, CLOSED = 0.8, 0.12
+"""Share of the range beyond which a joint counts as opened, pressed or turned, and below which as closed."""
 
-def goals_hold(goals: Sequence[Goal], objects: Mapping[str, SceneObject], points: Mapping[str, int]) -> Truth:
-    """Whether every goal is true of the state.
+
+class Watch:
+    """Follows the joints of objects while a world goes on: what was pressed comes back, but it was pressed.
 
     Args:
-        objects: by id, at their present poses.
-        points: receptacle id → the functional point that is meant.
+        world: that is watched, from now on.
+    """
+
+    def __init__(self, world: World):
+        self._furthest = {name: np.abs(joints) for name, joints in world.joints_of_objects().items()}
+        world.before_step.append(self._note)
+
+    def furthest(self, thing: SceneObject, part: str) -> float:
+        """How far a part moved from where it was at the beginning, as a share of its range."""
+        model = thing.asset.model
+        index = joint_index(model, part)
+        return float(self._furthest[thing.id][index]) / abs(model.links[index].joint.far_end)
+
+    def _note(self, world: World) -> None:
+        for name, joints in world.joints_of_objects().items():
+            self._furthest[name] = np.maximum(self._furthest[name], np.abs(joints))
+
+
+def goals_hold(goals: Sequence[Goal], objects: Mapping[str, SceneObject], watch: Watch | None = None) -> Truth:
+    """Whether every goal is true of the state, or was done.
+
+    Args:
+        objects: by id, at their present poses and joint positions.
+        watch: of the world while it was done; only what was pressed needs one.
     """
     for goal in goals:
-        complaint = _complaint(goal, objects[goal.subject], objects[goal.reference], points[goal.reference])
+        complaint = _complaint(goal, objects, watch)
         if complaint:
             return Truth(success=False, reason=complaint)
-    return Truth(success=True, reason="; ".join(f"{g.subject} is {g.relation} {g.reference}" for g in goals))
+    return Truth(success=True, reason="; ".join(map(str, goals)))
 
 
-def _complaint(goal: Goal, subject: SceneObject, receptacle: SceneObject, point_id: int) -> str | None:
+def _complaint(goal: Goal, objects: Mapping[str, SceneObject], watch: Watch | None) -> str | None:
     """Why a goal does not hold, or None when it does."""
-    if goal.relation not in ("inside", "on"):
+    thing = objects[goal.subject]
+    if goal.relation in ("open", "closed", "turned"):
+        return _joint_complaint(goal, thing)
+    if goal.relation == "pressed":
+        assert watch is not None and goal.part is not None  # whoever asks for it watches
+        share = watch.furthest(thing, goal.part)
+        return None if share >= OPENED else f"the {goal.part} of {thing.id} was pressed by {100 * share:.0f} % only"
+    if goal.relation not in ("inside", "on") or goal.reference is None:
         raise ValueError(f"no ground truth is defined for the relation {goal.relation!r}")
-    opening = receptacle.asset.opening(receptacle.asset.annotation.functional_point(point_id))
-    local = receptacle.pose.inverse().apply(subject.aabb.mean(axis=0))
+    receptacle = objects[goal.reference]
+    points = [
+        point for point in receptacle.asset.annotation.functional_points
+        if point.link == goal.part and (point.holds == "in") == (goal.relation == "inside")
+    ]  # fmt: skip
+    found = [place_complaint(thing, receptacle, point) for point in points]
+    return None if None in found else next(iter(found), f"nothing is put {goal.relation} {receptacle.id}")
+
+
+def _joint_complaint(goal: Goal, thing: SceneObject) -> str | None:
+    model, part = thing.asset.model, str(goal.part)
+    index = joint_index(model, part)
+    share = float(joint_positions(model, thing.joints)[index]) / model.links[index].joint.far_end
+    enough = share <= CLOSED if goal.relation == "closed" else share >= OPENED
+    return None if enough else f"the {part} of {thing.id} is open by {100 * share:.0f} %"
+
+
+def place_complaint(subject: SceneObject, receptacle: SceneObject, point: FunctionalPoint) -> str | None:
+    """Why an object does not rest at a functional point, or None when it does."""
+    opening = receptacle.asset.opening(point)
+    frame = receptacle.frame(point.id)
+    local = frame.inverse().apply(subject.aabb.mean(axis=0))
     outside = np.abs(local[:2] - opening.centre) - np.asarray(opening.size) / 2
     if np.any(outside > EDGE_TOLERANCE):
         return f"{subject.id} is {100 * outside.max():.1f} cm outside {receptacle.id}"
-    floor = receptacle.pose.apply([*opening.centre, opening.floor])[2]
+    floor = frame.apply([*opening.centre, opening.floor])[2]
     above = subject.aabb[0, 2] - floor
     limit = max(HEIGHT_TOLERANCE, opening.depth - RIM_MARGIN)
     if not -HEIGHT_TOLERANCE <= above <= limit:

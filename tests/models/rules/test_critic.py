@@ -21,7 +21,7 @@ from vcage.base.geometry import Pose
 from vcage.models.protocols import CriticQuestion
 from vcage.models.rules.critic import OfflineCritic
 from vcage.schema.episodes import Verdict
-from vcage.schema.subtasks import Goal
+from vcage.schema.goals import Goal
 
 BREAD_BOX = BOX.moved(id="bread-box", colour=(150, 100, 60))
 SCENES = {

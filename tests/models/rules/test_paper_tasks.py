@@ -7,10 +7,11 @@ import pytest
 
 from tests.models.catalogue import unchecked
 from vcage.models.rules.reasoner import OfflineReasoner
+from vcage.models.selection_check import name_objects
 from vcage.objects.library import Library
 from vcage.schema.asset import CatalogueEntry
-from vcage.schema.plan import SelectedAsset
-from vcage.schema.subtasks import ChainOption
+from vcage.schema.goals import Goal
+from vcage.schema.plan import SelectedAsset, Selection
 
 
 @pytest.fixture(scope="module")
@@ -101,38 +102,18 @@ def test_a_word_that_several_kinds_share_means_the_plainest_that_fits(kinds, ins
     assert assets(chosen, "receptacle") == [place]
 
 
-def options_of(chosen: list[SelectedAsset], kinds: list[CatalogueEntry]) -> list[ChainOption]:
-    """A sub-task for everything with a contact point, to every other thing that holds something."""
+def asked(instruction: str, kinds: list[CatalogueEntry], seed: int) -> tuple[list[SelectedAsset], list[Goal]]:
+    """What is chosen for an instruction, and what is then read in it."""
     by_name = {kind.name: kind for kind in kinds}
-    look = {
-        f"{thing.asset}_{number}": by_name[thing.asset].model_copy(
-            update={"variants": [v for v in by_name[thing.asset].variants if v.id == thing.variant]}
-        )
-        for number, thing in enumerate(chosen)
-    }
-    return [
-        ChainOption(
-            id=f"{thing}-{place}",
-            text=f"Move {thing} to {place}.",
-            object=thing,
-            receptacle=place,
-            object_kind=look[thing],
-            receptacle_kind=look[place],
-        )
-        for thing in look
-        for place in look
-        if thing != place and look[thing].contact_points and look[place].functional_points
-    ]
-
-
-def chained(instruction: str, kinds: list[CatalogueEntry], seed: int) -> tuple[list[str], list[str], set[str]]:
-    """(ids of the contents, ids of what the chain moves, kinds of the places that it moves them to)."""
     chosen = select(instruction, kinds, seed)
-    options = options_of(chosen, kinds)
-    steps = {option.id: option for option in options}
-    chain = [steps[step] for step in OfflineReasoner().compose_chain(instruction, options)]
-    contents = [f"{thing.asset}_{number}" for number, thing in enumerate(chosen) if thing.role == "content"]
-    return contents, [step.object for step in chain], {step.receptacle_kind.name for step in chain}
+    named = name_objects(Selection(objects=chosen), kinds)
+    things = {
+        o.id: by_name[o.asset].model_copy(
+            update={"variants": [v for v in by_name[o.asset].variants if v.id == o.variant]}
+        )
+        for o in named
+    }
+    return chosen, [a.goal for a in OfflineReasoner().read_goals(instruction, things).goals]
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -141,32 +122,40 @@ def chained(instruction: str, kinds: list[CatalogueEntry], seed: int) -> tuple[l
     [
         ("Pack the five breads into the bread box", "bread_box"),
         ("Pack the marker pens and the eraser into the box", "packaging_box"),
-        ("Sort the objects into the drawers of the cabinet", None),
+        ("Sort the objects into the drawers of the cabinet", "cabinet"),
         ("Pick the blocks and put them on the plate", "plate"),
         ("Put the products on the customer side", "customer_mat"),
         ("Put the groceries into the shopping basket", "shopping_basket"),
-        ("Put the toiletries into the basket", None),
+        ("Put the toiletries into the basket", "basket"),
         ("Pack the stationery into the box", "packaging_box"),
         ("Put the torch into the box", "packaging_box"),
     ],
 )
-def test_a_chain_moves_each_content_once_to_the_place_that_was_selected(kinds, instruction, place, seed: int) -> None:
-    contents, moved, places = chained(instruction, kinds, seed)
-    assert contents and sorted(moved) == sorted(contents)
-    assert places == set(assets(select(instruction, kinds, seed), "receptacle"))
-    assert place is None or places == {place}
+def test_a_goal_for_each_content_in_the_place_that_was_selected(kinds, instruction, place, seed: int) -> None:
+    chosen, goals = asked(instruction, kinds, seed)
+    assert len(goals) == len(assets(chosen, "content"))
+    assert len({goal.subject for goal in goals}) == len(goals)
+    assert all(place in str(goal.reference) for goal in goals)
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_auto_checkout_brings_everything_to_the_customers_side_and_says_that_it_does_not_weigh(
-    kinds, caplog, seed: int
-) -> None:
-    """A chain moves each object once, so the tomato passes the scale by."""
-    contents, moved, places = chained(
+def test_auto_checkout_scans_weighs_and_brings_everything_to_the_customers_side(kinds, seed: int) -> None:
+    chosen, goals = asked(
         "Scan the products with the scanner, weigh the tomato on the electronic scale "
         "and place them on the customer side",
         kinds,
         seed,
     )
-    assert sorted(moved) == sorted(contents) and places == {"customer_mat"}
-    assert "not by way of 'electronic scale'" in caplog.text
+    count = len(assets(chosen, "content"))
+    assert [goal.relation for goal in goals] == ["scanned"] * count + ["weighed"] + ["on"] * count
+
+
+def test_two_things_go_into_separate_drawers_that_are_opened_and_closed(kinds) -> None:
+    text = (
+        "Open the top drawer, put the padlock in it and close it, "
+        "then open the bottom drawer, put the tape measure in it and close it"
+    )
+    _, goals = asked(text, kinds, 0)
+    assert [(goal.relation, goal.part) for goal in goals] == [
+        (word, drawer) for drawer in ("drawer_top", "drawer_bottom") for word in ("open", "inside", "closed")
+    ]

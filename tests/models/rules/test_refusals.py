@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from tests.models.catalogue import CATALOGUE
-from vcage.base.errors import InfeasibleScene, NoAssetFits
+from vcage.base.errors import InfeasibleScene, NoAssetFits, UnreadInstruction
 from vcage.models.rules.selection import select_assets
 
 
@@ -15,7 +15,7 @@ def select(instruction: str) -> None:
 @pytest.mark.parametrize(
     ("instruction", "named"),
     [
-        ("Fly the helicopter to the moon", ["helicopter", "moon"]),
+        ("Bring the helicopter to the moon", ["helicopter", "moon"]),
         ("Put the bread into the cupboard", ["cupboard"]),
         ("Put the submarine on the plate", ["submarine"]),
         ("Put the purple block on the plate", ["purple block"]),
@@ -30,11 +30,11 @@ def test_what_matches_nothing_is_named(instruction: str, named: list[str]) -> No
 
 @pytest.mark.parametrize("instruction", ["", "   ", "Tidy up", "???"])
 def test_an_instruction_that_names_nothing_is_refused(instruction: str) -> None:
-    with pytest.raises(NoAssetFits, match="names nothing to move"):
+    with pytest.raises(UnreadInstruction):
         select(instruction)
 
 
-@pytest.mark.parametrize("number", ["0", "no", "a hundred", "99999999999"])
+@pytest.mark.parametrize("number", ["0", "zero", "a hundred", "99999999999"])
 def test_a_number_that_no_table_holds_is_refused(number: str) -> None:
     with pytest.raises(InfeasibleScene, match="'blocks'"):
         select(f"Put {number} blocks on the plate")

@@ -70,18 +70,29 @@ def test_large_numbers_are_read(number: str, count: int) -> None:
     assert assets(f"Put {number} blocks on the plate", "content") == ["block"] * count
 
 
-def test_a_thing_on_its_own_like_is_refused_in_clear_words() -> None:
-    with pytest.raises(NoAssetFits, match="same thing: block"):
-        select("Put the red block on the blue block")
-
-
-def test_a_tool_stands_by_as_context() -> None:
-    chosen = select("Erase the book with the eraser and put it into the box")
-    assert [(o.asset, o.role) for o in chosen][:3] == [
-        ("book", "content"),
-        ("packaging_box", "receptacle"),
-        ("whiteboard_eraser", "context"),
+def test_a_thing_goes_on_its_own_like_in_another_colour() -> None:
+    chosen = select("Put the red block on the blue block")
+    assert [(o.asset, o.variant, o.role) for o in chosen][:2] == [
+        ("block", "red", "content"),
+        ("block", "blue", "receptacle"),
     ]
+
+
+def test_a_thing_on_itself_is_refused_in_clear_words() -> None:
+    with pytest.raises(NoAssetFits, match="same thing: block"):
+        select("Put the red block on the red block")
+
+
+def test_a_tool_that_is_not_named_stands_by_as_context() -> None:
+    scanner = entry("barcode_scanner", "barcode scanner", "machine", ("black",))
+    kinds = [*CATALOGUE, scanner]
+    chosen = OfflineReasoner().select_assets("Scan the apple", kinds, np.random.default_rng(0), unchecked).objects
+    assert [(o.asset, o.role) for o in chosen][:2] == [("apple", "content"), ("barcode_scanner", "context")]
+
+
+def test_what_is_left_out_is_there_but_not_moved() -> None:
+    chosen = select("Put all the markers except the red one into the box")
+    assert ("marker_pen", "red", "context") in [(o.asset, o.variant, o.role) for o in chosen]
 
 
 def test_a_place_made_for_the_thing_comes_before_others_of_its_name() -> None:

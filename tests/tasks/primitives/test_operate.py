@@ -130,7 +130,7 @@ def test_an_episode_keeps_the_joints_of_what_was_operated(task_with):
 
 def test_the_arm_that_is_asked_for_is_taken(task_with):
     task = task_with("cabinet")
-    task.operate("cabinet", 0, TRAVEL, arm="right")
+    task.operate("cabinet", 0, TRAVEL, arms=["right"])
     assert task.arm == "right"
 
 
@@ -171,4 +171,4 @@ def test_a_cabinet_is_not_picked_up_by_its_drawer(task_with):
 
 def test_an_arm_that_does_not_exist_is_refused(task_with):
     with pytest.raises(UnknownName, match="arm 'middle'"):
-        task_with("cabinet").operate("cabinet", 0, TRAVEL, arm="middle")
+        task_with("cabinet").operate("cabinet", 0, TRAVEL, arms=["middle"])

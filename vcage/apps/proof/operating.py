@@ -12,9 +12,7 @@ from vcage.schema.asset import ContactPoint, MovingLink
 from vcage.schema.proof import ProofCheck
 from vcage.sim.world import PHYSICS_HZ, World
 from vcage.tasks.task import Task
-
-OPENED, CLOSED = 0.8, 0.12
-"""Share of the range beyond which a joint counts as opened, and below which as closed."""
+from vcage.tasks.truth import CLOSED, OPENED
 
 
 def check_joint(asset: Asset, link: MovingLink, places: TrialPlaces, tries: int, seed: int) -> ProofCheck:

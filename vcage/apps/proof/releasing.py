@@ -18,11 +18,10 @@ from vcage.objects.openings import Opening
 from vcage.schema.asset import Annotation, FunctionalPoint, Variant, Words
 from vcage.schema.proof import ProofCheck
 from vcage.schema.scene import Table
-from vcage.schema.subtasks import Goal
 from vcage.sim.bodies import Body
 from vcage.sim.joints import link_poses
 from vcage.sim.world import PHYSICS_HZ, World
-from vcage.tasks.truth import goals_hold
+from vcage.tasks.truth import place_complaint
 
 SETTLE_STEPS = PHYSICS_HZ // 2
 """In which an object must come to rest, physics steps."""
@@ -123,12 +122,8 @@ def _try(
     tilt = float(np.arccos(np.clip(now.rotation()[2, 2], -1, 1)))
     if tilt > TIPPED:
         return f"the object tipped by {np.degrees(tilt):.0f}°"
-    carrier = now * link_poses(asset.model, world.object_joints(OBJECT))[point.link]
-    receptacle = scene_object(asset, carrier, role="receptacle")
-    contents = scene_object(cube, world.object_pose(PROBE), PROBE)
-    goal = Goal(subject=PROBE, relation="inside" if point.holds == "in" else "on", reference=OBJECT)
-    truth = goals_hold([goal], {PROBE: contents, OBJECT: receptacle}, {OBJECT: point.id})
-    return None if truth.success else truth.reason
+    receptacle = scene_object(asset, now, role="receptacle").moved(now, tuple(world.object_joints(OBJECT).tolist()))
+    return place_complaint(scene_object(cube, world.object_pose(PROBE), PROBE), receptacle, point)
 
 
 def _out_of_the_way(asset: Asset, point: FunctionalPoint) -> tuple[float, ...]:

@@ -14,6 +14,7 @@ from vcage.models.rules.words import (
     COLOURS,
     DETERMINERS,
     KINDS,
+    SHALLOW,
     colour_of,
     kinds_of,
     lemma,
@@ -21,6 +22,7 @@ from vcage.models.rules.words import (
     same_word,
 )
 from vcage.schema.asset import CatalogueEntry, Variant
+from vcage.schema.plan import TABLE
 
 MIN_SCORE = 0.4
 """Below this a name does not answer a phrase."""
@@ -34,6 +36,8 @@ LOOK_ALIKE = frozenset(("bread", "pastry", "fruit", "vegetable", "cutlery"))
 _SYNONYM = 0.97
 _KIND = 0.8
 _MADE_FOR = 0.2
+_HOLDS_SO = 0.2
+"""What it is worth that things go ``in`` or ``on`` a place, as it is said."""
 _AMBIGUITY = 0.12
 """Scores this close are told apart by the occasion: shared scene tags and the other words of the instruction."""
 
@@ -126,20 +130,29 @@ def candidates(phrase: Phrase, catalogue: Sequence[CatalogueEntry], least: float
     return sorted((c for c in scored if c.score >= least), key=lambda c: (-c.score, c.entry.name))
 
 
-def places(phrase: Phrase, catalogue: Sequence[CatalogueEntry], moved: Iterable[Phrase] = ()) -> list[Candidate]:
+def places(
+    phrase: Phrase, catalogue: Sequence[CatalogueEntry], moved: Iterable[Phrase] = (), holds: str = ""
+) -> list[Candidate]:
     """The entries that answer a phrase for a place: those with the part that it names, or those that hold things.
 
     Args:
         moved: what is put there; a soap dish is the dish for soap.
+        holds: whether things go ``in`` or ``on`` it, if that is said; an entry that holds them so comes first.
     """
     named = candidates(phrase, catalogue, MIN_SCORE)
     if phrase.part is None:
         found = [c for c in named if c.entry.functional_points] or named
+        told = phrase.head not in SHALLOW
+        found = [replace(c, score=c.score + _HOLDS_SO) if told and _holds(c.entry, holds) else c for c in found]
     else:
         found = _with_part(phrase.part, phrase, named, catalogue) or named
     words = {word for thing in moved for word in thing.lemmas}
     found = [replace(c, score=c.score + _MADE_FOR) if _made_for(c.entry, phrase, words) else c for c in found]
     return sorted(found, key=lambda c: (-c.score, c.entry.name))
+
+
+def _holds(entry: CatalogueEntry, how: str) -> bool:
+    return any(point.holds == how for point in entry.functional_points)
 
 
 def _with_part(
@@ -148,11 +161,17 @@ def _with_part(
     """The entries that have the part, as many of it as the phrase needs if there are such; 'a drawer' is anyone's."""
     found = list(named)
     if phrase.head == part:
+        own = [names_of(c.entry).words for c in found]  # 'the drawer' is not the cash drawer, whose name it is
+        found = [
+            replace(c, score=c.score - _HOLDS_SO) if len(words) > 1 and words[-1] == part else c
+            for c, words in zip(found, own, strict=True)
+        ]
         known = {c.entry.name for c in named}
         found += [Candidate(entry, _KIND, True) for entry in catalogue if entry.name not in known]
     counts = [(c, count_parts(c.entry, part)) for c in found]
     enough = max(phrase.least_parts, 1)
-    return [c for c, count in counts if count >= enough] or [c for c, count in counts if count]
+    exactly = [c for c, count in counts if count == enough]
+    return exactly or [c for c, count in counts if count >= enough] or [c for c, count in counts if count]
 
 
 def _made_for(entry: CatalogueEntry, phrase: Phrase, words: set[str]) -> bool:
@@ -252,13 +271,15 @@ class Places:
         Args:
             things: the catalogue of what is moved; where it belongs tells places of nearly equal score apart.
         """
-        place = request.receptacle
-        if place is None:
+        place = request.place
+        if place is None or place.lemmas == (TABLE,):
             return None
         key = (place.lemmas, place.colour, place.part)
         if key not in self._chosen:
-            moved = (*request.contents, *request.again)
-            words = " ".join([request.verb, *(p.text for p in moved), place.text])
-            found = [c for c in places(place, self._catalogue, moved) if variants_of(c.entry, place)]
+            moved = request.things
+            words = " ".join([request.asked, *(p.text for p in moved), place.text])
+            found = [
+                c for c in places(place, self._catalogue, moved, request.preposition) if variants_of(c.entry, place)
+            ]
             self._chosen[key] = Occasion(words, scene_tags(moved, things)).best(found).entry if found else None
         return self._chosen[key]

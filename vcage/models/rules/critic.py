@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from functools import partial
+
 from vcage.base.errors import InputFileError
 from vcage.models.protocols import CriticQuestion
 from vcage.models.rules import PROVIDER
 from vcage.models.rules.evidence import Evidence, gather
+from vcage.models.rules.evidence_of_parts import PartEvidence, gather_part
 from vcage.schema.episodes import Verdict
-from vcage.schema.subtasks import Goal
+from vcage.schema.goals import OF_A_PART, Goal, part_words
+from vcage.vision.protocols import View
 
 LEFT = 0.5
 """Share of the old outline that must have changed."""
@@ -18,6 +23,15 @@ INSIDE = {"inside": 0.2, "on": 0.4}
 TOO_MUCH = 1.8
 """More new pixels than that, over the object's area, are of something larger."""
 
+SEEN_OPEN, SEEN_CLOSED = 0.75, 0.15
+"""Share of its range at which a part must seem to be at least, or at most, to count as open or turned, or as closed."""
+
+FEWEST = 25
+"""So many pixels must tell a part's positions apart."""
+
+TOUCHED = 0.15
+"""Share of an object that the hand covers while it presses a button of it."""
+
 MAX_SHIFT = 0.06
 """A receptacle that moved farther was knocked away, metres."""
 
@@ -26,7 +40,7 @@ MAX_WORSE = 0.3
 
 
 class OfflineCritic:
-    """Implements :class:`vcage.models.protocols.Critic` for goals ``inside`` and ``on``.
+    """Implements :class:`vcage.models.protocols.Critic` for things put in or on others, and for moving parts.
 
     It sees pictures, the top camera's calibration and references, and nothing of the simulator's state.
     """
@@ -39,26 +53,68 @@ class OfflineCritic:
         Raises:
             InputFileError: a picture or a reference that the question needs is missing.
         """
-        verdicts = [self._judge_goal(question, goal) for goal in question.goals]
+        verdicts = [
+            self._judge_part(question, goal) if goal.relation in OF_A_PART else self._judge_goal(question, goal)
+            for goal in question.goals
+        ]
         failed = [verdict for verdict in verdicts if not verdict.accepted]
         if not verdicts:
             raise InputFileError("the critic was asked about no goal", hint="give the sub-task's goals")
         return max(failed, key=lambda v: v.confidence) if failed else min(verdicts, key=lambda v: v.confidence)
 
+    def _judge_part(self, question: CriticQuestion, goal: Goal) -> Verdict:
+        before, after, moment = _view(question.before), _view(question.after), question.moment.get("top")
+        if question.draw is None or question.background is None:
+            raise InputFileError(
+                f"{goal.subject!r} cannot be drawn with its part here and there",
+                hint="give a drawer and the empty table",
+            )
+        at_rest = question.looks[goal.subject][goal.relation == "closed"]
+        evidence = gather_part(
+            before.picture,
+            after.picture,
+            before.camera,
+            question.table_height,
+            at_rest,
+            partial(question.draw, goal),
+            question.background,
+            closes=goal.relation == "closed",
+            moment=None if moment is None else moment.picture,
+        )
+        return decide_part(evidence, goal, at_rest.phrase)
+
     def _judge_goal(self, question: CriticQuestion, goal: Goal) -> Verdict:
-        for name in (goal.subject, goal.reference):
+        for name in (goal.subject, goal.reference or ""):
             if name not in question.references:
                 raise InputFileError(
                     f"no reference picture of {name!r}", hint="render one for each object of the scene"
                 )
-        if "top" not in question.before or "top" not in question.after:
-            raise InputFileError("the critic needs a 'top' view before and after", hint="render the top camera")
-        before, after = question.before["top"], question.after["top"]
-        moved, place = question.references[goal.subject], question.references[goal.reference]
+        before, after = _view(question.before), _view(question.after)
+        moved, place = question.references[goal.subject], question.references[goal.reference or ""]
         evidence = gather(
             before.picture, after.picture, before.camera, question.table_height, moved, place, question.background
         )
         return decide(evidence, goal, moved.phrase, place.phrase)
+
+
+def _view(views: Mapping[str, View]) -> View:
+    if "top" not in views:
+        raise InputFileError("the critic needs a 'top' view before and after", hint="render the top camera")
+    return views["top"]
+
+
+def decide_part(evidence: PartEvidence, goal: Goal, thing: str) -> Verdict:
+    """Turn measurements of a moving part into a verdict with one sentence of reason."""
+    part = part_words(str(goal.part))
+    if goal.relation == "pressed":
+        seen = f"{100 * evidence.touched:.0f} % of the {thing} is under the hand at the moment of the press"
+        return _verdict(evidence.touched >= TOUCHED, seen, 0.5 + 0.5 * abs(evidence.touched - TOUCHED))
+    if evidence.told_by < FEWEST:
+        return _verdict(False, f"whether the {part} of the {thing} moved cannot be seen from above", 0.5)
+    seen, limit = evidence.after, SEEN_CLOSED if goal.relation == "closed" else SEEN_OPEN
+    accepted = seen <= limit if goal.relation == "closed" else seen >= limit
+    looks = f"the {part} of the {thing} looks {100 * seen:.0f} % {'turned' if goal.relation == 'turned' else 'open'}"
+    return _verdict(accepted, f"{looks}, {100 * evidence.before:.0f} % before", 0.5 + min(0.5, abs(seen - limit)))
 
 
 def decide(evidence: Evidence, goal: Goal, thing: str, place: str) -> Verdict:

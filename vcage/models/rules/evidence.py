@@ -90,14 +90,14 @@ def gather(
     """
     thing = template_from_reference(moved, camera, table_height)
     receptacle = template_from_reference(place, camera, table_height, shell=SHELL)
-    image, image_after = (LabImage.of(p, _salience(p, background)) for p in (before, after))
+    image, image_after = (LabImage.of(p, salience(p, background)) for p in (before, after))
     lab_before, lab_after = (to_lab(cv2.GaussianBlur(p, (3, 3), 0)) for p in (before, after))
-    change = _changed(lab_before, lab_after)
+    change = changed(lab_before, lab_after)
     standing = components(image.salience > 0.5, MIN_AREA * change.size)
-    old_place, new_place = _receptacle(image, image_after, receptacle, _middles(standing))
+    old_place, new_place = _receptacle(image, image_after, receptacle, middles(standing))
     old_mask, new_mask = (mask_at(receptacle, fit.poses[0]) for fit in (old_place, new_place))
     standing += components(change & ~old_mask, MIN_AREA * change.size)
-    old = _object(image, thing, change, old_mask, _middles(standing))
+    old = _object(image, thing, change, old_mask, middles(standing))
     unlike_before, unlike_after = (_unlikeness(lab[change], moved) for lab in (lab_before, lab_after))
     new = np.zeros_like(change)
     new[change] = (unlike_after < ALIKE) & (unlike_after < unlike_before)
@@ -113,20 +113,20 @@ def gather(
     )
 
 
-def _salience(picture: np.ndarray, background: np.ndarray | None) -> np.ndarray:
+def salience(picture: np.ndarray, background: np.ndarray | None) -> np.ndarray:
     """(H, W) in [0, 1], how surely a pixel is no table. Beside the empty table in the same light, what is merely darker
     counts in full: a grey basket on a grey table is."""
     if background is None:
         return fit_table(picture).salience
-    return clean(_changed(*(to_lab(cv2.GaussianBlur(p, (3, 3), 0)) for p in (background, picture)))).astype(np.float32)
+    return clean(changed(*(to_lab(cv2.GaussianBlur(p, (3, 3), 0)) for p in (background, picture)))).astype(np.float32)
 
 
-def _middles(masks: Sequence[np.ndarray]) -> np.ndarray:
+def middles(masks: Sequence[np.ndarray]) -> np.ndarray:
     """(n, 2) pixels u, v."""
     return np.reshape([np.argwhere(mask).mean(axis=0)[::-1] + 0.5 for mask in masks], (-1, 2))
 
 
-def _places(image: LabImage, template: ObjectTemplate, standing: np.ndarray) -> Fit:
+def places(image: LabImage, template: ObjectTemplate, standing: np.ndarray) -> Fit:
     """Poses at which an object may be, the best first: where something stands; anywhere, if it does not fit there."""
     headings = np.linspace(0, 2 * np.pi, HEADINGS, endpoint=False)
     there = [(u, v, heading, 0.0) for u, v in standing for heading in headings]
@@ -145,7 +145,7 @@ def _places(image: LabImage, template: ObjectTemplate, standing: np.ndarray) -> 
 def _receptacle(before: LabImage, after: LabImage, template: ObjectTemplate, standing: np.ndarray) -> tuple[Fit, Fit]:
     """Where the receptacle was and is, one pose each; where it was stays the answer unless another place fits clearly
     better."""
-    old = _places(before, template, standing).first
+    old = places(before, template, standing).first
     still = refine(after, template, old.poses, STEPS / 3, ROUNDS // 2)
     offsets = np.arange(-SEARCH, SEARCH + SEARCH_STEP, SEARCH_STEP)
     around = old.poses + np.pad(np.stack(np.meshgrid(offsets, offsets), axis=-1).reshape(-1, 2), ((0, 0), (0, 2)))
@@ -162,7 +162,7 @@ def _object(
 
     What lies in the receptacle already was put there by earlier sub-tasks.
     """
-    found = _places(image, template, standing)
+    found = places(image, template, standing)
     masks = [(goodness, mask_at(template, pose)) for goodness, pose in zip(found.goodness, found.poses)]
     seen = [(goodness, mask) for goodness, mask in masks if mask.any()]
     outside = [(goodness, mask) for goodness, mask in seen if place[mask].mean() < 0.5] or seen
@@ -170,7 +170,7 @@ def _object(
     return max(close, key=lambda mask: float(change[mask].mean()))
 
 
-def _changed(before: np.ndarray, after: np.ndarray) -> np.ndarray:
+def changed(before: np.ndarray, after: np.ndarray) -> np.ndarray:
     """(H, W) bool: pixels that differ by more than noise, without specks."""
     away = distance(before, after)
     change = away > max(CHANGED, NOISE_FACTOR * float(np.median(away)))

@@ -72,17 +72,14 @@ class _Named:
 
 
 def judge_object_and_place(question: PairQuestion) -> PairAnswer:
-    """Whether people would do that, and whether it fits; the sentence and the relation when they would."""
+    """Whether people would do that, and whether it fits."""
     thing, place = _Named.of(question.object_words), _Named.of(question.receptacle_words)
     objection = next((found for objects in OBJECTIONS if (found := objects(thing, place, question))), "")
-    goes_in = question.holds == "in"
     return PairAnswer(
         object=question.object,
         receptacle=question.receptacle,
         sensible=not objection,
         reason=objection or f"a {place.phrase} holds things {question.holds} it, and the {thing.phrase} fits",
-        text="" if objection else f"Put the {thing.phrase} {'into' if goes_in else 'onto'} the {place.phrase}.",
-        relation="inside" if goes_in else "on",
     )
 
 

@@ -1,82 +1,277 @@
-"""Noun phrases: what is named, in which colour, how many of it, and which part of a place."""
+"""Noun phrases: what is named, in which colour, how many of it, which part of a place, and what is left out."""
 
 from __future__ import annotations
 
 import functools
-import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Literal
 
+from vcage.models.rules.tokens import Token
 from vcage.models.rules.words import (
+    ANYTHING,
     COLOURS,
-    DETERMINERS,
     MASS_KINDS,
     NUMBERS,
+    ORDINALS,
+    PARTS,
     colour_of,
     is_plural,
     lemma,
-    tokens,
 )
 
 SEVERAL = 3
 """How many things a plural without a number means."""
 
-PARTS = frozenset(["drawer", "compartment", "shelf"])
-"""Parts of furniture that things are put into."""
+Quantity = Literal["the", "a", "all", "both", "rest"]
+"""Which of those that answer: a certain one (or certain ones), any, all, both, or those that were not named yet."""
 
-_LEAST_PARTS = {
-    "top": 2, "upper": 2, "bottom": 2, "lower": 2, "first": 2, "second": 2, "other": 2, "middle": 3, "third": 3,
-    "last": 2, "fourth": 4, "fifth": 5,
-}  # fmt: skip
-"""How many parts a place must have for the word to make sense: a 'lower drawer' is one of two or more."""
-
-_PRONOUNS = frozenset(["it", "them", "they", "these", "those", "this", "that", "both", "everything", "all"])
-_BACK = frozenset(["there", "same", "inside"])
+_ATTRIBUTES = {"eat": "edible", "eatable": "edible", "write": "writing", "drink": "drinkable"}
+_ONE = ("one", "ones")
+_PARTICLES = ("out", "down", "across", "along")
+_POINTING = ("those", "these", "that", "this")
+_EVERY = ("everything", "anything", "whatever", "things")
 
 
 @dataclass(frozen=True)
 class Phrase:
-    """A noun phrase.
+    """A noun phrase; a pronoun has no lemmas.
 
     Args:
         text: as written, without articles.
         lemmas: words without numbers, articles and (unless it is the head) colours; the head is last.
         colour: the colour that is asked for.
         count: how many things; ``None`` for "several, as many as fit".
-        part: the part of a place that is meant ("drawer"), where one is named.
-        least_parts: how many of these the place has at least.
+        quantity: which of those that answer.
+        part: the part that is meant ("drawer"), where one is named; ``lemmas`` then name what it belongs to, if that is
+            named too.
+        which: words that tell the part from others.
+        least_parts: how many of these there are at least.
+        but: what is left out.
+        start: where in the instruction: tells two mentions in the same words apart.
     """
 
     text: str
     lemmas: tuple[str, ...]
-    colour: str | None
-    count: int | None
+    colour: str | None = None
+    count: int | None = 1
+    quantity: Quantity = "the"
     part: str | None = None
+    which: tuple[str, ...] = ()
     least_parts: int = 0
+    but: tuple[Phrase, ...] = ()
+    start: int = 0
 
     @property
     def head(self) -> str:
+        """The last lemma: what it is."""
         return self.lemmas[-1]
 
+    @property
+    def is_pronoun(self) -> bool:
+        """Whether it only points back at things."""
+        return not self.lemmas
 
-def parse_phrase(text: str) -> Phrase | None:
-    """Read one noun phrase; ``None`` when it holds no word that carries meaning."""
-    numbers: list[int | None] = []
-    content: list[str] = []
-    counted: str | None = None
-    for word, compound in _words(text):
-        if not compound and _is_number(word):
-            numbers.append(NUMBERS[word] if word in NUMBERS else int(word))
-        elif word == "of" and content and counted is None:
-            counted = content[-1]
-        elif word not in DETERMINERS:
-            content.append(word)
-    if not content:
+    @property
+    def plural(self) -> bool:
+        """Whether it may mean more than one thing."""
+        return self.count is None or self.count > 1
+
+
+class Cursor:
+    """A place in a row of tokens."""
+
+    def __init__(self, tokens: Sequence[Token]):
+        self.tokens = tokens
+        self.at = 0
+        self.commas_end = False
+        """Whether a comma ends a list: 'before you set the timer, the carrot …'."""
+
+    def peek(self, ahead: int = 0) -> Token | None:
+        """The token that comes after ``ahead`` others, if there is one."""
+        at = self.at + ahead
+        return self.tokens[at] if at < len(self.tokens) else None
+
+    def kind(self, ahead: int = 0) -> str:
+        """What that token does; "" at the end."""
+        token = self.peek(ahead)
+        return "" if token is None else token.kind
+
+    def text(self, ahead: int = 0) -> str:
+        """That token as it is written; "" at the end."""
+        token = self.peek(ahead)
+        return "" if token is None else token.text
+
+    def take(self) -> Token:
+        """The next token, which is then behind."""
+        self.at += 1
+        return self.tokens[self.at - 1]
+
+    def skip(self, *kinds: str) -> bool:
+        """Take tokens of these kinds; whether there was one."""
+        begun = self.at
+        while self.kind() in kinds:
+            self.at += 1
+        return self.at > begun
+
+
+def noun_phrase(cursor: Cursor, exceptions: bool = True) -> Phrase | None:
+    """The noun phrase that begins here, which is then behind; None where none does.
+
+    Args:
+        exceptions: whether an exception that follows belongs to it, and not to what was named before.
+    """
+    begun = cursor.at
+    if cursor.kind() == "pronoun":
+        token = cursor.take()
+        count = 1 if token.value in ("it", "the other") else None
+        return Phrase(
+            token.value,
+            (),
+            count=count,
+            quantity="rest" if token.value in ("the rest", "everything else") else "the",
+            start=token.start,
+        )
+    if cursor.text() in _POINTING and cursor.kind(1) in ("be", "belong", "ought", "prep", "", "and", "stop"):
+        token = cursor.take()
+        return Phrase(
+            "them" if token.text in _POINTING[:2] else "it",
+            (),
+            count=None if token.text in _POINTING[:2] else 1,
+            start=token.start,
+        )
+    quantity, numbers = _determiners(cursor)
+    words = _named(cursor)
+    if not words and not numbers and quantity in ("both", "all"):
+        return Phrase("them", (), count=None, start=cursor.tokens[begun].start)
+    if not words and not numbers and quantity != "rest":
+        cursor.at = begun
         return None
-    *qualifiers, head = content
-    kept = (*(lemma(word) for word in qualifiers if word not in COLOURS), lemma(head))
-    count = _count(numbers, counted or head, kept[-1])
-    return Phrase(" ".join(content), kept, colour_of(" ".join(qualifiers)), count)
+    start = cursor.tokens[begun].start
+    phrase = _phrase(words, quantity, numbers, start)
+    phrase = _related(cursor, phrase)
+    return replace(phrase, but=(*phrase.but, *_left_out(cursor, phrase))) if exceptions else phrase
+
+
+def _determiners(cursor: Cursor) -> tuple[Quantity | None, list[int | None]]:
+    """Articles, quantities and numbers before the words of a noun phrase."""
+    quantity: Quantity | None = None
+    numbers: list[int | None] = []
+    single = counted = False
+    while cursor.kind() in ("article", "quantity", "number") or (cursor.text() == "of" and (quantity or numbers)):
+        if cursor.text() in _ONE and cursor.kind(1) != "word" and cursor.text(1) != "of" and (quantity or numbers):
+            break
+        token = cursor.take()
+        counted = counted or (token.text == "of" and bool(numbers))
+        if counted and token.kind in ("number", "article"):
+            continue  # 'two of the three mugs'
+        if token.kind == "number":
+            numbers.append(NUMBERS[token.text] if token.text in NUMBERS else int(token.text))
+        elif token.kind == "quantity":
+            if token.value == "one":
+                single = True
+                quantity = "a"
+            else:
+                quantity = token.value  # pyrefly: ignore
+        elif token.kind == "article" and quantity is None and token.text != "of":
+            quantity = token.value  # pyrefly: ignore
+            if token.text in ("some", "any"):
+                numbers.append(None)
+    return quantity, [1] if single else numbers
+
+
+def _named(cursor: Cursor) -> list[Token]:
+    """The words of a noun phrase, with those of what it is a part of: 'top drawer of the cabinet'."""
+    words: list[Token] = []
+    while cursor.kind() == "word" or (cursor.text() in _ONE and cursor.kind() == "number"):
+        token = cursor.peek()
+        if cursor.text() == "of" and not words:
+            break
+        if words and token is not None and (cursor.text() in _PARTICLES or (cursor.commas_end and token.bare)):
+            break
+        if words and token is not None and cursor.kind(1) != "word" and _participle(token):
+            break  # 'the stapler handed over', 'the kit standing to the left'
+        words.append(cursor.take())
+        if cursor.text() == "with" and _part_follows(cursor):  # 'the box with the lid'
+            cursor.take()
+            cursor.skip("article", "number")
+        owned = words[-1].text in ("of", "on", "in") and cursor.kind() == "article"
+        if owned:
+            cursor.take()
+    while words and words[-1].text == "of":
+        words.pop()
+        cursor.at -= 1
+    return words
+
+
+def _part_follows(cursor: Cursor) -> bool:
+    ahead = 1
+    while cursor.kind(ahead) in ("article", "number"):
+        ahead += 1
+    return cursor.kind(ahead) == "word" and lemma(cursor.text(ahead)) in PARTS
+
+
+def _participle(token: Token) -> bool:
+    return token.text in ("standing", "lying", "sitting", "resting", "sat", "stood", "put", "kept") or (
+        bool(token.verb) and token.text.endswith("ed")
+    )
+
+
+def _phrase(words: Sequence[Token], quantity: Quantity | None, numbers: Sequence[int | None], start: int) -> Phrase:
+    texts = [word.text.removesuffix("'s") for word in words]
+    if any(word.text.endswith("'s") for word in words):  # 'the cabinet's top drawer': what owns it comes first
+        owner = next(i for i, word in enumerate(words) if word.text.endswith("'s"))
+        texts = [*texts[owner + 1 :], "of", *texts[: owner + 1]]
+    text = " ".join(texts)
+    if not texts:
+        texts = ["one"]
+    if texts[0] in _EVERY and len(texts) > 1:  # 'everything yellow'
+        named = _phrase([w for w in words[1:] if w.text != "else"], quantity, numbers, start)
+        is_colour = len(texts) == 2 and texts[1] in COLOURS
+        kept = () if is_colour else named.lemmas
+        return replace(
+            named, text=text, lemmas=("thing", *kept), colour=colour_of(texts[-1]), count=None, quantity="all"
+        )
+    counted = texts[texts.index("of") - 1] if "of" in texts[1:] else texts[-1]
+    part, which, texts = _part(texts)
+    *qualifiers, head = texts
+    colour = colour_of(" ".join(qualifiers)) or (colour_of(head) if _all_colours(texts) and len(texts) > 1 else None)
+    kept = tuple(lemma(word) for word in qualifiers if word not in COLOURS and word != "of")
+    lemmas = (*kept, "one" if head in _ONE else lemma(head))
+    count = 1 if quantity == "a" and numbers == [1] else _count(numbers, counted, lemmas[-1])
+    if lemmas[0] in _EVERY[:3]:
+        quantity, count, numbers = "all", None, []
+    if quantity in ("all", "both", "rest") and not numbers:
+        count = 2 if quantity == "both" else None if is_plural(counted) or quantity == "all" else 1
+    plain = count is not None and bool(numbers) and quantity is None
+    least = max([ORDINALS.get(word, 1) for word in which] + [2 if part and is_plural(counted) else 1]) if part else 0
+    return Phrase(
+        text=text,
+        lemmas=lemmas,
+        colour=colour,
+        count=count,
+        quantity=quantity or ("a" if plain else "the"),
+        part=part,
+        which=which,
+        least_parts=least,
+        start=start,
+    )
+
+
+def _all_colours(texts: Sequence[str]) -> bool:
+    return all(word in COLOURS for word in texts)
+
+
+def _part(texts: list[str]) -> tuple[str | None, tuple[str, ...], list[str]]:
+    """The part that is named, what tells it from others, and the words for what it belongs to, or for itself."""
+    at = texts.index("of") if "of" in texts[1:] else len(texts)
+    before, owner = texts[:at], texts[at + 1 :]
+    part = lemma(before[-1])
+    if part not in PARTS:
+        return None, (), texts
+    which = tuple(word for word in before[:-1] if word in ORDINALS)
+    kept = [word for word in before[:-1] if word not in ORDINALS]
+    return part, which, [*(word for word in owner), *()] or [*kept, before[-1]]
 
 
 def _count(numbers: Sequence[int | None], counted: str, head: str) -> int | None:
@@ -90,21 +285,9 @@ def _count(numbers: Sequence[int | None], counted: str, head: str) -> int | None
     if not numbers:
         return None if is_plural(counted) or head in MASS_KINDS else 1
     count = functools.reduce(_with_number, numbers, None)
+    if count is None and not is_plural(counted) and head not in MASS_KINDS:
+        return 1  # 'any pen'
     return None if count == 1 and is_plural(counted) else count
-
-
-def _is_number(word: str) -> bool:
-    return word in NUMBERS or word.isdigit()
-
-
-def _words(text: str) -> list[tuple[str, bool]]:
-    """Words, each with whether it is bound to a noun by a hyphen: 'three-drawer', against 'twenty-five'."""
-    found = []
-    for chunk in text.lower().split():
-        words = tokens(chunk)
-        compound = len(words) > 1 and not all(map(_is_number, words))
-        found += [(word, compound) for word in words]
-    return found
 
 
 def _with_number(before: int | None, value: int | None) -> int | None:
@@ -116,50 +299,131 @@ def _with_number(before: int | None, value: int | None) -> int | None:
     return before + value if value < 10 and before % 10 == 0 and before >= 20 else value
 
 
-def parse_phrases(text: str) -> tuple[Phrase, ...]:
-    """Phrases joined by commas and 'and'; a bare colour takes the head of the next phrase."""
-    parts = [parse_phrase(part) for part in re.split(r",|\band\b|&|\bas well as\b|\bplus\b", text)]
+def _related(cursor: Cursor, phrase: Phrase) -> Phrase:
+    """With what a relative clause says of it: 'everything that is red', 'things you can eat'."""
+    begun = cursor.at
+    if cursor.kind() == "be" and cursor.text().startswith(("that", "which", "who")):
+        cursor.take()
+        if cursor.kind() == "not":
+            return _unlike(cursor, phrase, begun)
+    elif cursor.text() == "that" and cursor.kind(1) == "not":
+        cursor.take()
+        return _unlike(cursor, phrase, begun)
+    elif cursor.kind() == "which":
+        cursor.take()
+        while cursor.text() in ("can", "could", "may", "is", "are"):
+            cursor.take()
+    else:
+        return phrase
+    cursor.skip("article")
+    words = _named(cursor)
+    texts = [_ATTRIBUTES.get(word.text, word.text) for word in words if word.text not in ("with", "coloured")]
+    if not texts:
+        cursor.at = begun
+        return phrase
+    if cursor.kind() == "prep" and cursor.text() == "with" and "writing" in texts:
+        cursor.take()
+    colours = [word for word in texts if word in COLOURS and not (word == texts[-1] == "orange" and len(texts) > 1)]
+    others = tuple(lemma(word) for word in texts if word not in colours)
+    return replace(
+        phrase,
+        text=f"{phrase.text} {' '.join(word.text for word in words)}",
+        colour=colour_of(" ".join(colours)) or phrase.colour,
+        lemmas=others if others and phrase.head in ANYTHING else (*phrase.lemmas, *others),
+    )
+
+
+def _unlike(cursor: Cursor, phrase: Phrase, begun: int) -> Phrase:
+    """'every mug that isn't blue': without those that are."""
+    cursor.take()
+    words = _named(cursor)
+    texts = [word.text for word in words]
+    if len(texts) != 1 or texts[0] not in COLOURS:
+        cursor.at = begun
+        return phrase
+    return replace(
+        phrase, but=(*phrase.but, replace(phrase, colour=colour_of(texts[0]), text=f"{texts[0]} {phrase.text}"))
+    )
+
+
+def _left_out(cursor: Cursor, phrase: Phrase) -> tuple[Phrase, ...]:
+    """What an exception names: 'all the fruit except the banana', 'the pens but not the red one'."""
+    begun = cursor.at
+    but = phrase.quantity == "all" and cursor.text() == "but" and not _begins_clause_at(cursor, 1)
+    cursor.skip("and")
+    if cursor.kind() not in ("except", "not") and but:
+        return noun_phrases(cursor)
+    if cursor.kind() not in ("except", "not"):
+        cursor.at = begun
+        return ()
+    cursor.take()
+    if cursor.text() in ("touch", "move", "use", "disturb") or (_begins_clause(cursor) and cursor.kind() == "word"):
+        cursor.at = begun
+        return ()
+    found = noun_phrases(cursor)
+    if not found:
+        cursor.at = begun
+    return found
+
+
+def noun_phrases(cursor: Cursor) -> tuple[Phrase, ...]:
+    """Noun phrases in a list; a bare colour takes the head of the next one: 'the red, green and blue blocks'."""
     found: list[Phrase] = []
-    for part in reversed([p for p in parts if p is not None]):
-        if found and part.head in COLOURS:
+    while True:
+        begun = cursor.at
+        ended_by_comma = cursor.text() == "," and cursor.kind(1) != "and"
+        ended = cursor.commas_end and ended_by_comma
+        joined = cursor.skip("and")
+        if found and (not joined or ended or _begins_clause(cursor)):
+            cursor.at = begun
+            break
+        if cursor.kind() in ("instead",):
+            break
+        phrase = noun_phrase(cursor)
+        if phrase is None:
+            cursor.at = begun
+            break
+        if found and phrase.lemmas == ("one",) and phrase.colour and ended_by_comma and not found[-1].colour:
+            found[-1] = replace(found[-1], colour=phrase.colour, text=f"{phrase.colour} {found[-1].text}")
+            continue  # 'the torch, the red one'
+        found.append(phrase)
+    return _with_heads(found)
+
+
+def _begins_clause_at(cursor: Cursor, ahead: int) -> bool:
+    further = Cursor(cursor.tokens)
+    further.at = cursor.at + ahead
+    return _begins_clause(further)
+
+
+def _begins_clause(cursor: Cursor) -> bool:
+    """Whether a command begins here, and no further thing of a list."""
+    token = cursor.peek()
+    if token is None:
+        return True
+    if token.kind in ("article", "quantity", "number", "pronoun"):
+        return False
+    if token.kind != "word" or token.verb is None or not token.bare:
+        return token.kind != "word"
+    following = cursor.kind(1)
+    return following not in ("", "and", "stop", "query", "then") and cursor.text(1) != "of"
+
+
+def _with_heads(phrases: Sequence[Phrase]) -> tuple[Phrase, ...]:
+    found: list[Phrase] = []
+    for phrase in reversed(phrases):
+        if found and phrase.lemmas and len(phrase.lemmas) == 1 and phrase.head in COLOURS and phrase.colour is None:
             following = found[-1]
-            single = following.count is None or part.count == 1
-            if single and following.colour and following.count is None:
-                found[-1] = replace(following, count=1)
-            part = replace(
-                part, text=f"{part.text} {following.head}", lemmas=following.lemmas, colour=colour_of(part.head)
-            )
-        found.append(part)
+            if following.colour or following.lemmas != phrase.lemmas:
+                single = following.count is None or phrase.count == 1
+                if single and following.colour and following.count is None:
+                    found[-1] = following = replace(following, count=1)
+                phrase = replace(
+                    phrase,
+                    text=f"{phrase.text} {' '.join(following.lemmas)}",
+                    lemmas=following.lemmas,
+                    colour=colour_of(phrase.head),
+                    part=following.part,
+                )
+        found.append(phrase)
     return tuple(reversed(found))
-
-
-def parse_place(text: str, before: Phrase | None = None) -> Phrase | None:
-    """Read a place: 'the bowl', 'the top drawer of the cabinet', 'the third drawer'.
-
-    Args:
-        before: the place that was named last, whose part 'its drawer' is.
-    """
-    part_text, of, owner_text = text.partition(" of ")
-    part = parse_phrase(part_text if of else text)
-    if part is None or part.head not in PARTS:
-        whole = parse_phrase(text)
-        return replace(whole, count=1) if whole is not None else None
-    words = tokens(part_text if of else text)
-    least = max([_LEAST_PARTS.get(word, 1) for word in words] + [2 if is_plural(words[-1]) else 1])
-    owner = parse_phrase(owner_text) if of else before if "its" in words else None
-    if owner is None:
-        kept = tuple(word for word in part.lemmas[:-1] if word not in _LEAST_PARTS)
-        owner = replace(part, lemmas=(*kept, part.head))
-    return replace(owner, count=1, part=part.head, least_parts=max(least, owner.least_parts))
-
-
-def is_pronoun(text: str) -> bool:
-    """Whether the text only points back at things: 'them', 'both of them'."""
-    words = [word for word in tokens(text) if word not in ("of", "the", "each")]
-    return bool(words) and all(word in _PRONOUNS for word in words)
-
-
-def points_back(text: str) -> bool:
-    """Whether the text only points back at a place: 'there', 'the same place'."""
-    words = [word for word in tokens(text) if word not in ("the", "place", "too")]
-    return bool(words) and all(word in _BACK for word in words)

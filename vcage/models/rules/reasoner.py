@@ -2,22 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import TypeVar
 
 import numpy as np
 
 from vcage.base.errors import ModelRefused
 from vcage.models.rules import PROVIDER
-from vcage.models.rules.chain import compose_chain
+from vcage.models.rules.goals import read_goals
 from vcage.models.rules.layout import plan_layout
 from vcage.models.rules.pairs import judge_object_and_place
 from vcage.models.rules.selection import select_assets
 from vcage.plans.check import PlanCheck
 from vcage.schema.asset import CatalogueEntry
+from vcage.schema.goals import Reading
 from vcage.schema.plan import LayoutPlan, Selection, SelectionCheck
 from vcage.schema.scene import Scene
-from vcage.schema.subtasks import ChainOption, PairAnswer, PairQuestion
+from vcage.schema.subtasks import PairAnswer, PairQuestion
 
 TRIES = 5
 """Selections or plans that are drawn before one is refused."""
@@ -46,9 +47,9 @@ class OfflineReasoner:
         """See :func:`vcage.models.rules.pairs.judge_object_and_place`."""
         return [judge_object_and_place(question) for question in questions]
 
-    def compose_chain(self, instruction: str, options: Sequence[ChainOption]) -> list[str]:
-        """See :func:`vcage.models.rules.chain.compose_chain`."""
-        return compose_chain(instruction, options)
+    def read_goals(self, instruction: str, things: Mapping[str, CatalogueEntry]) -> Reading:
+        """See :func:`vcage.models.rules.goals.read_goals`."""
+        return read_goals(instruction, things)
 
 
 def _drawn(what: str, draw: Callable[[], Drawn], check: Callable[[Drawn], list[str]]) -> Drawn:

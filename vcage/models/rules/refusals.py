@@ -11,6 +11,7 @@ from vcage.models.rules.phrases import Phrase
 from vcage.models.rules.words import tokens
 from vcage.models.search import Search
 from vcage.schema.asset import CatalogueEntry
+from vcage.schema.plan import TABLE
 
 MOST_OBJECTS = 40
 """Things that one phrase may ask for; no table holds more."""
@@ -31,16 +32,11 @@ def require_answers(
     Raises:
         NoAssetFits: the instruction names nothing to move, or nothing answers some phrases; names these.
     """
-    if not any(request.contents for request in requests):
-        raise NoAssetFits(
-            f"the instruction {instruction!r} names nothing to move",
-            hint="write it like 'Put the blocks on the plate'",
-        )
     missing = []
     for request in requests:
-        named = [(p, candidates(p, catalogue)) for p in (*request.contents, *request.tools)]
-        if request.receptacle is not None:
-            named.append((request.receptacle, places(request.receptacle, catalogue)))
+        named = [(p, candidates(p, catalogue)) for p in (*request.things, *request.tools)]
+        if request.place is not None and request.place.lemmas != (TABLE,):
+            named.append((request.place, places(request.place, catalogue)))
         missing += [p for p, found in named if not any(variants_of(c.entry, p) for c in found)]
     if missing:
         raise _no_asset(instruction, missing, catalogue, search())
@@ -52,7 +48,7 @@ def require_counts(requests: Sequence[Request]) -> None:
     Raises:
         InfeasibleScene: the instruction asks for none of a thing, or for more than :data:`MOST_OBJECTS`.
     """
-    for phrase in (phrase for request in requests for phrase in request.contents):
+    for phrase in (phrase for request in requests for phrase in request.things):
         if phrase.count is not None and not 0 < phrase.count <= MOST_OBJECTS:
             raise InfeasibleScene(
                 f"the instruction asks for {phrase.count} × {phrase.text!r}",

@@ -21,6 +21,7 @@ from vcage.models.rules.catalogue_match import (
     variants_of,
 )
 from vcage.models.rules.instruction import Request, parse_instruction
+from vcage.models.rules.naming import words_of
 from vcage.models.rules.phrases import SEVERAL, Phrase
 from vcage.models.rules.refusals import require_answers, require_counts
 from vcage.models.rules.words import ANYTHING, tokens
@@ -35,6 +36,9 @@ CONTEXT_FOOTPRINT = 0.03
 
 UNNAMED_CONTENTS = 2
 """How many things are in a place that is emptied."""
+
+TOOLS = {"scan": "barcode scanner", "weigh": "electronic scale"}
+"""What it takes to do so."""
 
 SHARE_OF_PLACE = 0.2
 """Largest share of a place's outer rectangle that one of several things in it at the start takes."""
@@ -56,7 +60,7 @@ def select_assets(
         InfeasibleScene: it asks for none of a thing, or for more than any table holds.
     """
     catalogue = sorted(catalogue, key=lambda entry: entry.name)
-    requests = parse_instruction(instruction)
+    requests = parse_instruction(instruction, words_of(catalogue))
     require_answers(instruction, requests, catalogue, search)
     require_counts(requests)
     return _Selector(instruction, requests, catalogue, rng).select()
@@ -79,6 +83,32 @@ class _Start:
         return f"the {self.source.words.name} is too small for the {' and the '.join(large)}" if large else ""
 
 
+def moved_things(requests: Sequence[Request]) -> list[tuple[Phrase, Request]]:
+    """Every phrase for things that something is done to, with the request that says where it goes, if one does.
+
+    'the mug' after 'the red mug' is that mug, and no other one.
+    """
+    found: dict[Phrase, Request] = {}
+    named: list[Phrase] = []
+    for request in requests:
+        places = [request.place] if request.place is not None else []
+        for phrase in request.things if request.asked != "leave" else ():
+            same = [other for other in named if other.head == phrase.head and other != phrase]
+            if (
+                same
+                and phrase.quantity == "the"
+                and phrase.colour is None
+                and len(phrase.lemmas) == 1
+                and not phrase.plural
+            ):
+                continue
+            goes = request.asked == "put" and request.place is not None
+            if phrase not in found or (goes and found[phrase].asked != "put"):
+                found[phrase] = request
+        named += [*request.things, *places]
+    return list(found.items())
+
+
 class _Selector:
     """The choice among what answers an instruction; every random draw is in here."""
 
@@ -99,12 +129,11 @@ class _Selector:
     def select(self) -> Selection:
         chosen: list[SelectedAsset] = []
         notes: list[str] = []
-        for request in self.requests:
-            for phrase in request.contents:
-                contents, note = self._contents(phrase, request)
-                chosen += contents
-                notes += [note] if note else []
-        for choose in (self._receptacles, self._sources, self._tools, self._context):
+        for phrase, request in moved_things(self.requests):
+            contents, note = self._contents(phrase, request)
+            chosen += contents
+            notes += [note] if note else []
+        for choose in (self._receptacles, self._sources, self._tools, self._left_alone, self._context):
             chosen += choose(chosen)
         return Selection(objects=chosen, notes=list(dict.fromkeys(notes)))
 
@@ -118,6 +147,7 @@ class _Selector:
         trouble = "" if start is None else start.trouble(kinds)
         starts_in = None if source is None or trouble else source.name
         looks = self._one_of_each(self._suiting(kinds, request), phrase)
+        looks = [look for look in looks if not any(self._answers(look, but, phrase) for but in phrase.but)] or looks
         several = UNNAMED_CONTENTS if source is not None and phrase.head in ANYTHING else SEVERAL
         count = min(several, max(2, len(looks))) if phrase.count is None else phrase.count
         reason = f"asked for: {phrase.text!r}"
@@ -126,9 +156,10 @@ class _Selector:
 
     def _kinds(self, phrase: Phrase, request: Request) -> list[CatalogueEntry]:
         """The kinds that a phrase for moved things means; never that of the place where they go."""
-        place = self._places.of(request, self.catalogue)
-        taken = [] if place is None else [place.name]
-        tags = scene_tags((p for r in self.requests for p in r.contents), self.catalogue)
+        place, named = self._places.of(request, self.catalogue), request.place
+        apart = named is not None and named.colour is not None and named.colour != phrase.colour
+        taken = [] if place is None or apart else [place.name]
+        tags = scene_tags((p for p, _ in moved_things(self.requests)), self.catalogue)
         kinds = things_meant(phrase, self.catalogue, Occasion(self.instruction, tags), taken)
         if not kinds:
             raise NoAssetFits(
@@ -143,15 +174,18 @@ class _Selector:
         place = dict(request.sources).get(phrase)
         if place is None:
             return None
-        found = self._places.of(replace(request, contents=(phrase,), again=(), receptacle=place), self.catalogue)
+        found = self._places.of(replace(request, things=(phrase,), place=place), self.catalogue)
         return _Start(place, found if found is not None and found.functional_points else None)
 
     def _receptacles(self, chosen: Sequence[SelectedAsset]) -> list[SelectedAsset]:
         """The places where things go, but for what is chosen already."""
         found: list[SelectedAsset] = []
         for request in self.requests:
-            entry, phrase = self._places.of(request, self.catalogue), request.receptacle
-            if entry is not None and phrase is not None and _is_new(entry, (*chosen, *found)):
+            entry, phrase = self._places.of(request, self.catalogue), request.place
+            if entry is None or phrase is None or phrase in request.things:
+                continue
+            looks = [variant.id for variant in variants_of(entry, phrase)]
+            if all(c.asset != entry.name or c.variant not in looks for c in (*chosen, *found)):
                 variant = self._any_of(variants_of(entry, phrase))
                 found.append(_chosen(entry, variant, "receptacle", f"the place: {phrase.text!r}"))
         return found
@@ -173,13 +207,43 @@ class _Selector:
         return found
 
     def _tools(self, chosen: Sequence[SelectedAsset]) -> list[SelectedAsset]:
-        """What the instruction works with. No sub-task moves it yet, so it stands by as context."""
+        """What the instruction works with, named or not: nothing is scanned without a scanner."""
         found: list[SelectedAsset] = []
-        for phrase in (phrase for request in self.requests for phrase in request.tools):
+        named = [phrase for request in self.requests for phrase in request.tools]
+        implied = [Phrase(TOOLS[r.asked], tuple(TOOLS[r.asked].split())) for r in self.requests if r.asked in TOOLS]
+        for phrase in (*named, *implied):
             entry = Occasion(self.instruction, ()).best(candidates(phrase, self.catalogue)).entry
             if _is_new(entry, (*chosen, *found)):
                 found.append(_chosen(*self._looks(entry, phrase)[0], "context", f"the tool: {phrase.text!r}"))
         return found
+
+    def _left_alone(self, chosen: Sequence[SelectedAsset]) -> list[SelectedAsset]:
+        """What the instruction names only to leave it where it is: 'all the pens but the red one'."""
+        phrases = [p for r in self.requests if r.asked == "leave" and not r.preposition for p in r.things]
+        phrases += [
+            replace(but, lemmas=phrase.lemmas) if but.lemmas in ((), ("one",)) else but
+            for phrase, _ in moved_things(self.requests)
+            for but in phrase.but
+        ]
+        found: list[SelectedAsset] = []
+        for phrase in phrases:
+            answers = candidates(phrase, self.catalogue)
+            entry = Occasion(self.instruction, ()).best(answers).entry if answers else None
+            if entry is None or any(c.asset == entry.name and self._is(c, phrase) for c in (*chosen, *found)):
+                continue
+            found.append(_chosen(*self._looks(entry, phrase)[0], "context", f"to be left alone: {phrase.text!r}"))
+        return found
+
+    def _answers(self, look: tuple[CatalogueEntry, Variant], but: Phrase, phrase: Phrase) -> bool:
+        """Whether a look is one of those that an exception names: 'the red one' of the phrase's own kind."""
+        entry, variant = look
+        own = but.lemmas in ((), ("one",))
+        named = own or any(c.entry.name == entry.name for c in candidates(but, self.catalogue)[:1])
+        return named and variant in variants_of(entry, but)
+
+    def _is(self, chosen: SelectedAsset, phrase: Phrase) -> bool:
+        """Whether a chosen object has the colour that a phrase names."""
+        return any(v.id == chosen.variant for v in variants_of(self._entries[chosen.asset], phrase))
 
     def _context(self, chosen: Sequence[SelectedAsset]) -> list[SelectedAsset]:
         """Small objects from where the contents belong, which cannot be taken for what the instruction names."""
@@ -205,8 +269,8 @@ class _Selector:
         """Every phrase of the instruction."""
         requests = self.requests
         return [
-            *(phrase for request in requests for phrase in request.contents),
-            *(request.receptacle for request in requests if request.receptacle is not None),
+            *(phrase for request in requests for phrase in request.things),
+            *(request.place for request in requests if request.place is not None),
             *(place for request in requests for _, place in request.sources),
             *(phrase for request in requests for phrase in request.tools),
         ]

@@ -84,8 +84,24 @@ CATEGORIES: dict[str, frozenset[str]] = {
 MASS_KINDS = frozenset(["bread", "fruit", "cutlery", "tableware", "stationery", "food", "crockery", "electronics"])
 """Words for a kind of things that mean several in the singular."""
 
+SHALLOW = frozenset(["dish", "tray", "pan", "plate", "saucer", "board", "mat", "skillet", "holder"])
+"""Heads of names of shallow things: people put things both in and on them."""
+
 ANYTHING = frozenset(["object", "thing", "item", "stuff", "everything", "belonging", "article", "clutter", "all"])
 """Words for things of no kind in particular."""
+
+PARTS = frozenset(
+    ["drawer", "compartment", "shelf", "door", "lid", "screen", "button", "lever", "dial", "knob", "handle", "cover",
+     "display"]
+)  # fmt: skip
+"""Words for parts of things."""
+
+ORDINALS = {
+    "top": 2, "upper": 2, "uppermost": 2, "topmost": 2, "highest": 2, "bottom": 2, "lower": 2, "lowest": 2,
+    "bottommost": 2, "first": 2, "second": 2, "other": 2, "middle": 3, "third": 3, "last": 2, "fourth": 4, "fifth": 5,
+    "sixth": 6, "tenth": 10,
+}  # fmt: skip
+"""Words that tell one part from another, and how many there must be for them to make sense."""
 
 _WORD = re.compile(r"[a-z0-9]+(?:'[a-z]+)?")
 

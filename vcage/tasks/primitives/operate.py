@@ -10,9 +10,10 @@ import numpy as np
 from vcage.schema.asset import ContactPoint
 from vcage.sim.arms import ArmControl
 from vcage.sim.collision import CollisionScene
-from vcage.sim.joints import carried_by, part_name
+from vcage.sim.joints import carried_by, link_poses, part_name
 from vcage.sim.motion import MotionFailed, MotionPlanner
 from vcage.sim.paths import JointPath, Load
+from vcage.sim.state import WorldState
 from vcage.tasks.grasps import command_of
 from vcage.tasks.primitives.handles import Handle, OperatingWay, operating_ways
 from vcage.tasks.scene_objects import SceneObject
@@ -53,6 +54,9 @@ class Operation:
         contact: where to take hold of the part; its ``link`` is the part.
         target: position that its joint shall have, metres or radians.
 
+    Attributes:
+        moment: state of the world at the end of a press.
+
     Raises:
         TaskFailed: the contact point sits on no moving part, or the target is outside the joint's range.
     """
@@ -66,6 +70,7 @@ class Operation:
         if not joint.lower <= target <= joint.upper:
             allowed = f"{joint.lower:.3f} to {joint.upper:.3f}"
             raise TaskFailed("plan", f"{contact.link} of {thing.record.phrase} moves from {allowed}, not to {target}")
+        self.moment: WorldState | None = None
         self._cell = cell
         self._world = world
         self._thing = thing
@@ -73,6 +78,9 @@ class Operation:
         self._target = target
         self._part = part_name(thing.id, contact.link)
         self._own = [part_name(thing.id, name) for name in carried_by(model, contact.link)]
+        self._riding = _riding(cell, thing, contact.link)
+        along = [name for key in self._riding for name in cell.parts(key)]
+        self._own += along
         self._tolerance = REACHED * (joint.upper - joint.lower)
         width = thing.asset.grasp_width(contact)
         self._handle = Handle(contact, model, thing.pose, world.object_joints(thing.id), width)
@@ -97,6 +105,8 @@ class Operation:
                 raise TaskFailed("grasp", f"the fingers closed on nothing where {where} should be")
         self._cell.carry_out(plan.arm, plan.push)
         reached = self._position()
+        if self._contact.use == "press":
+            self.moment = self._world.state()
         if plan.back is not None:
             self._cell.carry_out(plan.arm, plan.back)
         self._let_go(plan, control)
@@ -185,7 +195,12 @@ class Operation:
         """A planner around everything as it stands when the part is where it shall be."""
         joints = tuple(self._handle.joints_at(self._target).tolist())
         opened = replace(self._world.body(self._thing.id), joints=joints)
-        return MotionPlanner(CollisionScene.of_world(self._world, arm, {self._thing.id: opened}))
+        link, model = str(self._contact.link), opened.model
+        now, then = (link_poses(model, j)[link] for j in (self._handle.joints, joints))
+        moved = self._thing.pose * then * (self._thing.pose * now).inverse()
+        riding = {key: self._world.body(key) for key in self._riding}
+        along = {key: replace(body, pose=moved * body.pose) for key, body in riding.items()}
+        return MotionPlanner(CollisionScene.of_world(self._world, arm, {self._thing.id: opened, **along}))
 
     # --- execution -------------------------------------------------------------------------------------
 
@@ -208,3 +223,16 @@ class Operation:
         if abs(position - self._target) > self._tolerance:
             named = f"{self._part.partition('/')[2]} of {self._thing.record.phrase}"
             raise TaskFailed("place", f"{named} came to {position:.3f} instead of {self._target:.3f}")
+
+
+def _riding(cell: Workcell, thing: SceneObject, link: str) -> list[str]:
+    """Ids of the objects that lie in or on a moving part, and go where it goes."""
+    box = thing.part_box(link)
+    lower, upper = box.bounds
+    found = []
+    for other in cell.objects_but(thing.id):
+        middle = box.pose.inverse().apply(other.aabb.mean(axis=0))
+        rests = lower[2] - 0.01 <= other.aabb[0, 2] - box.pose.p[2] <= upper[2] + 0.01
+        if rests and np.all((lower[:2] < middle[:2]) & (middle[:2] < upper[:2])):
+            found.append(other.id)
+    return found

@@ -96,13 +96,14 @@ def _rise_to_clear(pose: Pose, obstacles: Sequence[SolidBox], hand: Sequence[np.
     return float(np.round(rise, 6))
 
 
-def goals_in_slot(receptacle: SceneObject, slot: Pose) -> list[Pose]:
+def goals_in_slot(receptacle: SceneObject, point: int, slot: Pose) -> list[Pose]:
     """Where an object may come to rest, in the world.
 
     Args:
-        slot: its place in the receptacle's frame.
+        point: id of the receptacle's functional point.
+        slot: its place in the frame of the part that the point belongs to.
     """
-    return [receptacle.pose * slot * Pose.from_yaw([0, 0, 0], turn) for turn in TURNS]
+    return [receptacle.frame(point) * slot * Pose.from_yaw([0, 0, 0], turn) for turn in TURNS]
 
 
 def plan_place(
@@ -151,11 +152,13 @@ class Placing:
 
     Args:
         receptacle: what receives the object.
+        point: id of its functional point.
         obstacles: its walls and contents, and the neighbours.
         height: z that the object's bottom keeps on the way, metres.
     """
 
     receptacle: SceneObject
+    point: int
     obstacles: Sequence[SolidBox]
     height: float
 
@@ -164,7 +167,7 @@ class Placing:
         """Everything but the object itself is in its way."""
         others = cell.objects_but(object_id, receptacle.id)
         height = transfer_height([*others, receptacle], cell.world.table.height)
-        return cls(receptacle, [*receptacle.walls(point), *(o.box for o in others)], height)
+        return cls(receptacle, point, [*receptacle.around(point), *(box for o in others for box in o.boxes)], height)
 
     def ways(
         self, kinematics: ArmKinematics, held: Pose, width: float, slot: Pose, start: np.ndarray
@@ -182,7 +185,7 @@ class Placing:
             MotionFailed: there is none.
         """
         gripper = kinematics.arm.gripper
-        goals = goals_in_slot(self.receptacle, slot)
+        goals = goals_in_slot(self.receptacle, self.point, slot)
         ways = [place_way(held, goal, self.obstacles, gripper, width, self.height) for goal in goals]
         least = min(way.drop for way in ways)
         if least > MAX_DROP:

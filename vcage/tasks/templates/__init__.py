@@ -13,7 +13,11 @@ import numpy as np
 from vcage.schema.subtasks import PairAnswer, PairQuestion, Refusal, Subtask, TemplateName
 from vcage.sim.kinematics import ArmKinematics
 from vcage.tasks.scene_objects import SceneObject
-from vcage.tasks.templates.pick_and_place import PickAndPlace
+from vcage.tasks.templates.close import CLOSE
+from vcage.tasks.templates.open import OPEN
+from vcage.tasks.templates.place import Place
+from vcage.tasks.templates.press import PRESS
+from vcage.tasks.templates.turn import TURN
 
 
 class Proposal(Protocol):
@@ -28,8 +32,8 @@ class Proposal(Protocol):
         """The refusal of what can be ruled out without asking anyone; None for what cannot."""
         ...
 
-    def question(self) -> PairQuestion:
-        """What the reasoner is asked about it."""
+    def question(self) -> PairQuestion | None:
+        """What the reasoner is asked about it; None where nobody needs to be asked."""
         ...
 
     def senseless(self, reason: str) -> Refusal:
@@ -38,7 +42,7 @@ class Proposal(Protocol):
 
     def examine(
         self,
-        answer: PairAnswer,
+        answer: PairAnswer | None,
         objects: Sequence[SceneObject],
         kinematics: Mapping[str, ArmKinematics],
         table_height: float,
@@ -47,7 +51,7 @@ class Proposal(Protocol):
         """The sub-task if a candidate is feasible, and a refusal for each that is not.
 
         Args:
-            answer: of the reasoner, who finds it sensible.
+            answer: of the reasoner, who finds it sensible; None where nobody was asked.
             objects: all of the scene.
             kinematics: by arm.
             table_height: z of the table top, metres.
@@ -73,5 +77,7 @@ class SubtaskTemplate(Protocol):
         ...
 
 
-TEMPLATES: Mapping[TemplateName, SubtaskTemplate] = {template.name: template for template in (PickAndPlace(),)}
+TEMPLATES: Mapping[TemplateName, SubtaskTemplate] = {
+    template.name: template for template in (Place(), OPEN, CLOSE, PRESS, TURN)
+}
 """By name, in the order in which the search goes through them."""

@@ -1,25 +1,33 @@
-"""Pick and place: an object that can be carried is put in or on another that has a place for it."""
+"""Place: an object that can be carried is put in or on another that has a place for it, an open drawer too."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import permutations
 
 import numpy as np
 
 from vcage.base.errors import InfeasibleScene
+from vcage.base.geometry import Pose
 from vcage.schema.asset import FunctionalPoint
-from vcage.schema.subtasks import Check, Goal, PairAnswer, PairQuestion, Refusal, Subtask, TemplateName
+from vcage.schema.goals import Goal, part_words
+from vcage.schema.subtasks import Check, PairAnswer, PairQuestion, Refusal, Subtask, TemplateName
 from vcage.sim.kinematics import ArmKinematics
-from vcage.tasks.feasibility import Feasibility, Transfer, access, carrying_points, examine, fits
+from vcage.tasks.access import access
+from vcage.tasks.feasibility import Feasibility, Transfer, carrying_points, examine, fits
 from vcage.tasks.scene_objects import SceneObject
-from vcage.tasks.slots import GAP, allocate, lying_in
+from vcage.tasks.slots import GAP, allocate, kept_in_by, lying_in, opened_for
+from vcage.tasks.wording import wordings
 
-NAME: TemplateName = "pick_and_place"
+NAME: TemplateName = "place"
+
+SLOTS = 4
+"""Places in the receptacle that are tried before a contact point is refused."""
 
 
-class PickAndPlace:
+class Place:
     """The template: every ordered pair of objects, every contact point of one and functional point of the other."""
 
     name = NAME
@@ -56,6 +64,11 @@ class Pair:
     receptacle: SceneObject
     point: FunctionalPoint
 
+    @cached_property
+    def _opened(self) -> SceneObject:
+        """The receptacle as it must be before something is put there: the drawer or lid that keeps it in is open."""
+        return opened_for(self.receptacle, self.point.id)
+
     @property
     def candidates(self) -> int:
         """How many contact points there are."""
@@ -63,7 +76,7 @@ class Pair:
 
     def impossible(self) -> Refusal | None:
         """A place that is not open to above, or too small."""
-        check = access(self.receptacle, self.point)
+        check = access(self._opened, self.point)
         if check.passed:
             check = fits(self.target, self.receptacle, self.point)
         return None if check.passed else self._refusal(check.message, checks=[check])
@@ -76,7 +89,7 @@ class Pair:
             object=self.target.id,
             object_words=f"{self.target.record.phrase}: {self.target.asset.annotation.words.description}",
             receptacle=self.receptacle.id,
-            receptacle_words=f"{self.receptacle.record.phrase}: {self.receptacle.asset.annotation.words.description}",
+            receptacle_words=f"{self._place_words()}: {self.receptacle.asset.annotation.words.description}",
             holds=self.point.holds,
             object_size=(x, y, z),
             opening_size=(float(opening.size[0]), float(opening.size[1]), float(opening.depth)),
@@ -88,7 +101,7 @@ class Pair:
 
     def examine(
         self,
-        answer: PairAnswer,
+        answer: PairAnswer | None,
         objects: Sequence[SceneObject],
         kinematics: Mapping[str, ArmKinematics],
         table_height: float,
@@ -97,7 +110,7 @@ class Pair:
         """The sub-task of a sensible pair, and a refusal for each contact point that no arm can use.
 
         Args:
-            answer: of the reasoner.
+            answer: of the reasoner, who finds it sensible.
             objects: all of the scene.
             kinematics: by arm.
             table_height: z of the table top, metres.
@@ -105,41 +118,73 @@ class Pair:
         """
         others = [o for o in objects if o.id not in (self.target.id, self.receptacle.id)]
         present = lying_in(self.receptacle, others)
-        try:
-            slot = allocate(self.receptacle, self.point.id, [self.target], rng, present)[self.target.id]
-        except InfeasibleScene as error:
-            return None, [self._refusal(error.message if present else self._no_room())]
+        findings: list[Feasibility] = []
+        refused: list[Refusal] = []
+        for _ in range(SLOTS):
+            try:
+                slot = allocate(self._opened, self.point.id, [self.target], rng, present)[self.target.id]
+            except InfeasibleScene as error:
+                return None, [self._refusal(error.message if present else self._no_room())]
+            findings, refused = self._findings(slot, others, kinematics, table_height)
+            if findings:
+                break
+        phrases = {o.id: o.record.phrase for o in objects}
+        return (self._subtask(phrases, findings) if findings else None), refused
+
+    def _findings(
+        self, slot: Pose, others: Sequence[SceneObject], kinematics: Mapping[str, ArmKinematics], table_height: float
+    ) -> tuple[list[Feasibility], list[Refusal]]:
+        """Whether each contact point leads to a slot."""
         findings, refused = [], []
         for contact in carrying_points(self.target.asset.annotation):
-            transfer = Transfer(self.target, contact, self.receptacle, self.point, others)
+            transfer = Transfer(self.target, contact, self._opened, self.point, others)
             finding = examine(transfer, kinematics, slot, table_height)
             if finding.feasible:
                 findings.append(finding)
             else:
                 refused.append(self._refusal(finding.reason, contact.id, finding.checks))
-        return (self._subtask(answer, findings) if findings else None), refused
+        return findings, refused
+
+    def _place_words(self) -> str:
+        phrase = self.receptacle.record.phrase
+        return phrase if self.point.link is None else f"{part_words(self.point.link)} of the {phrase}"
+
+    def _requires(self) -> list[Goal]:
+        """That what keeps the place in is open, and what hangs over it is not."""
+        part = kept_in_by(self.receptacle, self.point.id)
+        return [] if part is None else [Goal(subject=self.receptacle.id, relation="open", part=part)]
 
     def _no_room(self) -> str:
         """Why the object, which fits by its size alone, gets no place."""
         fit = fits(self.target, self.receptacle, self.point)
         return f"{fit.message}, but with less than the {GAP * 1000:.0f} mm on each side that the robot needs"
 
-    def _subtask(self, answer: PairAnswer, findings: Sequence[Feasibility]) -> Subtask:
+    def _subtask(self, phrases: Mapping[str, str], findings: Sequence[Feasibility]) -> Subtask:
         grasps = [grasp for finding in findings for grasp in finding.grasps]
         grasps.sort(key=lambda grasp: (-grasp.score, grasp.contact, grasp.arm))
         best = next(f for f in findings if grasps[0] in f.grasps)
         word = "into" if self.point.holds == "in" else "onto"
-        suffix = f"-{self.point.id}" if len(self.receptacle.asset.annotation.functional_points) > 1 else ""
+        several = len(self.receptacle.asset.annotation.functional_points) > 1
+        suffix = f"-{self.point.link or self.point.id}" if several else ""
+        goal = Goal(
+            subject=self.target.id,
+            relation="inside" if self.point.holds == "in" else "on",
+            reference=self.receptacle.id,
+            part=self.point.link,
+        )
+        text, *others = wordings(goal, phrases)
         identifier = f"{self.target.id}-{word}-{self.receptacle.id}{suffix}"
         return Subtask(
             id=identifier,
             template=NAME,
-            text=answer.text,
+            text=text,
+            texts=others,
             object=self.target.id,
             receptacle=self.receptacle.id,
             functional_point=self.point.id,
             grasps=grasps,
-            goals=[Goal(subject=self.target.id, relation=answer.relation, reference=self.receptacle.id)],
+            requires=self._requires(),
+            goals=[goal],
             script=f"subtasks/{identifier}.py",
             checks=best.checks,
         )

@@ -1,0 +1,146 @@
+"""How far two top views show a part to have moved: of drawings of it at many positions the likeliest is told."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from vcage.base.geometry import Camera, Pose
+from vcage.models.rules.evidence import changed, middles, places, salience
+from vcage.sim.drawer import Drawing, Window
+from vcage.vision.colour import LabImage, distance, to_lab
+from vcage.vision.detector import MIN_AREA, components
+from vcage.vision.object_templates import ObjectTemplate, template_from_reference
+from vcage.vision.protocols import Reference
+
+POSITIONS = np.linspace(0.0, 1.0, 9)
+"""Positions of a joint that are drawn, as shares of its range."""
+
+DIFFERENT = 10.0
+"""Least colour distance between two of the drawings of a pixel that tells positions apart."""
+
+CAP = 30.0
+"""Largest colour distance that a pixel can cost: what lies in a drawer is in no drawing."""
+
+FLIPS = np.radians([0.0, 90.0, 180.0, 270.0])
+"""Headings besides that at which an object seems to lie: a plain box looks the same from several sides."""
+
+STEPS, ROUNDS = np.array([0.004, 0.004, np.radians(3.0)]), 5
+"""First steps along x, y and in heading with which a pose is refined by drawing the object, and how often."""
+
+Draw = Callable[[Pose, Camera, Window, float], Drawing]
+"""The object alone at a pose, its part at a share of its range."""
+
+
+@dataclass(frozen=True)
+class PartEvidence:
+    """Measurements, all from pixels.
+
+    Args:
+        told_by: pixels in which the drawings differ.
+        before, after: share of its range at which the part is likeliest.
+        touched: share of the object that has changed in the picture of the moment; 0 without one.
+    """
+
+    told_by: int
+    before: float
+    after: float
+    touched: float
+
+
+def gather_part(
+    before: np.ndarray,
+    after: np.ndarray,
+    camera: Camera,
+    table_height: float,
+    at_rest: Reference,
+    draw: Draw,
+    background: np.ndarray,
+    *,
+    closes: bool = False,
+    moment: np.ndarray | None = None,
+) -> PartEvidence:
+    """Measure one sub-task that moves a part.
+
+    Args:
+        before, after, background: (H, W, 3) uint8 RGB of the same camera, the last of the empty table.
+        camera: took them.
+        table_height: metres.
+        at_rest: how the object looks from above with its parts at rest.
+        draw: draws it as the camera sees it.
+        closes: whether the part shall be at rest after, and not before.
+        moment: the view while the part was touched, where there is one.
+    """
+    height, width = before.shape[:2]
+    window = Window(0, 0, max(camera.width, camera.height), 1)
+    resting = after if closes else before
+
+    def drawn(pose: np.ndarray, share: float) -> Drawing:
+        standing = Pose.from_yaw([pose[0], pose[1], table_height], float(pose[2]))
+        shown = draw(standing, camera, window, share)
+        return Drawing(*(layer[:height, :width] for layer in (shown.picture, shown.covered, shown.depth)))
+
+    rough = _found(resting, template_from_reference(at_rest, camera, table_height), background)
+    pose = _settled(rough, resting, background, lambda pose: drawn(pose, 0.0))
+    drawings = [drawn(pose, share) for share in POSITIONS]
+    labs = np.stack([to_lab(_composed(d, background, resting)) for d in drawings])
+    covered = np.any([d.covered for d in drawings], axis=0)
+    telling = covered & np.any([distance(lab, labs[0]) > DIFFERENT for lab in labs[1:]], axis=0)
+    told = [_likeliest(to_lab(cv2.GaussianBlur(p, (3, 3), 0)), labs, telling) for p in (before, after)]
+    touched = 0.0
+    if moment is not None:
+        touched = float(changed(*(to_lab(p) for p in (after, moment)))[covered].mean())
+    return PartEvidence(int(telling.sum()), told[0], told[1], touched)
+
+
+def _found(picture: np.ndarray, template: ObjectTemplate, background: np.ndarray) -> np.ndarray:
+    """(3,) x, y and heading at which the object seems to stand."""
+    image = LabImage.of(picture, salience(picture, background))
+    standing = components(image.salience > 0.5, MIN_AREA * picture.shape[0] * picture.shape[1])
+    return places(image, template, middles(standing)).first.poses[0, :3]
+
+
+def _settled(
+    rough: np.ndarray, picture: np.ndarray, background: np.ndarray, draw: Callable[[np.ndarray], Drawing]
+) -> np.ndarray:
+    """(3,) the pose nearby, or turned by quarters, at which a drawing of the object is most like the picture."""
+    lab = to_lab(cv2.GaussianBlur(picture, (3, 3), 0))
+
+    def unlikeness(pose: np.ndarray) -> float:
+        drawing = draw(pose)
+        if not drawing.covered.any():
+            return np.inf
+        return float(distance(lab, to_lab(_composed(drawing, background, picture))).mean())
+
+    best, least = min(((p, unlikeness(p)) for p in rough + np.outer(FLIPS, [0, 0, 1])), key=lambda found: found[1])
+    steps = STEPS.copy()
+    for _ in range(ROUNDS):
+        around = [best + sign * steps * axis for axis in np.eye(3) for sign in (1, -1)]
+        pose, value = min(((p, unlikeness(p)) for p in around), key=lambda found: found[1])
+        best, least, steps = (pose, value, steps) if value < least else (best, least, steps / 2)
+    return best
+
+
+def _composed(drawing: Drawing, background: np.ndarray, picture: np.ndarray) -> np.ndarray:
+    """The drawing on the empty table, as bright as the picture is there."""
+    covered, drawn = drawing.covered, drawing.picture.astype(np.float32)
+    if covered.any():
+        gain = np.median(picture[covered], axis=0) / np.maximum(np.median(drawn[covered], axis=0), 1)
+        drawn = drawn * np.clip(gain, 0.5, 2.0)
+    return np.where(covered[..., None], np.clip(drawn, 0, 255), background).astype(np.uint8)
+
+
+def _likeliest(lab: np.ndarray, labs: np.ndarray, telling: np.ndarray) -> float:
+    """The position whose drawing is most like the picture where drawings differ, refined between its neighbours."""
+    if not telling.any():
+        return 0.0
+    costs = np.array([np.minimum(distance(lab, d)[telling], CAP).mean() for d in labs])
+    k = int(np.clip(costs.argmin(), 1, len(costs) - 2))
+    left, middle, right = costs[k - 1 : k + 2]
+    bend = left - 2 * middle + right
+    offset = 0.5 * (left - right) / bend if bend > 1e-6 else 0.0
+    refined = POSITIONS[k] + np.clip(offset, -1.0, 1.0) * (POSITIONS[1] - POSITIONS[0])
+    return float(np.clip(refined, 0.0, 1.0))

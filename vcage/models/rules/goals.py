@@ -1,0 +1,496 @@
+"""From what an instruction asks for to goals about the objects of a scene; refused where that leaves a doubt."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from vcage.base.errors import UnreadInstruction
+from vcage.models.rules.instruction import Request, parse_instruction
+from vcage.models.rules.naming import Meaning, meant, words_of
+from vcage.models.rules.phrases import Phrase
+from vcage.models.rules.words import COLOURS, SHALLOW, lemmas
+from vcage.plans.actions import lasting
+from vcage.plans.check import contradictions
+from vcage.schema.asset import CatalogueEntry
+from vcage.schema.goals import AskedGoal, Goal, GoalWord, Reading, part_that
+from vcage.schema.plan import TABLE, Relation
+
+_BESIDE = ("beside", "near", "left_of", "right_of", "in_front_of", "behind")
+_ORDER = {
+    "top": 0, "upper": 0, "uppermost": 0, "topmost": 0, "highest": 0, "first": 0, "middle": 1, "second": 1, "third": 2,
+    "fourth": 3, "fifth": 4, "sixth": 5, "tenth": 9, "bottom": -1, "lower": -1, "lowest": -1, "bottommost": -1,
+    "last": -1,
+}  # fmt: skip
+_SAME_PART = {"lid": ("lid", "cover", "screen"), "screen": ("screen", "lid", "display"), "dial": ("dial", "knob")}
+
+
+def read_goals(instruction: str, things: Mapping[str, CatalogueEntry]) -> Reading:
+    """The goals of an instruction in a scene.
+
+    Args:
+        instruction: a command, in several clauses if need be.
+        things: what there is, by object id: the catalogue's entries with no other look than the object's.
+
+    Raises:
+        UnreadInstruction: words of it are not understood, name nothing that is there, or leave open what is meant.
+    """
+    return _Grounding(instruction, things).read()
+
+
+@dataclass(frozen=True)
+class _Place:
+    """Where things go: an object, or a part of it.
+
+    Args:
+        id: of the object, or ``table``.
+        part: the moving part.
+        holds: ``in`` or ``on``.
+    """
+
+    id: str
+    part: str | None
+    holds: str
+
+
+class _Grounding:
+    """Finds for each phrase the objects that it means; what is taken by 'the red one' is not taken by 'another' too."""
+
+    def __init__(self, instruction: str, things: Mapping[str, CatalogueEntry]):
+        self._instruction = instruction
+        self._things = things
+        self._requests = parse_instruction(instruction, words_of(things.values()), self._is_place)
+        self._meant: dict[Phrase, tuple[str, ...]] = {}
+        self._places: dict[tuple[object, ...], _Place] = {}
+        self._taken: list[str] = []
+
+    def _is_place(self, phrase: Phrase) -> bool:
+        found = meant(phrase, self._things, Meaning.HOLDS)
+        return phrase.part is not None or any(self._things[name].functional_points for name in found)
+
+    def read(self) -> Reading:
+        """The goals.
+
+        Raises:
+            UnreadInstruction: see :func:`read_goals`.
+        """
+        self._name_all()
+        goals: list[AskedGoal] = []
+        for request in self._requests:
+            if request.asked != "leave":
+                words = self._instruction[request.start : request.end]
+                goals += [AskedGoal(goal=goal, step=request.step, words=words) for goal in self._goals(request)]
+        untouched = self._untouched(goals)
+        self._require_sense(goals)
+        return Reading(goals=list(_once(goals)), untouched=untouched)
+
+    # --- which objects ---------------------------------------------------------------------------------
+
+    def _name_all(self) -> None:
+        """Give every phrase for things its objects: certain ones first, then choices among what is left."""
+        phrases = [phrase for request in self._requests for phrase in request.things if phrase not in self._meant]
+        places = {self._places_of_words(r) for r in self._requests}
+        waiting = []
+        for phrase in sorted(dict.fromkeys(phrases), key=lambda p: p.start):
+            if phrase.quantity in ("a", "rest") or (phrase.count or 1) > 1:
+                waiting.append(phrase)
+            else:
+                self._meant[phrase] = self._certain(phrase)
+        waiting.sort(key=lambda p: (p.quantity == "rest", p.plural, len(self._answers(p))))
+        for phrase in waiting:
+            self._meant[phrase] = self._choice(phrase, places)
+        del places
+
+    def _places_of_words(self, request: Request) -> tuple[str, ...]:
+        return () if request.place is None else request.place.lemmas
+
+    def _answers(self, phrase: Phrase) -> list[str]:
+        """Every object that the words fit, without what is left out; those that can be carried if some can."""
+        found = meant(phrase, self._things, Meaning.CARRIED)
+        left = {name for but in phrase.but for name in self._left_out(but, phrase)}
+        return [name for name in found if name not in left]
+
+    def _left_out(self, but: Phrase, phrase: Phrase) -> list[str]:
+        if but.lemmas in (("one",), ()):
+            but = replace(but, lemmas=phrase.lemmas)
+        found = meant(but, self._things, Meaning.CARRIED)
+        if not found and len(but.lemmas) == 1 and but.head in COLOURS:  # 'all but the green'
+            found = meant(replace(but, lemmas=phrase.lemmas, colour=but.head), self._things, Meaning.CARRIED)
+        if not found:
+            raise self._refusal(but, "there is no such thing here")
+        return found
+
+    def _certain(self, phrase: Phrase) -> tuple[str, ...]:
+        """What 'the apple', 'the apples' or 'all apples' mean.
+
+        Raises:
+            UnreadInstruction: there is none, or more than one where one is meant.
+        """
+        found = self._answers(phrase)
+        if not found:
+            raise self._refusal(phrase, "there is no such thing here")
+        if phrase.quantity in ("all",) or phrase.count is None:
+            self._taken += found
+            return tuple(found)
+        found = self._named_before(phrase, found)
+        if len(found) > 1:
+            raise self._refusal(phrase, f"it may be {_either(found)}")
+        self._taken += found
+        return tuple(found)
+
+    def _named_before(self, phrase: Phrase, found: list[str]) -> list[str]:
+        """Of several that 'the mug' may mean the one that was called a mug before."""
+        before = [
+            name
+            for other, names in self._meant.items()
+            if other.start < phrase.start and other.head == phrase.head
+            for name in names
+        ]
+        places = [r.place for r in self._requests if r.place is not None and r.place.lemmas[-1:] == phrase.lemmas[-1:]]
+        for place in places if len(found) > 1 else []:
+            if (place.start < phrase.start and not place.plural and place.lemmas != phrase.lemmas) or place.colour:
+                before += meant(place, self._things, Meaning.ANY)
+        narrowed = [name for name in found if name in before]
+        return narrowed if len(narrowed) == 1 else found
+
+    def _choice(self, phrase: Phrase, _places: object) -> tuple[str, ...]:
+        """What 'an apple', 'two apples', 'both mugs' or 'the other' mean.
+
+        Raises:
+            UnreadInstruction: there are too few.
+        """
+        found = self._answers(phrase)
+        if not found:
+            raise self._refusal(phrase, "there is no such thing here")
+        left = [name for name in found if name not in self._taken]
+        count = phrase.count
+        if phrase.quantity == "rest":
+            if not left or (count == 1 and len(left) > 1):
+                raise self._refusal(phrase, f"it may be {_either(left)}" if left else "there is none left")
+            chosen = left
+        elif phrase.quantity in ("the", "both", "all") and count is not None:
+            if len(found) != count and not (phrase.quantity == "the" and len(left) == count):
+                raise self._refusal(phrase, f"there are {len(found)} of them")
+            chosen = found if len(found) == count else left
+        else:
+            wanted = (2 if len(left) > 2 else len(left)) if count is None else count
+            if len(left) < wanted:
+                raise self._refusal(phrase, f"there are only {len(left)} of them")
+            chosen = left[:wanted]
+        self._taken += chosen
+        return tuple(chosen)
+
+    def _untouched(self, goals: Sequence[AskedGoal]) -> list[str]:
+        """The objects that are not to be touched.
+
+        Raises:
+            UnreadInstruction: a goal needs one of them.
+        """
+        found: list[str] = []
+        for request in self._requests:
+            if request.asked != "leave":
+                continue
+            for phrase in request.things:
+                names = meant(phrase, self._things, Meaning.CARRIED) or meant(phrase, self._things, Meaning.MOVING)
+                if not names:
+                    raise self._refusal(phrase, "there is no such thing here")
+                if request.preposition:
+                    word = {"open": "open", "close": "closed", "press": "pressed", "turn": "turned", "scan": "scanned"}
+                    asked = word.get(request.preposition, "weighed")
+                    if any(g.goal.relation == asked and g.goal.subject in names for g in goals):
+                        raise self._refusal(phrase, "it contradicts the rest")
+                    continue
+                found += names
+        touched = {g.goal.subject for g in goals}
+        both = [name for name in found if name in touched]
+        if both:
+            raise UnreadInstruction.of(self._instruction, " and ".join(both), "it shall be left alone and moved")
+        return list(dict.fromkeys(found))
+
+    def _require_sense(self, goals: Sequence[AskedGoal]) -> None:
+        """That all that shall be true at the end can be.
+
+        Raises:
+            UnreadInstruction: goals contradict each other.
+        """
+        steps = [[a.goal for a in goals if a.step == step] for step in sorted({a.step for a in goals})]
+        standing = [
+            Relation.model_validate({"subject": g.subject, "relation": g.relation, "reference": g.reference})
+            for g in lasting(steps)
+            if g.reference is not None and g.reference != TABLE
+        ]
+        found = contradictions(standing)
+        if found:
+            raise UnreadInstruction.of(self._instruction, self._instruction, f"it contradicts itself: {found[0]}")
+
+    # --- which goals -----------------------------------------------------------------------------------
+
+    def _goals(self, request: Request) -> list[Goal]:
+        """What must be true after a request."""
+        names = [name for phrase in request.things for name in self._meant[phrase]]
+        self._know_tools(request)
+        if request.asked in ("open", "close", "press", "turn"):
+            word: GoalWord = {"open": "open", "close": "closed", "press": "pressed", "turn": "turned"}[request.asked]  # pyrefly: ignore
+            assert request.place is not None  # the reader names what is operated
+            parts = self._parts(request.place, request.asked)
+            return [Goal(subject=name, relation=word, part=part) for name, part in parts]
+        if request.asked in ("scan", "weigh", "present", "back"):
+            word = {"scan": "scanned", "weigh": "weighed", "present": "presented", "back": "back"}[request.asked]  # pyrefly: ignore
+            self._require_tool(request)
+            return [Goal(subject=name, relation=word) for name in self._carried(names)]
+        if request.asked == "hand":
+            return [
+                Goal(subject=name, relation="handed", reference=request.preposition) for name in self._carried(names)
+            ]
+        if request.asked == "tower":
+            return self._tower(request, names)
+        return self._put(request, names)
+
+    def _put(self, request: Request, names: list[str]) -> list[Goal]:
+        if request.place is None:
+            raise UnreadInstruction.of(
+                self._instruction, self._instruction[request.start : request.end], "it says no place"
+            )
+        if request.preposition in _BESIDE:
+            reference = self._reference(request.place)
+            word: GoalWord = request.preposition  # pyrefly: ignore
+            if reference in names:
+                raise self._refusal(request.place, "it is the thing itself")
+            return [Goal(subject=name, relation=word, reference=reference) for name in names]
+        names = self._carried(names)
+        places = self._holders(request, names)
+        if len(names) > 1 and len(places) == 1 and self._is_small_top(places[0]):
+            raise self._refusal(request.place, "only one thing goes there")
+        return [
+            Goal(
+                subject=name,
+                relation="inside" if place.holds == "in" else "on",
+                reference=place.id,
+                part=place.part,
+            )
+            for name, place in zip(names, itertools.cycle(places), strict=False)
+        ]
+
+    def _is_small_top(self, place: _Place) -> bool:
+        entry = self._things.get(place.id)
+        return entry is not None and entry.words.category == "toy" and place.holds == "on"
+
+    def _tower(self, request: Request, names: list[str]) -> list[Goal]:
+        """Each on the one before it."""
+        names = self._carried(names)
+        if len(names) < 2:
+            raise self._refusal(request.things[0], "one thing is no stack")
+        flat = [n for n in names[:-1] if not any(p.holds == "on" for p in self._things[n].functional_points)]
+        if flat:
+            raise self._refusal(request.things[0], f"nothing stands on the {self._things[flat[0]].words.name}")
+        return [Goal(subject=a, relation="on", reference=b) for b, a in itertools.pairwise(names)]
+
+    def _carried(self, names: list[str]) -> list[str]:
+        """The objects, if all can be carried.
+
+        Raises:
+            UnreadInstruction: one cannot.
+        """
+        for name in names:
+            entry = self._things[name]
+            if not any(p.link is None and p.use == "grasp" for p in entry.contact_points):
+                raise UnreadInstruction.of(
+                    self._instruction, entry.words.name, f"the robot cannot pick up the {entry.words.name}"
+                )
+        return names
+
+    def _require_tool(self, request: Request) -> None:
+        """That what is needed is there: a scanner to scan with, a scale to weigh on."""
+        needed = {"scan": "barcode_scanner", "weigh": "electronic_scale"}.get(request.asked)
+        if needed and all(entry.name != needed for entry in self._things.values()):
+            raise UnreadInstruction.of(
+                self._instruction,
+                self._instruction[request.start : request.end],
+                f"there is no {needed.replace('_', ' ')} here",
+            )
+
+    def _know_tools(self, request: Request) -> None:
+        """That tools which are named are those that the robot would take."""
+        needed = {"scan": "barcode_scanner", "weigh": "electronic_scale"}.get(request.asked)
+        named = [*request.tools, *([request.place] if request.asked == "weigh" and request.place else [])]
+        for phrase in named:
+            found = meant(phrase, self._things, Meaning.CARRIED)
+            if needed is None or not any(self._things[name].name == needed for name in found):
+                raise self._refusal(phrase, "that is no tool for it")
+
+    # --- which places ----------------------------------------------------------------------------------
+
+    def _reference(self, place: Phrase) -> str:
+        """The one object that another stands beside.
+
+        Raises:
+            UnreadInstruction: there is none, or several.
+        """
+        if place.part is not None:
+            full = replace(place, lemmas=tuple(lemmas(place.text)), part=None)
+            place = full if meant(full, self._things, Meaning.ANY) else place
+        found = [name for phrase, names in self._meant.items() if phrase == place for name in names]
+        found = found or meant(place, self._things, Meaning.ANY)
+        if not found:
+            raise self._refusal(place, "there is no such thing here")
+        found = self._named_before(place, found)
+        if len(found) > 1 and place.quantity != "a":
+            raise self._refusal(place, f"it may be {_either(found)}")
+        return found[0]
+
+    def _holders(self, request: Request, names: Sequence[str]) -> list[_Place]:
+        """Where things go; several places only where the words name several.
+
+        Raises:
+            UnreadInstruction: nothing of the kind holds things in this way, or several do.
+        """
+        place = request.place
+        assert place is not None  # checked by the caller
+        if place.lemmas == (TABLE,):
+            return [_Place(TABLE, None, "on")]
+        key = (place, request.preposition)
+        if key in self._places:
+            return [self._places[key]]
+        found = self._candidates(place, request.preposition, names)
+        if not found:
+            raise self._refusal(place, f"nothing can be put {request.preposition} it, or it is not there")
+        if place.plural:
+            return found
+        if len(found) > 1 and place.quantity != "a" and not _one_object(found):
+            known = self._named_before(place, list(dict.fromkeys(p.id for p in found)))
+            found = [p for p in found if p.id in known]
+        if len(found) > 1 and place.quantity != "a" and not _one_object(found):
+            raise self._refusal(place, f"it may be {_either([p.id for p in found])}")
+        if len(found) > 1 and place.part is not None and not place.which:  # 'in that same drawer'
+            before = [p for k, p in self._places.items() if k[0].part == place.part and k[0].start < place.start]  # pyrefly: ignore
+            found = [before[-1]] if before and before[-1] in found else found
+        if len(found) > 1 and place.quantity != "a" and place.part is not None:
+            raise self._refusal(place, f"it may be {_either([str(p.part) for p in found])}")
+        if place.quantity == "a":
+            fresh = [p for p in found if p not in self._places.values()]
+            found = fresh or found
+        self._places[key] = found[0]
+        return [found[0]]
+
+    def _candidates(self, place: Phrase, preposition: str, names: Sequence[str]) -> list[_Place]:
+        """Every place that the words fit."""
+        if place.part is not None:
+            whole = replace(place, lemmas=tuple(w for w in lemmas(place.text) if w != "of"), part=None, which=())
+            named = meant(whole, self._things, Meaning.ANY) if not place.which else []
+            exact = [name for name in named if name not in names]
+            if exact and (preposition == "on" or place.head != place.part):
+                return self._of_objects(exact, preposition, place)
+            if preposition in ("in", "to"):
+                return [
+                    _Place(name, part, "in")
+                    for name, part in self._parts_named(place, Meaning.ANY)
+                    if any(p.link == part and p.holds == "in" for p in self._things[name].functional_points)
+                ]
+            if preposition == "on" and place.part in ("drawer",):
+                return []
+        known = [name for phrase, found in self._meant.items() if phrase == place for name in found]
+        return self._of_objects(known or meant(place, self._things, Meaning.HOLDS, names), preposition, place)
+
+    def _of_objects(self, found: Iterable[str], preposition: str, place: Phrase) -> list[_Place]:
+        """The places that objects offer for a preposition."""
+        places: list[_Place] = []
+        for name in found:
+            points = self._things[name].functional_points
+            inside = [p for p in points if p.holds == "in"]
+            top = [p for p in points if p.holds == "on"]
+            shallow = bool(SHALLOW.intersection((*lemmas(self._things[name].words.name), *place.lemmas)))
+            wanted = {"in": inside or (top if shallow else []), "on": top or (inside if shallow else [])}
+            options = wanted.get(preposition, inside or top)
+            links = dict.fromkeys((p.link, p.holds) for p in options)
+            places += [_Place(name, link, holds) for link, holds in links]
+        return places
+
+    def _parts(self, phrase: Phrase, asked: str) -> list[tuple[str, str]]:
+        """The moving parts that are to be opened, closed, pressed or turned.
+
+        Raises:
+            UnreadInstruction: there is none, or several where one is meant.
+        """
+        found = self._parts_named(phrase, Meaning.MOVING)
+        action = asked if asked in ("press", "turn") else "open"
+        fitting = [(name, part) for name, part in found if part_that(action, part)]
+        if not fitting:
+            raise self._refusal(phrase, f"nothing of it can be {asked}{'ed' if asked != 'close' else 'd'}")
+        if phrase.plural:
+            return fitting
+        known = self._owners_named_before(phrase) if phrase.lemmas == (phrase.part,) else set()
+        fitting = [(name, part) for name, part in fitting if name in known] or fitting
+        if len(fitting) > 1 and phrase.part is not None and not phrase.which:  # 'shut that drawer'
+            before = [r.place for r in self._requests if r.place is not None and r.place.start < phrase.start]
+            same = [place for place in before if place.part == phrase.part and place.which]
+            fitting = self._parts_named(same[-1], meaning=Meaning.MOVING) if same else fitting
+        if len(fitting) > 1 and phrase.quantity != "a":
+            raise self._refusal(phrase, f"it may be {_either([f'{n}/{p}' for n, p in fitting])}")
+        return fitting[:1]
+
+    def _owners_named_before(self, phrase: Phrase) -> set[str]:
+        """The objects that were named before 'the lid'."""
+        places = [r.place for r in self._requests if r.place is not None and r.place.start < phrase.start]
+        named = [
+            name for place in places if place.lemmas != (TABLE,) for name in meant(place, self._things, Meaning.ANY)
+        ]
+        return {*named, *(n for p, names in self._meant.items() if p.start < phrase.start for n in names)}
+
+    def _parts_named(self, phrase: Phrase, meaning: Meaning) -> list[tuple[str, str]]:
+        """(object, part) for every moving part that a phrase fits."""
+        if phrase.part is None:
+            owners = meant(phrase, self._things, Meaning.MOVING)
+            return [(name, part) for name in owners for part in sorted(self._things[name].moving_parts, key=_height)]
+        alone = phrase.lemmas == (phrase.part,)
+        bare = tuple(word for word in phrase.lemmas if word != phrase.part)
+        owners = list(self._things) if alone else meant(replace(phrase, part=None), self._things, Meaning.MOVING)
+        if not owners and bare:
+            owners = meant(replace(phrase, lemmas=bare, part=None), self._things, Meaning.MOVING)
+        if not alone and phrase.colour is None:
+            pass
+        if alone and phrase.colour is not None:
+            owners = [n for n in owners if phrase.colour in self._things[n].variants[0].colour]
+        same = _SAME_PART.get(phrase.part, (phrase.part,))
+        found: list[tuple[str, str]] = []
+        for name in owners:
+            parts = [p for p in self._things[name].moving_parts if p.split("_")[0] in same]
+            parts.sort(key=_height)
+            if phrase.which:
+                parts = _told_apart(parts, phrase.which)
+            found += [(name, part) for part in parts]
+        return found
+
+    def _refusal(self, phrase: Phrase, why: str) -> UnreadInstruction:
+        return UnreadInstruction.of(self._instruction, phrase.text, why)
+
+
+def _height(part: str) -> int:
+    """Top drawers first."""
+    return {"top": 0, "middle": 1, "bottom": 2}.get(part.rpartition("_")[2], 0)
+
+
+def _told_apart(parts: Sequence[str], which: Sequence[str]) -> list[str]:
+    """The part that ordinals tell from the others; none where there are too few."""
+    at = _ORDER.get(which[-1])
+    if at is None or (which[-1] in ("middle",) and len(parts) != 3) or len(parts) < 2:
+        return []
+    return [parts[at]] if -len(parts) <= at < len(parts) else []
+
+
+def _one_object(places: Sequence[_Place]) -> bool:
+    return len({p.id for p in places}) == 1
+
+
+def _either(names: Sequence[str]) -> str:
+    return " or ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
+
+
+def _once(goals: Iterable[AskedGoal]) -> Iterable[AskedGoal]:
+    """Without goals that are asked for twice in one step."""
+    known: set[tuple[str, int]] = set()
+    for goal in goals:
+        key = (str(goal.goal), goal.step)
+        if key not in known:
+            known.add(key)
+            yield goal

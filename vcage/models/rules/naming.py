@@ -1,0 +1,118 @@
+"""Which objects of a scene a noun phrase means: strictly, so that every word of it is accounted for."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Mapping
+from enum import Enum
+
+from vcage.models.rules.catalogue_match import _is_of_kind, names_of
+from vcage.models.rules.phrases import Phrase
+from vcage.models.rules.words import ANYTHING, CATEGORIES, KINDS, colour_of, lemma, lemmas, same_word, tokens
+from vcage.schema.asset import CatalogueEntry
+
+_EDIBLE = CATEGORIES["food"] | {"drink", "pastry"}
+_ATTRIBUTES = {"edible": _EDIBLE, "drinkable": frozenset(("drink",))}
+
+
+_JOINTS = ("of", "with", "a", "an")
+
+
+class Meaning(Enum):
+    """What the objects must be good for."""
+
+    ANY = "any"
+    CARRIED = "carried"
+    HOLDS = "holds"
+    MOVING = "moving"
+
+
+def words_of(entries: Iterable[CatalogueEntry]) -> frozenset[str]:
+    """Every word that things are called by, singular and plural."""
+    texts = [
+        text
+        for entry in entries
+        for text in (entry.name, entry.words.name, entry.words.plural, *entry.words.synonyms, entry.words.category)
+    ]
+    words = {word for text in texts for word in tokens(text)}
+    return frozenset(words | {f"{word}s" for word in words})
+
+
+def meant(
+    phrase: Phrase, things: Mapping[str, CatalogueEntry], meaning: Meaning, besides: Collection[str] = ()
+) -> list[str]:
+    """Ids of the objects that all words of a phrase fit: those that it fits best.
+
+    Args:
+        phrase: with its colour; how many it asks for is the caller's matter.
+        things: catalogue's entries by object id, each with the object's own look only.
+        meaning: of several that the words fit, only those that are good for it, if there are any.
+        besides: what it cannot mean.
+    """
+    others = {name: entry for name, entry in things.items() if name not in besides}
+    fits = {name: _fit(phrase, entry) for name, entry in others.items()}
+    good = {name: fit for name, fit in fits.items() if fit > 0 and _good_for(others[name], meaning)}
+    fits = good or {name: fit for name, fit in fits.items() if fit > 0}
+    if not fits:
+        return []
+    if _is_kind_word(phrase):
+        return list(fits)
+    best = max(fits.values())
+    return [name for name, fit in fits.items() if fit == best]
+
+
+def _is_kind_word(phrase: Phrase) -> bool:
+    return len(phrase.lemmas) == 1 and (phrase.head in KINDS or phrase.head in CATEGORIES or phrase.head in ANYTHING)
+
+
+def _good_for(entry: CatalogueEntry, meaning: Meaning) -> bool:
+    if meaning is Meaning.CARRIED:
+        return any(p.link is None and p.use == "grasp" for p in entry.contact_points)
+    if meaning is Meaning.HOLDS:
+        return bool(entry.functional_points)
+    if meaning is Meaning.MOVING:
+        return bool(entry.moving_parts)
+    return True
+
+
+def _fit(phrase: Phrase, entry: CatalogueEntry) -> int:
+    """3: it is called so; 2: its head is, and the other words describe it; 1: it is of that kind; 0: neither."""
+    words = phrase.lemmas
+    colour = entry.variants[0]
+    if phrase.colour is not None and phrase.colour not in _colours(entry):
+        return 0
+    attributes = [word for word in words if word in _ATTRIBUTES]
+    if attributes:
+        category = entry.words.category.lower()
+        words = tuple(word for word in words if word not in _ATTRIBUTES)
+        if not all(category in _ATTRIBUTES[word] for word in attributes):
+            return 0
+        if not words:
+            return 1
+    names = [[word for word in name if word not in _JOINTS] for name in names_of(entry).all]
+    plain = [word for word in words if word not in _JOINTS]
+    if any(_same(plain, name) for name in names):
+        return 3
+    colours = set(lemmas(colour.colour)) | set(lemmas(colour.id))
+    described = {w for name in names for w in name} | set(lemmas(entry.words.description)) | colours
+    described.add(lemma(entry.words.category.lower()))
+    *qualifiers, head = plain or [""]
+    explained = all(any(same_word(word, other) for other in described) for word in qualifiers)
+    if explained and any(same_word(head, name[-1]) for name in names):
+        return 2
+    if explained and _is_of_kind(head, entry, names_of(entry)):
+        return 1
+    return 0
+
+
+def _same(words: Collection[str], name: Collection[str]) -> bool:
+    """Whether two names are made of the same words, whatever their order: 'box of tea', 'tea box'; 'mouth wash'."""
+    if len(words) == len(name) and all(same_word(a, b) for a, b in zip(sorted(words), sorted(name), strict=True)):
+        return True
+    return "".join(words) == "".join(name)
+
+
+def _colours(entry: CatalogueEntry) -> set[str]:
+    """The colour words of an object."""
+    variant = entry.variants[0]
+    found = {colour_of(word) for text in (variant.colour, variant.id) for word in tokens(text)}
+    return {colour for colour in found if colour is not None}

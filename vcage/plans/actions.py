@@ -1,0 +1,80 @@
+"""What sub-tasks do to the truth of goals: a small STRIPS world (Fikes and Nilsson, 1971) whose facts are goals.
+
+A state is the set of goals that are true. What makes one true makes others false: a thing is in one place at a time, a
+part is open or closed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable
+from dataclasses import dataclass
+
+from vcage.schema.goals import EventWord, Goal
+
+State = frozenset[Goal]
+EVENTS: tuple[EventWord, ...] = ("pressed", "turned", "scanned", "weighed", "presented", "handed")
+HOLDING = ("inside", "on")
+_OPPOSITE = {"open": "closed", "closed": "open"}
+
+
+@dataclass(frozen=True)
+class Action:
+    """A sub-task as the planner sees it.
+
+    Args:
+        name: id of the sub-task.
+        requires: what must be true before it.
+        adds: what is true after it, or was done by it.
+        moves: the object that it carries: nothing may lie in or on it, and where it was it is no more.
+    """
+
+    name: str
+    requires: State
+    adds: State
+    moves: str | None = None
+
+    def obstacle(self, state: State) -> str:
+        """Why it cannot be done in a state; "" when it can."""
+        missing = sorted(map(str, self.requires - state))
+        if missing:
+            return f"{' and '.join(missing)} must be true first"
+        laden = sorted(g.subject for g in state if g.relation in HOLDING and g.reference == self.moves)
+        return f"{' and '.join(laden)} must be taken off {self.moves} first" if self.moves and laden else ""
+
+    def after(self, state: State) -> State:
+        """The state that it leads to."""
+        kept = (g for g in state if not any(overrides(new, g) for new in self.adds))
+        if self.moves is not None:
+            kept = (g for g in kept if g.relation in EVENTS or self.moves not in _placed(g))
+        return self.adds.union(kept)
+
+
+def _placed(goal: Goal) -> tuple[str | None, ...]:
+    """The objects whose places make a goal true."""
+    return () if goal.relation in _OPPOSITE else (goal.subject, goal.reference)
+
+
+def overrides(new: Goal, old: Goal) -> bool:
+    """Whether ``new`` cannot be true together with ``old``."""
+    if new == old or new.subject != old.subject:
+        return False
+    if new.relation in _OPPOSITE:
+        return old.relation == _OPPOSITE[new.relation] and old.part == new.part
+    return new.relation in HOLDING and old.relation in HOLDING
+
+
+def supersedes(later: Goal, goal: Goal) -> bool:
+    """Whether a goal that is asked for later excuses an earlier one of the same thing from being true at the end."""
+    if later.subject != goal.subject or goal.relation in EVENTS:
+        return False
+    if goal.relation in _OPPOSITE:
+        return later.relation in _OPPOSITE and later.part == goal.part
+    return later.relation not in EVENTS and later.relation not in _OPPOSITE
+
+
+def lasting(steps: Iterable[Collection[Goal]]) -> list[Goal]:
+    """The goals of all steps that must be true at the end."""
+    found: list[Goal] = []
+    for step in steps:
+        found = [g for g in found if not any(supersedes(later, g) for later in step)] + list(step)
+    return [goal for goal in found if goal.relation not in EVENTS]

@@ -1,0 +1,134 @@
+"""Finds the shortest chain of sub-tasks that brings about goals in their order, and checks any chain for it.
+
+Every goal is brought about by a step of the chain, and in its turn: what happened to be true at the start has not been
+done, and what was done too early has not been done in order. What the chain opened on its own account is closed again.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+from vcage.plans.actions import Action, State, lasting, supersedes
+from vcage.schema.goals import Goal
+
+MOST_STATES = 200_000
+"""The search ends after so many states."""
+
+
+@dataclass(frozen=True)
+class Task:
+    """What is to be done.
+
+    Args:
+        initial: what is true at the start; of every moving part whether it is open or closed.
+        steps: goals in their order; those of one step in any.
+    """
+
+    initial: State
+    steps: tuple[frozenset[Goal], ...]
+
+    @property
+    def final(self) -> frozenset[Goal]:
+        """What must be true at the end: the goals that last, and every part as it was that no goal speaks of."""
+        last = lasting(self.steps)
+        parts = (g for g in self.initial if g.relation in ("open", "closed"))
+        asked = [g for step in self.steps for g in step]
+        return frozenset([*last, *(g for g in parts if not any(supersedes(a, g) for a in asked))])
+
+
+@dataclass(frozen=True)
+class _Node:
+    """How far a chain has come: the state, the step that is worked on, and which of its goals were brought about."""
+
+    state: State
+    step: int
+    done: frozenset[Goal]
+
+    def after(self, action: Action, task: Task) -> _Node | None:
+        """The node after an action; None where it brings about a goal before its turn."""
+        now = task.steps[self.step] if self.step < len(task.steps) else frozenset()
+        early = frozenset().union(*task.steps[self.step + 1 :]) - now
+        new = action.adds - self.state
+        if new & early:
+            return None
+        state = action.after(self.state)
+        done = self.done | (action.adds & now)
+        if now and done == now and all(g in state for g in lasting([now])):
+            return _Node(state, self.step + 1, frozenset())
+        return _Node(state, self.step, done)
+
+    def is_end(self, task: Task) -> bool:
+        return self.step == len(task.steps) and task.final <= self.state
+
+
+def find_chain(task: Task, actions: Iterable[Action]) -> list[str] | None:
+    """Names of the actions of a shortest chain; None where there is none within :data:`MOST_STATES`."""
+    useful = _useful(task, list(actions))
+    start = _Node(task.initial, 0, frozenset())
+    came: dict[_Node, tuple[_Node, str] | None] = {start: None}
+    queue = deque([start])
+    while queue and len(came) < MOST_STATES:
+        node = queue.popleft()
+        if node.is_end(task):
+            return _names(came, node)
+        for action in useful:
+            if action.obstacle(node.state):
+                continue
+            following = node.after(action, task)
+            if following is not None and following not in came:
+                came[following] = (node, action.name)
+                queue.append(following)
+    return None
+
+
+def _names(came: Mapping[_Node, tuple[_Node, str] | None], node: _Node) -> list[str]:
+    names: list[str] = []
+    before = came[node]
+    while before is not None:
+        node, name = before
+        names.append(name)
+        before = came[node]
+    return names[::-1]
+
+
+def _useful(task: Task, actions: Sequence[Action]) -> list[Action]:
+    """The actions that a chain may need: those that bring about a goal, or what such an action needs, and so on."""
+    wanted = set(task.final).union(*task.steps)
+    movable = {g.subject for g in task.initial if g.relation in ("inside", "on")}
+    found: list[Action] = []
+    left = list(actions)
+    while True:
+        carried = {a.moves for a in found if a.moves is not None}
+        laden = {g.subject for g in task.initial if g.relation in ("inside", "on") and g.reference in carried} & movable
+        more = [a for a in left if a.adds & wanted or (a.moves in laden and _sets_aside(a))]
+        if not more:
+            return found
+        found += more
+        left = [a for a in left if a not in more]
+        for action in more:
+            wanted |= action.requires
+            wanted |= {
+                g for g in task.initial if any(supersedes(new, g) and g.relation == "closed" for new in action.adds)
+            }
+
+
+def _sets_aside(action: Action) -> bool:
+    return any(g.reference == "table" for g in action.adds)
+
+
+def complaints(task: Task, chain: Sequence[Action]) -> list[str]:
+    """Why a chain does not do what is asked, one sentence each; empty when it is proven to."""
+    node = _Node(task.initial, 0, frozenset())
+    for action in chain:
+        obstacle = action.obstacle(node.state)
+        if obstacle:
+            return [f"{action.name} is not possible then: {obstacle}"]
+        following = node.after(action, task)
+        if following is None:
+            return [f"{action.name} comes before what must be done first"]
+        node = following
+    left: Collection[Goal] = [g for step in task.steps[node.step :] for g in step if g not in node.done]
+    undone = [f"{goal} is not brought about in its turn" for goal in left]
+    return undone + [f"{goal} is not true at the end" for goal in sorted(task.final - node.state, key=str)]

@@ -1,0 +1,93 @@
+"""What an instruction asks for in a scene: goals of a closed vocabulary, in the order that the sentence gives them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Literal
+
+from pydantic import Field, model_validator
+
+from vcage.schema.base import Identifier, Record
+
+StateWord = Literal[
+    "inside", "on", "left_of", "right_of", "in_front_of", "behind", "beside", "near", "open", "closed", "back"
+]  # fmt: skip
+"""Goals that can be seen of a state; ``back``: where it stood at the start."""
+
+EventWord = Literal["pressed", "turned", "scanned", "weighed", "presented", "handed"]
+"""Goals that say what was done, whatever it looks like afterwards."""
+
+GoalWord = Literal[StateWord, EventWord]
+
+OF_A_PART = ("open", "closed", "pressed", "turned")
+"""Goals whose subject is a moving part."""
+
+PARTS_THAT: dict[str, tuple[str, ...]] = {
+    "open": ("drawer", "door", "lid", "screen"),
+    "press": ("button",),
+    "turn": ("dial", "lever", "knob"),
+}
+"""What parts are called that open and close, are pressed, or turned; the first word of a part's name."""
+
+
+def part_that(action: str, part: str) -> bool:
+    """Whether a moving part is one that opens, is pressed, or turned."""
+    return part.split("_")[0] in PARTS_THAT[action]
+
+
+def part_words(part: str) -> str:
+    """What to call a moving part: ``drawer_top`` is the top drawer."""
+    kind, *which = part.split("_")
+    return " ".join([*which, kind])
+
+
+OF_TWO = ("inside", "on", "left_of", "right_of", "in_front_of", "behind", "beside", "near", "handed")
+"""Goals that need a reference: another object, ``table``, or for ``handed`` an arm."""
+
+
+class Goal(Record):
+    """Something that must be true, or must have been done."""
+
+    subject: Identifier = Field(description="id of an object")
+    relation: GoalWord
+    reference: Identifier | None = Field(
+        default=None, description="id of another object, or 'table'; for 'handed' the arm that has it then"
+    )
+    part: Identifier | None = Field(
+        default=None, description="moving part: of the subject (open…), or of the reference that it is put into"
+    )
+
+    @model_validator(mode="after")
+    def _has_what_its_word_needs(self) -> Goal:
+        if (self.reference is not None) != (self.relation in OF_TWO):
+            raise ValueError(f"{self.relation!r} takes {'a' if self.relation in OF_TWO else 'no'} reference")
+        if self.relation in OF_A_PART and self.part is None:
+            raise ValueError(f"{self.relation!r} needs the moving part")
+        return self
+
+    def __str__(self) -> str:
+        """As in ``marker_red inside cabinet/drawer_top``."""
+        if self.relation in OF_A_PART:
+            return f"{self.subject}/{self.part} {self.relation}"
+        place = f" {self.reference}" if self.reference else ""
+        return f"{self.subject} {self.relation}{place}{f'/{self.part}' if self.part else ''}"
+
+
+def goal_of(values: Sequence[str | None]) -> Goal:
+    """A goal from its subject, relation, reference and part; what is left out at the end is None."""
+    return Goal.model_validate(dict(zip(("subject", "relation", "reference", "part"), values, strict=False)))
+
+
+class AskedGoal(Record):
+    """A goal of an instruction, and the words that it answers."""
+
+    goal: Goal
+    step: int = Field(ge=0, description="goals of an earlier step come first; those of one step in any order")
+    words: str = Field(min_length=1, description="the words of the instruction that ask for it")
+
+
+class Reading(Record):
+    """What a reasoner takes from an instruction in a scene."""
+
+    goals: list[AskedGoal] = Field(min_length=1)
+    untouched: list[Identifier] = Field(default=[], description="objects that the instruction wants left alone")

@@ -1,0 +1,71 @@
+"""Whether a functional point is open to above, and which drawer or lid must be opened before something is put there."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from vcage.schema.asset import FunctionalPoint
+from vcage.schema.subtasks import Check
+from vcage.sim.joints import link_poses
+from vcage.tasks.scene_objects import SceneObject
+
+UPRIGHT = 0.7
+"""Least share of a functional point's axis that points up: things are put there from above."""
+
+COVER = 0.01
+"""What is nearer above a functional point than this belongs to its floor, metres."""
+
+
+def access(receptacle: SceneObject, point: FunctionalPoint) -> Check:
+    """Whether a functional point is reached from above: it faces up, and no closed drawer or lid keeps it in."""
+    poses = link_poses(receptacle.asset.model, receptacle.joints)
+    part = receptacle.pose * poses[point.link]
+    upright = float((part.rotation() @ np.asarray(point.axis))[2])
+    where = f"{point.name!r} of {receptacle.record.phrase}"
+    if upright < UPRIGHT:
+        message = f"{where} can only be reached from the side"
+        return Check(name="way_free", passed=False, value=upright, limit=UPRIGHT, message=message)
+    lid = closed_part(receptacle, point)
+    if lid is not None:
+        message = f"the {lid.replace('_', ' ')} of {receptacle.record.phrase} is closed"
+        return Check(name="way_free", passed=False, message=message)
+    return Check(name="way_free", passed=True, message=f"{where} is open at the top")
+
+
+def headroom(receptacle: SceneObject, point: FunctionalPoint) -> float:
+    """How tall a thing may be so that what keeps the point in can be closed over it, metres; infinite without that.
+
+    The least height above the point's floor, over a grid of its opening, of all other parts when everything is at rest.
+    """
+    if not receptacle.asset.articulated:
+        return np.inf
+    opening = receptacle.asset.opening(point)
+    across, along = (np.linspace(-0.4, 0.4, 5) * side for side in opening.size)
+    least = np.inf
+    for link in (None, *(link.name for link in receptacle.asset.model.links)):
+        if link == point.link:
+            continue
+        for piece in receptacle.asset.pieces_of(link):
+            for x in opening.centre[0] + across:
+                for y in opening.centre[1] + along:
+                    stretch = piece.interval(np.array([x, y, opening.floor]), np.array([0.0, 0.0, 1.0]))
+                    if stretch is not None and stretch[1] > COVER:
+                        least = min(least, max(stretch[0], 0.0))
+    return float(least)
+
+
+def closed_part(receptacle: SceneObject, point: FunctionalPoint) -> str | None:
+    """The moving part that must be opened first, or None: the point's own, or the one that lies over it."""
+    model = receptacle.asset.model
+    poses = link_poses(model, receptacle.joints)
+    origin = (receptacle.pose * poses[point.link]).apply(point.position)
+    for name, local in poses.items():
+        if name == point.link:
+            continue  # its own ceiling is the opening's business
+        to_part = (receptacle.pose * local).inverse()
+        start, up = to_part.apply(origin), to_part.rotation() @ [0.0, 0.0, 1.0]
+        for piece in receptacle.asset.pieces_of(name):
+            stretch = piece.interval(start, up)
+            if stretch is not None and stretch[1] > COVER:
+                return point.link or name
+    return None

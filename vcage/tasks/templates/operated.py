@@ -1,0 +1,144 @@
+"""What opening, closing, pressing and turning have in common: a moving part that is brought to a position by a hand."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from vcage.schema.asset import ContactPoint, Joint
+from vcage.schema.goals import Goal, GoalWord, part_that
+from vcage.schema.subtasks import PairAnswer, PairQuestion, Refusal, Subtask, TemplateName
+from vcage.sim.joints import joint_index, joint_positions
+from vcage.sim.kinematics import ArmKinematics
+from vcage.tasks.feasibility import examine_operation
+from vcage.tasks.scene_objects import SceneObject
+from vcage.tasks.wording import wordings
+
+
+@dataclass(frozen=True)
+class Operated:
+    """A template for parts that are operated.
+
+    Args:
+        name: of the template.
+        action: which parts: those that ``open``, are ``press``-ed, or ``turn``-ed.
+        word: the goal that it brings about.
+        start, target: where the joint is before and after.
+        opposite: the goal that must be true before.
+    """
+
+    name: TemplateName
+    action: str
+    word: GoalWord
+    start: Callable[[Joint], float]
+    target: Callable[[Joint], float]
+    opposite: GoalWord | None = None
+
+    def proposals(self, objects: Sequence[SceneObject]) -> tuple[list[Operable], list[Refusal]]:
+        """Every part of the kind with each of its contact points, and the parts that have none."""
+        found, refused = [], []
+        for thing in objects:
+            for part in (link.name for link in thing.asset.model.links if part_that(self.action, link.name)):
+                contacts = [c for c in thing.asset.annotation.contact_points if c.link == part]
+                if not contacts:
+                    reason = f"{thing.record.phrase} has no contact point on its {part} to {self.name} it by"
+                    refused.append(Refusal(template=self.name, object=thing.id, reason=reason))
+                found += [Operable(self, thing, part, contact) for contact in contacts]
+        return found, refused
+
+    def calls(self, subtask: Subtask) -> list[str]:
+        """The line of the script's ``play``; GRASPS and TARGET are constants of the script."""
+        return [f"task.operate({subtask.object!r}, GRASPS[0][0], TARGET, arms=[arm for _, arm, _ in GRASPS])"]
+
+
+@dataclass(frozen=True)
+class Operable:
+    """A part of an object with a contact point on it."""
+
+    template: Operated
+    thing: SceneObject
+    part: str
+    contact: ContactPoint
+
+    @property
+    def candidates(self) -> int:
+        """One: a contact point."""
+        return 1
+
+    def impossible(self) -> Refusal | None:
+        """Nothing can be ruled out without inverse kinematics."""
+        return None
+
+    def question(self) -> PairQuestion | None:
+        """Nobody is asked: what a part is for, its annotation says."""
+        return None
+
+    def senseless(self, reason: str) -> Refusal:
+        """See :class:`vcage.tasks.templates.Proposal`; nobody is asked."""
+        return self._refusal(f"not sensible: {reason}")
+
+    def examine(
+        self,
+        answer: PairAnswer | None,
+        objects: Sequence[SceneObject],
+        kinematics: Mapping[str, ArmKinematics],
+        table_height: float,
+        rng: np.random.Generator,
+    ) -> tuple[Subtask | None, list[Refusal]]:
+        """The sub-task if an arm can follow the part's motion, else the refusal."""
+        joint = self.thing.asset.model.link(self.part).joint
+        target = self.template.target(joint)
+        finding = examine_operation(
+            self._at(self.template.start(joint)),
+            self.contact,
+            target,
+            [o for o in objects if o.id != self.thing.id],
+            kinematics,
+        )
+        if not finding.feasible:
+            return None, [self._refusal(finding.reason)]
+        goal = Goal(subject=self.thing.id, relation=self.template.word, part=self.part)
+        text, *others = wordings(goal, {o.id: o.record.phrase for o in objects})
+        identifier = f"{self.template.name}-{self.thing.id}-{self.part}"
+        return (
+            Subtask(
+                id=identifier,
+                template=self.template.name,
+                text=text,
+                texts=others,
+                object=self.thing.id,
+                target=round(target, 4),
+                grasps=finding.grasps,
+                requires=self._requires(),
+                goals=[goal],
+                script=f"subtasks/{identifier}.py",
+                checks=finding.checks,
+            ),
+            [],
+        )
+
+    def _requires(self) -> list[Goal]:
+        """That it is in the other position, and that no drawer above it hangs out over the hand."""
+        opposite = self.template.opposite
+        if opposite is None:
+            return []
+        model, asset = self.thing.asset.model, self.thing.asset
+        height = asset.bounds_of(self.part)[0, 2]
+        above = [
+            link.name for link in model.links
+            if part_that("open", link.name) and link.joint.kind == "slide" and asset.bounds_of(link.name)[0, 2] > height
+        ]  # fmt: skip
+        shut = [Goal(subject=self.thing.id, relation="closed", part=name) for name in above]
+        return [Goal(subject=self.thing.id, relation=opposite, part=self.part), *shut]
+
+    def _at(self, position: float) -> SceneObject:
+        """The object with the part at a position."""
+        model = self.thing.asset.model
+        joints = joint_positions(model, self.thing.joints)
+        joints[joint_index(model, self.part)] = position
+        return self.thing.moved(self.thing.pose, tuple(joints.tolist()))
+
+    def _refusal(self, reason: str) -> Refusal:
+        return Refusal(template=self.template.name, object=self.thing.id, contact=self.contact.id, reason=reason)

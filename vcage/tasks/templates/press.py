@@ -1,0 +1,13 @@
+"""Press: a button is pushed in with closed fingers, and comes back by itself."""
+
+from __future__ import annotations
+
+from vcage.tasks.templates.operated import Operated
+
+PRESS = Operated(
+    name="press",
+    action="press",
+    word="pressed",
+    start=lambda _: 0.0,
+    target=lambda joint: joint.far_end,
+)
