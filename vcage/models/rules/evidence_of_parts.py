@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import cv2
@@ -84,16 +84,17 @@ def gather_part(
         return Drawing(*(layer[:height, :width] for layer in (shown.picture, shown.covered, shown.depth)))
 
     rough = _found(resting, template_from_reference(at_rest, camera, table_height), background)
-    pose = _settled(rough, resting, background, lambda pose: drawn(pose, 0.0))
-    drawings = [drawn(pose, share) for share in POSITIONS]
-    labs = np.stack([to_lab(_composed(d, background, resting)) for d in drawings])
-    covered = np.any([d.covered for d in drawings], axis=0)
-    telling = covered & np.any([distance(lab, labs[0]) > DIFFERENT for lab in labs[1:]], axis=0)
-    told = [_likeliest(to_lab(cv2.GaussianBlur(p, (3, 3), 0)), labs, telling) for p in (before, after)]
+    moved = before if closes else after
+    sights = []
+    for flip in FLIPS:
+        pose, unlike = _settled(rough + [0, 0, flip], resting, background, lambda pose: drawn(pose, 0.0))
+        sight = _Sight([drawn(pose, share) for share in POSITIONS], resting, background)
+        sights.append((unlike + sight.least_cost(moved), sight))
+    sight = min(sights, key=lambda found: found[0])[1]
     touched = 0.0
     if moment is not None:
-        touched = float(changed(*(to_lab(p) for p in (after, moment)))[covered].mean())
-    return PartEvidence(int(telling.sum()), told[0], told[1], touched)
+        touched = float(changed(*(to_lab(p) for p in (after, moment)))[sight.covered].mean())
+    return PartEvidence(int(sight.telling.sum()), sight.likeliest(before), sight.likeliest(after), touched)
 
 
 def _found(picture: np.ndarray, template: ObjectTemplate, background: np.ndarray) -> np.ndarray:
@@ -105,9 +106,9 @@ def _found(picture: np.ndarray, template: ObjectTemplate, background: np.ndarray
 
 def _settled(
     rough: np.ndarray, picture: np.ndarray, background: np.ndarray, draw: Callable[[np.ndarray], Drawing]
-) -> np.ndarray:
-    """(3,) the pose nearby, or turned by quarters, at which a drawing of the object is most like the picture."""
-    lab = to_lab(cv2.GaussianBlur(picture, (3, 3), 0))
+) -> tuple[np.ndarray, float]:
+    """(3,) the pose nearby at which a drawing of the object is most like the picture, and how unlike it still is."""
+    lab = _smoothed(picture)
 
     def unlikeness(pose: np.ndarray) -> float:
         drawing = draw(pose)
@@ -115,13 +116,54 @@ def _settled(
             return np.inf
         return float(distance(lab, to_lab(_composed(drawing, background, picture))).mean())
 
-    best, least = min(((p, unlikeness(p)) for p in rough + np.outer(FLIPS, [0, 0, 1])), key=lambda found: found[1])
-    steps = STEPS.copy()
+    best, least, steps = rough, unlikeness(rough), STEPS.copy()
     for _ in range(ROUNDS):
         around = [best + sign * steps * axis for axis in np.eye(3) for sign in (1, -1)]
         pose, value = min(((p, unlikeness(p)) for p in around), key=lambda found: found[1])
         best, least, steps = (pose, value, steps) if value < least else (best, least, steps / 2)
-    return best
+    return best, least
+
+
+def _smoothed(picture: np.ndarray) -> np.ndarray:
+    return to_lab(cv2.GaussianBlur(picture, (3, 3), 0))
+
+
+class _Sight:
+    """Drawings of an object at one pose with its part at every one of :data:`POSITIONS`.
+
+    Args:
+        drawings: in their order.
+        picture: as bright as this they are made.
+        background: the empty table.
+
+    Attributes:
+        covered: (H, W) bool, where the object is in any of them.
+        telling: (H, W) bool, where they differ.
+    """
+
+    def __init__(self, drawings: Sequence[Drawing], picture: np.ndarray, background: np.ndarray):
+        self._labs = [to_lab(_composed(drawing, background, picture)) for drawing in drawings]
+        self.covered = np.any([drawing.covered for drawing in drawings], axis=0)
+        differ = [distance(lab, self._labs[0]) > DIFFERENT for lab in self._labs[1:]]
+        self.telling = self.covered & np.any(differ, axis=0)
+
+    def least_cost(self, picture: np.ndarray) -> float:
+        """How unlike a picture the likeliest of the drawings is, over all its pixels."""
+        lab = _smoothed(picture)
+        return min(float(distance(lab, drawn).mean()) for drawn in self._labs)
+
+    def likeliest(self, picture: np.ndarray) -> float:
+        """The position whose drawing is most like the picture where drawings differ, refined between its neighbours."""
+        if not self.telling.any():
+            return 0.0
+        lab = _smoothed(picture)
+        costs = [np.minimum(distance(lab, drawn)[self.telling], CAP).mean() for drawn in self._labs]
+        k = int(np.clip(np.argmin(costs), 1, len(costs) - 2))
+        left, middle, right = costs[k - 1 : k + 2]
+        bend = left - 2 * middle + right
+        offset = 0.5 * (left - right) / bend if bend > 1e-6 else 0.0
+        refined = POSITIONS[k] + np.clip(offset, -1.0, 1.0) * (POSITIONS[1] - POSITIONS[0])
+        return float(np.clip(refined, 0.0, 1.0))
 
 
 def _composed(drawing: Drawing, background: np.ndarray, picture: np.ndarray) -> np.ndarray:
@@ -131,16 +173,3 @@ def _composed(drawing: Drawing, background: np.ndarray, picture: np.ndarray) -> 
         gain = np.median(picture[covered], axis=0) / np.maximum(np.median(drawn[covered], axis=0), 1)
         drawn = drawn * np.clip(gain, 0.5, 2.0)
     return np.where(covered[..., None], np.clip(drawn, 0, 255), background).astype(np.uint8)
-
-
-def _likeliest(lab: np.ndarray, labs: np.ndarray, telling: np.ndarray) -> float:
-    """The position whose drawing is most like the picture where drawings differ, refined between its neighbours."""
-    if not telling.any():
-        return 0.0
-    costs = np.array([np.minimum(distance(lab, d)[telling], CAP).mean() for d in labs])
-    k = int(np.clip(costs.argmin(), 1, len(costs) - 2))
-    left, middle, right = costs[k - 1 : k + 2]
-    bend = left - 2 * middle + right
-    offset = 0.5 * (left - right) / bend if bend > 1e-6 else 0.0
-    refined = POSITIONS[k] + np.clip(offset, -1.0, 1.0) * (POSITIONS[1] - POSITIONS[0])
-    return float(np.clip(refined, 0.0, 1.0))

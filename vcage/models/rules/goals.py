@@ -60,7 +60,7 @@ class _Grounding:
     def __init__(self, instruction: str, things: Mapping[str, CatalogueEntry]):
         self._instruction = instruction
         self._things = things
-        self._requests = parse_instruction(instruction, words_of(things.values()), self._is_place)
+        self._requests = parse_instruction(instruction, words_of(list(things.values())), self._is_place)
         self._meant: dict[Phrase, tuple[str, ...]] = {}
         self._places: dict[tuple[object, ...], _Place] = {}
         self._taken: list[str] = []

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Mapping
 from enum import Enum
 
 from vcage.models.rules.catalogue_match import _is_of_kind, names_of
@@ -26,15 +26,16 @@ class Meaning(Enum):
     MOVING = "moving"
 
 
-def words_of(entries: Iterable[CatalogueEntry]) -> frozenset[str]:
-    """Every word that things are called by, singular and plural."""
+def words_of(entries: Collection[CatalogueEntry]) -> frozenset[str]:
+    """Every word that things are called by, singular and plural, and those for their looks."""
     texts = [
         text
         for entry in entries
         for text in (entry.name, entry.words.name, entry.words.plural, *entry.words.synonyms, entry.words.category)
     ]
+    looks = [text for e in entries for v in e.variants for text in (v.id, v.colour)]
     words = {word for text in texts for word in tokens(text)}
-    return frozenset(words | {f"{word}s" for word in words})
+    return frozenset(words | {f"{word}s" for word in words}.union(*(tokens(look) for look in looks)))
 
 
 def meant(
@@ -96,12 +97,17 @@ def _fit(phrase: Phrase, entry: CatalogueEntry) -> int:
     described = {w for name in names for w in name} | set(lemmas(entry.words.description)) | colours
     described.add(lemma(entry.words.category.lower()))
     *qualifiers, head = plain or [""]
-    explained = all(any(same_word(word, other) for other in described) for word in qualifiers)
+    explained = all(any(_describes(word, other) for other in described) for word in qualifiers)
     if explained and any(same_word(head, name[-1]) for name in names):
         return 2
     if explained and _is_of_kind(head, entry, names_of(entry)):
         return 1
     return 0
+
+
+def _describes(word: str, other: str) -> bool:
+    """Whether a qualifier says what a known word does: 'wooden', 'wood'."""
+    return same_word(word, other) or (len(other) >= 4 and word.startswith(other))
 
 
 def _same(words: Collection[str], name: Collection[str]) -> bool:

@@ -242,7 +242,8 @@ def _phrase(words: Sequence[Token], quantity: Quantity | None, numbers: Sequence
     if lemmas[0] in _EVERY[:3]:
         quantity, count, numbers = "all", None, []
     if quantity in ("all", "both", "rest") and not numbers:
-        count = 2 if quantity == "both" else None if is_plural(counted) or quantity == "all" else 1
+        several = is_plural(counted) or lemmas[-1] in MASS_KINDS or quantity == "all"
+        count = 2 if quantity == "both" else None if several else 1
     plain = count is not None and bool(numbers) and quantity is None
     least = max([ORDINALS.get(word, 1) for word in which] + [2 if part and is_plural(counted) else 1]) if part else 0
     return Phrase(

@@ -24,6 +24,7 @@ class Token:
         text: as written, in lower case.
         start, end: where in the instruction, in characters.
         glued: bound to the word before it by a hyphen.
+        first: 'first' stands beside it: 'but first open it', 'but scan it first'.
     """
 
     kind: Kind
@@ -32,6 +33,7 @@ class Token:
     start: int
     end: int
     glued: bool = False
+    first: bool = False
 
     @property
     def base(self) -> str | None:
@@ -77,7 +79,15 @@ def tokens(instruction: str, names: Collection[str] = ()) -> list[Token]:
         token, length = _token(words, at, found[-1] if found else None)
         found.append(token)
         at += length
-    useful = [token for token in found if token.kind not in ("noise", "wish", "first")]
+    useful: list[Token] = []
+    for at, token in enumerate(found):
+        if token.kind == "first" and useful and useful[-1].kind not in ("and", "stop", "then"):
+            useful[-1] = replace(useful[-1], first=True)
+        elif token.kind not in ("noise", "wish", "first"):
+            led = (
+                at > 0 and found[at - 1].kind == "first" and (not useful or useful[-1].kind in ("and", "stop", "then"))
+            )
+            useful.append(replace(token, first=led))
     return [_before_noun(token, useful[at + 1 : at + 2]) for at, token in enumerate(useful)]
 
 
@@ -150,9 +160,8 @@ def _meant(word: str, known: frozenset[str]) -> str:
     ]
     if len(swapped) == 1:
         return swapped[0]
-    close = [
-        c for c in difflib.get_close_matches(word, known, n=3, cutoff=ALIKE) if c not in _KNOWN or _dropped(word, c)
-    ][:2]
+    near = difflib.get_close_matches(word, known, n=4, cutoff=ALIKE)
+    close = [c for c in near if c not in COLOURS and (c not in _KNOWN or _dropped(word, c))][:2]
     likeness = [difflib.SequenceMatcher(None, word, other).ratio() for other in close]
     if (
         len(close) == 1

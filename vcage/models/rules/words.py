@@ -10,6 +10,7 @@ IRREGULAR = {
     "loaves": "loaf", "knives": "knife", "shelves": "shelf", "leaves": "leaf", "halves": "half", "mice": "mouse",
     "potatoes": "potato", "tomatoes": "tomato", "dishes": "dish", "dice": "die", "men": "man", "children": "child",
     "cookies": "cookie", "brownies": "brownie", "pies": "pie", "boxes": "box", "axes": "axe", "cacti": "cactus",
+    "veg": "vegetable", "veggies": "vegetable", "veggie": "vegetable",
 }  # fmt: skip
 """Plural → singular where the rules below would go wrong."""
 

@@ -1,0 +1,45 @@
+"""How readings are compared with what a record says."""
+
+from __future__ import annotations
+
+import pytest
+
+from benchmarks.instructions import agrees, load_scenes, read
+from vcage.schema.goals import AskedGoal, goal_of
+
+SCENES = load_scenes()
+
+
+def asked(*goals: tuple[str | None, ...]) -> list[AskedGoal]:
+    return [AskedGoal(goal=goal_of(goal), step=step, words="x") for step, goal in enumerate(goals)]
+
+
+IN_CUP = ("pen", "inside", "cup")
+OPEN = ("box", "open", None, "lid")
+
+
+@pytest.mark.parametrize(
+    ("found", "steps", "right"),
+    [
+        ([IN_CUP], [[["inside", "pen", "cup"]]], True),
+        ([IN_CUP], [[["inside", "pen|ruler", "cup|box"]]], True),
+        ([IN_CUP], [[["on", "pen", "cup"]]], False),
+        ([IN_CUP], [[["inside", "pen", "box"]]], False),
+        ([IN_CUP, OPEN], [[["inside", "pen", "cup"]]], False),
+        ([IN_CUP], [[["inside", "pen", "cup"], ["open", "box/lid"]]], False),
+        ([OPEN, IN_CUP], [[["inside", "pen", "cup"], ["open", "box/lid"]]], True),
+        ([OPEN, IN_CUP], [[["inside", "pen", "cup"]], [["open", "box/lid"]]], False),
+        ([("a", "on", "b"), ("b", "on", "c")], [[["tower", "a", "b", "c"]]], True),
+        ([("a", "on", "c"), ("b", "on", "c")], [[["tower", "a", "b", "c"]]], False),
+    ],
+)
+def test_a_reading_is_right_with_the_same_goals_in_an_order_that_is_allowed(found, steps, right) -> None:
+    assert agrees(asked(*found), steps) is right
+
+
+def test_a_refusal_is_right_where_the_record_asks_for_one() -> None:
+    refused = {"say": "Where is the mug?", "scene": "kitchen", "refuse": "a question"}
+    assert read(refused, SCENES["kitchen"])[0] == "right"
+    assert read({**refused, "say": "Put the banana in the pot"}, SCENES["kitchen"])[0] == "misread"
+    steps = {"say": "Where is the mug?", "steps": [[["inside", "banana_ripe", "pot_steel"]]]}
+    assert read(steps, SCENES["kitchen"])[0] == "refused"

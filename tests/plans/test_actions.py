@@ -1,0 +1,41 @@
+from __future__ import annotations
+
+from vcage.plans.actions import Action, lasting, overrides
+from vcage.schema.goals import Goal
+
+PEN, CUP = Goal(subject="pen", relation="on", reference="table"), Goal(subject="cup", relation="on", reference="table")
+IN_CUP = Goal(subject="pen", relation="inside", reference="cup")
+OPEN, CLOSED = (Goal(subject="box", relation=word, part="lid") for word in ("open", "closed"))
+PUT = Action("put", frozenset(), frozenset([IN_CUP]), moves="pen")
+
+
+def test_a_thing_is_in_one_place_at_a_time() -> None:
+    assert PUT.after(frozenset([PEN, CUP])) == {IN_CUP, CUP}
+
+
+def test_a_part_is_open_or_closed() -> None:
+    shut = Action("close", frozenset([OPEN]), frozenset([CLOSED]))
+    assert shut.after(frozenset([OPEN, PEN])) == {CLOSED, PEN}
+    assert shut.obstacle(frozenset([CLOSED])) == "box/lid open must be true first"
+
+
+def test_what_holds_something_is_not_carried_away() -> None:
+    move = Action("move", frozenset(), frozenset([Goal(subject="cup", relation="on", reference="tray")]), moves="cup")
+    assert move.obstacle(frozenset([IN_CUP, CUP])) == "pen must be taken off cup first"
+    assert move.obstacle(frozenset([PEN, CUP])) == ""
+
+
+def test_what_was_done_stays_done() -> None:
+    scanned = Goal(subject="pen", relation="scanned")
+    assert scanned in PUT.after(frozenset([PEN, CUP, scanned]))
+
+
+def test_two_drawers_do_not_exclude_each_other() -> None:
+    top, bottom = (Goal(subject="cabinet", relation=w, part=p) for w, p in (("open", "top"), ("closed", "bottom")))
+    assert not overrides(top, bottom)
+    assert overrides(top, top.model_copy(update={"relation": "closed"}))
+
+
+def test_of_two_places_one_after_another_the_last_is_what_lasts() -> None:
+    on_tray = Goal(subject="pen", relation="on", reference="tray")
+    assert lasting([[IN_CUP, OPEN], [on_tray], [CLOSED]]) == [on_tray, CLOSED]
