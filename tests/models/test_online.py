@@ -203,21 +203,21 @@ THINGS = {
 
 
 def test_goals_name_objects_and_the_words_that_they_answer(models: Models) -> None:
-    (asked,) = models.reasoner.read_goals("Put the red block on the plate", THINGS).goals
+    (asked,) = models.reasoner.read_goals("Put the red block on the plate", THINGS, {}).goals
     assert asked.goal == Goal(subject="block", relation="on", reference="plate")
     assert asked.words == "Put the red block on the plate"
 
 
 def test_what_a_model_could_not_read_is_refused_by_its_words(models: Models) -> None:
     with pytest.raises(UnreadInstruction, match="stir the soup"):
-        models.reasoner.read_goals("Put the block on the plate and stir the soup", THINGS)
+        models.reasoner.read_goals("Put the block on the plate and stir the soup", THINGS, {})
 
 
 def test_a_goal_in_words_that_the_instruction_has_not_goes_back_to_the_model(models: Models, server: StandIn) -> None:
     goal = {"relation": "on", "subject": "block", "reference": "plate", "part": "", "step": 1, "words": "block up"}
     wrong = text_answer(json.dumps({"unread": [], "goals": [goal], "untouched": []}))
     server.queue(wrong)
-    models.reasoner.read_goals("Put the red block on the plate", THINGS)
+    models.reasoner.read_goals("Put the red block on the plate", THINGS, {})
     assert "words are not copied from the instruction" in str(server.requests[1])
 
 

@@ -19,7 +19,7 @@ def test_an_unknown_prompt_is_named() -> None:
         prompts.fill("nonsense")
 
 
-@pytest.mark.parametrize("values", [{}, {"instruction": "x", "things": {}, "more": 1}])
+@pytest.mark.parametrize("values", [{}, {"instruction": "x", "things": {}, "lying": {}, "more": 1}])
 def test_placeholders_and_values_must_be_the_same(values: dict[str, object]) -> None:
     with pytest.raises(ConfigurationError, match="placeholders"):
         prompts.fill("read_goals", **values)

@@ -147,7 +147,7 @@ class Chooser:
             raise ModelRefused("; ".join(self.complaints))
         return selection
 
-    def read_goals(self, instruction, things) -> Reading:
+    def read_goals(self, instruction, things, lying) -> Reading:
         names = list(things)
         goal = Goal(subject=names[0], relation="on", reference="table")
         return Reading(goals=[AskedGoal(goal=goal, step=1, words=instruction)])

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.scenes import TABLE_TOP, thing
+from tests.scenes import TABLE_TOP, thing, world_of
 from vcage.base.geometry import Pose
 from vcage.schema.episodes import Truth
 from vcage.schema.goals import Goal
 from vcage.tasks.scene_objects import SceneObject
-from vcage.tasks.truth import goals_hold
+from vcage.tasks.truth import Watch, goals_hold
 
 BOX = thing("packaging_box", (0.1, 0.05), 0.5)
 
@@ -78,6 +78,56 @@ def test_all_goals_must_hold():
     assert found.reason.startswith("block is")
 
 
-def test_a_relation_without_a_truth_is_refused():
-    with pytest.raises(ValueError, match="left_of"):
-        truth(marker_at(0.0, 0.0, 0.0), relation="left_of")
+def test_where_a_thing_stands_beside_another_is_told_by_their_boxes():
+    left = thing("block", (-0.2, 0.05))
+    assert truth(left, relation="left_of").success
+    assert truth(left, relation="right_of").reason == "block is not right_of packaging_box"
+
+
+def test_a_goal_that_no_state_shows_has_no_truth():
+    with pytest.raises(ValueError, match="scanned"):
+        goals_hold([Goal(subject=BOX.id, relation="scanned")], {BOX.id: BOX})
+
+
+# --- moving parts --------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def cabinet() -> SceneObject:
+    return thing("cabinet_one_drawer")
+
+
+def part(word: str, reference: str | None = None) -> Goal:
+    return Goal(subject="cabinet_one_drawer", relation=word, part="drawer", reference=reference)
+
+
+@pytest.mark.parametrize(
+    ("share", "is_open", "is_closed"), [(1.0, True, False), (0.5, False, False), (0.05, False, True)]
+)
+def test_whether_a_part_is_open_or_closed_its_joint_says(cabinet, share: float, is_open: bool, is_closed: bool):
+    now = cabinet.moved(cabinet.pose, (share * cabinet.asset.model.links[0].joint.far_end,))
+    told = [goals_hold([part(word)], {cabinet.id: now}) for word in ("open", "closed")]
+    assert [t.success for t in told] == [is_open, is_closed]
+    assert all(t.success or f"open by {100 * share:.0f} %" in t.reason for t in told)
+
+
+def test_a_thing_in_a_drawer_is_where_the_drawer_is(cabinet):
+    opened = cabinet.moved(cabinet.pose, (cabinet.asset.model.links[0].joint.far_end,))
+    opening = cabinet.asset.opening(cabinet.asset.annotation.functional_point(0))
+    block = thing("block")
+    inside = block.moved(opened.frame(0) * Pose([*opening.centre, opening.floor]))
+    goal = Goal(subject="block", relation="inside", reference=cabinet.id, part="drawer")
+    assert goals_hold([goal], {"block": inside, cabinet.id: opened}).success
+    assert not goals_hold([goal], {"block": inside, cabinet.id: cabinet}).success
+
+
+def test_what_was_pressed_and_came_back_was_pressed():
+    bell = thing("service_bell")
+    world = world_of([bell])
+    watch = Watch(world)
+    goal = Goal(subject=bell.id, relation="pressed", part="button")
+    assert "by 0 % only" in goals_hold([goal], {bell.id: bell}, watch).reason
+    world.set_object_joints(bell.id, [bell.asset.model.links[0].joint.far_end])
+    world.step(50)
+    assert world.object_joints(bell.id)[0] < 0.001
+    assert goals_hold([goal], {bell.id: bell}, watch).success

@@ -49,7 +49,10 @@ class Run(BeginCommand[chain.ChainOptions], Command):
             name: {"fresh": done[name].fresh, **STAGES[name].summary(done[name].record)}
             for name in ("collect", "compress")
         }
-        return Result(output=page, summary=facts["collect"] | {"compress": facts["compress"]}, next=f"open {page}")
+        summary = facts["collect"] | {"compress": facts["compress"]}
+        if done["collect"].short is not None:
+            return Result(error=done["collect"].short, facts={"output": str(page), "summary": summary})
+        return Result(output=page, summary=summary, next=f"open {page}")
 
 
 def _report(run: RunFolder) -> Path:

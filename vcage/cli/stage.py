@@ -63,6 +63,8 @@ def execute_stage(name: str, command: StageCommand) -> Result:
         return Result(output=job.output, summary={"would": would, **job.provenance().model_dump()})
     with progress(name) as show:
         done = run_stage(stage, run, options, context, show)
+    if done.short is not None:
+        return Result(error=done.short, facts={"output": str(done.path), "summary": stage.summary(done.record)})
     return Result(
         output=done.path,
         schema=done.record.SCHEMA,

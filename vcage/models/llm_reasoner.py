@@ -146,7 +146,7 @@ class LlmReasoner:
             for question, pair in zip(questions, found.pairs, strict=True)
         ]
 
-    def read_goals(self, instruction: str, things: Mapping[str, CatalogueEntry]) -> Reading:
+    def read_goals(self, instruction: str, things: Mapping[str, CatalogueEntry], lying: Mapping[str, str]) -> Reading:
         """The model's reading; goals name objects and parts of the scene only, and words of the instruction."""
         parts = sorted({part for entry in things.values() for part in entry.moving_parts})
         item = narrowed(
@@ -156,7 +156,7 @@ class LlmReasoner:
             part=one_of(["", *parts]),
         )
         answer = narrowed(_GoalsAnswer, goals=list[item], untouched=list[one_of(list(things))])  # pyrefly: ignore
-        prompt = prompts.fill("read_goals", instruction=instruction, things=dict(things))
+        prompt = prompts.fill("read_goals", instruction=instruction, things=dict(things), lying=dict(lying))
         found = ask(self._chat, prompt, answer, complaints=lambda a: _goal_complaints(a, instruction, things))
         if found.unread:
             understood = [goal.words for goal in found.goals]

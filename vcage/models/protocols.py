@@ -78,8 +78,7 @@ class CriticQuestion:
         goals: the same in the closed vocabulary.
         before, after: view by camera name; ``top`` is always there, with the robot at its home in both.
         references: object id → what it looks like, for every object of the scene.
-        looks: for goals about a moving part: object id → what it looks like with the part where it was, and where it
-            should be afterwards.
+        looks: for goals about a moving part: object id → what it looks like before, by the plan.
         draw: draws the object of such a goal alone at a pose, as a camera sees it through a window, with the part at a
             share of its range.
         moment: view by camera name while the part was touched; only where something is pressed.
@@ -92,7 +91,7 @@ class CriticQuestion:
     before: dict[str, View]
     after: dict[str, View]
     references: dict[str, Reference] = field(default_factory=dict)
-    looks: dict[str, tuple[Reference, Reference]] = field(default_factory=dict)
+    looks: dict[str, Reference] = field(default_factory=dict)
     draw: Callable[[Goal, Pose, Camera, Window, float], Drawing] | None = None
     moment: dict[str, View] = field(default_factory=dict)
     table_height: float = 0.74
@@ -135,11 +134,12 @@ class Reasoner(Protocol):
         """Whether each object can sensibly be put in or on each receptacle; one answer per question, in order."""
         ...
 
-    def read_goals(self, instruction: str, things: Mapping[str, CatalogueEntry]) -> Reading:
+    def read_goals(self, instruction: str, things: Mapping[str, CatalogueEntry], lying: Mapping[str, str]) -> Reading:
         """What the instruction asks for in a scene, each goal with the words that it answers.
 
         Args:
             things: what there is, by object id: the catalogue's entries with no other look than the object's.
+            lying: what lies in or on another thing at the start: object id → id of that thing.
 
         Raises:
             UnreadInstruction: words of it answer to no goal, or leave open what is meant; names them.

@@ -72,6 +72,14 @@ def supersedes(later: Goal, goal: Goal) -> bool:
     return later.relation not in EVENTS and later.relation not in _OPPOSITE
 
 
+def open_at_start(steps: Iterable[Collection[Goal]]) -> set[tuple[str, str]]:
+    """(object, part) of every part that is to be closed before anything opens it: it must be open then."""
+    first: dict[tuple[str, str], str] = {}
+    for goal in (goal for step in steps for goal in step if goal.relation in _OPPOSITE and goal.part is not None):
+        first.setdefault((goal.subject, str(goal.part)), goal.relation)
+    return {part for part, word in first.items() if word == "closed"}
+
+
 def lasting(steps: Iterable[Collection[Goal]]) -> list[Goal]:
     """The goals of all steps that must be true at the end."""
     found: list[Goal] = []

@@ -66,6 +66,9 @@ class Episode(Record):
     subtasks: list[Identifier] = []
     verdicts: list[Verdict] = []
     attempts: int = Field(default=0, ge=0)
+    goals_hold: Truth | None = Field(
+        default=None, description="whether all goals of the instruction are true at the end, by the simulator's state"
+    )
 
 
 class Episodes(StageDocument):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Literal
 
 from pydantic import Field, model_validator
@@ -84,6 +84,12 @@ class AskedGoal(Record):
     goal: Goal
     step: int = Field(ge=0, description="goals of an earlier step come first; those of one step in any order")
     words: str = Field(min_length=1, description="the words of the instruction that ask for it")
+
+
+def in_steps(asked: Iterable[AskedGoal]) -> tuple[frozenset[Goal], ...]:
+    """The goals by step, in their order."""
+    found = list(asked)
+    return tuple(frozenset(a.goal for a in found if a.step == step) for step in sorted({a.step for a in found}))
 
 
 class Reading(Record):

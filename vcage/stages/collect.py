@@ -12,6 +12,7 @@ examples:
 from __future__ import annotations
 
 import logging
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache, lru_cache, partial
@@ -88,6 +89,7 @@ def summary(record: Episodes) -> dict[str, Any]:
         "accepted": sum(e.accepted for e in record.episodes),
         "rejected": sum(not e.accepted for e in record.episodes),
         "attempts": record.attempts,
+        "silent_failures": sum(not e.goals_hold.success for e in record.episodes if e.accepted and e.goals_hold),
         "critic": record.critic,
     }
 
@@ -116,10 +118,21 @@ def execute(
             f"none of {len(record.episodes)} episodes was verified: {record.episodes[-1].reason}",
             hint=f"see {run.episodes.parent / 'log.jsonl'}; another --seed gives another layout",
         )
-    if accepted < options.episodes:
-        ran = len(record.episodes)
-        logger.warning("only %d of %d episodes were verified in %d runs", accepted, options.episodes, ran)
-    return StageResult(record, run.episodes, fresh=True, grown=done is not None)
+    return StageResult(record, run.episodes, fresh=True, grown=done is not None, short=_shortfall(record, options))
+
+
+def _shortfall(record: Episodes, options: Options) -> PartlyDone | None:
+    """The error of a collection that has fewer verified episodes than were asked for; what it has is whole."""
+    accepted, ran = _accepted(record.episodes), len(record.episodes)
+    if accepted >= options.episodes:
+        return None
+    reasons = Counter(episode.reason for episode in record.episodes if not episode.accepted)
+    return PartlyDone(
+        f"asked for {options.episodes} episodes, verified {accepted} of the {ran} that were run: "
+        f"{reasons.most_common(1)[0][0]}",
+        hint="those that were verified are kept; another --seed gives another layout",
+        details={"asked": options.episodes, "verified": accepted, "ran": ran, "reasons": dict(reasons.most_common(5))},
+    )
 
 
 def _accepted(episodes: Sequence[Episode]) -> int:

@@ -171,10 +171,7 @@ class StageContext:
                 opened.setdefault(owner, []).append(goal.part)
         references = {record.id: self.look(record, opened.get(record.id, ())) for record in scene.objects}
         looks = {
-            goal.subject: (
-                references[goal.subject],
-                self.look(scene.object(goal.subject), () if goal.relation == "closed" else [goal.part]),
-            )
+            goal.subject: self.look(scene.object(goal.subject), [goal.part] if goal.relation == "closed" else ())
             for goal in goals
             if goal.relation in OF_A_PART and goal.part is not None
         }

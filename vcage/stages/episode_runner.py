@@ -19,9 +19,10 @@ from vcage.base.time_limit import TimeIsUp, time_limit
 from vcage.base.version import __version__
 from vcage.datasets.hdf5 import write_episode
 from vcage.objects.table_tops import TABLES, table_texture
+from vcage.plans.actions import lasting
 from vcage.schema.base import PoseRecord
 from vcage.schema.episodes import Attempt, Episode, Verdict
-from vcage.schema.goals import Goal
+from vcage.schema.goals import Goal, in_steps
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Subtask, Subtasks
 from vcage.sim.appearance import Appearance
@@ -98,7 +99,7 @@ class EpisodeRunner:
             retries=self._stage.options["retries"],
             fps=self._stage.options["fps"],
         )
-        done = run_episode(setting, self._chain, index)
+        done = run_episode(setting, self._chain, index, lasting(in_steps(self._scene.goals)))
         for name, picture in done.pictures.items():
             write_picture(folder / name, picture)
         return self._write(done, index, drawn, folder), done.attempts
@@ -144,6 +145,7 @@ class EpisodeRunner:
             subtasks=[segment.subtask for segment in done.segments],
             verdicts=[segment.verdict for segment in done.segments],
             attempts=len(done.attempts),
+            goals_hold=done.goals_hold,
         )
 
     def _facts(self, index: int, done: EpisodeRun) -> dict[str, Any]:
@@ -156,6 +158,7 @@ class EpisodeRunner:
             "reason": done.reason,
             "robot": self._scene.robot,
             "scene": self._scene.model_dump(mode="json", by_alias=True),
+            "wordings": {subtask.id: [subtask.text, *subtask.texts] for subtask, _ in self._chain},
             "providers": self._context.models.providers("reasoner", "editor", "detector", "embedder", "critic"),
             "versions": versions(),
         }

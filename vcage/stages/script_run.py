@@ -93,6 +93,7 @@ def _subtask(script: Script, path: str) -> Subtask:
         functional_point=values.get("POINT"),
         target=values.get("TARGET"),
         grasps=[Grasp(contact=contact, arm=arm, score=score) for contact, arm, score in values["GRASPS"]],
+        requires=[goal_of(goal) for goal in values.get("REQUIRES", [])],
         goals=goals,
         script=path,
         checks=[],

@@ -9,6 +9,7 @@ examples:
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -16,10 +17,11 @@ from vcage.base.files import RunFolder
 from vcage.base.progress import Progress, silent
 from vcage.schema.base import Provenance
 from vcage.schema.scene import Scene
-from vcage.schema.subtasks import Subtasks
+from vcage.schema.subtasks import Subtask, Subtasks
 from vcage.sim.robots import load_robot
 from vcage.stages.context import StageContext
 from vcage.stages.stage import Job, ModelOptions, StageResult, stage_seed
+from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.search import compose, find_subtasks
 from vcage.tasks.slots import slots_for_chain
 from vcage.tasks.synthesis import write_script
@@ -63,12 +65,14 @@ def execute(
     def make(folder: Path, provenance: Provenance) -> Subtasks:
         scene, rng = Scene.read(run.layout), stage.rng()
         objects, reasoner = context.objects(scene), context.models.reasoner
-        found = find_subtasks(objects, context.kinematics(scene.robot), reasoner.judge_pairs, scene.table.height, rng)
+        asked = {asked.goal for asked in scene.goals}
+        arms = context.kinematics(scene.robot)
+        found = find_subtasks(objects, arms, reasoner.judge_pairs, scene.table.height, rng, asked)
         chain = compose(scene, objects, found.kept, found.refused)
         by_id = {subtask.id: subtask for subtask in found.kept}
         slots_for_chain([by_id[i] for i in chain], objects, load_robot(scene.robot), rng)
         for subtask in found.kept:
-            write_script(subtask, scene, folder / f"{subtask.id}.py")
+            write_script(subtask, _as_required(scene, subtask, objects), folder / f"{subtask.id}.py")
         return Subtasks(
             provenance=provenance,
             instruction=scene.instruction,
@@ -79,3 +83,18 @@ def execute(
         )
 
     return stage.do(Subtasks, make, force=options.force)
+
+
+def _as_required(scene: Scene, subtask: Subtask, objects: Sequence[SceneObject]) -> Scene:
+    """The scene as it must be before a sub-task: with the drawers open that it needs open, so that its script runs alone."""
+    by_id = {o.id: o for o in objects}
+    records = []
+    for record in scene.objects:
+        links = by_id[record.id].asset.model.links
+        wanted = {goal.part: goal.relation for goal in subtask.requires if goal.subject == record.id}
+        joints = list(record.joints or [0.0] * len(links))
+        for index, link in enumerate(links):
+            if link.name in wanted:
+                joints[index] = link.joint.far_end if wanted[link.name] == "open" else 0.0
+        records.append(record.model_copy(update={"joints": tuple(joints) if any(joints) else ()}))
+    return scene.model_copy(update={"objects": records})

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import logging
 import unicodedata
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -34,8 +34,10 @@ from vcage.layout.placement.view import view_rectangles
 from vcage.models.selection_check import NamedObject, name_objects, validate_selection, with_room
 from vcage.objects.asset import Asset
 from vcage.objects.openings import Opening
+from vcage.plans.actions import open_at_start
 from vcage.schema.asset import CatalogueEntry
 from vcage.schema.base import PoseRecord, Provenance, box_record
+from vcage.schema.goals import Goal, in_steps
 from vcage.schema.scene import ObjectRecord, Scene, SceneTemplate
 from vcage.sim.cameras import observe, shoot
 from vcage.sim.robots import load_template
@@ -126,7 +128,8 @@ def execute(run: RunFolder, options: Options, context: StageContext, progress: P
         for note in notes:
             logger.warning("%s", note)
         scene = _empty_scene(template, instruction, provenance, stage)
-        reading = context.models.reasoner.read_goals(instruction, _kinds(objects, context))
+        lying = {o.id: o.starts_in for o in objects if o.starts_in is not None}
+        reading = context.models.reasoner.read_goals(instruction, _kinds(objects, context), lying)
         scene |= {"goals": reading.goals, "untouched": reading.untouched}
         placed = _place_until_stable(scene, objects, template, context, rng)
         noted = placed.model_copy(update={"checks": {**placed.checks, "notes": notes}})
@@ -167,18 +170,21 @@ def _place_until_stable(
     workspace = np.array([template.workspace.lower, template.workspace.upper])
     items = _place_items(objects, template, context)
     height = template.table.height
+    joints = _joints(objects, in_steps(fields["goals"]), context)
     worst: list[str] = []
     for attempt in range(1, TRIES + 1):
         spots = place(items, workspace, rng, margin=MARGIN)
         poses = {item.id: item.pose(spots[item.id], height + spots[item.id].z) for item in items}
-        scene = Scene(**fields, objects=[_record(o, poses[o.id], context) for o in objects])
+        scene = Scene(**fields, objects=[_record(o, poses[o.id], context, joints[o.id]) for o in objects])
         world = World.of_scene(scene, context.physical_models(scene))
         report = world.settle()
         worst = moved_objects(report)
         if report.settled and not worst:
             poses = world.object_poses()
             checks = {**settle_checks(report), "placements": attempt}
-            return Scene(**fields, objects=[_record(o, poses[o.id], context) for o in objects], checks=checks)
+            return Scene(
+                **fields, objects=[_record(o, poses[o.id], context, joints[o.id]) for o in objects], checks=checks
+            )
     raise InfeasibleScene(
         f"{', '.join(worst) or 'the objects'} did not stay where they were put in {TRIES} placements",
         hint="check their collision hulls, or leave them out",
@@ -234,7 +240,20 @@ def _asset(o: NamedObject, context: StageContext) -> Asset:
     return context.library.asset(o.asset, o.variant)
 
 
-def _record(o: NamedObject, pose: Pose, context: StageContext) -> ObjectRecord:
+def _joints(
+    objects: list[NamedObject], steps: Sequence[Collection[Goal]], context: StageContext
+) -> dict[str, tuple[float, ...]]:
+    """Positions of the moving parts of each object: what is to be closed is open at the start, the rest at rest."""
+    open_parts = open_at_start(steps)
+    found = {}
+    for o in objects:
+        links = _asset(o, context).model.links
+        there = tuple(link.joint.far_end if (o.id, link.name) in open_parts else 0.0 for link in links)
+        found[o.id] = there if any(there) else ()
+    return found
+
+
+def _record(o: NamedObject, pose: Pose, context: StageContext, joints: tuple[float, ...]) -> ObjectRecord:
     return ObjectRecord(
         id=o.id,
         asset=o.asset,
@@ -243,6 +262,7 @@ def _record(o: NamedObject, pose: Pose, context: StageContext) -> ObjectRecord:
         role=o.role,
         pose=PoseRecord.of(pose),
         aabb=box_record(_asset(o, context).bounds, pose),
+        joints=joints,
         container=o.starts_in,
     )
 

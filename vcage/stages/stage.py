@@ -16,7 +16,7 @@ from typing import Annotated, Any, Generic, TypeVar
 
 import numpy as np
 
-from vcage.base.errors import InputFileError, MissingStage, OutputFolderError, StaleStage
+from vcage.base.errors import InputFileError, MissingStage, OutputFolderError, StaleStage, VcageError
 from vcage.base.files import RunFolder, atomic_folder, recover, sha256_file
 from vcage.base.keeper import Keeper
 from vcage.base.options import NATURAL, UNSAID, Flag, choice
@@ -77,12 +77,14 @@ class StageResult(Generic[D]):
         path: where that lies.
         fresh: whether it was made just now.
         grown: whether something was added to what an earlier call had finished.
+        short: the error to end with where it is whole, but less than was asked for.
     """
 
     record: D
     path: Path
     fresh: bool
     grown: bool = False
+    short: VcageError | None = None
 
 
 @dataclass(frozen=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -115,10 +116,23 @@ def judge_pair(run: RunFolder, context: StageContext, subtask_id: str, before: P
         raise UnknownName("sub-task", subtask_id, kept)
     subtask, scene = kept[subtask_id], Scene.read(run.layout)
     verdict = context.verdict(
-        scene, subtask.text, subtask.goals, _view(before, scene), _view(after, scene), requires=subtask.requires
+        scene,
+        subtask.text,
+        subtask.goals,
+        _view(before, scene),
+        _view(after, scene),
+        _empty_beside(before, scene),
+        subtask.requires,
     )
     pictures = [str(before), str(after)]
     return SingleVerdict(text=subtask.text, verdict=verdict.model_copy(update={"pictures": pictures}))
+
+
+def _empty_beside(picture: Path, scene: Scene) -> np.ndarray | None:
+    """The empty table in the same light, where ``picture`` lies as collect keeps it: ``e000002-s0-a0-before-top.png``."""
+    episode = re.match(r"e(\d+)-", picture.name)
+    empty = picture.parent.parent / background_name(int(episode[1])) if episode else picture
+    return _view(empty, scene) if episode and empty.exists() else None
 
 
 def _view(path: Path, scene: Scene) -> np.ndarray:

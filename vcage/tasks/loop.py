@@ -58,6 +58,11 @@ class Setting:
     retries: int
     fps: int
 
+    def now(self, world: World) -> dict[str, SceneObject]:
+        """The objects as they are in a world, by id."""
+        bodies = {key: world.body(key) for key in self.objects}
+        return {key: o.moved(bodies[key].pose, bodies[key].joints) for key, o in self.objects.items()}
+
 
 @dataclass(frozen=True)
 class EpisodeRun:
@@ -69,6 +74,7 @@ class EpisodeRun:
         attempts: all tries, in order.
         pictures: file name → picture that a verdict looked at.
         accepted: whether every sub-task was.
+        goals_hold: whether all goals of the instruction are true at the end, whatever the critic said.
     """
 
     log: StateLog
@@ -76,6 +82,7 @@ class EpisodeRun:
     attempts: list[Attempt]
     pictures: dict[str, np.ndarray]
     accepted: bool
+    goals_hold: Truth | None = None
 
     @property
     def reason(self) -> str:
@@ -86,13 +93,16 @@ class EpisodeRun:
         return f"{last.subtask} failed at {last.stage}: {last.reason}"
 
 
-def run_episode(setting: Setting, chain: Sequence[tuple[Subtask, Script]], index: int) -> EpisodeRun:
+def run_episode(
+    setting: Setting, chain: Sequence[tuple[Subtask, Script]], index: int, goals: Sequence[Goal] = ()
+) -> EpisodeRun:
     """Carry out a chain of sub-tasks, verifying each.
 
     Args:
         setting: where, and who looks at it.
         chain: the sub-tasks with their scripts, in order.
         index: number of the episode, for names and messages.
+        goals: what must be true at the end, as the simulator's state is to tell.
     """
     world, recording = setting.build(), StateLog(setting.fps)
     world.settle()
@@ -112,6 +122,7 @@ def run_episode(setting: Setting, chain: Sequence[tuple[Subtask, Script]], index
         attempts=[trial.attempt for trial in trials],
         pictures={name: picture for trial in trials for name, picture in trial.pictures.items()},
         accepted=accepted,
+        goals_hold=goals_hold(goals, setting.now(world)) if accepted else None,
     )
 
 
@@ -175,6 +186,8 @@ class _Step:
         except TaskFailed as error:
             record = self._attempt(task, attempt, error.stage, error.message, world.steps - start)
             return _Trial(record, exhausted=error.exhausted)
+        finally:
+            watch.stop()
         seen = [before, self.setting.photograph(world.state())]
         seen += [self.setting.photograph(task.moment)] if task.moment is not None else []
         pictures = self._named(attempt, seen)
@@ -199,9 +212,7 @@ class _Step:
         return _Trial(record, pictures, segment)
 
     def _truth(self, asked: Asked, world: World, watch: Watch) -> Truth:
-        bodies = {key: world.body(key) for key in self.setting.objects}
-        objects = {key: o.moved(bodies[key].pose, bodies[key].joints) for key, o in self.setting.objects.items()}
-        return goals_hold(asked.goals, objects, watch)
+        return goals_hold(asked.goals, self.setting.now(world), watch)
 
     def _named(self, attempt: int, seen: Sequence[PicturesByCamera]) -> dict[str, np.ndarray]:
         """The pictures of a verdict under names that say what they show."""

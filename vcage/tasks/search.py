@@ -6,7 +6,7 @@ check; everything else is a refusal with a reason.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,7 +15,7 @@ from vcage.base.errors import NoFeasibleTask
 from vcage.plans.actions import Action
 from vcage.plans.planner import Task, complaints, find_chain
 from vcage.plans.relations import holds
-from vcage.schema.goals import Goal, StateWord, part_that
+from vcage.schema.goals import Goal, StateWord, in_steps, part_that
 from vcage.schema.plan import TABLE
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import PairAnswer, PairQuestion, Refusal, Subtask
@@ -42,6 +42,7 @@ def find_subtasks(
     judge: Judge,
     table_height: float,
     rng: np.random.Generator,
+    asked: Collection[Goal] = (),
 ) -> FoundSubtasks:
     """Find the sub-tasks that are sensible and feasible in a scene.
 
@@ -51,6 +52,7 @@ def find_subtasks(
         judge: the reasoner's filter, asked once about all pairs that are possible.
         table_height: z of the table top, metres.
         rng: of all choices.
+        asked: goals that are asked for: whether these are sensible is not the judge's to say.
     """
     proposals: list[Proposal] = []
     kept: list[Subtask] = []
@@ -66,7 +68,11 @@ def find_subtasks(
             possible.append(proposal)
         else:
             refused.append(refusal)
-    questions = {number: asked for number, p in enumerate(possible) if (asked := p.question()) is not None}
+    questions = {
+        number: question
+        for number, proposal in enumerate(possible)
+        if proposal.goal not in asked and (question := proposal.question()) is not None
+    }
     answers = dict(zip(questions, judge(list(questions.values())) if questions else [], strict=True))
     for number, proposal in enumerate(possible):
         answer = answers.get(number)
@@ -92,9 +98,7 @@ def compose(
     Raises:
         NoFeasibleTask: no chain does what is asked; says why.
     """
-    steps = sorted({asked.step for asked in scene.goals})
-    goals = tuple(frozenset(a.goal for a in scene.goals if a.step == step) for step in steps)
-    task = Task(initial_state(objects), goals)
+    task = Task(initial_state(objects), in_steps(scene.goals))
     actions = [action_of(s) for s in kept if s.object not in scene.untouched]
     chain = find_chain(task, actions)
     if not chain:
@@ -138,7 +142,7 @@ def _unfulfilled(scene: Scene, kept: Sequence[Subtask], refused: Sequence[Refusa
         if refusal.object == asked.goal.subject and refusal.receptacle == asked.goal.reference
     ]
     named = "; ".join(dict.fromkeys(f"{asked.goal} ({asked.words!r})" for asked in missing))
-    why = "; ".join(dict.fromkeys(reasons[:3])) or "no sub-task of this scene does that"
+    why = "; ".join(list(dict.fromkeys(reasons))[:3]) or "no sub-task of this scene does that"
     return NoFeasibleTask(
         f"no chain of feasible sub-tasks brings about {named}: {why}",
         hint="another --seed gives another layout; another instruction other objects",

@@ -6,9 +6,10 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from vcage.plans.relations import holds
 from vcage.schema.asset import FunctionalPoint
 from vcage.schema.episodes import Truth
-from vcage.schema.goals import Goal
+from vcage.schema.goals import Goal, part_words
 from vcage.sim.joints import joint_index, joint_positions
 from vcage.sim.world import World
 from vcage.tasks.scene_objects import SceneObject
@@ -34,11 +35,16 @@ class Watch:
     """
 
     def __init__(self, world: World):
+        self._world = world
         self._furthest = {name: np.abs(joints) for name, joints in world.joints_of_objects().items()}
         world.before_step.append(self._note)
 
+    def stop(self) -> None:
+        """Follow them no more."""
+        self._world.before_step.remove(self._note)
+
     def furthest(self, thing: SceneObject, part: str) -> float:
-        """How far a part moved from where it was at the beginning, as a share of its range."""
+        """How far from rest a part was at most, as a share of its range."""
         model = thing.asset.model
         index = joint_index(model, part)
         return float(self._furthest[thing.id][index]) / abs(model.links[index].joint.far_end)
@@ -70,10 +76,17 @@ def _complaint(goal: Goal, objects: Mapping[str, SceneObject], watch: Watch | No
     if goal.relation == "pressed":
         assert watch is not None and goal.part is not None  # whoever asks for it watches
         share = watch.furthest(thing, goal.part)
-        return None if share >= OPENED else f"the {goal.part} of {thing.id} was pressed by {100 * share:.0f} % only"
-    if goal.relation not in ("inside", "on") or goal.reference is None:
-        raise ValueError(f"no ground truth is defined for the relation {goal.relation!r}")
+        return (
+            None
+            if share >= OPENED
+            else f"the {part_words(goal.part)} of {thing.id} was pressed by {100 * share:.0f} % only"
+        )
+    if goal.reference not in objects:
+        raise ValueError(f"no ground truth is defined for {str(goal)!r}")
     receptacle = objects[goal.reference]
+    if goal.relation not in ("inside", "on"):
+        there = holds(goal.relation, thing.aabb, receptacle.aabb)  # pyrefly: ignore
+        return None if there else f"{thing.id} is not {goal.relation} {receptacle.id}"
     points = [
         point for point in receptacle.asset.annotation.functional_points
         if point.link == goal.part and (point.holds == "in") == (goal.relation == "inside")
@@ -87,7 +100,8 @@ def _joint_complaint(goal: Goal, thing: SceneObject) -> str | None:
     index = joint_index(model, part)
     share = float(joint_positions(model, thing.joints)[index]) / model.links[index].joint.far_end
     enough = share <= CLOSED if goal.relation == "closed" else share >= OPENED
-    return None if enough else f"the {part} of {thing.id} is open by {100 * share:.0f} %"
+    state = "turned" if goal.relation == "turned" else "open"
+    return None if enough else f"the {part_words(part)} of {thing.id} is {state} by {100 * share:.0f} %"
 
 
 def place_complaint(subject: SceneObject, receptacle: SceneObject, point: FunctionalPoint) -> str | None:

@@ -57,7 +57,7 @@ def test_words_become_goals_of_the_closed_vocabulary(scene: str, instruction: st
         ("Put all the blocks except the red one in the box", {"block_blue", "block_green", "block_yellow"}),
         ("Put every block that isn't red in the box", {"block_blue", "block_green", "block_yellow"}),
         ("Put the red and the blue block in the box", {"block_red", "block_blue"}),
-        ("Put everything that is blue in the box", {"marker_blue", "whiteboard_eraser_blue", "tape_roll_blue", "block_blue"}),
+        ("Put everything blue in the box", {"marker_blue", "whiteboard_eraser_blue", "tape_roll_blue", "block_blue"}),
     ],
 )  # fmt: skip
 def test_it_is_told_which_of_several_are_meant(instruction: str, subjects: set[str]) -> None:

@@ -113,7 +113,7 @@ def asked(instruction: str, kinds: list[CatalogueEntry], seed: int) -> tuple[lis
         )
         for o in named
     }
-    return chosen, [a.goal for a in OfflineReasoner().read_goals(instruction, things).goals]
+    return chosen, [a.goal for a in OfflineReasoner().read_goals(instruction, things, {}).goals]
 
 
 @pytest.mark.parametrize("seed", range(3))

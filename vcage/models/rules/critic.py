@@ -23,7 +23,7 @@ INSIDE = {"inside": 0.2, "on": 0.4}
 TOO_MUCH = 1.8
 """More new pixels than that, over the object's area, are of something larger."""
 
-SEEN_OPEN, SEEN_CLOSED = 0.75, 0.15
+SEEN_OPEN, SEEN_CLOSED = 0.7, 0.15
 """Share of its range at which a part must seem to be at least, or at most, to count as open or turned, or as closed."""
 
 FEWEST = 25
@@ -66,22 +66,22 @@ class OfflineCritic:
         before, after, moment = _view(question.before), _view(question.after), question.moment.get("top")
         if question.draw is None or question.background is None:
             raise InputFileError(
-                f"{goal.subject!r} cannot be drawn with its part here and there",
-                hint="give a drawer and the empty table",
+                f"whether the {part_words(str(goal.part))} of {goal.subject!r} moved is told beside the empty table",
+                hint="give pictures that lie in episodes/critic, as collect keeps them",
             )
-        at_rest = question.looks[goal.subject][goal.relation == "closed"]
+        was = question.looks[goal.subject]
         evidence = gather_part(
             before.picture,
             after.picture,
             before.camera,
             question.table_height,
-            at_rest,
+            was,
             partial(question.draw, goal),
             question.background,
-            closes=goal.relation == "closed",
+            start=float(goal.relation == "closed"),
             moment=None if moment is None else moment.picture,
         )
-        return decide_part(evidence, goal, at_rest.phrase)
+        return decide_part(evidence, goal, was.phrase)
 
     def _judge_goal(self, question: CriticQuestion, goal: Goal) -> Verdict:
         for name in (goal.subject, goal.reference or ""):

@@ -28,7 +28,7 @@ CAP = 30.0
 FLIPS = np.radians([0.0, 90.0, 180.0, 270.0])
 """Headings besides that at which an object seems to lie: a plain box looks the same from several sides."""
 
-STEPS, ROUNDS = np.array([0.004, 0.004, np.radians(3.0)]), 5
+STEPS, ROUNDS = np.array([0.006, 0.006, np.radians(4.0)]), 10
 """First steps along x, y and in heading with which a pose is refined by drawing the object, and how often."""
 
 Draw = Callable[[Pose, Camera, Window, float], Drawing]
@@ -56,11 +56,11 @@ def gather_part(
     after: np.ndarray,
     camera: Camera,
     table_height: float,
-    at_rest: Reference,
+    was: Reference,
     draw: Draw,
     background: np.ndarray,
     *,
-    closes: bool = False,
+    start: float = 0.0,
     moment: np.ndarray | None = None,
 ) -> PartEvidence:
     """Measure one sub-task that moves a part.
@@ -69,27 +69,24 @@ def gather_part(
         before, after, background: (H, W, 3) uint8 RGB of the same camera, the last of the empty table.
         camera: took them.
         table_height: metres.
-        at_rest: how the object looks from above with its parts at rest.
+        was: how the object looks from above before.
         draw: draws it as the camera sees it.
-        closes: whether the part shall be at rest after, and not before.
+        start: share of its range at which the part is before, by the plan.
         moment: the view while the part was touched, where there is one.
     """
     height, width = before.shape[:2]
     window = Window(0, 0, max(camera.width, camera.height), 1)
-    resting = after if closes else before
 
     def drawn(pose: np.ndarray, share: float) -> Drawing:
         standing = Pose.from_yaw([pose[0], pose[1], table_height], float(pose[2]))
         shown = draw(standing, camera, window, share)
         return Drawing(*(layer[:height, :width] for layer in (shown.picture, shown.covered, shown.depth)))
 
-    rough = _found(resting, template_from_reference(at_rest, camera, table_height), background)
-    moved = before if closes else after
+    rough = _found(before, template_from_reference(was, camera, table_height), background)
     sights = []
-    for flip in FLIPS:
-        pose, unlike = _settled(rough + [0, 0, flip], resting, background, lambda pose: drawn(pose, 0.0))
-        sight = _Sight([drawn(pose, share) for share in POSITIONS], resting, background)
-        sights.append((unlike + sight.least_cost(moved), sight))
+    for pose, unlike in _settled(rough, before, background, lambda pose: drawn(pose, start)):
+        sight = _Sight([drawn(pose, share) for share in POSITIONS], before, background)
+        sights.append((unlike + sight.least_cost(after), sight))
     sight = min(sights, key=lambda found: found[0])[1]
     touched = 0.0
     if moment is not None:
@@ -106,22 +103,27 @@ def _found(picture: np.ndarray, template: ObjectTemplate, background: np.ndarray
 
 def _settled(
     rough: np.ndarray, picture: np.ndarray, background: np.ndarray, draw: Callable[[np.ndarray], Drawing]
-) -> tuple[np.ndarray, float]:
-    """(3,) the pose nearby at which a drawing of the object is most like the picture, and how unlike it still is."""
+) -> list[tuple[np.ndarray, float]]:
+    """The two poses (3,) near a rough one, turned by quarters or not, at which drawings of the object are most like the
+    picture, and how unlike they still are."""
     lab = _smoothed(picture)
 
     def unlikeness(pose: np.ndarray) -> float:
         drawing = draw(pose)
         if not drawing.covered.any():
             return np.inf
-        return float(distance(lab, to_lab(_composed(drawing, background, picture))).mean())
+        return float(np.minimum(distance(lab, to_lab(_composed(drawing, background, picture))), CAP).mean())
 
-    best, least, steps = rough, unlikeness(rough), STEPS.copy()
-    for _ in range(ROUNDS):
-        around = [best + sign * steps * axis for axis in np.eye(3) for sign in (1, -1)]
-        pose, value = min(((p, unlikeness(p)) for p in around), key=lambda found: found[1])
-        best, least, steps = (pose, value, steps) if value < least else (best, least, steps / 2)
-    return best, least
+    turned = sorted((unlikeness(p), tuple(p)) for p in rough + np.outer(FLIPS, [0, 0, 1]))[:2]
+    found = []
+    for least, start in turned:
+        best, steps = np.array(start), STEPS.copy()
+        for _ in range(ROUNDS):
+            around = [best + sign * steps * axis for axis in np.eye(3) for sign in (1, -1)]
+            pose, value = min(((p, unlikeness(p)) for p in around), key=lambda pair: pair[1])
+            best, least, steps = (pose, value, steps) if value < least else (best, least, steps / 2)
+        found.append((best, least))
+    return found
 
 
 def _smoothed(picture: np.ndarray) -> np.ndarray:
@@ -158,12 +160,13 @@ class _Sight:
             return 0.0
         lab = _smoothed(picture)
         costs = [np.minimum(distance(lab, drawn)[self.telling], CAP).mean() for drawn in self._labs]
-        k = int(np.clip(np.argmin(costs), 1, len(costs) - 2))
+        k = int(np.argmin(costs))
+        if k in (0, len(costs) - 1):
+            return float(POSITIONS[k])
         left, middle, right = costs[k - 1 : k + 2]
         bend = left - 2 * middle + right
         offset = 0.5 * (left - right) / bend if bend > 1e-6 else 0.0
-        refined = POSITIONS[k] + np.clip(offset, -1.0, 1.0) * (POSITIONS[1] - POSITIONS[0])
-        return float(np.clip(refined, 0.0, 1.0))
+        return float(POSITIONS[k] + offset * (POSITIONS[1] - POSITIONS[0]))
 
 
 def _composed(drawing: Drawing, background: np.ndarray, picture: np.ndarray) -> np.ndarray:

@@ -10,14 +10,18 @@ from vcage.base.errors import UnreadInstruction
 from vcage.models.rules.instruction import Request, parse_instruction
 from vcage.models.rules.naming import Meaning, meant, words_of
 from vcage.models.rules.phrases import Phrase
-from vcage.models.rules.words import COLOURS, SHALLOW, lemmas
+from vcage.models.rules.words import ANYTHING, COLOURS, SHALLOW, lemmas
 from vcage.plans.actions import lasting
 from vcage.plans.check import contradictions
 from vcage.schema.asset import CatalogueEntry
-from vcage.schema.goals import AskedGoal, Goal, GoalWord, Reading, part_that
+from vcage.schema.goals import AskedGoal, Goal, GoalWord, Reading, in_steps, part_that
 from vcage.schema.plan import TABLE, Relation
 
+_TOOLS = {"scan": "barcode_scanner", "weigh": "electronic_scale"}
 _BESIDE = ("beside", "near", "left_of", "right_of", "in_front_of", "behind")
+SMALL = 0.1
+"""Of what is less wide than this, metres, the top holds one thing."""
+
 _ORDER = {
     "top": 0, "upper": 0, "uppermost": 0, "topmost": 0, "highest": 0, "first": 0, "middle": 1, "second": 1, "third": 2,
     "fourth": 3, "fifth": 4, "sixth": 5, "tenth": 9, "bottom": -1, "lower": -1, "lowest": -1, "bottommost": -1,
@@ -26,17 +30,20 @@ _ORDER = {
 _SAME_PART = {"lid": ("lid", "cover", "screen"), "screen": ("screen", "lid", "display"), "dial": ("dial", "knob")}
 
 
-def read_goals(instruction: str, things: Mapping[str, CatalogueEntry]) -> Reading:
+def read_goals(
+    instruction: str, things: Mapping[str, CatalogueEntry], lying: Mapping[str, str] | None = None
+) -> Reading:
     """The goals of an instruction in a scene.
 
     Args:
         instruction: a command, in several clauses if need be.
         things: what there is, by object id: the catalogue's entries with no other look than the object's.
+        lying: what lies in or on another thing at the start: object id → id of that thing.
 
     Raises:
         UnreadInstruction: words of it are not understood, name nothing that is there, or leave open what is meant.
     """
-    return _Grounding(instruction, things).read()
+    return _Grounding(instruction, things, lying or {}).read()
 
 
 @dataclass(frozen=True)
@@ -57,13 +64,15 @@ class _Place:
 class _Grounding:
     """Finds for each phrase the objects that it means; what is taken by 'the red one' is not taken by 'another' too."""
 
-    def __init__(self, instruction: str, things: Mapping[str, CatalogueEntry]):
+    def __init__(self, instruction: str, things: Mapping[str, CatalogueEntry], lying: Mapping[str, str]):
+        self._lying = lying
         self._instruction = instruction
         self._things = things
         self._requests = parse_instruction(instruction, words_of(list(things.values())), self._is_place)
         self._meant: dict[Phrase, tuple[str, ...]] = {}
         self._places: dict[tuple[object, ...], _Place] = {}
         self._taken: list[str] = []
+        self._operated: list[tuple[str, str]] = []
 
     def _is_place(self, phrase: Phrase) -> bool:
         found = meant(phrase, self._things, Meaning.HOLDS)
@@ -81,6 +90,8 @@ class _Grounding:
             if request.asked != "leave":
                 words = self._instruction[request.start : request.end]
                 goals += [AskedGoal(goal=goal, step=request.step, words=words) for goal in self._goals(request)]
+        if not goals:
+            raise UnreadInstruction.of(self._instruction, self._instruction, "it asks for none of anything")
         untouched = self._untouched(goals)
         self._require_sense(goals)
         return Reading(goals=list(_once(goals)), untouched=untouched)
@@ -90,7 +101,6 @@ class _Grounding:
     def _name_all(self) -> None:
         """Give every phrase for things its objects: certain ones first, then choices among what is left."""
         phrases = [phrase for request in self._requests for phrase in request.things if phrase not in self._meant]
-        places = {self._places_of_words(r) for r in self._requests}
         waiting = []
         for phrase in sorted(dict.fromkeys(phrases), key=lambda p: p.start):
             if phrase.quantity in ("a", "rest") or (phrase.count or 1) > 1:
@@ -99,15 +109,17 @@ class _Grounding:
                 self._meant[phrase] = self._certain(phrase)
         waiting.sort(key=lambda p: (p.quantity == "rest", p.plural, len(self._answers(p))))
         for phrase in waiting:
-            self._meant[phrase] = self._choice(phrase, places)
-        del places
-
-    def _places_of_words(self, request: Request) -> tuple[str, ...]:
-        return () if request.place is None else request.place.lemmas
+            self._meant[phrase] = self._choice(phrase)
 
     def _answers(self, phrase: Phrase) -> list[str]:
         """Every object that the words fit, without what is left out; those that can be carried if some can."""
+        if phrase.is_pronoun:
+            raise self._refusal(phrase, "it is not clear what that is")
         found = meant(phrase, self._things, Meaning.CARRIED)
+        sources = [place for request in self._requests for thing, place in request.sources if thing == phrase]
+        if sources and phrase.head in ANYTHING:  # 'empty the basket'
+            holders = meant(sources[0], self._things, Meaning.HOLDS)
+            found = [name for name in found if self._lying.get(name) in holders]
         left = {name for but in phrase.but for name in self._left_out(but, phrase)}
         return [name for name in found if name not in left]
 
@@ -154,7 +166,7 @@ class _Grounding:
         narrowed = [name for name in found if name in before]
         return narrowed if len(narrowed) == 1 else found
 
-    def _choice(self, phrase: Phrase, _places: object) -> tuple[str, ...]:
+    def _choice(self, phrase: Phrase) -> tuple[str, ...]:
         """What 'an apple', 'two apples', 'both mugs' or 'the other' mean.
 
         Raises:
@@ -214,15 +226,20 @@ class _Grounding:
         Raises:
             UnreadInstruction: goals contradict each other.
         """
-        steps = [[a.goal for a in goals if a.step == step] for step in sorted({a.step for a in goals})]
         standing = [
             Relation.model_validate({"subject": g.subject, "relation": g.relation, "reference": g.reference})
-            for g in lasting(steps)
+            for g in lasting(in_steps(goals))
             if g.reference is not None and g.reference != TABLE
         ]
         found = contradictions(standing)
         if found:
             raise UnreadInstruction.of(self._instruction, self._instruction, f"it contradicts itself: {found[0]}")
+        tops = [g.reference for g in lasting(in_steps(goals)) if g.relation == "on" and g.reference in self._things]
+        for name in {top for top in tops if tops.count(top) > 1}:
+            if max(self._things[str(name)].size[:2]) < SMALL:
+                raise UnreadInstruction.of(
+                    self._instruction, self._things[str(name)].words.name, "only one thing goes on it"
+                )
 
     # --- which goals -----------------------------------------------------------------------------------
 
@@ -234,10 +251,12 @@ class _Grounding:
             word: GoalWord = {"open": "open", "close": "closed", "press": "pressed", "turn": "turned"}[request.asked]  # pyrefly: ignore
             assert request.place is not None  # the reader names what is operated
             parts = self._parts(request.place, request.asked)
+            self._operated += parts
             return [Goal(subject=name, relation=word, part=part) for name, part in parts]
         if request.asked in ("scan", "weigh", "present", "back"):
             word = {"scan": "scanned", "weigh": "weighed", "present": "presented", "back": "back"}[request.asked]  # pyrefly: ignore
             self._require_tool(request)
+            self._require_no_tool(request, names)
             return [Goal(subject=name, relation=word) for name in self._carried(names)]
         if request.asked == "hand":
             return [
@@ -302,7 +321,7 @@ class _Grounding:
 
     def _require_tool(self, request: Request) -> None:
         """That what is needed is there: a scanner to scan with, a scale to weigh on."""
-        needed = {"scan": "barcode_scanner", "weigh": "electronic_scale"}.get(request.asked)
+        needed = _TOOLS.get(request.asked)
         if needed and all(entry.name != needed for entry in self._things.values()):
             raise UnreadInstruction.of(
                 self._instruction,
@@ -310,9 +329,16 @@ class _Grounding:
                 f"there is no {needed.replace('_', ' ')} here",
             )
 
+    def _require_no_tool(self, request: Request, names: Sequence[str]) -> None:
+        """That 'everything' that is scanned does not hold the scanner."""
+        needed = _TOOLS.get(request.asked)
+        if any(self._things[name].name == needed for name in names):
+            words = self._instruction[request.start : request.end]
+            raise UnreadInstruction.of(self._instruction, words, "the tool for it is among the things")
+
     def _know_tools(self, request: Request) -> None:
         """That tools which are named are those that the robot would take."""
-        needed = {"scan": "barcode_scanner", "weigh": "electronic_scale"}.get(request.asked)
+        needed = _TOOLS.get(request.asked)
         named = [*request.tools, *([request.place] if request.asked == "weigh" and request.place else [])]
         for phrase in named:
             found = meant(phrase, self._things, Meaning.CARRIED)
@@ -328,8 +354,10 @@ class _Grounding:
             UnreadInstruction: there is none, or several.
         """
         if place.part is not None:
-            full = replace(place, lemmas=tuple(lemmas(place.text)), part=None)
-            place = full if meant(full, self._things, Meaning.ANY) else place
+            full = replace(place, lemmas=tuple(w for w in lemmas(place.text) if w != "of"), part=None, which=())
+            if not meant(full, self._things, Meaning.ANY):
+                raise self._refusal(place, "nothing is put beside a part")
+            place = full
         found = [name for phrase, names in self._meant.items() if phrase == place for name in names]
         found = found or meant(place, self._things, Meaning.ANY)
         if not found:
@@ -355,14 +383,25 @@ class _Grounding:
         found = self._candidates(place, request.preposition, names)
         if not found:
             raise self._refusal(place, f"nothing can be put {request.preposition} it, or it is not there")
+        if place.quantity == "rest":
+            used = {p.id if place.part is None else f"{p.id}/{p.part}" for p in self._places.values()}
+            found = [p for p in found if (p.id if place.part is None else f"{p.id}/{p.part}") not in used]
+            if len(found) != 1 or not used:
+                raise self._refusal(
+                    place, f"it may be {_either([p.id for p in found])}" if found else "there is no other"
+                )
         if place.plural:
+            if place.part is None and len(found) != len(names):
+                raise self._refusal(place, f"{len(names)} things do not go to {len(found)} places one by one")
             return found
         if len(found) > 1 and place.quantity != "a" and not _one_object(found):
             known = self._named_before(place, list(dict.fromkeys(p.id for p in found)))
             found = [p for p in found if p.id in known]
         if len(found) > 1 and place.quantity != "a" and not _one_object(found):
             raise self._refusal(place, f"it may be {_either([p.id for p in found])}")
-        if len(found) > 1 and place.part is not None and not place.which:  # 'in that same drawer'
+        if (
+            len(found) > 1 and place.part is not None and not place.which and place.quantity == "the"
+        ):  # 'in that same drawer'
             before = [p for k, p in self._places.items() if k[0].part == place.part and k[0].start < place.start]  # pyrefly: ignore
             found = [before[-1]] if before and before[-1] in found else found
         if len(found) > 1 and place.quantity != "a" and place.part is not None:
@@ -384,7 +423,7 @@ class _Grounding:
             if preposition in ("in", "to"):
                 return [
                     _Place(name, part, "in")
-                    for name, part in self._parts_named(place, Meaning.ANY)
+                    for name, part in self._parts_named(place)
                     if any(p.link == part and p.holds == "in" for p in self._things[name].functional_points)
                 ]
             if preposition == "on" and place.part in ("drawer",):
@@ -412,11 +451,12 @@ class _Grounding:
         Raises:
             UnreadInstruction: there is none, or several where one is meant.
         """
-        found = self._parts_named(phrase, Meaning.MOVING)
+        found = self._parts_named(phrase)
         action = asked if asked in ("press", "turn") else "open"
         fitting = [(name, part) for name, part in found if part_that(action, part)]
         if not fitting:
             raise self._refusal(phrase, f"nothing of it can be {asked}{'ed' if asked != 'close' else 'd'}")
+        fitting = self._of_these(fitting, phrase)
         if phrase.plural:
             return fitting
         known = self._owners_named_before(phrase) if phrase.lemmas == (phrase.part,) else set()
@@ -424,10 +464,36 @@ class _Grounding:
         if len(fitting) > 1 and phrase.part is not None and not phrase.which:  # 'shut that drawer'
             before = [r.place for r in self._requests if r.place is not None and r.place.start < phrase.start]
             same = [place for place in before if place.part == phrase.part and place.which]
-            fitting = self._parts_named(same[-1], meaning=Meaning.MOVING) if same else fitting
+            fitting = self._parts_named(same[-1]) if same else fitting
         if len(fitting) > 1 and phrase.quantity != "a":
             raise self._refusal(phrase, f"it may be {_either([f'{n}/{p}' for n, p in fitting])}")
         return fitting[:1]
+
+    def _of_these(self, fitting: list[tuple[str, str]], phrase: Phrase) -> list[tuple[str, str]]:
+        """Without parts that are left out or were named before, and as many as are asked for.
+
+        Raises:
+            UnreadInstruction: that leaves none, or the exception leaves out nothing.
+        """
+        if phrase.but:
+            left = {
+                found
+                for but in phrase.but
+                for found in self._parts_named(replace(phrase, which=but.which or but.lemmas[:-1], but=(), count=1))
+            }
+            kept = [found for found in fitting if found not in left]
+            if len(kept) == len(fitting):
+                raise self._refusal(phrase, "what is left out is not there")
+            fitting = kept
+        if phrase.quantity == "rest":
+            fitting = [found for found in fitting if found not in self._operated]
+            if len(fitting) != 1 or not self._operated:
+                raise self._refusal(phrase, "it is not clear which other one")
+        if phrase.plural and phrase.count is not None:
+            if phrase.quantity != "a" and len(fitting) != phrase.count:
+                raise self._refusal(phrase, f"there are {len(fitting)} of them")
+            fitting = fitting[: phrase.count]
+        return fitting
 
     def _owners_named_before(self, phrase: Phrase) -> set[str]:
         """The objects that were named before 'the lid'."""
@@ -437,7 +503,7 @@ class _Grounding:
         ]
         return {*named, *(n for p, names in self._meant.items() if p.start < phrase.start for n in names)}
 
-    def _parts_named(self, phrase: Phrase, meaning: Meaning) -> list[tuple[str, str]]:
+    def _parts_named(self, phrase: Phrase) -> list[tuple[str, str]]:
         """(object, part) for every moving part that a phrase fits."""
         if phrase.part is None:
             owners = meant(phrase, self._things, Meaning.MOVING)
@@ -447,8 +513,6 @@ class _Grounding:
         owners = list(self._things) if alone else meant(replace(phrase, part=None), self._things, Meaning.MOVING)
         if not owners and bare:
             owners = meant(replace(phrase, lemmas=bare, part=None), self._things, Meaning.MOVING)
-        if not alone and phrase.colour is None:
-            pass
         if alone and phrase.colour is not None:
             owners = [n for n in owners if phrase.colour in self._things[n].variants[0].colour]
         same = _SAME_PART.get(phrase.part, (phrase.part,))
@@ -487,10 +551,15 @@ def _either(names: Sequence[str]) -> str:
 
 
 def _once(goals: Iterable[AskedGoal]) -> Iterable[AskedGoal]:
-    """Without goals that are asked for twice in one step."""
+    """Without goals that are asked for twice in one step, and parts that are opened when they are open."""
     known: set[tuple[str, int]] = set()
-    for goal in goals:
-        key = (str(goal.goal), goal.step)
-        if key not in known:
-            known.add(key)
-            yield goal
+    state: dict[tuple[str, str | None], str] = {}
+    for asked in goals:
+        goal, key = asked.goal, (str(asked.goal), asked.step)
+        part = (goal.subject, goal.part)
+        if key in known or (goal.relation in ("open", "closed") and state.get(part) == goal.relation):
+            continue
+        known.add(key)
+        if goal.relation in ("open", "closed"):
+            state[part] = goal.relation
+        yield asked

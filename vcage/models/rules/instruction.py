@@ -20,6 +20,9 @@ _DONE: dict[str, Asked] = {
 }  # fmt: skip
 """'The laptop should be closed', 'it needs weighing': what is wished for, as a command."""
 
+_STATES = ("is", "are", "was", "were", "has been", "have been")
+"""'The pen is in the box' is no command."""
+
 _HAPPENED = ("done", "finished", "running", "over", "rung", "ready", "complete")
 """'once it is done': what was asked for before."""
 
@@ -54,6 +57,8 @@ class _Reader(Verbs):
             if cursor.peek() is None:
                 break
             self._sentence_part()
+        if self._arm:
+            raise self._refusal(self._arm, "which arm does it is not the instruction's to say")
         if self._pending:
             raise self._refusal(next(iter(self._pending.values())), "it does not say where that goes")
         found = self._finished()
@@ -106,6 +111,8 @@ class _Reader(Verbs):
         else:
             count = len(self._requests)
             self._clause()
+            if any(token.first for token in self._tokens[begun + 1 : cursor.at - 1]):
+                raise self._refusal(self._words(begun, cursor.at), "what comes first is not clear")
             if any(token.first for token in self._tokens[begun : cursor.at]):
                 self._come_first(count)
         while self._subordinate_follows():
@@ -123,7 +130,7 @@ class _Reader(Verbs):
 
     def _come_first(self, count: int) -> None:
         """'…, but scan it first': what was asked for last comes before the rest of its sentence."""
-        start = next((at for at, r in enumerate(self._requests[:count]) if r.start >= self._sentence), count)
+        start = next((at for at, r in enumerate(self._requests[:count]) if r.start >= self._sentence), 0)
         earlier, last = self._requests[start:count], self._requests[count:]
         if earlier and last:
             base = min(request.step for request in earlier)
@@ -208,6 +215,8 @@ class _Reader(Verbs):
         if not self._requests:
             return
         last = self._requests[-1]
+        if len(last.things) > 1 or any(thing.plural for thing in last.things):
+            raise self._refusal(self._rest(), "it is not clear what it corrects")
         self._requests = [r for r in self._requests if (r.start, r.end) != (last.start, last.end)]
         if cursor.kind() == "prep":
             place, preposition = self._place_after(cursor.take().value)
@@ -270,9 +279,9 @@ class _Reader(Verbs):
         elif self._at_verb(subordinate):
             self._command()
         else:
-            self._wish(subordinate)
+            self._wish()
 
-    def _wish(self, subordinate: bool) -> None:
+    def _wish(self) -> None:
         """'The pen belongs in the cup', 'the laptop should be closed', 'apple in the bowl'."""
         cursor = self._cursor
         begun = cursor.at
@@ -292,6 +301,8 @@ class _Reader(Verbs):
             and cursor.kind(2) in ("belong", "ought", "be")
         ):
             cursor.at += 2
+        if not things:
+            raise self._refusal(self._words(begun, self._end_of_clause()), "it names nothing")
         last = things[-1].text.split()[-1:] if things[-1].lemmas else []
         if last and last[0] in ("open", "closed", "shut") and cursor.kind() in ENDS:  # 'both drawers open, please'
             self._done(_DONE[last[0]], (*things[:-1], without_last(things[-1])), begun)
@@ -300,7 +311,10 @@ class _Reader(Verbs):
         if cursor.kind() == "not":
             self._denied(things)
             return
+        states = cursor.text() in _STATES
         said = cursor.skip("ought", "be", "belong")
+        if states and not self._is_wished(begun):
+            raise self._refusal(self._words(begun, self._end_of_clause()), "it says what is, and asks for nothing")
         if cursor.text() in ("to", "to be"):  # 'I would like the pen to be put …'
             cursor.take()
             cursor.skip("be")
@@ -335,6 +349,18 @@ class _Reader(Verbs):
             self._waiting = things
         else:
             raise self._refusal(self._words(begun, self._end_of_clause()), "they say nothing that the robot can do")
+
+    def _is_wished(self, begun: int) -> bool:
+        """Whether 'make sure that' or the like begins the sentence."""
+        return any(token.wished for token in self._tokens[: begun + 1] if token.start >= self._sentence)
+
+    def _verb_follows(self) -> bool:
+        """Whether a verb stands after the 'and' that comes next."""
+        at = self._cursor.at
+        self._cursor.skip("and")
+        found = self._at_verb()
+        self._cursor.at = at
+        return found
 
     def _repeats(self, things: tuple[Phrase, ...], begun: int) -> bool:
         """'scan the milk, then the juice': the same with other things; or things that the next clause says more of."""
@@ -383,6 +409,8 @@ class _Reader(Verbs):
         if self._at_verb(any_form=True) or cursor.text() in ("touch", "touching", "moving", "use", "using", "disturb"):
             verb = cursor.take().verb or ""
         things = noun_phrases(cursor)
+        if verb and cursor.kind() == "and" and self._verb_follows():
+            raise self._refusal(self._rest(), "whether that is forbidden too is not clear")
         if not things:
             raise self._refusal(self._rest(), "they forbid nothing that is named")
         if cursor.kind() in ("prep", "there"):

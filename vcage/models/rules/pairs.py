@@ -95,7 +95,7 @@ def _food_elsewhere(thing: _Named, place: _Named, question: PairQuestion) -> str
 
 
 def _container_in_container(thing: _Named, place: _Named, question: PairQuestion) -> str:
-    if question.holds == "in" and thing.head in IN_WORDS and place.head not in _TAKE_CONTAINERS:
+    if question.holds == "in" and thing.head in IN_WORDS and not place.words & _TAKE_CONTAINERS:
         return f"a {thing.name} is a container itself and does not go into a {place.name}"
     return ""
 

@@ -84,6 +84,8 @@ class Cursor:
     def __init__(self, tokens: Sequence[Token]):
         self.tokens = tokens
         self.at = 0
+        self.excepting = False
+        """Whether an exception is read, which ends at 'but'."""
         self.commas_end = False
         """Whether a comma ends a list: 'before you set the timer, the carrot …'."""
 
@@ -177,6 +179,8 @@ def _determiners(cursor: Cursor) -> tuple[Quantity | None, list[int | None]]:
             quantity = token.value  # pyrefly: ignore
             if token.text in ("some", "any"):
                 numbers.append(None)
+            if token.text == "some" and not is_plural(cursor.text()) and lemma(cursor.text()) not in MASS_KINDS:
+                numbers.append(0)  # 'some salt' is no salt shaker
     return quantity, [1] if single else numbers
 
 
@@ -218,13 +222,11 @@ def _participle(token: Token) -> bool:
 
 
 def _phrase(words: Sequence[Token], quantity: Quantity | None, numbers: Sequence[int | None], start: int) -> Phrase:
-    texts = [word.text.removesuffix("'s") for word in words]
+    texts = [text for word in words if (text := word.text.removesuffix("'s"))] or ["one"]
     if any(word.text.endswith("'s") for word in words):  # 'the cabinet's top drawer': what owns it comes first
         owner = next(i for i, word in enumerate(words) if word.text.endswith("'s"))
         texts = [*texts[owner + 1 :], "of", *texts[: owner + 1]]
     text = " ".join(texts)
-    if not texts:
-        texts = ["one"]
     if texts[0] in _EVERY and len(texts) > 1:  # 'everything yellow'
         named = _phrase([w for w in words[1:] if w.text != "else"], quantity, numbers, start)
         is_colour = len(texts) == 2 and texts[1] in COLOURS
@@ -238,6 +240,8 @@ def _phrase(words: Sequence[Token], quantity: Quantity | None, numbers: Sequence
     colour = colour_of(" ".join(qualifiers)) or (colour_of(head) if _all_colours(texts) and len(texts) > 1 else None)
     kept = tuple(lemma(word) for word in qualifiers if word not in COLOURS and word != "of")
     lemmas = (*kept, "one" if head in _ONE else lemma(head))
+    if quantity == "both" and not is_plural(counted):
+        quantity = "the"  # 'both the duck and the sponge'
     count = 1 if quantity == "a" and numbers == [1] else _count(numbers, counted, lemmas[-1])
     if lemmas[0] in _EVERY[:3]:
         quantity, count, numbers = "all", None, []
@@ -267,12 +271,12 @@ def _part(texts: list[str]) -> tuple[str | None, tuple[str, ...], list[str]]:
     """The part that is named, what tells it from others, and the words for what it belongs to, or for itself."""
     at = texts.index("of") if "of" in texts[1:] else len(texts)
     before, owner = texts[:at], texts[at + 1 :]
-    part = lemma(before[-1])
+    part = lemma(before[-1]) if before else ""
     if part not in PARTS:
         return None, (), texts
     which = tuple(word for word in before[:-1] if word in ORDINALS)
     kept = [word for word in before[:-1] if word not in ORDINALS]
-    return part, which, [*(word for word in owner), *()] or [*kept, before[-1]]
+    return part, which, owner or [*kept, before[-1]]
 
 
 def _count(numbers: Sequence[int | None], counted: str, head: str) -> int | None:
@@ -353,7 +357,7 @@ def _left_out(cursor: Cursor, phrase: Phrase) -> tuple[Phrase, ...]:
     but = phrase.quantity == "all" and cursor.text() == "but" and not _begins_clause_at(cursor, 1)
     cursor.skip("and")
     if cursor.kind() not in ("except", "not") and but:
-        return noun_phrases(cursor)
+        return _excepted(cursor)
     if cursor.kind() not in ("except", "not"):
         cursor.at = begun
         return ()
@@ -361,9 +365,16 @@ def _left_out(cursor: Cursor, phrase: Phrase) -> tuple[Phrase, ...]:
     if cursor.text() in ("touch", "move", "use", "disturb") or (_begins_clause(cursor) and cursor.kind() == "word"):
         cursor.at = begun
         return ()
-    found = noun_phrases(cursor)
+    found = _excepted(cursor)
     if not found:
         cursor.at = begun
+    return found
+
+
+def _excepted(cursor: Cursor) -> tuple[Phrase, ...]:
+    cursor.excepting = True
+    found = noun_phrases(cursor)
+    cursor.excepting = False
     return found
 
 
@@ -373,7 +384,7 @@ def noun_phrases(cursor: Cursor) -> tuple[Phrase, ...]:
     while True:
         begun = cursor.at
         ended_by_comma = cursor.text() == "," and cursor.kind(1) != "and"
-        ended = cursor.commas_end and ended_by_comma
+        ended = (cursor.commas_end and ended_by_comma) or (cursor.excepting and cursor.text() == "but")
         joined = cursor.skip("and")
         if found and (not joined or ended or _begins_clause(cursor)):
             cursor.at = begun
@@ -388,6 +399,10 @@ def noun_phrases(cursor: Cursor) -> tuple[Phrase, ...]:
             found[-1] = replace(found[-1], colour=phrase.colour, text=f"{phrase.colour} {found[-1].text}")
             continue  # 'the torch, the red one'
         found.append(phrase)
+    if len(found) > 1 and any(
+        but.lemmas == ("one",) for but in found[-1].but
+    ):  # 'the pens and the blocks, but the red ones'
+        found = [replace(phrase, but=(*phrase.but, *found[-1].but)) for phrase in found[:-1]] + found[-1:]
     return _with_heads(found)
 
 
@@ -415,7 +430,8 @@ def _with_heads(phrases: Sequence[Phrase]) -> tuple[Phrase, ...]:
     for phrase in reversed(phrases):
         if found and phrase.lemmas and len(phrase.lemmas) == 1 and phrase.head in COLOURS and phrase.colour is None:
             following = found[-1]
-            if following.colour or following.lemmas != phrase.lemmas:
+            bare = len(following.lemmas) == 1 and following.head in COLOURS and following.colour is None
+            if not bare and (following.colour or following.lemmas != phrase.lemmas):
                 single = following.count is None or phrase.count == 1
                 if single and following.colour and following.count is None:
                     found[-1] = following = replace(following, count=1)

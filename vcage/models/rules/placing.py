@@ -8,6 +8,10 @@ from vcage.models.rules.phrases import Phrase, noun_phrase, noun_phrases
 from vcage.models.rules.references import SURFACES, References
 from vcage.models.rules.request import Request
 
+_THROWN = ("throw", "toss", "chuck", "shove", "dump")
+_ALONG = ("run", "wave", "swipe")
+"""Verbs that mean something only with the scanner: 'run it past the scanner'."""
+
 
 class Placing(References):
     """Commands that move things."""
@@ -75,6 +79,8 @@ class Placing(References):
                 cursor.take()  # 'grab the sign there'
             elif kind == "there":
                 token = cursor.take()
+                if token.text != "there":
+                    self._require_clear(cursor.at - 1)
                 word = "on" if token.text.startswith("on") else "in" if token.text.startswith("in") else self._how
                 self._add(self._placed(things, self._known_place(begun), word), begun)
                 placed = True
@@ -90,6 +96,8 @@ class Placing(References):
                     continue  # 'the pens go in there with them'
                 raise self._refusal(self._words(begun, cursor.at), "what is used for it is not understood")
             elif kind == "prep" and not placed:
+                if self._tokens[begun].base in _ALONG:
+                    raise self._refusal(self._words(begun, self._end_of_clause()), "the robot does not do that")
                 place, preposition = self._place_after(cursor.take().value, things)
                 self._add(replace(self._placed(things, place, preposition), tools=tools), begun)
                 placed = True
@@ -153,7 +161,7 @@ class Placing(References):
             return False
         cursor.at += ahead
         cursor.skip("except")
-        denied = self._inherit(noun_phrases(cursor), self._things)
+        denied = noun_phrases(cursor)
         last = self._requests.pop()
         things = tuple(replace(t, but=(*t.but, *denied)) for t in last.things)
         self._requests.append(replace(last, things=things))
@@ -166,6 +174,10 @@ class Placing(References):
         while cursor.kind() in ("and", "instead"):
             cursor.take()
         if self._at_verb():
+            end = self._end_of_clause()
+            adds = any(token.first for token in self._tokens[cursor.at : end])
+            if adds:
+                raise self._refusal(self._rest(), "whether that is done besides is not clear")
             if placed:
                 self._drop_last(begun)
             self._clause()
@@ -180,10 +192,12 @@ class Placing(References):
             raise self._refusal(self._rest(), "it corrects nothing")
         if not placed or cursor.kind() == "prep":
             kept = things[:-1] if len(things) > 1 and not placed else ()
-            if placed:
-                self._drop_last(begun)
+            if placed and len(self._drop_last(begun).things) > 1:
+                raise self._refusal(self._words(begun, cursor.at), "it is not clear what it corrects")
             return (*kept, *self._resolved(self._inherit(said, things))), False
         last = self._drop_last(begun)
+        if len(last.things) > 1 or last.things[0].plural:
+            raise self._refusal(self._words(begun, cursor.at), "it is not clear what it corrects")
         named = said[0].lemmas and said[0].lemmas != ("one",)
         if named and not self._is_place(said[0]):  # 'the carrot in the pan, no, the pepper'
             told = (*last.things[:-1], *said)
@@ -210,7 +224,16 @@ class Placing(References):
 
     def _handed(self, things: tuple[Phrase, ...], begun: int, takes: bool = False) -> bool:
         """'to the customer', 'to the left arm'; whether that says where to."""
-        value = self._cursor.take().value
+        token = self._cursor.take()
+        value, base = token.value, self._tokens[begun].base
+        if base in _THROWN or (base in _ALONG and value != "scanner"):
+            raise self._refusal(self._words(begun, self._cursor.at), "the robot does not do that")
+        if value.startswith("aside"):
+            if self._tokens[begun].verb != "hand":
+                raise self._refusal(token.text, "it names no place")
+            value = value.removeprefix("aside ")
+        if value.startswith("in") and takes:
+            self._arm = token.text
         if value.startswith("from") or (value.startswith("in") and takes):
             return False
         value = value.removeprefix("in ")

@@ -47,9 +47,9 @@ class OfflineReasoner:
         """See :func:`vcage.models.rules.pairs.judge_object_and_place`."""
         return [judge_object_and_place(question) for question in questions]
 
-    def read_goals(self, instruction: str, things: Mapping[str, CatalogueEntry]) -> Reading:
+    def read_goals(self, instruction: str, things: Mapping[str, CatalogueEntry], lying: Mapping[str, str]) -> Reading:
         """See :func:`vcage.models.rules.goals.read_goals`."""
-        return read_goals(instruction, things)
+        return read_goals(instruction, things, lying)
 
 
 def _drawn(what: str, draw: Callable[[], Drawn], check: Callable[[Drawn], list[str]]) -> Drawn:

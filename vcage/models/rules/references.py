@@ -39,6 +39,8 @@ class References(ABC):
         self._part: Phrase | None = None
         """What was opened last."""
         self._sources: list[tuple[Phrase, Phrase]] = []
+        self._arm = ""
+        """Words that say which arm takes a thing, of use only if it is then given to the other."""
         self._pending: dict[Phrase, str] = {}
         """What was taken hold of and must yet be of use, and the words for that."""
 
@@ -84,7 +86,7 @@ class References(ABC):
 
     def _inherit(self, phrases: tuple[Phrase, ...], before: tuple[Phrase, ...]) -> tuple[Phrase, ...]:
         """Phrases such as 'the red one' or 'the other' with the noun of what was named before."""
-        if not before:
+        if not before or before[-1].is_pronoun:
             return phrases
         model = before[-1]
         found = []
@@ -134,7 +136,12 @@ class References(ABC):
             if preposition in ("in", "on") and known is not None:
                 return known, preposition
             raise self._refusal(self._words(at - 1, cursor.at + 1), "it names no place")
+        if place.quantity in ("all", "both") or (place.is_pronoun and place.plural and place.text != "the other"):
+            raise self._refusal(self._words(at, cursor.at), "a thing goes to one place")
+        if place.is_pronoun and place.text == "the other":
+            place = replace(place, lemmas=("one",), quantity="rest", count=1)
         if place.is_pronoun:
+            self._require_clear(at)
             return self._known_place(at, things), preposition
         if place.head == "one":
             model = before or (self._place if self._place and self._place.head != "table" else None)
@@ -155,6 +162,13 @@ class References(ABC):
         if known is None:
             raise self._refusal(self._words(at, at + 1), "it is not clear where that is")
         return known
+
+    def _require_clear(self, at: int) -> None:
+        """That 'in it', after a bowl was put on a tray, is not the bowl as well as the tray."""
+        for last in self._requests[-1:] if self._part is None else ():
+            put = last.asked == "put" and last.place is not None
+            if put and len(last.things) == 1 and self._is_place(last.things[0]):
+                raise self._refusal(self._words(at, at + 1), "it may be more than one thing")
 
     def _movable(self, phrases: tuple[Phrase, ...]) -> tuple[Phrase, ...]:
         """Without furniture that the task happens on: 'clear the desk' moves no desk."""
@@ -209,6 +223,8 @@ class References(ABC):
         self._requests.append(done)
         if request.asked == "leave":
             return
+        if request.asked == "hand":
+            self._arm = ""
         for phrase in (*request.things, *([request.place] if request.place is not None else [])):
             self._pending.pop(phrase, None)
         if request.things:

@@ -60,7 +60,7 @@ def select_assets(
         InfeasibleScene: it asks for none of a thing, or for more than any table holds.
     """
     catalogue = sorted(catalogue, key=lambda entry: entry.name)
-    requests = parse_instruction(instruction, words_of(catalogue))
+    requests = parse_instruction(instruction, words_of(catalogue), lambda phrase: _holds_things(phrase, catalogue))
     require_answers(instruction, requests, catalogue, search)
     require_counts(requests)
     return _Selector(instruction, requests, catalogue, rng).select()
@@ -81,6 +81,12 @@ class _Start:
             return f"the {self.source.words.name} is closed then"
         large = [kind.words.name for kind in kinds if not goes_in(kind, self.source)]
         return f"the {self.source.words.name} is too small for the {' and the '.join(large)}" if large else ""
+
+
+def _holds_things(phrase: Phrase, catalogue: Sequence[CatalogueEntry]) -> bool:
+    """Whether what a phrase most likely means is a place too."""
+    found = candidates(phrase, catalogue) if phrase.lemmas else []
+    return bool(found) and bool(found[0].entry.functional_points)
 
 
 def moved_things(requests: Sequence[Request]) -> list[tuple[Phrase, Request]]:

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from vcage.models.rules.lexicon import BASES, FORMS, LONGEST, OTHERS, PHRASES, SLIPS, Kind, Verb
 from vcage.models.rules.words import ANYTHING, CATEGORIES, COLOURS, KINDS, NUMBERS, ORDINALS, PARTS, lemma
 
-_PIECE = re.compile(r"[a-z0-9]+(?:['-][a-z0-9]+)*|[.,;:!?…&()–—-]")
+_PIECE = re.compile(r"[a-z0-9]+(?:['-][a-z0-9]+)*|[^\s\"'`“”‘*]")
 
 
 @dataclass(frozen=True)
@@ -25,6 +25,7 @@ class Token:
         start, end: where in the instruction, in characters.
         glued: bound to the word before it by a hyphen.
         first: 'first' stands beside it: 'but first open it', 'but scan it first'.
+        wished: words such as 'make sure that' stand before it.
     """
 
     kind: Kind
@@ -34,6 +35,7 @@ class Token:
     end: int
     glued: bool = False
     first: bool = False
+    wished: bool = False
 
     @property
     def base(self) -> str | None:
@@ -81,13 +83,12 @@ def tokens(instruction: str, names: Collection[str] = ()) -> list[Token]:
         at += length
     useful: list[Token] = []
     for at, token in enumerate(found):
-        if token.kind == "first" and useful and useful[-1].kind not in ("and", "stop", "then"):
+        begins = not useful or useful[-1].kind in ("and", "stop", "then")
+        before = found[at - 1].kind if at > 0 else ""
+        if token.kind == "first" and not begins:
             useful[-1] = replace(useful[-1], first=True)
         elif token.kind not in ("noise", "wish", "first"):
-            led = (
-                at > 0 and found[at - 1].kind == "first" and (not useful or useful[-1].kind in ("and", "stop", "then"))
-            )
-            useful.append(replace(token, first=led))
+            useful.append(replace(token, first=begins and before == "first", wished=before == "wish"))
     return [_before_noun(token, useful[at + 1 : at + 2]) for at, token in enumerate(useful)]
 
 
@@ -104,18 +105,19 @@ def _before_noun(token: Token, following: Sequence[Token]) -> Token:
 
 
 def _words(instruction: str) -> list[_Word]:
-    """Lower-case words and marks; 'first-aid' is two words of which the second is glued to the first."""
-    text = instruction.lower().replace("’", "'").replace("_", " ").replace("...", ",  ").replace("…", ",")
+    """Lower-case words and marks; 'first-aid' is two words that are glued together."""
+    text = "".join(c.lower() if len(c.lower()) == 1 else c for c in instruction)
+    text = text.replace("’", "'").replace("_", " ").replace("...", ",  ").replace("…", ",")
     found: list[_Word] = []
     for match in _PIECE.finditer(text):
         parts = match[0].split("-") if len(match[0]) > 1 else [match[0]]
         numbers = len(parts) > 1 and all(part in NUMBERS for part in parts)
         start = match.start()
-        for index, part in enumerate(parts):
+        for part in parts:
             whole = SLIPS.get(part, part)
             glued = len(parts) > 1 and not numbers
             for word in whole.split():
-                found.append(_Word(word, start, start + len(part), glued and (index > 0 or len(parts) > 1)))
+                found.append(_Word(word, start, start + len(part), glued))
             start += len(part) + 1
     return found
 

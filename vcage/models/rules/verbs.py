@@ -101,6 +101,11 @@ class Verbs(Placing):
         return parts
 
     def _operates(self, asked: str, part: Phrase, begun: int) -> None:
+        if part.is_pronoun and part.text == "the other":
+            if self._part is None:
+                raise self._refusal(part.text, "it is not clear what that is")
+            model = self._part
+            part = replace(model, which=(), quantity="rest", colour=None, text=part.text, start=part.start)
         if part.is_pronoun:
             known = self._part or self._place or (self._things[-1] if self._things else None)
             if part.plural:
@@ -280,6 +285,8 @@ class Verbs(Placing):
             if cursor.text() == "other":
                 cursor.take()
         elif cursor.kind() == "prep":
+            if len(things) > 1 or things[0].plural:
+                raise self._refusal(self._words(begun, cursor.at), "what a stack stands on is not understood")
             self._places_of(things, begun)
             return
         self._add(Request("tower", things), begun)

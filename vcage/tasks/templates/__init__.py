@@ -10,6 +10,7 @@ from typing import Protocol
 
 import numpy as np
 
+from vcage.schema.goals import Goal
 from vcage.schema.subtasks import PairAnswer, PairQuestion, Refusal, Subtask, TemplateName
 from vcage.sim.kinematics import ArmKinematics
 from vcage.tasks.scene_objects import SceneObject
@@ -26,6 +27,11 @@ class Proposal(Protocol):
     @property
     def candidates(self) -> int:
         """How many ways there are to try it."""
+        ...
+
+    @property
+    def goal(self) -> Goal:
+        """What it would bring about."""
         ...
 
     def impossible(self) -> Refusal | None:

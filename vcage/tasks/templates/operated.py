@@ -67,6 +67,11 @@ class Operable:
         """One: a contact point."""
         return 1
 
+    @property
+    def goal(self) -> Goal:
+        """What it would bring about."""
+        return Goal(subject=self.thing.id, relation=self.template.word, part=self.part)
+
     def impossible(self) -> Refusal | None:
         """Nothing can be ruled out without inverse kinematics."""
         return None
@@ -99,8 +104,7 @@ class Operable:
         )
         if not finding.feasible:
             return None, [self._refusal(finding.reason)]
-        goal = Goal(subject=self.thing.id, relation=self.template.word, part=self.part)
-        text, *others = wordings(goal, {o.id: o.record.phrase for o in objects})
+        text, *others = wordings(self.goal, {o.id: o.record.phrase for o in objects})
         identifier = f"{self.template.name}-{self.thing.id}-{self.part}"
         return (
             Subtask(
@@ -112,7 +116,7 @@ class Operable:
                 target=round(target, 4),
                 grasps=finding.grasps,
                 requires=self._requires(),
-                goals=[goal],
+                goals=[self.goal],
                 script=f"subtasks/{identifier}.py",
                 checks=finding.checks,
             ),

@@ -74,6 +74,16 @@ class Pair:
         """How many contact points there are."""
         return len(carrying_points(self.target.asset.annotation))
 
+    @property
+    def goal(self) -> Goal:
+        """What it would bring about."""
+        return Goal(
+            subject=self.target.id,
+            relation="inside" if self.point.holds == "in" else "on",
+            reference=self.receptacle.id,
+            part=self.point.link,
+        )
+
     def impossible(self) -> Refusal | None:
         """A place that is not open to above, or too small."""
         check = access(self._opened, self.point)
@@ -166,13 +176,7 @@ class Pair:
         word = "into" if self.point.holds == "in" else "onto"
         several = len(self.receptacle.asset.annotation.functional_points) > 1
         suffix = f"-{self.point.link or self.point.id}" if several else ""
-        goal = Goal(
-            subject=self.target.id,
-            relation="inside" if self.point.holds == "in" else "on",
-            reference=self.receptacle.id,
-            part=self.point.link,
-        )
-        text, *others = wordings(goal, phrases)
+        text, *others = wordings(self.goal, phrases)
         identifier = f"{self.target.id}-{word}-{self.receptacle.id}{suffix}"
         return Subtask(
             id=identifier,
@@ -184,7 +188,7 @@ class Pair:
             functional_point=self.point.id,
             grasps=grasps,
             requires=self._requires(),
-            goals=[goal],
+            goals=[self.goal],
             script=f"subtasks/{identifier}.py",
             checks=best.checks,
         )

@@ -1,0 +1,67 @@
+"""The critic on moving parts, from rendered pictures of real objects."""
+
+from __future__ import annotations
+
+import pytest
+
+from tests.scenes import scene_of, thing
+from vcage.base.geometry import Pose
+from vcage.schema.episodes import Verdict
+from vcage.schema.goals import Goal
+from vcage.sim.cameras import shoot
+from vcage.sim.world import World
+from vcage.stages.context import StageContext
+from vcage.tasks.scene_objects import SceneObject
+
+PARTS = {"cabinet_one_drawer": "drawer", "laptop": "screen", "kitchen_timer": "dial", "tap": "lever"}
+GRASP = {"kitchen_timer": "turned", "tap": "turned"}
+
+
+@pytest.fixture(scope="module")
+def context() -> StageContext:
+    return StageContext("offline")
+
+
+def judged(context: StageContext, subject: SceneObject, word: str, before: float, after: float) -> Verdict:
+    """The verdict on pictures of an object with its part at two shares of its range."""
+    scene = scene_of([subject, thing("block", (0.3, -0.1))])
+    models = context.physical_models(scene)
+    world = World.of_scene(scene, models, appearance=context.appearance("grey_stone"), render=True)
+    link = subject.asset.model.links[0]
+    pictures = []
+    for share in (before, after):
+        world.set_object_joints(subject.id, [share * link.joint.far_end])
+        pictures.append(shoot(world, scene.top_camera))
+    for name in world.object_ids:
+        world.set_object_pose(name, Pose([0, 0, -9]))
+    empty = shoot(world, scene.top_camera)
+    goal = Goal(subject=subject.id, relation=word, part=link.name)  # pyrefly: ignore
+    return context.verdict(scene, "x", [goal], pictures[0], pictures[1], empty)
+
+
+@pytest.mark.parametrize("name", PARTS)
+def test_a_part_that_moved_all_the_way_is_seen(context: StageContext, name: str) -> None:
+    verdict = judged(context, thing(name, (-0.05, 0.05), -0.3), GRASP.get(name, "open"), 0.0, 1.0)
+    assert verdict.accepted, verdict.reason
+
+
+@pytest.mark.parametrize(("name", "share"), [("laptop", 0.45), ("tap", 0.0)])
+def test_a_part_that_stayed_or_stopped_half_way_is_seen(context: StageContext, name: str, share: float) -> None:
+    verdict = judged(context, thing(name, (-0.05, 0.05), 0.2), GRASP.get(name, "open"), 0.0, share)
+    assert not verdict.accepted, verdict.reason
+
+
+def test_a_drawer_that_is_shut_and_one_that_is_not_quite(context: StageContext) -> None:
+    cabinet = thing("cabinet_one_drawer", (-0.05, 0.05), 0.2)
+    assert judged(context, cabinet, "closed", 1.0, 0.0).accepted
+    verdict = judged(context, cabinet, "closed", 1.0, 0.4)
+    assert not verdict.accepted
+    assert "looks" in verdict.reason and "% open" in verdict.reason
+
+
+def test_what_is_seen_is_close_to_what_is(context: StageContext) -> None:
+    cabinet = thing("cabinet_one_drawer", (-0.05, 0.05), 0.2)
+    for share in (0.3, 0.8):
+        reason = judged(context, cabinet, "open", 0.0, share).reason
+        seen = float(reason.partition(" looks ")[2].partition(" %")[0]) / 100
+        assert abs(seen - share) < 0.15, reason
