@@ -86,7 +86,7 @@ def execute(
 
 
 def _as_required(scene: Scene, subtask: Subtask, objects: Sequence[SceneObject]) -> Scene:
-    """The scene as it must be before a sub-task: with the drawers open that it needs open, so that its script runs alone."""
+    """The scene as it must be before a sub-task, drawers open that it needs open, so that its script runs alone."""
     by_id = {o.id: o for o in objects}
     records = []
     for record in scene.objects:

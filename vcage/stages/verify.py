@@ -129,7 +129,7 @@ def judge_pair(run: RunFolder, context: StageContext, subtask_id: str, before: P
 
 
 def _empty_beside(picture: Path, scene: Scene) -> np.ndarray | None:
-    """The empty table in the same light, where ``picture`` lies as collect keeps it: ``e000002-s0-a0-before-top.png``."""
+    """The empty table in the same light, where the picture lies as collect keeps it (``e000002-s0-…``)."""
     episode = re.match(r"e(\d+)-", picture.name)
     empty = picture.parent.parent / background_name(int(episode[1])) if episode else picture
     return _view(empty, scene) if episode and empty.exists() else None

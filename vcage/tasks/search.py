@@ -79,7 +79,7 @@ def find_subtasks(
         if answer is not None and not answer.sensible:
             refused.append(proposal.senseless(answer.reason))
             continue
-        subtask, complaints = proposal.examine(answer, objects, kinematics, table_height, rng)
+        subtask, complaints = proposal.examine(objects, kinematics, table_height, rng)
         refused += complaints
         kept += [subtask] if subtask is not None else []
     return FoundSubtasks(kept, refused, sum(proposal.candidates for proposal in proposals))

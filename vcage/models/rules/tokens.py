@@ -197,5 +197,5 @@ def _token(words: Sequence[_Word], at: int, before: Token | None) -> tuple[Token
         text = value if kind == "word" else " ".join(w.text for w in row)
         return Token(kind, value, text, row[0].start, row[-1].end), length
     word = words[at]
-    number = not word.glued and (word.text in NUMBERS or word.text.isdigit())
+    number = not word.glued and (word.text in NUMBERS or word.text.isdecimal())
     return Token("number" if number else "word", word.text, word.text, word.start, word.end, word.glued), 1

@@ -11,7 +11,7 @@ from typing import Protocol
 import numpy as np
 
 from vcage.schema.goals import Goal
-from vcage.schema.subtasks import PairAnswer, PairQuestion, Refusal, Subtask, TemplateName
+from vcage.schema.subtasks import PairQuestion, Refusal, Subtask, TemplateName
 from vcage.sim.kinematics import ArmKinematics
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.templates.close import CLOSE
@@ -48,7 +48,6 @@ class Proposal(Protocol):
 
     def examine(
         self,
-        answer: PairAnswer | None,
         objects: Sequence[SceneObject],
         kinematics: Mapping[str, ArmKinematics],
         table_height: float,
@@ -57,7 +56,6 @@ class Proposal(Protocol):
         """The sub-task if a candidate is feasible, and a refusal for each that is not.
 
         Args:
-            answer: of the reasoner, who finds it sensible; None where nobody was asked.
             objects: all of the scene.
             kinematics: by arm.
             table_height: z of the table top, metres.

@@ -9,7 +9,7 @@ import numpy as np
 
 from vcage.schema.asset import ContactPoint, Joint
 from vcage.schema.goals import Goal, GoalWord, part_that
-from vcage.schema.subtasks import PairAnswer, PairQuestion, Refusal, Subtask, TemplateName
+from vcage.schema.subtasks import PairQuestion, Refusal, Subtask, TemplateName
 from vcage.sim.joints import joint_index, joint_positions
 from vcage.sim.kinematics import ArmKinematics
 from vcage.tasks.feasibility import examine_operation
@@ -86,7 +86,6 @@ class Operable:
 
     def examine(
         self,
-        answer: PairAnswer | None,
         objects: Sequence[SceneObject],
         kinematics: Mapping[str, ArmKinematics],
         table_height: float,

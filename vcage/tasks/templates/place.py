@@ -13,7 +13,7 @@ from vcage.base.errors import InfeasibleScene
 from vcage.base.geometry import Pose
 from vcage.schema.asset import FunctionalPoint
 from vcage.schema.goals import Goal, part_words
-from vcage.schema.subtasks import Check, PairAnswer, PairQuestion, Refusal, Subtask, TemplateName
+from vcage.schema.subtasks import Check, PairQuestion, Refusal, Subtask, TemplateName
 from vcage.sim.kinematics import ArmKinematics
 from vcage.tasks.access import access
 from vcage.tasks.feasibility import Feasibility, Transfer, carrying_points, examine, fits
@@ -111,7 +111,6 @@ class Pair:
 
     def examine(
         self,
-        answer: PairAnswer | None,
         objects: Sequence[SceneObject],
         kinematics: Mapping[str, ArmKinematics],
         table_height: float,
@@ -120,7 +119,6 @@ class Pair:
         """The sub-task of a sensible pair, and a refusal for each contact point that no arm can use.
 
         Args:
-            answer: of the reasoner, who finds it sensible.
             objects: all of the scene.
             kinematics: by arm.
             table_height: z of the table top, metres.
@@ -160,7 +158,7 @@ class Pair:
         return phrase if self.point.link is None else f"{part_words(self.point.link)} of the {phrase}"
 
     def _requires(self) -> list[Goal]:
-        """That what keeps the place in is open, and what hangs over it is not."""
+        """That what keeps the place in is open."""
         part = kept_in_by(self.receptacle, self.point.id)
         return [] if part is None else [Goal(subject=self.receptacle.id, relation="open", part=part)]
 
