@@ -146,7 +146,7 @@ class Critic:
     answers: Sequence[bool] = (True,)
     asked: list[Asked] = field(default_factory=list)
 
-    def __call__(self, asked: Asked, before: PicturesByCamera, after: PicturesByCamera) -> Verdict:
+    def __call__(self, asked: Asked, requires: Sequence[Goal], seen: Sequence[PicturesByCamera]) -> Verdict:
         answer = self.answers[min(len(self.asked), len(self.answers) - 1)]
         self.asked.append(asked)
         reason = "it is there" if answer else "it is not there"

@@ -15,8 +15,9 @@ import numpy as np
 
 from vcage.base.geometry import Pose, oriented_boxes_overlap
 from vcage.schema.asset import Annotation, ContactPoint, FunctionalPoint
+from vcage.schema.goals import part_words
 from vcage.schema.subtasks import Check, Grasp
-from vcage.sim.joints import joint_positions
+from vcage.sim.joints import carried_by, joint_positions
 from vcage.sim.kinematics import ArmKinematics
 from vcage.tasks.access import access, headroom
 from vcage.tasks.grasps import GraspPose, approach_opening, grasp_poses, hand_boxes
@@ -161,6 +162,10 @@ def examine_operation(
     """
     width = thing.asset.grasp_width(contact)
     handle = Handle(contact, thing.asset.model, thing.pose, joint_positions(thing.asset.model, thing.joints), width)
+    met = _part_meets(thing.moved(thing.pose, tuple(handle.joints_at(target))), str(contact.link), others)
+    if met is not None:
+        message = f"{met} is in the way of the {part_words(str(contact.link))} of {thing.record.phrase}"
+        return Feasibility([Check(name="way_free", passed=False, message=message)], [])
     wide = opens_wide_enough(thing, contact, kinematics)
     if contact.use == "grasp" and not wide.passed:
         return Feasibility([wide], [])
@@ -304,6 +309,16 @@ def _hand_meets(
     for other in others:
         for part in hand:
             if any(oriented_boxes_overlap(part, pose, box.bounds, box.pose) for box in other.boxes):
+                return other.record.phrase
+    return None
+
+
+def _part_meets(thing: SceneObject, link: str, others: Sequence[SceneObject]) -> str | None:
+    """The phrase of the first object that a part, or what moves with it, would touch where it is now, its contents
+    apart."""
+    for part in (thing.part_box(name) for name in carried_by(thing.asset.model, link)):
+        for other in (o for o in others if o.record.container != thing.id):
+            if any(oriented_boxes_overlap(part.bounds, part.pose, box.bounds, box.pose) for box in other.boxes):
                 return other.record.phrase
     return None
 
