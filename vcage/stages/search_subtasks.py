@@ -21,6 +21,7 @@ from vcage.schema.subtasks import Subtask, Subtasks
 from vcage.sim.robots import load_robot
 from vcage.stages.context import StageContext
 from vcage.stages.stage import Job, ModelOptions, StageResult, stage_seed
+from vcage.tasks.ground import Ground
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.search import compose, find_subtasks
 from vcage.tasks.slots import slots_for_chain
@@ -67,10 +68,10 @@ def execute(
         objects, reasoner = context.objects(scene), context.models.reasoner
         asked = {asked.goal for asked in scene.goals}
         arms = context.kinematics(scene.robot)
-        found = find_subtasks(objects, arms, reasoner.judge_pairs, scene.table.height, rng, asked)
+        found = find_subtasks(objects, arms, reasoner.judge_pairs, Ground.of(scene), rng, asked)
         chain = compose(scene, objects, found.kept, found.refused)
         by_id = {subtask.id: subtask for subtask in found.kept}
-        slots_for_chain([by_id[i] for i in chain], objects, load_robot(scene.robot), rng)
+        slots_for_chain([by_id[i] for i in chain], objects, load_robot(scene.robot), Ground.of(scene), rng)
         for subtask in found.kept:
             write_script(subtask, _as_required(scene, subtask, objects), folder / f"{subtask.id}.py")
         return Subtasks(

@@ -21,6 +21,7 @@ from vcage.schema.scene import Scene
 from vcage.schema.subtasks import PairAnswer, PairQuestion, Refusal, Subtask
 from vcage.sim.joints import joint_positions
 from vcage.sim.kinematics import ArmKinematics
+from vcage.tasks.ground import Ground
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.templates import TEMPLATES, Proposal
 
@@ -40,7 +41,7 @@ def find_subtasks(
     objects: Sequence[SceneObject],
     kinematics: Mapping[str, ArmKinematics],
     judge: Judge,
-    table_height: float,
+    ground: Ground,
     rng: np.random.Generator,
     asked: Collection[Goal] = (),
 ) -> FoundSubtasks:
@@ -50,7 +51,7 @@ def find_subtasks(
         objects: of the scene, where they stand.
         kinematics: by arm.
         judge: the reasoner's filter, asked once about all pairs that are possible.
-        table_height: z of the table top, metres.
+        ground: of the table.
         rng: of all choices.
         asked: goals that are asked for: whether these are sensible is not the judge's to say.
     """
@@ -58,7 +59,7 @@ def find_subtasks(
     kept: list[Subtask] = []
     refused: list[Refusal] = []
     for template in TEMPLATES.values():
-        found, excluded = template.proposals(objects)
+        found, excluded = template.proposals(objects, asked)
         proposals += found
         refused += excluded
     possible = []
@@ -79,7 +80,7 @@ def find_subtasks(
         if answer is not None and not answer.sensible:
             refused.append(proposal.senseless(answer.reason))
             continue
-        subtask, complaints = proposal.examine(objects, kinematics, table_height, rng)
+        subtask, complaints = proposal.examine(objects, kinematics, ground, rng)
         refused += complaints
         kept += [subtask] if subtask is not None else []
     return FoundSubtasks(kept, refused, sum(proposal.candidates for proposal in proposals))
@@ -113,7 +114,8 @@ def compose(
 def action_of(subtask: Subtask) -> Action:
     """A sub-task as the planner sees it."""
     moves = subtask.object if subtask.receptacle is not None else None
-    return Action(subtask.id, frozenset(subtask.requires), frozenset(subtask.goals), moves)
+    alone = subtask.receptacle if subtask.template == "weigh" else None
+    return Action(subtask.id, frozenset(subtask.requires), frozenset(subtask.goals), moves, alone)
 
 
 def initial_state(objects: Sequence[SceneObject]) -> frozenset[Goal]:
