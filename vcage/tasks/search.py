@@ -6,6 +6,7 @@ check; everything else is a refusal with a reason.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -18,7 +19,7 @@ from vcage.plans.relations import holds
 from vcage.schema.goals import Goal, StateWord, in_steps, part_that
 from vcage.schema.plan import TABLE
 from vcage.schema.scene import Scene
-from vcage.schema.subtasks import PairAnswer, PairQuestion, Refusal, Subtask
+from vcage.schema.subtasks import Chain, PairAnswer, PairQuestion, Refusal, Subtask
 from vcage.sim.joints import joint_positions
 from vcage.sim.kinematics import ArmKinematics
 from vcage.tasks.scene_objects import SceneObject
@@ -87,8 +88,8 @@ def find_subtasks(
 
 def compose(
     scene: Scene, objects: Sequence[SceneObject], kept: Sequence[Subtask], refused: Sequence[Refusal]
-) -> list[str]:
-    """The chain T₁…T_k for the scene's goals: ids of kept sub-tasks, in order, proven to bring about every goal.
+) -> list[Chain]:
+    """The chain T₁…T_k for the scene's instruction, proven to bring about every goal; without one, each kept sub-task.
 
     Args:
         scene: with its goals.
@@ -96,8 +97,24 @@ def compose(
         kept, refused: what the search found.
 
     Raises:
-        NoFeasibleTask: no chain does what is asked; says why.
+        NoFeasibleTask: no chain does what is asked, or nothing was kept; says why.
     """
+    if scene.instruction is not None:
+        return [Chain(text=scene.instruction, subtasks=_fulfilling(scene, objects, kept, refused))]
+    if not kept:
+        reasons = Counter(refusal.reason for refusal in refused)
+        raise NoFeasibleTask(
+            f"no sub-task is feasible in this scene: {'; '.join(list(reasons)[:3])}",
+            hint="another --seed gives another layout",
+            details={"reasons": dict(reasons)},
+        )
+    return [Chain(text=subtask.text, subtasks=[subtask.id]) for subtask in kept]
+
+
+def _fulfilling(
+    scene: Scene, objects: Sequence[SceneObject], kept: Sequence[Subtask], refused: Sequence[Refusal]
+) -> list[str]:
+    """Ids of the sub-tasks that bring about all goals, in order."""
     task = Task(initial_state(objects), in_steps(scene.goals))
     actions = [action_of(s) for s in kept if s.object not in scene.untouched]
     chain = find_chain(task, actions)
