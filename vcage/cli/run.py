@@ -27,15 +27,15 @@ logger = logging.getLogger(__name__)
 class Run(BeginCommand[chain.ChainOptions], Command):
     """Turn an instruction, or every sub-task of a scene, into a verified, compressed, training-ready data set.
 
-      Runs select-place, inpaint-plan, match, optimize, search-subtasks, collect, verify, compress and export in one
-      process, on the same files as the single commands, then the report. A run that was interrupted goes on when started
-    again.
+    Runs select-place, inpaint-plan, match, optimize, search-subtasks, collect, verify, compress and export in one
+    process, on the same files as the single commands, then the report. A run that was interrupted goes on when it is
+    started again.
 
-      examples:
-        vcage run "Pack the marker pens and the eraser into the box" --out runs/pack-stationery --episodes 3
-        vcage run "Put the blocks on the plate" --out runs/blocks --seed 4 --models offline
-        vcage run "Put the blocks on the plate" --out runs/blocks-10 --episodes 10 --fps 25 --max-loss 0.05
-    vcage run --scene office_desk --all-subtasks --out runs/office
+    examples:
+      vcage run "Pack the marker pens and the eraser into the box" --out runs/pack-stationery --episodes 3
+      vcage run "Put the blocks on the plate" --out runs/blocks --seed 4 --models offline
+      vcage run "Put the blocks on the plate" --out runs/blocks-10 --episodes 10 --fps 25 --max-loss 0.05
+      vcage run --scene office_desk --all-subtasks --out runs/office
     """
 
     def execute(self) -> Result:

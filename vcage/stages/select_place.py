@@ -158,9 +158,9 @@ def execute(run: RunFolder, options: Options, context: StageContext, progress: P
             lying = {o.id: o.starts_in for o in objects if o.starts_in is not None}
             reading = context.models.reasoner.read_goals(instruction, _kinds(objects, context), lying)
             scene |= {"goals": reading.goals, "untouched": reading.untouched}
-        placed = _place_until_stable(scene, objects, template, context, rng)
+        placed = place_until_stable(scene, objects, template, context, rng)
         noted = placed.model_copy(update={"checks": {**placed.checks, "notes": notes}})
-        return _photograph(noted, context, folder)
+        return photograph(noted, context, folder)
 
     return stage.do(Scene, make, force=options.force)
 
@@ -200,10 +200,25 @@ def _empty_scene(template: SceneTemplate, instruction: str | None, provenance: P
     }
 
 
-def _place_until_stable(
-    fields: dict, objects: list[NamedObject], template: SceneTemplate, context: StageContext, rng: np.random.Generator
+def place_until_stable(
+    fields: dict[str, Any],
+    objects: list[NamedObject],
+    template: SceneTemplate,
+    context: StageContext,
+    rng: np.random.Generator,
 ) -> Scene:
-    """Draw placements until one stays put in the simulator; its settled poses are what M records."""
+    """Draw placements until one stays put in the simulator; its settled poses are what M records.
+
+    Args:
+        fields: of the scene, but for objects and checks.
+        objects: what is placed.
+        template: of the scene.
+        context: the library.
+        rng: of the placements.
+
+    Raises:
+        InfeasibleScene: the objects have no place, or do not stay where they are put.
+    """
     workspace = np.array([template.workspace.lower, template.workspace.upper])
     items = _place_items(objects, template, context)
     height = template.table.height
@@ -304,8 +319,8 @@ def _record(o: NamedObject, pose: Pose, context: StageContext, joints: tuple[flo
     )
 
 
-def _photograph(scene: Scene, context: StageContext, folder: Path) -> Scene:
-    """Write the pictures of the scene, and note what the segmentation's values mean."""
+def photograph(scene: Scene, context: StageContext, folder: Path) -> Scene:
+    """Write the pictures of the scene into a folder, and note in the scene what the segmentation's values mean."""
     look = context.appearance(scene.table.texture)
     world = World.of_scene(scene, context.physical_models(scene), appearance=look, render=True)
     shot = observe(world, scene.top_camera)

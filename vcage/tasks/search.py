@@ -55,8 +55,25 @@ def find_subtasks(
         rng: of all choices.
         asked: goals that are asked for: whether these are sensible is not the judge's to say.
     """
-    proposals: list[Proposal] = []
     kept: list[Subtask] = []
+    proposals, refused, candidates = sensible(objects, judge, asked)
+    for proposal in proposals:
+        subtask, complaints = proposal.examine(objects, kinematics, table_height, rng)
+        refused += complaints
+        kept += [subtask] if subtask is not None else []
+    return FoundSubtasks(kept, refused, candidates)
+
+
+def sensible(
+    objects: Sequence[SceneObject], judge: Judge, asked: Collection[Goal] = ()
+) -> tuple[list[Proposal], list[Refusal], int]:
+    """What makes sense and fits by size, wherever the objects stand; the refusals of the rest; how many candidates
+    there were.
+
+    Args:
+        objects, judge, asked: see :func:`find_subtasks`.
+    """
+    proposals: list[Proposal] = []
     refused: list[Refusal] = []
     for template in TEMPLATES.values():
         found, excluded = template.proposals(objects)
@@ -75,15 +92,14 @@ def find_subtasks(
         if proposal.goal not in asked and (question := proposal.question()) is not None
     }
     answers = dict(zip(questions, judge(list(questions.values())) if questions else [], strict=True))
+    accepted = []
     for number, proposal in enumerate(possible):
         answer = answers.get(number)
-        if answer is not None and not answer.sensible:
+        if answer is None or answer.sensible:
+            accepted.append(proposal)
+        else:
             refused.append(proposal.senseless(answer.reason))
-            continue
-        subtask, complaints = proposal.examine(objects, kinematics, table_height, rng)
-        refused += complaints
-        kept += [subtask] if subtask is not None else []
-    return FoundSubtasks(kept, refused, sum(proposal.candidates for proposal in proposals))
+    return accepted, refused, sum(proposal.candidates for proposal in proposals)
 
 
 def compose(
