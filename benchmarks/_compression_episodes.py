@@ -191,7 +191,7 @@ def _chain(run: RunFolder) -> list[tuple[Subtask, Script]]:
     """The first :data:`SUBTASKS` sub-tasks of a run, with their scripts."""
     subtasks = Subtasks.read(run.subtasks)
     kept = {s.id: s for s in subtasks.kept}
-    return [(kept[i], load_script(run.root / kept[i].script)) for i in subtasks.chain[:SUBTASKS]]
+    return [(kept[i], load_script(run.root / kept[i].script)) for i in subtasks.chains[0].subtasks[:SUBTASKS]]
 
 
 def sharp(robot: Robot) -> Robot:

@@ -23,7 +23,7 @@ from vcage.plans.actions import lasting
 from vcage.schema.episodes import Verdict
 from vcage.schema.goals import Goal, in_steps
 from vcage.schema.scene import Scene
-from vcage.schema.subtasks import Subtasks
+from vcage.schema.subtasks import Subtask, Subtasks
 from vcage.sim.robots import load_robot
 from vcage.sim.world import World
 from vcage.stages import inpaint_plan, match, optimize, search_subtasks, select_place
@@ -32,7 +32,7 @@ from vcage.stages.stage import ModelOptions
 from vcage.tasks.ground import Ground
 from vcage.tasks.loop import EpisodeRun, PicturesByCamera, Setting, run_episode
 from vcage.tasks.slots import slots_for_chain
-from vcage.tasks.synthesis import load_script
+from vcage.tasks.synthesis import Script, load_script
 from vcage.tasks.task import Asked
 from vcage.tasks.variation import shifted_poses
 
@@ -130,13 +130,24 @@ def simulated(sentence: str, seed: int, context: StageContext) -> EpisodeRun:
         match.execute(made, match.Options(models="offline"), context)
         optimize.execute(made, optimize.Options(), context)
         search_subtasks.execute(made, ModelOptions(models="offline"), context)
-        return _episode(made, seed, context)
+        scene, found = Scene.read(made.layout), Subtasks.read(made.subtasks)
+        kept = {subtask.id: subtask for subtask in found.kept}
+        chain = [(kept[name], load_script(made.root / kept[name].script)) for name in found.chains[0].subtasks]
+        return play(scene, chain, lasting(in_steps(scene.goals)), seed, context)
 
 
-def _episode(made: RunFolder, seed: int, context: StageContext) -> EpisodeRun:
-    scene, found = Scene.read(made.layout), Subtasks.read(made.subtasks)
-    kept = {subtask.id: subtask for subtask in found.kept}
-    chain = [(kept[name], load_script(made.root / kept[name].script)) for name in found.chain]
+def play(
+    scene: Scene, chain: Sequence[tuple[Subtask, Script]], goals: Sequence[Goal], seed: int, context: StageContext
+) -> EpisodeRun:
+    """One episode of a chain, judged by nobody, in which nothing is tried again.
+
+    Args:
+        scene: where it begins.
+        chain: sub-tasks with their scripts.
+        goals: what must be true at the end.
+        seed: of all choices.
+        context: the library.
+    """
     robot, rng = load_robot(scene.robot), np.random.default_rng([seed, 0])
     objects = context.objects(scene)
     objects = [o.moved(pose) for o, pose in zip(objects, shifted_poses(objects, rng).values(), strict=True)]
@@ -159,7 +170,7 @@ def _episode(made: RunFolder, seed: int, context: StageContext) -> EpisodeRun:
         retries=0,
         fps=FPS,
     )
-    return run_episode(setting, chain, seed, lasting(in_steps(scene.goals)))
+    return run_episode(setting, chain, seed, goals)
 
 
 def _accept(_asked: Asked, _requires: Sequence[Goal], _seen: Sequence[PicturesByCamera]) -> Verdict:

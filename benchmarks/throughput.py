@@ -59,7 +59,7 @@ def run(quick: bool, episodes: int, workers: list[int]) -> dict[str, Any]:
     rows = []
     with tempfile.TemporaryDirectory() as folder:
         first = _begun(Path(folder) / "begun")
-        steps = len(Subtasks.read(first.subtasks).chain)
+        steps = len(Subtasks.read(first.subtasks).chains[0].subtasks)
         for count in workers:
             rows.append(_collected(first, Path(folder) / f"with-{count}", count, 4 if quick else episodes))
             logger.info("%s", rows[-1])

@@ -15,6 +15,7 @@ from vcage.datasets.episode import CameraTrack, EpisodeData, Segment
 from vcage.datasets.hdf5 import write_episode
 from vcage.schema.base import Provenance
 from vcage.schema.episodes import Episode, Episodes, Truth, Verdict
+from vcage.schema.subtasks import Chain
 
 CAMERAS = ("cam_high", "cam_left_wrist", "cam_right_wrist")
 WIDTH, HEIGHT, FPS = 64, 48, 10.0
@@ -98,7 +99,7 @@ def collected(root: Path, count: int = 2, frames: int = 12) -> RunFolder:
     Episodes(
         provenance=Provenance(producer="collect", seed=7),
         instruction=INSTRUCTION,
-        chain=["lift-block", "place-block"],
+        chains=[Chain(text=INSTRUCTION, subtasks=["lift-block", "place-block"])],
         episodes=records,
         attempts=count,
         acceptance={},

@@ -21,7 +21,7 @@ from vcage.schema.subtasks import Subtasks
 def script(finished: Finished) -> Path:
     """The first script of the chain."""
     record = Subtasks.read(finished.run.subtasks)
-    return finished.run.root / next(s.script for s in record.kept if s.id == record.chain[0])
+    return finished.run.root / next(s.script for s in record.kept if s.id == record.chains[0].subtasks[0])
 
 
 def error_of(capsys: pytest.CaptureFixture[str]) -> dict:

@@ -102,14 +102,14 @@ def test_files_of_earlier_runs_keep_their_schema():
     assert sorted(schema.DOCUMENTS) == [
         "vcage.asset/1",
         "vcage.compression/4",
-        "vcage.episodes/1",
+        "vcage.episodes/2",
         "vcage.export/1",
         "vcage.matches/1",
         "vcage.plan/1",
         "vcage.robot/1",
         "vcage.scene-template/1",
         "vcage.scene/1",
-        "vcage.subtasks/1",
+        "vcage.subtasks/2",
         "vcage.verdict/1",
         "vcage.verdicts/1",
     ]

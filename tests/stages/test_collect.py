@@ -75,7 +75,7 @@ def test_state_and_action_stand_side_by_side_and_grippers_open_from_0_to_1(reade
 
 def test_the_segments_follow_the_chain_without_gaps_each_with_verdict_and_truth(finished, reader):
     segments = reader.episode.segments
-    assert [s.subtask for s in segments] == Subtasks.read(finished.run.subtasks).chain
+    assert [s.subtask for s in segments] == Subtasks.read(finished.run.subtasks).chains[0].subtasks
     assert segments[0].start == 0
     assert all(a.end == b.start for a, b in pairwise(segments))
     assert segments[-1].end in (reader.episode.frames, reader.episode.frames - 1)
@@ -368,7 +368,7 @@ def test_an_episode_that_takes_too_long_is_given_up_and_says_so(finished, begun)
 
 def test_a_damaged_script_is_named_before_anything_is_collected(finished, begun):
     record = Subtasks.read(begun.subtasks)
-    script = begun.root / {s.id: s.script for s in record.kept}[record.chain[0]]
+    script = begun.root / {s.id: s.script for s in record.kept}[record.chains[0].subtasks[0]]
     script.write_text("def play(:")
     with pytest.raises(DamagedFile, match=script.name):
         collect.execute(begun, options(), finished.context)
@@ -378,7 +378,7 @@ def test_a_damaged_script_is_named_before_anything_is_collected(finished, begun)
 def test_an_edited_script_makes_the_episodes_stale(finished, tmp_path):
     run = copied(finished.run, tmp_path / "run")
     record = Subtasks.read(run.subtasks)
-    script = run.root / {s.id: s.script for s in record.kept}[record.chain[0]]
+    script = run.root / {s.id: s.script for s in record.kept}[record.chains[0].subtasks[0]]
     script.write_text(script.read_text() + "\n# edited by hand\n")
     with pytest.raises(StaleStage, match=f"input subtasks/{script.name}"):
         collect.execute(run, options(), finished.context)

@@ -28,8 +28,10 @@ def test_the_chain_moves_every_content_once(finished):
     record, scene = Subtasks.read(finished.run.subtasks), Scene.read(finished.run.layout)
     by_id = {subtask.id: subtask for subtask in record.kept}
     contents = [o.id for o in scene.objects if o.role == "content"]
-    assert sorted(by_id[i].object for i in record.chain) == sorted(contents)
-    assert {by_id[i].receptacle for i in record.chain} == {o.id for o in scene.objects if o.role == "receptacle"}
+    assert sorted(by_id[i].object for i in record.chains[0].subtasks) == sorted(contents)
+    assert {by_id[i].receptacle for i in record.chains[0].subtasks} == {
+        o.id for o in scene.objects if o.role == "receptacle"
+    }
 
 
 def test_every_refusal_has_a_reason(finished):

@@ -25,15 +25,17 @@ logger = logging.getLogger(__name__)
 
 @dataclass(frozen=True, kw_only=True)
 class Run(BeginCommand[chain.ChainOptions], Command):
-    """Turn an instruction into a verified, compressed, training-ready data set: all stages, then the report.
+    """Turn an instruction, or every sub-task of a scene, into a verified, compressed, training-ready data set.
 
     Runs select-place, inpaint-plan, match, optimize, search-subtasks, collect, verify, compress and export in one
-    process, on the same files as the single commands. A run that was interrupted goes on when started again.
+    process, on the same files as the single commands, then the report. A run that was interrupted goes on when it is
+    started again.
 
     examples:
       vcage run "Pack the marker pens and the eraser into the box" --out runs/pack-stationery --episodes 3
       vcage run "Put the blocks on the plate" --out runs/blocks --seed 4 --models offline
       vcage run "Put the blocks on the plate" --out runs/blocks-10 --episodes 10 --fps 25 --max-loss 0.05
+      vcage run --scene office_desk --all-subtasks --out runs/office
     """
 
     def execute(self) -> Result:
@@ -41,6 +43,7 @@ class Run(BeginCommand[chain.ChainOptions], Command):
         run, options = RunFolder(self.run), self.stage
         context = options.context()
         if self.dry_run:
+            options.require_a_task()
             select_place.job(run, options, context)
             return Result(output=run.root, summary={"would_run": list(STAGES)})
         done = chain.run_chain(run, options, context, _shown)

@@ -7,6 +7,7 @@ from typing import Any, ClassVar, Literal
 from pydantic import Field
 
 from vcage.schema.base import Document, Finite, Identifier, Record, StageDocument
+from vcage.schema.subtasks import Chain
 
 AttemptStage = Literal["plan", "grasp", "place", "verify", "done"]
 """How far an attempt at a sub-task came; ``done`` means that the critic accepted it."""
@@ -56,7 +57,8 @@ class Attempt(Record):
 class Episode(Record):
     """One episode that ran to its end: accepted, or aborted and kept under ``rejected/``."""
 
-    index: int = Field(ge=0)
+    index: int = Field(ge=0, description="the n-th episode of chain c has the number n · chains + c, from 0 on")
+    chain: int = Field(default=0, ge=0, description="which of the chains was carried out")
     seed: int = Field(ge=0)
     accepted: bool
     reason: str
@@ -67,18 +69,18 @@ class Episode(Record):
     verdicts: list[Verdict] = []
     attempts: int = Field(default=0, ge=0)
     goals_hold: Truth | None = Field(
-        default=None, description="whether all goals of the instruction are true at the end, by the simulator's state"
+        default=None, description="whether all goals of the chain are true at the end, by the simulator's state"
     )
 
 
 class Episodes(StageDocument):
     """``episodes/episodes.json``."""
 
-    SCHEMA: ClassVar[str] = "vcage.episodes/1"
+    SCHEMA: ClassVar[str] = "vcage.episodes/2"
 
-    instruction: str
-    chain: list[Identifier]
-    episodes: list[Episode]
+    instruction: str | None
+    chains: list[Chain]
+    episodes: list[Episode] = Field(description="by number; a number that is missing was not needed")
     attempts: int = Field(ge=0, description="lines of log.jsonl")
     acceptance: dict[str, dict[str, int]] = Field(description="asset/variant → {accepted, attempts}")
     critic: dict[str, Any] = Field(description="confusion counts of the critic against the simulator's truth")

@@ -89,7 +89,7 @@ class Plan(StageDocument):
 
     SCHEMA: ClassVar[str] = "vcage.plan/1"
 
-    instruction: str
+    instruction: str | None
     text: str
     relations: list[Relation]
     target: str = Field(description="path of the target picture in the run folder")

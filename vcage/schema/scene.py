@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 
 from vcage.base.errors import UnknownName
 from vcage.base.graphs import circles
@@ -24,6 +24,9 @@ from vcage.schema.goals import AskedGoal
 
 Role = Literal["content", "receptacle", "context"]
 """What the instruction does with an object: moves it, puts things into it, or nothing."""
+
+MOST_OF_A_KIND = 40
+"""Objects that one record of a template may ask for: more have no place on any table."""
 
 
 class Table(Record):
@@ -60,8 +63,28 @@ class Workspace(Record):
         return self
 
 
+class Contents(Record):
+    """Objects that belong to a place: kinds that have all of these tags, or kinds by name."""
+
+    tags: list[str] = Field(default=[], description="categories and scenes of the catalogue; a kind must have all")
+    assets: list[Identifier] = Field(default=[], description="names of kinds")
+    count: Annotated[tuple[int, int], BeforeValidator(lambda n: (n, n) if isinstance(n, int) else n)] = Field(
+        default=(1, 1), description="how many: the least and the most, or one number"
+    )
+    role: Role = "content"
+
+    @model_validator(mode="after")
+    def _says_what_and_how_many(self) -> Contents:
+        least, most = self.count
+        if bool(self.tags) == bool(self.assets):
+            raise ValueError(f"expected either tags or assets, got {self.tags} and {self.assets}")
+        if not (0 <= least <= most and 1 <= most <= MOST_OF_A_KIND):
+            raise ValueError(f"expected a count of 1 to {MOST_OF_A_KIND}, the least first, got {least} to {most}")
+        return self
+
+
 class SceneTemplate(Document):
-    """``assets/scenes/<name>.yml``: an empty place to build a scene in."""
+    """``assets/scenes/<name>.yml``: a place to build a scene in, and what belongs there."""
 
     SCHEMA: ClassVar[str] = "vcage.scene-template/1"
 
@@ -71,6 +94,9 @@ class SceneTemplate(Document):
     table: Table = Table()
     workspace: Workspace
     top_camera: CameraRecord
+    contents: list[Contents] = Field(
+        default=[], description="what a scene without an instruction is drawn from; an instruction says itself"
+    )
 
 
 class ObjectRecord(Record):
@@ -99,7 +125,9 @@ class Scene(StageDocument):
 
     SCHEMA: ClassVar[str] = "vcage.scene/1"
 
-    instruction: str = Field(min_length=1)
+    instruction: Annotated[str, Field(min_length=1)] | None = Field(
+        default=None, description="none where the scene is its template's own, for every sub-task that it has"
+    )
     goals: list[AskedGoal] = Field(default=[], description="what the instruction asks for, with the words for it")
     untouched: list[Identifier] = Field(default=[], description="objects that the instruction wants left alone")
     template: Identifier = Field(description="name of the scene template")

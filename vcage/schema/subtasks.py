@@ -64,17 +64,26 @@ class Refusal(Record):
     checks: list[Check] = []
 
 
+class Chain(Record):
+    """What an episode does: sub-tasks in order, and what that is called."""
+
+    text: str = Field(
+        min_length=1, description="the instruction, or without one the words of the sub-task: what episodes are called"
+    )
+    subtasks: list[Identifier] = Field(min_length=1, description="ids of kept sub-tasks T₁…T_k, in order")
+
+
 class Subtasks(StageDocument):
     """``subtasks/subtasks.json``."""
 
-    SCHEMA: ClassVar[str] = "vcage.subtasks/1"
+    SCHEMA: ClassVar[str] = "vcage.subtasks/2"
 
-    instruction: str
+    instruction: str | None
     candidates: int = Field(ge=0, description="ordered pairs × contact points × functional points that were examined")
     kept: list[Subtask]
     refused: list[Refusal]
-    chain: list[Identifier] = Field(
-        description="ids of the kept sub-tasks T₁…T_k that fulfil the instruction, in order"
+    chains: list[Chain] = Field(
+        min_length=1, description="the one that fulfils the instruction; without one, a chain for each kept sub-task"
     )
 
 

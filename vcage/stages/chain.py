@@ -9,8 +9,9 @@ from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
 from typing import Any
 
-from vcage.base.errors import StaleStage
+from vcage.base.errors import StaleStage, UsageError
 from vcage.base.files import RunFolder
+from vcage.base.options import Flag
 from vcage.base.progress import Progress, silent
 from vcage.base.workers import load_ahead
 from vcage.stages import (
@@ -54,7 +55,28 @@ class ChainOptions(select_place.Options, match.Options, optimize.Options, collec
 
     Example:
         >>> ChainOptions(instruction="Put the blocks on the plate", models="offline", episodes=10)
+        >>> ChainOptions(template="office_desk", all_subtasks=True)
     """
+
+    all_subtasks: Flag = False
+    """build the scene of its template, without an instruction, and run every sub-task that it has, each by itself"""
+
+    def require_a_task(self) -> None:
+        """Nothing unless there is either an instruction or the wish for every sub-task of a scene.
+
+        Raises:
+            UsageError: there is neither, or both; says the way out.
+        """
+        if self.instruction is None and not self.all_subtasks:
+            raise UsageError(
+                "there is no instruction",
+                hint='give one in quotes: "Put the blocks on the plate", or --scene office_desk --all-subtasks',
+            )
+        if self.instruction is not None and self.all_subtasks:
+            raise UsageError(
+                "an instruction says itself what is to be done, not every sub-task of the scene",
+                hint="leave out the instruction, or --all-subtasks",
+            )
 
 
 def run_chain(
@@ -78,9 +100,11 @@ def run_chain(
         Stage → its result, in order.
 
     Raises:
+        UsageError: there is no instruction and not every sub-task is wanted, or both.
         OutputFolderError: another process works on the run.
         VcageError: what a stage raises; those before it are finished.
     """
+    options.require_a_task()
     context = context or options.context()
     done = {}
     with at_work(run):

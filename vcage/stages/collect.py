@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import logging
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from functools import cache, lru_cache, partial
 from pathlib import Path
@@ -51,8 +51,8 @@ start: an episode that is merely slow ends itself before."""
 class Options(ModelOptions):
     """How many episodes are collected, and how."""
 
-    episodes: Annotated[int, POSITIVE] = 3
-    """accepted episodes to collect"""
+    episodes: Annotated[int | None, POSITIVE, UNSAID] = None
+    """accepted episodes to collect (default: 3); in a scene without an instruction of each sub-task (default: 1)"""
     on_failure: Annotated[OnFailure, UNSAID] = "resample"
     """after a failed sub-task: try it again from the verified state before it, or give the episode up"""
     retries: Annotated[int, NATURAL] = 3
@@ -72,7 +72,7 @@ def job(run: RunFolder, options: Options, context: StageContext) -> Job:
     scripts = []
     if run.subtasks.exists():
         record = Subtasks.read(run.subtasks)
-        scripts = [run.root / s.script for s in record.kept if s.id in record.chain]
+        scripts = [run.root / s.script for s in record.kept if any(s.id in chain.subtasks for chain in record.chains)]
     return Job(
         run=run,
         output=run.episodes,
@@ -88,6 +88,7 @@ def summary(record: Episodes) -> dict[str, Any]:
     return {
         "accepted": sum(e.accepted for e in record.episodes),
         "rejected": sum(not e.accepted for e in record.episodes),
+        "never_verified": _never_verified(record),
         "attempts": record.attempts,
         "silent_failures": sum(not e.goals_hold.success for e in record.episodes if e.accepted and e.goals_hold),
         "critic": record.critic,
@@ -105,38 +106,49 @@ def execute(
     """
     stage = job(run, options, context)
     stage.provenance()
+    wanted = _Wanted.of(options, Subtasks.read(run.subtasks))
     done = stage.finished(Episodes, force=options.force)
-    if done is not None and _accepted(done.record.episodes) >= options.episodes:
+    if done is not None and wanted.missing(done.record.episodes) == 0:
         return done
     store = EpisodeStore(stage, Path(f"{run.episodes.parent}.collecting"))
     store.begin(done)
-    _fill(store, options, context, progress)
+    _fill(store, wanted, options, context, progress)
     record = store.finish()
-    accepted = _accepted(record.episodes)
-    if accepted == 0:
+    if not any(episode.accepted for episode in record.episodes):
         raise PartlyDone(
             f"none of {len(record.episodes)} episodes was verified: {record.episodes[-1].reason}",
             hint=f"see {run.episodes.parent / 'log.jsonl'}; another --seed gives another layout",
         )
-    return StageResult(record, run.episodes, fresh=True, grown=done is not None, short=_shortfall(record, options))
+    return StageResult(record, run.episodes, fresh=True, grown=done is not None, short=_shortfall(record, wanted))
 
 
-def _shortfall(record: Episodes, options: Options) -> PartlyDone | None:
+def _shortfall(record: Episodes, wanted: _Wanted) -> PartlyDone | None:
     """The error of a collection that has fewer verified episodes than were asked for; what it has is whole."""
-    accepted, ran = _accepted(record.episodes), len(record.episodes)
-    if accepted >= options.episodes:
+    missing, ran = wanted.missing(record.episodes), len(record.episodes)
+    if missing == 0:
         return None
     reasons = Counter(episode.reason for episode in record.episodes if not episode.accepted)
+    asked, never = wanted.total, _never_verified(record)
+    without = f"; none of {len(never)} of {wanted.chains} sub-tasks" if never else ""
     return PartlyDone(
-        f"asked for {options.episodes} episodes, verified {accepted} of the {ran} that were run: "
+        f"asked for {asked} episodes, verified {asked - missing} of the {ran} that were run{without}: "
         f"{reasons.most_common(1)[0][0]}",
         hint="those that were verified are kept; another --seed gives another layout",
-        details={"asked": options.episodes, "verified": accepted, "ran": ran, "reasons": dict(reasons.most_common(5))},
+        details={
+            "asked": asked,
+            "verified": asked - missing,
+            "ran": ran,
+            "never_verified": never,
+            "reasons": dict(reasons.most_common(5)),
+        },
     )
 
 
-def _accepted(episodes: Sequence[Episode]) -> int:
-    return sum(episode.accepted for episode in episodes)
+def _never_verified(record: Episodes) -> dict[str, str]:
+    """What no episode was verified of, and why the last one was not, by id of the sub-tasks."""
+    verified = {episode.chain for episode in record.episodes if episode.accepted}
+    last = {episode.chain: episode.reason for episode in record.episodes if episode.chain not in verified}
+    return {" ".join(record.chains[number].subtasks): reason for number, reason in last.items()}
 
 
 # --- as many episodes as are wanted --------------------------------------------------------------------
@@ -155,33 +167,77 @@ class _Task:
 _Done = tuple[Episode, list[Attempt]]
 
 
-def _fill(store: EpisodeStore, options: Options, context: StageContext, progress: Progress) -> None:
-    """Run episodes until as many as are wanted are accepted, or :data:`RUNS_PER_EPISODE` times as many were run.
+@dataclass(frozen=True)
+class _Wanted:
+    """How many verified episodes there are to be.
 
-    An episode depends on its number alone, they are kept in the order of their numbers, and none is begun that would
-    not be needed if all that run are accepted: so the number of processes changes no file.
+    Args:
+        chains: how many there are; the n-th episode of chain c has the number n · chains + c.
+        each: verified episodes of each chain.
     """
-    begun, finished = len(store.episodes), dict[int, _Done]()
-    crew = _crew(options, options.episodes - _accepted(store.episodes), context)
+
+    chains: int
+    each: int
+
+    @classmethod
+    def of(cls, options: Options, subtasks: Subtasks) -> _Wanted:
+        """What the options ask for; without a number, three of an instruction and one of each sub-task."""
+        return cls(len(subtasks.chains), options.episodes or (1 if subtasks.instruction is None else 3))
+
+    @property
+    def total(self) -> int:
+        return self.chains * self.each
+
+    def missing(self, episodes: Sequence[Episode]) -> int:
+        """Verified episodes that there are not yet."""
+        verified = Counter(episode.chain for episode in episodes if episode.accepted)
+        return sum(max(self.each - verified[chain], 0) for chain in range(self.chains))
+
+    def next(self, episodes: Sequence[Episode], running: Collection[int]) -> list[int]:
+        """Numbers of the episodes to begin, of which none would not be needed if all that run were accepted."""
+        ran, verified = Counter(e.chain for e in episodes), Counter(e.chain for e in episodes if e.accepted)
+        busy, numbers = Counter(number % self.chains for number in running), []
+        for chain in range(self.chains):
+            begun = ran[chain] + busy[chain]
+            needed = min(self.each - verified[chain] - busy[chain], RUNS_PER_EPISODE * self.each - begun)
+            numbers += [n * self.chains + chain for n in range(begun, begun + needed)]
+        return sorted(numbers)
+
+
+def _fill(store: EpisodeStore, wanted: _Wanted, options: Options, context: StageContext, progress: Progress) -> None:
+    """Run episodes until as many as are wanted of each chain are accepted, or :data:`RUNS_PER_EPISODE` times as many
+    were run.
+
+    An episode depends on its number alone, those of a chain are kept in the order of their numbers, and none is begun
+    that would not be needed if all that run are accepted: so the number of processes changes no file.
+    """
+    running, finished = set[int](), dict[int, _Done]()
+    crew = _crew(options, wanted.missing(store.episodes), context)
 
     def submit() -> None:
-        nonlocal begun
-        needed = options.episodes - _accepted([*store.episodes, *(episode for episode, _ in finished.values())])
-        running = begun - len(store.episodes) - len(finished)
-        for _ in range(min(needed - running, RUNS_PER_EPISODE * options.episodes - begun)):
-            crew.submit(_Task(store.run.root, options, store.folder, begun))
-            begun += 1
+        for number in wanted.next([*store.episodes, *(episode for episode, _ in finished.values())], running):
+            crew.submit(_Task(store.run.root, options, store.folder, number))
+            running.add(number)
+
+    def keep() -> None:
+        """Add what is finished to the store, an episode after those of its chain that have lower numbers."""
+        kept = {episode.index for episode in store.episodes}
+        for number in sorted(finished):
+            if number < wanted.chains or number - wanted.chains in kept:
+                store.add(*finished.pop(number))
+                kept.add(number)
 
     with crew:
         submit()
-        progress(f"{len(store.episodes)} episodes run", _accepted(store.episodes), options.episodes)
+        missing = wanted.missing(store.episodes)
+        progress(f"{len(store.episodes)} episodes run", wanted.total - missing, wanted.total)
         for done in crew.results():
+            running.remove(done[0].index)
             finished[done[0].index] = done
-            while len(store.episodes) in finished:
-                store.add(*finished.pop(len(store.episodes)))
+            keep()
             submit()
-            if (accepted := _accepted(store.episodes)) < options.episodes:
-                progress(f"{len(store.episodes)} episodes run", accepted, options.episodes)
+            if missing := wanted.missing(store.episodes):
+                progress(f"{len(store.episodes)} episodes run", wanted.total - missing, wanted.total)
 
 
 def _crew(options: Options, wanted: int, context: StageContext) -> ThisProcess[_Task, _Done] | Processes[_Task, _Done]:

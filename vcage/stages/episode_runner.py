@@ -6,6 +6,7 @@ import gc
 import logging
 import platform
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from functools import partial
 from importlib import metadata
 from pathlib import Path
@@ -13,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from vcage.base.files import RunFolder
 from vcage.base.geometry import Pose
 from vcage.base.pictures import write_picture
 from vcage.base.time_limit import TimeIsUp, time_limit
@@ -24,7 +26,7 @@ from vcage.schema.base import PoseRecord
 from vcage.schema.episodes import Attempt, Episode, Verdict
 from vcage.schema.goals import Goal, in_steps
 from vcage.schema.scene import Scene
-from vcage.schema.subtasks import Subtask, Subtasks
+from vcage.schema.subtasks import Chain, Subtask, Subtasks
 from vcage.sim.appearance import Appearance
 from vcage.sim.cameras import shoot
 from vcage.sim.replay import camera_paths, render_log
@@ -37,12 +39,40 @@ from vcage.stages.stage import Job
 from vcage.tasks.assemble import episode_data
 from vcage.tasks.ground import Ground
 from vcage.tasks.loop import EpisodeRun, Setting, run_episode
+from vcage.tasks.readiness import ready_for
 from vcage.tasks.slots import slots_for_chain
 from vcage.tasks.synthesis import Script, load_script
 from vcage.tasks.task import Asked
 from vcage.tasks.variation import shifted_poses
 
 logger = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True)
+class _Work:
+    """What the episodes of a chain do.
+
+    Args:
+        text: what that is called.
+        steps: sub-tasks with their scripts, in order.
+        scene: as it must be before the first.
+        goals: what must be true at the end.
+    """
+
+    text: str
+    steps: list[tuple[Subtask, Script]]
+    scene: Scene
+    goals: list[Goal]
+
+    @classmethod
+    def of(
+        cls, chain: Chain, kept: Mapping[str, Subtask], scene: Scene, run: RunFolder, context: StageContext
+    ) -> _Work:
+        """The scripts of a chain, and where it starts: an instruction's where the scene is, as its plan has proven."""
+        steps = [(kept[name], load_script(run.root / kept[name].script)) for name in chain.subtasks]
+        start = ready_for(steps[0][0], scene, context.objects(scene))
+        goals = lasting(in_steps(scene.goals) or [subtask.goals for subtask, _ in steps])
+        return cls(chain.text, steps, start, goals)
 
 
 class EpisodeRunner:
@@ -62,9 +92,7 @@ class EpisodeRunner:
         self._models = context.physical_models(self._scene)
         subtasks = Subtasks.read(run.subtasks)
         kept = {s.id: s for s in subtasks.kept}
-        self._chain: list[tuple[Subtask, Script]] = [
-            (kept[i], load_script(run.root / kept[i].script)) for i in subtasks.chain
-        ]
+        self._chains = [_Work.of(chain, kept, self._scene, run, context) for chain in subtasks.chains]
 
     def one(self, index: int, folder: Path) -> tuple[Episode, list[Attempt]]:
         """Run an episode and write its files; one that takes too long is rejected, and nothing of it is kept."""
@@ -75,16 +103,18 @@ class EpisodeRunner:
             reason = f"given up after {self._limit_s:g} s"
             logger.warning("episode %d: %s", index, reason)
             fps = self._stage.options["fps"]
-            return Episode(index=index, seed=self._stage.seed, accepted=False, reason=reason, fps=fps), []
+            chain = index % len(self._chains)
+            return Episode(index=index, chain=chain, seed=self._stage.seed, accepted=False, reason=reason, fps=fps), []
         finally:
             gc.collect()  # worlds refer to themselves, and Python does not count what a driver holds for them
 
     def _run(self, index: int, folder: Path) -> tuple[Episode, list[Attempt]]:
+        work = self._chains[index % len(self._chains)]
         rng = np.random.default_rng([self._stage.seed, index])
-        objects = self._context.objects(self._scene)
+        objects = self._context.objects(work.scene)
         objects = [o.moved(pose) for o, pose in zip(objects, shifted_poses(objects, rng).values(), strict=True)]
         look = Appearance.random(rng, [partial(table_texture, name) for name in TABLES])
-        scene = self._scene.model_copy(
+        scene = work.scene.model_copy(
             update={"objects": [o.record.model_copy(update={"pose": PoseRecord.of(o.pose)}) for o in objects]}
         )
         drawn = World.of_scene(scene, self._models, self._robot, look, render=True)
@@ -93,17 +123,17 @@ class EpisodeRunner:
         setting = Setting(
             build=lambda: World.of_scene(scene, self._models, self._robot),
             objects={o.id: o for o in objects},
-            slots=slots_for_chain([subtask for subtask, _ in self._chain], objects, self._robot, Ground.of(scene), rng),
+            slots=slots_for_chain([subtask for subtask, _ in work.steps], objects, self._robot, Ground.of(scene), rng),
             photograph=lambda state: self._photograph(drawn, state),
             judge=lambda asked, requires, seen: self._judge(asked, requires, seen, background),
             on_failure=self._stage.options["on_failure"],
             retries=self._stage.options["retries"],
             fps=self._stage.options["fps"],
         )
-        done = run_episode(setting, self._chain, index, lasting(in_steps(self._scene.goals)))
+        done = run_episode(setting, work.steps, index, work.goals)
         for name, picture in done.pictures.items():
             write_picture(folder / name, picture)
-        return self._write(done, index, drawn, folder), done.attempts
+        return self._write(done, index, work, drawn, folder), done.attempts
 
     def _photograph(self, drawn: World, state: WorldState) -> dict[str, np.ndarray]:
         drawn.set_state(state)
@@ -124,19 +154,20 @@ class EpisodeRunner:
         moment = moments[0] if moments else None
         return self._context.verdict(self._scene, asked.text, asked.goals, before, after, background, requires, moment)
 
-    def _write(self, done: EpisodeRun, index: int, drawn: World, folder: Path) -> Episode:
+    def _write(self, done: EpisodeRun, index: int, work: _Work, drawn: World, folder: Path) -> Episode:
         """Write the HDF5: with pictures when accepted, states alone when not."""
         name = f"episode_{index:06d}.hdf5" if done.accepted else f"rejected/episode_{index:06d}.hdf5"
         frames = len(done.log)
         if frames:
             cameras = camera_paths(drawn, done.log) if done.accepted else {}
-            data = episode_data(done.log, done.segments, cameras, self._facts(index, done))
+            data = episode_data(done.log, done.segments, cameras, self._facts(index, work, done))
             pictures: Iterator[Mapping[str, np.ndarray]] = iter([{}] * frames)
             if done.accepted:
                 pictures = (frame.pictures for frame in render_log(drawn, done.log))
             write_episode(folder / name, data, pictures)
         return Episode(
             index=index,
+            chain=index % len(self._chains),
             seed=self._stage.seed,
             accepted=done.accepted,
             reason=done.reason,
@@ -149,17 +180,17 @@ class EpisodeRunner:
             goals_hold=done.goals_hold,
         )
 
-    def _facts(self, index: int, done: EpisodeRun) -> dict[str, Any]:
+    def _facts(self, index: int, work: _Work, done: EpisodeRun) -> dict[str, Any]:
         """What travels inside the episode."""
         return {
-            "instruction": self._scene.instruction,
+            "instruction": work.text,
             "seed": self._stage.seed,
             "episode": index,
             "accepted": done.accepted,
             "reason": done.reason,
             "robot": self._scene.robot,
-            "scene": self._scene.model_dump(mode="json", by_alias=True),
-            "wordings": {subtask.id: [subtask.text, *subtask.texts] for subtask, _ in self._chain},
+            "scene": work.scene.model_dump(mode="json", by_alias=True),
+            "wordings": {subtask.id: [subtask.text, *subtask.texts] for subtask, _ in work.steps},
             "providers": self._context.models.providers("reasoner", "editor", "detector", "embedder", "critic"),
             "versions": versions(),
         }

@@ -70,12 +70,13 @@ class EpisodeStore:
     def _load(self) -> None:
         episodes, attempts = Episodes.read(self._index).episodes, read_log(self.folder)
         self.episodes = list(episodes)
-        self._attempts = [a for a in attempts if a.episode < len(episodes)]
+        known = {episode.index for episode in episodes}
+        self._attempts = [a for a in attempts if a.episode in known]
 
     def add(self, episode: Episode, attempts: Sequence[Attempt]) -> None:
         """Note an episode whose files are written; the index is written last, as it makes the episode count."""
-        self.episodes.append(episode)
-        self._attempts += attempts
+        self.episodes = sorted([*self.episodes, episode], key=lambda one: one.index)
+        self._attempts = sorted([*self._attempts, *attempts], key=lambda one: one.episode)
         lines = [attempt.model_dump_json() + "\n" for attempt in self._attempts]
         write_text(self.folder / "log.jsonl", "".join(lines))
         self._record().write(self._index)
@@ -96,7 +97,7 @@ class EpisodeStore:
         return Episodes(
             provenance=self._stage.provenance(),
             instruction=scene.instruction,
-            chain=Subtasks.read(self.run.subtasks).chain,
+            chains=Subtasks.read(self.run.subtasks).chains,
             episodes=self.episodes,
             attempts=len(self._attempts),
             acceptance=acceptance(self._attempts),

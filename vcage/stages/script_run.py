@@ -12,7 +12,7 @@ from vcage.objects.library import Library
 from vcage.schema.base import PoseRecord, Provenance, box_record
 from vcage.schema.goals import goal_of
 from vcage.schema.scene import ObjectRecord, Scene
-from vcage.schema.subtasks import Grasp, Subtask, Subtasks
+from vcage.schema.subtasks import Chain, Grasp, Subtask, Subtasks
 from vcage.sim.robots import load_template
 from vcage.stages.stage import Job
 from vcage.tasks.synthesis import Script, load_script
@@ -45,7 +45,7 @@ def prepare_run(run: RunFolder, path: Path, *, seed: int, force: bool) -> None:
             candidates=1,
             kept=[subtask],
             refused=[],
-            chain=[subtask.id],
+            chains=[Chain(text=subtask.text, subtasks=[subtask.id])],
         )
 
     search.do(Subtasks, make, force=force)

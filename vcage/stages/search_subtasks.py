@@ -1,4 +1,5 @@
-"""Search for sub-tasks that are sensible and proven feasible, and chain them for the instruction.
+"""Search for sub-tasks that are sensible and proven feasible, and chain them for the instruction; without one, each is
+a task of its own.
 
 Reads optimize/scene.json. Writes subtasks/subtasks.json (kept and refused) and one script per kept sub-task.
 
@@ -9,7 +10,6 @@ examples:
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -17,12 +17,12 @@ from vcage.base.files import RunFolder
 from vcage.base.progress import Progress, silent
 from vcage.schema.base import Provenance
 from vcage.schema.scene import Scene
-from vcage.schema.subtasks import Subtask, Subtasks
+from vcage.schema.subtasks import Subtasks
 from vcage.sim.robots import load_robot
 from vcage.stages.context import StageContext
 from vcage.stages.stage import Job, ModelOptions, StageResult, stage_seed
 from vcage.tasks.ground import Ground
-from vcage.tasks.scene_objects import SceneObject
+from vcage.tasks.readiness import ready_for
 from vcage.tasks.search import compose, find_subtasks
 from vcage.tasks.slots import slots_for_chain
 from vcage.tasks.synthesis import write_script
@@ -48,7 +48,7 @@ def summary(record: Subtasks) -> dict[str, Any]:
         "candidates": record.candidates,
         "kept": len(record.kept),
         "refused": len(record.refused),
-        "chain": record.chain,
+        "chains": [chain.subtasks for chain in record.chains],
     }
 
 
@@ -58,7 +58,7 @@ def execute(
     """Write ``subtasks/``: what was kept and refused, one runnable script per kept sub-task, the chain.
 
     Raises:
-        NoFeasibleTask: no chain of kept sub-tasks fulfils the instruction; says why.
+        NoFeasibleTask: no chain of kept sub-tasks fulfils the instruction, or without one none is kept; says why.
         InfeasibleScene: what the chain moves into one receptacle does not fit together.
     """
     stage = job(run, options, context)
@@ -68,34 +68,21 @@ def execute(
         objects, reasoner = context.objects(scene), context.models.reasoner
         asked = {asked.goal for asked in scene.goals}
         arms = context.kinematics(scene.robot)
-        found = find_subtasks(objects, arms, reasoner.judge_pairs, Ground.of(scene), rng, asked)
-        chain = compose(scene, objects, found.kept, found.refused)
+        ground = Ground.of(scene)
+        found = find_subtasks(objects, arms, reasoner.judge_pairs, ground, rng, asked)
+        chains = compose(scene, objects, found.kept, found.refused)
         by_id = {subtask.id: subtask for subtask in found.kept}
-        slots_for_chain([by_id[i] for i in chain], objects, load_robot(scene.robot), Ground.of(scene), rng)
+        for chain in chains:
+            slots_for_chain([by_id[i] for i in chain.subtasks], objects, load_robot(scene.robot), ground, rng)
         for subtask in found.kept:
-            write_script(subtask, _as_required(scene, subtask, objects), folder / f"{subtask.id}.py")
+            write_script(subtask, ready_for(subtask, scene, objects), folder / f"{subtask.id}.py")
         return Subtasks(
             provenance=provenance,
             instruction=scene.instruction,
             candidates=found.candidates,
             kept=found.kept,
             refused=found.refused,
-            chain=chain,
+            chains=chains,
         )
 
     return stage.do(Subtasks, make, force=options.force)
-
-
-def _as_required(scene: Scene, subtask: Subtask, objects: Sequence[SceneObject]) -> Scene:
-    """The scene as it must be before a sub-task, drawers open that it needs open, so that its script runs alone."""
-    by_id = {o.id: o for o in objects}
-    records = []
-    for record in scene.objects:
-        links = by_id[record.id].asset.model.links
-        wanted = {goal.part: goal.relation for goal in subtask.requires if goal.subject == record.id}
-        joints = list(record.joints or [0.0] * len(links))
-        for index, link in enumerate(links):
-            if link.name in wanted:
-                joints[index] = link.joint.far_end if wanted[link.name] == "open" else 0.0
-        records.append(record.model_copy(update={"joints": tuple(joints) if any(joints) else ()}))
-    return scene.model_copy(update={"objects": records})

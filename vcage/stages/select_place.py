@@ -1,10 +1,11 @@
-"""Choose the objects for an instruction, and place them on the table without collision.
+"""Choose the objects for an instruction, or those of a scene template, and place them on the table without collision.
 
 Writes place/scene.json (objects, poses, camera), source.png, background.png and segmentation.png.
 
 examples:
   vcage select-place "Pack the marker pens and the eraser into the box" --out runs/stationery
   vcage select-place "Put the blocks on the plate" --out runs/blocks --seed 7 --force
+  vcage select-place --scene office_desk --out runs/office
 """
 
 from __future__ import annotations
@@ -24,6 +25,7 @@ from tyro.conf import Positional, arg
 from vcage.base.errors import InfeasibleScene, UsageError
 from vcage.base.files import RunFolder
 from vcage.base.geometry import Pose
+from vcage.base.options import UNSAID
 from vcage.base.pictures import write_labels, write_picture
 from vcage.base.progress import Progress, silent
 from vcage.layout.capacities import capacity_of, opening_for
@@ -31,6 +33,7 @@ from vcage.layout.items import TableItem, table_item
 from vcage.layout.placement.place import place
 from vcage.layout.placement.reach import reach_for
 from vcage.layout.placement.view import view_rectangles
+from vcage.models.scene_contents import draw_contents
 from vcage.models.selection_check import NamedObject, name_objects, validate_selection, with_room
 from vcage.objects.asset import Asset
 from vcage.objects.openings import Opening
@@ -38,9 +41,10 @@ from vcage.plans.actions import open_at_start
 from vcage.schema.asset import CatalogueEntry
 from vcage.schema.base import PoseRecord, Provenance, box_record
 from vcage.schema.goals import Goal, in_steps
+from vcage.schema.plan import Selection
 from vcage.schema.scene import ObjectRecord, Scene, SceneTemplate
 from vcage.sim.cameras import observe, shoot
-from vcage.sim.robots import load_template
+from vcage.sim.robots import available, load_template
 from vcage.sim.world import World
 from vcage.stages.context import StageContext
 from vcage.stages.stability import moved_objects, settle_checks
@@ -65,8 +69,8 @@ TRIES = 5
 class Options(ModelOptions):
     """What begins a run."""
 
-    instruction: Annotated[str, Positional, arg(metavar="instruction")]
-    """the task in plain language, in quotes"""
+    instruction: Annotated[str | None, Positional, arg(metavar="[instruction]"), UNSAID] = None
+    """the task in plain language, in quotes; without one, the objects are those that belong to the scene template"""
     template: Annotated[str, arg(name="scene", metavar="TEMPLATE")] = "table"
     """the scene template"""
 
@@ -75,9 +79,37 @@ def job(run: RunFolder, options: Options, context: StageContext) -> Job:
     """What the stage has to do.
 
     Raises:
-        UsageError: there is no instruction, or it is too long or no text.
+        UsageError: the instruction is empty, too long or no text; or there is none, and nothing belongs to the scene.
     """
-    instruction = " ".join(options.instruction.split())
+    asked: dict[str, Any] = {"instruction": None, "template": options.template}
+    if options.instruction is not None:
+        asked["instruction"] = _read(options.instruction)
+    else:
+        asked["contents"] = [one.model_dump() for one in _with_contents(options.template).contents]
+    return Job(
+        run=run,
+        output=run.scene,
+        seed=options.seed or 0,
+        options=asked,
+        providers=context.models.providers("reasoner") if asked["instruction"] else {},
+    )
+
+
+def _with_contents(name: str) -> SceneTemplate:
+    """The scene template, which says what belongs there."""
+    template = load_template(name)
+    if not template.contents:
+        others = [other for other in available("scenes") if load_template(other).contents]
+        raise UsageError(
+            f"the scene {name} says nothing of what belongs there, and there is no instruction",
+            hint=f'give one in quotes: "Put the blocks on the plate", or --scene with one of: {", ".join(others)}',
+        )
+    return template
+
+
+def _read(instruction: str) -> str:
+    """The instruction in one line."""
+    instruction = " ".join(instruction.split())
     if not instruction:
         raise UsageError("the instruction is empty", hint='give it in quotes: "Put the blocks on the plate"')
     if len(instruction) > LONGEST_INSTRUCTION:
@@ -90,13 +122,7 @@ def job(run: RunFolder, options: Options, context: StageContext) -> Job:
             f"the instruction {instruction!r} holds what is no text",
             hint="write it in UTF-8, without control characters",
         )
-    return Job(
-        run=run,
-        output=run.scene,
-        seed=options.seed or 0,
-        options={"instruction": instruction, "template": options.template},
-        providers=context.models.providers("reasoner"),
-    )
+    return instruction
 
 
 def summary(record: Scene) -> dict[str, Any]:
@@ -109,7 +135,8 @@ def execute(run: RunFolder, options: Options, context: StageContext, progress: P
     """Write ``place/``: M, the top view, the empty table, the segmentation.
 
     Raises:
-        NoAssetFits: the catalogue has nothing that the instruction names.
+        NoAssetFits: the catalogue has nothing that the instruction names, or too little of what belongs to the scene.
+        UnknownName: it has nothing with a tag or name of what belongs to the scene.
         UnreadInstruction: words of the instruction answer to no goal.
         ModelRefused: the reasoner was told what is wrong with its selection and found no better one in its rounds.
         InfeasibleScene: the objects have no place, or do not stay where they are put.
@@ -120,22 +147,32 @@ def execute(run: RunFolder, options: Options, context: StageContext, progress: P
         rng = stage.rng()
         template = load_template(options.template)
         instruction = stage.options["instruction"]
-        check = partial(validate_selection, entries=context.catalogue)
-        selection = context.models.reasoner.select_assets(instruction, context.catalogue, rng, check)
+        selection = _selection(instruction, template, context, rng)
         objects = name_objects(selection, context.catalogue)
         objects, crowded = with_room(objects, {o.id: capacity_of(o.id, _asset(o, context)) for o in objects})
         notes = [*selection.notes, *crowded]
         for note in notes:
             logger.warning("%s", note)
         scene = _empty_scene(template, instruction, provenance, stage)
-        lying = {o.id: o.starts_in for o in objects if o.starts_in is not None}
-        reading = context.models.reasoner.read_goals(instruction, _kinds(objects, context), lying)
-        scene |= {"goals": reading.goals, "untouched": reading.untouched}
-        placed = _place_until_stable(scene, objects, template, context, rng)
+        if instruction is not None:
+            lying = {o.id: o.starts_in for o in objects if o.starts_in is not None}
+            reading = context.models.reasoner.read_goals(instruction, _kinds(objects, context), lying)
+            scene |= {"goals": reading.goals, "untouched": reading.untouched}
+        placed = place_until_stable(scene, objects, template, context, rng)
         noted = placed.model_copy(update={"checks": {**placed.checks, "notes": notes}})
-        return _photograph(noted, context, folder)
+        return photograph(noted, context, folder)
 
     return stage.do(Scene, make, force=options.force)
+
+
+def _selection(
+    instruction: str | None, template: SceneTemplate, context: StageContext, rng: np.random.Generator
+) -> Selection:
+    """What the reasoner chooses for an instruction; without one, a draw of what belongs to the scene."""
+    if instruction is None:
+        return draw_contents(template, context.catalogue, rng)
+    check = partial(validate_selection, entries=context.catalogue)
+    return context.models.reasoner.select_assets(instruction, context.catalogue, rng, check)
 
 
 def _kinds(objects: Sequence[NamedObject], context: StageContext) -> dict[str, CatalogueEntry]:
@@ -149,7 +186,7 @@ def _kinds(objects: Sequence[NamedObject], context: StageContext) -> dict[str, C
     }
 
 
-def _empty_scene(template: SceneTemplate, instruction: str, provenance: Provenance, stage: Job) -> dict:
+def _empty_scene(template: SceneTemplate, instruction: str | None, provenance: Provenance, stage: Job) -> dict:
     """The fields of the scene that do not depend on the objects."""
     return {
         "provenance": provenance,
@@ -163,14 +200,29 @@ def _empty_scene(template: SceneTemplate, instruction: str, provenance: Provenan
     }
 
 
-def _place_until_stable(
-    fields: dict, objects: list[NamedObject], template: SceneTemplate, context: StageContext, rng: np.random.Generator
+def place_until_stable(
+    fields: dict[str, Any],
+    objects: list[NamedObject],
+    template: SceneTemplate,
+    context: StageContext,
+    rng: np.random.Generator,
 ) -> Scene:
-    """Draw placements until one stays put in the simulator; its settled poses are what M records."""
+    """Draw placements until one stays put in the simulator; its settled poses are what M records.
+
+    Args:
+        fields: of the scene, but for objects and checks.
+        objects: what is placed.
+        template: of the scene.
+        context: the library.
+        rng: of the placements.
+
+    Raises:
+        InfeasibleScene: the objects have no place, or do not stay where they are put.
+    """
     workspace = np.array([template.workspace.lower, template.workspace.upper])
     items = _place_items(objects, template, context)
     height = template.table.height
-    joints = _joints(objects, in_steps(fields["goals"]), context)
+    joints = _joints(objects, in_steps(fields.get("goals", ())), context)
     worst: list[str] = []
     for attempt in range(1, TRIES + 1):
         spots = place(items, workspace, rng, margin=MARGIN)
@@ -267,8 +319,8 @@ def _record(o: NamedObject, pose: Pose, context: StageContext, joints: tuple[flo
     )
 
 
-def _photograph(scene: Scene, context: StageContext, folder: Path) -> Scene:
-    """Write the pictures of the scene, and note what the segmentation's values mean."""
+def photograph(scene: Scene, context: StageContext, folder: Path) -> Scene:
+    """Write the pictures of the scene into a folder, and note in the scene what the segmentation's values mean."""
     look = context.appearance(scene.table.texture)
     world = World.of_scene(scene, context.physical_models(scene), appearance=look, render=True)
     shot = observe(world, scene.top_camera)

@@ -6,6 +6,7 @@ check; everything else is a refusal with a reason.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -18,7 +19,7 @@ from vcage.plans.relations import holds
 from vcage.schema.goals import Goal, StateWord, in_steps, part_that
 from vcage.schema.plan import TABLE
 from vcage.schema.scene import Scene
-from vcage.schema.subtasks import PairAnswer, PairQuestion, Refusal, Subtask
+from vcage.schema.subtasks import Chain, PairAnswer, PairQuestion, Refusal, Subtask
 from vcage.sim.joints import joint_positions
 from vcage.sim.kinematics import ArmKinematics
 from vcage.tasks.ground import Ground
@@ -55,8 +56,25 @@ def find_subtasks(
         rng: of all choices.
         asked: goals that are asked for: whether these are sensible is not the judge's to say.
     """
-    proposals: list[Proposal] = []
     kept: list[Subtask] = []
+    proposals, refused, candidates = sensible(objects, judge, asked)
+    for proposal in proposals:
+        subtask, complaints = proposal.examine(objects, kinematics, ground, rng)
+        refused += complaints
+        kept += [subtask] if subtask is not None else []
+    return FoundSubtasks(kept, refused, candidates)
+
+
+def sensible(
+    objects: Sequence[SceneObject], judge: Judge, asked: Collection[Goal] = ()
+) -> tuple[list[Proposal], list[Refusal], int]:
+    """What makes sense and fits by size, wherever the objects stand; the refusals of the rest; how many candidates
+    there were.
+
+    Args:
+        objects, judge, asked: see :func:`find_subtasks`.
+    """
+    proposals: list[Proposal] = []
     refused: list[Refusal] = []
     for template in TEMPLATES.values():
         found, excluded = template.proposals(objects, asked)
@@ -75,21 +93,20 @@ def find_subtasks(
         if proposal.goal not in asked and (question := proposal.question()) is not None
     }
     answers = dict(zip(questions, judge(list(questions.values())) if questions else [], strict=True))
+    accepted = []
     for number, proposal in enumerate(possible):
         answer = answers.get(number)
-        if answer is not None and not answer.sensible:
+        if answer is None or answer.sensible:
+            accepted.append(proposal)
+        else:
             refused.append(proposal.senseless(answer.reason))
-            continue
-        subtask, complaints = proposal.examine(objects, kinematics, ground, rng)
-        refused += complaints
-        kept += [subtask] if subtask is not None else []
-    return FoundSubtasks(kept, refused, sum(proposal.candidates for proposal in proposals))
+    return accepted, refused, sum(proposal.candidates for proposal in proposals)
 
 
 def compose(
     scene: Scene, objects: Sequence[SceneObject], kept: Sequence[Subtask], refused: Sequence[Refusal]
-) -> list[str]:
-    """The chain T₁…T_k for the scene's goals: ids of kept sub-tasks, in order, proven to bring about every goal.
+) -> list[Chain]:
+    """The chain T₁…T_k for the scene's instruction, proven to bring about every goal; without one, each kept sub-task.
 
     Args:
         scene: with its goals.
@@ -97,8 +114,24 @@ def compose(
         kept, refused: what the search found.
 
     Raises:
-        NoFeasibleTask: no chain does what is asked; says why.
+        NoFeasibleTask: no chain does what is asked, or nothing was kept; says why.
     """
+    if scene.instruction is not None:
+        return [Chain(text=scene.instruction, subtasks=_fulfilling(scene, objects, kept, refused))]
+    if not kept:
+        reasons = Counter(refusal.reason for refusal in refused)
+        raise NoFeasibleTask(
+            f"no sub-task is feasible in this scene: {'; '.join(list(reasons)[:3])}",
+            hint="another --seed gives another layout",
+            details={"reasons": dict(reasons)},
+        )
+    return [Chain(text=subtask.text, subtasks=[subtask.id]) for subtask in kept]
+
+
+def _fulfilling(
+    scene: Scene, objects: Sequence[SceneObject], kept: Sequence[Subtask], refused: Sequence[Refusal]
+) -> list[str]:
+    """Ids of the sub-tasks that bring about all goals, in order."""
     task = Task(initial_state(objects), in_steps(scene.goals))
     actions = [action_of(s) for s in kept if s.object not in scene.untouched]
     chain = find_chain(task, actions)

@@ -67,11 +67,12 @@ def report_shows(run: RunFolder) -> bool:
 
 def _context(run: RunFolder) -> dict[str, Any]:
     """What the template shows: the documents of the stages (None of one that has not run) and what they refer to."""
+    scene = Scene.read(run.scene)
     plan, matches = _read(run.plan, Plan), _read(run.matches, Matches)
     layout, subtasks = _read(run.layout, Scene), _read(run.subtasks, Subtasks)
     episodes = _read(run.episodes, Episodes)
     documents = {
-        "scene": _read(run.scene, Scene),
+        "scene": scene,
         "plan": plan,
         "matches": matches,
         "layout": layout,
@@ -86,6 +87,7 @@ def _context(run: RunFolder) -> dict[str, Any]:
         "kept": relations_kept_in(layout, plan.relations) if plan and layout else None,
         "notes": [note for document in (plan, matches) if document for note in document.notes],
         "version": __version__,
+        "title": scene.instruction or f"Every sub-task of {scene.template}",
         "name": run.root.name,
         "pictures": _stage_pictures(run),
         "cards": _episode_cards(run, episodes),

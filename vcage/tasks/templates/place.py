@@ -123,7 +123,13 @@ class Pair:
         check = access(self._opened, self.point)
         if check.passed:
             check = fits(self.target, self.receptacle, self.point)
-        return None if check.passed else self._refusal(check.message, checks=[check])
+        if not check.passed:
+            return self._refusal(check.message, checks=[check])
+        try:
+            allocate(self._opened, self.point.id, [self.target], np.random.default_rng(0))
+        except InfeasibleScene:
+            return self._refusal(self._no_room())
+        return None
 
     def question(self) -> PairQuestion:
         """Whether the receptacle can sensibly hold the object."""
@@ -166,7 +172,7 @@ class Pair:
             try:
                 slot = allocate(self._opened, self.point.id, [self.target], rng, present)[self.target.id]
             except InfeasibleScene as error:
-                return None, [self._refusal(error.message if present else self._no_room())]
+                return None, [self._refusal(error.message)]
             poses = Slot(self.receptacle.id, self.point.id, slot).poses({self.receptacle.id: self._opened})
             findings, refused = self._findings(poses, others, kinematics, ground.height)
             if findings:
