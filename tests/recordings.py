@@ -58,6 +58,13 @@ def segment(start: int, end: int, subtask: str = "lift-block") -> Segment:
     )
 
 
+def wordings_of(subtask: str) -> list[str]:
+    """Ten ways to say a sub-task, the usual one first."""
+    text = subtask.replace("-", " ")
+    manners = ("please", "now", "then", "gently", "slowly", "surely", "well", "again", "first")
+    return [text, *(f"{text}, {manner}" for manner in manners)]
+
+
 def episode(frames: int = 30, **changes: Any) -> EpisodeData:
     """An episode of two sub-tasks in which the left gripper closes and opens."""
     time = np.arange(frames) / FPS
@@ -77,7 +84,13 @@ def episode(frames: int = 30, **changes: Any) -> EpisodeData:
         object_poses={"block": poses, "plate": poses + 0.1 * np.eye(7)[0]},
         cameras=dict.fromkeys(CAMERAS, track),
         segments=[segment(0, half), segment(half, frames, "place-block")] if frames > 1 else [],
-        meta={"instruction": INSTRUCTION, "seed": 7, "robot": "dual_panda", "scene": {"objects": ["block", "plate"]}},
+        meta={
+            "instruction": INSTRUCTION,
+            "seed": 7,
+            "robot": "dual_panda",
+            "scene": {"objects": ["block", "plate"]},
+            "wordings": {name: wordings_of(name) for name in ("lift-block", "place-block")},
+        },
     )
     return replace(whole, **changes)
 
