@@ -13,7 +13,7 @@ from typing import Literal
 
 import numpy as np
 
-from vcage.base.geometry import Pose, oriented_boxes_overlap
+from vcage.base.geometry import Pose
 from vcage.schema.asset import Annotation, ContactPoint, FunctionalPoint
 from vcage.schema.goals import part_words
 from vcage.schema.subtasks import Check, Grasp
@@ -24,7 +24,7 @@ from vcage.tasks.grasps import GraspPose, approach_opening, grasp_poses, hand_bo
 from vcage.tasks.primitives.handles import Handle, operating_ways
 from vcage.tasks.primitives.pick import pick_way, transfer_height
 from vcage.tasks.primitives.place import MAX_DROP, place_way
-from vcage.tasks.scene_objects import SceneObject, SolidBox
+from vcage.tasks.scene_objects import SceneObject, SolidBox, first_met
 
 GRIP_ROOM = 0.006
 """The gripper must open this much wider than the material, metres."""
@@ -328,22 +328,17 @@ def _hand_meets(
     pose: Pose, opening: float, width: float, others: Sequence[SceneObject], kinematics: ArmKinematics
 ) -> str | None:
     """The phrase of the first object that the hand would touch while its fingers go from ``width`` to ``opening``."""
-    hand = hand_boxes(kinematics.arm.gripper, opening, min(width, opening))
-    for other in others:
-        for part in hand:
-            if any(oriented_boxes_overlap(part, pose, box.bounds, box.pose) for box in other.boxes):
-                return other.record.phrase
-    return None
+    hand = [SolidBox(part, pose) for part in hand_boxes(kinematics.arm.gripper, opening, min(width, opening))]
+    met = first_met(hand, others)
+    return None if met is None else met.record.phrase
 
 
 def _part_meets(thing: SceneObject, link: str, others: Sequence[SceneObject]) -> str | None:
     """The phrase of the first object that a part, or what moves with it, would touch where it is now, its contents
     apart."""
-    for part in (thing.part_box(name) for name in carried_by(thing.asset.model, link)):
-        for other in (o for o in others if o.record.container != thing.id):
-            if any(oriented_boxes_overlap(part.bounds, part.pose, box.bounds, box.pose) for box in other.boxes):
-                return other.record.phrase
-    return None
+    parts = [thing.part_box(name) for name in carried_by(thing.asset.model, link)]
+    met = first_met(parts, [o for o in others if o.record.container != thing.id])
+    return None if met is None else met.record.phrase
 
 
 def _follow(kinematics: ArmKinematics, poses: Sequence[Pose], start: np.ndarray) -> list[np.ndarray] | None:
