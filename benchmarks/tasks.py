@@ -30,7 +30,7 @@ from vcage.stages import inpaint_plan, match, optimize, search_subtasks, select_
 from vcage.stages.context import StageContext
 from vcage.stages.stage import ModelOptions
 from vcage.tasks.ground import Ground
-from vcage.tasks.loop import EpisodeRun, PicturesByCamera, Setting, run_episode
+from vcage.tasks.loop import EpisodeRun, Seen, Setting, run_episode
 from vcage.tasks.slots import slots_for_chain
 from vcage.tasks.synthesis import Script, load_script
 from vcage.tasks.task import Asked
@@ -164,7 +164,7 @@ def play(
         build=build,
         objects={o.id: o for o in objects},
         slots=slots_for_chain([subtask for subtask, _ in chain], objects, robot, Ground.of(scene), rng),
-        photograph=lambda _state: {},
+        photograph=lambda *_: {},
         judge=_accept,
         on_failure="abort",
         retries=0,
@@ -173,5 +173,5 @@ def play(
     return run_episode(setting, chain, seed, goals)
 
 
-def _accept(_asked: Asked, _requires: Sequence[Goal], _seen: Sequence[PicturesByCamera]) -> Verdict:
+def _accept(_asked: Asked, _subtask: Subtask, _seen: Seen) -> Verdict:
     return Verdict(accepted=True, reason="nobody looks here", confidence=1.0, provider="benchmark")

@@ -53,7 +53,8 @@ class Task:
     Attributes:
         arm, contact: that took hold of something.
         changes: what is done otherwise than planned, in words.
-        moment: state of the world when a part was pressed as far as it was, or a code was before a scanner.
+        moment: state of the world when a part was pressed as far as it was, a code was before a scanner, a wait began,
+            or something was let go.
     """
 
     def __init__(self, world: World, objects: Mapping[str, SceneObject], slots: Mapping[str, Slot], attempt: int = 0):
@@ -121,6 +122,7 @@ class Task:
 
     def wait(self, seconds: float) -> None:
         """Let time pass."""
+        self.moment = self.world.state()
         self.world.step(round(seconds * PHYSICS_HZ))
 
     def place(self, receptacle_id: str = TABLE, point: int | None = None) -> None:
@@ -147,6 +149,7 @@ class Task:
         plan, slot = plan_place(self._cell, self._grip, placing, choices)
         self._say_slot(held, slot)
         carry_out_place(self._cell, plan)
+        self.moment = self.world.state()
         self._grip = None
 
     def operate(self, object_id: str, contact_id: int, target: float, arms: Sequence[str] = ()) -> None:
