@@ -6,6 +6,7 @@ whatever stage, counts as failed with that reason.
 
 from __future__ import annotations
 
+import argparse
 import logging
 import tempfile
 import time
@@ -70,29 +71,35 @@ class Tally:
     failures: Counter[str] = field(default_factory=Counter)
 
 
-def run(quick: bool) -> dict[str, Any]:
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """What can be chosen."""
+    parser.add_argument("--robot", default="dual_panda", help="which one")
+
+
+def run(quick: bool, robot: str = "dual_panda") -> dict[str, Any]:
     """A row for each task; reasons of failure go to the log.
 
     Args:
         quick: 3 seeds, not 20.
+        robot: by name.
     """
     context = StageContext("offline")
     seeds = 3 if quick else SEEDS
-    return {"rows": [_row(name, sentence, seeds, context) for name, sentence in TASKS.items()]}
+    return {"rows": [_row(name, sentence, robot, seeds, context) for name, sentence in TASKS.items()]}
 
 
-def _row(name: str, sentence: str, seeds: int, context: StageContext) -> dict[str, Any]:
+def _row(name: str, sentence: str, robot: str, seeds: int, context: StageContext) -> dict[str, Any]:
     tally, start = Tally(), time.perf_counter()
     for seed in range(seeds):
         try:
-            _count(simulated(sentence, seed, context), tally)
+            _count(simulated(sentence, seed, context, robot), tally)
         except VcageError as error:
             tally.failures[f"refused: {error.message}"[:160]] += 1
     for reason, count in tally.failures.most_common(5):
         logger.info("%s: %d × %s", name, count, reason)
     return {
         "task": name,
-        "robot": "dual_panda",
+        "robot": robot,
         "seeds": seeds,
         "steps": tally.steps,
         "step_success": round(tally.done / tally.steps, 4) if tally.steps else 0.0,
@@ -117,7 +124,7 @@ def _count(done: EpisodeRun, tally: Tally) -> None:
         tally.failures[f"at the end: {done.goals_hold.reason if done.goals_hold else done.reason}"[:160]] += 1
 
 
-def simulated(sentence: str, seed: int, context: StageContext) -> EpisodeRun:
+def simulated(sentence: str, seed: int, context: StageContext, robot: str | None = None) -> EpisodeRun:
     """One episode of an instruction in a scene of its own, judged by nobody.
 
     Raises:
@@ -125,7 +132,8 @@ def simulated(sentence: str, seed: int, context: StageContext) -> EpisodeRun:
     """
     with tempfile.TemporaryDirectory() as folder:
         made = RunFolder(Path(folder) / "run")
-        select_place.execute(made, select_place.Options(instruction=sentence, models="offline", seed=seed), context)
+        begun = select_place.Options(instruction=sentence, models="offline", seed=seed, robot=robot)
+        select_place.execute(made, begun, context)
         inpaint_plan.execute(made, ModelOptions(models="offline"), context)
         match.execute(made, match.Options(models="offline"), context)
         optimize.execute(made, optimize.Options(), context)

@@ -22,7 +22,7 @@ from vcage.sim.paths import JointPath
 from vcage.sim.state import WorldState
 from vcage.sim.world import PHYSICS_HZ, World
 from vcage.tasks.primitives.operate import Operation
-from vcage.tasks.primitives.pick import Grip, LeadsOn, PickPlan, PickWay, carry_out_pick, feel, plan_pick
+from vcage.tasks.primitives.pick import Grip, LeadsOn, PickPlan, PickWay, carry_out_pick, feel, minding, plan_pick
 from vcage.tasks.primitives.place import Placing, carry_out_place, plan_place
 from vcage.tasks.reading import reading_poses
 from vcage.tasks.scene_objects import SceneObject
@@ -111,8 +111,9 @@ class Task:
         grip = carry_out_pick(cell, plan)
         feel(cell, grip)
         shown, _ = plan_place(cell, grip, hover, [(None, poses)])
-        cell.carry_out(grip.arm, shown.path)
-        self.world.step(round(SHOWN_FOR * PHYSICS_HZ))
+        with minding(cell, grip):
+            cell.carry_out(grip.arm, shown.path)
+            self.world.step(round(SHOWN_FOR * PHYSICS_HZ))
         self.moment = self.world.state()
         feel(cell, grip)
         with failing_at("place"):

@@ -16,7 +16,7 @@ from vcage.sim.kinematics import ArmKinematics
 from vcage.sim.motion import MotionFailed, MotionPlanner
 from vcage.sim.paths import JointPath, Load
 from vcage.tasks.grasps import approach_opening, command_of, hand_boxes
-from vcage.tasks.primitives.pick import Grip, PickWay, feel, transfer_height
+from vcage.tasks.primitives.pick import Grip, PickWay, feel, minding, transfer_height
 from vcage.tasks.scene_objects import SolidBox, seen_apart
 from vcage.tasks.workcell import CAREFUL, TaskFailed, Workcell, failing_at, first_reasons
 
@@ -234,7 +234,8 @@ def carry_out_place(cell: Workcell, plan: PlacePlan) -> None:
     """
     grip = plan.grip
     control = cell.world.arms[grip.arm]
-    cell.carry_out(grip.arm, plan.path)
+    with minding(cell, grip):
+        cell.carry_out(grip.arm, plan.path)
     feel(cell, grip)
     gripper = control.arm.gripper
     opened = command_of(approach_opening(control.finger_width, gripper), gripper)
