@@ -253,18 +253,7 @@ class _Reader(Verbs):
         """A command, a wish, or what is not to be done."""
         cursor = self._cursor
         if subordinate:
-            while cursor.text() in (
-                "you",
-                "you've",
-                "youve",
-                "have",
-                "has",
-                "had",
-                "are",
-                "you're",
-                "finished",
-                "done",
-            ):
+            while cursor.text() in ("you", "have", "has", "had", "are", "finished", "done"):
                 cursor.take()
         begun = cursor.at
         self._begun = begun

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
+import re
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Literal, get_args
 
@@ -42,11 +45,19 @@ def _forms() -> dict[str, str]:
 
 FORMS = _forms()
 
+
+def _rows(pattern: str) -> Iterator[tuple[str, ...]]:
+    """The rows of words that a pattern such as '{can|could} you {|please}' stands for."""
+    for parts in itertools.product(*(part.split("|") for part in re.split(r"[{}]", pattern))):
+        yield tuple("".join(parts).split())
+
+
 PHRASES: dict[tuple[str, ...], tuple[Kind, str]] = {
-    tuple(phrase.split()): (kind, value)
+    row: (kind, value)
     for kind in get_args(Kind)
-    for value, phrases in _TABLES["phrases"].get(kind, {}).items()
-    for phrase in phrases.split(" | ")
+    for value, patterns in _TABLES["phrases"].get(kind, {}).items()
+    for pattern in patterns.split(" | ")
+    for row in _rows(pattern)
 }
 """Words in a row → what they do together, and which of the things that do so."""
 

@@ -189,7 +189,7 @@ def _token(words: Sequence[_Word], at: int, before: Token | None) -> tuple[Token
         if known is None or row[0].glued:
             continue
         bound = _BOUND if before is not None and before.kind == "article" else _BOUND[:2]
-        if named and length == 1 and known[0] in bound and row[0].text != ",":
+        if named and length == 1 and known[0] in bound and known[1] != "adjective" and row[0].text != ",":
             continue
         if known[0] == "pronoun" and length > 1 and _names(words, at + length):
             continue  # 'the two towels'
