@@ -18,7 +18,7 @@ Verb = Literal[
 Kind = Literal[
     "word", "noise", "wish", "and", "then", "first", "before", "after", "stop", "query", "colon", "prep", "article",
     "quantity", "number", "pronoun", "not", "except", "instead", "which", "be", "belong", "ought", "back", "there",
-    "toward", "ask", "also", "stay", "again",
+    "toward", "ask", "remark", "also", "stay", "again",
 ]  # fmt: skip
 """What a token does in a sentence; ``word`` for all that names, and for verbs, which only their place tells."""
 
@@ -26,6 +26,9 @@ _TABLES = yaml.safe_load(Path(__file__).with_suffix(".yml").read_text(encoding="
 
 BASES: dict[str, Verb] = {word: verb for verb, words in _TABLES["verbs"].items() for word in words.split()}
 """Base form of a verb → what it asks for."""
+
+IS = frozenset(_TABLES["is"].split())
+"""Words before which a noun's 's is short for 'is'."""
 
 SLIPS: dict[str, str] = dict(tuple(pair.split(" = ")) for pair in _TABLES["slips"].split("; "))
 """Slips of the pen → what was meant."""

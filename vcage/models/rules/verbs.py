@@ -72,8 +72,10 @@ class Verbs(Placing):
         return True
 
     def _operate(self, verb: str, begun: int) -> None:
-        """'Open the top drawer', 'shut it', 'open up the laptop'."""
+        """'Open the top drawer', 'shut it', 'open up the laptop', 'flip open the lid'."""
         cursor = self._cursor
+        if cursor.text() in ("open", "shut", "closed"):
+            verb = "open" if cursor.take().text == "open" else "close"
         parts = noun_phrases(cursor)
         if not parts:
             raise self._refusal(self._words(begun, cursor.at + 1), "it does not say what")
@@ -168,6 +170,12 @@ class Verbs(Placing):
         cursor = self._cursor
         at = cursor.at
         part = noun_phrase(cursor)
+        if (
+            part is not None and cursor.text() in ("off", "off of") and cursor.kind(1) not in ENDS
+        ):  # 'the lid off the box'
+            cursor.take()
+            owner = noun_phrase(cursor)
+            part = part if owner is None else replace(owner, part=part.part, which=part.which)
         if part is not None and part.part in ("lid", "cover", "screen") and cursor.kind() in ENDS:
             self._operates("open", part, begun)
             return True
@@ -185,14 +193,10 @@ class Verbs(Placing):
         things = noun_phrases(cursor)
         if things and things[0].text.split()[0] == "on" and verb == "turn":
             raise self._refusal(self._words(begun, cursor.at), "that is not understood")
-        if cursor.text() in ("on", "around", "round", "down") and cursor.kind(1) in (
-            "",
-            "and",
-            "then",
-            "stop",
-            "query",
-            "instead",
-        ):
+        if cursor.kind() == "toward" and things:  # 'turn the sign to the customer', 'switch it to your left hand'
+            self._places_of(self._resolved(things), begun)
+            return
+        if cursor.text() in ("on", "around", "round", "down") and cursor.kind(1) in (*ENDS, "instead"):
             cursor.take()
         if not things or cursor.text() == "off":
             raise self._refusal(self._words(begun, cursor.at + 1), "it does not say what, or how")
@@ -208,6 +212,10 @@ class Verbs(Placing):
     def _measure(self, verb: str, begun: int) -> None:
         """'Scan the juice with the scanner', 'weigh two tomatoes on the scale'."""
         cursor = self._cursor
+        second = cursor.peek(1) if cursor.kind() == "and" else None
+        also = second.verb if second is not None and second.bare else None
+        if also in ("scan", "weigh"):  # 'scan and weigh the tomato'
+            cursor.at += 2
         things = self._resolved(noun_phrases(cursor))
         while self._instead_follows():
             cursor.skip("and", "instead")
@@ -215,7 +223,7 @@ class Verbs(Placing):
         self._require_things(things, begun)
         tools: tuple[Phrase, ...] = ()
         place = None
-        allowed = ("with", "on", "to", "in") if verb == "weigh" else ("with", "to", "on")
+        allowed = ("with", "on", "to", "in") if "weigh" in (verb, also) else ("with", "to", "on")
         while cursor.kind() == "prep" and cursor.peek().value in allowed:  # pyrefly: ignore
             token = cursor.take()
             named = noun_phrase(cursor)
@@ -225,6 +233,9 @@ class Verbs(Placing):
                 tools = (named,)
             else:
                 place = named
+        if also in ("scan", "weigh"):
+            self._add(Request(verb, things), begun)  # pyrefly: ignore
+            verb = also
         self._add(Request(verb, things, place, "on", tools), begun)  # pyrefly: ignore
         self._waiting = things
 
@@ -274,16 +285,10 @@ class Verbs(Placing):
         cursor = self._cursor
         things = self._resolved(noun_phrases(cursor))
         self._require_things(things, begun)
-        if (
-            cursor.kind() == "prep"
-            and cursor.text(1) + cursor.text(2) in ("onetower", "atower", "apile", "astack", "onepile", "towerofblocks")
-        ) or (cursor.kind() == "prep" and cursor.kind(1) == "article" and cursor.text(2) in ("tower", "pile", "stack")):
-            cursor.at += 3
-        elif cursor.kind() == "prep" and cursor.text(1) in ("each other", "one another", "each"):
+        if cursor.kind() == "prep" and cursor.text(1) in ("each other", "one another"):
             cursor.at += 2
-            cursor.skip("quantity", "number")
-            if cursor.text() == "other":
-                cursor.take()
+        elif cursor.kind() == "prep" and cursor.peek().value == "tower":  # pyrefly: ignore
+            cursor.take()
         elif cursor.kind() == "prep":
             if len(things) > 1 or things[0].plural:
                 raise self._refusal(self._words(begun, cursor.at), "what a stack stands on is not understood")
