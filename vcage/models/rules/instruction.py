@@ -156,7 +156,7 @@ class _Reader(Verbs):
             self._things = tuple(named) if len(named) == 1 else ()
             self._waiting = ()
             self._skip_joints()
-            if cursor.peek() is not None and named and not self._at_verb():
+            if cursor.peek() is not None and named and cursor.kind() != "pronoun" and not self._at_verb():
                 raise self._refusal(words, "it asks for nothing")
 
     def _come_first(self, count: int) -> None:
@@ -288,10 +288,11 @@ class _Reader(Verbs):
                 cursor.take()
         begun = cursor.at
         self._begun = begun
-        self._subordinate = subordinate
+        self._subordinate, self._could = subordinate, False
         passive, self._passive = self._passive, ()
         if cursor.text() in ("could", "can") and cursor.kind(1) in ("article", "quantity", "number", "pronoun"):
             cursor.take()  # 'could the sponge go in the bowl?'
+            self._could = True
         if cursor.text() == "there" and cursor.kind(1) in ("ought", "be"):  # 'there should be a towel in the drawer'
             cursor.take()
             cursor.skip("ought", "be")
@@ -358,7 +359,7 @@ class _Reader(Verbs):
         if cursor.kind() == "not":
             self._denied(things)
             return
-        states = cursor.text() in _STATES
+        states = cursor.text() in _STATES or (self._could and cursor.text() == "be" and cursor.kind(1) == "prep")
         said = cursor.skip("ought", "be", "belong")
         if states and not self._subordinate and not self._is_wished(begun):
             raise self._refusal(self._words(begun, self._end_of_clause()), "it says what is, and asks for nothing")
@@ -428,7 +429,7 @@ class _Reader(Verbs):
             if last.asked in ("scan", "weigh"):
                 self._waiting = things
             return True
-        if cursor.text() == "," or cursor.kind() in ("query", "colon"):  # 'that notepad? stick it in the tray'
+        if cursor.text() in MARKS or cursor.kind() in ("query", "colon"):  # 'that notepad? stick it in the tray'
             self._waiting = self._things = things
             self._pending |= dict.fromkeys(things, self._words(begun, cursor.at))
             return True

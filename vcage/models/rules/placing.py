@@ -279,6 +279,8 @@ class Placing(References):
         cursor.skip("and")
         if phrase is None:
             raise self._refusal(self._rest(), "it names no place")
+        if phrase.lemmas[-1:] == ("one",) and self._place is not None:
+            phrase = self._inherit((phrase,), (self._place,))[0]
         if cursor.kind() == "prep" and cursor.peek().value == "with" and token.value in ("in", "on"):  # pyrefly: ignore
             cursor.take()  # 'into the box with the pens'
             things = self._resolved(noun_phrases(cursor))

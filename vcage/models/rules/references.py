@@ -31,6 +31,8 @@ class References(ABC):
         self._step = 0
         self._begun = 0
         self._subordinate = False
+        self._could = False
+        """Whether the clause asks whether something could be so."""
         self._sentence = 0
         """Where the present sentence begins, in characters."""
         self._things: tuple[Phrase, ...] = ()
@@ -156,7 +158,8 @@ class References(ABC):
             self._require_clear(at)
             return self._known_place(at, things), preposition
         if place.head == "one":
-            model = before or (self._place if self._place and self._place.head != "table" else None)
+            known = [p for p in (self._place, self._part) if p is not None and p.head != "table"]
+            model = before or max(known, key=lambda p: p.start, default=None)
             place = self._inherit((place,), things[-1:] if model is None else (model,))[0]
         if len(place.lemmas) == 1 and place.head in SURFACES and preposition in ("on", "to", "in"):
             return Phrase("table", ("table",), start=place.start), "on"

@@ -62,6 +62,8 @@ class Verbs(Placing):
         at = cursor.at
         things = noun_phrases(cursor)
         ended = cursor.kind() in ENDS
+        if ended and things and things[-1].text.split()[-1:] in (["closed"], ["shut"]):
+            things = (*things[:-1], without_last(things[-1]))
         if things and (ended or cursor.kind() == "stay" or cursor.text() in ("out", "be")):
             if not ended:
                 cursor.take()
@@ -193,7 +195,9 @@ class Verbs(Placing):
         things = noun_phrases(cursor)
         if things and things[0].text.split()[0] == "on" and verb == "turn":
             raise self._refusal(self._words(begun, cursor.at), "that is not understood")
-        if cursor.kind() == "toward" and things:  # 'turn the sign to the customer', 'switch it to your left hand'
+        if (
+            cursor.kind() == "toward" and things and self._tokens[begun].base in ("turn", "rotate", "switch")
+        ):  # 'turn the sign to the customer', 'switch it to your left hand'
             self._places_of(self._resolved(things), begun)
             return
         if cursor.text() in ("on", "around", "round", "down") and cursor.kind(1) in (*ENDS, "instead"):
@@ -285,7 +289,7 @@ class Verbs(Placing):
         cursor = self._cursor
         things = self._resolved(noun_phrases(cursor))
         self._require_things(things, begun)
-        if cursor.kind() == "prep" and cursor.text(1) in ("each other", "one another"):
+        if cursor.kind() == "prep" and cursor.text(1) in ("each other", "one another") and cursor.peek().value == "on":  # pyrefly: ignore
             cursor.at += 2
         elif cursor.kind() == "prep" and cursor.peek().value == "tower":  # pyrefly: ignore
             cursor.take()
