@@ -142,14 +142,13 @@ class _Reader(Verbs):
         asks, early = cursor.kind() != "remark", not self._requests
         named = []
         words = self._rest()
-        while cursor.kind() not in ("", "stop", "query") and (
-            asks or not (cursor.text() in MARKS or cursor.kind() == "then")
-        ):
+        ends = ("", "stop", "query") if asks else ("", "stop", "query", "then")
+        while cursor.kind() not in ends and (asks or cursor.text() not in MARKS):
             phrase = noun_phrase(cursor) if cursor.kind() in ("article", "quantity", "number") else None
-            if phrase is None:
-                cursor.take()
-            else:
-                named.append(without_last(phrase) if phrase.text.split()[-1] in BASES else phrase)
+            if phrase is None and cursor.take().text.endswith(" the"):  # 'is the …'
+                phrase = noun_phrase(cursor)
+            if phrase is not None:
+                named.append(without_last(phrase) if phrase.text.split()[-1] in (*BASES, *_DONE) else phrase)
         if asks and (cursor.kind() != "query" or cursor.kind(1) == ""):
             raise self._refusal(words, "it asks a question")
         if early or asks:
@@ -176,13 +175,17 @@ class _Reader(Verbs):
         if not done:
             raise self._refusal(self._rest(), "there is nothing yet to be done again")
         things = things or self._inherit(noun_phrases(cursor), self._things)
-        operated = done[-1].asked in ("open", "close", "press", "turn")
-        for thing in things if operated else things[:1]:
-            told = replace(done[-1], place=thing) if operated else replace(done[-1], things=self._resolved(things))
-            self._add(replace(told, sources=()), begun)
+        self._do_with(done[-1], self._resolved(things) if done[-1].things else things, begun)
         if not things:
             raise self._refusal(self._rest(), "nothing is named there")
         self._require_boundary()
+
+    def _do_with(self, request: Request, things: tuple[Phrase, ...], begun: int) -> None:
+        """The same with other things."""
+        for told in (
+            [replace(request, things=things)] if request.things else [replace(request, place=t) for t in things]
+        ):
+            self._add(replace(told, sources=()), begun)
 
     def _subordinate_follows(self) -> bool:
         """Whether 'before …' or 'after …' comes next, and a clause that is complete came before it."""
@@ -332,16 +335,9 @@ class _Reader(Verbs):
             things = (*things[:-1], *self._inherit(noun_phrases(cursor), things))
         if cursor.text() == "," and cursor.kind(1) in ("prep", "toward", "belong", "ought", "be"):
             cursor.take()
-        if cursor.text() == "," and cursor.kind(1) == "pronoun" and cursor.kind(2) in ("belong", "ought", "be", "prep"):
+        pointed = cursor.kind(1) == "pronoun" or cursor.text(1) in ("those", "these")
+        if cursor.text() == "," and pointed and cursor.kind(2) in ("belong", "ought", "be", "prep"):
             cursor.at += 2  # 'the tape and the glue, they belong …'
-        elif (
-            cursor.text() == ","
-            and cursor.text(1) in ("those", "these")
-            and cursor.kind(2) in ("belong", "ought", "be")
-        ):
-            cursor.at += 2
-        if not things:
-            raise self._refusal(self._words(begun, self._end_of_clause()), "it names nothing")
         if cursor.text() in ("does", "do", "should") and cursor.kind(1) == "also":
             cursor.at += 2  # '… and the bun does too'
             self._same_again(begun, self._inherit(things, self._things))
@@ -421,12 +417,8 @@ class _Reader(Verbs):
         before = self._tokens[begun - 1].kind if begun else ""
         done = [request for request in self._requests if request.asked != "leave"]
         if before == "then" and done:
-            last = done[-1]
-            operated = last.asked in ("open", "close", "press", "turn")
-            for thing in things if operated else things[:1]:
-                told = replace(last, place=thing) if operated else replace(last, things=things)
-                self._add(replace(told, sources=()), begun)
-            if last.asked in ("scan", "weigh"):
+            self._do_with(done[-1], things, begun)
+            if done[-1].asked in ("scan", "weigh"):
                 self._waiting = things
             return True
         if cursor.text() in MARKS or cursor.kind() in ("query", "colon"):  # 'that notepad? stick it in the tray'

@@ -12,6 +12,8 @@ from vcage.models.rules.words import ORDINALS, PARTS, lemma
 _SHUT, _OPEN = ("shut", "closed", "close", "in", "back in"), ("open", "out", "opened")
 """Words after a part that is pushed or pulled."""
 
+_HOWS = ("open", "shut", "closed", "out")
+
 _IDIOMS: dict[str, Asked] = {
     "ring": "press", "press": "press", "push": "press", "ding": "press", "hit": "press",
     "twist": "turn", "turn": "turn", "wind": "turn",
@@ -128,44 +130,24 @@ class Verbs(Placing):
         """'Pull the drawer open', 'push it shut', 'push the button'; whether it is one of these."""
         cursor = self._cursor
         at = cursor.at
-        how = (
-            cursor.take().text if cursor.kind() == "word" and cursor.text() in ("open", "shut", "closed", "out") else ""
-        )
+        how = cursor.take().text if cursor.kind() == "word" and cursor.text() in _HOWS else ""
         parts = noun_phrases(cursor)
-        if (
-            parts
-            and not how
-            and parts[-1].text.split()[-1:]
-            and parts[-1].text.split()[-1] in ("open", "shut", "closed", "out")
-        ):
-            how = parts[-1].text.split()[-1]
-            parts = (*parts[:-1], without_last(parts[-1]))
-        hows = (
-            "shut",
-            "closed",
-            "open",
-            *(("in", "out", "back in") if base in ("push", "shove", "slide", "pull", "yank") else ()),
-        )
+        if parts and not how and parts[-1].text.split()[-1:] in ([word] for word in _HOWS):
+            how, parts = parts[-1].text.split()[-1], (*parts[:-1], without_last(parts[-1]))
+        hows = (*_HOWS, "in", "back in") if base in ("push", "shove", "slide", "pull", "yank") else _HOWS[:3]
         if parts and not how and cursor.text() in hows and cursor.kind(1) in ENDS:
             how = cursor.take().text
-        ended = cursor.kind() in ENDS
-        if not parts or not ended:
+        asked = ("open" if how in _OPEN else "close") if how else ""
+        if parts and not how and {"button", "bell"} & {parts[0].part, *parts[0].lemmas[-1:]}:
+            asked = "press"
+        elif parts and not how and parts[0].part in ("drawer", "door", "lid") and base in ("pull", "yank"):
+            asked = "open"
+        if not parts or not asked or cursor.kind() not in ENDS:
             cursor.at = at
             return False
-        if how:
-            for part in parts:
-                self._operates("open" if how in _OPEN else "close", part, begun)
-            return True
-        if parts[0].part in ("button",) or parts[0].lemmas[-1:] in (("button",), ("bell",)):
-            for part in parts:
-                self._add(Request("press", (), part), begun)
-            return True
-        if parts[0].part in ("drawer", "door", "lid") and base in ("pull", "yank"):
-            for part in parts:
-                self._operates("open", part, begun)
-            return True
-        cursor.at = at
-        return False
+        for part in parts:
+            self._operates(asked, part, begun)
+        return True
 
     def _lifted(self, begun: int) -> bool:
         """'Lift the lid': open it."""
