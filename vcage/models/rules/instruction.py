@@ -132,7 +132,7 @@ class _Reader(Verbs):
             self._clause(subordinate=True)
             later = self._requests[count:]
             shift = 1 if kind == "before" else -1
-            self._requests[count:] = [replace(r, step=main + shift) for r in later]
+            self._requests[count:] = [replace(r, step=max(main + shift, 0)) for r in later]
             self._step = main + 1
         self._require_boundary()
 
@@ -304,7 +304,7 @@ class _Reader(Verbs):
             self._forbidden(neither=self._tokens[begun].text.startswith("neither"))
         elif cursor.kind() == "prep" or cursor.kind() == "toward":
             self._place_first()
-        elif cursor.kind() == "back" and self._things:
+        elif cursor.kind() == "back" and self._requests and self._requests[-1].asked in ("put", "scan", "weigh"):
             self._places_of(self._things, begun)  # '… and then back where it was'
         elif passive and cursor.text() in FORMS and cursor.kind(1) in ("prep", "toward", "there", "back", *ENDS):
             self._wished(passive, begun)  # '… and then put in the basket'
@@ -328,11 +328,11 @@ class _Reader(Verbs):
         cursor = self._cursor
         begun = cursor.at
         things = noun_phrases(cursor)
-        if not things:
-            raise self._refusal(self._rest(), "they say nothing that the robot can do")
-        if self._instead_follows():
+        if things and self._instead_follows():
             cursor.skip("and", "instead")
             things = (*things[:-1], *self._inherit(noun_phrases(cursor), things))
+        if not things:
+            raise self._refusal(self._rest(), "they say nothing that the robot can do")
         if cursor.text() == "," and cursor.kind(1) in ("prep", "toward", "belong", "ought", "be"):
             cursor.take()
         pointed = cursor.kind(1) == "pronoun" or cursor.text(1) in ("those", "these")

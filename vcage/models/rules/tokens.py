@@ -84,17 +84,13 @@ def tokens(instruction: str, names: Collection[str] = ()) -> list[Token]:
         at += length
     useful: list[Token] = []
     for at, token in enumerate(found):
-        if token.kind == "first" and "before" in token.text and useful:  # '… . Before that, open the box'
-            if at + 1 == len(found) or found[at + 1].kind in ("stop", "query"):
-                useful.append(replace(token, kind="word"))  # before what that comes is not clear
-                continue
-            at_stop = useful[-1].kind == "stop"
-            useful[-1:] = [*([] if at_stop else useful[-1:]), replace(token, kind="and")]
+        ends = at + 1 == len(found) or found[at + 1].kind in ("stop", "query")
+        if token.value == "earlier" and useful:  # '… . Before that, open the box'; '… before that.' is not clear
+            kept = len(useful) - (useful[-1].kind == "stop")
+            useful[kept:] = [replace(token, kind="word" if ends else "and")]
             continue
-        if token.text == "instead" and (at + 1 == len(found) or found[at + 1].kind in ("stop", "query")):
-            continue  # 'scan the juice instead'
-        if token.text in ("i mean", "i meant") and at and found[at - 1].text == "one":
-            continue  # 'the white one I mean'
+        if (token.text == "instead" and ends) or (token.text == "i mean" and found[max(at - 1, 0)].text == "one"):
+            continue  # 'scan the juice instead', 'the white one I mean'
         begins = not useful or useful[-1].kind in ("and", "stop", "then")
         led = next((other for other in reversed(found[:at]) if other.text != ","), None)
         before = "" if led is None else led.kind if led.kind == "first" else found[at - 1].kind
