@@ -129,6 +129,16 @@ def test_two_things_stand_next_to_each_other() -> None:
     assert goals("cashier_desk", "Put the tomatoes next to each other") == ["tomato_red beside tomato_yellow"]
 
 
+def test_its_left_is_that_of_the_place_named_last() -> None:
+    found = goals("office_desk", "Put the mouse behind the laptop and the notepad to its left")
+    assert found == ["computer_mouse_white behind laptop_silver", "notepad_yellow left_of laptop_silver"]
+
+
+def test_the_orange_is_a_fruit_where_no_colour_was_named() -> None:
+    found = goals("kitchen", "The bagel goes in the pan and the orange in the pot")
+    assert found == ["bagel_sesame inside frying_pan_black", "orange_orange inside pot_steel"]
+
+
 def test_neither_of_them_is_touched() -> None:
     found = reading("bathroom", "Neither duck should be moved, but the sponge goes in the basket")
     assert found.untouched == ["rubber_duck_yellow", "rubber_duck_pink"]

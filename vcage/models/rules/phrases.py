@@ -397,7 +397,10 @@ def noun_phrases(cursor: Cursor) -> tuple[Phrase, ...]:
             break
         if cursor.kind() == "instead":
             break
-        if ended_by_comma and cursor.text() == "any":  # 'a bun, any bread will do'
+        if ended_by_comma and cursor.text() == "any":  # 'a pen, any pen'
+            again = noun_phrase(cursor)
+            if again is not None and found and again.lemmas == found[-1].lemmas:
+                continue
             cursor.at = begun
             break
         phrase = noun_phrase(cursor)

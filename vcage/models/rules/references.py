@@ -106,6 +106,7 @@ class References(ABC):
                 and phrase.head in COLOURS
                 and phrase.colour is None
                 and model.head != phrase.head
+                and (phrase.head != "orange" or model.colour)  # the fruit
             ):
                 phrase = replace(phrase, lemmas=("one",), colour=colour_of(phrase.head))
             if phrase.is_pronoun and phrase.text == "the other":
@@ -143,7 +144,7 @@ class References(ABC):
         place = noun_phrase(cursor, exceptions=False)
         if place is None:
             known = self._part or self._place
-            if preposition in ("in", "on") and known is not None:
+            if preposition in ("in", "on", "left_of", "right_of") and known is not None:
                 return known, preposition
             raise self._refusal(self._words(at - 1, cursor.at + 1), "it names no place")
         if place.is_pronoun and place.text == "each other" and preposition in (*BESIDE, "on") and things:
