@@ -113,7 +113,7 @@ class Ground:
 
 
 def on_customers_half(pose: Pose) -> bool:
-    """Whether a thing at ``pose`` is nearer to the customer than to the robot: the middle of the table is the origin."""
+    """Whether a thing at ``pose`` is nearer to the customer than to the robot; the table's middle is the origin."""
     return float(pose.p @ TOWARDS_CUSTOMER) > 0
 
 

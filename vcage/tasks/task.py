@@ -25,7 +25,7 @@ from vcage.tasks.primitives.operate import Operation
 from vcage.tasks.primitives.pick import Grip, LeadsOn, PickPlan, PickWay, carry_out_pick, feel, minding, plan_pick
 from vcage.tasks.primitives.place import Placing, carry_out_place, plan_place
 from vcage.tasks.reading import reading_poses
-from vcage.tasks.scene_objects import SceneObject
+from vcage.tasks.scene_objects import Obstacles, SceneObject
 from vcage.tasks.slots import Slot, other_slots
 from vcage.tasks.workcell import TaskFailed, Workcell, failing_at
 
@@ -104,7 +104,7 @@ class Task:
         if not poses:
             raise TaskFailed("plan", f"{object_id} cannot be held before {other_id}", exhausted=True)
         # Where it came from the hand has room, and before the other it lets go of nothing: no obstacle raises it.
-        hover = replace(Placing.of(cell, object_id, TABLE, None), obstacles=[])
+        hover = replace(Placing.of(cell, object_id, TABLE, None), obstacles=Obstacles([]))
         first = self._attempt % max(1, len(grasps))
         plan = plan_pick(cell, target, [*grasps[first:], *grasps[:first]], self._leads_to(target, hover, poses))
         self.arm, self.contact = plan.arm, plan.contact

@@ -22,10 +22,6 @@ from vcage.tasks.reading import reading_poses
 
 BOX, PLATE, APPLE = thing("cereal_box", (-0.1, -0.05), 0.3), thing("plate", (0.15, 0.05)), thing("apple", (-0.3, 0.1))
 SCANNER, SCALE = thing("barcode_scanner", (0.3, -0.1)), thing("electronic_scale", (0.0, 0.1))
-    thing("barcode_scanner", (0.3, -0.1)),
-    thing("electronic_scale", (0.0, 0.1)),
-    thing("chocolate_bar"),
-)
 GONE = Pose([0.0, 0.0, -3.0])
 FACING = Pose.from_yaw([0.1, 0.2, TABLE_TOP], np.pi)
 SHOWN = Goal(subject=BOX.id, relation="presented")
