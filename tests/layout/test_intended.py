@@ -35,7 +35,7 @@ def inside(scene: Scene, content: str, container: str) -> Scene:
 @pytest.mark.parametrize("seed", range(4))
 def test_the_offline_plan_is_kept_without_overlap_in_the_workspace(seed: int) -> None:
     scene = scene_of([BOX, *MARKERS, ERASER, PLATE.moved(at=(-0.2, -0.1), role="context")])
-    layout = plan_layout(scene, np.random.default_rng(seed))
+    layout = plan_layout(scene, (), np.random.default_rng(seed))
     boxes = laid_out(scene, layout).boxes
     assert relations_kept(layout.relations, boxes, scene.table).sentences == []
     assert not any(boxes_overlap(boxes[a], boxes[b]) for a, b in itertools.combinations(boxes, 2))
@@ -145,6 +145,6 @@ def test_a_thousand_relations_are_laid_out() -> None:
 
 def test_the_same_plan_is_laid_out_in_the_same_way() -> None:
     scene = scene_of([PLATE, *BLOCKS])
-    layout = plan_layout(scene, np.random.default_rng(0))
+    layout = plan_layout(scene, (), np.random.default_rng(0))
     first, second = (laid_out(scene, layout).boxes for _ in range(2))
     assert all(np.array_equal(first[name], second[name]) for name in first)

@@ -93,6 +93,7 @@ class CriticQuestion:
         start: view by camera name at the start of the episode; only where something is put back.
         wrist: picture by camera name at that moment, or when what was held was let go, from the hand that did it.
         table_height: z of the table top, metres (part of the calibration).
+        tops: z of what things may stand on besides the table, by the objects that the scene has, metres.
         towards_customer: (3,) unit vector from the middle of the table to the customer.
         background: the ``top`` view of the empty table in the same light, where there is one.
     """
@@ -111,6 +112,7 @@ class CriticQuestion:
     start: dict[str, View] = field(default_factory=dict)
     wrist: dict[str, np.ndarray] = field(default_factory=dict)
     table_height: float = 0.74
+    tops: Sequence[float] = ()
     towards_customer: tuple[float, float, float] = (0.0, 1.0, 0.0)
     background: np.ndarray | None = None
 

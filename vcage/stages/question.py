@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -18,6 +18,7 @@ from vcage.stages.context import StageContext
 from vcage.tasks.ground import TOWARDS_CUSTOMER
 from vcage.tasks.loop import Seen
 from vcage.tasks.reading import reading_poses
+from vcage.tasks.scene_objects import SceneObject
 from vcage.vision.protocols import View
 
 TOP, CUSTOMER = "top", "customer"
@@ -28,6 +29,9 @@ FROM_CUSTOMER = {"presented", "scanned"}
 
 AT_THE_MOMENT = {"pressed", "scanned", "weighed"}
 """Goals that are told by what those cameras see at the moment, and not only the wrist's."""
+
+LOW = 0.01
+"""A top that is lower than this is as high as the table, metres."""
 
 AWAY, ABOVE, FOVY = 0.75, 0.5, 0.75
 """How far beyond the table's far edge and above its top the customer's camera is, metres; its field of view."""
@@ -131,9 +135,16 @@ def _question(
         readings=readings,
         readers=[o.id for o in objects.values() if o.asset.annotation.faces_of("reader")],
         table_height=scene.table.height,
+        tops=[scene.table.height + top for top in _tops(objects.values())],
         towards_customer=tuple(TOWARDS_CUSTOMER.tolist()),
         background=background,
     )
+
+
+def _tops(objects: Iterable[SceneObject]) -> list[float]:
+    """How high over their bottoms things can stand on them, the low ones first, metres; rounded to centimetres."""
+    points = [point for o in objects for point in o.asset.annotation.functional_points if point.link is None]
+    return sorted({round(point.position[2], 2) for point in points if point.holds == "on" and point.position[2] > LOW})
 
 
 def _opened(goals: Sequence[Goal], requires: Sequence[Goal]) -> dict[str, list[str]]:

@@ -28,7 +28,7 @@ from vcage.tasks.primitives.handles import Handle, operating_ways
 from vcage.tasks.primitives.pick import pick_way, transfer_height
 from vcage.tasks.primitives.place import MAX_DROP, place_way
 from vcage.tasks.scene_objects import Obstacles, SceneObject, SolidBox, first_met
-from vcage.tasks.truth import place_complaint
+from vcage.tasks.truth import resting_point
 
 GRIP_ROOM = 0.006
 """The gripper must open this much wider than the material, metres."""
@@ -349,8 +349,7 @@ def _hands(
 
 def _walls_around(thing: SceneObject, holder: SceneObject) -> list[SolidBox]:
     """What of a receptacle may be in the way of a hand that takes a thing out of it or off it."""
-    points = holder.asset.annotation.functional_points
-    where = next((point for point in points if place_complaint(thing, holder, point) is None), None)
+    where = resting_point(thing, holder)
     return holder.boxes if where is None else holder.around(where.id)
 
 

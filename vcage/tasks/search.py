@@ -15,7 +15,6 @@ import numpy as np
 from vcage.base.errors import NoFeasibleTask
 from vcage.plans.actions import Action
 from vcage.plans.planner import Task, complaints, find_chain
-from vcage.plans.relations import holds
 from vcage.schema.goals import Goal, StateWord, in_steps, part_that
 from vcage.schema.plan import TABLE
 from vcage.schema.scene import Scene
@@ -25,6 +24,7 @@ from vcage.sim.kinematics import ArmKinematics
 from vcage.tasks.ground import Ground
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.templates import TEMPLATES, Proposal
+from vcage.tasks.truth import resting_point
 
 Judge = Callable[[Sequence[PairQuestion]], list[PairAnswer]]
 
@@ -157,8 +157,11 @@ def initial_state(objects: Sequence[SceneObject]) -> frozenset[Goal]:
     found = []
     for o in objects:
         holder = o.record.container
-        word: StateWord = "on" if holder is None or not holds("inside", o.aabb, by_id[holder].aabb) else "inside"
-        found.append(Goal(subject=o.id, relation=word, reference=holder or TABLE))
+        point = None if holder is None else resting_point(o, by_id[holder])
+        word: StateWord = "inside" if point is not None and point.holds == "in" else "on"
+        found.append(
+            Goal(subject=o.id, relation=word, reference=holder or TABLE, part=None if point is None else point.link)
+        )
         for link, position in zip(o.asset.model.links, joint_positions(o.asset.model, o.joints), strict=True):
             if part_that("open", link.name):
                 word = "open" if abs(position) > abs(link.joint.far_end) / 2 else "closed"

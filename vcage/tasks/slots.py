@@ -7,6 +7,7 @@ put things side by side, the one is taken from which the hand that brings them d
 
 from __future__ import annotations
 
+import contextlib
 import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -143,7 +144,7 @@ def slots_for_chain(
             if least <= SET_DOWN * len(subtasks) + 1e-9:
                 break
         slots |= {s.id: Slot(receptacle, point, best[s.object]) for s in subtasks}
-    return slots | _on_the_table(chain, by_id, slots, ground, rng)
+    return slots | _on_table(chain, by_id, slots, ground, rng)
 
 
 @dataclass(frozen=True)
@@ -201,7 +202,24 @@ def _together(stays: Sequence[_Stay]) -> list[list[_Stay]]:
     return [group for group in groups if any(stay.subtask is not None for stay in group)]
 
 
-def _on_the_table(
+def _on_table(
+    chain: Sequence[Subtask],
+    objects: Mapping[str, SceneObject],
+    slots: Mapping[str, Slot],
+    ground: Ground,
+    rng: np.random.Generator,
+) -> dict[str, Slot]:
+    """Slots for what is put down on the table; where one leaves no room for a later one, all are drawn anew.
+
+    Args: see :func:`_drawn_on_table`.
+    """
+    for _ in range(DRAWS - 1):
+        with contextlib.suppress(InfeasibleScene):
+            return _drawn_on_table(chain, objects, slots, ground, rng)
+    return _drawn_on_table(chain, objects, slots, ground, rng)
+
+
+def _drawn_on_table(
     chain: Sequence[Subtask],
     objects: Mapping[str, SceneObject],
     slots: Mapping[str, Slot],

@@ -103,6 +103,12 @@ def _joint_complaint(goal: Goal, thing: SceneObject) -> str | None:
     return None if enough else f"the {part_words(part)} of {thing.id} is {state} by {100 * share:.0f} %"
 
 
+def resting_point(subject: SceneObject, receptacle: SceneObject) -> FunctionalPoint | None:
+    """The functional point of a receptacle that an object rests at; None where it rests at none."""
+    points = receptacle.asset.annotation.functional_points
+    return next((point for point in points if place_complaint(subject, receptacle, point) is None), None)
+
+
 def place_complaint(subject: SceneObject, receptacle: SceneObject, point: FunctionalPoint) -> str | None:
     """Why an object does not rest at a functional point, or None when it does."""
     opening = receptacle.asset.opening(point)

@@ -46,7 +46,7 @@ def request_for(name: str, seed: int = 0) -> EditRequest:
     things = SCENES[name]
     picture, ids = draw(things)
     scene = scene_of(things)
-    return EditRequest(picture, table_picture(), ids, scene, plan_layout(scene, np.random.default_rng(seed)))
+    return EditRequest(picture, table_picture(), ids, scene, plan_layout(scene, (), np.random.default_rng(seed)))
 
 
 def regions(ids: np.ndarray, count: int) -> list[Detection]:

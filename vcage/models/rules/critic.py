@@ -133,26 +133,23 @@ class OfflineCritic:
         return max(verdicts, key=lambda v: (v.accepted, v.confidence), default=refuse("there is no scanner", 1.0))
 
     def _judge_shown(self, question: CriticQuestion, moved: str, still: str) -> Verdict:
-        looks = {name: _look(question, name) for name in (moved, still)}
-        found = {
-            name: find_standing(
-                question.before, question.background, question.table_height, look, _draw(question, name)
-            )
-            for name, look in looks.items()
-        }
-        for name, stands in found.items():
-            if stands is None:
-                return refuse(f"the {looks[name].phrase} is not found", 0.5)
+        looks = _look(question, moved), _look(question, still)
+        draws = _draw(question, moved), _draw(question, still)
+        told = (question.before, question.background, question.table_height)
+        held, stands = (
+            find_standing(*told, look, draw, tops=question.tops) for look, draw in zip(looks, draws, strict=True)
+        )
+        if held is None or stands is None:
+            return refuse(f"the {looks[held is not None].phrase} is not found", 0.5)
         evidence = gather_shown(
             question.before,
             question.moment,
-            found[moved],  # pyrefly: ignore
-            found[still],  # pyrefly: ignore
-            _draw(question, moved),
-            _draw(question, still),
+            held,
+            stands,
+            *draws,
             lambda at, there: question.readings(moved, at, still, there),  # pyrefly: ignore
         )
-        return decide_scan(evidence, looks[moved].phrase, looks[still].phrase)
+        return decide_scan(evidence, looks[0].phrase, looks[1].phrase)
 
 
 def _top(views: Mapping[str, View]) -> View:

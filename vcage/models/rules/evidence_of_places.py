@@ -35,6 +35,9 @@ AWAY, DIRECTIONS, HEADINGS = (0.1, 0.16), 8, 4
 """How far from where a code is read, metres, in how many directions and at how many headings what is held may be seen
 instead."""
 
+HIDDEN = 0.4
+"""How much a pixel that shows something else, such as the hand, speaks against what is drawn there."""
+
 IN_FRONT = 0.005
 """What is nearer to the camera by less than this hides nothing, metres."""
 
@@ -135,7 +138,7 @@ class Shown:
     Args:
         left: share of the old outline of what was moved that has changed at the moment, where least of it did: a hand
             before it hides it from one side.
-        seen: share of a drawing of it, held so that the code is read, that is found in the pictures of the moment.
+        seen: share of what tells of a drawing of it, held so that the code is read, that speaks for it at the moment.
         elsewhere: the same where it is likeliest among places too far away and headings at which nothing is read.
     """
 
@@ -224,8 +227,9 @@ def _shifted(pose: Pose, shift: np.ndarray) -> Pose:
 
 
 def _seen(pose: Pose, moved: Standing, sights: Sequence[_Held], draw: Draw) -> float:
-    """Share of the drawing of an object at a pose that is found in the sights."""
-    found, drawn = 0, 0
+    """Share of what tells of the drawing of an object at a pose that speaks for it: pixels that have come to look like
+    it, beside those that still show what was there before; what something else hides tells little."""
+    found, against, drawn = 0, 0, 0
     for sight in sights:
         middle = pose.p + np.array([0.0, 0.0, moved.size[2] / 2])
         window = window_around(middle, moved.size, sight.camera)
@@ -237,9 +241,11 @@ def _seen(pose: Pose, moved: Standing, sights: Sequence[_Held], draw: Draw) -> f
             continue
         like = to_lab(as_bright(drawing, cut(sight.picture, window)).astype(np.uint8))
         alike = distance(cut(sight.lab, window), like) < ALIKE
-        found += int((shown & alike & cut(sight.change, window)).sum())
+        change = cut(sight.change, window)
+        found += int((shown & alike & change).sum())
+        against += int((shown & ~change).sum())
         drawn += int(shown.sum())
-    return found / drawn if drawn else 0.0
+    return found / (found + against + HIDDEN * (drawn - found - against)) if found else 0.0
 
 
 def _change(one: View, other: View) -> np.ndarray:

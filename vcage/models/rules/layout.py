@@ -8,6 +8,7 @@ from collections.abc import Collection, Sequence
 import numpy as np
 
 from vcage.plans.relations import holds
+from vcage.schema.asset import CatalogueEntry
 from vcage.schema.plan import TABLE, LayoutPlan, Relation, RelationWord
 from vcage.schema.scene import ObjectRecord, Scene
 
@@ -24,7 +25,7 @@ _WORDS = {
 }  # fmt: skip
 
 
-def plan_layout(scene: Scene, rng: np.random.Generator) -> LayoutPlan:
+def plan_layout(scene: Scene, catalogue: Sequence[CatalogueEntry], rng: np.random.Generator) -> LayoutPlan:
     """Receptacles in the middle, contents left, right and in front of them, everything else behind those.
 
     Contents are not put inside: to move them there is the task. What lies in another object at the start stays
@@ -36,7 +37,7 @@ def plan_layout(scene: Scene, rng: np.random.Generator) -> LayoutPlan:
     relations = _anchor_relations(anchors)
     relations += _around(contents, anchors)
     relations += _out_of_the_way(context, anchors, relations, scene)
-    relations += [_relation(o, _lies(o, holder), holder) for o, holder in carried]
+    relations += [_relation(o, _lies(o, holder, catalogue), holder) for o, holder in carried]
     return LayoutPlan(text=as_sentences(relations, scene), relations=relations)
 
 
@@ -61,9 +62,12 @@ def _relation(subject: ObjectRecord, word: RelationWord, reference: ObjectRecord
     return Relation(subject=subject.id, relation=word, reference=reference.id)
 
 
-def _lies(item: ObjectRecord, holder: ObjectRecord) -> RelationWord:
-    """Whether an object lies ``inside`` its container or ``on`` it."""
-    return "inside" if holds("inside", item.aabb, holder.aabb) else "on"
+def _lies(item: ObjectRecord, holder: ObjectRecord, catalogue: Sequence[CatalogueEntry]) -> RelationWord:
+    """Whether an object lies ``inside`` its container or ``on`` it: a plate has a rim, but things lie on it."""
+    points = next((e.functional_points for e in catalogue if e.name == holder.asset), [])
+    fixed = [point.holds for point in points if point.link is None]
+    inside = fixed[0] == "in" if fixed else holds("inside", item.aabb, holder.aabb)
+    return "inside" if inside else "on"
 
 
 def _anchor_relations(anchors: Sequence[ObjectRecord]) -> list[Relation]:

@@ -40,8 +40,8 @@ class OfflineReasoner:
     def plan_layout(
         self, scene: Scene, catalogue: Sequence[CatalogueEntry], rng: np.random.Generator, check: PlanCheck
     ) -> LayoutPlan:
-        """See :func:`vcage.models.rules.layout.plan_layout`; roles say all that it needs of the catalogue."""
-        return _drawn("layout plan", lambda: plan_layout(scene, rng), check)
+        """See :func:`vcage.models.rules.layout.plan_layout`."""
+        return _drawn("layout plan", lambda: plan_layout(scene, catalogue, rng), check)
 
     def judge_pairs(self, questions: Sequence[PairQuestion]) -> list[PairAnswer]:
         """See :func:`vcage.models.rules.pairs.judge_object_and_place`."""

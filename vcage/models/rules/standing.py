@@ -29,6 +29,12 @@ STEPS, ROUNDS = np.array([0.004, 0.004, np.radians(5.0)]), 5
 CANDIDATES, REFINED = 3, 2
 """Places that are drawn, and poses of those that are refined."""
 
+HEADINGS = np.radians([0.0, 30.0, 60.0])
+"""Headings that are tried besides, where something stands that nothing fits at first sight."""
+
+NEAR = 12
+"""So far from what has been seen to stand or change an object is looked for, pixels."""
+
 APART = 0.02
 """Poses that are nearer to each other than this are at one place, metres."""
 
@@ -68,8 +74,9 @@ def find_standing(
     look: Reference,
     draw: Draw,
     among: np.ndarray | None = None,
+    tops: Sequence[float] = (),
 ) -> Standing | None:
-    """Where an object stands on the table; None where nothing stands that it could be.
+    """Where an object stands; None where nothing stands that it could be.
 
     Args:
         views: of the same moment; the ``top`` one finds it, all tell its sides apart.
@@ -78,6 +85,7 @@ def find_standing(
         look: how the object looks from above.
         draw: draws it.
         among: (H, W) bool, where it may be in the top view; anywhere when not given.
+        tops: z of what it may stand on besides the table, metres.
     """
     top = views["top"]
     image = LabImage.of(top.picture, salience(top.picture, background))
@@ -85,21 +93,35 @@ def find_standing(
     patches = components(there if among is None else there & among, MIN_AREA * there.size)
     if not patches:
         return None
-    template = template_from_reference(look, top.camera, table_height)
+    stands = [_on(height, views, image, patches, look, draw) for height in (table_height, *tops)]
+    return min(stands, key=lambda found: found.unlike)
+
+
+def _on(
+    height: float,
+    views: Mapping[str, View],
+    image: LabImage,
+    patches: Sequence[np.ndarray],
+    look: Reference,
+    draw: Draw,
+) -> Standing:
+    """Where an object is likeliest to stand on something of a height; see :func:`find_standing`."""
+    camera = views["top"].camera
+    template, standing = template_from_reference(look, camera, height), middles(patches)
     tries: list[tuple[float, tuple[float, ...], list[_Sight]]] = []
-    for rough in _apart(places(image, template, middles(patches)).poses):
-        middle = np.array([rough[0], rough[1], table_height + look.size[2] / 2])
+    for rough in [*_apart(places(image, template, standing).poses), *_upon(patches, camera, height)]:
+        if not _shown(rough, patches, camera, height):
+            continue
+        middle = np.array([rough[0], rough[1], height + look.size[2] / 2])
         sights = [_Sight.of(view, middle, look.size) for view in views.values()]
-        tries += [
-            (_unlike(p, table_height, sights, draw), tuple(p), sights) for p in rough + FLIPS[:, None] * [0, 0, 1]
-        ]
+        tries += [(_unlike(p, height, sights, draw), tuple(p), sights) for p in rough + FLIPS[:, None] * [0, 0, 1]]
     best: tuple[float, np.ndarray] = (np.inf, np.zeros(3))
     for least, start, sights in sorted(tries, key=lambda tried: tried[0])[:REFINED]:
-        nearby = refined(np.array(start), least, lambda p, s=sights: _unlike(p, table_height, s, draw))
+        nearby = refined(np.array(start), least, lambda p, s=sights: _unlike(p, height, s, draw))
         best = min(best, nearby, key=lambda found: found[0])
     unlike, (x, y, yaw) = best
-    pose = Pose.from_yaw([x, y, table_height], yaw)
-    return Standing(pose, look.size, unlike, covered_by(draw, pose, top.camera))
+    pose = Pose.from_yaw([x, y, height], yaw)
+    return Standing(pose, look.size, unlike, covered_by(draw, pose, camera))
 
 
 def covered_by(draw: Draw, pose: Pose, camera: Camera) -> np.ndarray:
@@ -173,11 +195,11 @@ class _Sight:
         return cls(view.camera, window, picture, to_lab(cv2.GaussianBlur(picture, (3, 3), 0)))
 
 
-def _unlike(pose: np.ndarray, table_height: float, sights: Sequence[_Sight], draw: Draw) -> float:
+def _unlike(pose: np.ndarray, height: float, sights: Sequence[_Sight], draw: Draw) -> float:
     """Mean colour distance between sights and drawings of the object at (3,) x, y and heading."""
     costs = []
     for sight in sights:
-        drawing = draw(Pose.from_yaw([pose[0], pose[1], table_height], float(pose[2])), sight.camera, sight.window)
+        drawing = draw(Pose.from_yaw([pose[0], pose[1], height], float(pose[2])), sight.camera, sight.window)
         if not drawing.covered.any():
             return CAP
         drawn = to_lab(as_bright(drawing, sight.picture).astype(np.uint8))
@@ -194,3 +216,17 @@ def _apart(poses: np.ndarray) -> list[np.ndarray]:
         if len(found) == CANDIDATES:
             break
     return found
+
+
+def _upon(patches: Sequence[np.ndarray], camera: Camera, height: float) -> list[np.ndarray]:
+    """Poses (3,) upon the largest patches of a picture, at headings that its flips go on from."""
+    largest = sorted(patches, key=lambda patch: -int(patch.sum()))[:CANDIDATES]
+    at = camera.unproject(middles(largest), height)
+    return [np.array([x, y, heading]) for x, y, _ in at for heading in HEADINGS]
+
+
+def _shown(pose: np.ndarray, patches: Sequence[np.ndarray], camera: Camera, height: float) -> bool:
+    """Whether one of the patches, or what is around it, shows the place of a pose (3,)."""
+    u, v = np.round(camera.project(np.array([[pose[0], pose[1], height]]))[0]).astype(int)
+    around = np.s_[max(0, v - NEAR) : max(0, v + NEAR), max(0, u - NEAR) : max(0, u + NEAR)]
+    return any(bool(patch[around].any()) for patch in patches)

@@ -54,7 +54,7 @@ BACK_AGAIN = 0.6
 MORE = 0.04
 """So much more of it must be found there than at other places and headings."""
 
-HELD = 0.45
+HELD = 0.5
 """Share of the drawing of what is held before another that must be found at the moment; the hand hides some."""
 
 STILL = 0.25
