@@ -12,6 +12,7 @@ from vcage.models.rules import PROVIDER
 from vcage.models.rules.goals import read_goals
 from vcage.models.rules.layout import plan_layout
 from vcage.models.rules.pairs import judge_object_and_place
+from vcage.models.rules.scene_layout import plan_scene
 from vcage.models.rules.selection import select_assets
 from vcage.plans.check import PlanCheck
 from vcage.schema.asset import CatalogueEntry
@@ -40,7 +41,10 @@ class OfflineReasoner:
     def plan_layout(
         self, scene: Scene, catalogue: Sequence[CatalogueEntry], rng: np.random.Generator, check: PlanCheck
     ) -> LayoutPlan:
-        """See :func:`vcage.models.rules.layout.plan_layout`; roles say all that it needs of the catalogue."""
+        """See :func:`vcage.models.rules.layout.plan_layout`, where roles say all that it needs of the catalogue, and for
+        a scene without an instruction :func:`vcage.models.rules.scene_layout.plan_scene`."""
+        if scene.instruction is None:
+            return _drawn("layout plan", lambda: plan_scene(scene, catalogue, rng), check)
         return _drawn("layout plan", lambda: plan_layout(scene, rng), check)
 
     def judge_pairs(self, questions: Sequence[PairQuestion]) -> list[PairAnswer]:
