@@ -34,6 +34,7 @@ from vcage.sim.world import World
 from vcage.stages import chain, collect, inpaint_plan, match, optimize, search_subtasks, select_place
 from vcage.stages.context import StageContext
 from vcage.tasks.assemble import episode_data
+from vcage.tasks.ground import Ground
 from vcage.tasks.loop import EpisodeRun, PicturesByCamera, Setting, run_episode
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.slots import slots_for_chain
@@ -154,7 +155,9 @@ class _Making:
         setting = Setting(
             build=lambda: self._world(objects),
             objects={o.id: o for o in objects},
-            slots=slots_for_chain([subtask for subtask, _ in self._chain], objects, self._robot, rng),
+            slots=slots_for_chain(
+                [subtask for subtask, _ in self._chain], objects, self._robot, Ground.of(self._scene), rng
+            ),
             photograph=lambda _state: {},
             judge=_accept,
             on_failure="resample",

@@ -31,6 +31,7 @@ from vcage.sim.recording import StateLog
 from vcage.sim.replay import render_log
 from vcage.sim.robots import load_robot, load_template
 from vcage.sim.world import World
+from vcage.tasks.ground import Ground
 from vcage.tasks.loop import EpisodeRun, PicturesByCamera, Setting, run_episode
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.search import find_subtasks
@@ -119,7 +120,7 @@ class _Episodes:
         setting = Setting(
             build=lambda: self._world(objects),
             objects={o.id: o for o in objects},
-            slots=slots_for_chain([self._step[0]], objects, self._robot, rng),
+            slots=slots_for_chain([self._step[0]], objects, self._robot, Ground.of(self._scene), rng),
             photograph=lambda _state: {},
             judge=_always_accept,
             on_failure="resample",
@@ -145,8 +146,8 @@ class _Episodes:
     def _made(self) -> tuple[Subtask, Script]:
         """The sub-task that the search keeps, and its generated script."""
         kinematics = {name: kinematics_of(arm) for name, arm in self._robot.arms.items()}
-        height, rng = self._scene.table.height, np.random.default_rng(0)
-        (subtask,) = find_subtasks(self._objects, kinematics, _sensible, height, rng).kept
+        ground, rng = Ground.of(self._scene), np.random.default_rng(0)
+        (subtask,) = find_subtasks(self._objects, kinematics, _sensible, ground, rng).kept
         with tempfile.TemporaryDirectory() as folder:
             return subtask, load_script(write_script(subtask, self._scene, Path(folder) / "subtask.py"))
 

@@ -29,6 +29,7 @@ from vcage.sim.world import World
 from vcage.stages import inpaint_plan, match, optimize, search_subtasks, select_place
 from vcage.stages.context import StageContext
 from vcage.stages.stage import ModelOptions
+from vcage.tasks.ground import Ground
 from vcage.tasks.loop import EpisodeRun, PicturesByCamera, Setting, run_episode
 from vcage.tasks.slots import slots_for_chain
 from vcage.tasks.synthesis import Script, load_script
@@ -162,7 +163,7 @@ def play(
     setting = Setting(
         build=build,
         objects={o.id: o for o in objects},
-        slots=slots_for_chain([subtask for subtask, _ in chain], objects, robot, rng),
+        slots=slots_for_chain([subtask for subtask, _ in chain], objects, robot, Ground.of(scene), rng),
         photograph=lambda _state: {},
         judge=_accept,
         on_failure="abort",

@@ -15,6 +15,7 @@ from vcage.datasets.episode import CameraTrack, EpisodeData, Segment
 from vcage.datasets.hdf5 import write_episode
 from vcage.schema.base import Provenance
 from vcage.schema.episodes import Episode, Episodes, Truth, Verdict
+from vcage.schema.subtasks import Chain
 
 CAMERAS = ("cam_high", "cam_left_wrist", "cam_right_wrist")
 WIDTH, HEIGHT, FPS = 64, 48, 10.0
@@ -57,6 +58,13 @@ def segment(start: int, end: int, subtask: str = "lift-block") -> Segment:
     )
 
 
+def wordings_of(subtask: str) -> list[str]:
+    """Ten ways to say a sub-task, the usual one first."""
+    text = subtask.replace("-", " ")
+    manners = ("please", "now", "then", "gently", "slowly", "surely", "well", "again", "first")
+    return [text, *(f"{text}, {manner}" for manner in manners)]
+
+
 def episode(frames: int = 30, **changes: Any) -> EpisodeData:
     """An episode of two sub-tasks in which the left gripper closes and opens."""
     time = np.arange(frames) / FPS
@@ -76,7 +84,13 @@ def episode(frames: int = 30, **changes: Any) -> EpisodeData:
         object_poses={"block": poses, "plate": poses + 0.1 * np.eye(7)[0]},
         cameras=dict.fromkeys(CAMERAS, track),
         segments=[segment(0, half), segment(half, frames, "place-block")] if frames > 1 else [],
-        meta={"instruction": INSTRUCTION, "seed": 7, "robot": "dual_panda", "scene": {"objects": ["block", "plate"]}},
+        meta={
+            "instruction": INSTRUCTION,
+            "seed": 7,
+            "robot": "dual_panda",
+            "scene": {"objects": ["block", "plate"]},
+            "wordings": {name: wordings_of(name) for name in ("lift-block", "place-block")},
+        },
     )
     return replace(whole, **changes)
 
@@ -98,7 +112,7 @@ def collected(root: Path, count: int = 2, frames: int = 12) -> RunFolder:
     Episodes(
         provenance=Provenance(producer="collect", seed=7),
         instruction=INSTRUCTION,
-        chain=["lift-block", "place-block"],
+        chains=[Chain(text=INSTRUCTION, subtasks=["lift-block", "place-block"])],
         episodes=records,
         attempts=count,
         acceptance={},

@@ -21,6 +21,7 @@ from vcage.sim.bodies import Body
 from vcage.sim.kinematics import ArmKinematics, kinematics_of
 from vcage.sim.robots import load_robot, load_template
 from vcage.sim.world import World
+from vcage.tasks.ground import Ground
 from vcage.tasks.loop import EpisodeRun, PicturesByCamera, Setting, run_episode
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.slots import Slot
@@ -28,6 +29,8 @@ from vcage.tasks.synthesis import Script
 from vcage.tasks.task import Asked, Task
 
 TABLE_TOP = 0.74
+GROUND = Ground(np.array([-0.45, -0.25]), np.array([0.45, 0.3]), TABLE_TOP)
+"""Where things may be put down on the table."""
 
 ON_PLATE = Slot("plate", 0, Pose([0.0, 0.0, 0.0066]))
 """The middle of the plate."""
@@ -182,5 +185,5 @@ def play_once(
     """An episode with one sub-task: the block onto the middle of the plate."""
     objects = block_and_plate()
     step = step or subtask()
-    slots = {"block": ON_PLATE}
+    slots = {step.id: ON_PLATE}
     return run_episode(setting(objects, slots, critic, **options), [(step, script_of(step, play))], 0)

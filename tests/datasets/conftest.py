@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from tests.recordings import CAMERAS, FPS, clip, episode
+from tests.recordings import CAMERAS, FPS, clip, episode, wordings_of
 from vcage.datasets.episode import EpisodeData
 from vcage.datasets.lerobot.episode import LeRobotEpisode, SubtaskSpan
 from vcage.datasets.lerobot.formats import open_writer
@@ -47,7 +47,10 @@ def episode_of(
         videos=videos,
         histograms=histograms,
         sampled=sampled,
-        subtasks=[SubtaskSpan(segment.text, segment.start, segment.end) for segment in data.segments],
+        subtasks=[
+            SubtaskSpan(segment.text, segment.start, segment.end, wordings_of(segment.subtask))
+            for segment in data.segments
+        ],
         state=data.qpos,
         state_names=data.state_names,
         action=data.action,
@@ -66,6 +69,11 @@ def write(version: str, out: Path, episodes: Iterable[LeRobotEpisode], **options
 @pytest.fixture(scope="session")
 def v3(episodes, tmp_path_factory) -> Path:
     return write("lerobot-v3.0", tmp_path_factory.mktemp("v3") / "set", episodes)
+
+
+@pytest.fixture(scope="session")
+def v31(episodes, tmp_path_factory) -> Path:
+    return write("lerobot-v3.1", tmp_path_factory.mktemp("v31") / "set", episodes)
 
 
 @pytest.fixture(scope="session")

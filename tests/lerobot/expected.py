@@ -83,6 +83,7 @@ class Episode:
         vectors: :data:`STATE`, measured, and :data:`ACTION`, commanded, as far as there are any: (T, D) float32.
         timestamp: (T,) seconds.
         subtasks: text of the sub-task of every frame; empty where there is none.
+        wordings: text of a sub-task → all the ways in which it may be said.
         videos: LeRobot's name of a camera → its pictures.
     """
 
@@ -92,6 +93,7 @@ class Episode:
     vectors: dict[str, NDArray[np.float32]]
     timestamp: NDArray[np.float64]
     subtasks: list[str]
+    wordings: dict[str, list[str]]
     videos: dict[str, Video]
 
     def __len__(self) -> int:

@@ -38,6 +38,7 @@ def read_folder(root: Path, scratch: Path) -> list[Episode]:
             },
             timestamp=data["timestamp"].to_numpy().astype(float),
             subtasks=[subtasks[number] for number in numbers],
+            wordings={},
             videos={
                 key: Video(root / path, Pictures(root / path, data.num_rows, scratch, first))
                 for key, (path, first) in ((key, row["videos"][key]) for key in keys)

@@ -44,6 +44,7 @@ def read_run(run: Path, scratch: Path) -> list[Episode]:
             },
             timestamp=data["timestamp"][()],
             subtasks=list(_subtasks(data)),
+            wordings=_wordings(data),
             videos=videos,
         )
         episodes.append(episode)
@@ -60,6 +61,12 @@ def _video(run: Path, stream: dict[str, Any], originals: h5py.Dataset, scratch: 
 def _accepted(run: Path) -> list[str]:
     record = json.loads((run / "episodes" / "episodes.json").read_text())
     return [episode["file"] for episode in record["episodes"] if episode["accepted"] and episode["file"]]
+
+
+def _wordings(data: h5py.File) -> dict[str, list[str]]:
+    told = json.loads(data["meta/wordings"][()]) if "wordings" in data["meta"] else {}
+    named = zip(data["subtasks/id"].asstr()[()], data["subtasks/text"].asstr()[()], strict=True)
+    return {str(text): told.get(name, [str(text)]) for name, text in named}
 
 
 def _subtasks(data: h5py.File) -> Iterator[str]:

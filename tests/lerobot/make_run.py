@@ -12,7 +12,7 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from tests.recordings import INSTRUCTION, collected, episode, segment, written
+from tests.recordings import INSTRUCTION, collected, episode, segment, wordings_of, written
 from vcage.base.files import RunFolder
 from vcage.datasets.packing.settings import CompressionSettings
 from vcage.schema.episodes import Episodes
@@ -47,12 +47,16 @@ def make_run(root: Path, kind: str) -> RunFolder:
 def _of_its_own(index: int, frames: int) -> dict[str, Any]:
     """What tells an episode from the others."""
     usual = episode(frames)
-    half = frames // 2
+    half, lift = frames // 2, f"lift-block-{index % 3}"
     return {
         "action": usual.action * (1 - 0.1 * index),
         "qpos": usual.qpos * (1 - 0.1 * index) - 0.003 * index,
-        "segments": [segment(0, half, f"lift-block-{index % 3}"), segment(half, frames, "place-block")],
-        "meta": {**usual.meta, "instruction": INSTRUCTIONS[index % len(INSTRUCTIONS)]},
+        "segments": [segment(0, half, lift), segment(half, frames, "place-block")],
+        "meta": {
+            **usual.meta,
+            "instruction": INSTRUCTIONS[index % len(INSTRUCTIONS)],
+            "wordings": {name: wordings_of(name) for name in (lift, "place-block")},
+        },
     }
 
 

@@ -22,6 +22,7 @@ from tests.lerobot.decoders import backends
 from tests.lerobot.expected import Episode
 from tests.lerobot.from_folder import read_folder
 from tests.lerobot.from_run import read_run
+from tests.lerobot.language import check_language
 from tests.lerobot.layout_v21 import check_layout
 from tests.lerobot.loading import DataSet, Extremes, check_frames, check_last_episode, check_windows
 from tests.lerobot.report import Report
@@ -51,6 +52,9 @@ def check_export(report: Report, path: Path, scratch: Path) -> dict[str, Any]:
     loadable = _loadable(folders, scratch)
     if CODEBASE_VERSION == "v2.1" and loadable:
         check_layout(report, folders["v2.1"], episodes)
+    in_words = path / "export" / "lerobot-v3.1"
+    if CODEBASE_VERSION == "v3.0" and in_words.exists():
+        check_language(report, in_words, episodes)
     for workers in WORKERS:
         for name, root in loadable.items():
             for backend in usable:

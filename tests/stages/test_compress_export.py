@@ -9,9 +9,10 @@ from typing import Any
 
 import h5py
 import numpy as np
+import pyarrow.parquet as pq
 import pytest
 
-from tests.recordings import CAMERAS, FPS, collected
+from tests.recordings import CAMERAS, FPS, collected, wordings_of
 from vcage.base.errors import DamagedFile, DiskFull, MissingStage, UsageError
 from vcage.base.files import RunFolder
 from vcage.base.videos import decode
@@ -154,13 +155,23 @@ def test_a_damaged_picture_stops_the_stage_and_leaves_nothing(fresh):
     assert not fresh.compression.parent.exists()
 
 
-def test_both_formats_are_exported_with_all_frames(run):
+def test_all_of_lerobots_formats_are_exported_with_all_frames(run):
     record = Export.read(run.export)
-    assert [d.format for d in record.datasets] == ["lerobot-v2.1", "lerobot-v3.0"]
+    assert [d.format for d in record.datasets] == ["lerobot-v2.1", "lerobot-v3.0", "lerobot-v3.1"]
     for dataset in record.datasets:
         info = json.loads((run.root / dataset.path / "meta/info.json").read_text())
         assert info["total_frames"] == dataset.frames == 2 * FRAMES
         assert info["fps"] == FPS
+
+
+def test_a_trainer_finds_the_sub_tasks_in_words_and_all_their_wordings(run):
+    (table,) = (run.export.parent / "lerobot-v3.1/data").rglob("*.parquet")
+    for rows in pq.read_table(table)["language_persistent"].to_pylist():
+        assert [row["content"] for row in rows] == ["lift block", "place block"]
+    expected = [wordings_of("lift-block"), wordings_of("place-block")]
+    for version in ("lerobot-v3.0", "lerobot-v3.1"):
+        subtasks = pq.read_table(run.export.parent / version / "meta/subtasks.parquet")
+        assert subtasks["wordings"].to_pylist() == expected
 
 
 def test_the_exported_features_say_how_the_videos_were_encoded(run):

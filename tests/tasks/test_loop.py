@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from tests.scenes import (
+    GROUND,
     ON_PLATE,
     TABLE_TOP,
     Critic,
@@ -180,7 +181,7 @@ def test_a_failure_after_an_accepted_sub_task_keeps_what_was_accepted():
         subtask("marker", "packaging_box", "inside"),
         subtask("block", "packaging_box", "inside", grasps=[Grasp(contact=0, arm="right", score=0.0)]),
     ]
-    slots = slots_for_chain(steps, objects, robot(), np.random.default_rng(0))
+    slots = slots_for_chain(steps, objects, robot(), GROUND, np.random.default_rng(0))
     there = setting(objects, slots, Critic([True, False, True]), retries=1)
     run = run_episode(there, [(step, script_of(step)) for step in steps], 0)
     assert run.accepted
@@ -213,7 +214,7 @@ def test_the_recording_of_a_rejected_episode_ends_with_its_last_attempt_as_no_se
 def test_a_failed_sub_task_ends_the_chain():
     objects, step = block_and_plate(), subtask()
     critic = Critic([False])
-    there = setting(objects, {"block": ON_PLATE}, critic, on_failure="abort")
+    there = setting(objects, {step.id: ON_PLATE}, critic, on_failure="abort")
     run = run_episode(there, [(step, script_of(step)), (step, script_of(step))], 0)
     assert {a.step for a in run.attempts} == {0}
 

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
-from tests.scenes import TABLE_TOP, block_and_plate, kinematics, scene_of, sensible, thing
+from tests.scenes import GROUND, block_and_plate, kinematics, scene_of, sensible, thing
 from vcage.base.errors import NoFeasibleTask
 from vcage.schema.goals import AskedGoal, Goal
 from vcage.schema.subtasks import PairAnswer, PairQuestion
@@ -16,7 +16,7 @@ from vcage.tasks.search import FoundSubtasks, compose, find_subtasks
 
 
 def found_in(objects: Sequence[SceneObject], judge=sensible, seed: int = 0) -> FoundSubtasks:
-    return find_subtasks(objects, kinematics(), judge, TABLE_TOP, np.random.default_rng(seed))
+    return find_subtasks(objects, kinematics(), judge, GROUND, np.random.default_rng(seed))
 
 
 def stationery() -> list[SceneObject]:

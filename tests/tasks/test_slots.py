@@ -9,11 +9,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tests.scenes import robot, subtask, thing
+from tests.scenes import GROUND, robot, subtask, thing
 from vcage.base.errors import InfeasibleScene
 from vcage.base.geometry import Pose, boxes_overlap, world_aabb
+from vcage.schema.subtasks import Subtask
 from vcage.tasks.scene_objects import SceneObject
-from vcage.tasks.slots import GAP, OTHERS, allocate, other_slots, slots_for_chain
+from vcage.tasks.slots import GAP, OTHERS, Slot, allocate, other_slots, slots_for_chain
 
 CONTENTS = ["marker", "marker", "marker", "whiteboard_eraser", "block", "rubber_eraser"]
 rng = np.random.default_rng
@@ -22,6 +23,10 @@ seeds = st.integers(0, 2**32 - 1)
 
 def contents(count: int) -> list[SceneObject]:
     return [thing(asset, id=f"{asset}-{i}") for i, asset in enumerate(CONTENTS[:count])]
+
+
+def by_object(chain: list[Subtask], slots: dict[str, Slot]) -> dict[str, Slot]:
+    return {s.object: slots[s.id] for s in chain}
 
 
 def boxes(slots: dict[str, Pose], objects: list[SceneObject]) -> list[np.ndarray]:
@@ -78,8 +83,8 @@ def test_what_does_not_fit_together_is_refused_by_name():
 def test_the_slots_of_a_chain_do_not_overlap(seed: int):
     objects = [thing("marker", (-0.2, 0.0)), thing("whiteboard_eraser", (0.22, 0.0)), thing("packaging_box", (0, 0.05))]
     chain = [subtask(o.id, "packaging_box", "inside") for o in objects[:2]]
-    slots = slots_for_chain(chain, objects, robot(), rng(seed))
-    a, b = (world_aabb(o.asset.bounds, slots[o.id].pose) for o in objects[:2])
+    slots = slots_for_chain(chain, objects, robot(), GROUND, rng(seed))
+    a, b = (world_aabb(o.asset.bounds, slots[s.id].pose) for o, s in zip(objects, chain, strict=False))
     assert not boxes_overlap(a, b)
 
 
@@ -87,23 +92,23 @@ def test_a_chain_whose_contents_do_not_fit_together_is_refused():
     box = thing("packaging_box", (0.0, 0.05))
     pens = [thing("marker", (-0.3 + 0.02 * i, 0.0), id=f"marker-{i}") for i in range(30)]
     with pytest.raises(InfeasibleScene):
-        slots_for_chain([subtask(p.id, box.id, "inside") for p in pens], [*pens, box], robot(), rng(0))
+        slots_for_chain([subtask(p.id, box.id, "inside") for p in pens], [*pens, box], robot(), GROUND, rng(0))
 
 
 def test_a_marker_is_not_put_where_the_fingers_would_open_over_a_wall():
     """Right beside the short wall of a box the fingers must let go from above its rim."""
     objects = [thing("marker", (-0.2, 0.0)), thing("packaging_box", (0, 0.05))]
     for seed in range(10):
-        slots = slots_for_chain([subtask("marker", "packaging_box", "inside")], objects, robot(), rng(seed))
-        across = abs(slots["marker"].pose.p[0 if abs(slots["marker"].pose.yaw) > 0.8 else 1])
-        half = 0.11 if abs(slots["marker"].pose.yaw) > 0.8 else 0.09
+        slots = slots_for_chain([subtask("marker", "packaging_box", "inside")], objects, robot(), GROUND, rng(seed))
+        (pose,) = (slot.pose for slot in slots.values())
+        across, half = (abs(pose.p[0]), 0.11) if abs(pose.yaw) > 0.8 else (abs(pose.p[1]), 0.09)
         assert half - across > 0.04
 
 
 def test_another_slot_keeps_away_from_those_of_the_other_objects():
     objects = [thing("marker", (-0.2, 0.0)), thing("whiteboard_eraser", (0.22, 0.0)), thing("packaging_box", (0, 0.05))]
     chain = [subtask(o.id, "packaging_box", "inside") for o in objects[:2]]
-    slots = slots_for_chain(chain, objects, robot(), rng(0))
+    slots = by_object(chain, slots_for_chain(chain, objects, robot(), GROUND, rng(0)))
     there = world_aabb(objects[1].asset.bounds, slots["whiteboard_eraser"].pose)
     others = other_slots(slots, "marker", {o.id: o for o in objects})
     assert len(others) == OTHERS
@@ -113,6 +118,7 @@ def test_another_slot_keeps_away_from_those_of_the_other_objects():
 
 def test_the_other_slots_are_always_the_same():
     objects = [thing("marker", (-0.2, 0.0)), thing("packaging_box", (0, 0.05))]
-    slots = slots_for_chain([subtask("marker", "packaging_box", "inside")], objects, robot(), rng(0))
+    chain = [subtask("marker", "packaging_box", "inside")]
+    slots = by_object(chain, slots_for_chain(chain, objects, robot(), GROUND, rng(0)))
     first, second = (other_slots(slots, "marker", {o.id: o for o in objects}) for _ in range(2))
     assert first == second

@@ -11,7 +11,8 @@ RoboTwin hands RGB arrays to an encoder that expects BGR, and its readers take w
 are swapped in its JPEGs. So they are here, and the file's attribute ``jpeg_colours`` says it.
 
 Two things are ours: ``/joint_state`` beside ``/joint_action`` is what was measured (RoboTwin knows commands only), and
-the attributes fps, instruction and robot. There is no ``endpose``: episodes do not record it.
+the attributes fps, instruction and robot. There is no ``endpose``: episodes do not record it; and no sub-tasks, for
+which the layout has no place.
 """
 
 from __future__ import annotations

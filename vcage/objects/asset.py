@@ -111,7 +111,10 @@ class Asset:
 
     def grasp_width(self, contact: ContactPoint) -> float:
         """How far apart the fingers are that close at a contact point, metres; 0 where they would meet nothing."""
-        return openings.grasped_width(self.pieces_of(contact.link), contact.position, contact.closing)
+        key = (contact.link, tuple(contact.position), tuple(contact.closing))
+        if key not in self._widths:
+            self._widths[key] = openings.grasped_width(self.pieces_of(contact.link), contact.position, contact.closing)
+        return self._widths[key]
 
     def opening(self, point: FunctionalPoint, *, standing: bool = False) -> Opening:
         """The room at a functional point, in the frame of the part that it belongs to; other parts are out of the way.
@@ -126,6 +129,11 @@ class Asset:
         if key not in self._openings:
             self._openings[key] = self._measured_opening(point, standing)
         return self._openings[key]
+
+    @cached_property
+    def _widths(self) -> dict[tuple[str | None, tuple[float, ...], tuple[float, ...]], float]:
+        """The grasp widths that were asked for: a search asks for the same one with every place of the scene."""
+        return {}
 
     @cached_property
     def _openings(self) -> dict[tuple[str, bool], Opening]:

@@ -26,20 +26,24 @@ class Action:
         requires: what must be true before it.
         adds: what is true after it, or was done by it.
         moves: the object that it carries: nothing may lie in or on it, and where it was it is no more.
+        empty: an object that nothing may lie in or on before: the scale, when something else is weighed.
     """
 
     name: str
     requires: State
     adds: State
     moves: str | None = None
+    empty: str | None = None
 
     def obstacle(self, state: State) -> str:
         """Why it cannot be done in a state; "" when it can."""
         missing = sorted(map(str, self.requires - state))
         if missing:
             return f"{' and '.join(missing)} must be true first"
-        laden = sorted(g.subject for g in state if g.relation in HOLDING and g.reference == self.moves)
-        return f"{' and '.join(laden)} must be taken off {self.moves} first" if self.moves and laden else ""
+        bare = [name for name in (self.moves, self.empty) if name is not None]
+        laden = [g for g in state if g.relation in HOLDING and g.reference in bare]
+        needs = sorted(f"{g.subject} must be taken off {g.reference}" for g in laden)
+        return f"{' and '.join(needs)} first" if needs else ""
 
     def after(self, state: State) -> State:
         """The state that it leads to."""

@@ -100,8 +100,9 @@ def _useful(task: Task, actions: Sequence[Action]) -> list[Action]:
     found: list[Action] = []
     left = list(actions)
     while True:
-        carried = {a.moves for a in found if a.moves is not None}
-        laden = {g.subject for g in task.initial if g.relation in ("inside", "on") and g.reference in carried} & movable
+        bare = {name for a in found for name in (a.moves, a.empty) if name is not None}
+        lying = task.initial.union(*(a.adds for a in found))
+        laden = {g.subject for g in lying if g.relation in ("inside", "on") and g.reference in bare} & movable
         more = [a for a in left if a.adds & wanted or (a.moves in laden and _sets_aside(a))]
         if not more:
             return found

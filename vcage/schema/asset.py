@@ -54,11 +54,20 @@ class FunctionalPoint(Record):
         default=None,
         description="the moving part that it belongs to, with all joints at 0; the object's body when not given",
     )
+    weighs: bool = Field(default=False, description="whether what lies there is weighed")
 
     @property
     def sideways(self) -> bool:
         """Whether things come in from the side: more than 45° off the vertical."""
         return self.axis[2] < 0.7
+
+
+class Face(Record):
+    """A spot of an object that is looked at: a bar code, or the window of the scanner that reads it."""
+
+    kind: Literal["code", "reader"]
+    position: Vec3 = Field(description="its middle in the object frame, metres")
+    axis: UnitVec3 = Field(description="out of the surface")
 
 
 class Words(Record):
@@ -105,6 +114,7 @@ class Annotation(Document):
     variants: list[Variant] = Field(min_length=1)
     contact_points: list[ContactPoint] = []
     functional_points: list[FunctionalPoint] = []
+    faces: list[Face] = []
 
     @model_validator(mode="after")
     def _ids_are_unique(self) -> Annotation:
@@ -133,6 +143,10 @@ class Annotation(Document):
             UnknownName: there is none.
         """
         return _by_id(f"contact point of {self.name}", self.contact_points, point_id)
+
+    def faces_of(self, kind: str) -> list[Face]:
+        """The bar codes (``code``) or scanner windows (``reader``)."""
+        return [face for face in self.faces if face.kind == kind]
 
     def functional_point(self, point_id: int) -> FunctionalPoint:
         """The functional point with this id.

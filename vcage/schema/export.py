@@ -12,7 +12,7 @@ from vcage.schema.base import Record, StageDocument
 class ExportedDataset(Record):
     """One dataset folder."""
 
-    format: str = Field(description="'lerobot-v3.0', 'lerobot-v2.1' or 'robotwin'")
+    format: str = Field(description="'lerobot-v2.1', 'lerobot-v3.0', 'lerobot-v3.1' or 'robotwin'")
     path: str
     episodes: int
     frames: int

@@ -9,7 +9,7 @@ from pydantic import Field
 from vcage.schema.base import Finite, Identifier, Record, StageDocument, Vec3
 from vcage.schema.goals import Goal
 
-TemplateName = Literal["place", "open", "close", "press", "turn"]
+TemplateName = Literal["place", "stack", "weigh", "set_down", "present", "scan", "open", "close", "press", "turn"]
 
 
 class Check(Record):
@@ -38,8 +38,10 @@ class Subtask(Record):
     text: str = Field(min_length=1, description="the sub-task in words: what the critic is asked about")
     texts: list[str] = Field(default=[], description="the same in other words, for training on language")
     object: Identifier = Field(description="what is moved, or whose part is")
-    receptacle: Identifier | None = Field(default=None, description="where it is put")
+    receptacle: Identifier | None = Field(default=None, description="where it is put; 'table' for the table")
     functional_point: int | None = Field(default=None, ge=0, description="of the receptacle")
+    tool: Identifier | None = Field(default=None, description="what it is done with: a scanner")
+    grasped: Identifier | None = Field(default=None, description="what the hand takes, where that may be the tool")
     target: Finite | None = Field(
         default=None, description="where the joint of a part is brought to, metres or radians"
     )

@@ -43,15 +43,26 @@ class ContactNames:
         Raises:
             UnknownName: there is no such object or part.
         """
+        return set(self.impulses(name, contacts))
+
+    def impulses(self, name: str, contacts: Iterable[sapien.physx.PhysxContact]) -> dict[str, np.ndarray]:
+        """(3,) the impulse of the last step that each thing gave to an object, or to one part of it, N s.
+
+        Raises:
+            UnknownName: there is no such object or part.
+        """
         if name not in self._parts:
             raise UnknownName("object", name, self._parts)
         parts, owner = self._parts[name], name.partition("/")[0]
-        found = set()
+        found: dict[str, np.ndarray] = {}
         for contact in contacts:
+            impulse = np.sum([point.impulse for point in contact.points], axis=0) if contact.points else np.zeros(3)
             if not any(np.linalg.norm(point.impulse) > 0 for point in contact.points):
                 continue
             first, second = (body.entity for body in contact.bodies)
-            for entity, other in ((first, second), (second, first)):
-                if entity.per_scene_id in parts:
-                    found.add(self._owners.get(other.per_scene_id, other.name))
-        return found - {owner}
+            # what PhysX reports is what the second body gives to the first
+            for entity, other, sign in ((first, second, 1.0), (second, first, -1.0)):
+                giver = self._owners.get(other.per_scene_id, other.name)
+                if entity.per_scene_id in parts and giver != owner:
+                    found[giver] = found.get(giver, np.zeros(3)) + sign * impulse
+        return found

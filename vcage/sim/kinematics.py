@@ -29,6 +29,9 @@ DISTINCT = 0.1
 ITERATIONS = 100
 """Steps of the solver from one seed; a seed that needs more is worth less than the next seed."""
 
+REMEMBERED = 2**16
+"""Answers that an arm keeps: a search asks again for the same grasp with every place that the object may go to."""
+
 _SEEDS = 10
 """How many variations of home are tried after the given seed and home itself."""
 
@@ -69,6 +72,7 @@ class ArmKinematics:
         self.lower, self.upper = limits[:, 0].astype(np.float64), limits[:, 1].astype(np.float64)
         self.home = np.array(arm.home, dtype=np.float64)
         self._seeds = self._variations_of_home()
+        self._first = functools.lru_cache(REMEMBERED)(self._first_solution)
 
     def fk(self, q: Sequence[float] | np.ndarray) -> Pose:
         """Pose of the gripper frame in the world at arm joints ``q`` (n,), rad."""
@@ -95,7 +99,8 @@ class ArmKinematics:
                 variations of home.
             attempts: how many starts to try besides ``seed_q``.
         """
-        return next(self._solutions(pose, seed_q, attempts), None)
+        q = self._first(pose, None if seed_q is None else tuple(np.asarray(seed_q).tolist()), attempts)
+        return None if q is None else np.array(q)
 
     def ik_all(self, pose: Pose, seed_q: np.ndarray | None = None) -> list[np.ndarray]:
         """The different solutions that all starts of :meth:`ik` lead to, in that order."""
@@ -117,6 +122,10 @@ class ArmKinematics:
     def within_limits(self, q: np.ndarray) -> bool:
         """Whether all joints keep :data:`LIMIT_MARGIN` from their limits."""
         return bool(np.all(q >= self.lower + LIMIT_MARGIN) and np.all(q <= self.upper - LIMIT_MARGIN))
+
+    def _first_solution(self, pose: Pose, seed_q: tuple[float, ...] | None, attempts: int) -> tuple[float, ...] | None:
+        q = next(self._solutions(pose, None if seed_q is None else np.array(seed_q), attempts), None)
+        return None if q is None else tuple(q.tolist())
 
     def _solutions(self, pose: Pose, seed_q: np.ndarray | None, attempts: int) -> Iterator[np.ndarray]:
         target = to_sapien(self._from_base * pose * self._to_link)

@@ -217,6 +217,17 @@ class World:
         """
         return self._contact_names.touching(name, self.scene.get_contacts())
 
+    def borne_by(self, object_id: str) -> dict[str, float]:
+        """The share of an object's weight that each other thing bears, by the upward impulses of the last step.
+
+        Raises:
+            UnknownName: there is no such object.
+        """
+        given = self._contact_names.impulses(object_id, self.scene.get_contacts())
+        upward = {name: max(0.0, float(impulse[2])) for name, impulse in given.items()}
+        total = sum(upward.values())
+        return {name: share / total for name, share in upward.items()} if total else {}
+
     def holds(self, arm: str, name: str) -> bool:
         """Whether all fingers of an arm press on an object, or on one moving part of it (``<id>/<link>``)."""
         fingers = {f"{arm}/{finger.name}" for finger in self.arms[arm].fingers}

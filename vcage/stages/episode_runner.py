@@ -37,6 +37,7 @@ from vcage.stages.context import TOP, StageContext
 from vcage.stages.episode_store import background_name
 from vcage.stages.stage import Job
 from vcage.tasks.assemble import episode_data
+from vcage.tasks.ground import Ground
 from vcage.tasks.loop import EpisodeRun, Setting, run_episode
 from vcage.tasks.readiness import ready_for
 from vcage.tasks.slots import slots_for_chain
@@ -122,7 +123,7 @@ class EpisodeRunner:
         setting = Setting(
             build=lambda: World.of_scene(scene, self._models, self._robot),
             objects={o.id: o for o in objects},
-            slots=slots_for_chain([subtask for subtask, _ in work.steps], objects, self._robot, rng),
+            slots=slots_for_chain([subtask for subtask, _ in work.steps], objects, self._robot, Ground.of(scene), rng),
             photograph=lambda state: self._photograph(drawn, state),
             judge=lambda asked, requires, seen: self._judge(asked, requires, seen, background),
             on_failure=self._stage.options["on_failure"],

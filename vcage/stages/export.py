@@ -1,4 +1,4 @@
-"""Stage 9: the accepted episodes as data sets that others read: LeRobot v3.0 and v2.1, and RoboTwin's HDF5.
+"""Stage 9: the accepted episodes as data sets that others read: LeRobot v2.1, v3.0 and v3.1, and RoboTwin's HDF5.
 
 LeRobot gets the compressed videos as they are; another codec is encoded from the episodes' own pictures.
 """

@@ -21,6 +21,7 @@ from vcage.schema.subtasks import Subtasks
 from vcage.sim.robots import load_robot
 from vcage.stages.context import StageContext
 from vcage.stages.stage import Job, ModelOptions, StageResult, stage_seed
+from vcage.tasks.ground import Ground
 from vcage.tasks.readiness import ready_for
 from vcage.tasks.search import compose, find_subtasks
 from vcage.tasks.slots import slots_for_chain
@@ -67,11 +68,12 @@ def execute(
         objects, reasoner = context.objects(scene), context.models.reasoner
         asked = {asked.goal for asked in scene.goals}
         arms = context.kinematics(scene.robot)
-        found = find_subtasks(objects, arms, reasoner.judge_pairs, scene.table.height, rng, asked)
+        ground = Ground.of(scene)
+        found = find_subtasks(objects, arms, reasoner.judge_pairs, ground, rng, asked)
         chains = compose(scene, objects, found.kept, found.refused)
         by_id = {subtask.id: subtask for subtask in found.kept}
         for chain in chains:
-            slots_for_chain([by_id[i] for i in chain.subtasks], objects, load_robot(scene.robot), rng)
+            slots_for_chain([by_id[i] for i in chain.subtasks], objects, load_robot(scene.robot), ground, rng)
         for subtask in found.kept:
             write_script(subtask, ready_for(subtask, scene, objects), folder / f"{subtask.id}.py")
         return Subtasks(

@@ -13,18 +13,18 @@ from typing import Literal
 
 import numpy as np
 
-from vcage.base.geometry import Pose, oriented_boxes_overlap
+from vcage.base.geometry import Pose
 from vcage.schema.asset import Annotation, ContactPoint, FunctionalPoint
 from vcage.schema.goals import part_words
 from vcage.schema.subtasks import Check, Grasp
 from vcage.sim.joints import carried_by, joint_positions
 from vcage.sim.kinematics import ArmKinematics
-from vcage.tasks.access import access, headroom
+from vcage.tasks.access import headroom
 from vcage.tasks.grasps import GraspPose, approach_opening, grasp_poses, hand_boxes
 from vcage.tasks.primitives.handles import Handle, operating_ways
 from vcage.tasks.primitives.pick import pick_way, transfer_height
-from vcage.tasks.primitives.place import MAX_DROP, goals_in_slot, place_way
-from vcage.tasks.scene_objects import SceneObject
+from vcage.tasks.primitives.place import MAX_DROP, place_way
+from vcage.tasks.scene_objects import SceneObject, SolidBox, first_met
 
 GRIP_ROOM = 0.006
 """The gripper must open this much wider than the material, metres."""
@@ -32,13 +32,54 @@ GRIP_ROOM = 0.006
 
 @dataclass(frozen=True)
 class Transfer:
-    """One thing to try: grasp ``target`` at ``contact`` and put it at ``point`` of ``receptacle``."""
+    """One thing to try: grasp an object, and bring it somewhere.
+
+    Args:
+        target, contact: what is grasped, and where.
+        where: the place in words.
+        poses: of the object at the place, in the world: any of them does.
+        obstacles: what the hand may meet there.
+        others: all other objects, with the one that receives it.
+    """
 
     target: SceneObject
     contact: ContactPoint
-    receptacle: SceneObject
-    point: FunctionalPoint
+    where: str
+    poses: Sequence[Pose]
+    obstacles: Sequence[SolidBox]
     others: Sequence[SceneObject]
+
+    @classmethod
+    def into(
+        cls,
+        target: SceneObject,
+        contact: ContactPoint,
+        receptacle: SceneObject,
+        point: FunctionalPoint,
+        poses: Sequence[Pose],
+        others: Sequence[SceneObject],
+    ) -> Transfer:
+        """To a functional point of a receptacle.
+
+        Args:
+            target, contact, poses: as of the transfer.
+            receptacle, point: where it goes.
+            others: the other objects, without the receptacle.
+        """
+        obstacles = [*receptacle.around(point.id), *(box for o in others for box in o.boxes)]
+        where = f"{point.name!r} of {receptacle.record.phrase}"
+        return cls(target, contact, where, poses, obstacles, [receptacle, *others])
+
+    @classmethod
+    def onto_table(
+        cls, target: SceneObject, contact: ContactPoint, poses: Sequence[Pose], others: Sequence[SceneObject]
+    ) -> Transfer:
+        """To a place on the table.
+
+        Args:
+            target, contact, poses, others: as of the transfer.
+        """
+        return cls(target, contact, "its place on the table", poses, [box for o in others for box in o.boxes], others)
 
 
 @dataclass(frozen=True)
@@ -57,6 +98,13 @@ class Feasibility:
     def reason(self) -> str:
         """Why it is not feasible; empty when it is."""
         return "" if self.feasible else next(c.message for c in reversed(self.checks) if not c.passed)
+
+
+def best_first(findings: Sequence[Feasibility]) -> tuple[list[Grasp], list[Check]]:
+    """All grasps of feasible findings, the best first, and the checks of the best."""
+    grasps = [grasp for finding in findings for grasp in finding.grasps]
+    grasps.sort(key=lambda grasp: (-grasp.score, grasp.contact, grasp.arm))
+    return grasps, next(f for f in findings if grasps[0] in f.grasps).checks
 
 
 def carrying_points(annotation: Annotation) -> list[ContactPoint]:
@@ -113,26 +161,17 @@ def opens_wide_enough(target: SceneObject, contact: ContactPoint, kinematics: Ma
     )
 
 
-def examine(
-    transfer: Transfer, kinematics: Mapping[str, ArmKinematics], slot: Pose, table_height: float
-) -> Feasibility:
+def examine(transfer: Transfer, kinematics: Mapping[str, ArmKinematics], table_height: float) -> Feasibility:
     """All checks of a transfer, cheap ones first; stops at the first that no arm passes.
 
     Args:
         kinematics: by arm.
-        slot: where the object goes, in the receptacle's frame.
         table_height: z of the table top, metres.
     """
-    reached = access(transfer.receptacle, transfer.point)
-    if not reached.passed:
-        return Feasibility([reached], [])
-    checks = [
-        fits(transfer.target, transfer.receptacle, transfer.point),
-        opens_wide_enough(transfer.target, transfer.contact, kinematics),
-    ]
-    if not all(check.passed for check in checks):
-        return Feasibility(checks, [])
-    reports = {arm: examine_arm(transfer, arm, k, slot, table_height) for arm, k in kinematics.items()}
+    wide = opens_wide_enough(transfer.target, transfer.contact, kinematics)
+    if not wide.passed:
+        return Feasibility([wide], [])
+    reports = {arm: _examine_arm(transfer, arm, k, table_height) for arm, k in kinematics.items()}
     grasps = [
         Grasp(contact=transfer.contact.id, arm=arm, score=round(score, 4))
         for arm, (_, score) in reports.items()
@@ -141,7 +180,7 @@ def examine(
     grasps.sort(key=lambda grasp: (-grasp.score, grasp.arm))
     # the arm that came furthest explains the transfer best
     best = grasps[0].arm if grasps else max(reports, key=lambda arm: sum(c.passed for c in reports[arm][0]))
-    return Feasibility(checks + reports[best][0], grasps)
+    return Feasibility([wide, *reports[best][0]], grasps)
 
 
 def examine_operation(
@@ -210,8 +249,8 @@ def _examine_ways(
     return furthest, None
 
 
-def examine_arm(
-    transfer: Transfer, arm: str, kinematics: ArmKinematics, slot: Pose, table_height: float
+def _examine_arm(
+    transfer: Transfer, arm: str, kinematics: ArmKinematics, table_height: float
 ) -> tuple[list[Check], float | None]:
     """The checks of one arm, and the score of its motion; None when it cannot.
 
@@ -219,13 +258,12 @@ def examine_arm(
         transfer: what is tried.
         arm: its name.
         kinematics: of the arm.
-        slot: where the object goes, in the receptacle's frame.
         table_height: z of the table top, metres.
     """
     found: dict[str, Check] = {}
     poses = grasp_poses(transfer.target.pose, transfer.contact, kinematics.arm.gripper, transfer.target.box.bottom)
     for grasp in poses:
-        checks, score = _examine_pose(transfer, arm, kinematics, grasp, slot, table_height)
+        checks, score = _examine_pose(transfer, arm, kinematics, grasp, table_height)
         if score is not None:
             return checks, score  # the straightest pose that works: later ones only tilt more
         for check in checks:
@@ -235,56 +273,49 @@ def examine_arm(
 
 
 def _examine_pose(
-    transfer: Transfer, arm: str, kinematics: ArmKinematics, grasp: GraspPose, slot: Pose, table_height: float
+    transfer: Transfer, arm: str, kinematics: ArmKinematics, grasp: GraspPose, table_height: float
 ) -> tuple[list[Check], float | None]:
-    target = transfer.target
-    blocked = _blocked_by(grasp.pose, transfer, kinematics)
-    contact = transfer.contact.name
-    phrase = target.record.phrase
-    free = f"the hand has room around {contact!r} of {phrase}"
-    checks = [
-        Check(
-            name="way_free",
-            passed=blocked is None,
-            message=free if blocked is None else f"{blocked} is in the way of the hand at {contact!r} of {phrase}",
-        )
-    ]
-    if blocked is not None:
-        return checks, None
-
-    height = transfer_height([*transfer.others, transfer.receptacle], table_height)
-    pick = pick_way(target, grasp, kinematics.arm.gripper, height)
-    picked = _follow(kinematics, [pick.before, pick.grasp, pick.lifted], kinematics.home)
-    checks.append(_reach_check("reach_grasp", f"{contact!r} of {phrase}", picked is not None, arm))
+    phrase, height = transfer.target.record.phrase, transfer_height(transfer.others, table_height)
+    checks, picked = _examine_pick(transfer, arm, kinematics, grasp, height)
     if picked is None:
         return checks, None
-
-    drop, path = _best_place(transfer, kinematics, grasp, slot, height, picked[-1])
-    where = f"{transfer.point.name!r} of {transfer.receptacle.record.phrase}"
-    checks.append(_drop_check(phrase, where, drop))
+    drop, path = _best_place(transfer, kinematics, grasp, height, picked[-1])
+    checks.append(_drop_check(phrase, transfer.where, drop))
     if drop > MAX_DROP:
         return checks, None
-    checks.append(_reach_check("reach_place", where, path is not None, arm))
+    checks.append(_reach_check("reach_place", transfer.where, path is not None, arm))
     if path is None:
         return checks, None
     return checks, -_travel([kinematics.home, *picked, *path, kinematics.home])
 
 
+def _examine_pick(
+    transfer: Transfer, arm: str, kinematics: ArmKinematics, grasp: GraspPose, height: float
+) -> tuple[list[Check], list[np.ndarray] | None]:
+    """The checks of a grasp, and the joints on the way to it and up again; None when it cannot be done."""
+    target, gripper = transfer.target, kinematics.arm.gripper
+    where, width = f"{transfer.contact.name!r} of {target.record.phrase}", target.asset.grasp_width(transfer.contact)
+    blocked = _hand_meets(grasp.pose, approach_opening(width, gripper), width, transfer.others, kinematics)
+    free = f"the hand has room around {where}"
+    message = free if blocked is None else f"{blocked} is in the way of the hand at {where}"
+    checks = [Check(name="way_free", passed=blocked is None, message=message)]
+    if blocked is not None:
+        return checks, None
+    pick = pick_way(target, grasp, gripper, height)
+    picked = _follow(kinematics, [pick.before, pick.grasp, pick.lifted], kinematics.home)
+    checks.append(_reach_check("reach_grasp", where, picked is not None, arm))
+    return checks, picked
+
+
 def _best_place(
-    transfer: Transfer,
-    kinematics: ArmKinematics,
-    grasp: GraspPose,
-    slot: Pose,
-    height: float,
-    start: np.ndarray,
+    transfer: Transfer, kinematics: ArmKinematics, grasp: GraspPose, height: float, start: np.ndarray
 ) -> tuple[float, list[np.ndarray] | None]:
-    """The drop and joint path of the first turn of the object that the arm can place; else the least drop and None."""
-    receptacle = transfer.receptacle
-    obstacles = [*receptacle.around(transfer.point.id), *(box for o in transfer.others for box in o.boxes)]
+    """The drop and joint path of the first of its poses that the arm can bring the object to; else the least drop and
+    None."""
     width = transfer.target.asset.grasp_width(transfer.contact)
     drops = []
-    for goal in goals_in_slot(receptacle, transfer.point.id, slot):
-        way = place_way(grasp.in_object, goal, obstacles, kinematics.arm.gripper, width, height)
+    for goal in transfer.poses:
+        way = place_way(grasp.in_object, goal, transfer.obstacles, kinematics.arm.gripper, width, height)
         drops.append(way.drop)
         poses = [way.above, way.release, way.after]
         path = _follow(kinematics, poses, start) if way.drop <= MAX_DROP else None
@@ -293,34 +324,21 @@ def _best_place(
     return min(drops), None
 
 
-def _blocked_by(pose: Pose, transfer: Transfer, kinematics: ArmKinematics) -> str | None:
-    """The phrase of the first object that the open hand would touch at a grasp, or None."""
-    gripper = kinematics.arm.gripper
-    width = transfer.target.asset.grasp_width(transfer.contact)
-    others = [transfer.receptacle, *transfer.others]
-    return _hand_meets(pose, approach_opening(width, gripper), width, others, kinematics)
-
-
 def _hand_meets(
     pose: Pose, opening: float, width: float, others: Sequence[SceneObject], kinematics: ArmKinematics
 ) -> str | None:
     """The phrase of the first object that the hand would touch while its fingers go from ``width`` to ``opening``."""
-    hand = hand_boxes(kinematics.arm.gripper, opening, min(width, opening))
-    for other in others:
-        for part in hand:
-            if any(oriented_boxes_overlap(part, pose, box.bounds, box.pose) for box in other.boxes):
-                return other.record.phrase
-    return None
+    hand = [SolidBox(part, pose) for part in hand_boxes(kinematics.arm.gripper, opening, min(width, opening))]
+    met = first_met(hand, others)
+    return None if met is None else met.record.phrase
 
 
 def _part_meets(thing: SceneObject, link: str, others: Sequence[SceneObject]) -> str | None:
     """The phrase of the first object that a part, or what moves with it, would touch where it is now, its contents
     apart."""
-    for part in (thing.part_box(name) for name in carried_by(thing.asset.model, link)):
-        for other in (o for o in others if o.record.container != thing.id):
-            if any(oriented_boxes_overlap(part.bounds, part.pose, box.bounds, box.pose) for box in other.boxes):
-                return other.record.phrase
-    return None
+    parts = [thing.part_box(name) for name in carried_by(thing.asset.model, link)]
+    met = first_met(parts, [o for o in others if o.record.container != thing.id])
+    return None if met is None else met.record.phrase
 
 
 def _follow(kinematics: ArmKinematics, poses: Sequence[Pose], start: np.ndarray) -> list[np.ndarray] | None:

@@ -21,11 +21,12 @@ from vcage.schema.subtasks import Subtask
 from vcage.sim.recording import StateLog
 from vcage.sim.state import WorldState
 from vcage.sim.world import World
+from vcage.tasks.events import Watch
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.slots import Slot
 from vcage.tasks.synthesis import Script
 from vcage.tasks.task import Asked, Task, TaskFailed
-from vcage.tasks.truth import Watch, goals_hold
+from vcage.tasks.truth import goals_hold
 
 logger = logging.getLogger(__name__)
 
@@ -40,7 +41,7 @@ class Setting:
     Args:
         build: makes the world of the episode's start, robot at home, physics only.
         objects: by id, with their geometry.
-        slots: object id → where the chain puts it.
+        slots: id of a sub-task → where it puts its object.
         photograph: pictures of a state.
         judge: the critic's verdict on a question, what was true before by the plan, and the pictures before, after and,
             where something was pressed, at that moment.
@@ -110,7 +111,8 @@ def run_episode(
     trials: list[_Trial] = []
     accepted = True
     for number, (subtask, script) in enumerate(chain):
-        step = _Step(setting, recording, index, number, subtask, script)
+        slots = {s.object: setting.slots[s.id] for s in (*(s for s, _ in chain), subtask) if s.id in setting.slots}
+        step = _Step(setting, recording, index, number, subtask, script, slots)
         world, tried = step.until_verified(world)
         trials += tried
         accepted = tried[-1].attempt.accepted
@@ -122,7 +124,7 @@ def run_episode(
         attempts=[trial.attempt for trial in trials],
         pictures={name: picture for trial in trials for name, picture in trial.pictures.items()},
         accepted=accepted,
-        goals_hold=goals_hold(goals, setting.now(world)) if accepted else None,
+        goals_hold=goals_hold(goals, setting.now(world), Watch(world, setting.objects)) if accepted else None,
     )
 
 
@@ -153,6 +155,7 @@ class _Step:
         episode: its number.
         number: of the sub-task in the chain.
         subtask, script: what is to be done.
+        slots: object id → where it goes, now or later.
     """
 
     setting: Setting
@@ -161,6 +164,7 @@ class _Step:
     number: int
     subtask: Subtask
     script: Script
+    slots: Mapping[str, Slot]
 
     def until_verified(self, world: World) -> tuple[World, list[_Trial]]:
         """The attempts up to the first that the critic accepts, or all there may be; and the world after the last."""
@@ -178,8 +182,8 @@ class _Step:
         return world, trials
 
     def _try(self, world: World, attempt: int, start: int, before: PicturesByCamera) -> _Trial:
-        task = Task(world, self.setting.objects, self.setting.slots, attempt)
-        watch = Watch(world)
+        task = Task(world, self.setting.objects, self.slots, attempt)
+        watch = Watch(world, self.setting.objects, self.subtask.goals)
         try:
             self.script.play(task)
             asked = self.script.verify(task)

@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from vcage.base.geometry import Pose, box_corners, world_aabb
+from vcage.base.geometry import Pose, box_corners, oriented_boxes_overlap, world_aabb
 from vcage.objects.asset import Asset
 from vcage.schema.asset import CatalogueEntry
 from vcage.schema.scene import ObjectRecord
@@ -32,10 +32,14 @@ class SolidBox:
         """z of its highest corner, metres."""
         return float(self.corners[:, 2].max())
 
-    @property
+    @cached_property
     def bottom(self) -> float:
         """z of its lowest corner, metres."""
         return float(self.corners[:, 2].min())
+
+    def overlaps(self, other: SolidBox) -> bool:
+        """Whether the two overlap; touching is not overlap."""
+        return oriented_boxes_overlap(self.bounds, self.pose, other.bounds, other.pose)
 
 
 def seen_apart(box: SolidBox, others: Sequence[SolidBox]) -> np.ndarray:
@@ -52,6 +56,20 @@ def seen_apart(box: SolidBox, others: Sequence[SolidBox]) -> np.ndarray:
     here, there = normals @ box.corners[:, :2].T, normals @ corners.transpose(0, 2, 1)  # (n, 6, 8)
     gaps = np.maximum(here.min(axis=2) - there.max(axis=2), there.min(axis=2) - here.max(axis=2))
     return np.any(gaps > 0, axis=1)
+
+
+def first_met(boxes: Sequence[SolidBox], objects: Sequence[SceneObject]) -> SceneObject | None:
+    """The first of ``objects`` that one of the boxes overlaps; touching is not overlap."""
+    if not objects:
+        return None
+    corners = np.concatenate([box.corners for box in boxes])
+    extents = np.stack([o.around_boxes for o in objects])  # (n, 2, 3)
+    # most are far away, which their extents tell at once
+    near = np.all((extents[:, 0] < corners.max(axis=0)) & (corners.min(axis=0) < extents[:, 1]), axis=1)
+    for index in np.flatnonzero(near):
+        if any(box.overlaps(part) for box in boxes for part in objects[index].boxes):
+            return objects[index]
+    return None
 
 
 @dataclass(frozen=True)
@@ -75,7 +93,7 @@ class SceneObject:
         """Its name in the scene."""
         return self.record.id
 
-    @property
+    @cached_property
     def box(self) -> SolidBox:
         """The bounding box at the object's pose."""
         return SolidBox(self.asset.bounds, self.pose)
@@ -97,6 +115,12 @@ class SceneObject:
     def boxes(self) -> list[SolidBox]:
         """The bounding box of each part where it is now."""
         return [self.part_box(link) for link in self._frames]
+
+    @cached_property
+    def around_boxes(self) -> np.ndarray:
+        """(2, 3) axis-aligned box in the world around all of :attr:`boxes`."""
+        corners = np.concatenate([box.corners for box in self.boxes])
+        return np.stack([corners.min(axis=0), corners.max(axis=0)])
 
     def part_box(self, link: str | None) -> SolidBox:
         """The bounding box of a part, or of the body (None), where it is now."""

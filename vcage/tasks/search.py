@@ -22,6 +22,7 @@ from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Chain, PairAnswer, PairQuestion, Refusal, Subtask
 from vcage.sim.joints import joint_positions
 from vcage.sim.kinematics import ArmKinematics
+from vcage.tasks.ground import Ground
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.templates import TEMPLATES, Proposal
 
@@ -41,7 +42,7 @@ def find_subtasks(
     objects: Sequence[SceneObject],
     kinematics: Mapping[str, ArmKinematics],
     judge: Judge,
-    table_height: float,
+    ground: Ground,
     rng: np.random.Generator,
     asked: Collection[Goal] = (),
 ) -> FoundSubtasks:
@@ -51,14 +52,14 @@ def find_subtasks(
         objects: of the scene, where they stand.
         kinematics: by arm.
         judge: the reasoner's filter, asked once about all pairs that are possible.
-        table_height: z of the table top, metres.
+        ground: of the table.
         rng: of all choices.
         asked: goals that are asked for: whether these are sensible is not the judge's to say.
     """
     kept: list[Subtask] = []
     proposals, refused, candidates = sensible(objects, judge, asked)
     for proposal in proposals:
-        subtask, complaints = proposal.examine(objects, kinematics, table_height, rng)
+        subtask, complaints = proposal.examine(objects, kinematics, ground, rng)
         refused += complaints
         kept += [subtask] if subtask is not None else []
     return FoundSubtasks(kept, refused, candidates)
@@ -76,7 +77,7 @@ def sensible(
     proposals: list[Proposal] = []
     refused: list[Refusal] = []
     for template in TEMPLATES.values():
-        found, excluded = template.proposals(objects)
+        found, excluded = template.proposals(objects, asked)
         proposals += found
         refused += excluded
     possible = []
@@ -146,7 +147,8 @@ def _fulfilling(
 def action_of(subtask: Subtask) -> Action:
     """A sub-task as the planner sees it."""
     moves = subtask.object if subtask.receptacle is not None else None
-    return Action(subtask.id, frozenset(subtask.requires), frozenset(subtask.goals), moves)
+    alone = subtask.receptacle if subtask.template == "weigh" else None
+    return Action(subtask.id, frozenset(subtask.requires), frozenset(subtask.goals), moves, alone)
 
 
 def initial_state(objects: Sequence[SceneObject]) -> frozenset[Goal]:

@@ -1,4 +1,4 @@
-"""Where in a receptacle each of the objects goes that a task puts there.
+"""Where each of the objects goes that a task puts somewhere: in a receptacle, or on the table.
 
 The exact free-region placement of the scene (:mod:`vcage.layout.placement.place`) is used again, with the opening as
 the workspace: what fits together gets places side by side, and what does not is refused by name. Of several ways to
@@ -7,8 +7,9 @@ put things side by side, the one is taken from which the hand that brings them d
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -16,12 +17,14 @@ from vcage.base.errors import InfeasibleScene
 from vcage.base.geometry import Pose, world_aabb
 from vcage.layout.items import TableItem
 from vcage.layout.placement.place import place
+from vcage.schema.plan import TABLE
 from vcage.schema.robot import Robot
 from vcage.schema.subtasks import Subtask
 from vcage.sim.joints import joint_index, joint_positions
 from vcage.tasks.access import closed_part
 from vcage.tasks.grasps import grasp_poses
-from vcage.tasks.primitives.place import SET_DOWN, goals_in_slot, place_way
+from vcage.tasks.ground import Ground
+from vcage.tasks.primitives.place import SET_DOWN, place_way
 from vcage.tasks.scene_objects import SceneObject
 
 GAP = 0.006
@@ -45,14 +48,27 @@ class Slot:
     """Where an object goes.
 
     Args:
-        receptacle: id of what receives it.
-        point: id of the receptacle's functional point.
-        pose: object frame in the frame of the part that the point belongs to.
+        receptacle: id of what receives it, or ``table``.
+        point: id of the receptacle's functional point; None on the table.
+        pose: object frame in the frame of the part that the point belongs to; on the table in the world.
+        turns: headings that it may take there, relative to ``pose``, radians.
+        spare: other poses that would do as well; on the table alone.
     """
 
     receptacle: str
-    point: int
+    point: int | None
     pose: Pose
+    turns: tuple[float, ...] = (0.0, np.pi)
+    spare: tuple[Pose, ...] = ()
+
+    def poses(self, objects: Mapping[str, SceneObject]) -> list[Pose]:
+        """Of the object in the world, the receptacles standing as they do.
+
+        Args:
+            objects: by id.
+        """
+        frame = Pose() if self.point is None else objects[self.receptacle].frame(self.point)
+        return [frame * self.pose * Pose.from_yaw([0, 0, 0], turn) for turn in self.turns]
 
 
 def allocate(
@@ -90,38 +106,125 @@ def allocate(
 
 
 def slots_for_chain(
-    chain: Sequence[Subtask], objects: Sequence[SceneObject], robot: Robot, rng: np.random.Generator
+    chain: Sequence[Subtask], objects: Sequence[SceneObject], robot: Robot, ground: Ground, rng: np.random.Generator
 ) -> dict[str, Slot]:
-    """A slot for each object that the chain moves, so that all fit together and the hand has room to let go of them.
+    """A slot for each sub-task that puts an object somewhere, by the sub-task's id.
+
+    All that lies in one place at the same time fits together, and the hand has room to let go of it.
 
     Args:
         chain: the sub-tasks.
         objects: of the scene.
         robot: whose hands bring them.
+        ground: of the table.
         rng: of all choices.
 
     Raises:
-        InfeasibleScene: the contents of one receptacle do not fit together.
+        InfeasibleScene: the contents of one receptacle do not fit together, or something has no place on the table.
     """
     by_id = {o.id: o for o in objects}
-    groups: dict[tuple[str, int], list[Subtask]] = {}
-    for subtask in chain:
-        if subtask.receptacle is not None and subtask.functional_point is not None:
-            groups.setdefault((subtask.receptacle, subtask.functional_point), []).append(subtask)
     slots: dict[str, Slot] = {}
-    for (receptacle, point), subtasks in groups.items():
+    for stays in _together(_stays(chain, objects)):
+        receptacle, point = stays[0].receptacle, stays[0].point
         by_id[receptacle] = opened_for(by_id[receptacle], point)
-        contents = [by_id[s.object] for s in subtasks]
-        present = lying_in(by_id[receptacle], [o for o in objects if o.id not in {c.id for c in contents}])
+        subtasks = [stay.subtask for stay in stays if stay.subtask is not None]
+        present = [by_id[stay.object] for stay in stays if stay.subtask is None]
         best, least = {}, np.inf
         for _ in range(DRAWS):
-            poses = allocate(by_id[receptacle], point, contents, rng, present)
+            poses = allocate(by_id[receptacle], point, [by_id[s.object] for s in subtasks], rng, present)
             drop = _drop(subtasks, poses, by_id, present, robot, by_id[receptacle], point)
             best, least = (poses, drop) if drop < least else (best, least)
-            if least <= SET_DOWN * len(contents) + 1e-9:
+            if least <= SET_DOWN * len(subtasks) + 1e-9:
                 break
-        slots |= {key: Slot(receptacle, point, pose) for key, pose in best.items()}
-    return slots
+        slots |= {s.id: Slot(receptacle, point, best[s.object]) for s in subtasks}
+    return slots | _on_the_table(chain, by_id, slots, ground, rng)
+
+
+@dataclass(frozen=True)
+class _Stay:
+    """An object in one place for a while.
+
+    Args:
+        object, receptacle, point: what lies where.
+        subtask: that brings it; None for what lies there from the start.
+        start, end: steps of the chain: it comes with the first and is taken away with the second.
+    """
+
+    object: str
+    receptacle: str
+    point: int
+    subtask: Subtask | None
+    start: float
+    end: float
+
+    def meets(self, other: _Stay) -> bool:
+        """Whether both are in one place at the same time."""
+        here = (self.receptacle, self.point) == (other.receptacle, other.point)
+        return here and self.start < other.end and other.start < self.end
+
+
+def _stays(chain: Sequence[Subtask], objects: Sequence[SceneObject]) -> list[_Stay]:
+    """What lies in which receptacle, and for how long; what lies there from the start may lie at each of its points."""
+
+    def taken_away(name: str, after: int) -> float:
+        return next((k for k, s in enumerate(chain) if k > after and s.object == name and s.receptacle), np.inf)
+
+    brought = [
+        _Stay(s.object, s.receptacle, s.functional_point, s, k, taken_away(s.object, k))
+        for k, s in enumerate(chain)
+        if s.receptacle is not None and s.functional_point is not None
+    ]
+    places = dict.fromkeys((stay.receptacle, stay.point) for stay in brought)
+    there = [
+        _Stay(o.id, receptacle, point, None, -1, taken_away(o.id, -1))
+        for receptacle, point in places
+        for o in objects
+        if o.record.container == receptacle
+    ]
+    return [*there, *brought]
+
+
+def _together(stays: Sequence[_Stay]) -> list[list[_Stay]]:
+    """The stays in one place that overlap in time, directly or by others, in the order of the chain; each at least one
+    that a sub-task brings about."""
+    groups: list[list[_Stay]] = []
+    for stay in stays:
+        touching = [group for group in groups if any(stay.meets(other) for other in group)]
+        groups = [group for group in groups if group not in touching]
+        groups.append([*(s for group in touching for s in group), stay])
+    return [group for group in groups if any(stay.subtask is not None for stay in group)]
+
+
+def _on_the_table(
+    chain: Sequence[Subtask],
+    objects: Mapping[str, SceneObject],
+    slots: Mapping[str, Slot],
+    ground: Ground,
+    rng: np.random.Generator,
+) -> dict[str, Slot]:
+    """Slots for what is put down on the table: clear of all that stood, stands or will stand there.
+
+    Args:
+        objects: by id, drawers and lids open that will be.
+        slots: of the sub-tasks that put something into or onto others.
+    """
+    now, found = dict(objects), dict[str, Slot]()
+    for subtask in chain:
+        if subtask.receptacle is None:
+            continue
+        thing = objects[subtask.object]
+        if subtask.id in slots:
+            now[thing.id] = thing.moved(slots[subtask.id].poses(now)[0])
+            continue
+        others = [o for o in now.values() if o.id != thing.id]
+        taken = [thing.aabb[:, :2], *(objects[s.object].aabb[:, :2] for s in chain)]
+        poses = list(itertools.islice(ground.poses(thing, subtask.goals[0], others, rng, taken), 1 + OTHERS))
+        if not poses:
+            reason = f"there is no room on the table to put {thing.record.phrase} so that {subtask.goals[0]}"
+            raise InfeasibleScene(reason, hint="another --seed gives another layout")
+        found[subtask.id] = Slot(TABLE, None, poses[0], turns=(0.0,), spare=tuple(poses[1:]))
+        now[thing.id] = thing.moved(poses[0])
+    return found
 
 
 def _drop(
@@ -147,7 +250,7 @@ def _drop(
     total = 0.0
     for subtask in subtasks:
         target, drops = objects[subtask.object], []
-        goals = goals_in_slot(receptacle, point, poses[target.id])
+        goals = Slot(receptacle.id, point, poses[target.id]).poses({receptacle.id: receptacle})
         hands = {grasp.contact: robot.arms[grasp.arm].gripper for grasp in subtask.grasps}
         for contact_id, gripper in hands.items():
             contact = target.asset.annotation.contact_point(contact_id)
@@ -168,11 +271,13 @@ def other_slots(slots: Mapping[str, Slot], object_id: str, objects: Mapping[str,
         objects: of the scene as they stand now, by id.
     """
     own = slots[object_id]
+    if own.point is None:
+        return [replace(own, pose=pose) for pose in own.spare]
     receptacle = objects[own.receptacle]
     present = lying_in(receptacle, [o for o in objects.values() if o.id not in slots])
     for key, slot in slots.items():
         if key != object_id and slot.receptacle == own.receptacle:
-            goal = receptacle.frame(slot.point) * slot.pose
+            goal = slot.poses(objects)[0]
             there = np.linalg.norm(objects[key].pose.p - goal.p) < THERE
             present.append(objects[key] if there else objects[key].moved(goal))
     rng = np.random.default_rng(list(object_id.encode()))
@@ -182,7 +287,7 @@ def other_slots(slots: Mapping[str, Slot], object_id: str, objects: Mapping[str,
             poses = allocate(receptacle, own.point, [objects[object_id]], rng, present)
         except InfeasibleScene:
             break
-        found.append(Slot(own.receptacle, own.point, poses[object_id]))
+        found.append(replace(own, pose=poses[object_id]))
     return found
 
 

@@ -15,6 +15,7 @@ from vcage.base.errors import UnknownName
 from vcage.base.geometry import Pose
 from vcage.schema.asset import ContactPoint
 from vcage.schema.goals import Goal, goal_of
+from vcage.schema.plan import TABLE
 from vcage.sim.collision import Held
 from vcage.sim.motion import MotionPlanner
 from vcage.sim.paths import JointPath
@@ -23,9 +24,13 @@ from vcage.sim.world import PHYSICS_HZ, World
 from vcage.tasks.primitives.operate import Operation
 from vcage.tasks.primitives.pick import Grip, LeadsOn, PickPlan, PickWay, carry_out_pick, feel, plan_pick
 from vcage.tasks.primitives.place import Placing, carry_out_place, plan_place
+from vcage.tasks.reading import reading_poses
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.slots import Slot, other_slots
 from vcage.tasks.workcell import TaskFailed, Workcell, failing_at
+
+SHOWN_FOR = 0.5
+"""How long a scanner is held before a code, seconds."""
 
 
 @dataclass(frozen=True)
@@ -48,7 +53,7 @@ class Task:
     Attributes:
         arm, contact: that took hold of something.
         changes: what is done otherwise than planned, in words.
-        moment: state of the world when a part was pressed as far as it was.
+        moment: state of the world when a part was pressed as far as it was, or a code was before a scanner.
     """
 
     def __init__(self, world: World, objects: Mapping[str, SceneObject], slots: Mapping[str, Slot], attempt: int = 0):
@@ -81,10 +86,51 @@ class Task:
             self.changes.append(f"contact {plan.contact} with the {plan.arm} arm instead of {planned}")
         self._grip = carry_out_pick(self._cell, plan)
 
-    def place(self, receptacle_id: str, point: int = 0) -> None:
-        """Carry what is held to its slot in the receptacle, or another that is free, and let it go.
+    def show(self, object_id: str, other_id: str, grasps: Sequence[tuple[int, str]]) -> None:
+        """Take an object, hold its bar code or window before the other's for a moment, and put it back.
+
+        Args:
+            object_id: the scanner, or what has a code.
+            other_id: what has a code, or the scanner.
+            grasps: (contact point, arm) to try, in this order.
+
+        Raises:
+            TaskFailed: no way can be planned, or the object is lost.
+            UnknownName: there is no such object, contact point or arm.
+        """
+        target, cell = self._cell.object(object_id), self._cell
+        poses = list(reading_poses(target, cell.object(other_id), self.world.table.height))
+        if not poses:
+            raise TaskFailed("plan", f"{object_id} cannot be held before {other_id}", exhausted=True)
+        # Where it came from the hand has room, and before the other it lets go of nothing: no obstacle raises it.
+        hover = replace(Placing.of(cell, object_id, TABLE, None), obstacles=[])
+        first = self._attempt % max(1, len(grasps))
+        plan = plan_pick(cell, target, [*grasps[first:], *grasps[:first]], self._leads_to(target, hover, poses))
+        self.arm, self.contact = plan.arm, plan.contact
+        grip = carry_out_pick(cell, plan)
+        feel(cell, grip)
+        shown, _ = plan_place(cell, grip, hover, [(None, poses)])
+        cell.carry_out(grip.arm, shown.path)
+        self.world.step(round(SHOWN_FOR * PHYSICS_HZ))
+        self.moment = self.world.state()
+        feel(cell, grip)
+        with failing_at("place"):
+            cell.put_off(grip.arm, cell.planner(grip.arm).line(shown.path.end, shown.way.above, grip.load))
+        put, _ = plan_place(cell, grip, hover, [(None, [target.pose])])
+        carry_out_place(cell, put)
+
+    def wait(self, seconds: float) -> None:
+        """Let time pass."""
+        self.world.step(round(seconds * PHYSICS_HZ))
+
+    def place(self, receptacle_id: str = TABLE, point: int | None = None) -> None:
+        """Carry what is held to its slot in the receptacle or on the table, or another that is free, and let it go.
 
         The hand is drawn back with the motion that follows.
+
+        Args:
+            receptacle_id: what receives it, or ``table``.
+            point: id of the receptacle's functional point; None on the table.
 
         Raises:
             TaskFailed: nothing is held any more, or no way can be planned.
@@ -93,10 +139,12 @@ class Task:
         if self._grip is None:
             raise TaskFailed("grasp", "nothing was picked up before placing")
         feel(self._cell, self._grip)
-        receptacle, held = self._cell.object(receptacle_id), self._grip.object_id
+        held, objects = self._grip.object_id, self._cell.objects()
         if held not in self._slots:
             raise UnknownName("slot", held, self._slots)
-        plan, slot = plan_place(self._cell, self._grip, receptacle, point, (slot.pose for slot in self._left))
+        placing = Placing.of(self._cell, held, receptacle_id, point)
+        choices = ((slot, slot.poses(objects)) for slot in self._left)
+        plan, slot = plan_place(self._cell, self._grip, placing, choices)
         self._say_slot(held, slot)
         carry_out_place(self._cell, plan)
         self._grip = None
@@ -149,7 +197,9 @@ class Task:
         choices = self._choices(target.id)
         for slot in choices:
             try:
-                plan = plan_pick(self._cell, target, grasps, self._leads_to(target, slot))
+                place = Placing.of(self._cell, target.id, slot.receptacle, slot.point)
+                poses = slot.poses(self._cell.objects())
+                plan = plan_pick(self._cell, target, grasps, self._leads_to(target, place, poses))
             except TaskFailed as error:
                 failures.append(error)
             else:
@@ -157,12 +207,10 @@ class Task:
                 return plan
         raise failures[0]
 
-    def _leads_to(self, target: SceneObject, slot: Slot) -> LeadsOn:
-        place = Placing.of(self._cell, target.id, self._cell.object(slot.receptacle), slot.point)
-
+    def _leads_to(self, target: SceneObject, place: Placing, poses: Sequence[Pose]) -> LeadsOn:
         def check(planner: MotionPlanner, way: PickWay, contact: ContactPoint) -> None:
             held = Held(target.id, target.asset.model, way.grasp.inverse() * target.pose, target.joints)
-            place.check(planner, way, held, target.asset.grasp_width(contact), slot.pose)
+            place.check(planner, way, held, target.asset.grasp_width(contact), poses)
 
         return check
 
@@ -177,10 +225,10 @@ class Task:
         if self._attempt > 0:
             yield own
 
-    def _say_slot(self, object_id: str, slot: Pose) -> None:
+    def _say_slot(self, object_id: str, slot: Slot) -> None:
         planned = self._slots[object_id].pose
-        if slot != planned:
-            x, y = 100 * (slot.p - planned.p)[:2]
+        if slot.pose != planned:
+            x, y = 100 * (slot.pose.p - planned.p)[:2]
             self.changes.append(f"{object_id} is put {x:+.1f}, {y:+.1f} cm from the slot that was planned")
 
     def _nearest_first(self, thing: SceneObject) -> list[str]:

@@ -10,8 +10,10 @@ from vcage.plans.relations import holds
 from vcage.schema.asset import FunctionalPoint
 from vcage.schema.episodes import Truth
 from vcage.schema.goals import Goal, part_words
+from vcage.schema.plan import TABLE
 from vcage.sim.joints import joint_index, joint_positions
-from vcage.sim.world import World
+from vcage.tasks.events import LASTS, Watch
+from vcage.tasks.ground import faces_customer
 from vcage.tasks.scene_objects import SceneObject
 
 EDGE_TOLERANCE = 0.005
@@ -23,35 +25,14 @@ RIM_MARGIN = 0.005
 HEIGHT_TOLERANCE = 0.02
 """An object's bottom may be this far off the floor that carries it, metres: it may lie on another content's edge."""
 
+BORNE = 0.2
+"""Share of its weight that the table may bear of what lies in or on something."""
+
+BACK = 0.02
+"""What is nearer than this to where it stood is back there, metres."""
+
 OPENED, CLOSED = 0.8, 0.12
 """Share of the range beyond which a joint counts as opened, pressed or turned, and below which as closed."""
-
-
-class Watch:
-    """Follows the joints of objects while a world goes on: what was pressed comes back, but it was pressed.
-
-    Args:
-        world: that is watched, from now on.
-    """
-
-    def __init__(self, world: World):
-        self._world = world
-        self._furthest = {name: np.abs(joints) for name, joints in world.joints_of_objects().items()}
-        world.before_step.append(self._note)
-
-    def stop(self) -> None:
-        """Follow them no more."""
-        self._world.before_step.remove(self._note)
-
-    def furthest(self, thing: SceneObject, part: str) -> float:
-        """How far from rest a part was at most, as a share of its range."""
-        model = thing.asset.model
-        index = joint_index(model, part)
-        return float(self._furthest[thing.id][index]) / abs(model.links[index].joint.far_end)
-
-    def _note(self, world: World) -> None:
-        for name, joints in world.joints_of_objects().items():
-            self._furthest[name] = np.maximum(self._furthest[name], np.abs(joints))
 
 
 def goals_hold(goals: Sequence[Goal], objects: Mapping[str, SceneObject], watch: Watch | None = None) -> Truth:
@@ -59,7 +40,7 @@ def goals_hold(goals: Sequence[Goal], objects: Mapping[str, SceneObject], watch:
 
     Args:
         objects: by id, at their present poses and joint positions.
-        watch: of the world while it was done; only what was pressed needs one.
+        watch: of the world while it was done; needed for what was done, and for what stands on the table.
     """
     for goal in goals:
         complaint = _complaint(goal, objects, watch)
@@ -73,14 +54,11 @@ def _complaint(goal: Goal, objects: Mapping[str, SceneObject], watch: Watch | No
     thing = objects[goal.subject]
     if goal.relation in ("open", "closed", "turned"):
         return _joint_complaint(goal, thing)
-    if goal.relation == "pressed":
-        assert watch is not None and goal.part is not None  # whoever asks for it watches
-        share = watch.furthest(thing, goal.part)
-        return (
-            None
-            if share >= OPENED
-            else f"the {part_words(goal.part)} of {thing.id} was pressed by {100 * share:.0f} % only"
-        )
+    if goal.relation in ("pressed", "weighed", "scanned", "back") or goal.reference == TABLE:
+        assert watch is not None  # whoever asks for it watches
+        return _watched_complaint(goal, thing, objects, watch)
+    if goal.relation == "presented":
+        return None if faces_customer(thing.pose) else f"the front of {thing.id} does not face the customer"
     if goal.reference not in objects:
         raise ValueError(f"no ground truth is defined for {str(goal)!r}")
     receptacle = objects[goal.reference]
@@ -92,7 +70,26 @@ def _complaint(goal: Goal, objects: Mapping[str, SceneObject], watch: Watch | No
         if point.link == goal.part and (point.holds == "in") == (goal.relation == "inside")
     ]  # fmt: skip
     found = [place_complaint(thing, receptacle, point) for point in points]
-    return None if None in found else next(iter(found), f"nothing is put {goal.relation} {receptacle.id}")
+    if None not in found:
+        return next(iter(found), f"nothing is put {goal.relation} {receptacle.id}")
+    share = watch.world.borne_by(thing.id).get(TABLE, 0.0) if watch is not None else 0.0
+    return f"the table bears {100 * share:.0f} % of {thing.id}" if share > BORNE else None
+
+
+def _watched_complaint(goal: Goal, thing: SceneObject, objects: Mapping[str, SceneObject], watch: Watch) -> str | None:
+    if goal.relation == "pressed":
+        share = watch.furthest(thing, str(goal.part))
+        pressed = f"the {part_words(str(goal.part))} of {thing.id} was pressed by {100 * share:.0f} % only"
+        return None if share >= OPENED else pressed
+    if goal.relation in LASTS:
+        lasted = watch.lasted(goal)
+        return None if lasted >= LASTS[goal.relation] else f"{thing.id} was {goal.relation} for {lasted:.1f} s only"
+    if goal.relation == "back":
+        away = float(np.linalg.norm(thing.pose.p - watch.objects[thing.id].pose.p))
+        return None if away <= BACK else f"{thing.id} is {100 * away:.1f} cm from where it stood"
+    bearers = watch.world.touching(thing.id) & set(objects)
+    stands = abs(thing.aabb[0, 2] - watch.world.table.height) <= HEIGHT_TOLERANCE
+    return None if stands and not bearers else f"{thing.id} does not stand on the table alone"
 
 
 def _joint_complaint(goal: Goal, thing: SceneObject) -> str | None:

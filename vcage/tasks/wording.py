@@ -2,12 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from vcage.schema.goals import Goal, part_words
 
-_INTO = ("into", "in", "inside")
-_ONTO = ("onto", "on", "on top of")
+_PREPOSITIONS: Mapping[str, Sequence[str]] = {
+    "inside": ("into", "in", "inside"),
+    "on": ("onto", "on", "on top of"),
+    "left_of": ("to the left of", "left of", "on the left side of"),
+    "right_of": ("to the right of", "right of", "on the right side of"),
+    "in_front_of": ("in front of", "before", "to the front of"),
+    "behind": ("behind", "at the back of", "to the rear of"),
+    "beside": ("beside", "next to", "by the side of"),
+    "near": ("near", "close to", "not far from"),
+}
 _MOVES = ("Put", "Place", "Set", "Move", "Bring", "Transfer", "Take")
 _PATTERNS: Mapping[str, str] = {
     "open": "Open {0}.|Open up {0}.|Pull {0} open.|Get {0} open.|Please open {0}.|{1} should be open."
@@ -16,6 +24,19 @@ _PATTERNS: Mapping[str, str] = {
     "|Make sure {0} is closed.|Could you shut {0}?|Bring {0} back into its closed position.|Have {0} closed.",
     "pressed": "Press {0}.|Push {0}.|Push down {0}.|Press {0} down.|Press down on {0}.|Please press {0}."
     "|Give {0} a press.|Could you press {0}?|Hit {0}.|Have {0} pressed.",
+    "weighed": "Weigh {0}.|Weigh {0} on the scale.|Put {0} on the scale and weigh it.|Find out how heavy {0} is."
+    "|Check the weight of {0}.|Please weigh {0}.|Could you weigh {0}?|Have {0} weighed.|Get {0} weighed."
+    "|See what {0} weighs.|{1} must be weighed.",
+    "scanned": "Scan {0}.|Scan the bar code of {0}.|Read the bar code of {0}.|Scan {0} with the scanner."
+    "|Hold the scanner to the code of {0}.|Please scan {0}.|Could you scan {0}?|Have {0} scanned.|Get {0} scanned."
+    "|Use the scanner on {0}.|{1} must be scanned.",
+    "presented": "Show {0} to the customer.|Present {0} to the customer.|Show the customer {0}."
+    "|Turn {0} towards the customer.|Hand {0} to the customer.|Put {0} before the customer.|Pass {0} to the customer."
+    "|Please show {0} to the customer.|Let the customer see {0}.|Bring {0} to the customer's side."
+    "|Give the customer {0}.",
+    "back": "Put {0} back.|Put {0} back where it was.|Return {0} to its place.|Bring {0} back.|Set {0} back."
+    "|Move {0} back to where it stood.|Place {0} where it stood before.|Please put {0} back."
+    "|Could you put {0} back?|{1} goes back to its place.",
     "turned": "Turn {0}.|Turn {0} on.|Rotate {0}.|Twist {0}.|Give {0} a turn.|Please turn {0}."
     "|Turn {0} as far as it goes.|Could you turn {0}?|Swing {0} round.|Have {0} turned.",
 }
@@ -28,17 +49,17 @@ def wordings(goal: Goal, phrases: Mapping[str, str]) -> list[str]:
         goal: of the closed vocabulary.
         phrases: what to call each object, by id.
     """
-    if goal.relation in ("inside", "on"):
+    if goal.relation in _PREPOSITIONS:
         return _placing(goal, phrases)
-    part = f"the {part_words(goal.part or '')} of the {phrases[goal.subject]}"
+    part = f"the {phrases[goal.subject]}" if goal.part is None else _part(goal.part, phrases[goal.subject])
     return [p.format(part, part[0].upper() + part[1:]) for p in _PATTERNS[goal.relation].split("|")]
 
 
 def _placing(goal: Goal, phrases: Mapping[str, str]) -> list[str]:
     thing = f"the {phrases[goal.subject]}"
     owner = phrases.get(goal.reference or "", str(goal.reference))
-    place = f"the {part_words(goal.part)} of the {owner}" if goal.part else f"the {owner}"
-    preps = _INTO if goal.relation == "inside" else _ONTO
+    place = _part(goal.part, owner) if goal.part else f"the {owner}"
+    preps = _PREPOSITIONS[goal.relation]
     commands = [f"{move} {thing} {prep} {place}." for prep in preps for move in _MOVES[: 7 if prep == preps[0] else 3]]
     wishes = [
         f"Pick up {thing} and put it {preps[0]} {place}.",
@@ -46,3 +67,7 @@ def _placing(goal: Goal, phrases: Mapping[str, str]) -> list[str]:
         f"Could you put {thing} {preps[1]} {place}?",
     ]
     return [*commands, *wishes]
+
+
+def _part(part: str, owner: str) -> str:
+    return f"the {part_words(part)} of the {owner}"

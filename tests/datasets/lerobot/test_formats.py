@@ -13,10 +13,10 @@ import pyarrow.parquet as pq
 import pytest
 
 from tests.datasets.conftest import LENGTHS, write
-from tests.recordings import CAMERAS, FPS, INSTRUCTION, STATE_NAMES, clip, episode
+from tests.recordings import CAMERAS, FPS, INSTRUCTION, STATE_NAMES, clip, episode, wordings_of
 from vcage.base.errors import DamagedFile, OutputFolderError, UnknownName, UsageError
 from vcage.base.videos import decode
-from vcage.datasets.lerobot.episode import LeRobotEpisode
+from vcage.datasets.lerobot.episode import LeRobotEpisode, SubtaskSpan
 from vcage.datasets.lerobot.features import video_key
 from vcage.datasets.lerobot.formats import FORMATS, open_writer
 from vcage.datasets.lerobot.statistics import picture_histogram
@@ -119,6 +119,44 @@ def test_every_frame_names_its_sub_task(v3):
     names = pq.read_table(v3 / "meta/subtasks.parquet")["subtask"].to_pylist()
     assert names == ["lift block", "place block"]
     assert table["subtask_index"].to_pylist()[:12] == [0] * 6 + [1] * 6
+
+
+def test_the_sub_tasks_have_all_their_wordings(v3, v21):
+    expected = [wordings_of(name) for name in ("lift-block", "place-block")]
+    assert pq.read_table(v3 / "meta/subtasks.parquet")["wordings"].to_pylist() == expected
+    assert [row["wordings"] for row in lines(v21 / "meta/subtasks.jsonl")] == expected
+
+
+def test_wordings_are_a_column_of_pandas_too(v3):
+    described = json.loads(pq.read_schema(v3 / "meta/subtasks.parquet").metadata[b"pandas"])
+    assert described["index_columns"] == ["subtask"]
+    assert {one["field_name"]: one["numpy_type"] for one in described["columns"]} == {
+        "subtask_index": "int64",
+        "wordings": "object",
+        "subtask": "object",
+    }
+
+
+@pytest.mark.parametrize("version", FORMATS)
+def test_a_sub_task_gathers_the_wordings_of_all_episodes(version, episodes, tmp_path):
+    said = [SubtaskSpan("push", 0, 9, wordings) for wordings in (("shove", "push"), (), ("press on", "shove"))]
+    first, *others = [replace(episodes[1], subtasks=[span]) for span in said]
+    root = write(version, tmp_path / "set", [first])
+    write(version, root, others, append=True)
+    lists = lines(root / "meta/subtasks.jsonl") if version == "lerobot-v2.1" else _rows(root / "meta/subtasks.parquet")
+    assert [row["wordings"] for row in lists] == [["push", "shove", "press on"]]
+
+
+def test_v31_is_v30_with_two_more_columns(v3, v31):
+    old, new = (json.loads((root / "meta/info.json").read_text()) for root in (v3, v31))
+    language = {"dtype": "language", "shape": [1], "names": None}
+    added = {"language_persistent": language, "language_events": language}
+    assert new == {**old, "features": old["features"] | added}
+    frames, more = (pq.read_table(root / "data/chunk-000/file-000.parquet") for root in (v3, v31))
+    assert more.select(frames.column_names).equals(frames)
+    for path in (path.relative_to(v3) for path in v3.rglob("*") if path.is_file()):
+        if path.name != "info.json" and path.parts[0] != "data":
+            assert (v31 / path).read_bytes() == (v3 / path).read_bytes(), path
 
 
 def test_videos_are_copied_byte_for_byte(v3, episodes):
@@ -282,6 +320,10 @@ def test_a_data_set_is_replaced_but_nothing_else_is(episodes, tmp_path):
 def test_an_unknown_version_is_named(tmp_path):
     with pytest.raises(UnknownName, match=r"lerobot-v2\.1, lerobot-v3\.0"):
         write("lerobot-v1.6", tmp_path / "set", [])
+
+
+def _rows(path: Path) -> list[dict]:
+    return pq.read_table(path).to_pylist()
 
 
 def _scalars() -> set[str]:

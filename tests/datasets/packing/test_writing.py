@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from tests.recordings import CAMERAS, FPS, INSTRUCTION, STATE_NAMES, episode, written
+from tests.recordings import CAMERAS, FPS, INSTRUCTION, STATE_NAMES, episode, wordings_of, written
 from vcage.datasets.lerobot.episode import SubtaskSpan
 from vcage.datasets.packing.output import OutputSpec
 from vcage.datasets.packing.writing import lerobot_episode
@@ -18,4 +18,7 @@ def test_our_own_episodes_have_nothing_to_complain_of(tmp_path):
     assert (one.length, one.robot, one.task, one.fps) == (12, "dual_panda", INSTRUCTION, FPS)
     assert one.vector_names == {"observation.state": STATE_NAMES, "action": STATE_NAMES}
     np.testing.assert_allclose(one.vectors["observation.state"], episode(12).qpos, atol=1e-6)
-    assert one.subtasks == [SubtaskSpan("lift block", 0, 6), SubtaskSpan("place block", 6, 12)]
+    assert one.subtasks == [
+        SubtaskSpan("lift block", 0, 6, wordings_of("lift-block")),
+        SubtaskSpan("place block", 6, 12, wordings_of("place-block")),
+    ]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.scenes import TABLE_TOP, kinematics, thing, world_of
+from tests.scenes import GROUND, kinematics, thing, world_of
 from vcage.schema.goals import Goal
 from vcage.schema.subtasks import Refusal, Subtask
 from vcage.tasks.scene_objects import SceneObject
@@ -16,10 +16,10 @@ from vcage.tasks.truth import Watch, goals_hold
 
 def found(name: str, *objects: SceneObject) -> tuple[list[Subtask], list[Refusal]]:
     """The sub-tasks of a template that are feasible among objects, and the refusals."""
-    proposals, refused = TEMPLATES[name].proposals(objects)  # pyrefly: ignore
+    proposals, refused = TEMPLATES[name].proposals(objects, ())  # pyrefly: ignore
     kept = []
     for proposal in proposals:
-        subtask, complaints = proposal.examine(objects, kinematics(), TABLE_TOP, np.random.default_rng(0))
+        subtask, complaints = proposal.examine(objects, kinematics(), GROUND, np.random.default_rng(0))
         kept += [subtask] if subtask is not None else []
         refused += complaints
     return kept, refused
@@ -78,7 +78,7 @@ def test_what_is_feasible_the_robot_does(template: str, asset: str) -> None:
     (subtask,), _ = found(template, subject)
     world = world_of([subject])
     world.settle()
-    task, watch = Task(world, {asset: subject}, {}), Watch(world)
+    task, watch = Task(world, {asset: subject}, {}), Watch(world, {asset: subject})
     task.operate(asset, subtask.grasps[0].contact, subtask.target, arms=[g.arm for g in subtask.grasps])
     body = world.body(asset)
     truth = goals_hold(subtask.goals, {asset: subject.moved(body.pose, body.joints)}, watch)

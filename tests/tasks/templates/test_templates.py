@@ -9,7 +9,7 @@ import pytest
 from tests.scenes import block_and_plate, subtask
 from vcage.schema.subtasks import TemplateName
 from vcage.tasks.templates import TEMPLATES
-from vcage.tasks.templates.place import Place
+from vcage.tasks.templates.place import PLACE
 
 
 def test_every_template_that_a_record_can_name_is_searched():
@@ -24,7 +24,7 @@ def test_a_script_only_calls_the_task(template):
 
 def test_a_pair_is_tried_at_each_contact_point_of_one_and_functional_point_of_the_other():
     block, plate = block_and_plate()
-    pairs, refused = Place().proposals([block, plate])
+    pairs, refused = PLACE.proposals([block, plate], ())
     assert [(pair.target.id, pair.receptacle.id, pair.candidates) for pair in pairs if pair.target.id == "block"] == [
         ("block", "plate", len(block.asset.annotation.contact_points))
     ]

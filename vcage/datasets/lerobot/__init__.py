@@ -1,1 +1,1 @@
-"""LeRobot data sets, v2.1 and v3.0: written, added to, and given other videos."""
+"""LeRobot data sets, v2.1, v3.0 and v3.1: written, added to, and given other videos."""

@@ -15,11 +15,19 @@ STATE, ACTION = "observation.state", "action"
 
 @dataclass(frozen=True)
 class SubtaskSpan:
-    """The frames ``start … end - 1``, in which a part of the task was carried out."""
+    """The frames ``start … end - 1``, in which a part of the task was carried out.
+
+    Args:
+        text: what the robot was told.
+        start: its first frame.
+        end: the frame after its last.
+        wordings: the same said in other ways, ``text`` among them or not.
+    """
 
     text: str
     start: int
     end: int
+    wordings: Sequence[str] = ()
 
 
 @dataclass(frozen=True)

@@ -13,10 +13,13 @@ import numpy as np
 from vcage.base.errors import DamagedFile, UsageError
 from vcage.base.videos import frame_times
 from vcage.datasets.lerobot.episode import ACTION, STATE, LeRobotEpisode
+from vcage.datasets.lerobot.language import FEATURE, LANGUAGE
 from vcage.schema.compression import VideoStream
 
 SUBTASK = "subtask_index"
-"""The one column that is not LeRobot's own; a data set that has none is added to without."""
+
+OF_SUBTASKS = (SUBTASK, *LANGUAGE)
+"""Columns that say which sub-task is in hand; a data set that lacks some is added to without."""
 
 SCALARS = ("timestamp", "frame_index", "episode_index", "index", "task_index", SUBTASK)
 
@@ -38,17 +41,20 @@ def video_key(camera: str) -> str:
 
 def other_columns(features: Mapping[str, Mapping[str, Any]]) -> list[str]:
     """Names of features that no episode of ours fills, such as rewards."""
-    ours = (STATE, ACTION, *SCALARS)
+    ours = (STATE, ACTION, *SCALARS, *LANGUAGE)
     return sorted(name for name, feature in features.items() if feature["dtype"] != "video" and name not in ours)
 
 
-def features_of(episode: LeRobotEpisode, encodings: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
+def features_of(
+    episode: LeRobotEpisode, encodings: Mapping[str, Mapping[str, Any]], *, language: bool = False
+) -> dict[str, Any]:
     """``fps``, ``robot_type`` and ``features`` of a data set of such episodes.
 
     Args:
         episode: one that has nothing to complain of.
         encodings: camera → facts about its encoding that its file does not tell, such as ``{"video.crf": 18}``; None
             for what its file tells but the data set leaves open, as its episodes differ in it.
+        language: with the columns of :mod:`vcage.datasets.lerobot.language`.
 
     Raises:
         DamagedFile: a video is unreadable, or does not show the episode's frames.
@@ -67,6 +73,8 @@ def features_of(episode: LeRobotEpisode, encodings: Mapping[str, Mapping[str, An
         }
     for name in SCALARS:
         features[name] = {"dtype": "float32" if name == "timestamp" else "int64", "shape": [1], "names": None}
+    if language:
+        features |= {name: dict(FEATURE) for name in LANGUAGE}
     return {"robot_type": episode.robot, "fps": as_int(episode.fps), "features": features}
 
 
@@ -134,14 +142,14 @@ def _facts(info: Mapping[str, Any], but: Sequence[str]) -> dict[str, Any]:
         "frame rate": float(info["fps"]),
         "robot": info.get("robot_type"),
         "cameras": sorted(key.removeprefix(CAMERA) for key in videos),
-        "columns": sorted(set(features) - set(videos) - {SUBTASK}),
+        "columns": sorted(set(features) - set(videos) - set(OF_SUBTASKS)),
     }
     for key, feature in features.items():
         if key in videos:
             facts[f"size of {key}"] = list(feature["shape"])
             told = video_facts(feature).items()
             facts |= {f"{fact} of {key}": value for fact, value in told if fact not in but}
-        elif key not in SCALARS:
+        elif key not in SCALARS and key not in LANGUAGE:
             facts[f"type of {key}"] = feature["dtype"]
             facts[f"size of {key}"] = list(feature["shape"])
             facts[f"names of {key}"] = number_names(feature.get("names")) or None

@@ -10,11 +10,15 @@ from typing import Any
 from vcage.base.errors import OutputFolderError, UnknownName, UsageError
 from vcage.base.files import atomic_folder, recover
 from vcage.datasets.lerobot.meta import INFO
-from vcage.datasets.lerobot.v3 import WriterV30
+from vcage.datasets.lerobot.v3 import WriterV30, WriterV31
 from vcage.datasets.lerobot.v21 import WriterV21
 from vcage.datasets.lerobot.writer import LeRobotWriter
 
-FORMATS: dict[str, type[LeRobotWriter]] = {"lerobot-v2.1": WriterV21, "lerobot-v3.0": WriterV30}
+FORMATS: dict[str, type[LeRobotWriter]] = {
+    "lerobot-v2.1": WriterV21,
+    "lerobot-v3.0": WriterV30,
+    "lerobot-v3.1": WriterV31,
+}
 
 
 @contextmanager
@@ -32,7 +36,8 @@ def open_writer(
             ``{"video.crf": 18}``; ``{"video.pix_fmt": None}`` leaves open what differs between its videos.
         append: add to the data set at ``out``. Its files stay as they are (hard links where the disk knows them, else
             copies), new ones come beside them, and numbers of episodes, frames, tasks and sub-tasks go on. A data set
-            that lerobot wrote can be added to where its features agree; one without ``subtask_index`` stays without.
+            that lerobot wrote can be added to where its features agree; one without ``subtask_index``, or without the
+            columns of language, stays without.
 
     Example:
         >>> with open_writer("lerobot-v3.0", out) as writer:

@@ -16,11 +16,11 @@ import pyarrow.parquet as pq
 
 from vcage.base.errors import DamagedFile
 from vcage.datasets.lerobot.episode import LeRobotEpisode
-from vcage.datasets.lerobot.features import video_key
+from vcage.datasets.lerobot.features import SUBTASK, video_key
 from vcage.datasets.lerobot.meta import EPISODES, INFO, appendable_info, read_lines
 from vcage.datasets.lerobot.parquet import COMPRESSION, MEND
 from vcage.datasets.lerobot.statistics import QUANTILES, Statistics
-from vcage.datasets.lerobot.writer import CHUNK, LeRobotWriter, in_order, link_files
+from vcage.datasets.lerobot.writer import CHUNK, WORDINGS, LeRobotWriter, in_order, link_files
 
 DATA_PATH = "data/chunk-{episode_chunk:03d}/episode_{episode_index:06d}.parquet"
 VIDEO_PATH = "videos/chunk-{episode_chunk:03d}/{video_key}/episode_{episode_index:06d}.mp4"
@@ -46,7 +46,7 @@ class WriterV21(LeRobotWriter):
             if [row.get("episode_index") for row in read_lines(root / lines)] != list(range(info["total_episodes"])):
                 raise DamagedFile(f"{root / lines} does not list all episodes in order", hint=MEND)
             shutil.copyfile(root / lines, self._folder / lines)
-        subtasks = _read_texts(root / SUBTASKS, "subtask") if "subtask_index" in info["features"] else []
+        subtasks = _read_wordings(root / SUBTASKS) if SUBTASK in info["features"] else {}
         self._continue(info, _read_texts(root / TASKS, "task"), subtasks)
 
     def close(self) -> None:
@@ -66,8 +66,9 @@ class WriterV21(LeRobotWriter):
 
     def _write_meta(self) -> None:
         self._add_lines(TASKS, _numbered("task", self._tasks))
-        if "subtask_index" in self._features:
-            self._add_lines(SUBTASKS, _numbered("subtask", self._subtasks))
+        if SUBTASK in self._features:
+            rows = _numbered("subtask", self._subtasks)
+            self._add_lines(SUBTASKS, [row | {WORDINGS: self._wordings[row["subtask"]]} for row in rows])
 
     def _more_totals(self) -> dict[str, Any]:
         return {"total_videos": self.episodes * len(self._video_keys), "total_chunks": -(-self.episodes // CHUNK)}
@@ -91,3 +92,9 @@ def _read_texts(path: Path, name: str) -> list[str]:
         return in_order(((int(row[f"{name}_index"]), str(row[name])) for row in read_lines(path)), path)
     except KeyError as error:
         raise DamagedFile(f"{path} has a row without {error}", hint=MEND) from error
+
+
+def _read_wordings(path: Path) -> dict[str, list[str]]:
+    """Sub-tasks in the order of their numbers → their wordings, the text alone where none are told."""
+    said = {str(row.get("subtask")): row.get(WORDINGS) for row in read_lines(path)}
+    return {text: said[text] or [text] for text in _read_texts(path, "subtask")}

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import json
 import shutil
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -19,11 +19,11 @@ import pyarrow.parquet as pq
 
 from vcage.base.errors import DamagedFile
 from vcage.datasets.lerobot.episode import LeRobotEpisode
-from vcage.datasets.lerobot.features import video_key
+from vcage.datasets.lerobot.features import SUBTASK, video_key
 from vcage.datasets.lerobot.meta import EPISODE_TABLES, INFO, appendable_info, episode_tables
-from vcage.datasets.lerobot.parquet import COMPRESSION, MEND, ParquetSeries, numbered, read_table
+from vcage.datasets.lerobot.parquet import COMPRESSION, MEND, ParquetSeries, column_names, numbered, read_table
 from vcage.datasets.lerobot.statistics import LEVEL_COUNTS, STATS, Statistics, Totals
-from vcage.datasets.lerobot.writer import CHUNK, LeRobotWriter, in_order, link_files
+from vcage.datasets.lerobot.writer import CHUNK, WORDINGS, LeRobotWriter, in_order, link_files
 
 FILE = "chunk-{chunk_index:03d}/file-{file_index:03d}"
 DATA_PATH = f"data/{FILE}.parquet"
@@ -62,11 +62,10 @@ class WriterV30(LeRobotWriter):
 
     def resume(self, root: Path) -> None:
         info = appendable_info(root, {name: value for name, value in self.LAYOUT.items() if name not in SIZES})
-        features = info["features"]
         link_files(root, self._folder, but={INFO, STATS, LEVEL_COUNTS, TASKS, SUBTASKS})
-        subtasks = _read_names(root / SUBTASKS, "subtask") if "subtask_index" in features else []
+        subtasks = _read_wordings(root / SUBTASKS) if SUBTASK in info["features"] else {}
         self._continue(info, _read_names(root / TASKS, "task"), subtasks)
-        self._totals.resume(root, features)
+        self._totals.resume(root, self._counted)
         self._continue_rows(root)
 
     def _continue_rows(self, root: Path) -> None:
@@ -134,32 +133,56 @@ class WriterV30(LeRobotWriter):
     def _write_meta(self) -> None:
         self._write_rows()
         self.close()
-        self._totals.write(self._folder, sorted((self._folder / "data").rglob("*.parquet")), self._features)
+        self._totals.write(self._folder, sorted((self._folder / "data").rglob("*.parquet")), self._counted)
         _write_names(self._folder / TASKS, "task", self._tasks)
-        if "subtask_index" in self._features:
-            _write_names(self._folder / SUBTASKS, "subtask", self._subtasks)
+        if SUBTASK in self._features:
+            _write_names(self._folder / SUBTASKS, "subtask", self._subtasks, self._wordings)
+
+
+class WriterV31(WriterV30):
+    """Writes v3.0 with the columns of language, which lerobot 0.6 reads. 0.4 refuses frames that have them."""
+
+    IN_WORDS = True
 
 
 def _prefixed(prefix: str, entries: Mapping[str, Any]) -> dict[str, Any]:
     return {f"{prefix}/{name}": value for name, value in entries.items()}
 
 
-def _write_names(path: Path, name: str, numbers: dict[str, int]) -> None:
-    """A table of texts and their numbers as pandas stores it with the texts as its index, which LeRobot expects."""
+def _write_names(
+    path: Path, name: str, numbers: Mapping[str, int], wordings: Mapping[str, Sequence[str]] | None = None
+) -> None:
+    """A table of texts and their numbers, and wordings if given, as pandas stores it with the texts as its index, which
+    LeRobot expects."""
     number = f"{name}_index"
     described = [
         {"name": number, "field_name": number, "pandas_type": "int64", "numpy_type": "int64", "metadata": None},
         {"name": name, "field_name": name, "pandas_type": "unicode", "numpy_type": "object", "metadata": None},
     ]
     pandas = {"index_columns": [name], "column_indexes": [], "columns": described, "pandas_version": "2.2.0"}
-    table = pa.table({number: pa.array(numbers.values(), pa.int64()), name: pa.array(numbers.keys(), pa.string())})
+    columns = {number: pa.array(numbers.values(), pa.int64()), name: pa.array(numbers.keys(), pa.string())}
+    if wordings is not None:
+        columns[WORDINGS] = pa.array([wordings[text] for text in numbers], pa.list_(pa.string()))
+        facts = {"pandas_type": "list[unicode]", "numpy_type": "object", "metadata": None}
+        described.insert(1, {"name": WORDINGS, "field_name": WORDINGS, **facts})
+    table = pa.table(columns)
     pq.write_table(table.replace_schema_metadata({"pandas": json.dumps(pandas)}), path, compression=COMPRESSION)
 
 
 def _read_names(path: Path, name: str) -> list[str]:
     """The texts of such a table in the order of their numbers; pandas does not always name the column of texts."""
     table = read_table(path)
-    columns = [column for column in table.column_names if column != f"{name}_index"]
-    if len(columns) != 1 or table.num_columns != 2:
+    columns = [column for column in table.column_names if column not in (f"{name}_index", WORDINGS)]
+    if len(columns) != 1 or f"{name}_index" not in table.column_names:
         raise DamagedFile(f"{path} has the columns {table.column_names}, not texts and their numbers", hint=MEND)
     return in_order(zip(table[f"{name}_index"].to_pylist(), table[columns[0]].to_pylist(), strict=True), path)
+
+
+def _read_wordings(path: Path) -> dict[str, list[str]]:
+    """Sub-tasks in the order of their numbers → their wordings, the text alone where the table has no others."""
+    texts = _read_names(path, "subtask")
+    if WORDINGS not in column_names(path):
+        return {text: [text] for text in texts}
+    table = read_table(path, ["subtask_index", WORDINGS])
+    said = dict(zip(table["subtask_index"].to_pylist(), table[WORDINGS].to_pylist(), strict=True))
+    return {text: said[number] or [text] for number, text in enumerate(texts)}

@@ -1,7 +1,7 @@
-"""What writing LeRobot's two formats has in common: one episode at a time, checked before anything is written.
+"""What writing LeRobot's formats has in common: one episode at a time, checked before anything is written.
 
-Besides LeRobot's own columns every frame has a ``subtask_index`` into ``meta/subtasks``, so that a policy can be
-trained on the sub-task in hand as well as on the instruction.
+Every frame has a ``subtask_index`` into ``meta/subtasks``, so that a policy can be trained on the sub-task in hand as
+well as on the instruction; ``meta/subtasks`` also has all the wordings of each.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from __future__ import annotations
 import os
 import shutil
 from abc import ABC, abstractmethod
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -20,12 +20,16 @@ from numpy.typing import NDArray
 from vcage.base.errors import DamagedFile, UsageError
 from vcage.base.files import write_json
 from vcage.datasets.lerobot.episode import LeRobotEpisode, SubtaskSpan
-from vcage.datasets.lerobot.features import agreed_info, features_of, video_key
+from vcage.datasets.lerobot.features import SUBTASK, agreed_info, features_of, video_key
+from vcage.datasets.lerobot.language import LANGUAGE, PERSISTENT, span_starts, with_language
 from vcage.datasets.lerobot.meta import INFO
 from vcage.datasets.lerobot.statistics import Statistics, picture_statistics, vector_statistics
 
 CHUNK = 1000
 """Files in a folder at most, LeRobot's default."""
+
+WORDINGS = "wordings"
+"""What ``meta/subtasks`` has besides LeRobot's texts and numbers: all the ways in which a sub-task was said."""
 
 
 class LeRobotWriter(ABC):
@@ -45,6 +49,9 @@ class LeRobotWriter(ABC):
     LAYOUT: ClassVar[dict[str, Any]]
     """Entries of ``info.json`` that are the same for every data set of the format."""
 
+    IN_WORDS: ClassVar[bool] = False
+    """Whether a new data set has the columns of :mod:`vcage.datasets.lerobot.language`."""
+
     def __init__(self, folder: Path, encodings: Mapping[str, Mapping[str, Any]]):
         self.episodes = 0
         self.frames = 0
@@ -54,6 +61,7 @@ class LeRobotWriter(ABC):
         self._info: dict[str, Any] = {}
         self._tasks: dict[str, int] = {}
         self._subtasks: dict[str, int] = {}
+        self._wordings: dict[str, list[str]] = {}  # of sub-tasks
         (folder / "meta").mkdir()
 
     def add(self, episode: LeRobotEpisode) -> None:
@@ -65,10 +73,13 @@ class LeRobotWriter(ABC):
         """
         for complaint in episode.complaints():
             raise UsageError(f"episode {self.episodes}: {complaint}", hint="mend the episode, or leave it out")
-        described = features_of(episode, self._encodings)
+        described = features_of(episode, self._encodings, language=self.IN_WORDS)
         self._info = agreed_info(self.episodes, described, self._info) if self._info else described
         columns = self._columns(episode)
-        self._write(episode, _table(columns), _statistics(columns, episode))
+        frames = _table(columns)
+        if PERSISTENT in self._features:
+            frames = with_language(frames, episode.subtasks, columns["timestamp"])
+        self._write(episode, frames, _statistics(columns, episode))
         self.episodes += 1
         self.frames += episode.length
 
@@ -121,17 +132,23 @@ class LeRobotWriter(ABC):
         """Entries of ``info.json`` that count what only this format counts."""
         return {}
 
-    def _continue(self, info: dict[str, Any], tasks: Iterable[str], subtasks: Iterable[str]) -> None:
-        """Take over what a finished data set says of itself."""
+    def _continue(self, info: dict[str, Any], tasks: Iterable[str], subtasks: Mapping[str, Sequence[str]]) -> None:
+        """Take over what a finished data set says of itself, with sub-tasks and their wordings in order."""
         self._info = info
         self.episodes = self._there = int(info["total_episodes"])
         self.frames = int(info["total_frames"])
         self._tasks = {text: number for number, text in enumerate(tasks)}
         self._subtasks = {text: number for number, text in enumerate(subtasks)}
+        self._wordings = {text: list(said) for text, said in subtasks.items()}
 
     @property
     def _features(self) -> dict[str, dict[str, Any]]:
         return self._info["features"]
+
+    @property
+    def _counted(self) -> dict[str, dict[str, Any]]:
+        """The features that have statistics: all but those in words."""
+        return {key: feature for key, feature in self._features.items() if key not in LANGUAGE}
 
     @property
     def _video_keys(self) -> list[str]:
@@ -149,21 +166,18 @@ class LeRobotWriter(ABC):
             "index": frame + self.frames,
             "task_index": np.full_like(frame, _number(self._tasks, episode.task)),
         }
-        if "subtask_index" in self._features:
+        if SUBTASK in self._features:
             numbers = np.array([_number(self._subtasks, span.text) for span in spans], np.int64)
-            columns["subtask_index"] = numbers[_span_of_frames(spans, frame)]
+            columns[SUBTASK] = numbers[np.searchsorted(span_starts(spans), frame, side="right") - 1]
+            for span in spans:
+                known = self._wordings.get(span.text, [span.text])
+                self._wordings[span.text] = list(dict.fromkeys([*known, *span.wordings]))
         return columns
 
 
 def _number(numbers: dict[str, int], text: str) -> int:
     """The number of a text, the next one for a new text."""
     return numbers.setdefault(text, len(numbers))
-
-
-def _span_of_frames(spans: list[SubtaskSpan], frames: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Index into ``spans``; a frame between two belongs to the one that follows, one after the last to the last."""
-    ends = [span.end for span in spans]
-    return np.minimum(np.searchsorted(ends, frames, side="right"), len(ends) - 1)
 
 
 def _table(columns: Mapping[str, NDArray[Any]]) -> pa.Table:

@@ -50,7 +50,9 @@ class VcageEpisode(ActEpisode):
     @property
     def subtasks(self) -> list[SubtaskSpan]:
         with EpisodeReader(self.path) as reader:
-            return [SubtaskSpan(segment.text, segment.start, segment.end) for segment in reader.episode.segments]
+            episode = reader.episode
+        wordings = episode.meta.get("wordings", {})
+        return [SubtaskSpan(one.text, one.start, one.end, wordings.get(one.subtask, ())) for one in episode.segments]
 
     @property
     def _names(self) -> tuple[str, ...]:

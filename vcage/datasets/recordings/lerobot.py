@@ -18,7 +18,8 @@ from numpy.typing import NDArray
 from vcage.base.errors import DamagedFile, UsageError
 from vcage.base.videos import decode
 from vcage.datasets.lerobot.episode import ACTION, STATE
-from vcage.datasets.lerobot.features import CAMERA, SUBTASK, number_names, other_columns, require_rgb, video_facts
+from vcage.datasets.lerobot.features import CAMERA, OF_SUBTASKS, number_names, other_columns, require_rgb, video_facts
+from vcage.datasets.lerobot.language import LANGUAGE
 from vcage.datasets.lerobot.meta import data_set_info, episode_rows
 from vcage.datasets.lerobot.parquet import MEND, read_table
 from vcage.datasets.recordings.recording import Columns, RecordedCamera, Recording
@@ -74,7 +75,7 @@ class LeRobotRecording(Recording):
     def left_out(self) -> list[str]:
         features = self._info["features"]
         names = [name for name in other_columns(features) if features[name]["dtype"] != "image"]
-        return names + [SUBTASK] * (SUBTASK in features)
+        return names + [name for name in OF_SUBTASKS if name in features]
 
     def require_rgb(self, cameras: Collection[str]) -> None:
         for camera in cameras:
@@ -218,6 +219,12 @@ class LeRobotV30(LeRobotRecording):
         return self._row[name]
 
 
+class LeRobotV31(LeRobotV30):
+    """The same with the sub-tasks in words."""
+
+    LAYOUT = TARGET = "lerobot-v3.1"
+
+
 def open_lerobot(root: Path) -> list[LeRobotRecording]:
     """The episodes of a LeRobot data set, in order; at least one.
 
@@ -225,7 +232,8 @@ def open_lerobot(root: Path) -> list[LeRobotRecording]:
         DamagedFile: what describes it is missing or damaged, or it is of a version that is not known.
     """
     info = data_set_info(root)
-    kind = LeRobotV21 if info["codebase_version"] == "v2.1" else LeRobotV30
+    in_words = not set(LANGUAGE).isdisjoint(info["features"])
+    kind = LeRobotV21 if info["codebase_version"] == "v2.1" else LeRobotV31 if in_words else LeRobotV30
     return [kind(root, info, row) for row in episode_rows(root, info)]
 
 

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 
 from vcage.base.geometry import Pose
+from vcage.schema.plan import TABLE
 from vcage.schema.robot import Gripper
 from vcage.sim.collision import Held
 from vcage.sim.kinematics import ArmKinematics
@@ -15,7 +17,7 @@ from vcage.sim.motion import MotionFailed, MotionPlanner
 from vcage.sim.paths import JointPath, Load
 from vcage.tasks.grasps import approach_opening, command_of, hand_boxes
 from vcage.tasks.primitives.pick import Grip, PickWay, feel, transfer_height
-from vcage.tasks.scene_objects import SceneObject, SolidBox, seen_apart
+from vcage.tasks.scene_objects import SolidBox, seen_apart
 from vcage.tasks.workcell import CAREFUL, TaskFailed, Workcell, failing_at, first_reasons
 
 SET_DOWN = 0.004
@@ -26,9 +28,6 @@ MAX_DROP = 0.075
 
 RAISES = (0.01, 0.02, 0.035)
 """How much higher an object is let go where the hand meets something at the lowest height, metres."""
-
-TURNS = (0.0, np.pi)
-"""Headings that an object may take in its slot, relative to it: both fill the same rectangle."""
 
 
 @dataclass(frozen=True)
@@ -53,7 +52,7 @@ class PlacePlan:
 
     Args:
         grip: what is held.
-        receptacle: id of what receives it.
+        receptacle: id of what receives it, or ``table``.
         way: poses of the gripper.
         path: the lift, the way to the first pose, and from there to where the object is let go.
     """
@@ -96,43 +95,34 @@ def _rise_to_clear(pose: Pose, obstacles: Sequence[SolidBox], hand: Sequence[np.
     return float(np.round(rise, 6))
 
 
-def goals_in_slot(receptacle: SceneObject, point: int, slot: Pose) -> list[Pose]:
-    """Where an object may come to rest, in the world.
-
-    Args:
-        point: id of the receptacle's functional point.
-        slot: its place in the frame of the part that the point belongs to.
-    """
-    return [receptacle.frame(point) * slot * Pose.from_yaw([0, 0, 0], turn) for turn in TURNS]
+Choice = TypeVar("Choice")
 
 
 def plan_place(
-    cell: Workcell, grip: Grip, receptacle: SceneObject, point: int, slots: Iterable[Pose]
-) -> tuple[PlacePlan, Pose]:
-    """The first free way to bring what is held to one of the slots, and which.
+    cell: Workcell, grip: Grip, place: Placing, choices: Iterable[tuple[Choice, Sequence[Pose]]]
+) -> tuple[PlacePlan, Choice]:
+    """The first free way to bring what is held to one of the places to choose from, and which.
 
-    Each slot is tried with both headings of the object, the nearer one first, and let go ever higher where the hand
-    has no room.
+    The nearer of the poses of a place is tried first; what is held is let go ever higher where the hand has no room.
 
     Args:
         cell: as it stands.
         grip: what is held.
-        receptacle: what receives it, where it stands.
-        point: id of its functional point.
-        slots: where the object may go, in the receptacle's frame, in the order in which they are tried.
+        place: what receives it, where it stands.
+        choices: places in the order in which they are tried, each with the poses that the object may have there, in
+            the world.
 
     Raises:
         TaskFailed: there is none.
     """
     control = cell.world.arms[grip.arm]
     held = cell.object(grip.object_id).pose.inverse() * control.tool_pose
-    place = Placing.of(cell, grip.object_id, receptacle, point)
     careful = Load(grip.load.opening, grip.load.held, grip.load.ignore, CAREFUL)
     planner, begun = cell.planner(grip.arm), cell.begun(grip.arm)
     reasons: list[str] = []
-    for slot in slots:
+    for choice, poses in choices:
         try:
-            ways = place.ways(planner.kinematics, held, control.finger_width, slot, begun.end)
+            ways = place.ways(planner.kinematics, held, control.finger_width, poses, begun.end)
         except MotionFailed as error:
             reasons.append(error.message)
             continue
@@ -140,10 +130,10 @@ def plan_place(
             try:
                 carry = planner.move(begun.end, way.above, grip.load, then=[way.release, way.after])
                 lower = planner.line(carry.end, way.release, careful)
-                return PlacePlan(grip, receptacle.id, way, begun.then(carry).then(lower)), slot
+                return PlacePlan(grip, place.receptacle, way, begun.then(carry).then(lower)), choice
             except MotionFailed as error:
                 reasons.append(error.message)
-    raise TaskFailed("plan", f"{grip.object_id} cannot be brought to {receptacle.id}: {first_reasons(reasons)}")
+    raise TaskFailed("plan", f"{grip.object_id} cannot be brought to {place.receptacle}: {first_reasons(reasons)}")
 
 
 @dataclass(frozen=True)
@@ -151,42 +141,50 @@ class Placing:
     """What a place has to do with, as it stands.
 
     Args:
-        receptacle: what receives the object.
-        point: id of its functional point.
+        receptacle: id of what receives the object, or ``table``.
         obstacles: its walls and contents, and the neighbours.
         height: z that the object's bottom keeps on the way, metres.
     """
 
-    receptacle: SceneObject
-    point: int
+    receptacle: str
     obstacles: Sequence[SolidBox]
     height: float
 
     @classmethod
-    def of(cls, cell: Workcell, object_id: str, receptacle: SceneObject, point: int) -> Placing:
-        """Everything but the object itself is in its way."""
-        others = cell.objects_but(object_id, receptacle.id)
-        height = transfer_height([*others, receptacle], cell.world.table.height)
-        return cls(receptacle, point, [*receptacle.around(point), *(box for o in others for box in o.boxes)], height)
+    def of(cls, cell: Workcell, object_id: str, receptacle: str, point: int | None) -> Placing:
+        """Everything but the object itself is in its way.
+
+        Args:
+            cell: as it stands.
+            object_id: what is put down.
+            receptacle: id of what receives it, or ``table``.
+            point: id of the receptacle's functional point; None on the table.
+        """
+        others = cell.objects_but(object_id, receptacle)
+        boxes = [box for o in others for box in o.boxes]
+        if point is not None:
+            holder = cell.object(receptacle)
+            boxes = [*holder.around(point), *boxes]
+            others.append(holder)
+        return cls(receptacle, boxes, transfer_height(others, cell.world.table.height))
 
     def ways(
-        self, kinematics: ArmKinematics, held: Pose, width: float, slot: Pose, start: np.ndarray
+        self, kinematics: ArmKinematics, held: Pose, width: float, poses: Sequence[Pose], start: np.ndarray
     ) -> list[PlaceWay]:
-        """Ways within reach to let go of an object in a slot: each heading as low as it can be, then higher.
+        """Ways within reach to let go of an object at one of some poses: each as low as it can be, then higher.
 
         Args:
             kinematics: of the arm that holds it.
             held: gripper frame in the object frame.
             width: material between the fingers, metres.
-            slot: in the receptacle's frame.
+            poses: of the object, in the world.
             start: (n,) joints before, rad.
 
         Raises:
             MotionFailed: there is none.
         """
         gripper = kinematics.arm.gripper
-        goals = goals_in_slot(self.receptacle, self.point, slot)
-        ways = [place_way(held, goal, self.obstacles, gripper, width, self.height) for goal in goals]
+        ways = [place_way(held, pose, self.obstacles, gripper, width, self.height) for pose in poses]
         least = min(way.drop for way in ways)
         if least > MAX_DROP:
             raise MotionFailed(f"it would fall {least * 100:.1f} cm")
@@ -196,15 +194,15 @@ class Placing:
             raise MotionFailed("its place is out of reach")
         return [*near, *(way.raised(x) for way in near for x in RAISES if way.drop + x <= MAX_DROP)]
 
-    def check(self, planner: MotionPlanner, pick: PickWay, held: Held, width: float, slot: Pose) -> None:
-        """That a grasp leads to a slot: the arm comes down to it with the object, and the fingers can open.
+    def check(self, planner: MotionPlanner, pick: PickWay, held: Held, width: float, poses: Sequence[Pose]) -> None:
+        """That a grasp leads to a place: the arm comes down to it with the object, and the fingers can open.
 
         Args:
             planner: of the arm.
             pick: the way to grasp.
             held: what is then between the fingers.
             width: of it, metres.
-            slot: in the receptacle's frame.
+            poses: that the object may have there, in the world.
 
         Raises:
             MotionFailed: it does not.
@@ -216,10 +214,11 @@ class Placing:
         if start is None:
             raise MotionFailed("no joint angles lift it")
         reasons: list[str] = []
-        for way in self.ways(planner.kinematics, held.in_gripper.inverse(), width, slot, start):
+        for way in self.ways(planner.kinematics, held.in_gripper.inverse(), width, poses, start):
             try:
                 above = planner.kinematics.ik(way.above, start)
-                assert above is not None  # `ways` are within reach
+                if above is None:  # the ways that let go higher begin higher too
+                    raise MotionFailed("its place is out of reach")
                 planner.check(planner.line(above, way.release, carrying).end, leaving)
                 return
             except MotionFailed as error:
@@ -240,6 +239,7 @@ def carry_out_place(cell: Workcell, plan: PlacePlan) -> None:
     gripper = control.arm.gripper
     opened = command_of(approach_opening(control.finger_width, gripper), gripper)
     control.release(opened)
-    away = Load(opening=opened, ignore=cell.parts(grip.object_id, plan.receptacle), speed=CAREFUL)
+    touched = [grip.object_id] if plan.receptacle == TABLE else [grip.object_id, plan.receptacle]
+    away = Load(opening=opened, ignore=cell.parts(*touched), speed=CAREFUL)
     with failing_at("place"):
         cell.put_off(grip.arm, cell.planner(grip.arm).line(plan.path.end, plan.way.after, away))

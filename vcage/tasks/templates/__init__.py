@@ -5,7 +5,7 @@ A new template is a file here, and its name in :data:`TEMPLATES`.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import Protocol
 
 import numpy as np
@@ -13,12 +13,18 @@ import numpy as np
 from vcage.schema.goals import Goal
 from vcage.schema.subtasks import PairQuestion, Refusal, Subtask, TemplateName
 from vcage.sim.kinematics import ArmKinematics
+from vcage.tasks.ground import Ground
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.templates.close import CLOSE
 from vcage.tasks.templates.open import OPEN
-from vcage.tasks.templates.place import Place
+from vcage.tasks.templates.place import PLACE
+from vcage.tasks.templates.present import PRESENT
 from vcage.tasks.templates.press import PRESS
+from vcage.tasks.templates.scan import Scan
+from vcage.tasks.templates.set_down import SET_DOWN
+from vcage.tasks.templates.stack import STACK
 from vcage.tasks.templates.turn import TURN
+from vcage.tasks.templates.weigh import WEIGH
 
 
 class Proposal(Protocol):
@@ -50,7 +56,7 @@ class Proposal(Protocol):
         self,
         objects: Sequence[SceneObject],
         kinematics: Mapping[str, ArmKinematics],
-        table_height: float,
+        ground: Ground,
         rng: np.random.Generator,
     ) -> tuple[Subtask | None, list[Refusal]]:
         """The sub-task if a candidate is feasible, and a refusal for each that is not.
@@ -58,7 +64,7 @@ class Proposal(Protocol):
         Args:
             objects: all of the scene.
             kinematics: by arm.
-            table_height: z of the table top, metres.
+            ground: of the table.
             rng: of all choices.
         """
         ...
@@ -72,8 +78,15 @@ class SubtaskTemplate(Protocol):
         """What records call it."""
         ...
 
-    def proposals(self, objects: Sequence[SceneObject]) -> tuple[Sequence[Proposal], list[Refusal]]:
-        """What the template can be tried on in a scene, and what its preconditions exclude."""
+    def proposals(
+        self, objects: Sequence[SceneObject], asked: Collection[Goal]
+    ) -> tuple[Sequence[Proposal], list[Refusal]]:
+        """What the template can be tried on in a scene, and what its preconditions exclude.
+
+        Args:
+            objects: all of the scene.
+            asked: goals that are asked for; some are tried only then.
+        """
         ...
 
     def calls(self, subtask: Subtask) -> list[str]:
@@ -82,6 +95,6 @@ class SubtaskTemplate(Protocol):
 
 
 TEMPLATES: Mapping[TemplateName, SubtaskTemplate] = {
-    template.name: template for template in (Place(), OPEN, CLOSE, PRESS, TURN)
+    template.name: template for template in (PLACE, STACK, WEIGH, SET_DOWN, PRESENT, Scan(), OPEN, CLOSE, PRESS, TURN)
 }
 """By name, in the order in which the search goes through them."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,6 +13,7 @@ from vcage.schema.subtasks import PairQuestion, Refusal, Subtask, TemplateName
 from vcage.sim.joints import joint_index, joint_positions
 from vcage.sim.kinematics import ArmKinematics
 from vcage.tasks.feasibility import examine_operation
+from vcage.tasks.ground import Ground
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.wording import wordings
 
@@ -36,7 +37,9 @@ class Operated:
     target: Callable[[Joint], float]
     opposite: GoalWord | None = None
 
-    def proposals(self, objects: Sequence[SceneObject]) -> tuple[list[Operable], list[Refusal]]:
+    def proposals(
+        self, objects: Sequence[SceneObject], asked: Collection[Goal]
+    ) -> tuple[list[Operable], list[Refusal]]:
         """Every part of the kind with each of its contact points, and the parts that have none."""
         found, refused = [], []
         for thing in objects:
@@ -88,7 +91,7 @@ class Operable:
         self,
         objects: Sequence[SceneObject],
         kinematics: Mapping[str, ArmKinematics],
-        table_height: float,
+        ground: Ground,
         rng: np.random.Generator,
     ) -> tuple[Subtask | None, list[Refusal]]:
         """The sub-task if an arm can follow the part's motion, else the refusal."""

@@ -1,8 +1,12 @@
-"""Place: an object that can be carried is put in or on another that has a place for it, an open drawer too."""
+"""Place: an object that can be carried is put in or on another that has a place for it, an open drawer too.
+
+Stacking and weighing are placing with a further demand: see :mod:`~vcage.tasks.templates.stack` and
+:mod:`~vcage.tasks.templates.weigh`.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import permutations
@@ -12,54 +16,77 @@ import numpy as np
 from vcage.base.errors import InfeasibleScene
 from vcage.base.geometry import Pose
 from vcage.schema.asset import FunctionalPoint
-from vcage.schema.goals import Goal, part_words
+from vcage.schema.goals import EventWord, Goal, part_words
 from vcage.schema.subtasks import Check, PairQuestion, Refusal, Subtask, TemplateName
 from vcage.sim.kinematics import ArmKinematics
 from vcage.tasks.access import access
-from vcage.tasks.feasibility import Feasibility, Transfer, carrying_points, examine, fits
+from vcage.tasks.feasibility import Feasibility, Transfer, best_first, carrying_points, examine, fits
+from vcage.tasks.ground import Ground
 from vcage.tasks.scene_objects import SceneObject
-from vcage.tasks.slots import GAP, allocate, kept_in_by, lying_in, opened_for
+from vcage.tasks.slots import GAP, Slot, allocate, kept_in_by, lying_in, opened_for
 from vcage.tasks.wording import wordings
-
-NAME: TemplateName = "place"
 
 SLOTS = 4
 """Places in the receptacle that are tried before a contact point is refused."""
 
 
-class Place:
-    """The template: every ordered pair of objects, every contact point of one and functional point of the other."""
+@dataclass(frozen=True)
+class Placing:
+    """A template that puts an object in or on another.
 
-    name = NAME
+    Args:
+        name: of the template.
+        takes: whether it is this template that a pair of objects with a functional point belongs to.
+        word: the goal that it brings about besides that the object lies there; None for no other.
+        waits: how long the object then stays there alone, seconds.
+    """
 
-    def proposals(self, objects: Sequence[SceneObject]) -> tuple[list[Pair], list[Refusal]]:
+    name: TemplateName
+    takes: Callable[[SceneObject, SceneObject, FunctionalPoint], bool]
+    word: EventWord | None = None
+    waits: float = 0.0
+
+    def proposals(self, objects: Sequence[SceneObject], asked: Collection[Goal]) -> tuple[list[Pair], list[Refusal]]:
         """Pairs with one functional point each, and those that lack the points for it."""
         pairs, refused = [], []
         for target, receptacle in permutations(objects, 2):
             points = receptacle.asset.annotation.functional_points
-            if not carrying_points(target.asset.annotation):
-                reason = f"{target.record.phrase} has no contact point to carry it by"
-            elif not points:
+            if not points and self.name == "place":
                 reason = f"{receptacle.record.phrase} has no functional point"
-            else:
-                pairs += [Pair(target, receptacle, point) for point in points]
-                continue
-            refused.append(Refusal(template=NAME, object=target.id, receptacle=receptacle.id, reason=reason))
+                refused.append(Refusal(template=self.name, object=target.id, receptacle=receptacle.id, reason=reason))
+            mine = [point for point in points if self.takes(target, receptacle, point)]
+            if carrying_points(target.asset.annotation):
+                pairs += [Pair(self, target, receptacle, point) for point in mine]
+            elif mine:
+                reason = f"{target.record.phrase} has no contact point to carry it by"
+                refused.append(Refusal(template=self.name, object=target.id, receptacle=receptacle.id, reason=reason))
         return pairs, refused
 
     def calls(self, subtask: Subtask) -> list[str]:
         """The lines of the script's ``play``; GRASPS and POINT are constants of the script."""
+        wait = [f"task.wait({self.waits})"] if self.waits else []
         return [
             f"task.pick({subtask.object!r}, grasps=[(contact, arm) for contact, arm, _ in GRASPS])",
             f"task.place({subtask.receptacle!r}, point=POINT)",
             "task.home()",
+            *wait,
         ]
+
+
+def stands_flush(target: SceneObject, receptacle: SceneObject, point: FunctionalPoint) -> bool:
+    """Whether an object fills the top that it is put on, as a block on a block does."""
+    spare = np.array(receptacle.asset.opening(point).size) - target.asset.footprint
+    return point.holds == "on" and float(np.max(spare)) < 2 * GAP
+
+
+PLACE = Placing("place", takes=lambda target, receptacle, point: not stands_flush(target, receptacle, point))
 
 
 @dataclass(frozen=True)
 class Pair:
     """An ordered pair with one functional point: all contact points of ``target`` are candidates."""
 
+    template: Placing
     target: SceneObject
     receptacle: SceneObject
     point: FunctionalPoint
@@ -77,12 +104,19 @@ class Pair:
     @property
     def goal(self) -> Goal:
         """What it would bring about."""
-        return Goal(
+        return self.goals[0]
+
+    @cached_property
+    def goals(self) -> list[Goal]:
+        """What it would bring about, what it is for first."""
+        lies = Goal(
             subject=self.target.id,
             relation="inside" if self.point.holds == "in" else "on",
             reference=self.receptacle.id,
             part=self.point.link,
         )
+        word = self.template.word
+        return [lies] if word is None else [Goal(subject=self.target.id, relation=word), lies]
 
     def impossible(self) -> Refusal | None:
         """A place that is not open to above, or too small."""
@@ -119,7 +153,7 @@ class Pair:
         self,
         objects: Sequence[SceneObject],
         kinematics: Mapping[str, ArmKinematics],
-        table_height: float,
+        ground: Ground,
         rng: np.random.Generator,
     ) -> tuple[Subtask | None, list[Refusal]]:
         """The sub-task of a sensible pair, and a refusal for each contact point that no arm can use.
@@ -127,7 +161,7 @@ class Pair:
         Args:
             objects: all of the scene.
             kinematics: by arm.
-            table_height: z of the table top, metres.
+            ground: of the table.
             rng: of the slot.
         """
         others = [o for o in objects if o.id not in (self.target.id, self.receptacle.id)]
@@ -139,20 +173,25 @@ class Pair:
                 slot = allocate(self._opened, self.point.id, [self.target], rng, present)[self.target.id]
             except InfeasibleScene as error:
                 return None, [self._refusal(error.message)]
-            findings, refused = self._findings(slot, others, kinematics, table_height)
+            poses = Slot(self.receptacle.id, self.point.id, slot).poses({self.receptacle.id: self._opened})
+            findings, refused = self._findings(poses, others, kinematics, ground.height)
             if findings:
                 break
         phrases = {o.id: o.record.phrase for o in objects}
         return (self._subtask(phrases, findings) if findings else None), refused
 
     def _findings(
-        self, slot: Pose, others: Sequence[SceneObject], kinematics: Mapping[str, ArmKinematics], table_height: float
+        self,
+        poses: Sequence[Pose],
+        others: Sequence[SceneObject],
+        kinematics: Mapping[str, ArmKinematics],
+        table_height: float,
     ) -> tuple[list[Feasibility], list[Refusal]]:
-        """Whether each contact point leads to a slot."""
+        """Whether each contact point leads to a slot, where the object may have one of some poses in the world."""
         findings, refused = [], []
         for contact in carrying_points(self.target.asset.annotation):
-            transfer = Transfer(self.target, contact, self._opened, self.point, others)
-            finding = examine(transfer, kinematics, slot, table_height)
+            transfer = Transfer.into(self.target, contact, self._opened, self.point, poses, others)
+            finding = examine(transfer, kinematics, table_height)
             if finding.feasible:
                 findings.append(finding)
             else:
@@ -174,17 +213,15 @@ class Pair:
         return f"{fit.message}, but with less than the {GAP * 1000:.0f} mm on each side that the robot needs"
 
     def _subtask(self, phrases: Mapping[str, str], findings: Sequence[Feasibility]) -> Subtask:
-        grasps = [grasp for finding in findings for grasp in finding.grasps]
-        grasps.sort(key=lambda grasp: (-grasp.score, grasp.contact, grasp.arm))
-        best = next(f for f in findings if grasps[0] in f.grasps)
-        word = "into" if self.point.holds == "in" else "onto"
+        grasps, checks = best_first(findings)
+        word = self.template.word or ("into" if self.point.holds == "in" else "onto")
         several = len(self.receptacle.asset.annotation.functional_points) > 1
         suffix = f"-{self.point.link or self.point.id}" if several else ""
         text, *others = wordings(self.goal, phrases)
         identifier = f"{self.target.id}-{word}-{self.receptacle.id}{suffix}"
         return Subtask(
             id=identifier,
-            template=NAME,
+            template=self.template.name,
             text=text,
             texts=others,
             object=self.target.id,
@@ -192,14 +229,14 @@ class Pair:
             functional_point=self.point.id,
             grasps=grasps,
             requires=self._requires(),
-            goals=[self.goal],
+            goals=self.goals,
             script=f"subtasks/{identifier}.py",
-            checks=best.checks,
+            checks=checks,
         )
 
     def _refusal(self, reason: str, contact: int | None = None, checks: Sequence[Check] = ()) -> Refusal:
         return Refusal(
-            template=NAME,
+            template=self.template.name,
             object=self.target.id,
             contact=contact,
             receptacle=self.receptacle.id,

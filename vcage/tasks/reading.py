@@ -1,0 +1,69 @@
+"""Scanners and bar codes: which poses of one let it read or be read by the other, and whether it does."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from vcage.base.geometry import Pose
+from vcage.schema.asset import Face
+from vcage.tasks.scene_objects import SceneObject
+
+DISTANCES = (0.04, 0.055, 0.03)
+"""Between a window and the code before it, metres, in the order to try them."""
+
+FARTHEST, ASIDE, SLANT = 0.07, 0.025, np.radians(30)
+"""A scanner reads what is at most this far before it, this far beside its axis (metres), and turned this far away."""
+
+OVER_TABLE = 0.006
+"""What is held keeps so far off the table, metres."""
+
+_OTHER = {"code": "reader", "reader": "code"}
+
+
+def reads(one: SceneObject, other: SceneObject) -> bool:
+    """Whether one of two objects has a window that reads a bar code of the other where they are now."""
+    return any(_sees(one, a, other, b) for a, b in _pairs(one, other))
+
+
+def reading_poses(mover: SceneObject, still: SceneObject, support: float) -> Iterator[Pose]:
+    """Poses in the world, upright as it stands, at which a face of ``mover`` is before one of ``still``.
+
+    Args:
+        mover: what is held.
+        still: what stays; codes and windows that look up or down are left out.
+        support: z of the table top, metres.
+    """
+    for mine, theirs in _pairs(mover, still):
+        normal = still.pose.rotation() @ np.asarray(theirs.axis)
+        outward = mover.pose.rotation() @ np.asarray(mine.axis)
+        if abs(normal[2]) > np.sin(SLANT) or abs(outward[2]) > np.sin(SLANT):
+            continue
+        turn = np.arctan2(-normal[1], -normal[0]) - np.arctan2(outward[1], outward[0])
+        rotation = Pose.from_yaw([0, 0, 0], turn) * Pose(q=mover.pose.q)
+        offset = rotation.apply(mine.position)
+        low = float(mover.moved(rotation).aabb[0, 2])
+        for distance in DISTANCES:
+            x, y, z = still.pose.apply(theirs.position) + distance * normal - offset
+            pose = Pose([x, y, max(z, support + OVER_TABLE - low)], rotation.q)
+            if _sees(mover.moved(pose), mine, still, theirs):
+                yield pose
+
+
+def _pairs(one: SceneObject, other: SceneObject) -> Iterator[tuple[Face, Face]]:
+    """Faces of two objects of which one reads the other."""
+    for a in one.asset.annotation.faces:
+        for b in other.asset.annotation.faces:
+            if b.kind == _OTHER[a.kind]:
+                yield a, b
+
+
+def _sees(one: SceneObject, a: Face, other: SceneObject, b: Face) -> bool:
+    reader, code = ((one, a), (other, b)) if a.kind == "reader" else ((other, b), (one, a))
+    out = reader[0].pose.rotation() @ np.asarray(reader[1].axis)
+    back = code[0].pose.rotation() @ np.asarray(code[1].axis)
+    between = code[0].pose.apply(code[1].position) - reader[0].pose.apply(reader[1].position)
+    along = float(between @ out)
+    aside = float(np.linalg.norm(between - along * out))
+    return 0 < along <= FARTHEST and aside <= ASIDE and -float(out @ back) >= np.cos(SLANT)

@@ -1,0 +1,18 @@
+"""Present: an object is put down on the customer's side of the table, its front towards the customer."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+
+from vcage.schema.goals import Goal
+from vcage.tasks.scene_objects import SceneObject
+from vcage.tasks.templates.set_down import SetDown
+
+
+def _shown(thing: SceneObject, asked: Collection[Goal]) -> list[Goal]:
+    """What is asked for; a sign is there to be shown."""
+    shown = Goal(subject=thing.id, relation="presented")
+    return [shown] if shown in asked or thing.asset.annotation.words.category == "sign" else []
+
+
+PRESENT = SetDown("present", _shown)

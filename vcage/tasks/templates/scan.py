@@ -1,0 +1,142 @@
+"""Scan: a scanner is held before the bar code of an object, or the object's code before a scanner that stays."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from vcage.schema.goals import Goal
+from vcage.schema.subtasks import Check, Grasp, Refusal, Subtask, TemplateName
+from vcage.sim.kinematics import ArmKinematics
+from vcage.tasks.feasibility import Feasibility, Transfer, best_first, carrying_points, examine
+from vcage.tasks.ground import Ground
+from vcage.tasks.reading import reading_poses
+from vcage.tasks.scene_objects import SceneObject
+from vcage.tasks.wording import wordings
+
+NAME: TemplateName = "scan"
+
+
+class Scan:
+    """The template: every object that has a bar code with every scanner."""
+
+    name = NAME
+
+    def proposals(self, objects: Sequence[SceneObject], asked: Collection[Goal]) -> tuple[list[Reading], list[Refusal]]:
+        """Each code with each scanner, and what shall be scanned but has no code."""
+        scanners = [o for o in objects if o.asset.annotation.faces_of("reader")]
+        found, refused = [], []
+        for thing in objects:
+            goal = Goal(subject=thing.id, relation="scanned")
+            if thing.asset.annotation.faces_of("code"):
+                found += [Reading(thing, scanner, goal) for scanner in scanners]
+            elif goal in asked:
+                reason = f"{thing.record.phrase} has no bar code"
+                refused.append(Refusal(template=NAME, object=thing.id, reason=reason))
+        return found, refused
+
+    def calls(self, subtask: Subtask) -> list[str]:
+        """The lines of the script's ``play``; GRASPS is a constant of the script."""
+        moved = subtask.grasped or subtask.object
+        still = subtask.object if moved == subtask.tool else subtask.tool
+        return [
+            f"task.show({moved!r}, {still!r}, grasps=[(contact, arm) for contact, arm, _ in GRASPS])",
+            "task.home()",
+        ]
+
+
+@dataclass(frozen=True)
+class Reading:
+    """A bar code and a scanner; whichever can be brought to the other is moved, the scanner rather."""
+
+    thing: SceneObject
+    scanner: SceneObject
+    goal: Goal
+
+    @cached_property
+    def _ways(self) -> list[tuple[SceneObject, SceneObject]]:
+        """(what is moved, what stays)."""
+        both = [(self.scanner, self.thing), (self.thing, self.scanner)]
+        return [(mover, still) for mover, still in both if carrying_points(mover.asset.annotation)]
+
+    @property
+    def candidates(self) -> int:
+        """How many contact points there are on what can be moved."""
+        return sum(len(carrying_points(mover.asset.annotation)) for mover, _ in self._ways)
+
+    def impossible(self) -> Refusal | None:
+        """One of the two must be one that can be carried."""
+        if self._ways:
+            return None
+        return self._refusal(f"neither {self.thing.record.phrase} nor {self.scanner.record.phrase} can be carried")
+
+    def question(self) -> None:
+        """Nobody is asked: what has a bar code is there to be scanned."""
+
+    def senseless(self, reason: str) -> Refusal:
+        """See :class:`vcage.tasks.templates.Proposal`; nobody is asked."""
+        return self._refusal(f"not sensible: {reason}")
+
+    def examine(
+        self,
+        objects: Sequence[SceneObject],
+        kinematics: Mapping[str, ArmKinematics],
+        ground: Ground,
+        rng: np.random.Generator,
+    ) -> tuple[Subtask | None, list[Refusal]]:
+        """The sub-task if an arm can hold the one before the other, else a refusal for each contact point."""
+        refused: list[Refusal] = []
+        for mover, still in self._ways:
+            findings, complaints = self._findings(mover, still, objects, kinematics, ground)
+            refused += complaints
+            if findings:
+                phrases = {o.id: o.record.phrase for o in objects}
+                return self._subtask(mover, phrases, *best_first(findings)), refused
+        return None, refused
+
+    def _findings(
+        self,
+        mover: SceneObject,
+        still: SceneObject,
+        objects: Sequence[SceneObject],
+        kinematics: Mapping[str, ArmKinematics],
+        ground: Ground,
+    ) -> tuple[list[Feasibility], list[Refusal]]:
+        poses = list(reading_poses(mover, still, ground.height))
+        if not poses:
+            return [], [self._refusal(f"{mover.record.phrase} cannot be held before {still.record.phrase}")]
+        others = [o for o in objects if o.id != mover.id]
+        findings, refused = [], []
+        for contact in carrying_points(mover.asset.annotation):
+            where = f"its place before {still.record.phrase}"
+            finding = examine(Transfer(mover, contact, where, poses, [], others), kinematics, ground.height)
+            if finding.feasible:
+                findings.append(finding)
+            else:
+                refused.append(self._refusal(finding.reason, contact.id))
+        return findings, refused
+
+    def _subtask(
+        self, mover: SceneObject, phrases: Mapping[str, str], grasps: list[Grasp], checks: list[Check]
+    ) -> Subtask:
+        text, *others = wordings(self.goal, phrases)
+        identifier = f"{self.thing.id}-scanned-by-{self.scanner.id}"
+        return Subtask(
+            id=identifier,
+            template=NAME,
+            text=text,
+            texts=others,
+            object=self.thing.id,
+            tool=self.scanner.id,
+            grasped=mover.id,
+            grasps=grasps,
+            goals=[self.goal],
+            script=f"subtasks/{identifier}.py",
+            checks=checks,
+        )
+
+    def _refusal(self, reason: str, contact: int | None = None) -> Refusal:
+        return Refusal(template=NAME, object=self.thing.id, contact=contact, receptacle=self.scanner.id, reason=reason)

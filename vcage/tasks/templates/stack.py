@@ -1,0 +1,7 @@
+"""Stack: an object is put on another whose top it fills, edge on edge."""
+
+from __future__ import annotations
+
+from vcage.tasks.templates.place import Placing, stands_flush
+
+STACK = Placing("stack", takes=stands_flush)

@@ -1,0 +1,10 @@
+"""Weigh: an object is put on a scale that bears nothing else, and lies still there for a second."""
+
+from __future__ import annotations
+
+from vcage.tasks.templates.place import Placing
+
+STILL = 1.0
+"""How long it lies there alone, seconds."""
+
+WEIGH = Placing("weigh", takes=lambda _target, _scale, point: point.weighs, word="weighed", waits=STILL)
