@@ -41,8 +41,9 @@ class OfflineReasoner:
     def plan_layout(
         self, scene: Scene, catalogue: Sequence[CatalogueEntry], rng: np.random.Generator, check: PlanCheck
     ) -> LayoutPlan:
-        """See :func:`vcage.models.rules.layout.plan_layout`, where roles say all that it needs of the catalogue, and for
-        a scene without an instruction :func:`vcage.models.rules.scene_layout.plan_scene`."""
+        """See :func:`vcage.models.rules.layout.plan_layout`, for which roles say all that it needs of the catalogue.
+
+        Without an instruction, see :func:`vcage.models.rules.scene_layout.plan_scene`."""
         if scene.instruction is None:
             return _drawn("layout plan", lambda: plan_scene(scene, catalogue, rng), check)
         return _drawn("layout plan", lambda: plan_layout(scene, rng), check)

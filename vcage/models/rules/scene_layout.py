@@ -1,12 +1,12 @@
 """Plans the layout of a scene that has no instruction, so that every sub-task of it can be done.
 
-What things are put into or on stands in the middle, where both arms come to; what opens there has nothing before it.
+What things are put into or on stands in the middle, where every arm comes to; what opens there has nothing before it.
 What is carried stands around that, like by like.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
@@ -15,8 +15,11 @@ from vcage.schema.asset import CatalogueEntry
 from vcage.schema.plan import TABLE, LayoutPlan, Relation, RelationWord
 from vcage.schema.scene import ObjectRecord, Scene
 
+ROW = 3
+"""Receptacles that stand side by side: more are too wide for the part of the table that two arms share."""
+
 _Spot = tuple[RelationWord, ObjectRecord]
-"""Beside what, and on which side."""
+"""On which side of what."""
 
 
 def plan_scene(scene: Scene, catalogue: Sequence[CatalogueEntry], rng: np.random.Generator) -> LayoutPlan:
@@ -29,14 +32,19 @@ def plan_scene(scene: Scene, catalogue: Sequence[CatalogueEntry], rng: np.random
     """
     kinds = {entry.name: entry for entry in catalogue}
     things = [scene.objects[i] for i in rng.permutation(len(scene.objects))]
-    fixtures = [o for o in things if _is_fixture(kinds[o.asset])]
-    places = sorted((o for o in things if o.role == "receptacle"), key=lambda o: (o not in fixtures, -_area(o)))
-    rest = [o for o in things if o not in places and o not in fixtures]
-    rest.sort(key=lambda o: (o.role, kinds[o.asset].words.category))
-    row = [*places, *(o for o in fixtures if o not in places)] or rest[:1]
-    relations, left, right = _row(row)
-    free = list(_spots(row[0], left, right, fixtures, scene))
-    relations += _by_kind([o for o in rest if o not in row], free)
+    fixed = {o.id for o in things if _is_fixture(kinds[o.asset])}
+    places = [o for o in things if o.role == "receptacle"] or things[:1]
+    places.sort(key=lambda o: (o.id not in fixed, -_area(o)))
+    rest = [o for o in things if o not in places]
+    rest.sort(key=lambda o: (o.id not in fixed, o.role, kinds[o.asset].words.category))
+    sides = _sides(places[:ROW], rng)
+    relations = [Relation(subject=places[0].id, relation="center", reference=TABLE)]
+    relations += [relation(o, word, places[0]) for word, o in sides.items() if o is not places[0]]
+    before = [o for o in (*sides.values(), places[0]) if o.id not in fixed]
+    for number, o in enumerate(places[ROW:]):
+        relations.append(relation(o, "in_front_of", before[number % len(before)] if before else places[0]))
+    taken = len(places[ROW:])
+    relations += _by_kind(rest, list(_spots(sides, before[taken:], rest, scene)))
     return LayoutPlan(text=as_sentences(relations, scene), relations=relations)
 
 
@@ -50,32 +58,26 @@ def _area(o: ObjectRecord) -> float:
     return (x1 - x0) * (y1 - y0)
 
 
-def _row(row: Sequence[ObjectRecord]) -> tuple[list[Relation], ObjectRecord, ObjectRecord]:
-    """The first in the middle of the table, the others in turn to its left and right; and the outermost ones."""
-    left = right = row[0]
-    relations = [Relation(subject=row[0].id, relation="center", reference=TABLE)]
-    for number, o in enumerate(row[1:]):
-        if number % 2 == 0:
-            relations.append(relation(o, "left_of", left))
-            left = o
-        else:
-            relations.append(relation(o, "right_of", right))
-            right = o
-    return relations, left, right
+def _sides(row: Sequence[ObjectRecord], rng: np.random.Generator) -> dict[RelationWord, ObjectRecord]:
+    """What is outermost on either side of a row whose first stands in the middle."""
+    words: list[RelationWord] = ["left_of", "right_of"]
+    outer = [*row[1:], row[0], row[0]][:2]
+    return {words[i]: o for i, o in zip(rng.permutation(2), outer, strict=True)}
 
 
 def _spots(
-    middle: ObjectRecord, left: ObjectRecord, right: ObjectRecord, fixtures: Sequence[ObjectRecord], scene: Scene
+    sides: Mapping[RelationWord, ObjectRecord],
+    free: Sequence[ObjectRecord],
+    rest: Sequence[ObjectRecord],
+    scene: Scene,
 ) -> Iterator[_Spot]:
     """Where there is room around the row, the best first: at its ends, before what does not open, behind the rest."""
-    yield "left_of", left
-    yield "right_of", right
-    for o in dict.fromkeys((left, right, middle)):
-        if o not in fixtures:
-            yield "in_front_of", o
-    for o in dict.fromkeys((left, right)):
-        if fits_behind(middle, o, scene):
-            yield "behind", o
+    yield from sides.items()
+    yield from (("in_front_of", o) for o in free)
+    largest = max(rest, key=_area, default=None)
+    for o in dict.fromkeys(o.id for o in sides.values()):
+        if largest is not None and fits_behind(largest, scene.object(o), scene):
+            yield "behind", scene.object(o)
 
 
 def _by_kind(things: Sequence[ObjectRecord], spots: Sequence[_Spot]) -> list[Relation]:
