@@ -122,7 +122,8 @@ def chain_for(objects: Sequence[SceneObject], *goals: tuple[str, str, str], unto
     ]
     result = found_in(objects)
     asking = scene_of(objects).model_copy(update={"goals": asked, "untouched": list(untouched)})
-    return compose(asking, objects, result.kept, result.refused)
+    (chain,) = compose(asking, objects, result.kept, result.refused)
+    return chain.subtasks
 
 
 def test_the_chain_brings_about_the_goals_in_their_order():
