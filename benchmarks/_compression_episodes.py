@@ -23,7 +23,6 @@ from vcage.datasets.hdf5 import write_episode
 from vcage.objects.table_tops import TABLES, table_texture
 from vcage.schema.base import PoseRecord
 from vcage.schema.episodes import Verdict
-from vcage.schema.goals import Goal
 from vcage.schema.robot import Robot
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Subtask, Subtasks
@@ -35,7 +34,7 @@ from vcage.stages import chain, collect, inpaint_plan, match, optimize, search_s
 from vcage.stages.context import StageContext
 from vcage.tasks.assemble import episode_data
 from vcage.tasks.ground import Ground
-from vcage.tasks.loop import EpisodeRun, PicturesByCamera, Setting, run_episode
+from vcage.tasks.loop import EpisodeRun, Seen, Setting, run_episode
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.slots import slots_for_chain
 from vcage.tasks.synthesis import Script, load_script
@@ -158,7 +157,7 @@ class _Making:
             slots=slots_for_chain(
                 [subtask for subtask, _ in self._chain], objects, self._robot, Ground.of(self._scene), rng
             ),
-            photograph=lambda _state: {},
+            photograph=lambda *_: {},
             judge=_accept,
             on_failure="resample",
             retries=2,
@@ -201,6 +200,6 @@ def sharp(robot: Robot) -> Robot:
     return robot.model_copy(update={"cameras": cameras})
 
 
-def _accept(_asked: Asked, _requires: Sequence[Goal], _seen: Sequence[PicturesByCamera]) -> Verdict:
+def _accept(_asked: Asked, _subtask: Subtask, _seen: Seen) -> Verdict:
     """Every sub-task goes on; whether it succeeded is asked of the simulator at the end."""
     return Verdict(accepted=True, reason="the simulator decides", confidence=1.0, provider="benchmark")

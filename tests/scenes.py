@@ -22,7 +22,7 @@ from vcage.sim.kinematics import ArmKinematics, kinematics_of
 from vcage.sim.robots import load_robot, load_template
 from vcage.sim.world import World
 from vcage.tasks.ground import Ground
-from vcage.tasks.loop import EpisodeRun, PicturesByCamera, Setting, run_episode
+from vcage.tasks.loop import EpisodeRun, Seen, Setting, run_episode
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.slots import Slot
 from vcage.tasks.synthesis import Script
@@ -149,7 +149,7 @@ class Critic:
     answers: Sequence[bool] = (True,)
     asked: list[Asked] = field(default_factory=list)
 
-    def __call__(self, asked: Asked, requires: Sequence[Goal], seen: Sequence[PicturesByCamera]) -> Verdict:
+    def __call__(self, asked: Asked, subtask: Subtask, seen: Seen) -> Verdict:
         answer = self.answers[min(len(self.asked), len(self.answers) - 1)]
         self.asked.append(asked)
         reason = "it is there" if answer else "it is not there"
@@ -168,7 +168,7 @@ def setting(
         build=lambda: world_of(objects),
         objects={o.id: o for o in objects},
         slots=slots,
-        photograph=lambda _state: {"top": np.zeros((2, 3, 3), dtype=np.uint8)},
+        photograph=lambda *_: {"top": np.zeros((2, 3, 3), dtype=np.uint8)},
         judge=critic,
         on_failure=on_failure,
         retries=retries,

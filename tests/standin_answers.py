@@ -26,7 +26,8 @@ def answer_question(schema: dict[str, Any], prompt: str, pictures: list[np.ndarr
         return {"pairs": [_pair(*found) for found in _PAIR.findall(prompt)]}
     if "goals" in fields:
         return _read(_section(prompt, "The instruction"), prompt)
-    changed = len(pictures) > 1 and bool(np.abs(pictures[0].astype(int) - pictures[-1]).max() > 40)
+    views = [picture for picture in pictures if picture.shape == pictures[0].shape]
+    changed = len(views) > 1 and bool(np.abs(views[0].astype(int) - views[-1]).max() > 40)
     seen = "the pictures differ" if changed else "the pictures are the same"
     return {"observations": seen, "accepted": changed, "reason": seen, "confidence": 0.8}
 

@@ -13,7 +13,7 @@ ON_THE_PLATE = Goal(subject="block", relation="on", reference="plate")
 
 def test_an_episode_whose_goals_hold_counts_as_a_whole() -> None:
     step = subtask()
-    made = setting(block_and_plate(), {"block": ON_PLATE}, Critic([True]))
+    made = setting(block_and_plate(), {step.id: ON_PLATE}, Critic([True]))
     done = run_episode(made, [(step, script_of(step))], 0, lasting([[ON_THE_PLATE]]))
     tally = Tally()
     _count(done, tally)

@@ -42,6 +42,19 @@ def test_a_pose_out_of_reach_has_no_solution(right):
     assert not right.reachable(Pose([0.3, -0.5, 0.2]))
 
 
+@settings(max_examples=40, deadline=None)
+@given(st.lists(st.floats(0, 1), min_size=7, max_size=7))
+def test_no_pose_that_the_arm_comes_to_is_too_far(share):
+    arm = kinematics_of(load_robot("dual_panda").arms["right"])
+    assert not arm.too_far(arm.fk(arm.lower + np.array(share) * (arm.upper - arm.lower)))
+
+
+def test_what_is_farther_than_the_stretched_arm_is_too_far(right):
+    stretched = right.fk(right.home * [1, 0, 1, 0, 1, 0, 1])  # straight up
+    assert not right.too_far(stretched)
+    assert right.too_far(Pose(stretched.p + [0, 0, 0.15], stretched.q))
+
+
 def test_solutions_do_not_depend_on_what_was_asked_before(right):
     pose = grasp_from_above(0.2, 0.0, 0.8, 0.3)
     first = right.ik(pose)

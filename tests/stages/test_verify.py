@@ -18,7 +18,12 @@ from vcage.stages import verify
 def pair(finished):
     """The first sub-task's id and the two pictures that were looked at."""
     episode = Episodes.read(finished.run.episodes).episodes[0]
-    return episode.subtasks[0], *(finished.run.episodes.parent / name for name in episode.verdicts[0].pictures)
+    return episode.subtasks[0], *tops(finished.run, episode)
+
+
+def tops(run, episode):
+    """The views from above before and after the first sub-task."""
+    return [run.episodes.parent / p for p in episode.verdicts[0].pictures if p.endswith("-top.png")]
 
 
 def test_the_same_critic_says_the_same_again(finished):
@@ -52,7 +57,7 @@ def test_a_verdict_of_the_same_critic_on_the_same_pictures_is_taken_over(finishe
 def test_another_picture_is_judged_anew(finished, tmp_path):
     run = copied(finished.run, tmp_path / "run", before="verify")
     (episode,) = Episodes.read(run.episodes).episodes
-    before, after = (run.episodes.parent / name for name in episode.verdicts[0].pictures)
+    before, after = tops(run, episode)
     write_picture(after, read_picture(before))
     record = verify.execute(run, OPTIONS, finished.context).record
     assert record.taken_over == len(episode.subtasks) - 1

@@ -36,7 +36,8 @@ def point(receptacle: SceneObject):
 def finding(target: SceneObject, receptacle: SceneObject, *others: SceneObject, contact: int = 0) -> Feasibility:
     place, floor = point(receptacle), receptacle.asset.opening(point(receptacle)).floor
     poses = Slot(receptacle.id, place.id, Pose([0.0, 0.0, floor])).poses({receptacle.id: receptacle})
-    transfer = Transfer.into(target, target.asset.annotation.contact_point(contact), receptacle, place, poses, others)
+    by, around = target.asset.annotation.contact_point(contact), [receptacle, *others]
+    transfer = Transfer.into(target, by, receptacle, place, poses, around)
     return examine(transfer, kinematics(), TABLE_TOP)
 
 

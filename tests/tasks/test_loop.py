@@ -121,6 +121,7 @@ def test_the_pictures_of_a_verdict_are_kept_under_the_names_it_gives(accepted: E
     assert accepted.segments[0].verdict.pictures == [
         "critic/e000000-s0-a0-before-top.png",
         "critic/e000000-s0-a0-after-top.png",
+        "critic/e000000-s0-a0-moment-top.png",
     ]
     assert list(accepted.pictures) == accepted.segments[0].verdict.pictures
 

@@ -10,7 +10,7 @@ from shapely.geometry import MultiPoint
 
 from tests.scenes import TABLE_TOP, thing
 from vcage.base.geometry import Pose
-from vcage.tasks.scene_objects import SolidBox, seen_apart
+from vcage.tasks.scene_objects import Obstacles, SolidBox
 
 
 def test_the_walls_of_a_box_leave_its_opening_free():
@@ -18,7 +18,8 @@ def test_the_walls_of_a_box_leave_its_opening_free():
     opening = box.asset.opening(box.asset.annotation.functional_point(0))
     centre = box.pose.apply([*opening.centre, opening.floor])
     inside = SolidBox(np.array([[-0.1, -0.08, 0.0], [0.1, 0.08, 0.01]]), Pose(centre, box.pose.q))
-    assert seen_apart(inside, box.walls(0)).all()
+    ((_, below),) = Obstacles(box.walls(0)).under([inside])
+    assert len(below) == 0
 
 
 @settings(deadline=None)
@@ -31,7 +32,8 @@ def test_boxes_are_seen_apart_when_their_outlines_are(turns: list[float], x: flo
     outlines = [MultiPoint(box.corners[:, :2]).convex_hull for box in boxes]
     gap = outlines[0].distance(outlines[1])
     if gap > 1e-6 or outlines[0].intersection(outlines[1]).area > 1e-6:
-        assert seen_apart(boxes[0], [boxes[1]]).tolist() == [gap > 0]
+        ((_, below),) = Obstacles([boxes[1]]).under([boxes[0]])
+        assert (len(below) == 0) == (gap > 0)
 
 
 def test_the_walls_of_a_box_reach_from_its_bottom_to_its_rim():

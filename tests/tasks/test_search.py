@@ -13,6 +13,7 @@ from vcage.schema.goals import AskedGoal, Goal
 from vcage.schema.subtasks import PairAnswer, PairQuestion
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.search import FoundSubtasks, compose, find_subtasks
+from vcage.tasks.templates import TEMPLATES
 
 
 def found_in(objects: Sequence[SceneObject], judge=sensible, seed: int = 0) -> FoundSubtasks:
@@ -66,6 +67,24 @@ def test_candidates_are_contact_points_times_functional_points():
 
 def test_every_refusal_says_why():
     assert all(refusal.reason for refusal in found_in(stationery()).refused)
+
+
+def test_every_template_keeps_its_reasons():
+    out_of_reach = ["block", "electronic_scale", "price_sign", "cereal_box", "barcode_scanner", "cabinet_one_drawer",
+                    "service_bell", "kitchen_timer"]  # fmt: skip
+    objects = [thing(name, (0.4 * k, 3.0)) for k, name in enumerate(out_of_reach)]
+    objects.append(thing("block", (4.0, 3.0), id="other_block"))
+    aside = Goal(subject="block", relation="beside", reference="electronic_scale")
+    result = find_subtasks(objects, kinematics(), sensible, GROUND, np.random.default_rng(0), [aside])
+    assert result.kept == []
+    assert {refusal.template for refusal in result.refused} == set(TEMPLATES)
+    assert all(refusal.reason for refusal in result.refused)
+
+
+def test_a_thing_is_looked_at_where_it_stands_though_it_was_looked_at_elsewhere_before():
+    plate = thing("plate", (0.05, 0.05))
+    kept = [len(found_in([thing("block", (-0.2, y), 0.3), plate]).kept) for y in (-0.05, 0.9, -0.05)]
+    assert kept == [1, 0, 1]
 
 
 def test_a_pair_that_does_not_fit_is_not_put_before_the_reasoner():

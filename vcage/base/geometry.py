@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -69,8 +70,14 @@ class Pose:
         return out
 
     def rotation(self) -> np.ndarray:
-        """(3, 3) rotation matrix."""
-        return quat_to_rotation(self.q)
+        """(3, 3) rotation matrix, made once."""
+        return self._rotation
+
+    @cached_property
+    def _rotation(self) -> np.ndarray:
+        rotation = quat_to_rotation(self.q)
+        rotation.setflags(write=False)
+        return rotation
 
     def inverse(self) -> Pose:
         """Parent to child."""
@@ -188,11 +195,14 @@ def look_at(eye: ArrayLike, target: ArrayLike, up: ArrayLike = (0.0, 0.0, 1.0)) 
 # --- boxes ---------------------------------------------------------------------------------------------
 
 
+_UPPER = np.array([[i >> 2 & 1, i >> 1 & 1, i & 1] for i in range(8)], dtype=bool)
+"""(8, 3) which coordinates of a box's corners are the upper ones."""
+
+
 def box_corners(lower: ArrayLike, upper: ArrayLike) -> np.ndarray:
     """(8, 3) corners of an axis-aligned box."""
     lower, upper = np.asarray(lower, dtype=np.float64), np.asarray(upper, dtype=np.float64)
-    picks = np.array([[i >> 2 & 1, i >> 1 & 1, i & 1] for i in range(8)])
-    return np.where(picks, upper, lower)
+    return np.where(_UPPER, upper, lower)
 
 
 def world_aabb(bounds: ArrayLike, pose: Pose) -> np.ndarray:
@@ -230,7 +240,8 @@ def oriented_boxes_overlap(bounds_a: ArrayLike, pose_a: Pose, bounds_b: ArrayLik
     corners_a = pose_a.apply(box_corners(*np.asarray(bounds_a, dtype=np.float64)))
     corners_b = pose_b.apply(box_corners(*np.asarray(bounds_b, dtype=np.float64)))
     axes_a, axes_b = pose_a.rotation().T, pose_b.rotation().T
-    crossed = np.cross(axes_a[:, None, :], axes_b[None, :, :]).reshape(-1, 3)
+    a, b, y, z = axes_a[:, None], axes_b[None], [1, 2, 0], [2, 0, 1]
+    crossed = (a[..., y] * b[..., z] - a[..., z] * b[..., y]).reshape(-1, 3)  # numpy's cross has costly checks
     crossed = crossed[np.linalg.norm(crossed, axis=1) > 1e-9]
     axes = np.concatenate([axes_a, axes_b, crossed])  # (≤ 15, 3)
     along_a, along_b = corners_a @ axes.T, corners_b @ axes.T  # (8, n)

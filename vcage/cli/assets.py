@@ -153,6 +153,8 @@ class ValidateAssets(Command):
     """processes"""
     seed: Annotated[int, NATURAL] = 0
     """of all places"""
+    robot: Annotated[str | None, arg(metavar="ROBOT"), UNSAID] = None
+    """the robot that tries them (default: that of the scene template table)"""
     out: Annotated[Path, FOLDER] = Path("runs/proof")
     """folder"""
     force: Flag = False
@@ -167,7 +169,7 @@ class ValidateAssets(Command):
         from vcage.apps.proof.validate import PROOF, validate
         from vcage.objects.library import Library
 
-        trial = Trial(seed=self.seed, quick=self.quick)
+        trial = Trial(robot=self.robot, seed=self.seed, quick=self.quick)
         with progress("proving") as show:
             proof = validate(list(self.names), self.out, trial, workers=self.workers, force=self.force, progress=show)
         output = self.out / PROOF
@@ -209,6 +211,8 @@ class ImportAssets(Command):
     """the folder of RoboTwin, or names of YCB"""
     into: Annotated[Path | None, FOLDER, UNSAID] = None
     """folder for the objects (default: where vcage looks for them)"""
+    robot: Annotated[str | None, arg(metavar="ROBOT"), UNSAID] = None
+    """the robot whose gripper the grasps of YCB's shapes are for (default: that of the scene template table)"""
     force: Flag = False
     """replace what was imported before"""
 
@@ -230,7 +234,7 @@ class ImportAssets(Command):
             )
         with progress("importing") as show:
             if self.source == "ycb":
-                robot = load_robot(load_template("table").robot)
+                robot = load_robot(load_template("table", self.robot).robot)
                 gripper = next(iter(robot.arms.values())).gripper
                 entries = import_ycb(list(self.what), gripper, self.into, show, force=self.force)
             else:

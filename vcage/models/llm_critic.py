@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated
 
+import numpy as np
 from pydantic import Field
 
 from vcage.models import prompts
@@ -11,6 +12,7 @@ from vcage.models.chat import Chat
 from vcage.models.protocols import CriticQuestion
 from vcage.models.structured import Answer, ask
 from vcage.schema.episodes import Verdict
+from vcage.vision.protocols import Reference
 
 
 class Judgement(Answer):
@@ -35,8 +37,15 @@ class LlmCritic:
         Raises:
             ModelRefused, EndpointFailed, ConfigurationError: see :func:`vcage.models.structured.ask`.
         """
-        named = [(f"before, camera {name}", view.picture) for name, view in sorted(question.before.items())]
-        named += [(f"after, camera {name}", view.picture) for name, view in sorted(question.after.items())]
+        named = [
+            (f"{when}, camera {name}", view.picture)
+            for when in ("start", "before", "moment", "after")
+            for name, view in sorted(getattr(question, when).items())
+        ]
+        named += [(f"moment, camera {name}", picture) for name, picture in sorted(question.wrist.items())]
+        concerned = dict.fromkeys(name for goal in question.goals for name in (goal.subject, goal.reference))
+        shown = [question.references[name] for name in concerned if name in question.references]
+        named += [(f"the {look.phrase} alone, from above", _on_white(look)) for look in shown]
         phrases = {object_id: reference.phrase for object_id, reference in question.references.items()}
         prompt = prompts.fill(
             "judge_subtask",
@@ -49,6 +58,11 @@ class LlmCritic:
         return Verdict(
             accepted=found.accepted, reason=found.reason, confidence=found.confidence, provider=self.provider
         )
+
+
+def _on_white(look: Reference) -> np.ndarray:
+    """(h, w, 3) uint8."""
+    return np.where(look.picture[..., 3:] > 127, look.picture[..., :3], np.uint8(255))
 
 
 def _complaints(answer: Judgement) -> list[str]:

@@ -6,10 +6,10 @@ file that its answers touched.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Protocol, TypeAlias
 
 import numpy as np
 
@@ -69,6 +69,10 @@ class EditRequest:
         return intended_layout(self.scene, relations, items, fixed)
 
 
+DrawObject: TypeAlias = "Callable[[str, Pose, Camera, Window, Mapping[str, float]], Drawing]"
+"""An object, by id, alone at a pose, as a camera sees it through a window, with its parts at shares of their ranges."""
+
+
 @dataclass(frozen=True)
 class CriticQuestion:
     """Was the sub-task done? Pictures and calibration only, never simulator state.
@@ -79,10 +83,17 @@ class CriticQuestion:
         before, after: view by camera name; ``top`` is always there, with the robot at its home in both.
         references: object id → what it looks like, for every object of the scene.
         looks: for goals about a moving part: object id → what it looks like before, by the plan.
-        draw: draws the object of such a goal alone at a pose, as a camera sees it through a window, with the part at a
-            share of its range.
-        moment: view by camera name while the part was touched; only where something is pressed.
+        draw: draws the scene's objects.
+        readings: poses of one object, by id, at which it reads or is read by another: their ids, each with the pose
+            that says how it stands.
+        readers: ids of the objects that read bar codes.
+        grasped: id of what the robot was to take hold of, where that is not the object of the goals.
+        moment: view by camera name while a part was touched, a code was before a scanner, or a thing came to lie on a
+            scale.
+        start: view by camera name at the start of the episode; only where something is put back.
+        wrist: picture by camera name at that moment, or when what was held was let go, from the hand that did it.
         table_height: z of the table top, metres (part of the calibration).
+        towards_customer: (3,) unit vector from the middle of the table to the customer.
         background: the ``top`` view of the empty table in the same light, where there is one.
     """
 
@@ -92,9 +103,15 @@ class CriticQuestion:
     after: dict[str, View]
     references: dict[str, Reference] = field(default_factory=dict)
     looks: dict[str, Reference] = field(default_factory=dict)
-    draw: Callable[[Goal, Pose, Camera, Window, float], Drawing] | None = None
+    draw: DrawObject | None = None
+    readings: Callable[[str, Pose, str, Pose], Iterable[Pose]] | None = None
+    readers: Sequence[str] = ()
+    grasped: str | None = None
     moment: dict[str, View] = field(default_factory=dict)
+    start: dict[str, View] = field(default_factory=dict)
+    wrist: dict[str, np.ndarray] = field(default_factory=dict)
     table_height: float = 0.74
+    towards_customer: tuple[float, float, float] = (0.0, 1.0, 0.0)
     background: np.ndarray | None = None
 
 

@@ -62,6 +62,7 @@ class ArmKinematics:
         self._index = np.array(list(map(order.index, arm.joints)))
         self._fingers = np.array(list(map(order.index, arm.gripper.joints)))
         self._mask = np.isin(np.arange(len(order)), self._index).astype(np.int32)
+        self._moved_links = [joints[i].child_link.name for i in self._index]
         self.finger_links = frozenset(joints[i].child_link.name for i in self._fingers)
         """Names of the links that the gripper's joints move."""
         self._base = arm.base.pose()
@@ -72,6 +73,10 @@ class ArmKinematics:
         self.lower, self.upper = limits[:, 0].astype(np.float64), limits[:, 1].astype(np.float64)
         self.home = np.array(arm.home, dtype=np.float64)
         self._seeds = self._variations_of_home()
+        first, *_, last = self._base.apply(self._joint_origins(self.home))
+        self._shoulder, self._to_wrist = first, self.fk(self.home).inverse().apply(last)
+        off = POSITION_TOLERANCE + ROTATION_TOLERANCE * float(np.linalg.norm(self._to_wrist))
+        self._stretch = self._longest_stretch() + off
         self._first = functools.lru_cache(REMEMBERED)(self._first_solution)
 
     def fk(self, q: Sequence[float] | np.ndarray) -> Pose:
@@ -119,6 +124,10 @@ class ArmKinematics:
         """Whether :meth:`ik` has a solution."""
         return self.ik(pose) is not None
 
+    def too_far(self, pose: Pose) -> bool:
+        """Whether no joint angles lead to ``pose`` since the arm is too short: a first look, that costs little."""
+        return bool(np.linalg.norm(pose.apply(self._to_wrist) - self._shoulder) > self._stretch)
+
     def within_limits(self, q: np.ndarray) -> bool:
         """Whether all joints keep :data:`LIMIT_MARGIN` from their limits."""
         return bool(np.all(q >= self.lower + LIMIT_MARGIN) and np.all(q <= self.upper - LIMIT_MARGIN))
@@ -128,6 +137,8 @@ class ArmKinematics:
         return None if q is None else tuple(q.tolist())
 
     def _solutions(self, pose: Pose, seed_q: np.ndarray | None, attempts: int) -> Iterator[np.ndarray]:
+        if self.too_far(pose):
+            return  # every descent would take all its steps
         target = to_sapien(self._from_base * pose * self._to_link)
         for seed in ([] if seed_q is None else [np.asarray(seed_q)]) + self._seeds[:attempts]:
             q = self._solve(target, pose, seed)
@@ -167,6 +178,29 @@ class ArmKinematics:
         full[self._index] = q
         full[self._fingers] = gripper.closed + opening * (gripper.open - gripper.closed)
         return full
+
+    def _longest_stretch(self) -> float:
+        """How far the last joint can be from the first at most, metres.
+
+        The sum of the links' lengths, two links at once where that is less: how far their ends are apart depends on
+        the joint between them alone, and its square is a sine of that joint's angle, which three angles tell.
+        """
+        turns = np.array([0.0, 2.0, 4.0]) * np.pi / 3
+
+        def longest(start: int, end: int) -> float:
+            turned = [self._joint_origins(self.home + t * (np.arange(len(self.home)) == start + 1)) for t in turns]
+            squares = np.array([np.sum((origins[end] - origins[start]) ** 2) for origins in turned])
+            return float(np.sqrt(squares.mean() + abs(squares @ np.exp(1j * turns)) * 2 / 3))
+
+        least = [0.0]
+        for end in range(1, len(self.home)):
+            least.append(min(least[start] + longest(start, end) for start in range(max(0, end - 2), end)))
+        return least[-1]
+
+    def _joint_origins(self, q: np.ndarray) -> np.ndarray:
+        """(n, 3) where the arm's joints are at joints ``q`` (n,), in the frame of its base."""
+        poses = self.base_poses(q, 1.0)
+        return np.array([poses[name].p for name in self._moved_links])
 
     def _variations_of_home(self) -> list[np.ndarray]:
         """Home, then fixed points around it: the same for every run, and independent of any other random choice."""

@@ -28,9 +28,14 @@ def load_robot(name: str) -> Robot:
     return _load(Robot, "robot", "robots", name)
 
 
-def load_template(name: str) -> SceneTemplate:
-    """The scene template called ``name``; raises as :func:`load_robot`."""
-    return _load(SceneTemplate, "scene", "scenes", name)
+def load_template(name: str, robot: str | None = None) -> SceneTemplate:
+    """The scene template called ``name``; raises as :func:`load_robot`.
+
+    Args:
+        robot: that stands there instead of the template's own.
+    """
+    template = _load(SceneTemplate, "scene", "scenes", name)
+    return template if robot is None else template.model_copy(update={"robot": load_robot(robot).name})
 
 
 def available(folder: str) -> list[str]:

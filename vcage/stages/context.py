@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import hashlib
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping
 from functools import cached_property
 
 import numpy as np
@@ -12,24 +11,21 @@ from vcage.base.geometry import Camera, Pose
 from vcage.layout.capacities import capacity_of
 from vcage.layout.items import TableItem
 from vcage.layout.placement.reach import GRASP_HEIGHTS, robot_reach
-from vcage.models.protocols import CriticQuestion, Models
+from vcage.models.protocols import Models
 from vcage.models.registry import DETECTORS, EMBEDDERS, build_models
 from vcage.objects.asset import Asset
 from vcage.objects.library import Library
 from vcage.objects.table_tops import table_texture
 from vcage.schema.asset import CatalogueEntry, PhysicalModel
-from vcage.schema.episodes import Verdict
-from vcage.schema.goals import OF_A_PART, Goal
 from vcage.schema.scene import ObjectRecord, Scene, Table, Workspace
 from vcage.sim.appearance import Appearance
 from vcage.sim.drawer import Drawing, ModelDrawer, Window, reference_view
 from vcage.sim.kinematics import ArmKinematics, kinematics_of
 from vcage.sim.robots import load_robot
 from vcage.tasks.scene_objects import SceneObject
-from vcage.vision.protocols import Reference, View
+from vcage.vision.protocols import Reference
 from vcage.vision.symmetry import rotational_symmetry
 
-TOP = "top"
 """Name of the scene's camera among the views that a critic gets."""
 
 METRES_PER_PIXEL = 0.0015
@@ -111,14 +107,14 @@ class StageContext:
             self._references[key] = reference_view(self.asset(record).model, METRES_PER_PIXEL, joints=joints)
         return self._references[key], METRES_PER_PIXEL
 
-    def _draw_part(
-        self, record: ObjectRecord, goal: Goal, pose: Pose, camera: Camera, window: Window, share: float
+    def drawing(
+        self, record: ObjectRecord, pose: Pose, camera: Camera, window: Window, shares: Mapping[str, float]
     ) -> Drawing:
-        """An object with the part that a goal is about at a share of its range, its other parts at rest."""
+        """An object alone as a camera sees it, with these parts at a share of their range, the others at rest."""
         model, key = self.asset(record).model, (record.asset, record.variant)
         if key not in self._drawers:
             self._drawers[key] = ModelDrawer({record.asset: model})
-        joints = tuple(share * link.joint.far_end if link.name == goal.part else 0.0 for link in model.links)
+        joints = tuple(shares.get(link.name, 0.0) * link.joint.far_end for link in model.links)
         return self._drawers[key].draw(record.asset, pose, camera, window, joints)
 
     def look(self, record: ObjectRecord, opened: Collection[str] = ()) -> Reference:
@@ -138,76 +134,3 @@ class StageContext:
     def appearance(self, texture: str) -> Appearance:
         """The plain look of the scene: studio light and the table's own texture."""
         return Appearance(table_texture=table_texture(texture))
-
-    def verdict(
-        self,
-        scene: Scene,
-        text: str,
-        goals: Sequence[Goal],
-        before: np.ndarray,
-        after: np.ndarray,
-        background: np.ndarray | None = None,
-        requires: Sequence[Goal] = (),
-        moment: np.ndarray | None = None,
-    ) -> Verdict:
-        """What the critic says about one sub-task.
-
-        Args:
-            scene: where it was done.
-            text, goals: the sub-task in words and in the closed vocabulary.
-            before, after: (H, W, 3) uint8 RGB of the scene's top camera, whose calibration every critic may rely on.
-            background: the same of the empty table.
-            requires: what was true before, by the plan: which drawers are open.
-            moment: the top view while a part was pressed.
-
-        Raises:
-            VcageError: the critic cannot be asked, or gives no answer of use.
-        """
-        camera = scene.top_camera.camera()
-        opened: dict[str, list[str]] = {}
-        for goal in (*requires, *(g for g in goals if g.relation == "inside" and g.part)):
-            owner = goal.subject if goal.relation in ("open", "closed") else goal.reference
-            if goal.relation in ("open", "inside") and goal.part and owner:
-                opened.setdefault(owner, []).append(goal.part)
-        references = {record.id: self.look(record, opened.get(record.id, ())) for record in scene.objects}
-        looks = {
-            goal.subject: self.look(scene.object(goal.subject), [goal.part] if goal.relation == "closed" else ())
-            for goal in goals
-            if goal.relation in OF_A_PART and goal.part is not None
-        }
-        question = CriticQuestion(
-            text=text,
-            goals=list(goals),
-            before={TOP: View(before, camera)},
-            after={TOP: View(after, camera)},
-            references=references,
-            looks=looks,
-            draw=lambda goal, pose, seen_by, window, share: self._draw_part(
-                scene.object(goal.subject), goal, pose, seen_by, window, share
-            ),
-            moment={} if moment is None else {TOP: View(moment, camera)},
-            table_height=scene.table.height,
-            background=background,
-        )
-        asked = question_hash(text, goals, before, after, background, requires, moment)
-        return self.models.critic.judge(question).model_copy(update={"question": asked})
-
-
-def question_hash(
-    text: str,
-    goals: Sequence[Goal],
-    before: np.ndarray,
-    after: np.ndarray,
-    background: np.ndarray | None,
-    requires: Sequence[Goal] = (),
-    moment: np.ndarray | None = None,
-) -> str:
-    """Hex SHA-256 of what a critic is asked about a scene (see :meth:`StageContext.verdict`); what else it is shown
-    follows from the scene."""
-    told = (text, [goal.model_dump_json() for goal in (*goals, *requires)])
-    digest = hashlib.sha256(repr(told).encode())
-    for picture in (before, after, background, moment):
-        digest.update(
-            b"" if picture is None else repr(picture.shape).encode() + np.ascontiguousarray(picture).tobytes()
-        )
-    return digest.hexdigest()

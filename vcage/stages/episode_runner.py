@@ -28,17 +28,18 @@ from vcage.schema.goals import Goal, in_steps
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Chain, Subtask, Subtasks
 from vcage.sim.appearance import Appearance
-from vcage.sim.cameras import shoot
+from vcage.sim.cameras import robot_cameras, shoot
 from vcage.sim.replay import camera_paths, render_log
 from vcage.sim.robots import load_robot
 from vcage.sim.state import WorldState
 from vcage.sim.world import World
-from vcage.stages.context import TOP, StageContext
+from vcage.stages.context import StageContext
 from vcage.stages.episode_store import background_name
+from vcage.stages.question import AT_THE_MOMENT, TOP, cameras, verdict
 from vcage.stages.stage import Job
 from vcage.tasks.assemble import episode_data
 from vcage.tasks.ground import Ground
-from vcage.tasks.loop import EpisodeRun, Setting, run_episode
+from vcage.tasks.loop import EpisodeRun, Seen, Setting, run_episode
 from vcage.tasks.readiness import ready_for
 from vcage.tasks.slots import slots_for_chain
 from vcage.tasks.synthesis import Script, load_script
@@ -124,8 +125,8 @@ class EpisodeRunner:
             build=lambda: World.of_scene(scene, self._models, self._robot),
             objects={o.id: o for o in objects},
             slots=slots_for_chain([subtask for subtask, _ in work.steps], objects, self._robot, Ground.of(scene), rng),
-            photograph=lambda state: self._photograph(drawn, state),
-            judge=lambda asked, requires, seen: self._judge(asked, requires, seen, background),
+            photograph=lambda state, goals, arm: self._photograph(drawn, state, goals, arm),
+            judge=lambda asked, subtask, seen: self._judge(asked, subtask, seen, background),
             on_failure=self._stage.options["on_failure"],
             retries=self._stage.options["retries"],
             fps=self._stage.options["fps"],
@@ -135,9 +136,15 @@ class EpisodeRunner:
             write_picture(folder / name, picture)
         return self._write(done, index, work, drawn, folder), done.attempts
 
-    def _photograph(self, drawn: World, state: WorldState) -> dict[str, np.ndarray]:
+    def _photograph(
+        self, drawn: World, state: WorldState, goals: Sequence[Goal] = (), arm: str | None = None
+    ) -> dict[str, np.ndarray]:
         drawn.set_state(state)
-        return {TOP: shoot(drawn, self._scene.top_camera)}
+        taken_by = cameras(self._scene, goals)
+        if arm is not None:
+            taken_by = taken_by if any(goal.relation in AT_THE_MOMENT for goal in goals) else {}
+            taken_by |= {name: c for name, c in robot_cameras(drawn).items() if self._robot.cameras[name].arm == arm}
+        return {name: shoot(drawn, camera) for name, camera in taken_by.items()}
 
     def _empty_table(self, drawn: World) -> np.ndarray:
         """The table in the episode's light with nothing on it, the robot at home."""
@@ -147,12 +154,9 @@ class EpisodeRunner:
         drawn.set_state(state)
         return picture
 
-    def _judge(
-        self, asked: Asked, requires: Sequence[Goal], seen: Sequence[Mapping[str, np.ndarray]], background: np.ndarray
-    ) -> Verdict:
-        before, after, *moments = (views[TOP] for views in seen)
-        moment = moments[0] if moments else None
-        return self._context.verdict(self._scene, asked.text, asked.goals, before, after, background, requires, moment)
+    def _judge(self, asked: Asked, subtask: Subtask, seen: Seen, background: np.ndarray) -> Verdict:
+        told = (seen, background, subtask.requires, subtask.grasped)
+        return verdict(self._context, self._scene, asked.text, asked.goals, *told)
 
     def _write(self, done: EpisodeRun, index: int, work: _Work, drawn: World, folder: Path) -> Episode:
         """Write the HDF5: with pictures when accepted, states alone when not."""

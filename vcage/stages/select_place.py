@@ -6,6 +6,7 @@ examples:
   vcage select-place "Pack the marker pens and the eraser into the box" --out runs/stationery
   vcage select-place "Put the blocks on the plate" --out runs/blocks --seed 7 --force
   vcage select-place --scene office_desk --out runs/office
+  vcage select-place "Put the apple into the bowl" --robot dual_panda --out runs/apple
 """
 
 from __future__ import annotations
@@ -73,6 +74,8 @@ class Options(ModelOptions):
     """the task in plain language, in quotes; without one, the objects are those that belong to the scene template"""
     template: Annotated[str, arg(name="scene", metavar="TEMPLATE")] = "table"
     """the scene template"""
+    robot: Annotated[str | None, arg(metavar="ROBOT"), UNSAID] = None
+    """the robot (default: that of the scene template); ``vcage robots list`` says which"""
 
 
 def job(run: RunFolder, options: Options, context: StageContext) -> Job:
@@ -82,6 +85,7 @@ def job(run: RunFolder, options: Options, context: StageContext) -> Job:
         UsageError: the instruction is empty, too long or no text; or there is none, and nothing belongs to the scene.
     """
     asked: dict[str, Any] = {"instruction": None, "template": options.template}
+    asked["robot"] = load_template(options.template, options.robot).robot
     if options.instruction is not None:
         asked["instruction"] = _read(options.instruction)
     else:
@@ -145,7 +149,7 @@ def execute(run: RunFolder, options: Options, context: StageContext, progress: P
 
     def make(folder: Path, provenance: Provenance) -> Scene:
         rng = stage.rng()
-        template = load_template(options.template)
+        template = load_template(options.template, options.robot)
         instruction = stage.options["instruction"]
         selection = _selection(instruction, template, context, rng)
         objects = name_objects(selection, context.catalogue)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -16,9 +17,13 @@ from vcage.schema.base import Provenance
 from vcage.schema.episodes import Episode, Episodes, SingleVerdict, Verdict, Verdicts
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Subtasks
-from vcage.stages.context import StageContext, question_hash
+from vcage.stages.context import StageContext
 from vcage.stages.episode_store import background_name
+from vcage.stages.question import TOP, question_hash, verdict
 from vcage.stages.stage import Job, ModelOptions, StageResult, stage_seed
+
+_NAMED = re.compile(r"-(before|after|moment|start)-(\w+)\.png$")
+"""How collect names what a verdict looked at: when, and by which camera."""
 
 Options = ModelOptions
 """The stage has no options of its own."""
@@ -87,13 +92,13 @@ class _Judge:
         empty = read_picture(self._folder / background_name(episode.index))
         told = []
         for name, earlier in zip(episode.subtasks, episode.verdicts, strict=True):
-            before, after, *moments = (_view(self._folder / picture, self._scene) for picture in earlier.pictures)
-            subtask, moment = self._subtasks[name], moments[0] if moments else None
-            asked = (subtask.text, subtask.goals, before, after, empty, subtask.requires, moment)
+            seen = _seen([self._folder / picture for picture in earlier.pictures], self._scene)
+            subtask = self._subtasks[name]
+            asked = (subtask.text, subtask.goals, seen, empty, subtask.requires, subtask.grasped)
             known = self._take_over and earlier.question == question_hash(*asked)
-            verdict = earlier if known else self._context.verdict(self._scene, *asked)
+            said = earlier if known else verdict(self._context, self._scene, *asked)
             pictures = [f"../{self._folder.name}/{picture}" for picture in earlier.pictures]
-            told.append((verdict.model_copy(update={"pictures": pictures}), known))
+            told.append((said.model_copy(update={"pictures": pictures}), known))
         return told
 
 
@@ -115,17 +120,28 @@ def judge_pair(run: RunFolder, context: StageContext, subtask_id: str, before: P
     if subtask_id not in kept:
         raise UnknownName("sub-task", subtask_id, kept)
     subtask, scene = kept[subtask_id], Scene.read(run.layout)
-    verdict = context.verdict(
-        scene,
-        subtask.text,
-        subtask.goals,
-        _view(before, scene),
-        _view(after, scene),
-        _empty_beside(before, scene),
-        subtask.requires,
-    )
+    seen = _seen(_beside(after), scene)
+    seen |= {when: seen.get(when, {}) | {TOP: _view(p, scene)} for when, p in (("before", before), ("after", after))}
+    empty = _empty_beside(before, scene)
+    told = (seen, empty, subtask.requires, subtask.grasped)
+    said = verdict(context, scene, subtask.text, subtask.goals, *told)
     pictures = [str(before), str(after)]
-    return SingleVerdict(text=subtask.text, verdict=verdict.model_copy(update={"pictures": pictures}))
+    return SingleVerdict(text=subtask.text, verdict=said.model_copy(update={"pictures": pictures}))
+
+
+def _seen(pictures: Sequence[Path], scene: Scene) -> dict[str, dict[str, np.ndarray]]:
+    """Pictures by what their names say that they show, and by camera."""
+    found: dict[str, dict[str, np.ndarray]] = {}
+    for path in pictures:
+        when, camera = _NAMED.search(path.name).groups()  # pyrefly: ignore
+        found.setdefault(when, {})[camera] = _view(path, scene) if camera == TOP else read_picture(path)
+    return found
+
+
+def _beside(picture: Path) -> list[Path]:
+    """All pictures of the same attempt, where one lies as collect keeps it."""
+    named = _NAMED.search(picture.name)
+    return sorted(picture.parent.glob(f"{picture.name[: named.start()]}-*.png")) if named else []
 
 
 def _empty_beside(picture: Path, scene: Scene) -> np.ndarray | None:

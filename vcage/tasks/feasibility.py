@@ -6,8 +6,10 @@ was measured against what is allowed, in a sentence that a person can read.
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
 from typing import Literal
 
@@ -16,6 +18,7 @@ import numpy as np
 from vcage.base.geometry import Pose
 from vcage.schema.asset import Annotation, ContactPoint, FunctionalPoint
 from vcage.schema.goals import part_words
+from vcage.schema.robot import Gripper
 from vcage.schema.subtasks import Check, Grasp
 from vcage.sim.joints import carried_by, joint_positions
 from vcage.sim.kinematics import ArmKinematics
@@ -24,10 +27,13 @@ from vcage.tasks.grasps import GraspPose, approach_opening, grasp_poses, hand_bo
 from vcage.tasks.primitives.handles import Handle, operating_ways
 from vcage.tasks.primitives.pick import pick_way, transfer_height
 from vcage.tasks.primitives.place import MAX_DROP, place_way
-from vcage.tasks.scene_objects import SceneObject, SolidBox, first_met
+from vcage.tasks.scene_objects import Obstacles, SceneObject, SolidBox, first_met
 
 GRIP_ROOM = 0.006
 """The gripper must open this much wider than the material, metres."""
+
+REMEMBERED = 2**10
+"""Objects with a contact point and an arm whose picks are kept: a search asks again for each place that there is."""
 
 
 @dataclass(frozen=True)
@@ -38,16 +44,16 @@ class Transfer:
         target, contact: what is grasped, and where.
         where: the place in words.
         poses: of the object at the place, in the world: any of them does.
-        obstacles: what the hand may meet there.
-        others: all other objects, with the one that receives it.
+        around: what the hand may meet there.
+        others: all other objects, those with parts that must be open as they are then.
     """
 
     target: SceneObject
     contact: ContactPoint
     where: str
     poses: Sequence[Pose]
-    obstacles: Sequence[SolidBox]
-    others: Sequence[SceneObject]
+    around: Sequence[SolidBox]
+    others: tuple[SceneObject, ...]
 
     @classmethod
     def into(
@@ -64,11 +70,11 @@ class Transfer:
         Args:
             target, contact, poses: as of the transfer.
             receptacle, point: where it goes.
-            others: the other objects, without the receptacle.
+            others: all other objects, the receptacle among them.
         """
-        obstacles = [*receptacle.around(point.id), *(box for o in others for box in o.boxes)]
-        where = f"{point.name!r} of {receptacle.record.phrase}"
-        return cls(target, contact, where, poses, obstacles, [receptacle, *others])
+        neighbours = [box for o in others if o.id != receptacle.id for box in o.boxes]
+        around = [*receptacle.around(point.id), *neighbours]
+        return cls(target, contact, f"{point.name!r} of {receptacle.record.phrase}", poses, around, tuple(others))
 
     @classmethod
     def onto_table(
@@ -79,7 +85,13 @@ class Transfer:
         Args:
             target, contact, poses, others: as of the transfer.
         """
-        return cls(target, contact, "its place on the table", poses, [box for o in others for box in o.boxes], others)
+        around = [box for o in others for box in o.boxes]
+        return cls(target, contact, "its place on the table", poses, around, tuple(others))
+
+    @cached_property
+    def obstacles(self) -> Obstacles:
+        """What the hand may meet there, looked at only when a grasp leads that far."""
+        return Obstacles(self.around)
 
 
 @dataclass(frozen=True)
@@ -179,8 +191,13 @@ def examine(transfer: Transfer, kinematics: Mapping[str, ArmKinematics], table_h
     ]
     grasps.sort(key=lambda grasp: (-grasp.score, grasp.arm))
     # the arm that came furthest explains the transfer best
-    best = grasps[0].arm if grasps else max(reports, key=lambda arm: sum(c.passed for c in reports[arm][0]))
+    best = grasps[0].arm if grasps else max(reports, key=lambda arm: _progress(reports[arm][0]))
     return Feasibility([wide, *reports[best][0]], grasps)
+
+
+def _progress(checks: Sequence[Check]) -> tuple[int, bool]:
+    """How far an arm came: how many checks it passed, and whether it is long enough for the place to be looked at."""
+    return sum(check.passed for check in checks), any(check.name == "drop" for check in checks)
 
 
 def examine_operation(
@@ -232,7 +249,7 @@ def _examine_ways(
     where = f"{handle.contact.name!r} of {thing.record.phrase}"
     furthest: list[Check] = []
     for way in operating_ways(handle, target, gripper, thing.box.bottom):
-        blocked = _hand_meets(way.grasp, way.opening, handle.width, others, kinematics)
+        blocked = _hand_meets(way.grasp, way.opening, handle.width, others, gripper)
         free = f"the hand has room at {where}"
         message = free if blocked is None else f"{blocked} is in the way of the hand at {where}"
         checks = [Check(name="way_free", passed=blocked is None, message=message)]
@@ -261,9 +278,9 @@ def _examine_arm(
         table_height: z of the table top, metres.
     """
     found: dict[str, Check] = {}
-    poses = grasp_poses(transfer.target.pose, transfer.contact, kinematics.arm.gripper, transfer.target.box.bottom)
-    for grasp in poses:
-        checks, score = _examine_pose(transfer, arm, kinematics, grasp, table_height)
+    height = transfer_height(transfer.others, table_height)
+    for pick in _picks(transfer.target, transfer.contact.id, transfer.others, arm, kinematics, height):
+        checks, score = _examine_place(transfer, arm, kinematics, pick, height)
         if score is not None:
             return checks, score  # the straightest pose that works: later ones only tilt more
         for check in checks:
@@ -272,50 +289,87 @@ def _examine_arm(
     return list(found.values()), None
 
 
-def _examine_pose(
-    transfer: Transfer, arm: str, kinematics: ArmKinematics, grasp: GraspPose, table_height: float
+@dataclass(frozen=True)
+class _Pick:
+    """A grasp, its checks, and the joints on the way to it and up again; None when it cannot be done."""
+
+    grasp: GraspPose
+    checks: list[Check]
+    path: list[np.ndarray] | None
+
+
+@functools.lru_cache(REMEMBERED)
+def _picks(
+    target: SceneObject,
+    contact_id: int,
+    others: tuple[SceneObject, ...],
+    arm: str,
+    kinematics: ArmKinematics,
+    height: float,
+) -> list[_Pick]:
+    """The ways of an arm to take an object by a contact point, the straightest first, wherever it then goes."""
+    gripper = kinematics.arm.gripper
+    where = f"{target.asset.annotation.contact_point(contact_id).name!r} of {target.record.phrase}"
+    found = []
+    for grasp, blocked in _hands(target, contact_id, others, gripper.model_dump_json()):
+        free = f"the hand has room around {where}"
+        message = free if blocked is None else f"{blocked} is in the way of the hand at {where}"
+        checks, path = [Check(name="way_free", passed=blocked is None, message=message)], None
+        if blocked is None:
+            way = pick_way(target, grasp, gripper, height)
+            path = _follow(kinematics, [way.before, way.grasp, way.lifted], kinematics.home)
+            checks.append(_reach_check("reach_grasp", where, path is not None, arm))
+        found.append(_Pick(grasp, checks, path))
+    return found
+
+
+@functools.lru_cache(REMEMBERED)
+def _hands(
+    target: SceneObject, contact_id: int, others: tuple[SceneObject, ...], gripper_json: str
+) -> list[tuple[GraspPose, str | None]]:
+    """The poses of a hand at a contact point, whichever arm has it, each with the phrase of what is in its way."""
+    gripper = Gripper.model_validate_json(gripper_json)
+    contact = target.asset.annotation.contact_point(contact_id)
+    width = target.asset.grasp_width(contact)
+    poses = grasp_poses(target.pose, contact, gripper, target.box.bottom)
+    opening = approach_opening(width, gripper)
+    return [(grasp, _hand_meets(grasp.pose, opening, width, others, gripper)) for grasp in poses]
+
+
+def _examine_place(
+    transfer: Transfer, arm: str, kinematics: ArmKinematics, pick: _Pick, height: float
 ) -> tuple[list[Check], float | None]:
-    phrase, height = transfer.target.record.phrase, transfer_height(transfer.others, table_height)
-    checks, picked = _examine_pick(transfer, arm, kinematics, grasp, height)
-    if picked is None:
-        return checks, None
-    drop, path = _best_place(transfer, kinematics, grasp, height, picked[-1])
-    checks.append(_drop_check(phrase, transfer.where, drop))
+    """The checks of a grasp and of the way on from there, and the score of the whole; None when it cannot be done."""
+    if pick.path is None:
+        return pick.checks, None
+    held = pick.grasp.in_object
+    goals = [g for g in transfer.poses if not kinematics.too_far(Pose([*g.p[:2], height], g.q) * held)]
+    if not goals:
+        return [*pick.checks, _reach_check("reach_place", transfer.where, False, arm)], None
+    drop, path = _best_place(transfer, kinematics, held, goals, height, pick.path[-1])
+    checks = [*pick.checks, _drop_check(transfer.target.record.phrase, transfer.where, drop)]
     if drop > MAX_DROP:
         return checks, None
     checks.append(_reach_check("reach_place", transfer.where, path is not None, arm))
     if path is None:
         return checks, None
-    return checks, -_travel([kinematics.home, *picked, *path, kinematics.home])
-
-
-def _examine_pick(
-    transfer: Transfer, arm: str, kinematics: ArmKinematics, grasp: GraspPose, height: float
-) -> tuple[list[Check], list[np.ndarray] | None]:
-    """The checks of a grasp, and the joints on the way to it and up again; None when it cannot be done."""
-    target, gripper = transfer.target, kinematics.arm.gripper
-    where, width = f"{transfer.contact.name!r} of {target.record.phrase}", target.asset.grasp_width(transfer.contact)
-    blocked = _hand_meets(grasp.pose, approach_opening(width, gripper), width, transfer.others, kinematics)
-    free = f"the hand has room around {where}"
-    message = free if blocked is None else f"{blocked} is in the way of the hand at {where}"
-    checks = [Check(name="way_free", passed=blocked is None, message=message)]
-    if blocked is not None:
-        return checks, None
-    pick = pick_way(target, grasp, gripper, height)
-    picked = _follow(kinematics, [pick.before, pick.grasp, pick.lifted], kinematics.home)
-    checks.append(_reach_check("reach_grasp", where, picked is not None, arm))
-    return checks, picked
+    return checks, -_travel([kinematics.home, *pick.path, *path, kinematics.home])
 
 
 def _best_place(
-    transfer: Transfer, kinematics: ArmKinematics, grasp: GraspPose, height: float, start: np.ndarray
+    transfer: Transfer,
+    kinematics: ArmKinematics,
+    held: Pose,
+    goals: Sequence[Pose],
+    height: float,
+    start: np.ndarray,
 ) -> tuple[float, list[np.ndarray] | None]:
-    """The drop and joint path of the first of its poses that the arm can bring the object to; else the least drop and
+    """The drop and joint path of the first of some poses that the arm can bring the object to; else the least drop and
     None."""
     width = transfer.target.asset.grasp_width(transfer.contact)
     drops = []
-    for goal in transfer.poses:
-        way = place_way(grasp.in_object, goal, transfer.obstacles, kinematics.arm.gripper, width, height)
+    for goal in goals:
+        way = place_way(held, goal, transfer.obstacles, kinematics.arm.gripper, width, height)
         drops.append(way.drop)
         poses = [way.above, way.release, way.after]
         path = _follow(kinematics, poses, start) if way.drop <= MAX_DROP else None
@@ -325,10 +379,10 @@ def _best_place(
 
 
 def _hand_meets(
-    pose: Pose, opening: float, width: float, others: Sequence[SceneObject], kinematics: ArmKinematics
+    pose: Pose, opening: float, width: float, others: Sequence[SceneObject], gripper: Gripper
 ) -> str | None:
     """The phrase of the first object that the hand would touch while its fingers go from ``width`` to ``opening``."""
-    hand = [SolidBox(part, pose) for part in hand_boxes(kinematics.arm.gripper, opening, min(width, opening))]
+    hand = [SolidBox(part, pose) for part in hand_boxes(gripper, opening, min(width, opening))]
     met = first_met(hand, others)
     return None if met is None else met.record.phrase
 

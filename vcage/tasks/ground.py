@@ -98,7 +98,8 @@ class Ground:
     ) -> Iterator[tuple[np.ndarray, np.ndarray]]:
         """Lower and upper corners of the rectangles in which the thing shall stand, in the order to try them."""
         if goal.relation == "presented":
-            yield np.array([self.lower[0], self.upper[1] - CUSTOMER_SIDE]), self.upper
+            for depth in (CUSTOMER_SIDE, self.upper[1]):  # where it is full, anywhere on the customer's half
+                yield np.array([self.lower[0], self.upper[1] - depth]), self.upper
         elif near is None:
             yield self.lower, self.upper
         else:
@@ -111,10 +112,15 @@ class Ground:
                     yield lower, upper
 
 
+def on_customers_half(pose: Pose) -> bool:
+    """Whether a thing at ``pose`` is nearer to the customer than to the robot; the table's middle is the origin."""
+    return float(pose.p @ TOWARDS_CUSTOMER) > 0
+
+
 def faces_customer(pose: Pose, most: float = SHOWN) -> bool:
     """Whether the front (−y) of a thing that stands at ``pose`` faces the customer, and the thing stands upright."""
     shown = float(-pose.rotation()[:, 1] @ TOWARDS_CUSTOMER)
-    return shown >= np.cos(most) and pose.rotation()[2, 2] >= np.cos(most)
+    return bool(shown >= np.cos(most) and pose.rotation()[2, 2] >= np.cos(most))
 
 
 def _yaws(thing: SceneObject, goal: Goal) -> tuple[float, ...]:

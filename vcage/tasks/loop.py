@@ -33,6 +33,10 @@ logger = logging.getLogger(__name__)
 PicturesByCamera = Mapping[str, np.ndarray]
 """Camera name → (H, W, 3) uint8."""
 
+Seen = Mapping[str, PicturesByCamera]
+"""Pictures ``before`` and ``after`` a sub-task, at the ``moment`` that tells most and, where something is put back, of
+the ``start`` of the episode."""
+
 
 @dataclass(frozen=True)
 class Setting:
@@ -42,9 +46,8 @@ class Setting:
         build: makes the world of the episode's start, robot at home, physics only.
         objects: by id, with their geometry.
         slots: id of a sub-task → where it puts its object.
-        photograph: pictures of a state.
-        judge: the critic's verdict on a question, what was true before by the plan, and the pictures before, after and,
-            where something was pressed, at that moment.
+        photograph: pictures of a state for a sub-task with some goals; at the moment also from an arm's wrist.
+        judge: the critic's verdict on a question about a sub-task and the pictures.
         on_failure: what follows a failed sub-task.
         retries: further attempts per sub-task, when resampling.
         fps: frames per second of the recording.
@@ -53,8 +56,8 @@ class Setting:
     build: Callable[[], World]
     objects: Mapping[str, SceneObject]
     slots: Mapping[str, Slot]
-    photograph: Callable[[WorldState], PicturesByCamera]
-    judge: Callable[[Asked, Sequence[Goal], Sequence[PicturesByCamera]], Verdict]
+    photograph: Callable[[WorldState, Sequence[Goal], str | None], PicturesByCamera]
+    judge: Callable[[Asked, Subtask, Seen], Verdict]
     on_failure: Literal["resample", "abort"]
     retries: int
     fps: int
@@ -108,11 +111,12 @@ def run_episode(
     world, recording = setting.build(), StateLog(setting.fps)
     world.settle()
     recording.record(world)
+    start = world.state()
     trials: list[_Trial] = []
     accepted = True
     for number, (subtask, script) in enumerate(chain):
         slots = {s.object: setting.slots[s.id] for s in (*(s for s, _ in chain), subtask) if s.id in setting.slots}
-        step = _Step(setting, recording, index, number, subtask, script, slots)
+        step = _Step(setting, recording, index, number, subtask, script, slots, start)
         world, tried = step.until_verified(world)
         trials += tried
         accepted = tried[-1].attempt.accepted
@@ -156,6 +160,7 @@ class _Step:
         number: of the sub-task in the chain.
         subtask, script: what is to be done.
         slots: object id → where it goes, now or later.
+        start: of the episode.
     """
 
     setting: Setting
@@ -165,11 +170,12 @@ class _Step:
     subtask: Subtask
     script: Script
     slots: Mapping[str, Slot]
+    start: WorldState
 
     def until_verified(self, world: World) -> tuple[World, list[_Trial]]:
         """The attempts up to the first that the critic accepts, or all there may be; and the world after the last."""
         snapshot, start = world.snapshot(), world.steps
-        before = self.setting.photograph(world.state())
+        before = self.setting.photograph(world.state(), self.subtask.goals, None)
         trials: list[_Trial] = []
         for attempt in range(1 + (self.setting.retries if self.setting.on_failure == "resample" else 0)):
             if attempt > 0:
@@ -192,10 +198,9 @@ class _Step:
             return _Trial(record, exhausted=error.exhausted)
         finally:
             watch.stop()
-        seen = [before, self.setting.photograph(world.state())]
-        seen += [self.setting.photograph(task.moment)] if task.moment is not None else []
+        seen = self._seen(before, world, task)
         pictures = self._named(attempt, seen)
-        verdict = self.setting.judge(asked, self.subtask.requires, seen)
+        verdict = self.setting.judge(asked, self.subtask, seen)
         verdict = verdict.model_copy(update={"pictures": list(pictures)})
         truth = self._truth(asked, world, watch)
         stage: AttemptStage = "done" if verdict.accepted else "verify"
@@ -218,12 +223,22 @@ class _Step:
     def _truth(self, asked: Asked, world: World, watch: Watch) -> Truth:
         return goals_hold(asked.goals, self.setting.now(world), watch)
 
-    def _named(self, attempt: int, seen: Sequence[PicturesByCamera]) -> dict[str, np.ndarray]:
+    def _seen(self, before: PicturesByCamera, world: World, task: Task) -> Seen:
+        """What the critic looks at."""
+        goals, photograph = self.subtask.goals, self.setting.photograph
+        seen = {"before": before, "after": photograph(world.state(), goals, None)}
+        if task.moment is not None:
+            seen["moment"] = photograph(task.moment, goals, task.arm)
+        if any(goal.relation == "back" for goal in goals):
+            seen["start"] = photograph(self.start, goals, None)
+        return seen
+
+    def _named(self, attempt: int, seen: Seen) -> dict[str, np.ndarray]:
         """The pictures of a verdict under names that say what they show."""
         prefix = f"critic/e{self.episode:06d}-s{self.number}-a{attempt}"
         return {
-            f"{prefix}-{moment}-{camera}.png": picture
-            for moment, pictures in zip(("before", "after", "moment"), seen, strict=False)
+            f"{prefix}-{when}-{camera}.png": picture
+            for when, pictures in seen.items()
             for camera, picture in pictures.items()
         }
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -42,20 +42,43 @@ class SolidBox:
         return oriented_boxes_overlap(self.bounds, self.pose, other.bounds, other.pose)
 
 
-def seen_apart(box: SolidBox, others: Sequence[SolidBox]) -> np.ndarray:
-    """(n,) whether each of ``others`` and the box lie apart when they are seen from straight above.
+class Obstacles:
+    """Boxes that are looked at together, and often.
 
-    The outline of a box is a polygon with edges along those of the box, so that one of their normals separates two
-    outlines if anything does.
+    Args:
+        boxes: where they are.
     """
-    if not others:
-        return np.zeros(0, dtype=bool)
-    corners = np.stack([o.corners[:, :2] for o in others])  # (n, 8, 2)
-    edges = np.stack([np.concatenate([box.pose.rotation()[:2].T, o.pose.rotation()[:2].T]) for o in others])
-    normals = edges[:, :, ::-1] * [-1.0, 1.0]  # (n, 6, 2)
-    here, there = normals @ box.corners[:, :2].T, normals @ corners.transpose(0, 2, 1)  # (n, 6, 8)
-    gaps = np.maximum(here.min(axis=2) - there.max(axis=2), there.min(axis=2) - here.max(axis=2))
-    return np.any(gaps > 0, axis=1)
+
+    def __init__(self, boxes: Sequence[SolidBox]):
+        corners = np.array([box.corners for box in boxes]).reshape(-1, 8, 3)
+        self.tops = corners[:, :, 2].max(axis=1)
+        """(n,) z of their highest corners, metres."""
+        self._corners = corners[:, :, :2].transpose(0, 2, 1)
+        self._lower, self._upper = self._corners.min(axis=2), self._corners.max(axis=2)
+        self._normals = _normals(np.array([box.pose.rotation() for box in boxes]).reshape(-1, 3, 3))
+
+    def under(self, parts: Sequence[SolidBox]) -> Iterator[tuple[SolidBox, np.ndarray]]:
+        """Each of some boxes, and which obstacles (k,) it covers when both are seen from straight above.
+
+        The outline of a box is a polygon with edges along those of the box, so that one of their normals separates two
+        outlines if anything does.
+        """
+        seen = [part.corners[:, :2] for part in parts]
+        all_seen = np.concatenate(seen)
+        near = np.flatnonzero(
+            np.all((self._lower <= all_seen.max(axis=0)) & (all_seen.min(axis=0) <= self._upper), axis=1)
+        )
+        for part, outline in zip(parts, seen, strict=True):
+            mine = np.broadcast_to(_normals(part.pose.rotation()), (len(near), 3, 2))
+            normals = np.concatenate([mine, self._normals[near]], axis=1)  # (k, 6, 2)
+            here, there = normals @ outline.T, normals @ self._corners[near]  # (k, 6, 8)
+            gaps = np.maximum(here.min(axis=2) - there.max(axis=2), there.min(axis=2) - here.max(axis=2))
+            yield part, near[~np.any(gaps > 0, axis=1)]
+
+
+def _normals(rotations: np.ndarray) -> np.ndarray:
+    """(…, 3, 2) normals of a box's edges as seen from above, by its rotation (…, 3, 3)."""
+    return np.swapaxes(rotations[..., :2, :], -1, -2)[..., ::-1] * [-1.0, 1.0]
 
 
 def first_met(boxes: Sequence[SolidBox], objects: Sequence[SceneObject]) -> SceneObject | None:
@@ -87,6 +110,13 @@ class SceneObject:
     asset: Asset
     pose: Pose
     joints: tuple[float, ...] = ()
+
+    def __hash__(self) -> int:
+        return self._hash
+
+    @cached_property
+    def _hash(self) -> int:
+        return hash((self.id, self.pose, self.joints))
 
     @property
     def id(self) -> str:

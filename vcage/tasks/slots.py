@@ -25,7 +25,7 @@ from vcage.tasks.access import closed_part
 from vcage.tasks.grasps import grasp_poses
 from vcage.tasks.ground import Ground
 from vcage.tasks.primitives.place import SET_DOWN, place_way
-from vcage.tasks.scene_objects import SceneObject
+from vcage.tasks.scene_objects import Obstacles, SceneObject
 
 GAP = 0.006
 """Metres kept between contents, and between contents and wall."""
@@ -91,18 +91,24 @@ def allocate(
         InfeasibleScene: they do not fit together; names them and the area that is missing.
     """
     opening = receptacle.asset.opening(receptacle.asset.annotation.functional_point(functional_point))
-    centre = np.array(opening.centre)
-    widest = np.max([np.sort(o.asset.footprint) for o in contents], axis=0)
-    spare = float(np.min(np.sort(opening.size) - widest)) / 2
-    # On top of a thing of its own size an object stands flush: a block on a block.
-    flush = receptacle.asset.annotation.functional_point(functional_point).holds == "on" and spare < GAP
-    half = np.array(opening.size) / 2 - (max(0.0, spare) - FLUSH if flush else GAP)
+    centre, half = np.array(opening.centre), room_for(receptacle, functional_point, contents) / 2
     inside = np.stack([centre - half, centre + half])
     to_receptacle = receptacle.frame(functional_point).inverse()
     taken = [world_aabb(o.asset.bounds, to_receptacle * o.pose)[:, :2] for o in present]
     items = [TableItem(id=o.id, size=tuple(o.asset.size), yaws=(0.0, np.pi / 2)) for o in contents]
     places = place(items, inside, rng, margin=GAP, obstacles=taken)
     return {key: Pose.from_yaw([at.x, at.y, opening.floor], at.yaw) for key, at in places.items()}
+
+
+def room_for(receptacle: SceneObject, functional_point: int, contents: Sequence[SceneObject]) -> np.ndarray:
+    """(2,) the part of an opening in which things may stand, metres: not too near to its walls."""
+    point = receptacle.asset.annotation.functional_point(functional_point)
+    size = np.array(receptacle.asset.opening(point).size)
+    widest = np.max([np.sort(o.asset.footprint) for o in contents], axis=0)
+    spare = float(np.min(np.sort(size) - widest)) / 2
+    # On top of a thing of its own size an object stands flush: a block on a block.
+    flush = point.holds == "on" and spare < GAP
+    return size - 2 * (max(0.0, spare) - FLUSH if flush else GAP)
 
 
 def slots_for_chain(
@@ -249,14 +255,14 @@ def _drop(
     obstacles = [*receptacle.around(point), *(o.box for o in present)]
     total = 0.0
     for subtask in subtasks:
-        target, drops = objects[subtask.object], []
+        target, drops, around = objects[subtask.object], [], Obstacles(obstacles)
         goals = Slot(receptacle.id, point, poses[target.id]).poses({receptacle.id: receptacle})
         hands = {grasp.contact: robot.arms[grasp.arm].gripper for grasp in subtask.grasps}
         for contact_id, gripper in hands.items():
             contact = target.asset.annotation.contact_point(contact_id)
             width = target.asset.grasp_width(contact)
             held = next(grasp_poses(target.pose, contact, gripper, target.box.bottom)).in_object
-            drops += [place_way(held, goal, obstacles, gripper, width, goal.p[2]).drop for goal in goals]
+            drops += [place_way(held, goal, around, gripper, width, goal.p[2]).drop for goal in goals]
         total += min(drops, default=0.0)
         obstacles.append(target.moved(goals[0]).box)
     return total

@@ -22,10 +22,10 @@ from vcage.sim.paths import JointPath
 from vcage.sim.state import WorldState
 from vcage.sim.world import PHYSICS_HZ, World
 from vcage.tasks.primitives.operate import Operation
-from vcage.tasks.primitives.pick import Grip, LeadsOn, PickPlan, PickWay, carry_out_pick, feel, plan_pick
+from vcage.tasks.primitives.pick import Grip, LeadsOn, PickPlan, PickWay, carry_out_pick, feel, minding, plan_pick
 from vcage.tasks.primitives.place import Placing, carry_out_place, plan_place
 from vcage.tasks.reading import reading_poses
-from vcage.tasks.scene_objects import SceneObject
+from vcage.tasks.scene_objects import Obstacles, SceneObject
 from vcage.tasks.slots import Slot, other_slots
 from vcage.tasks.workcell import TaskFailed, Workcell, failing_at
 
@@ -53,7 +53,8 @@ class Task:
     Attributes:
         arm, contact: that took hold of something.
         changes: what is done otherwise than planned, in words.
-        moment: state of the world when a part was pressed as far as it was, or a code was before a scanner.
+        moment: state of the world when a part was pressed as far as it was, a code was before a scanner, a wait began,
+            or something was let go.
     """
 
     def __init__(self, world: World, objects: Mapping[str, SceneObject], slots: Mapping[str, Slot], attempt: int = 0):
@@ -103,15 +104,16 @@ class Task:
         if not poses:
             raise TaskFailed("plan", f"{object_id} cannot be held before {other_id}", exhausted=True)
         # Where it came from the hand has room, and before the other it lets go of nothing: no obstacle raises it.
-        hover = replace(Placing.of(cell, object_id, TABLE, None), obstacles=[])
+        hover = replace(Placing.of(cell, object_id, TABLE, None), obstacles=Obstacles([]))
         first = self._attempt % max(1, len(grasps))
         plan = plan_pick(cell, target, [*grasps[first:], *grasps[:first]], self._leads_to(target, hover, poses))
         self.arm, self.contact = plan.arm, plan.contact
         grip = carry_out_pick(cell, plan)
         feel(cell, grip)
         shown, _ = plan_place(cell, grip, hover, [(None, poses)])
-        cell.carry_out(grip.arm, shown.path)
-        self.world.step(round(SHOWN_FOR * PHYSICS_HZ))
+        with minding(cell, grip):
+            cell.carry_out(grip.arm, shown.path)
+            self.world.step(round(SHOWN_FOR * PHYSICS_HZ))
         self.moment = self.world.state()
         feel(cell, grip)
         with failing_at("place"):
@@ -121,6 +123,7 @@ class Task:
 
     def wait(self, seconds: float) -> None:
         """Let time pass."""
+        self.moment = self.world.state()
         self.world.step(round(seconds * PHYSICS_HZ))
 
     def place(self, receptacle_id: str = TABLE, point: int | None = None) -> None:
@@ -147,6 +150,7 @@ class Task:
         plan, slot = plan_place(self._cell, self._grip, placing, choices)
         self._say_slot(held, slot)
         carry_out_place(self._cell, plan)
+        self.moment = self.world.state()
         self._grip = None
 
     def operate(self, object_id: str, contact_id: int, target: float, arms: Sequence[str] = ()) -> None:

@@ -13,7 +13,7 @@ from vcage.schema.goals import Goal, part_words
 from vcage.schema.plan import TABLE
 from vcage.sim.joints import joint_index, joint_positions
 from vcage.tasks.events import LASTS, Watch
-from vcage.tasks.ground import faces_customer
+from vcage.tasks.ground import faces_customer, on_customers_half
 from vcage.tasks.scene_objects import SceneObject
 
 EDGE_TOLERANCE = 0.005
@@ -57,6 +57,8 @@ def _complaint(goal: Goal, objects: Mapping[str, SceneObject], watch: Watch | No
     if goal.relation in ("pressed", "weighed", "scanned", "back") or goal.reference == TABLE:
         assert watch is not None  # whoever asks for it watches
         return _watched_complaint(goal, thing, objects, watch)
+    if goal.relation == "presented" and not on_customers_half(thing.pose):
+        return f"{thing.id} is not on the customer's half of the table"
     if goal.relation == "presented":
         return None if faces_customer(thing.pose) else f"the front of {thing.id} does not face the customer"
     if goal.reference not in objects:

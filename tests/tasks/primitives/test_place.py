@@ -11,7 +11,7 @@ from tests.scenes import TABLE_TOP, robot, thing
 from vcage.base.geometry import Pose, oriented_boxes_overlap
 from vcage.tasks.grasps import GraspPose, approach_opening, grasp_poses, hand_boxes
 from vcage.tasks.primitives.place import SET_DOWN, PlaceWay, place_way
-from vcage.tasks.scene_objects import SceneObject, SolidBox
+from vcage.tasks.scene_objects import Obstacles, SceneObject, SolidBox
 
 GRIPPER = robot().arms["left"].gripper
 GOAL = Pose([0.0, 0.0, TABLE_TOP])
@@ -39,7 +39,7 @@ def grasps_of(target: SceneObject) -> list[GraspPose]:
 
 def place_block(number: int, obstacles: list[SolidBox], height: float = TABLE_TOP + 0.25) -> PlaceWay:
     grasp = grasps_of(thing("block", (0.3, 0.0)))[number]
-    return place_way(grasp.in_object, GOAL, obstacles, GRIPPER, 0.04, height)
+    return place_way(grasp.in_object, GOAL, Obstacles(obstacles), GRIPPER, 0.04, height)
 
 
 @settings(deadline=None)

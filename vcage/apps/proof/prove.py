@@ -48,6 +48,7 @@ class Trial:
     """
 
     template: str = "table"
+    robot: str | None = None
     seed: int = 0
     quick: bool = False
 
@@ -67,7 +68,7 @@ class Prover:
     @cached_property
     def places(self) -> TrialPlaces:
         """The table and the robot."""
-        template = load_template(self.trial.template)
+        template = load_template(self.trial.template, self.trial.robot)
         return TrialPlaces(template, load_robot(template.robot))
 
     def prove(self, name: str) -> ObjectProof:
@@ -85,7 +86,7 @@ class Prover:
     def key(self, name: str) -> str:
         """Hash of everything that the proof of an object depends on."""
         annotation = self.library.annotation(name)
-        template = load_template(self.trial.template)
+        template = load_template(self.trial.template, self.trial.robot)
         assets = [self.library.asset(name, v.id) for v in annotation.variants]
         shapes = [shape_hash(asset) for asset in assets]
         shapes += [sha256_file(Path(path)) for asset in assets for path in _visuals(asset)]

@@ -10,6 +10,7 @@ from vcage.base.errors import UnreadInstruction
 from vcage.models.rules.instruction import Request, parse_instruction
 from vcage.models.rules.naming import Meaning, meant, words_of
 from vcage.models.rules.phrases import Phrase
+from vcage.models.rules.references import BESIDE
 from vcage.models.rules.words import ANYTHING, COLOURS, SHALLOW, lemmas
 from vcage.plans.actions import lasting
 from vcage.plans.check import contradictions
@@ -18,7 +19,6 @@ from vcage.schema.goals import AskedGoal, Goal, GoalWord, Reading, in_steps, par
 from vcage.schema.plan import TABLE, Relation
 
 _TOOLS = {"scan": "barcode_scanner", "weigh": "electronic_scale"}
-_BESIDE = ("beside", "near", "left_of", "right_of", "in_front_of", "behind")
 SMALL = 0.1
 """Of what is less wide than this, metres, the top holds one thing."""
 
@@ -84,6 +84,7 @@ class _Grounding:
         Raises:
             UnreadInstruction: see :func:`read_goals`.
         """
+        self._requests = [self._shared_out(request) for request in self._requests]
         self._name_all()
         goals: list[AskedGoal] = []
         for request in self._requests:
@@ -110,6 +111,17 @@ class _Grounding:
         waiting.sort(key=lambda p: (p.quantity == "rest", p.plural, len(self._answers(p))))
         for phrase in waiting:
             self._meant[phrase] = self._choice(phrase)
+
+    def _shared_out(self, request: Request) -> Request:
+        """'An apple on each plate': as many apples as there are plates."""
+        place = request.place
+        if request.asked != "put" or place is None or place.quantity != "all" or place.lemmas == (TABLE,):
+            return request
+        count = len(self._candidates(place, request.preposition, ()))
+        things = tuple(
+            replace(t, count=t.count * count) if t.count and t.quantity == "a" else t for t in request.things
+        )
+        return replace(request, things=things)
 
     def _answers(self, phrase: Phrase) -> list[str]:
         """Every object that the words fit, without what is left out; those that can be carried if some can."""
@@ -250,7 +262,8 @@ class _Grounding:
         if request.asked in ("open", "close", "press", "turn"):
             word: GoalWord = {"open": "open", "close": "closed", "press": "pressed", "turn": "turned"}[request.asked]  # pyrefly: ignore
             assert request.place is not None  # the reader names what is operated
-            parts = self._parts(request.place, request.asked)
+            water = request.asked == "turn" and request.place.lemmas == ("water",)
+            parts = self._parts(replace(request.place, lemmas=("tap",)) if water else request.place, request.asked)
             self._operated += parts
             return [Goal(subject=name, relation=word, part=part) for name, part in parts]
         if request.asked in ("scan", "weigh", "present", "back"):
@@ -271,7 +284,10 @@ class _Grounding:
             raise UnreadInstruction.of(
                 self._instruction, self._instruction[request.start : request.end], "it says no place"
             )
-        if request.preposition in _BESIDE:
+        if request.place in request.things and len(names) == 2 and request.preposition in (*BESIDE, "on"):
+            relation: GoalWord = request.preposition  # pyrefly: ignore
+            return [Goal(subject=names[0], relation=relation, reference=names[1])]  # 'next to each other'
+        if request.preposition in BESIDE:
             reference = self._reference(request.place)
             word: GoalWord = request.preposition  # pyrefly: ignore
             if reference in names:
@@ -551,15 +567,16 @@ def _either(names: Sequence[str]) -> str:
 
 
 def _once(goals: Iterable[AskedGoal]) -> Iterable[AskedGoal]:
-    """Without goals that are asked for twice in one step, and parts that are opened when they are open."""
+    """Without goals that are asked for twice in one step, and those that are true when they are asked for."""
     known: set[tuple[str, int]] = set()
-    state: dict[tuple[str, str | None], str] = {}
+    state: dict[tuple[str, str | None], Goal] = {}
     for asked in goals:
         goal, key = asked.goal, (str(asked.goal), asked.step)
-        part = (goal.subject, goal.part)
-        if key in known or (goal.relation in ("open", "closed") and state.get(part) == goal.relation):
+        lasts = goal.relation in ("open", "closed", "inside", "on")
+        part = (goal.subject, None if goal.reference else goal.part)
+        if key in known or (lasts and state.get(part) == goal):
             continue
         known.add(key)
-        if goal.relation in ("open", "closed"):
-            state[part] = goal.relation
+        if lasts or goal.relation in ("back", *BESIDE):
+            state[part] = goal
         yield asked

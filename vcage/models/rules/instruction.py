@@ -9,14 +9,15 @@ from __future__ import annotations
 from collections.abc import Callable, Collection
 from dataclasses import replace
 
-from vcage.models.rules.phrases import Phrase, noun_phrase, noun_phrases
+from vcage.models.rules.lexicon import BASES, FORMS
+from vcage.models.rules.phrases import MARKS, Phrase, noun_phrase, noun_phrases
 from vcage.models.rules.request import ENDS, Asked, Request
 from vcage.models.rules.verbs import Verbs, without_last
 
 _DONE: dict[str, Asked] = {
     "open": "open", "opened": "open", "closed": "close", "shut": "close", "scanned": "scan", "weighed": "weigh",
     "pressed": "press", "rung": "press", "turned": "turn", "set": "turn", "wound": "turn", "scanning": "scan",
-    "weighing": "weigh", "opening": "open", "closing": "close", "ringing": "press",
+    "weighing": "weigh", "opening": "open", "closing": "close", "ringing": "press", "running": "turn",
 }  # fmt: skip
 """'The laptop should be closed', 'it needs weighing': what is wished for, as a command."""
 
@@ -69,15 +70,21 @@ class _Reader(Verbs):
     def _skip_joints(self) -> None:
         """What stands between clauses; 'to' before a verb, too: 'please to put'."""
         cursor = self._cursor
-        if cursor.at == 0 and cursor.text() == "right" and cursor.text(1) == ",":
-            cursor.take()
+        while cursor.at == 0 and self._is_address():
+            cursor.at += 2
         while (
-            cursor.kind() in (*ENDS[1:], "colon")
+            cursor.kind() in ("and", "then", "stop", "query", "also", "colon")
             or cursor.text() in ("you can", "we can")
             or (cursor.text() == "to" and (following := cursor.peek(1)) is not None and following.bare)
         ):
             token = cursor.take()
             self._sentence = token.end if token.kind in ("stop", "query") else self._sentence
+
+    def _is_address(self) -> bool:
+        """'Sweetheart, put …': a word of no use before a command."""
+        token, command = self._cursor.peek(), self._cursor.peek(2)
+        comma = self._cursor.text(1) == "," and command is not None and command.bare
+        return comma and token is not None and token.kind == "word" and not token.verb and token.text not in self._names
 
     def _finished(self) -> list[Request]:
         """All requests in order, with every place that has parts big enough for all that name it."""
@@ -99,8 +106,9 @@ class _Reader(Verbs):
             cursor.take()
             self._same_again(begun)
             return
-        if cursor.kind() == "ask":
-            raise self._refusal(self._rest(), "it asks a question")
+        if cursor.kind() in ("ask", "remark", "which"):
+            self._remark()
+            return
         if cursor.kind() == "instead":
             self._corrected_clause()
             return
@@ -124,9 +132,31 @@ class _Reader(Verbs):
             self._clause(subordinate=True)
             later = self._requests[count:]
             shift = 1 if kind == "before" else -1
-            self._requests[count:] = [replace(r, step=main + shift) for r in later]
+            self._requests[count:] = [replace(r, step=max(main + shift, 0)) for r in later]
             self._step = main + 1
         self._require_boundary()
+
+    def _remark(self) -> None:
+        """'How heavy is it? Weigh it', 'since I like fruit, …', '… so that people see it': passed by."""
+        cursor = self._cursor
+        asks, early = cursor.kind() != "remark", not self._requests
+        named = []
+        words = self._rest()
+        ends = ("", "stop", "query") if asks else ("", "stop", "query", "then")
+        while cursor.kind() not in ends and (asks or cursor.text() not in MARKS):
+            phrase = noun_phrase(cursor) if cursor.kind() in ("article", "quantity", "number") else None
+            if phrase is None and cursor.take().text.endswith(" the"):  # 'is the …'
+                phrase = noun_phrase(cursor)
+            if phrase is not None:
+                named.append(without_last(phrase) if phrase.text.split()[-1] in (*BASES, *_DONE) else phrase)
+        if asks and (cursor.kind() != "query" or cursor.kind(1) == ""):
+            raise self._refusal(words, "it asks a question")
+        if early or asks:
+            self._things = tuple(named) if len(named) == 1 else ()
+            self._waiting = ()
+            self._skip_joints()
+            if cursor.peek() is not None and named and cursor.kind() != "pronoun" and not self._at_verb():
+                raise self._refusal(words, "it asks for nothing")
 
     def _come_first(self, count: int) -> None:
         """'…, but scan it first': what was asked for last comes before the rest of its sentence."""
@@ -138,20 +168,24 @@ class _Reader(Verbs):
             self._requests[count:] = [replace(r, step=base) for r in last]
             self._step += 1
 
-    def _same_again(self, begun: int) -> None:
+    def _same_again(self, begun: int, things: tuple[Phrase, ...] = ()) -> None:
         """'… and so does the bun': the last request with other things."""
         cursor = self._cursor
         done = [request for request in self._requests if request.asked != "leave"]
         if not done:
             raise self._refusal(self._rest(), "there is nothing yet to be done again")
-        things = self._inherit(noun_phrases(cursor), self._things)
-        operated = done[-1].asked in ("open", "close", "press", "turn")
-        for thing in things if operated else things[:1]:
-            told = replace(done[-1], place=thing) if operated else replace(done[-1], things=self._resolved(things))
-            self._add(replace(told, sources=()), begun)
+        things = things or self._inherit(noun_phrases(cursor), self._things)
+        self._do_with(done[-1], self._resolved(things) if done[-1].things else things, begun)
         if not things:
             raise self._refusal(self._rest(), "nothing is named there")
         self._require_boundary()
+
+    def _do_with(self, request: Request, things: tuple[Phrase, ...], begun: int) -> None:
+        """The same with other things."""
+        for told in (
+            [replace(request, things=things)] if request.things else [replace(request, place=t) for t in things]
+        ):
+            self._add(replace(told, sources=()), begun)
 
     def _subordinate_follows(self) -> bool:
         """Whether 'before …' or 'after …' comes next, and a clause that is complete came before it."""
@@ -253,67 +287,77 @@ class _Reader(Verbs):
         """A command, a wish, or what is not to be done."""
         cursor = self._cursor
         if subordinate:
-            while cursor.text() in (
-                "you",
-                "you've",
-                "youve",
-                "have",
-                "has",
-                "had",
-                "are",
-                "you're",
-                "finished",
-                "done",
-            ):
+            while cursor.text() in ("you", "have", "has", "had", "are", "finished", "done"):
                 cursor.take()
         begun = cursor.at
         self._begun = begun
+        self._subordinate, self._could = subordinate, False
+        passive, self._passive = self._passive, ()
+        if cursor.text() in ("could", "can") and cursor.kind(1) in ("article", "quantity", "number", "pronoun"):
+            cursor.take()  # 'could the sponge go in the bowl?'
+            self._could = True
         if cursor.text() == "there" and cursor.kind(1) in ("ought", "be"):  # 'there should be a towel in the drawer'
             cursor.take()
             cursor.skip("ought", "be")
         if cursor.kind() == "not":
             cursor.take()
-            self._forbidden()
+            self._forbidden(neither=self._tokens[begun].text.startswith("neither"))
         elif cursor.kind() == "prep" or cursor.kind() == "toward":
             self._place_first()
-        elif self._at_verb(subordinate):
+        elif cursor.kind() == "back" and self._requests and self._requests[-1].asked in ("put", "scan", "weigh"):
+            self._places_of(self._things, begun)  # '… and then back where it was'
+        elif passive and cursor.text() in FORMS and cursor.kind(1) in ("prep", "toward", "there", "back", *ENDS):
+            self._wished(passive, begun)  # '… and then put in the basket'
+        elif self._at_verb(subordinate) and not self._gets_done():
             self._command()
         else:
             self._wish()
+
+    def _gets_done(self) -> bool:
+        """'Get the door open', 'get the tap running': a wish."""
+        cursor = self._cursor
+        at = cursor.at
+        things = noun_phrases(cursor) if cursor.take().text == "get" else ()
+        last = things[-1].text.split()[-1] if things else ""
+        done = last in _DONE if cursor.kind() in ENDS else cursor.text() in (*_DONE, "on")
+        cursor.at = at + 1 if things and done else at
+        return bool(things) and done
 
     def _wish(self) -> None:
         """'The pen belongs in the cup', 'the laptop should be closed', 'apple in the bowl'."""
         cursor = self._cursor
         begun = cursor.at
         things = noun_phrases(cursor)
-        if not things:
-            raise self._refusal(self._rest(), "they say nothing that the robot can do")
-        if self._instead_follows():
+        if things and self._instead_follows():
             cursor.skip("and", "instead")
             things = (*things[:-1], *self._inherit(noun_phrases(cursor), things))
+        if not things:
+            raise self._refusal(self._rest(), "they say nothing that the robot can do")
         if cursor.text() == "," and cursor.kind(1) in ("prep", "toward", "belong", "ought", "be"):
             cursor.take()
-        if cursor.text() == "," and cursor.kind(1) == "pronoun" and cursor.kind(2) in ("belong", "ought", "be", "prep"):
+        pointed = cursor.kind(1) == "pronoun" or cursor.text(1) in ("those", "these")
+        if cursor.text() == "," and pointed and cursor.kind(2) in ("belong", "ought", "be", "prep"):
             cursor.at += 2  # 'the tape and the glue, they belong …'
-        elif (
-            cursor.text() == ","
-            and cursor.text(1) in ("those", "these")
-            and cursor.kind(2) in ("belong", "ought", "be")
-        ):
-            cursor.at += 2
-        if not things:
-            raise self._refusal(self._words(begun, self._end_of_clause()), "it names nothing")
+        if cursor.text() in ("does", "do", "should") and cursor.kind(1) == "also":
+            cursor.at += 2  # '… and the bun does too'
+            self._same_again(begun, self._inherit(things, self._things))
+            return
         last = things[-1].text.split()[-1:] if things[-1].lemmas else []
-        if last and last[0] in ("open", "closed", "shut") and cursor.kind() in ENDS:  # 'both drawers open, please'
+        if last and last[0] in _DONE and cursor.kind() in ENDS:  # 'both drawers open, please'
             self._done(_DONE[last[0]], (*things[:-1], without_last(things[-1])), begun)
             return
-        things = self._resolved(things)
+        self._wished(self._resolved(things), begun)
+
+    def _wished(self, things: tuple[Phrase, ...], begun: int) -> None:
+        """What shall be true of things."""
+        cursor = self._cursor
+        self._passive = things
         if cursor.kind() == "not":
             self._denied(things)
             return
-        states = cursor.text() in _STATES
+        states = cursor.text() in _STATES or (self._could and cursor.text() == "be" and cursor.kind(1) == "prep")
         said = cursor.skip("ought", "be", "belong")
-        if states and not self._is_wished(begun):
+        if states and not self._subordinate and not self._is_wished(begun):
             raise self._refusal(self._words(begun, self._end_of_clause()), "it says what is, and asks for nothing")
         if cursor.text() in ("to", "to be"):  # 'I would like the pen to be put …'
             cursor.take()
@@ -339,7 +383,12 @@ class _Reader(Verbs):
             return
         if word in _DONE and cursor.kind() == "word":
             cursor.take()
+            if word == "turned" and cursor.text() == "on" and cursor.kind(1) in ENDS:
+                cursor.take()
             self._done(_DONE[word], things, begun)
+        elif word == "on" and cursor.kind(1) in ENDS:  # 'make sure that the tap is on'
+            cursor.take()
+            self._done("turn", things, begun)
         elif (verb := cursor.peek()) is not None and verb.kind == "word" and verb.verb in ("put", "take", "stack"):
             cursor.take()
             self._places_of(things, begun)
@@ -368,15 +417,11 @@ class _Reader(Verbs):
         before = self._tokens[begun - 1].kind if begun else ""
         done = [request for request in self._requests if request.asked != "leave"]
         if before == "then" and done:
-            last = done[-1]
-            operated = last.asked in ("open", "close", "press", "turn")
-            for thing in things if operated else things[:1]:
-                told = replace(last, place=thing) if operated else replace(last, things=things)
-                self._add(replace(told, sources=()), begun)
-            if last.asked in ("scan", "weigh"):
+            self._do_with(done[-1], things, begun)
+            if done[-1].asked in ("scan", "weigh"):
                 self._waiting = things
             return True
-        if cursor.text() == "," or cursor.kind() in ("query", "colon"):  # 'that notepad? stick it in the tray'
+        if cursor.text() in MARKS or cursor.kind() in ("query", "colon"):  # 'that notepad? stick it in the tray'
             self._waiting = self._things = things
             self._pending |= dict.fromkeys(things, self._words(begun, cursor.at))
             return True
@@ -401,15 +446,21 @@ class _Reader(Verbs):
                 self._part = thing
                 self._add(Request(asked, (), thing), begun)
 
-    def _forbidden(self) -> None:
+    def _forbidden(self, neither: bool = False) -> None:
         """'Don't touch the mug', 'not the red one'."""
         cursor = self._cursor
         begun = cursor.at
         verb = ""
         if self._at_verb(any_form=True) or cursor.text() in ("touch", "touching", "moving", "use", "using", "disturb"):
             verb = cursor.take().verb or ""
+        cursor.commas_end = not verb and not neither
         things = noun_phrases(cursor)
-        if verb and cursor.kind() == "and" and self._verb_follows():
+        cursor.commas_end = False
+        if neither:
+            things = tuple(replace(thing, count=None) for thing in things)
+        if cursor.skip("ought", "be") and cursor.text() in ("moved", "touched"):  # 'neither duck should be moved'
+            cursor.take()
+        if verb and cursor.text() in ("and", "&") and self._verb_follows():
             raise self._refusal(self._rest(), "whether that is forbidden too is not clear")
         if not things:
             raise self._refusal(self._rest(), "they forbid nothing that is named")
@@ -419,6 +470,7 @@ class _Reader(Verbs):
                 raise self._refusal(self._rest(), "they forbid nothing that is named")
             raise self._refusal(self._words(begun, cursor.at), "what a thing shall not be put into is not understood")
         if verb in ("open", "close", "press", "turn", "scan", "weigh"):
+            self._place = self._place if things[-1].is_pronoun else things[-1]
             things = self._resolved(things) if not things[0].is_pronoun else ((self._part or self._place),)
             self._add(Request("leave", tuple(t for t in things if t), preposition=verb), begun)
             return

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
+import re
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Literal, get_args
 
@@ -15,7 +18,7 @@ Verb = Literal[
 Kind = Literal[
     "word", "noise", "wish", "and", "then", "first", "before", "after", "stop", "query", "colon", "prep", "article",
     "quantity", "number", "pronoun", "not", "except", "instead", "which", "be", "belong", "ought", "back", "there",
-    "toward", "ask", "also", "stay", "again",
+    "toward", "ask", "remark", "also", "stay", "again",
 ]  # fmt: skip
 """What a token does in a sentence; ``word`` for all that names, and for verbs, which only their place tells."""
 
@@ -23,6 +26,9 @@ _TABLES = yaml.safe_load(Path(__file__).with_suffix(".yml").read_text(encoding="
 
 BASES: dict[str, Verb] = {word: verb for verb, words in _TABLES["verbs"].items() for word in words.split()}
 """Base form of a verb → what it asks for."""
+
+IS = frozenset(_TABLES["is"].split())
+"""Words before which a noun's 's is short for 'is'."""
 
 SLIPS: dict[str, str] = dict(tuple(pair.split(" = ")) for pair in _TABLES["slips"].split("; "))
 """Slips of the pen → what was meant."""
@@ -42,11 +48,19 @@ def _forms() -> dict[str, str]:
 
 FORMS = _forms()
 
+
+def _rows(pattern: str) -> Iterator[tuple[str, ...]]:
+    """The rows of words that a pattern such as '{can|could} you {|please}' stands for."""
+    for parts in itertools.product(*(part.split("|") for part in re.split(r"[{}]", pattern))):
+        yield tuple("".join(parts).split())
+
+
 PHRASES: dict[tuple[str, ...], tuple[Kind, str]] = {
-    tuple(phrase.split()): (kind, value)
+    row: (kind, value)
     for kind in get_args(Kind)
-    for value, phrases in _TABLES["phrases"].get(kind, {}).items()
-    for phrase in phrases.split(" | ")
+    for value, patterns in _TABLES["phrases"].get(kind, {}).items()
+    for pattern in patterns.split(" | ")
+    for row in _rows(pattern)
 }
 """Words in a row → what they do together, and which of the things that do so."""
 

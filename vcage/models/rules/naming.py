@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
+from dataclasses import replace
 from enum import Enum
 
 from vcage.models.rules.catalogue_match import _is_of_kind, names_of
 from vcage.models.rules.phrases import Phrase
-from vcage.models.rules.words import ANYTHING, CATEGORIES, KINDS, colour_of, lemma, lemmas, same_word, tokens
+from vcage.models.rules.words import ANYTHING, CATEGORIES, COLOURS, KINDS, colour_of, lemma, lemmas, same_word, tokens
 from vcage.schema.asset import CatalogueEntry
 
 _EDIBLE = CATEGORIES["food"] | {"drink", "pastry"}
@@ -53,6 +54,10 @@ def meant(
     fits = {name: _fit(phrase, entry) for name, entry in others.items()}
     good = {name: fit for name, fit in fits.items() if fit > 0 and _good_for(others[name], meaning)}
     fits = good or {name: fit for name, fit in fits.items() if fit > 0}
+    if not fits and " of " in phrase.text:  # 'tin of corn': corn tin
+        before, after = (tuple(w for w in lemmas(t) if w not in COLOURS) for t in phrase.text.split(" of ", 1))
+        turned = replace(phrase, text=" ".join((*after, *before)), lemmas=(*after, *before))
+        return meant(turned, things, meaning, besides)
     if not fits:
         return []
     if _is_kind_word(phrase):
@@ -85,7 +90,8 @@ def _fit(phrase: Phrase, entry: CatalogueEntry) -> int:
     if attributes:
         category = entry.words.category.lower()
         words = tuple(word for word in words if word not in _ATTRIBUTES)
-        if not all(category in _ATTRIBUTES[word] for word in attributes):
+        drink = any(name[-1] in KINDS["drink"] for name in names_of(entry).all)
+        if not all(category in _ATTRIBUTES[word] or (word == "drinkable" and drink) for word in attributes):
             return 0
         if not words:
             return 1

@@ -20,6 +20,8 @@ from vcage.models.rules.words import (
     lemma,
 )
 
+MARKS = (",", "-", "–", "—", "(", ")")
+
 SEVERAL = 3
 """How many things a plural without a number means."""
 
@@ -197,7 +199,7 @@ def _named(cursor: Cursor) -> list[Token]:
             break  # 'the stapler handed over', 'the kit standing to the left'
         words.append(cursor.take())
         if cursor.text() == "with" and _part_follows(cursor):  # 'the box with the lid'
-            cursor.take()
+            words.append(cursor.take())
             cursor.skip("article", "number")
         owned = words[-1].text in ("of", "on", "in") and cursor.kind() == "article"
         if owned:
@@ -242,7 +244,8 @@ def _phrase(words: Sequence[Token], quantity: Quantity | None, numbers: Sequence
     lemmas = (*kept, "one" if head in _ONE else lemma(head))
     if quantity == "both" and not is_plural(counted):
         quantity = "the"  # 'both the duck and the sponge'
-    count = 1 if quantity == "a" and numbers == [1] else _count(numbers, counted, lemmas[-1])
+    single = quantity == "a" and (numbers == [1] or not (numbers or is_plural(counted)))
+    count = 1 if single else _count(numbers, counted, lemmas[-1])
     if lemmas[0] in _EVERY[:3]:
         quantity, count, numbers = "all", None, []
     if quantity in ("all", "both", "rest") and not numbers:
@@ -269,6 +272,8 @@ def _all_colours(texts: Sequence[str]) -> bool:
 
 def _part(texts: list[str]) -> tuple[str | None, tuple[str, ...], list[str]]:
     """The part that is named, what tells it from others, and the words for what it belongs to, or for itself."""
+    if "with" in texts:
+        return None, (), texts
     at = texts.index("of") if "of" in texts[1:] else len(texts)
     before, owner = texts[:at], texts[at + 1 :]
     part = lemma(before[-1]) if before else ""
@@ -383,20 +388,31 @@ def noun_phrases(cursor: Cursor) -> tuple[Phrase, ...]:
     found: list[Phrase] = []
     while True:
         begun = cursor.at
+        marked = cursor.text() in MARKS
         ended_by_comma = cursor.text() == "," and cursor.kind(1) != "and"
         ended = (cursor.commas_end and ended_by_comma) or (cursor.excepting and cursor.text() == "but")
         joined = cursor.skip("and")
         if found and (not joined or ended or _begins_clause(cursor)):
             cursor.at = begun
             break
-        if cursor.kind() in ("instead",):
+        if cursor.kind() == "instead":
+            break
+        if ended_by_comma and cursor.text() == "any":  # 'a pen, any pen'
+            again = noun_phrase(cursor)
+            if again is not None and found and again.lemmas == found[-1].lemmas:
+                continue
+            cursor.at = begun
             break
         phrase = noun_phrase(cursor)
         if phrase is None:
             cursor.at = begun
             break
-        if found and phrase.lemmas == ("one",) and phrase.colour and ended_by_comma and not found[-1].colour:
-            found[-1] = replace(found[-1], colour=phrase.colour, text=f"{phrase.colour} {found[-1].text}")
+        one = found and marked and phrase.lemmas[-1:] == ("one",) and not (phrase.colour and found[-1].colour)
+        if one and (phrase.colour or phrase.lemmas[:-1]) and phrase.quantity == "the" and not found[-1].plural:
+            colour, lemmas = phrase.colour or found[-1].colour, (*phrase.lemmas[:-1], *found[-1].lemmas)
+            found[-1] = replace(
+                found[-1], colour=colour, lemmas=lemmas, quantity="the", text=f"{phrase.text} {found[-1].text}"
+            )
             continue  # 'the torch, the red one'
         found.append(phrase)
     if len(found) > 1 and any(

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from vcage.models.rules.phrases import Phrase, noun_phrase, noun_phrases
+from vcage.models.rules.phrases import MARKS, Phrase, noun_phrase, noun_phrases
 from vcage.models.rules.references import SURFACES, References
-from vcage.models.rules.request import Request
+from vcage.models.rules.request import ENDS, Request
 
 _THROWN = ("throw", "toss", "chuck", "shove", "dump")
 _ALONG = ("run", "wave", "swipe")
@@ -28,6 +28,9 @@ class Placing(References):
             self._require_things(things, begun)
             self._add(Request("back", things), begun)
             return
+        if cursor.kind() in ("prep", "toward") and self._waiting and not takes and self._goes_on():
+            self._places_of(self._all_waiting(), begun)
+            return
         inside = cursor.kind() in ("there", "prep") and cursor.kind(1) in ("article", "quantity", "number", "pronoun")
         particle = cursor.take() if inside and cursor.text() in ("in", "inside", "down", "on", "off", "out") else None
         while cursor.text() in ("down", "out", "hold", "over", "along"):
@@ -40,7 +43,7 @@ class Placing(References):
             raise self._refusal(self._words(begun, cursor.at + 1), "nothing is named there")
         while cursor.text() in ("down", "out", "over"):
             cursor.take()
-        if base in ("set", "start", "wind") and cursor.kind() not in ("prep", "there", "toward", "back"):
+        if base in ("set", "start", "wind", "run") and cursor.kind() not in ("prep", "there", "toward", "back"):
             self._part = things[0]
             self._add(Request("turn", (), things[0]), begun)
             return
@@ -55,8 +58,15 @@ class Placing(References):
             while cursor.text() in ("down", "out", "over", "along", "across", "instead", "straight"):
                 cursor.take()
             cursor.skip("also")
-            if cursor.text() == "," and not placed and cursor.kind(1) in ("prep", "there", "toward", "back"):
+            if cursor.text() in MARKS and not placed and cursor.kind(1) in ("prep", "there", "toward", "back"):
                 cursor.take()
+            if (
+                cursor.kind() == "and"
+                and not placed
+                and cursor.kind(1) == "prep"
+                and self._tokens[cursor.at - 1].kind == "word"
+            ):
+                cursor.take()  # 'off the desk and into the tray'
             kind = cursor.kind()
             if self._instead_follows():
                 things, placed = self._corrected(things, placed, begun)
@@ -95,6 +105,10 @@ class Placing(References):
                 if tools and all(tool.is_pronoun for tool in tools):
                     continue  # 'the pens go in there with them'
                 raise self._refusal(self._words(begun, cursor.at), "what is used for it is not understood")
+            elif kind == "prep" and not placed and cursor.peek().value == "tower":  # pyrefly: ignore
+                cursor.take()
+                self._add(Request("tower", things), begun)
+                placed = True
             elif kind == "prep" and not placed:
                 if self._tokens[begun].base in _ALONG:
                     raise self._refusal(self._words(begun, self._end_of_clause()), "the robot does not do that")
@@ -111,6 +125,15 @@ class Placing(References):
             self._waiting, self._things = things, things
             if not self._announces():
                 self._pending |= dict.fromkeys(things, self._words(begun, cursor.at))
+
+    def _goes_on(self) -> bool:
+        """Whether a preposition and a place follow: 'scan it and put in the basket'."""
+        at = self._cursor.at
+        self._cursor.take()
+        phrase = noun_phrase(self._cursor)
+        found = phrase is not None and not phrase.is_pronoun and self._is_place(phrase) and self._cursor.kind() in ENDS
+        self._cursor.at = at
+        return found
 
     def _more(self, begun: int) -> bool:
         """'… and the pen in the box': further things with one verb."""
@@ -229,7 +252,7 @@ class Placing(References):
         if base in _THROWN or (base in _ALONG and value != "scanner"):
             raise self._refusal(self._words(begun, self._cursor.at), "the robot does not do that")
         if value.startswith("aside"):
-            if self._tokens[begun].verb != "hand":
+            if self._tokens[begun].verb != "hand" and self._tokens[self._cursor.at - 2].kind != "toward":
                 raise self._refusal(token.text, "it names no place")
             value = value.removeprefix("aside ")
         if value.startswith("in") and takes:
@@ -256,6 +279,8 @@ class Placing(References):
         cursor.skip("and")
         if phrase is None:
             raise self._refusal(self._rest(), "it names no place")
+        if phrase.lemmas[-1:] == ("one",) and self._place is not None:
+            phrase = self._inherit((phrase,), (self._place,))[0]
         if cursor.kind() == "prep" and cursor.peek().value == "with" and token.value in ("in", "on"):  # pyrefly: ignore
             cursor.take()  # 'into the box with the pens'
             things = self._resolved(noun_phrases(cursor))

@@ -12,6 +12,8 @@ from vcage.models.rules.request import ENDS, Request
 from vcage.models.rules.tokens import tokens
 from vcage.models.rules.words import COLOURS, colour_of
 
+BESIDE = ("beside", "near", "left_of", "right_of", "in_front_of", "behind")
+
 SURFACES = frozenset(("table", "desk", "desktop", "tabletop", "worktop", "counter", "countertop"))
 """What a task happens on."""
 
@@ -21,12 +23,16 @@ class References(ABC):
 
     def __init__(self, instruction: str, names: Collection[str], is_place: Callable[[Phrase], bool]):
         self._is_place = is_place
+        self._names = names
         self._instruction = instruction
         self._tokens = tokens(instruction, names)
         self._cursor = Cursor(self._tokens)
         self._requests: list[Request] = []
         self._step = 0
         self._begun = 0
+        self._subordinate = False
+        self._could = False
+        """Whether the clause asks whether something could be so."""
         self._sentence = 0
         """Where the present sentence begins, in characters."""
         self._things: tuple[Phrase, ...] = ()
@@ -38,6 +44,10 @@ class References(ABC):
         """How things were put to that place."""
         self._part: Phrase | None = None
         """What was opened last."""
+        self._left: tuple[Phrase, ...] = ()
+        """What was last said to be left alone."""
+        self._passive: tuple[Phrase, ...] = ()
+        """Of what it was said last what shall be done with it: 'the juice should be scanned and put …'."""
         self._sources: list[tuple[Phrase, Phrase]] = []
         self._arm = ""
         """Words that say which arm takes a thing, of use only if it is then given to the other."""
@@ -81,7 +91,7 @@ class References(ABC):
     def _with_head(self, phrase: Phrase) -> Phrase:
         """'the red one' is what was named before, in red."""
         if phrase.lemmas and phrase.lemmas[-1] == "one":
-            return self._inherit((phrase,), self._things or self._waiting)[0]
+            return self._inherit((phrase,), self._things or self._waiting or self._left)[0]
         return phrase
 
     def _inherit(self, phrases: tuple[Phrase, ...], before: tuple[Phrase, ...]) -> tuple[Phrase, ...]:
@@ -96,6 +106,7 @@ class References(ABC):
                 and phrase.head in COLOURS
                 and phrase.colour is None
                 and model.head != phrase.head
+                and (phrase.head != "orange" or model.colour)  # the fruit
             ):
                 phrase = replace(phrase, lemmas=("one",), colour=colour_of(phrase.head))
             if phrase.is_pronoun and phrase.text == "the other":
@@ -133,10 +144,14 @@ class References(ABC):
         place = noun_phrase(cursor, exceptions=False)
         if place is None:
             known = self._part or self._place
-            if preposition in ("in", "on") and known is not None:
+            if preposition in ("in", "on", "left_of", "right_of") and known is not None:
                 return known, preposition
             raise self._refusal(self._words(at - 1, cursor.at + 1), "it names no place")
-        if place.quantity in ("all", "both") or (place.is_pronoun and place.plural and place.text != "the other"):
+        if place.is_pronoun and place.text == "each other" and preposition in (*BESIDE, "on") and things:
+            return things[-1], preposition
+        if (place.quantity in ("all", "both") and not self._is_each(at)) or (
+            place.is_pronoun and place.plural and place.text != "the other"
+        ):
             raise self._refusal(self._words(at, cursor.at), "a thing goes to one place")
         if place.is_pronoun and place.text == "the other":
             place = replace(place, lemmas=("one",), quantity="rest", count=1)
@@ -144,13 +159,17 @@ class References(ABC):
             self._require_clear(at)
             return self._known_place(at, things), preposition
         if place.head == "one":
-            model = before or (self._place if self._place and self._place.head != "table" else None)
+            known = [p for p in (self._place, self._part) if p is not None and p.head != "table"]
+            model = before or max(known, key=lambda p: p.start, default=None)
             place = self._inherit((place,), things[-1:] if model is None else (model,))[0]
         if len(place.lemmas) == 1 and place.head in SURFACES and preposition in ("on", "to", "in"):
             return Phrase("table", ("table",), start=place.start), "on"
         if place.lemmas == ("drawer",) and "its" in self._words(at, cursor.at).split() and self._place is not None:
             place = replace(place, lemmas=self._place.lemmas)
         return replace(place, count=place.count if place.plural else 1), preposition
+
+    def _is_each(self, at: int) -> bool:
+        return self._tokens[at].text in ("each", "each of", "every")
 
     def _known_place(self, at: int, things: tuple[Phrase, ...] = ()) -> Phrase:
         """The place that was named last; a thing that was, where no place was."""
@@ -194,7 +213,9 @@ class References(ABC):
             return True
         if token.verb is None:
             return False
-        following = self._cursor.kind(1)
+        following, second = self._cursor.kind(1), self._cursor.peek(2)
+        if following == "and" and token.verb in ("scan", "weigh") and second is not None and second.verb:
+            return self._cursor.kind(3) != ""  # 'scan and weigh the tomato'
         gerund = token.text.endswith("ing")
         named = following in ("belong", "ought", "be", "and", "stop", "")
         return (token.bare or gerund or any_form) and not named
@@ -222,6 +243,7 @@ class References(ABC):
         done = replace(request, step=self._step, start=start, end=end, sources=request.sources or sources)
         self._requests.append(done)
         if request.asked == "leave":
+            self._left = request.things
             return
         if request.asked == "hand":
             self._arm = ""

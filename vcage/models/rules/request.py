@@ -10,7 +10,7 @@ from vcage.models.rules.phrases import Phrase
 Asked = Literal["put", "open", "close", "press", "turn", "scan", "weigh", "present", "hand", "tower", "back", "leave"]
 """What a request asks for. ``put`` says where by its preposition; ``leave``: not to be touched."""
 
-ENDS = ("", "and", "then", "stop", "query", "also")
+ENDS = ("", "and", "then", "stop", "query", "also", "before", "after", "remark")
 """Kinds of tokens before which a clause may end."""
 
 

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import difflib
 import functools
+import itertools
 import re
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
-from vcage.models.rules.lexicon import BASES, FORMS, LONGEST, OTHERS, PHRASES, SLIPS, Kind, Verb
+from vcage.models.rules.lexicon import BASES, FORMS, IS, LONGEST, OTHERS, PHRASES, SLIPS, Kind, Verb
 from vcage.models.rules.words import ANYTHING, CATEGORIES, COLOURS, KINDS, NUMBERS, ORDINALS, PARTS, lemma
 
 _PIECE = re.compile(r"[a-z0-9]+(?:['-][a-z0-9]+)*|[^\s\"'`“”‘*]")
@@ -78,13 +79,21 @@ def tokens(instruction: str, names: Collection[str] = ()) -> list[Token]:
     found: list[Token] = []
     at = 0
     while at < len(words):
-        token, length = _token(words, at, found[-1] if found else None)
+        token, length = _token(words, at, found[-1] if found else None, names)
         found.append(token)
         at += length
     useful: list[Token] = []
     for at, token in enumerate(found):
+        ends = at + 1 == len(found) or found[at + 1].kind in ("stop", "query")
+        if token.value == "earlier" and useful:  # '… . Before that, open the box'; '… before that.' is not clear
+            kept = len(useful) - (useful[-1].kind == "stop")
+            useful[kept:] = [replace(token, kind="word" if ends else "and")]
+            continue
+        if (token.text == "instead" and ends) or (token.text == "i mean" and found[max(at - 1, 0)].text == "one"):
+            continue  # 'scan the juice instead', 'the white one I mean'
         begins = not useful or useful[-1].kind in ("and", "stop", "then")
-        before = found[at - 1].kind if at > 0 else ""
+        led = next((other for other in reversed(found[:at]) if other.text != ","), None)
+        before = "" if led is None else led.kind if led.kind == "first" else found[at - 1].kind
         if token.kind == "first" and not begins:
             useful[-1] = replace(useful[-1], first=True)
         elif token.kind not in ("noise", "wish", "first"):
@@ -109,12 +118,14 @@ def _words(instruction: str) -> list[_Word]:
     text = "".join(c.lower() if len(c.lower()) == 1 else c for c in instruction)
     text = text.replace("’", "'").replace("_", " ").replace("...", ",  ").replace("…", ",")
     found: list[_Word] = []
-    for match in _PIECE.finditer(text):
+    pieces = list(_PIECE.finditer(text))
+    for match, following in itertools.zip_longest(pieces, pieces[1:]):
         parts = match[0].split("-") if len(match[0]) > 1 else [match[0]]
         numbers = len(parts) > 1 and all(part in NUMBERS for part in parts)
         start = match.start()
         for part in parts:
-            whole = SLIPS.get(part, part)
+            short = part.endswith("'s") and following is not None and following[0] in IS
+            whole = f"{part[:-2]} is" if short and part not in SLIPS else SLIPS.get(part, part)
             glued = len(parts) > 1 and not numbers
             for word in whole.split():
                 found.append(_Word(word, start, start + len(part), glued))
@@ -180,7 +191,7 @@ def _dropped(word: str, other: str) -> bool:
     return any(longer[:i] + longer[i + 1 :] == shorter for i in range(len(longer)))
 
 
-def _token(words: Sequence[_Word], at: int, before: Token | None) -> tuple[Token, int]:
+def _token(words: Sequence[_Word], at: int, before: Token | None, names: Collection[str]) -> tuple[Token, int]:
     """The longest phrase of the lexicon that starts here, else the word itself; and how many words it takes."""
     named = before is not None and before.kind in ("article", "quantity", "number") and before.value != "it"
     for length in range(min(LONGEST, len(words) - at), 0, -1):
@@ -189,9 +200,11 @@ def _token(words: Sequence[_Word], at: int, before: Token | None) -> tuple[Token
         if known is None or row[0].glued:
             continue
         bound = _BOUND if before is not None and before.kind == "article" else _BOUND[:2]
-        if named and length == 1 and known[0] in bound and row[0].text != ",":
+        if named and length == 1 and known[0] in bound and known[1] != "adjective" and row[0].text != ",":
             continue
-        if known[0] == "pronoun" and length > 1 and _names(words, at + length):
+        if known[0] in _BOUND[:2] and all(word.text in names for word in words[at : at + 2]) and words[at + 1 :]:
+            continue  # 'the red first aid kit'
+        if known[0] in ("pronoun", "first") and length > 1 and _names(words, at + length):
             continue  # 'the two towels'
         kind, value = known
         text = value if kind == "word" else " ".join(w.text for w in row)

@@ -12,6 +12,8 @@ from vcage.models.rules.words import ORDINALS, PARTS, lemma
 _SHUT, _OPEN = ("shut", "closed", "close", "in", "back in"), ("open", "out", "opened")
 """Words after a part that is pushed or pulled."""
 
+_HOWS = ("open", "shut", "closed", "out")
+
 _IDIOMS: dict[str, Asked] = {
     "ring": "press", "press": "press", "push": "press", "ding": "press", "hit": "press",
     "twist": "turn", "turn": "turn", "wind": "turn",
@@ -62,6 +64,8 @@ class Verbs(Placing):
         at = cursor.at
         things = noun_phrases(cursor)
         ended = cursor.kind() in ENDS
+        if ended and things and things[-1].text.split()[-1:] in (["closed"], ["shut"]):
+            things = (*things[:-1], without_last(things[-1]))
         if things and (ended or cursor.kind() == "stay" or cursor.text() in ("out", "be")):
             if not ended:
                 cursor.take()
@@ -72,8 +76,10 @@ class Verbs(Placing):
         return True
 
     def _operate(self, verb: str, begun: int) -> None:
-        """'Open the top drawer', 'shut it', 'open up the laptop'."""
+        """'Open the top drawer', 'shut it', 'open up the laptop', 'flip open the lid'."""
         cursor = self._cursor
+        if cursor.text() in ("open", "shut", "closed"):
+            verb = "open" if cursor.take().text == "open" else "close"
         parts = noun_phrases(cursor)
         if not parts:
             raise self._refusal(self._words(begun, cursor.at + 1), "it does not say what")
@@ -124,50 +130,36 @@ class Verbs(Placing):
         """'Pull the drawer open', 'push it shut', 'push the button'; whether it is one of these."""
         cursor = self._cursor
         at = cursor.at
-        how = (
-            cursor.take().text if cursor.kind() == "word" and cursor.text() in ("open", "shut", "closed", "out") else ""
-        )
+        how = cursor.take().text if cursor.kind() == "word" and cursor.text() in _HOWS else ""
         parts = noun_phrases(cursor)
-        if (
-            parts
-            and not how
-            and parts[-1].text.split()[-1:]
-            and parts[-1].text.split()[-1] in ("open", "shut", "closed", "out")
-        ):
-            how = parts[-1].text.split()[-1]
-            parts = (*parts[:-1], without_last(parts[-1]))
-        hows = (
-            "shut",
-            "closed",
-            "open",
-            *(("in", "out", "back in") if base in ("push", "shove", "slide", "pull", "yank") else ()),
-        )
+        if parts and not how and parts[-1].text.split()[-1:] in ([word] for word in _HOWS):
+            how, parts = parts[-1].text.split()[-1], (*parts[:-1], without_last(parts[-1]))
+        hows = (*_HOWS, "in", "back in") if base in ("push", "shove", "slide", "pull", "yank") else _HOWS[:3]
         if parts and not how and cursor.text() in hows and cursor.kind(1) in ENDS:
             how = cursor.take().text
-        ended = cursor.kind() in ENDS
-        if not parts or not ended:
+        asked = ("open" if how in _OPEN else "close") if how else ""
+        if parts and not how and {"button", "bell"} & {parts[0].part, *parts[0].lemmas[-1:]}:
+            asked = "press"
+        elif parts and not how and parts[0].part in ("drawer", "door", "lid") and base in ("pull", "yank"):
+            asked = "open"
+        if not parts or not asked or cursor.kind() not in ENDS:
             cursor.at = at
             return False
-        if how:
-            for part in parts:
-                self._operates("open" if how in _OPEN else "close", part, begun)
-            return True
-        if parts[0].part in ("button",) or parts[0].lemmas[-1:] in (("button",), ("bell",)):
-            for part in parts:
-                self._add(Request("press", (), part), begun)
-            return True
-        if parts[0].part in ("drawer", "door", "lid") and base in ("pull", "yank"):
-            for part in parts:
-                self._operates("open", part, begun)
-            return True
-        cursor.at = at
-        return False
+        for part in parts:
+            self._operates(asked, part, begun)
+        return True
 
     def _lifted(self, begun: int) -> bool:
         """'Lift the lid': open it."""
         cursor = self._cursor
         at = cursor.at
         part = noun_phrase(cursor)
+        if (
+            part is not None and cursor.text() in ("off", "off of") and cursor.kind(1) not in ENDS
+        ):  # 'the lid off the box'
+            cursor.take()
+            owner = noun_phrase(cursor)
+            part = part if owner is None else replace(owner, part=part.part, which=part.which)
         if part is not None and part.part in ("lid", "cover", "screen") and cursor.kind() in ENDS:
             self._operates("open", part, begun)
             return True
@@ -185,14 +177,12 @@ class Verbs(Placing):
         things = noun_phrases(cursor)
         if things and things[0].text.split()[0] == "on" and verb == "turn":
             raise self._refusal(self._words(begun, cursor.at), "that is not understood")
-        if cursor.text() in ("on", "around", "round", "down") and cursor.kind(1) in (
-            "",
-            "and",
-            "then",
-            "stop",
-            "query",
-            "instead",
-        ):
+        if (
+            cursor.kind() == "toward" and things and self._tokens[begun].base in ("turn", "rotate", "switch")
+        ):  # 'turn the sign to the customer', 'switch it to your left hand'
+            self._places_of(self._resolved(things), begun)
+            return
+        if cursor.text() in ("on", "around", "round", "down") and cursor.kind(1) in (*ENDS, "instead"):
             cursor.take()
         if not things or cursor.text() == "off":
             raise self._refusal(self._words(begun, cursor.at + 1), "it does not say what, or how")
@@ -208,6 +198,10 @@ class Verbs(Placing):
     def _measure(self, verb: str, begun: int) -> None:
         """'Scan the juice with the scanner', 'weigh two tomatoes on the scale'."""
         cursor = self._cursor
+        second = cursor.peek(1) if cursor.kind() == "and" else None
+        also = second.verb if second is not None and second.bare else None
+        if also in ("scan", "weigh"):  # 'scan and weigh the tomato'
+            cursor.at += 2
         things = self._resolved(noun_phrases(cursor))
         while self._instead_follows():
             cursor.skip("and", "instead")
@@ -215,7 +209,7 @@ class Verbs(Placing):
         self._require_things(things, begun)
         tools: tuple[Phrase, ...] = ()
         place = None
-        allowed = ("with", "on", "to", "in") if verb == "weigh" else ("with", "to", "on")
+        allowed = ("with", "on", "to", "in") if "weigh" in (verb, also) else ("with", "to", "on")
         while cursor.kind() == "prep" and cursor.peek().value in allowed:  # pyrefly: ignore
             token = cursor.take()
             named = noun_phrase(cursor)
@@ -225,6 +219,9 @@ class Verbs(Placing):
                 tools = (named,)
             else:
                 place = named
+        if also in ("scan", "weigh"):
+            self._add(Request(verb, things), begun)  # pyrefly: ignore
+            verb = also
         self._add(Request(verb, things, place, "on", tools), begun)  # pyrefly: ignore
         self._waiting = things
 
@@ -274,16 +271,10 @@ class Verbs(Placing):
         cursor = self._cursor
         things = self._resolved(noun_phrases(cursor))
         self._require_things(things, begun)
-        if (
-            cursor.kind() == "prep"
-            and cursor.text(1) + cursor.text(2) in ("onetower", "atower", "apile", "astack", "onepile", "towerofblocks")
-        ) or (cursor.kind() == "prep" and cursor.kind(1) == "article" and cursor.text(2) in ("tower", "pile", "stack")):
-            cursor.at += 3
-        elif cursor.kind() == "prep" and cursor.text(1) in ("each other", "one another", "each"):
+        if cursor.kind() == "prep" and cursor.text(1) in ("each other", "one another") and cursor.peek().value == "on":  # pyrefly: ignore
             cursor.at += 2
-            cursor.skip("quantity", "number")
-            if cursor.text() == "other":
-                cursor.take()
+        elif cursor.kind() == "prep" and cursor.peek().value == "tower":  # pyrefly: ignore
+            cursor.take()
         elif cursor.kind() == "prep":
             if len(things) > 1 or things[0].plural:
                 raise self._refusal(self._words(begun, cursor.at), "what a stack stands on is not understood")

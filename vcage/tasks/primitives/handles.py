@@ -101,12 +101,12 @@ def operating_ways(handle: Handle, target: float, gripper: Gripper, support: flo
     """
     turns = handle.link.joint.kind == "turn"
     for share in TURNS_ALONG if turns else (1.0,):
-        frame = held_frame(handle, handle.position, share)
-        for held in grasp_poses(frame, handle.contact, gripper, support, TILTS if turns else FINE_TILTS):
+        frames = [held_frame(handle, position, share) for position in _positions(handle, target)]
+        for held in grasp_poses(frames[0], handle.contact, gripper, support, TILTS if turns else FINE_TILTS):
             if handle.contact.use == "press":
-                yield _press_way(handle, held.in_object, target, share, gripper)
+                yield _press_way(frames, held.in_object, gripper)
             else:
-                yield _grasp_way(handle, held.in_object, target, share, gripper)
+                yield _grasp_way(frames, held.in_object, handle.width, gripper)
 
 
 def held_frame(handle: Handle, position: float, share: float = 1.0) -> Pose:
@@ -130,21 +130,21 @@ def held_frame(handle: Handle, position: float, share: float = 1.0) -> Pose:
     return carrier * Pose(moved - turned.apply(point), turned.q)
 
 
-def _grasp_way(handle: Handle, in_frame: Pose, target: float, share: float, gripper: Gripper) -> OperatingWay:
-    grasp, *motion = _along(handle, in_frame, target, share)
+def _grasp_way(frames: Sequence[Pose], in_frame: Pose, width: float, gripper: Gripper) -> OperatingWay:
+    grasp, *motion = (frame * in_frame for frame in frames)
     return OperatingWay(
         before=_drawn_back(grasp, gripper.approach),
         grasp=grasp,
         motion=motion,
         pushed=len(motion),
         after=_drawn_back(motion[-1], gripper.approach),
-        opening=approach_opening(handle.width, gripper),
+        opening=approach_opening(width, gripper),
     )
 
 
-def _press_way(handle: Handle, in_frame: Pose, target: float, share: float, gripper: Gripper) -> OperatingWay:
+def _press_way(frames: Sequence[Pose], in_frame: Pose, gripper: Gripper) -> OperatingWay:
     # The tips, not the frame between them, meet the part.
-    touch, *push = _along(handle, _drawn_back(in_frame, gripper.tip_depth), target, share)
+    touch, *push = (frame * _drawn_back(in_frame, gripper.tip_depth) for frame in frames)
     return OperatingWay(
         before=_drawn_back(touch, gripper.approach),
         grasp=touch,
@@ -155,13 +155,8 @@ def _press_way(handle: Handle, in_frame: Pose, target: float, share: float, grip
     )
 
 
-def _along(handle: Handle, in_frame: Pose, target: float, share: float) -> list[Pose]:
-    """Gripper poses from where the joint is to ``target``, at least two."""
-    return [held_frame(handle, position, share) * in_frame for position in _positions(handle, target)]
-
-
 def _positions(handle: Handle, target: float) -> Sequence[float]:
-    """Joint positions from the present one to ``target``."""
+    """Joint positions from the present one to ``target``, at least two."""
     joint, way = handle.link.joint, target - handle.position
     if joint.kind == "slide":
         count = abs(way) / STEP

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 
 from vcage.base.errors import UnknownName
@@ -12,12 +13,16 @@ from vcage.schema.robot import Gripper
 from vcage.sim.collision import Held
 from vcage.sim.motion import MotionFailed, MotionPlanner
 from vcage.sim.paths import JointPath, Load
+from vcage.sim.world import World
 from vcage.tasks.grasps import GraspPose, approach_opening, command_of, grasp_poses
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.workcell import CAREFUL, TaskFailed, Workcell, failing_at, first_reasons
 
 CLEARANCE = 0.03
 """Metres between what is carried and the highest thing on the table."""
+
+EVERY = 10
+"""Physics steps between two looks at whether the fingers still hold what is carried."""
 
 
 @dataclass(frozen=True)
@@ -174,5 +179,26 @@ def feel(cell: Workcell, grip: Grip) -> None:
     Raises:
         TaskFailed: they do not.
     """
-    if cell.world.arms[grip.arm].empty:
-        raise TaskFailed("grasp", f"{grip.object_id} slipped out of the fingers")
+    control = cell.world.arms[grip.arm]
+    if control.empty:
+        height = 100 * (control.tool_pose.p[2] - cell.world.table.height)
+        raise TaskFailed("grasp", f"{grip.object_id} slipped out of the fingers {height:.0f} cm above the table")
+
+
+@contextmanager
+def minding(cell: Workcell, grip: Grip) -> Iterator[None]:
+    """Whatever is done inside, the fingers must hold something all the time: also while it is lifted.
+
+    Raises:
+        TaskFailed: they do not any more; what was being done ends there.
+    """
+
+    def mind(world: World) -> None:
+        if world.steps % EVERY == 0:
+            feel(cell, grip)
+
+    cell.world.before_step.append(mind)
+    try:
+        yield
+    finally:
+        cell.world.before_step.remove(mind)

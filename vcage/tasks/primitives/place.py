@@ -16,8 +16,8 @@ from vcage.sim.kinematics import ArmKinematics
 from vcage.sim.motion import MotionFailed, MotionPlanner
 from vcage.sim.paths import JointPath, Load
 from vcage.tasks.grasps import approach_opening, command_of, hand_boxes
-from vcage.tasks.primitives.pick import Grip, PickWay, feel, transfer_height
-from vcage.tasks.scene_objects import SolidBox, seen_apart
+from vcage.tasks.primitives.pick import Grip, PickWay, feel, minding, transfer_height
+from vcage.tasks.scene_objects import Obstacles, SolidBox
 from vcage.tasks.workcell import CAREFUL, TaskFailed, Workcell, failing_at, first_reasons
 
 SET_DOWN = 0.004
@@ -63,9 +63,7 @@ class PlacePlan:
     path: JointPath
 
 
-def place_way(
-    held: Pose, goal: Pose, obstacles: Sequence[SolidBox], gripper: Gripper, width: float, height: float
-) -> PlaceWay:
+def place_way(held: Pose, goal: Pose, obstacles: Obstacles, gripper: Gripper, width: float, height: float) -> PlaceWay:
     """From ``height`` down to where the object is let go, as low as the hand can without touching an obstacle.
 
     Args:
@@ -85,13 +83,11 @@ def place_way(
     return PlaceWay(above=above, release=release, after=after, drop=rise + SET_DOWN)
 
 
-def _rise_to_clear(pose: Pose, obstacles: Sequence[SolidBox], hand: Sequence[np.ndarray]) -> float:
+def _rise_to_clear(pose: Pose, obstacles: Obstacles, hand: Sequence[np.ndarray]) -> float:
     """How far the hand must go up so that none of its boxes touches an obstacle below it."""
     rise = 0.0
-    for bounds in hand:
-        part = SolidBox(bounds, pose)
-        below = [o.top for o, apart in zip(obstacles, seen_apart(part, obstacles), strict=True) if not apart]
-        rise = max(rise, max(below, default=-np.inf) + SET_DOWN - part.bottom)
+    for part, below in obstacles.under([SolidBox(bounds, pose) for bounds in hand]):
+        rise = max(rise, obstacles.tops[below].max(initial=-np.inf) + SET_DOWN - part.bottom)
     return float(np.round(rise, 6))
 
 
@@ -147,7 +143,7 @@ class Placing:
     """
 
     receptacle: str
-    obstacles: Sequence[SolidBox]
+    obstacles: Obstacles
     height: float
 
     @classmethod
@@ -166,7 +162,7 @@ class Placing:
             holder = cell.object(receptacle)
             boxes = [*holder.around(point), *boxes]
             others.append(holder)
-        return cls(receptacle, boxes, transfer_height(others, cell.world.table.height))
+        return cls(receptacle, Obstacles(boxes), transfer_height(others, cell.world.table.height))
 
     def ways(
         self, kinematics: ArmKinematics, held: Pose, width: float, poses: Sequence[Pose], start: np.ndarray
@@ -234,7 +230,8 @@ def carry_out_place(cell: Workcell, plan: PlacePlan) -> None:
     """
     grip = plan.grip
     control = cell.world.arms[grip.arm]
-    cell.carry_out(grip.arm, plan.path)
+    with minding(cell, grip):
+        cell.carry_out(grip.arm, plan.path)
     feel(cell, grip)
     gripper = control.arm.gripper
     opened = command_of(approach_opening(control.finger_width, gripper), gripper)

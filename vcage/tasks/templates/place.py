@@ -23,7 +23,7 @@ from vcage.tasks.access import access
 from vcage.tasks.feasibility import Feasibility, Transfer, best_first, carrying_points, examine, fits
 from vcage.tasks.ground import Ground
 from vcage.tasks.scene_objects import SceneObject
-from vcage.tasks.slots import GAP, Slot, allocate, kept_in_by, lying_in, opened_for
+from vcage.tasks.slots import GAP, Slot, allocate, kept_in_by, lying_in, opened_for, room_for
 from vcage.tasks.wording import wordings
 
 SLOTS = 12
@@ -130,9 +130,8 @@ class Pair:
             check = fits(self.target, self.receptacle, self.point)
         if not check.passed:
             return self._refusal(check.message, checks=[check])
-        try:
-            allocate(self._opened, self.point.id, [self.target], np.random.default_rng(0))
-        except InfeasibleScene:
+        room = room_for(self.receptacle, self.point.id, [self.target])
+        if np.any(np.sort(room) < np.sort(self.target.asset.footprint)):
             return self._refusal(self._no_room())
         return None
 
@@ -169,7 +168,7 @@ class Pair:
             ground: of the table.
             rng: of the slot.
         """
-        others = [o for o in objects if o.id not in (self.target.id, self.receptacle.id)]
+        others = [self._opened if o.id == self.receptacle.id else o for o in objects if o.id != self.target.id]
         present = lying_in(self.receptacle, others)
         findings: list[Feasibility] = []
         refused: list[Refusal] = []

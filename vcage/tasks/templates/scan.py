@@ -108,7 +108,7 @@ class Reading:
         poses = list(reading_poses(mover, still, ground.height))
         if not poses:
             return [], [self._refusal(f"{mover.record.phrase} cannot be held before {still.record.phrase}")]
-        others = [o for o in objects if o.id != mover.id]
+        others = tuple(o for o in objects if o.id != mover.id)
         findings, refused = [], []
         for contact in carrying_points(mover.asset.annotation):
             where = f"its place before {still.record.phrase}"

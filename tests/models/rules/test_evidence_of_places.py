@@ -1,0 +1,143 @@
+"""What the offline critic says of things that were put down on the table, shown, scanned, weighed or put back."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import cache
+
+import numpy as np
+import pytest
+
+from tests.scenes import TABLE_TOP, library, scene_of, thing
+from vcage.base.geometry import Pose
+from vcage.schema.episodes import Verdict
+from vcage.schema.goals import Goal
+from vcage.schema.plan import TABLE
+from vcage.sim.cameras import shoot
+from vcage.sim.robots import load_robot
+from vcage.sim.world import World
+from vcage.stages.context import StageContext
+from vcage.stages.question import TOP, cameras, verdict
+from vcage.tasks.reading import reading_poses
+
+BOX, PLATE, APPLE = thing("cereal_box", (-0.1, -0.05), 0.3), thing("plate", (0.15, 0.05)), thing("apple", (-0.3, 0.1))
+SCANNER, SCALE = thing("barcode_scanner", (0.3, -0.1)), thing("electronic_scale", (0.0, 0.1))
+GONE = Pose([0.0, 0.0, -3.0])
+FACING = Pose.from_yaw([0.1, 0.2, TABLE_TOP], np.pi)
+SHOWN = Goal(subject=BOX.id, relation="presented")
+
+
+@cache
+def context() -> StageContext:
+    return StageContext("offline")
+
+
+@cache
+def table(*names: str):
+    """A scene of these objects, drawn."""
+    objects = {o.id: o for o in (BOX, PLATE, APPLE, SCANNER, SCALE) if o.id in names}
+    scene = scene_of(list(objects.values()))
+    models = {name: library().asset(o.record.asset, o.record.variant).model for name, o in objects.items()}
+    return scene, World.of_scene(scene, models, load_robot(scene.robot), render=True)
+
+
+def judged(
+    goals: list[Goal], states: Mapping[str, Mapping[str, Pose]], *names: str, grasped: str | None = None
+) -> Verdict:
+    """The verdict on states in which some objects stand elsewhere than at first."""
+    scene, world = table(*names)
+
+    def seen(poses: Mapping[str, Pose]):
+        for record in scene.objects:
+            world.set_object_pose(record.id, poses.get(record.id, record.pose.pose()))
+        return {name: shoot(world, camera) for name, camera in cameras(scene, goals).items()}
+
+    empty = seen(dict.fromkeys(names, GONE))[TOP]
+    told = {when: seen(poses) for when, poses in states.items()}
+    return verdict(context(), scene, "x", goals, told, empty, grasped=grasped)
+
+
+def shown(pose: Pose) -> Verdict:
+    return judged([SHOWN], {"before": {}, "after": {BOX.id: pose}}, BOX.id, PLATE.id)
+
+
+def test_a_box_whose_front_faces_the_customer_is_presented() -> None:
+    told = shown(FACING)
+    assert told.accepted, told.reason
+
+
+@pytest.mark.parametrize("angle", [90, 180, 270])
+def test_a_box_that_shows_another_side_is_not(angle: float) -> None:
+    told = shown(Pose.from_yaw(FACING.p, FACING.yaw + np.radians(angle)))
+    assert not told.accepted and "from the customer" in told.reason
+
+
+def test_a_box_on_the_robot_s_half_is_not() -> None:
+    told = shown(Pose.from_yaw([0.1, -0.15, TABLE_TOP], np.pi))
+    assert not told.accepted and "customer's half" in told.reason
+
+
+def test_a_box_that_stays_or_falls_is_not() -> None:
+    assert "still lies where it was" in shown(BOX.pose).reason
+    assert "not found on the table" in shown(GONE).reason
+
+
+@pytest.mark.parametrize(("x", "left"), [(-0.1, True), (0.4, False)])
+def test_an_apple_is_left_of_a_plate_or_not(x: float, left: bool) -> None:
+    goal = Goal(subject=APPLE.id, relation="left_of", reference=PLATE.id)
+    after = {APPLE.id: Pose([x, 0.05, TABLE_TOP])}
+    told = judged([goal], {"before": {}, "after": after}, APPLE.id, PLATE.id)
+    assert told.accepted is left, told.reason
+
+
+@pytest.mark.parametrize(("at", "bare"), [((0.0, -0.1, 0.0), True), ((0.15, 0.05, 0.01), False)])
+def test_what_is_set_down_stands_on_the_bare_table(at: tuple[float, float, float], bare: bool) -> None:
+    goal = Goal(subject=APPLE.id, relation="on", reference=TABLE)
+    after = {APPLE.id: Pose(np.array(at) + [0, 0, TABLE_TOP])}
+    told = judged([goal], {"before": {}, "after": after}, APPLE.id, PLATE.id)
+    assert told.accepted is bare, told.reason
+
+
+@pytest.mark.parametrize(("away", "back"), [(0.0, True), (0.08, False)])
+def test_what_is_back_stands_where_it_stood_at_the_start(away: float, back: bool) -> None:
+    goal = Goal(subject=APPLE.id, relation="back")
+    states = {"start": {}, "before": {APPLE.id: Pose([0.1, -0.1, TABLE_TOP])}}
+    after = {APPLE.id: Pose(APPLE.pose.p + [away, 0, 0], APPLE.pose.q)}
+    told = judged([goal], {**states, "after": after}, APPLE.id, PLATE.id)
+    assert told.accepted is back, told.reason
+
+
+@pytest.mark.parametrize(("slid", "weighed"), [(0.0, True), (0.04, False)])
+def test_what_is_weighed_lies_still_on_the_scale(slid: float, weighed: bool) -> None:
+    goals = [Goal(subject=APPLE.id, relation="weighed"), Goal(subject=APPLE.id, relation="on", reference=SCALE.id)]
+    top = SCALE.pose.apply(np.array(SCALE.asset.annotation.functional_point(0).position))
+    states = {when: {APPLE.id: Pose(top + [away, 0, 0])} for when, away in (("moment", slid), ("after", 0.0))}
+    told = judged(goals, {"before": {}, **states}, APPLE.id, SCALE.id)
+    assert told.accepted is weighed, told.reason
+
+
+def scanned(pose: Pose) -> Verdict:
+    states = {"before": {}, "moment": {SCANNER.id: pose}, "after": {}}
+    return judged([Goal(subject=BOX.id, relation="scanned")], states, BOX.id, SCANNER.id, grasped=SCANNER.id)
+
+
+def test_a_scanner_that_is_seen_before_a_code_reads_it() -> None:
+    told = scanned(next(iter(reading_poses(SCANNER, BOX, TABLE_TOP))))
+    assert told.accepted, told.reason
+
+
+@pytest.mark.parametrize("away", [(0.12, 0.0), (0.0, 0.12), (-0.12, 0.0), (0.0, -0.12)])
+def test_a_scanner_that_is_seen_elsewhere_reads_nothing(away: tuple[float, float]) -> None:
+    there = next(iter(reading_poses(SCANNER, BOX, TABLE_TOP)))
+    assert not scanned(Pose(there.p + [*away, 0.0], there.q)).accepted
+
+
+def test_a_scanner_that_lies_where_it_was_reads_nothing() -> None:
+    told = scanned(SCANNER.pose)
+    assert not told.accepted and "lies where it was" in told.reason
+
+
+def test_without_a_picture_of_the_moment_nothing_is_read() -> None:
+    goal = Goal(subject=BOX.id, relation="scanned")
+    told = judged([goal], {"before": {}, "after": {}}, BOX.id, SCANNER.id, grasped=SCANNER.id)
+    assert not told.accepted and "no picture shows the moment" in told.reason

@@ -1,0 +1,56 @@
+"""Scanning: whichever of scanner and code can be brought to the other is moved."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from tests.scenes import GROUND, TABLE_TOP, kinematics, thing, world_of
+from vcage.schema.goals import Goal
+from vcage.tasks.events import Watch
+from vcage.tasks.scene_objects import SceneObject
+from vcage.tasks.task import Task
+from vcage.tasks.templates import TEMPLATES
+from vcage.tasks.truth import goals_hold
+
+BOX, SCANNER = thing("cookie_box", (0.1, 0.05), np.pi / 2), thing("barcode_scanner", (-0.15, 0.0))
+SCANNED = Goal(subject=BOX.id, relation="scanned")
+SCAN = TEMPLATES["scan"]
+
+
+def examined(box: SceneObject, scanner: SceneObject):
+    (proposal,), _ = SCAN.proposals([box, scanner], ())
+    return proposal.examine([box, scanner], kinematics(), GROUND, np.random.default_rng(0))
+
+
+def test_a_code_in_reach_of_a_scanner_in_reach_is_scanned() -> None:
+    subtask, _ = examined(BOX, SCANNER)
+    assert subtask is not None and subtask.goals == [SCANNED]
+    assert (subtask.object, subtask.tool, subtask.receptacle) == (BOX.id, SCANNER.id, None)
+    assert len({subtask.text, *subtask.texts}) >= 10
+
+
+def test_what_has_no_code_is_refused_where_it_is_asked_for() -> None:
+    block = thing("block")
+    _, refused = SCAN.proposals([block, SCANNER], [Goal(subject=block.id, relation="scanned")])
+    assert [r.reason for r in refused] == ["red block has no bar code"]
+
+
+def test_a_code_out_of_reach_is_refused_with_a_reason_for_each_contact_point() -> None:
+    subtask, refused = examined(thing("cookie_box", (0.0, 1.0)), thing("barcode_scanner", (0.0, 1.2)))
+    assert subtask is None
+    assert refused and all("does not reach" in r.reason for r in refused)
+
+
+def test_the_robot_scans_what_is_feasible_and_puts_back_what_it_took() -> None:
+    subtask, _ = examined(BOX, SCANNER)
+    objects = {o.id: o for o in (BOX, SCANNER)}
+    world = world_of(list(objects.values()))
+    world.settle()
+    task, watch = Task(world, objects, {}), Watch(world, objects, [SCANNED])
+    moved = subtask.grasped or subtask.object
+    still = next(name for name in objects if name != moved)
+    task.show(moved, still, [(g.contact, g.arm) for g in subtask.grasps])
+    task.home()
+    assert goals_hold([SCANNED], objects, watch).success
+    assert task.moment is not None and task.moment.objects[moved].p[2] > TABLE_TOP
+    assert np.linalg.norm((world.object_pose(moved).p - objects[moved].pose.p)[:2]) < 0.02

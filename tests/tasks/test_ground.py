@@ -1,0 +1,73 @@
+"""Where on the table a thing is put down."""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from tests.scenes import GROUND, thing
+from vcage.base.geometry import Pose, boxes_overlap
+from vcage.plans.relations import holds
+from vcage.schema.goals import Goal
+from vcage.schema.plan import TABLE
+from vcage.tasks.ground import faces_customer, on_customers_half
+
+PLATE = thing("plate", (0.0, 0.05))
+WORDS = ["left_of", "right_of", "in_front_of", "behind", "beside", "near"]
+
+
+def goal(word: str, reference: str | None = None) -> Goal:
+    return Goal(subject="block", relation=word, reference=reference)  # pyrefly: ignore
+
+
+@settings(deadline=None, max_examples=30)
+@given(st.sampled_from(WORDS), st.integers(0, 2**32 - 1))
+def test_what_is_put_beside_another_stands_so_and_touches_nothing(word: str, seed: int) -> None:
+    block, other = thing("block", (-0.3, -0.1)), thing("mug", (0.2, 0.0))
+    poses = GROUND.poses(block, goal(word, PLATE.id), [PLATE, other], np.random.default_rng(seed))
+    pose = next(poses)
+    there = block.moved(pose)
+    assert holds(word, there.aabb, PLATE.aabb)  # pyrefly: ignore
+    assert not any(boxes_overlap(there.aabb, o.aabb) for o in (PLATE, other))
+
+
+def test_what_stands_at_its_place_moves_it_elsewhere() -> None:
+    block = thing("block", (-0.3, -0.1))
+    full = [np.array([[-0.45, -0.25], [0.0, 0.3]])]
+    poses = GROUND.poses(block, goal("on", TABLE), [], np.random.default_rng(0), full)
+    assert all(pose.p[0] > 0 for pose in itertools.islice(poses, 5))
+
+
+def test_a_full_table_has_no_place() -> None:
+    full = [np.array([[-0.45, -0.25], [0.45, 0.3]])]
+    assert not list(GROUND.poses(thing("block"), goal("on", TABLE), [], np.random.default_rng(0), full))
+
+
+def test_back_is_where_it_stood() -> None:
+    block = thing("block", (-0.3, -0.1), 0.4)
+    assert list(GROUND.poses(block, goal("back"), [], np.random.default_rng(0))) == [block.pose]
+
+
+def test_what_is_shown_faces_the_customer_on_the_far_side() -> None:
+    poses = GROUND.poses(thing("block"), goal("presented"), [], np.random.default_rng(0))
+    for pose in itertools.islice(poses, 5):
+        assert faces_customer(pose) and on_customers_half(pose)
+
+
+def test_a_full_customer_s_strip_leaves_the_customer_s_half() -> None:
+    strip = [np.array([[-0.45, 0.12], [0.45, 0.3]])]
+    pose = next(GROUND.poses(thing("block"), goal("presented"), [], np.random.default_rng(0), strip))
+    assert 0 < pose.p[1] < 0.12
+
+
+@pytest.mark.parametrize(("yaw", "shown"), [(180, True), (160, True), (90, False), (0, False)])
+def test_a_front_faces_the_customer_within_an_angle(yaw: float, shown: bool) -> None:
+    assert faces_customer(Pose.from_yaw([0, 0.2, 0.74], np.radians(yaw))) is shown
+
+
+def test_a_front_that_looks_up_faces_no_customer() -> None:
+    assert not faces_customer(Pose([0, 0.2, 0.74], [np.cos(np.pi / 4), np.sin(np.pi / 4), 0, 0]))

@@ -1,0 +1,61 @@
+"""Scanners and bar codes."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from tests.scenes import TABLE_TOP, thing
+from vcage.base.geometry import Pose
+from vcage.tasks.reading import reading_poses, reads
+from vcage.tasks.scene_objects import SceneObject
+
+SCANNER = thing("barcode_scanner", (-0.2, 0.0))
+CODED = ["cereal_box", "cookie_box", "juice_carton", "chips_tube", "chocolate_bar", "gum_jar", "energy_drink"]
+
+
+def held(mover: SceneObject, still: SceneObject) -> SceneObject:
+    return mover.moved(next(iter(reading_poses(mover, still, TABLE_TOP))))
+
+
+@pytest.mark.parametrize("name", CODED)
+def test_a_scanner_that_is_held_before_a_code_reads_it(name: str) -> None:
+    box = thing(name, (0.1, 0.05), 0.3)
+    assert reads(held(SCANNER, box), box)
+
+
+@settings(deadline=None, max_examples=20)
+@given(st.floats(-np.pi, np.pi), st.floats(-np.pi, np.pi))
+def test_at_every_heading_of_both_what_is_held_stays_upright_and_over_the_table(yaw: float, other: float) -> None:
+    box, scanner = thing("cereal_box", (0.1, 0.05), yaw), thing("barcode_scanner", (-0.2, 0.0), other)
+    there = held(scanner, box)
+    assert there.pose.rotation()[2, 2] == pytest.approx(1)
+    assert there.aabb[0, 2] > TABLE_TOP
+
+
+@settings(deadline=None, max_examples=20)
+@given(st.floats(-np.pi, np.pi))
+def test_reading_is_mutual(yaw: float) -> None:
+    box = thing("cereal_box", (0.1, 0.05), yaw)
+    there = held(SCANNER, box)
+    assert reads(box, there) and reads(there, box)
+
+
+@pytest.mark.parametrize("away", [[0.1, 0, 0], [0, 0.1, 0], [0, 0, 0.1]])
+def test_a_code_that_is_far_or_aside_is_not_read(away: list[float]) -> None:
+    box = thing("cookie_box", (0.1, 0.05))
+    there = held(SCANNER, box)
+    assert not reads(there.moved(Pose(there.pose.p + away, there.pose.q)), box)
+
+
+def test_a_scanner_that_is_turned_away_reads_nothing() -> None:
+    box = thing("cookie_box", (0.1, 0.05))
+    there = held(SCANNER, box)
+    turned = (Pose.from_yaw([0, 0, 0], np.pi / 2) * Pose(q=there.pose.q)).q
+    assert not reads(there.moved(Pose(there.pose.p, turned)), box)
+
+
+def test_two_boxes_read_nothing() -> None:
+    assert not list(reading_poses(thing("cookie_box"), thing("cereal_box", (0.2, 0)), TABLE_TOP))

@@ -1,0 +1,247 @@
+"""What pictures show of an object that was put down on the table, shown to the customer or held before a scanner."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from vcage.base.geometry import Camera, Pose
+from vcage.models.rules.evidence import changed, salience
+from vcage.models.rules.standing import (
+    Draw,
+    Standing,
+    as_bright,
+    covered_by,
+    cut,
+    find_standing,
+    inside,
+    refined,
+    window_around,
+)
+from vcage.sim.drawer import Window
+from vcage.vision.colour import distance, to_lab
+from vcage.vision.protocols import Reference, View
+
+LEFT = 0.5
+"""Share of the outline of what was moved that must have changed at the moment for it to be looked for elsewhere."""
+
+ALIKE = 14.0
+"""Colour distance below which a pixel is like the drawing of an object."""
+
+AWAY, DIRECTIONS, HEADINGS = (0.1, 0.16), 8, 4
+"""How far from where a code is read, metres, in how many directions and at how many headings what is held may be seen
+instead."""
+
+IN_FRONT = 0.005
+"""What is nearer to the camera by less than this hides nothing, metres."""
+
+
+@dataclass(frozen=True)
+class Moved:
+    """Measurements of an object that was moved, all from pixels.
+
+    Args:
+        left: share of its old outline that has changed.
+        old, new: where it stood and stands; None where it is not found.
+        bare: share of its new outline that was empty table before.
+    """
+
+    left: float
+    old: Standing | None
+    new: Standing | None
+    bare: float
+
+
+def gather_moved(
+    before: Mapping[str, View],
+    after: Mapping[str, View],
+    background: np.ndarray | None,
+    table_height: float,
+    look: Reference,
+    draw: Draw,
+) -> Moved:
+    """Where an object was, and where it is now: among what has changed.
+
+    Args:
+        before, after: views of one moment each, by camera.
+        background: the top view of the empty table.
+        table_height: metres.
+        look: how the object looks from above.
+        draw: draws it.
+    """
+    change = _change(before["top"], after["top"])
+    old = find_standing(before, background, table_height, look, draw, change)
+    taken = np.zeros_like(change) if old is None else old.covered
+    new = find_standing(after, background, table_height, look, draw, change & ~taken)
+    stood = salience(before["top"].picture, background) > 0.5
+    here = new.covered & ~taken if new is not None else taken
+    return Moved(
+        left=float(change[taken].mean()) if taken.any() else 0.0,
+        old=old,
+        new=new,
+        bare=float(1 - stood[here].mean()) if here.any() else 0.0,
+    )
+
+
+@dataclass(frozen=True)
+class Returned:
+    """Measurements of an object that was put back.
+
+    Args:
+        came: share of its outline at the start that changed when it was put there.
+        same: share of it that looks as at the start.
+    """
+
+    came: float
+    same: float
+
+
+def gather_returned(
+    start: Mapping[str, View],
+    before: Mapping[str, View],
+    after: Mapping[str, View],
+    background: np.ndarray | None,
+    table_height: float,
+    look: Reference,
+    draw: Draw,
+) -> Returned | None:
+    """Whether an object is again where it stood at the start; None where it is not found there.
+
+    Args:
+        start: views of the start of the episode.
+        before, after, background, table_height, look, draw: see :func:`gather_moved`.
+    """
+    gone = _change(start["top"], before["top"])
+    stood = find_standing(start, background, table_height, look, draw, gone)
+    if stood is None or not stood.covered.any():
+        return None
+    came, differs = (_change(one["top"], after["top"])[stood.covered].mean() for one in (before, start))
+    return Returned(float(came), float(1 - differs))
+
+
+def gather_restless(before: View, moment: View, after: View) -> float:
+    """Share of what came or went since before that changed after the moment."""
+    change = _change(before, after)
+    return float(_change(moment, after)[change].mean()) if change.any() else 1.0
+
+
+@dataclass(frozen=True)
+class Shown:
+    """Measurements of a scan.
+
+    Args:
+        left: share of the old outline of what was moved that has changed at the moment, where least of it did: a hand
+            before it hides it from one side.
+        seen: share of a drawing of it, held so that the code is read, that is found in the pictures of the moment.
+        elsewhere: the same where it is likeliest among places too far away and headings at which nothing is read.
+    """
+
+    left: float
+    seen: float
+    elsewhere: float
+
+
+def gather_shown(
+    before: Mapping[str, View],
+    moment: Mapping[str, View],
+    moved: Standing,
+    still: Standing,
+    draw_moved: Draw,
+    draw_still: Draw,
+    readings: Callable[[Pose, Pose], Iterable[Pose]],
+) -> Shown:
+    """Whether one object is held so before another that a code is read.
+
+    Args:
+        before, moment: views by camera.
+        moved, still: where the two stood before.
+        draw_moved, draw_still: draw them.
+        readings: poses of what is moved at which it reads or is read, from where both stand.
+    """
+    sights = [_Held.of(before[name], moment[name], still, draw_still) for name in sorted(before.keys() & moment.keys())]
+    left = min(_changed_share(sight, covered_by(draw_moved, moved.pose, sight.camera)) for sight in sights)
+    if left < LEFT:
+        return Shown(left, 0.0, 0.0)
+
+    def unseen(pose: Pose) -> float:
+        return 1 - _seen(pose, moved, sights, draw_moved)
+
+    found = [(unseen(pose), pose) for pose in readings(moved.pose, still.pose)]
+    least, pose = min(found, key=lambda one: one[0], default=(1.0, moved.pose))
+    nearby, _ = refined(np.zeros(3), least, lambda shift: unseen(_shifted(pose, shift)))
+    turned = [_shifted(pose, np.array([0.0, 0.0, turn])) for turn in _TURNS[1:]]
+    others = [*turned, *(_shifted(pose, np.array([*away, turn])) for away in _AWAY for turn in _TURNS)]
+    return Shown(left, 1 - nearby, 1 - min(map(unseen, others)))
+
+
+_TURNS = np.linspace(0, 2 * np.pi, HEADINGS, endpoint=False)
+_AWAY = [
+    (far * np.cos(angle), far * np.sin(angle))
+    for far in AWAY
+    for angle in np.linspace(0, 2 * np.pi, DIRECTIONS, endpoint=False)
+]
+
+
+@dataclass(frozen=True)
+class _Held:
+    """A view of the moment, and what hides things in it.
+
+    Args:
+        camera: took it.
+        picture: (H, W, 3) uint8.
+        lab: (H, W, 3) the same, smoothed.
+        change: (H, W) bool, since before.
+        nearest: (H, W) float32, depth of the object that stays, where it is.
+    """
+
+    camera: Camera
+    picture: np.ndarray
+    lab: np.ndarray
+    change: np.ndarray
+    nearest: np.ndarray
+
+    @classmethod
+    def of(cls, before: View, moment: View, still: Standing, draw: Draw) -> _Held:
+        lab = to_lab(cv2.GaussianBlur(moment.picture, (3, 3), 0))
+        return cls(moment.camera, moment.picture, lab, _change(before, moment), _depth(draw, still.pose, moment.camera))
+
+
+def _changed_share(sight: _Held, outline: np.ndarray) -> float:
+    return float(sight.change[outline].mean()) if outline.any() else 0.0
+
+
+def _depth(draw: Draw, pose: Pose, camera: Camera) -> np.ndarray:
+    drawing = draw(pose, camera, Window(0, 0, max(camera.width, camera.height), 1))
+    return np.where(drawing.covered, drawing.depth, np.inf)[: camera.height, : camera.width].astype(np.float32)
+
+
+def _shifted(pose: Pose, shift: np.ndarray) -> Pose:
+    """A pose moved along x and y and turned upright by (3,)."""
+    return Pose(pose.p + [shift[0], shift[1], 0.0], (Pose.from_yaw([0, 0, 0], float(shift[2])) * Pose(q=pose.q)).q)
+
+
+def _seen(pose: Pose, moved: Standing, sights: Sequence[_Held], draw: Draw) -> float:
+    """Share of the drawing of an object at a pose that is found in the sights."""
+    found, drawn = 0, 0
+    for sight in sights:
+        middle = pose.p + np.array([0.0, 0.0, moved.size[2] / 2])
+        window = window_around(middle, moved.size, sight.camera)
+        drawing = draw(pose, sight.camera, window)
+        shown = (
+            drawing.covered & inside(sight.picture, window) & (cut(sight.nearest, window) > drawing.depth - IN_FRONT)
+        )
+        if not shown.any():
+            continue
+        like = to_lab(as_bright(drawing, cut(sight.picture, window)).astype(np.uint8))
+        alike = distance(cut(sight.lab, window), like) < ALIKE
+        found += int((shown & alike & cut(sight.change, window)).sum())
+        drawn += int(shown.sum())
+    return found / drawn if drawn else 0.0
+
+
+def _change(one: View, other: View) -> np.ndarray:
+    """(H, W) bool."""
+    return changed(*(to_lab(cv2.GaussianBlur(view.picture, (3, 3), 0)) for view in (one, other)))

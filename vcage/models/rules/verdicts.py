@@ -1,0 +1,168 @@
+"""Measurements from pictures become verdicts, each with one sentence of reason."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from vcage.models.rules import PROVIDER
+from vcage.models.rules.evidence import Evidence
+from vcage.models.rules.evidence_of_parts import PartEvidence
+from vcage.models.rules.evidence_of_places import Moved, Returned, Shown
+from vcage.models.rules.standing import Standing
+from vcage.plans.relations import holds
+from vcage.schema.episodes import Verdict
+from vcage.schema.goals import Goal, part_words
+
+LEFT = 0.5
+"""Share of the old outline that must have changed."""
+
+INSIDE = {"inside": 0.2, "on": 0.4}
+"""Share of the object's area that must be seen in or on the receptacle; walls and other contents hide some."""
+
+TOO_MUCH = 1.8
+"""More new pixels than that, over the object's area, are of something larger."""
+
+SEEN_OPEN, SEEN_CLOSED = 0.7, 0.15
+"""Share of its range at which a part must seem to be at least, or at most, to count as open or turned, or as closed."""
+
+FEWEST = 25
+"""So many pixels must tell a part's positions apart."""
+
+TOUCHED = 0.15
+"""Share of an object that the hand covers while it presses a button of it."""
+
+MAX_SHIFT = 0.06
+"""A receptacle that moved farther was knocked away, metres."""
+
+MAX_WORSE = 0.3
+"""A receptacle whose rim fits its reference so much worse than before lies on its side."""
+
+UNLIKE = 14.0
+"""Mean colour distance between what stands somewhere and drawings of an object from which on it is another."""
+
+BARE = 0.6
+"""Share of the outline of what stands on the table that must have been empty table before."""
+
+FACING = np.radians(40)
+"""Largest angle between where a front is seen to face and the customer."""
+
+BACK_AGAIN = 0.6
+"""Share of its outline at the start that must look so again, of what was put back."""
+
+MORE = 0.04
+"""So much more of it must be found there than at other places and headings."""
+
+HELD = 0.45
+"""Share of the drawing of what is held before another that must be found at the moment; the hand hides some."""
+
+STILL = 0.25
+"""Share of the outline of what lies on a scale that may change while it is weighed."""
+
+
+def decide_part(evidence: PartEvidence, goal: Goal, thing: str) -> Verdict:
+    """Turn measurements of a moving part into a verdict with one sentence of reason."""
+    part = part_words(str(goal.part))
+    if goal.relation == "pressed":
+        seen = f"{100 * evidence.touched:.0f} % of the {thing} is under the hand at the moment of the press"
+        return _verdict(evidence.touched >= TOUCHED, seen, 0.5 + 0.5 * abs(evidence.touched - TOUCHED))
+    if evidence.told_by < FEWEST:
+        return refuse(f"whether the {part} of the {thing} moved cannot be seen from above", 0.5)
+    seen, limit = evidence.after, SEEN_CLOSED if goal.relation == "closed" else SEEN_OPEN
+    accepted = seen <= limit if goal.relation == "closed" else seen >= limit
+    looks = f"the {part} of the {thing} looks {100 * seen:.0f} % {'turned' if goal.relation == 'turned' else 'open'}"
+    return _verdict(accepted, f"{looks}, {100 * evidence.before:.0f} % before", 0.5 + min(0.5, abs(seen - limit)))
+
+
+def decide(evidence: Evidence, goal: Goal, thing: str, place: str) -> Verdict:
+    """Turn measurements into a verdict with one sentence of reason."""
+    needed = INSIDE["inside" if goal.relation == "inside" else "on"]
+    word = "in" if goal.relation == "inside" else "on"
+    seen = f"{100 * evidence.inside:.0f} % of it is seen {word} the {place}"
+    if evidence.left < LEFT:
+        return refuse(f"the {thing} still lies where it was", 1 - evidence.left)
+    if evidence.shifted > MAX_SHIFT or evidence.worse > MAX_WORSE:
+        return refuse(f"the {place} was knocked away or tipped over", 0.7)
+    if evidence.outside > max(evidence.inside, 0.25):
+        return refuse(f"the {thing} lies outside the {place}: only {seen}", min(1.0, evidence.outside))
+    if evidence.inside < needed:
+        return refuse(f"the {thing} left its place and is not found {word} the {place}: {seen}", 0.75)
+    if evidence.inside > TOO_MUCH:
+        return refuse(f"something larger than the {thing} came to be {word} the {place}: {seen}", 0.6)
+    return _verdict(True, f"the {thing} left its place, and {seen}", 0.5 + 0.5 * min(1.0, evidence.inside / 0.8))
+
+
+def decide_moved(evidence: Moved, thing: str) -> Verdict:
+    """Whether an object left its place and stands on the bare table."""
+    if evidence.old is None or evidence.left < LEFT:
+        return refuse(f"the {thing} still lies where it was", 1 - evidence.left)
+    if evidence.new is None or evidence.new.unlike > UNLIKE:
+        return refuse(f"the {thing} left its place and is not found on the table", 0.7)
+    seen = f"{100 * evidence.bare:.0f} % of where it is now was empty table"
+    return _verdict(evidence.bare >= BARE, f"the {thing} left its place, and {seen}", 0.5 + abs(evidence.bare - BARE))
+
+
+def decide_relation(evidence: Moved, reference: Standing | None, goal: Goal, thing: str, other: str) -> Verdict:
+    """Whether an object that was moved stands as it should beside another."""
+    moved = decide_moved(evidence, thing)
+    if not moved.accepted:
+        return moved
+    word = goal.relation.replace("_", " ")
+    if reference is None or reference.unlike > UNLIKE:
+        return refuse(f"the {other} is not found, so that nothing is told to be {word} it", 0.6)
+    there = holds(goal.relation, evidence.new.aabb, reference.aabb)  # pyrefly: ignore
+    return _verdict(there, f"the {thing} left its place and is {'' if there else 'not '}seen {word} the {other}", 0.8)
+
+
+def decide_presented(evidence: Moved, towards: Sequence[float], thing: str) -> Verdict:
+    """Whether an object that was moved shows its front to the customer, on the customer's half of the table.
+
+    Args:
+        towards: (3,) from the middle of the table to the customer.
+    """
+    moved = decide_moved(evidence, thing)
+    if not moved.accepted:
+        return moved
+    stands = evidence.new.pose  # pyrefly: ignore
+    angle = float(np.arccos(np.clip(-stands.rotation()[:, 1] @ towards, -1, 1)))
+    seen = f"the front of the {thing} is seen {np.degrees(angle):.0f}° from the customer"
+    if stands.p @ towards < 0:
+        return refuse(f"the {thing} is not on the customer's half of the table", 0.8)
+    return _verdict(angle <= FACING, seen, 0.5 + min(0.5, abs(angle - FACING)))
+
+
+def decide_returned(evidence: Returned | None, thing: str) -> Verdict:
+    """Whether an object is again where it stood."""
+    if evidence is None:
+        return refuse(f"where the {thing} stood at the start is not found", 0.6)
+    if evidence.came < LEFT:
+        return refuse(f"nothing came back to where the {thing} stood", 1 - evidence.came)
+    seen = f"{100 * evidence.same:.0f} % of where the {thing} stood looks as at the start"
+    return _verdict(evidence.same >= BACK_AGAIN, seen, 0.5 + abs(evidence.same - BACK_AGAIN))
+
+
+def decide_scan(evidence: Shown, moved: str, still: str) -> Verdict:
+    """Whether one object was held before another so that a code was read."""
+    if evidence.left < LEFT:
+        return refuse(f"the {moved} lies where it was at the moment of the scan", 1 - evidence.left)
+    seen = f"{100 * evidence.seen:.0f} % of the {moved} is seen before the {still} at the moment of the scan"
+    accepted = evidence.seen >= max(HELD, evidence.elsewhere + MORE)
+    return _verdict(accepted, f"{seen}, {100 * evidence.elsewhere:.0f} % farther away", 0.5 + abs(evidence.seen - HELD))
+
+
+def decide_weighed(on_scale: Verdict, change: float, thing: str) -> Verdict:
+    """Whether what came to lie on a scale lay there still."""
+    if not on_scale.accepted:
+        return on_scale
+    seen = f"{100 * change:.0f} % of the {thing} changed while it was weighed"
+    return _verdict(change <= STILL, seen, 0.5 + abs(change - STILL))
+
+
+def refuse(reason: str, confidence: float) -> Verdict:
+    """A no."""
+    return _verdict(False, reason, confidence)
+
+
+def _verdict(accepted: bool, reason: str, confidence: float) -> Verdict:
+    return Verdict(accepted=accepted, reason=reason, confidence=min(1.0, max(0.0, confidence)), provider=PROVIDER)

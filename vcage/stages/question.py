@@ -1,0 +1,146 @@
+"""What the critic is asked after a sub-task: from which cameras it looks on, and what it is told of the scene."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from vcage.base.geometry import Camera, Pose, look_at
+from vcage.models.protocols import CriticQuestion
+from vcage.schema.episodes import Verdict
+from vcage.schema.goals import OF_A_PART, Goal
+from vcage.schema.scene import Scene
+from vcage.sim.drawer import Drawing, Window
+from vcage.stages.context import StageContext
+from vcage.tasks.ground import TOWARDS_CUSTOMER
+from vcage.tasks.loop import Seen
+from vcage.tasks.reading import reading_poses
+from vcage.vision.protocols import View
+
+TOP, CUSTOMER = "top", "customer"
+"""The scene's camera above the table, and one where the customer stands."""
+
+FROM_CUSTOMER = {"presented", "scanned"}
+"""Goals that are told from the customer's side: fronts and bar codes are not seen from above."""
+
+AT_THE_MOMENT = {"pressed", "scanned", "weighed"}
+"""Goals that are told by what those cameras see at the moment, and not only the wrist's."""
+
+AWAY, ABOVE, FOVY = 0.75, 0.5, 0.75
+"""How far beyond the table's far edge and above its top the customer's camera is, metres; its field of view."""
+
+
+def cameras(scene: Scene, goals: Collection[Goal]) -> dict[str, Camera]:
+    """The cameras through which the critic looks at a sub-task, by name; their calibration is known."""
+    found = {TOP: scene.top_camera.camera()}
+    if any(goal.relation in FROM_CUSTOMER for goal in goals):
+        (x, y), height = scene.table.rectangle.mean(axis=0), scene.table.height
+        edge = np.array([x, y, height]) + TOWARDS_CUSTOMER * scene.table.size[1] / 2
+        eye = edge + TOWARDS_CUSTOMER * AWAY + np.array([0.0, 0.0, ABOVE])
+        top = scene.top_camera
+        found[CUSTOMER] = Camera(top.width, top.height, FOVY, look_at(eye, [x, y, height], up=(0, 0, 1)))
+    return found
+
+
+def verdict(
+    context: StageContext,
+    scene: Scene,
+    text: str,
+    goals: Sequence[Goal],
+    seen: Seen,
+    background: np.ndarray | None = None,
+    requires: Sequence[Goal] = (),
+    grasped: str | None = None,
+) -> Verdict:
+    """What the critic says about one sub-task.
+
+    Args:
+        context: with the critic, and how the objects look.
+        scene: where it was done.
+        text, goals: the sub-task in words and in the closed vocabulary.
+        seen: pictures (H, W, 3) uint8 RGB by what they show and by camera (see :data:`vcage.tasks.loop.Seen`).
+        background: the top view of the empty table.
+        requires: what was true before, by the plan: which drawers are open.
+        grasped: id of what the robot was to take hold of, where that is not the goals' object.
+
+    Raises:
+        VcageError: the critic cannot be asked, or gives no answer of use.
+    """
+    question = replace(_question(context, scene, text, goals, seen, background, requires), grasped=grasped)
+    asked = question_hash(text, goals, seen, background, requires, grasped)
+    return context.models.critic.judge(question).model_copy(update={"question": asked})
+
+
+def question_hash(
+    text: str,
+    goals: Sequence[Goal],
+    seen: Seen,
+    background: np.ndarray | None,
+    requires: Sequence[Goal] = (),
+    grasped: str | None = None,
+) -> str:
+    """Hex SHA-256 of what a critic is asked about a scene (see :func:`verdict`); what else it is shown follows from the
+    scene."""
+    told = (text, [goal.model_dump_json() for goal in (*goals, *requires)], grasped)
+    digest = hashlib.sha256(repr(told).encode())
+    named = [(f"{when} {name}", p) for when, shown in sorted(seen.items()) for name, p in sorted(shown.items())]
+    for name, picture in [*named, *([] if background is None else [("background", background)])]:
+        digest.update(f"{name} {picture.shape}".encode() + np.ascontiguousarray(picture).tobytes())
+    return digest.hexdigest()
+
+
+def _question(
+    context: StageContext,
+    scene: Scene,
+    text: str,
+    goals: Sequence[Goal],
+    seen: Seen,
+    background: np.ndarray | None,
+    requires: Sequence[Goal],
+) -> CriticQuestion:
+    objects, taken_by = {o.id: o for o in context.objects(scene)}, cameras(scene, goals)
+    opened = _opened(goals, requires)
+
+    def views(when: str) -> dict[str, View]:
+        return {name: View(p, taken_by[name]) for name, p in seen.get(when, {}).items() if name in taken_by}
+
+    def draw(object_id: str, pose: Pose, camera: Camera, window: Window, shares: Mapping[str, float]) -> Drawing:
+        return context.drawing(scene.object(object_id), pose, camera, window, shares)
+
+    def readings(moved: str, at: Pose, still: str, there: Pose) -> Iterator[Pose]:
+        return reading_poses(objects[moved].moved(at), objects[still].moved(there), scene.table.height)
+
+    return CriticQuestion(
+        text=text,
+        goals=list(goals),
+        before=views("before"),
+        after=views("after"),
+        moment=views("moment"),
+        start=views("start"),
+        wrist={name: p for name, p in seen.get("moment", {}).items() if name not in taken_by},
+        references={o.id: context.look(o, opened.get(o.id, ())) for o in scene.objects},
+        looks={
+            goal.subject: context.look(scene.object(goal.subject), [goal.part] if goal.relation == "closed" else ())
+            for goal in goals
+            if goal.relation in OF_A_PART and goal.part is not None
+        },
+        draw=draw,
+        readings=readings,
+        readers=[o.id for o in objects.values() if o.asset.annotation.faces_of("reader")],
+        table_height=scene.table.height,
+        towards_customer=tuple(TOWARDS_CUSTOMER.tolist()),
+        background=background,
+    )
+
+
+def _opened(goals: Sequence[Goal], requires: Sequence[Goal]) -> dict[str, list[str]]:
+    """The parts that are open before and after, by the plan: by the object that they belong to."""
+    found: dict[str, list[str]] = {}
+    for goal in (*requires, *(g for g in goals if g.relation == "inside" and g.part)):
+        owner = goal.subject if goal.relation in ("open", "closed") else goal.reference
+        if goal.relation in ("open", "inside") and goal.part and owner:
+            found.setdefault(owner, []).append(goal.part)
+    return found
