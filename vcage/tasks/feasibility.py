@@ -28,6 +28,7 @@ from vcage.tasks.primitives.handles import Handle, operating_ways
 from vcage.tasks.primitives.pick import pick_way, transfer_height
 from vcage.tasks.primitives.place import MAX_DROP, place_way
 from vcage.tasks.scene_objects import Obstacles, SceneObject, SolidBox, first_met
+from vcage.tasks.truth import place_complaint
 
 GRIP_ROOM = 0.006
 """The gripper must open this much wider than the material, metres."""
@@ -333,7 +334,24 @@ def _hands(
     width = target.asset.grasp_width(contact)
     poses = grasp_poses(target.pose, contact, gripper, target.box.bottom)
     opening = approach_opening(width, gripper)
-    return [(grasp, _hand_meets(grasp.pose, opening, width, others, gripper)) for grasp in poses]
+    holder = next((o for o in others if o.id == target.record.container), None)
+    beside = [o for o in others if o is not holder]
+    walls = [] if holder is None else _walls_around(target, holder)
+    found = []
+    for grasp in poses:
+        blocked = _hand_meets(grasp.pose, opening, width, beside, gripper)
+        hand = [SolidBox(part, grasp.pose) for part in hand_boxes(gripper, opening, min(width, opening))]
+        if holder is not None and any(part.overlaps(wall) for part in hand for wall in walls):
+            blocked = holder.record.phrase
+        found.append((grasp, blocked))
+    return found
+
+
+def _walls_around(thing: SceneObject, holder: SceneObject) -> list[SolidBox]:
+    """What of a receptacle may be in the way of a hand that takes a thing out of it or off it."""
+    points = holder.asset.annotation.functional_points
+    where = next((point for point in points if place_complaint(thing, holder, point) is None), None)
+    return holder.boxes if where is None else holder.around(where.id)
 
 
 def _examine_place(
