@@ -212,7 +212,7 @@ def _refusal(name: str, searched: Subtasks) -> str:
 
 def _is_about(refusal: Any, name: str) -> bool:
     """Whether a refusal is of the sub-task of that name, as far as it tells."""
-    if refusal.receptacle is None:
+    if refusal.functional_point is None:
         return True
     *_, reference, point = name.split()
     return refusal.receptacle == reference.partition("/")[0] and str(refusal.functional_point) == point

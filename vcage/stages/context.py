@@ -48,7 +48,7 @@ class StageContext:
         self._references: dict[tuple[str, str, tuple[float, ...]], np.ndarray] = {}
         self._symmetries: dict[tuple[str, str], int] = {}
         self._drawers: dict[tuple[str, str], ModelDrawer] = {}
-        self._reach: dict[tuple[str, Workspace, Table], np.ndarray] = {}
+        self._reach: dict[tuple[str, Workspace, Table, bool], np.ndarray] = {}
 
     @cached_property
     def library(self) -> Library:
@@ -66,13 +66,13 @@ class StageContext:
         """The kinematics of a robot's arms, by arm."""
         return {name: kinematics_of(arm) for name, arm in load_robot(robot).arms.items()}
 
-    def reach(self, robot: str, workspace: Workspace, table: Table) -> np.ndarray:
-        """Rectangles (m, 2, 2) of the table where some arm reaches what stands there."""
-        key = (robot, workspace, table)
+    def reach(self, robot: str, workspace: Workspace, table: Table, every: bool = False) -> np.ndarray:
+        """Rectangles (m, 2, 2) of the table where some arm, or every arm, reaches what stands there."""
+        key = (robot, workspace, table, every)
         if key not in self._reach:
             bounds = np.array([workspace.lower, workspace.upper])
             heights = tuple(table.height + h for h in GRASP_HEIGHTS)
-            self._reach[key] = robot_reach(load_robot(robot), bounds, heights)
+            self._reach[key] = robot_reach(load_robot(robot), bounds, heights, every=every)
         return self._reach[key]
 
     def asset(self, record: ObjectRecord) -> Asset:

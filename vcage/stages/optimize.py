@@ -174,6 +174,8 @@ def _items(
     """What the optimisation needs of each object."""
     objects = context.objects(scene)
     reach = context.reach(scene.robot, scene.workspace, scene.table)
+    # Without an instruction each receptacle receives what either arm brings.
+    common = context.reach(scene.robot, scene.workspace, scene.table, every=scene.instruction is None)
     hand = hand_clearance(load_robot(scene.robot))
     places = {m.object: m.position for m in matches.matches}
     inside = {r.subject: r.reference for r in plan.relations if r.relation in ("inside", "on") and r.reference != TABLE}
@@ -187,7 +189,7 @@ def _items(
                 target=places[o.id],
                 opening=opening_for(o.asset, contents),
                 inside=inside.get(o.id),
-                allowed=reach_for(o.asset, o.record.role, reach),
+                allowed=reach_for(o.asset, o.record.role, common if o.record.role == "receptacle" else reach),
                 hand=hand if o.record.role == "content" else None,
             )
         )

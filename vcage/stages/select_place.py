@@ -89,7 +89,7 @@ def job(run: RunFolder, options: Options, context: StageContext) -> Job:
     if options.instruction is not None:
         asked["instruction"] = _read(options.instruction)
     else:
-        asked["contents"] = [one.model_dump() for one in _with_contents(options.template).contents]
+        asked["contents"] = [one.model_dump(mode="json") for one in _with_contents(options.template).contents]
     return Job(
         run=run,
         output=run.scene,

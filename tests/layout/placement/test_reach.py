@@ -61,6 +61,13 @@ def test_the_arms_share_the_table(robot, monkeypatch, tmp_path):
     assert inside(np.array([[-0.2, 0.0], [0.2, 0.0]]), together).all()
 
 
+def test_what_every_arm_reaches_lies_between_them(robot, monkeypatch, tmp_path):
+    left = robot.arms["left"]
+    monkeypatch.setattr(reach, "kinematics_of", lambda arm: Disc((-0.1, 0) if arm == left else (0.1, 0)))
+    shared = robot_reach(robot, WORKSPACE, HEIGHTS, tmp_path, every=True)
+    assert inside(np.array([[0.0, 0.0], [-0.2, 0.0], [0.2, 0.0]]), shared).tolist() == [True, False, False]
+
+
 def test_without_an_arm_nothing_is_reached(robot, tmp_path):
     assert robot_reach(robot.model_copy(update={"arms": {}}), WORKSPACE, HEIGHTS, tmp_path).shape == (0, 2, 2)
 

@@ -7,10 +7,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.scenes import TABLE_TOP, robot, thing
+from tests.scenes import TABLE_TOP, robot, thing, world_of
+from vcage.base.geometry import Pose
+from vcage.sim.motion import MotionFailed, MotionPlanner
+from vcage.sim.paths import JointPath, Load
 from vcage.tasks.grasps import GraspPose, grasp_poses
-from vcage.tasks.primitives.pick import CLEARANCE, pick_way, transfer_height
+from vcage.tasks.primitives.pick import CLEARANCE, pick_way, plan_pick, transfer_height
 from vcage.tasks.scene_objects import SceneObject
+from vcage.tasks.workcell import Workcell
 
 GRIPPER = robot().arms["left"].gripper
 
@@ -43,3 +47,18 @@ def test_a_lift_is_never_shorter_than_the_approach():
     block = thing("block", (0.3, 0.0))
     grasp = grasps_of(block)[0]
     assert pick_way(block, grasp, GRIPPER, TABLE_TOP).lifted.p[2] - grasp.pose.p[2] == pytest.approx(GRIPPER.approach)
+
+
+def test_a_grasp_with_which_the_object_cannot_be_lifted_is_not_planned(monkeypatch: pytest.MonkeyPatch):
+    block = thing("block", (0.0, -0.1))
+    cell, line = Workcell(world_of([block]), {"block": block}), MotionPlanner.line
+
+    def blocked(planner: MotionPlanner, q: np.ndarray, pose: Pose, load: Load) -> JointPath:
+        if planner.kinematics.arm == robot().arms["left"] and "table" in load.ignore:
+            raise MotionFailed("something is above it")
+        return line(planner, q, pose, load)
+
+    grasps = [(0, "left"), (0, "right")]
+    assert plan_pick(cell, block, grasps).arm == "left"
+    monkeypatch.setattr(MotionPlanner, "line", blocked)
+    assert plan_pick(cell, block, grasps).arm == "right"

@@ -50,7 +50,9 @@ class Reaching(Protocol):
     def reachable(self, pose: Pose) -> bool: ...
 
 
-def robot_reach(robot: Robot, workspace: ArrayLike, heights: Sequence[float], folder: Path | None = None) -> np.ndarray:
+def robot_reach(
+    robot: Robot, workspace: ArrayLike, heights: Sequence[float], folder: Path | None = None, every: bool = False
+) -> np.ndarray:
     """Rectangles (m, 2, 2) of the plane in which some arm reaches straight down at all heights and headings.
 
     A cell of the grid counts when one arm reaches all of its corners, so no point of a rectangle is a guess
@@ -63,13 +65,14 @@ def robot_reach(robot: Robot, workspace: ArrayLike, heights: Sequence[float], fo
         workspace: (2, 2) lower and upper corner, metres.
         heights: z of the gripper frame's origin that must be reached, metres.
         folder: where maps are kept, the user's cache if None.
+        every: what all arms reach instead, each by itself.
 
     Raises:
         UsageError: the workspace has no inside.
     """
     bounds = as_workspace(workspace)
     maps = {name: _ReachMap(arm, heights, folder) for name, arm in robot.arms.items()}
-    found = _rectangles({name: known.reaches for name, known in maps.items()}, bounds)
+    found = _rectangles({name: known.reaches for name, known in maps.items()}, bounds, every)
     for known in maps.values():
         known.save()
     return found
@@ -171,18 +174,19 @@ def _read(path: Path) -> dict[Node, bool]:
 # --- rectangles ----------------------------------------------------------------------------------------
 
 
-def _rectangles(reaches: Mapping[str, Callable[[Node], bool]], bounds: np.ndarray) -> np.ndarray:
-    """Maximal rectangles (m, 2, 2) of the cells that some arm reaches, cut to the bounds."""
+def _rectangles(reaches: Mapping[str, Callable[[Node], bool]], bounds: np.ndarray, every: bool = False) -> np.ndarray:
+    """Maximal rectangles (m, 2, 2) of the cells that some arm, or every arm, reaches, cut to the bounds."""
     first = np.floor(bounds[0] / CELL + 1e-9).astype(int)
     last = np.maximum(np.ceil(bounds[1] / CELL - 1e-9).astype(int), first + 1)
     columns, rows = (range(int(a), int(b) + 1) for a, b in zip(first, last, strict=True))
-    cells = np.zeros((len(columns) - 1, len(rows) - 1), dtype=bool)
+    cells = np.full((len(columns) - 1, len(rows) - 1), every)
     for ask in reaches.values():
-        # A pose out of reach costs the most, so what another arm reaches is not asked again.
+        # A pose out of reach costs the most, so cells that another arm has decided are not asked about again.
         nodes = np.zeros((len(columns), len(rows)), dtype=bool)
-        for i, j in np.argwhere(_corners(~cells)):
+        for i, j in np.argwhere(_corners(cells if every else ~cells)):
             nodes[i, j] = ask((columns[i], rows[j]))
-        cells |= nodes[:-1, :-1] & nodes[1:, :-1] & nodes[:-1, 1:] & nodes[1:, 1:]
+        reached = nodes[:-1, :-1] & nodes[1:, :-1] & nodes[:-1, 1:] & nodes[1:, 1:]
+        cells = cells & reached if every else cells | reached
     xs, ys = (np.clip(CELL * np.array(axis), *bounds[:, k]) for k, axis in enumerate((columns, rows)))
     return _merge(cells, xs, ys)
 

@@ -37,7 +37,7 @@ def plan_layout(scene: Scene, catalogue: Sequence[CatalogueEntry], rng: np.rando
     relations = _anchor_relations(anchors)
     relations += _around(contents, anchors)
     relations += _out_of_the_way(context, anchors, relations, scene)
-    relations += [_relation(o, _lies(o, holder, catalogue), holder) for o, holder in carried]
+    relations += [relation(o, _lies(o, holder, catalogue), holder) for o, holder in carried]
     return LayoutPlan(text=as_sentences(relations, scene), relations=relations)
 
 
@@ -58,7 +58,8 @@ def _shuffled(items: Sequence[ObjectRecord], rng: np.random.Generator) -> list[O
     return [items[i] for i in rng.permutation(len(items))]
 
 
-def _relation(subject: ObjectRecord, word: RelationWord, reference: ObjectRecord) -> Relation:
+def relation(subject: ObjectRecord, word: RelationWord, reference: ObjectRecord) -> Relation:
+    """That one object stands so to another."""
     return Relation(subject=subject.id, relation=word, reference=reference.id)
 
 
@@ -73,7 +74,7 @@ def _lies(item: ObjectRecord, holder: ObjectRecord, catalogue: Sequence[Catalogu
 def _anchor_relations(anchors: Sequence[ObjectRecord]) -> list[Relation]:
     """The first in the middle of the table, the others to its right, one after another."""
     first = [Relation(subject=anchors[0].id, relation="center", reference=TABLE)]
-    return first + [_relation(b, "right_of", a) for a, b in itertools.pairwise(anchors)]
+    return first + [relation(b, "right_of", a) for a, b in itertools.pairwise(anchors)]
 
 
 def _around(contents: Sequence[ObjectRecord], anchors: Sequence[ObjectRecord]) -> list[Relation]:
@@ -86,9 +87,9 @@ def _around(contents: Sequence[ObjectRecord], anchors: Sequence[ObjectRecord]) -
         if len(anchors) > 1:
             place = "left_of" if anchor is anchors[0] else "right_of" if anchor is anchors[-1] else "in_front_of"
         before = last.get((anchor.id, place))
-        relations.append(_relation(item, place, anchor))
+        relations.append(relation(item, place, anchor))
         if before is not None:
-            relations.append(_relation(item, "near", before))
+            relations.append(relation(item, "near", before))
         last[anchor.id, place] = item
     return relations
 
@@ -101,16 +102,16 @@ def _out_of_the_way(
     free = [*anchors, *(o for o in beside if o not in anchors)]
     relations = []
     for index, item in enumerate(context):
-        reference = next((o for o in free if _fits_behind(item, o, scene)), None)
+        reference = next((o for o in free if fits_behind(item, o, scene)), None)
         if reference is None:
-            relations.append(_relation(item, "right_of" if index % 2 else "left_of", anchors[0]))
+            relations.append(relation(item, "right_of" if index % 2 else "left_of", anchors[0]))
         else:
             free.remove(reference)
-            relations.append(_relation(item, "behind", reference))
+            relations.append(relation(item, "behind", reference))
     return relations
 
 
-def _fits_behind(item: ObjectRecord, anchor: ObjectRecord, scene: Scene) -> bool:
+def fits_behind(item: ObjectRecord, anchor: ObjectRecord, scene: Scene) -> bool:
     """Whether the workspace has room for ``item`` behind ``anchor`` when that stands half-way to it."""
     depth = sum(o.aabb[1][1] - o.aabb[0][1] for o in (item, anchor)) - (anchor.aabb[1][1] - anchor.aabb[0][1]) / 2
     middle = (scene.workspace.lower[1] + scene.workspace.upper[1]) / 2

@@ -12,6 +12,7 @@ from vcage.models.rules import PROVIDER
 from vcage.models.rules.goals import read_goals
 from vcage.models.rules.layout import plan_layout
 from vcage.models.rules.pairs import judge_object_and_place
+from vcage.models.rules.scene_layout import plan_scene
 from vcage.models.rules.selection import select_assets
 from vcage.plans.check import PlanCheck
 from vcage.schema.asset import CatalogueEntry
@@ -40,8 +41,10 @@ class OfflineReasoner:
     def plan_layout(
         self, scene: Scene, catalogue: Sequence[CatalogueEntry], rng: np.random.Generator, check: PlanCheck
     ) -> LayoutPlan:
-        """See :func:`vcage.models.rules.layout.plan_layout`."""
-        return _drawn("layout plan", lambda: plan_layout(scene, catalogue, rng), check)
+        """See :func:`vcage.models.rules.layout.plan_layout`; without an instruction
+        :func:`vcage.models.rules.scene_layout.plan_scene`."""
+        plan = plan_layout if scene.instruction is not None else plan_scene
+        return _drawn("layout plan", lambda: plan(scene, catalogue, rng), check)
 
     def judge_pairs(self, questions: Sequence[PairQuestion]) -> list[PairAnswer]:
         """See :func:`vcage.models.rules.pairs.judge_object_and_place`."""

@@ -130,6 +130,7 @@ def _plans(
     planner = cell.planner(arm)
     opening = command_of(approach_opening(target.asset.grasp_width(contact), gripper), gripper)
     closing = Load(opening, ignore=cell.parts(target.id), speed=CAREFUL)
+    lifting = _lifting(cell, target.id, command_of(target.asset.grasp_width(contact), gripper))
     begun = cell.begun(arm)
     ways = [pick_way(target, g, gripper, height) for g in grasp_poses(target.pose, contact, gripper, target.box.bottom)]
     for flips in zip(ways[::2], ways[1::2], strict=True):
@@ -139,10 +140,16 @@ def _plans(
                     leads_on(planner, way, contact)
                 reach = planner.move(begun.end, way.before, Load(opening), then=[way.grasp, way.lifted])
                 down = planner.line(reach.end, way.grasp, closing)
+                planner.line(down.end, way.lifted, lifting)
             except MotionFailed as error:
                 yield f"{arm} arm at {contact.name!r}: {error.message}"
             else:
                 yield PickPlan(target, contact_id, arm, opening, way, begun.then(reach).then(down))
+
+
+def _lifting(cell: Workcell, object_id: str, opening: float) -> Load:
+    """A hand that has closed on an object, and lifts it from where it stands."""
+    return Load(opening, ignore=[*cell.parts(object_id), "table"], speed=CAREFUL)
 
 
 def carry_out_pick(cell: Workcell, plan: PickPlan) -> Grip:
@@ -159,7 +166,7 @@ def carry_out_pick(cell: Workcell, plan: PickPlan) -> Grip:
         raise TaskFailed("grasp", f"the fingers closed on nothing where {target.record.phrase} should be")
     now = cell.object(target.id)
     held = Held(target.id, target.asset.model, control.tool_pose.inverse() * now.pose, now.joints)
-    lift = Load(opening=control.opening, ignore=[*cell.parts(target.id), "table"], speed=CAREFUL)
+    lift = _lifting(cell, target.id, control.opening)
     grip = Grip(plan.arm, target.id, Load(opening=control.opening, held=held))
     with failing_at("grasp"):
         cell.put_off(plan.arm, cell.planner(plan.arm).line(plan.path.end, plan.way.lifted, lift))

@@ -26,8 +26,8 @@ from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.slots import GAP, Slot, allocate, kept_in_by, lying_in, opened_for, room_for
 from vcage.tasks.wording import wordings
 
-SLOTS = 4
-"""Places in the receptacle that are tried before a contact point is refused."""
+SLOTS = 12
+"""Places in the receptacle that are tried before a contact point is refused for what is wrong with its place."""
 
 
 @dataclass(frozen=True)
@@ -77,6 +77,11 @@ def stands_flush(target: SceneObject, receptacle: SceneObject, point: Functional
     """Whether an object fills the top that it is put on, as a block on a block does."""
     spare = np.array(receptacle.asset.opening(point).size) - target.asset.footprint
     return point.holds == "on" and float(np.max(spare)) < 2 * GAP
+
+
+def _elsewhere(refusal: Refusal) -> bool:
+    """Whether the hand may get to another place in the receptacle."""
+    return any(check.name in ("drop", "reach_place") and not check.passed for check in refusal.checks)
 
 
 PLACE = Placing("place", takes=lambda target, receptacle, point: not stands_flush(target, receptacle, point))
@@ -174,7 +179,7 @@ class Pair:
                 return None, [self._refusal(error.message)]
             poses = Slot(self.receptacle.id, self.point.id, slot).poses({self.receptacle.id: self._opened})
             findings, refused = self._findings(poses, others, kinematics, ground.height)
-            if findings:
+            if findings or not any(_elsewhere(refusal) for refusal in refused):
                 break
         phrases = {o.id: o.record.phrase for o in objects}
         return (self._subtask(phrases, findings) if findings else None), refused

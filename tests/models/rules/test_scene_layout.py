@@ -1,0 +1,76 @@
+"""The plan of a scene without an instruction: receptacles in the middle, free drawers, like by like."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import pytest
+
+from tests.scenes import library, scene_of, thing
+from vcage.models.rules.scene_layout import ROW, plan_scene
+from vcage.plans.check import plan_complaints
+from vcage.schema.plan import LayoutPlan, Relation
+from vcage.schema.scene import Role, Scene
+
+RECEPTACLES = ["packaging_box", "cabinet_two_drawers", "pen_tray"]
+CONTENTS = ["stapler", "apple", "banana", "marker", "pear", "tape_roll"]
+
+
+def laid(receptacles: Sequence[str], contents: Sequence[str], context: Sequence[str] = ()) -> Scene:
+    roles: list[tuple[str, Role]] = [
+        *((name, "receptacle") for name in receptacles),
+        *((name, "content") for name in contents),
+        *((name, "context") for name in context),
+    ]
+    return scene_of([thing(name, (0.0, 0.0), role=role) for name, role in roles]).model_copy(
+        update={"instruction": None}
+    )
+
+
+def plan(found: Scene, seed: int = 0) -> LayoutPlan:
+    return plan_scene(found, library().entries(), np.random.default_rng(seed))
+
+
+def places(of: LayoutPlan, word: str) -> dict[str, str]:
+    """Where things stand so: subject → reference."""
+    return {r.subject: r.reference for r in of.relations if r.relation == word}
+
+
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize(
+    ("receptacles", "context"), [(RECEPTACLES, ["tap"]), (["plate", "bowl", "cutting_board", "tray"], []), ([], [])]
+)
+def test_every_object_has_a_place_without_contradiction(receptacles, context, seed):
+    found = laid(receptacles, CONTENTS, context)
+    planned = plan(found, seed)
+    assert plan_complaints(planned, found) == []
+    assert all(o.phrase in planned.text for o in found.objects)
+
+
+def test_what_opens_stands_in_the_middle_between_the_other_receptacles_and_has_nothing_before_it():
+    planned = plan(laid(RECEPTACLES, CONTENTS))
+    assert planned.relations[0] == Relation(subject="cabinet_two_drawers", relation="center", reference="table")
+    sides = places(planned, "left_of") | places(planned, "right_of")
+    assert sides["packaging_box"] == sides["pen_tray"] == "cabinet_two_drawers"
+    assert "cabinet_two_drawers" not in places(planned, "in_front_of").values()
+    assert not set(sides.values()) & set(CONTENTS)
+
+
+def test_the_row_is_no_wider_than_the_arms_share():
+    planned = plan(laid(["plate", "bowl", "cutting_board", "tray"], []))
+    beside = places(planned, "left_of") | places(planned, "right_of")
+    assert len(beside) == ROW - 1
+    assert list(places(planned, "in_front_of")) == ["bowl"], "the smallest"
+
+
+def test_things_of_a_kind_stand_together():
+    near = places(plan(laid(RECEPTACLES, CONTENTS)), "near")
+    fruit = {"apple", "banana", "pear"}
+    assert sum({a, b} <= fruit for a, b in near.items()) >= 1
+
+
+def test_which_side_is_which_is_a_random_choice_that_the_seed_settles():
+    found = laid(RECEPTACLES, CONTENTS)
+    assert plan(found, 3) == plan(found, 3)
+    assert {"pen_tray" in places(plan(found, seed), "left_of") for seed in range(8)} == {True, False}

@@ -1,0 +1,90 @@
+"""Plans the layout of a scene that has no instruction, so that every sub-task of it can be done.
+
+What things are put into or on stands in the middle, where every arm comes to; what opens there has nothing before it.
+What is carried stands around that, like by like.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+
+import numpy as np
+
+from vcage.models.rules.layout import as_sentences, fits_behind, relation
+from vcage.schema.asset import CatalogueEntry
+from vcage.schema.plan import TABLE, LayoutPlan, Relation, RelationWord
+from vcage.schema.scene import ObjectRecord, Scene
+
+ROW = 3
+"""Receptacles that stand side by side: more are too wide for the part of the table that two arms share."""
+
+_Spot = tuple[RelationWord, ObjectRecord]
+"""On which side of what."""
+
+
+def plan_scene(scene: Scene, catalogue: Sequence[CatalogueEntry], rng: np.random.Generator) -> LayoutPlan:
+    """A plan for all that the scene's objects can be used for; which stands left and which right is a random choice.
+
+    Args:
+        scene: its objects stand on the table.
+        catalogue: tells which have moving parts, and of what kind they are.
+        rng: of all choices.
+    """
+    kinds = {entry.name: entry for entry in catalogue}
+    things = [scene.objects[i] for i in rng.permutation(len(scene.objects))]
+    fixed = {o.id for o in things if _is_fixture(kinds[o.asset])}
+    places = [o for o in things if o.role == "receptacle"] or things[:1]
+    places.sort(key=lambda o: (o.id not in fixed, -_area(o)))
+    rest = [o for o in things if o not in places]
+    rest.sort(key=lambda o: (o.id not in fixed, o.role, kinds[o.asset].words.category))
+    sides = _sides(places[:ROW], rng)
+    relations = [Relation(subject=places[0].id, relation="center", reference=TABLE)]
+    relations += [relation(o, word, places[0]) for word, o in sides.items() if o is not places[0]]
+    before = [o for o in (*sides.values(), places[0]) if o.id not in fixed]
+    for number, o in enumerate(places[ROW:]):
+        relations.append(relation(o, "in_front_of", before[number % len(before)] if before else places[0]))
+    taken = len(places[ROW:])
+    relations += _by_kind(rest, list(_spots(sides, before[taken:], rest, scene)))
+    return LayoutPlan(text=as_sentences(relations, scene), relations=relations)
+
+
+def _is_fixture(kind: CatalogueEntry) -> bool:
+    """Whether it has moving parts and is not carried about itself."""
+    return bool(kind.moving_parts) and not any(p.link is None and p.use == "grasp" for p in kind.contact_points)
+
+
+def _area(o: ObjectRecord) -> float:
+    (x0, y0, _), (x1, y1, _) = o.aabb
+    return (x1 - x0) * (y1 - y0)
+
+
+def _sides(row: Sequence[ObjectRecord], rng: np.random.Generator) -> dict[RelationWord, ObjectRecord]:
+    """What is outermost on either side of a row whose first stands in the middle."""
+    words: list[RelationWord] = ["left_of", "right_of"]
+    outer = [*row[1:], row[0], row[0]][:2]
+    return {words[i]: o for i, o in zip(rng.permutation(2), outer, strict=True)}
+
+
+def _spots(
+    sides: Mapping[RelationWord, ObjectRecord],
+    free: Sequence[ObjectRecord],
+    rest: Sequence[ObjectRecord],
+    scene: Scene,
+) -> Iterator[_Spot]:
+    """Where there is room around the row, the best first: at its ends, before what does not open, behind the rest."""
+    yield from sides.items()
+    yield from (("in_front_of", o) for o in free)
+    largest = max(rest, key=_area, default=None)
+    for o in dict.fromkeys(o.id for o in sides.values()):
+        if largest is not None and fits_behind(largest, scene.object(o), scene):
+            yield "behind", scene.object(o)
+
+
+def _by_kind(things: Sequence[ObjectRecord], spots: Sequence[_Spot]) -> list[Relation]:
+    """The things in the order given, shared out over the spots; neighbours stand near each other."""
+    relations = []
+    for (word, reference), group in zip(spots, np.array_split(range(len(things)), len(spots)), strict=True):
+        for place, number in enumerate(group):
+            relations.append(relation(things[number], word, reference))
+            relations += [relation(things[number], "near", things[number - 1])] if place else []
+    return relations
