@@ -28,7 +28,7 @@ class Grasp(Record):
     """A contact point that an arm reaches, with how well."""
 
     contact: int = Field(
-        ge=0, description="id of the contact point; of a push its direction: the object's own +x, -x, +y, -y"
+        ge=0, description="id of the contact point; of a push its direction: 30° each from the object's own +x"
     )
     arm: str
     score: Finite = Field(description="higher is better: minus the joint travel of the whole motion, radians")

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from vcage.base.geometry import Pose, world_aabb
+from vcage.base.geometry import Pose
 from vcage.plans.relations import holds
 from vcage.schema.goals import Goal
 from vcage.schema.subtasks import Check, Grasp
@@ -18,8 +18,14 @@ from vcage.tasks.ground import Ground
 from vcage.tasks.primitives.push import PushWay, push_ways
 from vcage.tasks.scene_objects import SceneObject, SolidBox, first_met
 
-SIDES = np.array([[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, -1.0, 0.0]])
-"""Directions in which an object is pushed, in its own frame; a push is known by its number here."""
+HEADINGS = np.linspace(0, 2 * np.pi, 12, endpoint=False)
+"""Directions in which an object is pushed, turned from its own +x, radians; a push is known by its number here."""
+
+FACES = (0, 3, 6, 9)
+"""Numbers of the directions against the faces of a box: its own +x, +y, -x, -y."""
+
+ROUND = 0.02
+"""What is as wide in all directions but for this share is pushed in any of them."""
 
 SHORTEST, LONGEST, STEP = 0.03, 0.6, 0.01
 """Distances that are tried, metres."""
@@ -42,12 +48,12 @@ class Push:
     """A straight push that an arm can do.
 
     Args:
-        side: number of its direction in :data:`SIDES`.
+        heading: number of its direction in :data:`HEADINGS`.
         end: object frame in the world.
         finding: its checks, and the arms.
     """
 
-    side: int
+    heading: int
     end: Pose
     finding: Feasibility
 
@@ -70,65 +76,70 @@ def examine_pushes(
     """
     found: list[Push] = []
     refused: dict[int, str] = {}
-    for side in range(len(SIDES)):
-        ends = list(_ends(thing, goal, others, ground, side))
+    for heading in headings(thing):
+        ends = _ends(thing, goal, others, ground, heading)
         if not ends:
-            most = _farthest(thing, ground, side) * 100
-            refused[side] = (
-                f"pushed {_words(thing, side)}, at most {most:.0f} cm, it does not come to be so that {goal}"
+            most = _farthest(thing, ground, heading) * 100
+            refused[heading] = (
+                f"pushed {_words(thing, heading)}, at most {most:.0f} cm, it does not come to be so that {goal}"
             )
         for number in np.unique(np.linspace(0, len(ends) - 1, TRIED).astype(int)) if ends else ():
-            finding = _examine(thing, side, ends[number], others, kinematics)
+            finding = _examine(thing, heading, ends[number], others, kinematics)
             if finding.feasible:
-                found.append(Push(side, ends[number], finding))
-                refused.pop(side, None)
+                found.append(Push(heading, ends[number], finding))
+                refused.pop(heading, None)
                 break
-            refused.setdefault(side, finding.reason)
+            refused.setdefault(heading, finding.reason)
     return sorted(found, key=lambda push: -push.finding.grasps[0].score), refused
 
 
-def _ends(thing: SceneObject, goal: Goal, others: Sequence[SceneObject], ground: Ground, side: int) -> Iterator[Pose]:
+def headings(thing: SceneObject) -> Sequence[int]:
+    """Numbers of the directions in which an object can be pushed: against its faces, or any if it is round."""
+    ways = np.stack([np.cos(HEADINGS), np.sin(HEADINGS)])
+    widths = np.ptp(thing.outline @ ways, axis=0)
+    return range(len(HEADINGS)) if np.ptp(widths) <= ROUND * widths.max() else FACES
+
+
+def _direction(thing: SceneObject, heading: int) -> np.ndarray:
+    """(3,) unit vector in the world."""
+    angle = thing.pose.yaw + HEADINGS[heading]
+    return np.array([np.cos(angle), np.sin(angle), 0.0])
+
+
+def _ends(thing: SceneObject, goal: Goal, others: Sequence[SceneObject], ground: Ground, heading: int) -> list[Pose]:
     """Where the object stands after a push, on the ground and so that the goal holds with a margin; nearest first."""
     near = next(o for o in others if o.id == goal.reference).aabb
     nudges = [np.array([x, y, 0.0]) for x in (-MARGIN, 0, MARGIN) for y in (-MARGIN, 0, MARGIN)]
-    for distance in np.arange(SHORTEST, LONGEST, STEP):
-        end = _pushed(thing.pose, side, distance)
-        box = world_aabb(thing.asset.bounds, end)
-        if _inside(box, ground) and all(holds(goal.relation, box + way, near) for way in nudges):  # pyrefly: ignore
-            yield end
+    ways = [d * _direction(thing, heading) for d in np.arange(SHORTEST, _farthest(thing, ground, heading), STEP)]
+    return [
+        Pose(thing.pose.p + way, thing.pose.q)
+        for way in ways
+        if all(holds(goal.relation, thing.aabb + way + nudge, near) for nudge in nudges)  # pyrefly: ignore
+    ]
 
 
-def _farthest(thing: SceneObject, ground: Ground, side: int) -> float:
+def _farthest(thing: SceneObject, ground: Ground, heading: int) -> float:
     """How far it can be pushed without leaving the ground, metres."""
-    inside = [
-        d for d in np.arange(0.0, LONGEST, STEP)
-        if _inside(world_aabb(thing.asset.bounds, _pushed(thing.pose, side, d)), ground)
-    ]  # fmt: skip
-    return max(inside, default=0.0)
+    way = _direction(thing, heading)[:2]
+    room = np.where(way > 0, ground.upper - thing.outline.max(axis=0), thing.outline.min(axis=0) - ground.lower)
+    rooms = room[np.abs(way) > 1e-6] / np.abs(way[np.abs(way) > 1e-6])
+    return float(np.clip(rooms.min(), 0.0, LONGEST))
 
 
-def _pushed(pose: Pose, side: int, distance: float) -> Pose:
-    return Pose(pose.p + distance * (pose.rotation() @ SIDES[side]), pose.q)
-
-
-def _inside(box: np.ndarray, ground: Ground) -> bool:
-    return bool(np.all(box[0, :2] >= ground.lower) and np.all(box[1, :2] <= ground.upper))
-
-
-def _words(thing: SceneObject, side: int) -> str:
-    x, y, _ = thing.pose.rotation() @ SIDES[side]
+def _words(thing: SceneObject, heading: int) -> str:
+    x, y, _ = _direction(thing, heading)
     if abs(x) > abs(y):
         return "to the right" if x > 0 else "to the left"
     return "away from the robot" if y > 0 else "towards the robot"
 
 
 def _examine(
-    thing: SceneObject, side: int, end: Pose, others: Sequence[SceneObject], kinematics: Mapping[str, ArmKinematics]
+    thing: SceneObject, heading: int, end: Pose, others: Sequence[SceneObject], kinematics: Mapping[str, ArmKinematics]
 ) -> Feasibility:
     """Whether an arm can push the object to ``end``, and nothing is in its way."""
     distance = float(np.linalg.norm(end.p - thing.pose.p))
-    where = f"{thing.record.phrase} pushed {distance * 100:.0f} cm {_words(thing, side)}"
-    met = first_met([_swept(thing, side, distance)], others)
+    where = f"{thing.record.phrase} pushed {distance * 100:.0f} cm {_words(thing, heading)}"
+    met = first_met([_swept(thing, heading, distance)], others)
     message = f"nothing is in the way of {where}" if met is None else f"{met.record.phrase} is in the way of {where}"
     free = Check(name="way_free", passed=met is None, message=message)
     if met is not None:
@@ -137,7 +148,7 @@ def _examine(
     for arm, k in kinematics.items():
         check, score = _examine_arm(thing, end, others, arm, k, where)
         if score is not None:
-            grasps.append(Grasp(contact=side, arm=arm, score=round(score, 4)))
+            grasps.append(Grasp(contact=heading, arm=arm, score=round(score, 4)))
         if score is not None or not grasps:
             checks = [free, check]
     return Feasibility(checks, sorted(grasps, key=lambda grasp: (-grasp.score, grasp.arm)))
@@ -172,12 +183,10 @@ def _along(way: PushWay) -> list[Pose]:
     return [way.before, *on, way.after]
 
 
-def _swept(thing: SceneObject, side: int, distance: float) -> SolidBox:
+def _swept(thing: SceneObject, heading: int, distance: float) -> SolidBox:
     """What the object sweeps, with room beside it and before it."""
-    lower, upper = thing.asset.bounds.copy()
-    lower[:2] -= ROOM
-    upper[:2] += ROOM
-    return SolidBox(
-        np.array([lower + np.minimum(SIDES[side] * distance, 0), upper + np.maximum(SIDES[side] * distance, 0)]),
-        thing.pose,
-    )
+    frame = Pose.from_yaw(thing.pose.p, thing.pose.yaw + HEADINGS[heading])
+    flat = (thing.outline - frame.p[:2]) @ frame.rotation()[:2, :2]
+    lower, upper = flat.min(axis=0) - [0.0, ROOM], flat.max(axis=0) + ROOM
+    height = thing.box.top - frame.p[2]
+    return SolidBox(np.array([[*lower, 0.0], [upper[0] + distance, upper[1], height]]), frame)

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from vcage.base.errors import UnknownName
-from vcage.base.geometry import Pose, box_corners, frame_from_axes, wrap_angle
+from vcage.base.geometry import Pose, frame_from_axes, wrap_angle
 from vcage.schema.robot import Gripper
 from vcage.sim.collision import Held
 from vcage.sim.motion import MotionFailed, MotionPlanner
@@ -30,16 +30,19 @@ GAP = 0.02
 OVER_TABLE = 0.004
 """Metres between the finger tips and the table."""
 
-LEANS = tuple(np.radians(degrees) for degrees in (0.0, 25.0, 40.0))
+LEANS = tuple(np.radians(degrees) for degrees in (0.0, 35.0, 45.0))
 """Turns about the closing axis that take the palm away from the object: it stands out before the fingers."""
 
 SPREAD = 0.5
 """Share of the face's width that the fingers are apart, where they open so wide."""
 
 AWAY = 0.03
-"""How far the hand is drawn back before it goes up, metres."""
+"""How far behind where the face would be the hand is drawn back before it goes up, metres."""
 
-CORRECTIONS = 2
+OVER_OBJECT = 0.03
+"""Between the tips and the top of the object when the hand comes and goes, metres."""
+
+CORRECTIONS = 4
 """How often the hand goes on along the line where the object did not come far enough."""
 
 THERE = 0.004
@@ -104,10 +107,11 @@ def push_ways(thing: SceneObject, goal: Pose, gripper: Gripper) -> Iterator[Push
     way = (goal.p - thing.pose.p) * [1.0, 1.0, 0.0]
     along = way / np.linalg.norm(way)
     across = np.array([-along[1], along[0], 0.0])
-    corners = box_corners(*thing.asset.bounds) @ thing.pose.rotation().T
-    width, depth = np.ptp(corners @ across), -(corners @ along).min()
-    middle = thing.pose.p + across * (corners @ across).mean() - along * depth
+    outline = thing.outline
+    beside = outline @ across[:2]
+    width, middle = np.ptp(beside), (beside.min() + beside.max()) / 2 * across + (outline @ along[:2]).min() * along
     opening = min(gripper.max_width, SPREAD * float(width))
+    rise = max(gripper.approach, thing.box.top - thing.box.bottom + OVER_OBJECT)
     x, tip = gripper.finger_width / 2, gripper.tip_depth
     for lean in LEANS:
         ahead, below = x * np.cos(lean) + tip * np.sin(lean), x * np.sin(lean) + tip * np.cos(lean)
@@ -119,7 +123,7 @@ def push_ways(thing: SceneObject, goal: Pose, gripper: Gripper) -> Iterator[Push
         for closing in (across, -across):
             touch = frame_from_axes(at, approach, closing)
             before, pushed = _shifted(touch, -GAP * along), _shifted(touch, way)
-            after, up = _shifted(pushed, -AWAY * along), np.array([0.0, 0.0, gripper.approach])
+            after, up = _shifted(pushed, -AWAY * along), np.array([0.0, 0.0, rise])
             yield PushWay(_shifted(before, up), before, touch, pushed, after, _shifted(after, up), opening)
 
 
@@ -191,15 +195,15 @@ def carry_out_push(cell: Workcell, thing: SceneObject, plan: PushPlan) -> None:
         if missing < THERE:
             break
         here, last = last, _shifted(last, missing * along)
-        with failing_at("place"):
+        try:
             further = cell.planner(plan.arm).line(done, last, _pushing(now, here, opening))
+        except MotionFailed:
+            break
         cell.carry_out(plan.arm, further)
         done = further.end
     away = Load(opening, ignore=cell.parts(thing.id), speed=CAREFUL)
-    after = _shifted(last, plan.way.after.p - plan.way.pushed.p)
     with failing_at("place"):
-        up = _shifted(after, plan.way.up.p - plan.way.after.p)
-        cell.put_off(plan.arm, cell.planner(plan.arm).follow(done, [after, up], away))
+        cell.put_off(plan.arm, cell.planner(plan.arm).follow(done, [plan.way.after, plan.way.up], away))
     _confirm(cell.object(thing.id), thing, plan.goal)
 
 

@@ -13,11 +13,17 @@ from vcage.schema.subtasks import Refusal, Subtask, TemplateName
 from vcage.sim.kinematics import ArmKinematics
 from vcage.tasks.feasibility import carrying_points, opens_wide_enough
 from vcage.tasks.ground import Ground
-from vcage.tasks.pushing import SIDES, Push, examine_pushes
+from vcage.tasks.pushing import Push, examine_pushes, headings
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.wording import push_wordings
 
 NAME: TemplateName = "push"
+
+FLATTEST = 0.012
+"""What is lower slips under the finger tips, metres."""
+
+GRAVITY, STRONGEST = 9.81, 24.0
+"""Acceleration, m/s², and the friction on the table against which an arm still pushes exactly, newtons."""
 
 _RELATIONS = ("left_of", "right_of", "in_front_of", "behind", "beside", "near")
 
@@ -40,21 +46,27 @@ class Pushing:
 
 @dataclass(frozen=True)
 class Shove:
-    """An object and the relation that it shall stand in: it may be pushed in four directions."""
+    """An object and the relation that it shall stand in: it may be pushed against its faces."""
 
     thing: SceneObject
     goal: Goal
 
     @property
     def candidates(self) -> int:
-        """The four directions, or none where the object is carried."""
-        return 0 if carrying_points(self.thing.asset.annotation) else len(SIDES)
+        """How many directions there are, none where the object is carried."""
+        return 0 if carrying_points(self.thing.asset.annotation) else len(headings(self.thing))
 
     def impossible(self) -> Refusal | None:
-        """What stands in or on something cannot be pushed from there."""
-        if self.thing.record.container is None:
-            return None
-        return self._refusal(f"{self.thing.record.phrase} does not stand on the table")
+        """What stands in or on something, is flat or heavy cannot be pushed."""
+        phrase, model = self.thing.record.phrase, self.thing.asset.model
+        if self.thing.record.container is not None:
+            return self._refusal(f"{phrase} does not stand on the table")
+        height, force = float(self.thing.asset.size[2]), model.total_mass * model.friction * GRAVITY
+        if height < FLATTEST:
+            return self._refusal(f"{phrase} is {height * 1000:.0f} mm high, too flat for finger tips to push it")
+        if force > STRONGEST:
+            return self._refusal(f"{phrase} resists a push with {force:.0f} N, more than {STRONGEST:.0f} N")
+        return None
 
     def question(self) -> None:
         """Nobody is asked: the table takes everything."""
@@ -78,7 +90,7 @@ class Shove:
         others = [o for o in objects if o.id != self.thing.id]
         found, refused = examine_pushes(self.thing, self.goal, others, kinematics, ground)
         phrases = {o.id: o.record.phrase for o in objects}
-        refusals = [self._refusal(reason, side) for side, reason in refused.items()]
+        refusals = [self._refusal(reason, heading) for heading, reason in refused.items()]
         return (self._subtask(phrases, found) if found else None), refusals
 
     def _subtask(self, phrases: Mapping[str, str], found: Sequence[Push]) -> Subtask:
@@ -97,8 +109,10 @@ class Shove:
             checks=found[0].finding.checks,
         )
 
-    def _refusal(self, reason: str, side: int | None = None) -> Refusal:
-        return Refusal(template=NAME, object=self.thing.id, contact=side, receptacle=self.goal.reference, reason=reason)
+    def _refusal(self, reason: str, heading: int | None = None) -> Refusal:
+        return Refusal(
+            template=NAME, object=self.thing.id, contact=heading, receptacle=self.goal.reference, reason=reason
+        )
 
 
 PUSH = Pushing()
