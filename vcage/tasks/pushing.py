@@ -27,7 +27,7 @@ FACES = (0, 3, 6, 9)
 ROUND = 0.02
 """What is as wide in all directions but for this share is pushed in any of them."""
 
-SHORTEST, LONGEST, STEP = 0.03, 0.6, 0.01
+SHORTEST, LONGEST, STEP = 0.06, 0.6, 0.01
 """Distances that are tried, metres."""
 
 MARGIN = 0.025
