@@ -9,7 +9,9 @@ from pydantic import Field
 from vcage.schema.base import Finite, Identifier, Record, StageDocument, Vec3
 from vcage.schema.goals import Goal
 
-TemplateName = Literal["place", "stack", "weigh", "set_down", "present", "scan", "open", "close", "press", "turn"]
+TemplateName = Literal[
+    "place", "stack", "weigh", "set_down", "push", "present", "scan", "open", "close", "press", "turn"
+]  # fmt: skip
 
 
 class Check(Record):
@@ -25,7 +27,9 @@ class Check(Record):
 class Grasp(Record):
     """A contact point that an arm reaches, with how well."""
 
-    contact: int = Field(ge=0)
+    contact: int = Field(
+        ge=0, description="id of the contact point; of a push its direction: 30° each from the object's own +x"
+    )
     arm: str
     score: Finite = Field(description="higher is better: minus the joint travel of the whole motion, radians")
 

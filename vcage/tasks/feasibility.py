@@ -254,15 +254,15 @@ def _examine_ways(
         free = f"the hand has room at {where}"
         message = free if blocked is None else f"{blocked} is in the way of the hand at {where}"
         checks = [Check(name="way_free", passed=blocked is None, message=message)]
-        reached = None if blocked else _follow(kinematics, [way.before, way.grasp], kinematics.home)
+        reached = None if blocked else follow(kinematics, [way.before, way.grasp], kinematics.home)
         moved = None
         if not blocked:
-            checks.append(_reach_check("reach_grasp", where, reached is not None, arm))
+            checks.append(reach_check("reach_grasp", where, reached is not None, arm))
         if reached is not None:
-            moved = _follow(kinematics, [*way.motion, way.after], reached[-1])
-            checks.append(_reach_check("reach_motion", f"{where} all along its way", moved is not None, arm))
+            moved = follow(kinematics, [*way.motion, way.after], reached[-1])
+            checks.append(reach_check("reach_motion", f"{where} all along its way", moved is not None, arm))
         if reached is not None and moved is not None:
-            return checks, -_travel([kinematics.home, *reached, *moved, kinematics.home])
+            return checks, -travel([kinematics.home, *reached, *moved, kinematics.home])
         furthest = checks if len(checks) > len(furthest) else furthest
     return furthest, None
 
@@ -318,8 +318,8 @@ def _picks(
         checks, path = [Check(name="way_free", passed=blocked is None, message=message)], None
         if blocked is None:
             way = pick_way(target, grasp, gripper, height)
-            path = _follow(kinematics, [way.before, way.grasp, way.lifted], kinematics.home)
-            checks.append(_reach_check("reach_grasp", where, path is not None, arm))
+            path = follow(kinematics, [way.before, way.grasp, way.lifted], kinematics.home)
+            checks.append(reach_check("reach_grasp", where, path is not None, arm))
         found.append(_Pick(grasp, checks, path))
     return found
 
@@ -362,15 +362,15 @@ def _examine_place(
     held = pick.grasp.in_object
     goals = [g for g in transfer.poses if not kinematics.too_far(Pose([*g.p[:2], height], g.q) * held)]
     if not goals:
-        return [*pick.checks, _reach_check("reach_place", transfer.where, False, arm)], None
+        return [*pick.checks, reach_check("reach_place", transfer.where, False, arm)], None
     drop, path = _best_place(transfer, kinematics, held, goals, height, pick.path[-1])
     checks = [*pick.checks, _drop_check(transfer.target.record.phrase, transfer.where, drop)]
     if drop > MAX_DROP:
         return checks, None
-    checks.append(_reach_check("reach_place", transfer.where, path is not None, arm))
+    checks.append(reach_check("reach_place", transfer.where, path is not None, arm))
     if path is None:
         return checks, None
-    return checks, -_travel([kinematics.home, *pick.path, *path, kinematics.home])
+    return checks, -travel([kinematics.home, *pick.path, *path, kinematics.home])
 
 
 def _best_place(
@@ -389,7 +389,7 @@ def _best_place(
         way = place_way(held, goal, transfer.obstacles, kinematics.arm.gripper, width, height)
         drops.append(way.drop)
         poses = [way.above, way.release, way.after]
-        path = _follow(kinematics, poses, start) if way.drop <= MAX_DROP else None
+        path = follow(kinematics, poses, start) if way.drop <= MAX_DROP else None
         if path is not None:
             return way.drop, path
     return min(drops), None
@@ -412,7 +412,7 @@ def _part_meets(thing: SceneObject, link: str, others: Sequence[SceneObject]) ->
     return None if met is None else met.record.phrase
 
 
-def _follow(kinematics: ArmKinematics, poses: Sequence[Pose], start: np.ndarray) -> list[np.ndarray] | None:
+def follow(kinematics: ArmKinematics, poses: Sequence[Pose], start: np.ndarray) -> list[np.ndarray] | None:
     """Joint positions of the poses in order, each solved from the one before; None when one is out of reach."""
     path, q = [], start
     for pose in poses:
@@ -423,7 +423,7 @@ def _follow(kinematics: ArmKinematics, poses: Sequence[Pose], start: np.ndarray)
     return path
 
 
-def _travel(path: Sequence[np.ndarray]) -> float:
+def travel(path: Sequence[np.ndarray]) -> float:
     """Length of a joint path, radians: the largest joint change of each leg, which rules how long it takes."""
     return float(sum(np.abs(b - a).max() for a, b in pairwise(path)))
 
@@ -435,7 +435,7 @@ def _drop_check(phrase: str, where: str, drop: float) -> Check:
     return Check(name="drop", passed=passed, value=drop, limit=MAX_DROP, message=message)
 
 
-def _reach_check(
+def reach_check(
     name: Literal["reach_grasp", "reach_place", "reach_motion"], where: str, reached: bool, arm: str
 ) -> Check:
     verb = "reaches" if reached else "does not reach"

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+from scipy.spatial import ConvexHull
 
 from vcage.base.geometry import Pose, box_corners, oriented_boxes_overlap, world_aabb
 from vcage.objects.asset import Asset
@@ -151,6 +152,13 @@ class SceneObject:
         """(2, 3) axis-aligned box in the world around all of :attr:`boxes`."""
         corners = np.concatenate([box.corners for box in self.boxes])
         return np.stack([corners.min(axis=0), corners.max(axis=0)])
+
+    @cached_property
+    def outline(self) -> np.ndarray:
+        """(n, 2) corners of its convex outline seen from above, where it is now."""
+        parts = [self._frames[link].apply(p.vertices) for link in self._frames for p in self.asset.pieces_of(link)]
+        points = np.concatenate(parts)[:, :2]
+        return points[ConvexHull(points).vertices]
 
     def part_box(self, link: str | None) -> SolidBox:
         """The bounding box of a part, or of the body (None), where it is now."""

@@ -22,10 +22,12 @@ from vcage.schema.plan import TABLE
 from vcage.schema.robot import Robot
 from vcage.schema.subtasks import Subtask
 from vcage.sim.joints import joint_index, joint_positions
+from vcage.sim.kinematics import kinematics_of
 from vcage.tasks.access import closed_part
 from vcage.tasks.grasps import grasp_poses
 from vcage.tasks.ground import Ground
 from vcage.tasks.primitives.place import SET_DOWN, place_way
+from vcage.tasks.pushing import examine_pushes
 from vcage.tasks.scene_objects import Obstacles, SceneObject
 
 GAP = 0.006
@@ -144,7 +146,7 @@ def slots_for_chain(
             if least <= SET_DOWN * len(subtasks) + 1e-9:
                 break
         slots |= {s.id: Slot(receptacle, point, best[s.object]) for s in subtasks}
-    return slots | _on_table(chain, by_id, slots, ground, rng)
+    return slots | _on_table(chain, by_id, slots, robot, ground, rng)
 
 
 @dataclass(frozen=True)
@@ -206,6 +208,7 @@ def _on_table(
     chain: Sequence[Subtask],
     objects: Mapping[str, SceneObject],
     slots: Mapping[str, Slot],
+    robot: Robot,
     ground: Ground,
     rng: np.random.Generator,
 ) -> dict[str, Slot]:
@@ -215,22 +218,24 @@ def _on_table(
     """
     for _ in range(DRAWS - 1):
         with contextlib.suppress(InfeasibleScene):
-            return _drawn_on_table(chain, objects, slots, ground, rng)
-    return _drawn_on_table(chain, objects, slots, ground, rng)
+            return _drawn_on_table(chain, objects, slots, robot, ground, rng)
+    return _drawn_on_table(chain, objects, slots, robot, ground, rng)
 
 
 def _drawn_on_table(
     chain: Sequence[Subtask],
     objects: Mapping[str, SceneObject],
     slots: Mapping[str, Slot],
+    robot: Robot,
     ground: Ground,
     rng: np.random.Generator,
 ) -> dict[str, Slot]:
-    """Slots for what is put down on the table: clear of all that stood, stands or will stand there.
+    """Slots for what is put down or pushed on the table: clear of all that stood, stands or will stand there.
 
     Args:
         objects: by id, drawers and lids open that will be.
         slots: of the sub-tasks that put something into or onto others.
+        robot: whose hands push.
     """
     now, found = dict(objects), dict[str, Slot]()
     for subtask in chain:
@@ -241,10 +246,16 @@ def _drawn_on_table(
             now[thing.id] = thing.moved(slots[subtask.id].poses(now)[0])
             continue
         others = [o for o in now.values() if o.id != thing.id]
-        taken = [thing.aabb[:, :2], *(objects[s.object].aabb[:, :2] for s in chain)]
-        poses = list(itertools.islice(ground.poses(thing, subtask.goals[0], others, rng, taken), 1 + OTHERS))
+        if subtask.template == "push":
+            arms = {name: kinematics_of(arm) for name, arm in robot.arms.items()}
+            pushes, _ = examine_pushes(now[thing.id], subtask.goals[0], others, arms, ground)
+            poses = [push.end for push in pushes]
+        else:
+            taken = [thing.aabb[:, :2], *(objects[s.object].aabb[:, :2] for s in chain)]
+            poses = list(itertools.islice(ground.poses(thing, subtask.goals[0], others, rng, taken), 1 + OTHERS))
         if not poses:
-            reason = f"there is no room on the table to put {thing.record.phrase} so that {subtask.goals[0]}"
+            how = "push" if subtask.template == "push" else "put"
+            reason = f"there is no room on the table to {how} {thing.record.phrase} so that {subtask.goals[0]}"
             raise InfeasibleScene(reason, hint="another --seed gives another layout")
         found[subtask.id] = Slot(TABLE, None, poses[0], turns=(0.0,), spare=tuple(poses[1:]))
         now[thing.id] = thing.moved(poses[0])

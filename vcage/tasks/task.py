@@ -24,6 +24,7 @@ from vcage.sim.world import PHYSICS_HZ, World
 from vcage.tasks.primitives.operate import Operation
 from vcage.tasks.primitives.pick import Grip, LeadsOn, PickPlan, PickWay, carry_out_pick, feel, minding, plan_pick
 from vcage.tasks.primitives.place import Placing, carry_out_place, plan_place
+from vcage.tasks.primitives.push import carry_out_push, plan_push
 from vcage.tasks.reading import reading_poses
 from vcage.tasks.scene_objects import Obstacles, SceneObject
 from vcage.tasks.slots import Slot, other_slots
@@ -152,6 +153,35 @@ class Task:
         carry_out_place(self._cell, plan)
         self.moment = self.world.state()
         self._grip = None
+
+    def push(self, object_id: str, arms: Sequence[str] = ()) -> None:
+        """Push an object straight along the table to its slot, or another that is free.
+
+        The hand is drawn back with the motion that follows.
+
+        Args:
+            object_id: what is pushed; nothing lies in or on it.
+            arms: which may do it, best first; all, the nearest first, when none is given.
+
+        Raises:
+            TaskFailed: no way can be planned, or the object is not where it was pushed to.
+            UnknownName: there is no such object or arm, or the object has no slot.
+        """
+        thing = self._cell.object(object_id)
+        if object_id not in self._slots:
+            raise UnknownName("slot", object_id, self._slots)
+        failures: list[TaskFailed] = []
+        for slot in self._choices(object_id):
+            try:
+                plan = plan_push(self._cell, thing, slot.pose, list(dict.fromkeys(arms)) or self._nearest_first(thing))
+            except TaskFailed as error:
+                failures.append(error)
+                continue
+            self.arm = plan.arm
+            self._say_slot(object_id, slot)
+            carry_out_push(self._cell, thing, plan)
+            return
+        raise failures[0]
 
     def operate(self, object_id: str, contact_id: int, target: float, arms: Sequence[str] = ()) -> None:
         """Bring a moving part to a joint position by its handle or button, and the arm home again.

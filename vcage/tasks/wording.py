@@ -17,6 +17,7 @@ _PREPOSITIONS: Mapping[str, Sequence[str]] = {
     "near": ("near", "close to", "not far from"),
 }
 _MOVES = ("Put", "Place", "Set", "Move", "Bring", "Transfer", "Take")
+_PUSHES = ("Push", "Slide", "Shove", "Shift")
 _PATTERNS: Mapping[str, str] = {
     "open": "Open {0}.|Open up {0}.|Pull {0} open.|Get {0} open.|Please open {0}.|{1} should be open."
     "|Make sure {0} is open.|Could you open {0}?|Bring {0} into its open position.|Have {0} opened.",
@@ -67,6 +68,18 @@ def _placing(goal: Goal, phrases: Mapping[str, str]) -> list[str]:
         f"Could you put {thing} {preps[1]} {place}?",
     ]
     return [*commands, *wishes]
+
+
+def push_wordings(goal: Goal, phrases: Mapping[str, str]) -> list[str]:
+    """Sentences that ask for a relation to be brought about by a push, ten and more, the plainest first.
+
+    Args:
+        goal, phrases: see :func:`wordings`.
+    """
+    thing, place = f"the {phrases[goal.subject]}", f"the {phrases[str(goal.reference)]}"
+    preps = _PREPOSITIONS[goal.relation]
+    commands = [f"{move} {thing} {prep} {place}." for prep in preps for move in _PUSHES]
+    return [*commands, f"Could you push {thing} {preps[0]} {place}?", f"Please slide {thing} {preps[0]} {place}."]
 
 
 def _part(part: str, owner: str) -> str:

@@ -20,6 +20,7 @@ from vcage.tasks.templates.open import OPEN
 from vcage.tasks.templates.place import PLACE
 from vcage.tasks.templates.present import PRESENT
 from vcage.tasks.templates.press import PRESS
+from vcage.tasks.templates.push import PUSH
 from vcage.tasks.templates.scan import Scan
 from vcage.tasks.templates.set_down import SET_DOWN
 from vcage.tasks.templates.stack import STACK
@@ -95,6 +96,7 @@ class SubtaskTemplate(Protocol):
 
 
 TEMPLATES: Mapping[TemplateName, SubtaskTemplate] = {
-    template.name: template for template in (PLACE, STACK, WEIGH, SET_DOWN, PRESENT, Scan(), OPEN, CLOSE, PRESS, TURN)
+    template.name: template
+    for template in (PLACE, STACK, WEIGH, SET_DOWN, PUSH, PRESENT, Scan(), OPEN, CLOSE, PRESS, TURN)
 }
 """By name, in the order in which the search goes through them."""

@@ -1,0 +1,81 @@
+"""A push is proposed only for what is asked for and cannot be carried."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tests.scenes import GROUND, kinematics, robot, scene_of, thing
+from vcage.schema.goals import Goal, goal_of
+from vcage.schema.subtasks import Refusal, Subtask
+from vcage.tasks.scene_objects import SceneObject
+from vcage.tasks.search import action_of
+from vcage.tasks.slots import slots_for_chain
+from vcage.tasks.synthesis import render_script
+from vcage.tasks.templates.push import PUSH
+
+PLATE, MUG, BLOCK = thing("plate", (0.0, -0.1)), thing("mug", (0.0, 0.15)), thing("block", (0.3, 0.1))
+LEFT = goal_of(["plate", "left_of", "mug"])
+
+
+def examined(goal: Goal, *objects: SceneObject) -> tuple[Subtask | None, list[Refusal]]:
+    (proposal,), _ = PUSH.proposals(objects, [goal])
+    assert proposal.impossible() is None
+    return proposal.examine(objects, kinematics(), GROUND, np.random.default_rng(0))
+
+
+def test_only_relations_that_are_asked_for_are_proposed():
+    objects = [PLATE, MUG, BLOCK]
+    assert PUSH.proposals(objects, []) == ([], [])
+    found, _ = PUSH.proposals(objects, [LEFT, goal_of(["mug", "on", "plate"]), goal_of(["block", "on", "table"])])
+    assert [proposal.goal for proposal in found] == [LEFT]
+
+
+def test_what_can_be_carried_is_left_to_set_down():
+    assert examined(goal_of(["block", "left_of", "mug"]), PLATE, MUG, BLOCK) == (None, [])
+
+
+def test_a_push_is_a_subtask_that_moves_its_object_over_the_table():
+    subtask, refused = examined(LEFT, PLATE, MUG)
+    assert subtask is not None
+    phrases = PLATE.record.phrase, MUG.record.phrase
+    assert subtask.text == "Push the {} to the left of the {}.".format(*phrases)
+    assert len({subtask.text, *subtask.texts}) >= 10
+    assert subtask.goals == [LEFT, goal_of(["plate", "on", "table"])]
+    assert action_of(subtask).moves == "plate"
+    assert all(refusal.reason for refusal in refused)
+
+
+def test_its_script_is_short_and_calls_the_push():
+    subtask, _ = examined(LEFT, PLATE, MUG)
+    assert subtask is not None
+    text = render_script(subtask, scene_of([PLATE, MUG], "Push the plate to the left of the mug"))
+    assert "task.push('plate', arms=[arm for _, arm, _ in GRASPS])" in text
+
+
+@pytest.mark.parametrize(
+    ("asset", "reason"), [("customer_mat", "4 mm high, too flat"), ("microwave", "N, more than 24 N")]
+)
+def test_what_is_flat_or_heavy_is_refused_with_the_measure(asset: str, reason: str):
+    objects = [thing(asset), thing("mug", (0.3, 0.1))]
+    (proposal,), _ = PUSH.proposals(objects, [goal_of([asset, "left_of", "mug"])])
+    refusal = proposal.impossible()
+    assert refusal is not None and reason in refusal.reason
+
+
+def test_what_stands_on_something_is_not_pushed():
+    plate = thing("plate", (0.0, 0.0), container="mug")
+    (proposal,), _ = PUSH.proposals([plate, MUG], [LEFT])
+    assert "does not stand on the table" in proposal.impossible().reason
+
+
+def test_its_slot_is_where_a_push_from_where_it_stands_in_the_episode_ends():
+    subtask, _ = examined(LEFT, PLATE, MUG)
+    assert subtask is not None
+    for shift in (-0.008, 0.008):
+        plate = PLATE.moved(type(PLATE.pose).from_yaw(PLATE.pose.p + [shift, shift, 0.0], 0.1))
+        slot = slots_for_chain([subtask], [plate, MUG], robot(), GROUND, np.random.default_rng(0))[subtask.id]
+        assert slot.pose.yaw == pytest.approx(0.1)
+        way = (slot.pose.p - plate.pose.p)[:2]
+        turn = (np.arctan2(way[1], way[0]) - 0.1) / np.radians(30)
+        assert turn == pytest.approx(round(turn), abs=1e-6)

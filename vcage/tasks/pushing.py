@@ -1,0 +1,192 @@
+"""Which straight pushes bring about a goal: where they end, what is in their way, and whether an arm reaches."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from vcage.base.geometry import Pose
+from vcage.plans.relations import holds
+from vcage.schema.goals import Goal
+from vcage.schema.subtasks import Check, Grasp
+from vcage.sim.kinematics import ArmKinematics
+from vcage.tasks.feasibility import Feasibility, follow, reach_check, travel
+from vcage.tasks.grasps import hand_boxes
+from vcage.tasks.ground import Ground
+from vcage.tasks.primitives.push import PushWay, push_ways
+from vcage.tasks.scene_objects import SceneObject, SolidBox, first_met
+
+HEADINGS = np.linspace(0, 2 * np.pi, 12, endpoint=False)
+"""Directions in which an object is pushed, turned from its own +x, radians; a push is known by its number here."""
+
+FACES = (0, 3, 6, 9)
+"""Numbers of the directions against the faces of a box: its own +x, +y, -x, -y."""
+
+ROUND = 0.02
+"""What is as wide in all directions but for this share is pushed in any of them."""
+
+SHORTEST, LONGEST, STEP = 0.06, 0.6, 0.01
+"""Distances that are tried, metres."""
+
+MARGIN = 0.025
+"""How far an object may end up from where it was pushed to so that the goal still holds, metres."""
+
+ROOM = 0.012
+"""Room that what is pushed keeps beside it and before it, metres."""
+
+TRIED = 3
+"""Distances of one direction that are looked into, from the shortest to the longest that would do."""
+
+SPACING = 0.04
+"""Between neighbouring hand poses that are looked into along a push, metres."""
+
+
+@dataclass(frozen=True)
+class Push:
+    """A straight push that an arm can do.
+
+    Args:
+        heading: number of its direction in :data:`HEADINGS`.
+        end: object frame in the world.
+        finding: its checks, and the arms.
+    """
+
+    heading: int
+    end: Pose
+    finding: Feasibility
+
+
+def examine_pushes(
+    thing: SceneObject,
+    goal: Goal,
+    others: Sequence[SceneObject],
+    kinematics: Mapping[str, ArmKinematics],
+    ground: Ground,
+) -> tuple[list[Push], dict[int, str]]:
+    """For each direction a push that brings about the goal, the best first; of the other directions why there is none.
+
+    Args:
+        thing: where it stands.
+        goal: a relation to one of ``others``.
+        others: the other objects of the scene.
+        kinematics: by arm.
+        ground: of the table.
+    """
+    found: list[Push] = []
+    refused: dict[int, str] = {}
+    for heading in headings(thing):
+        ends = _ends(thing, goal, others, ground, heading)
+        if not ends:
+            most = _farthest(thing, ground, heading) * 100
+            refused[heading] = (
+                f"pushed {_words(thing, heading)}, at most {most:.0f} cm, it does not come to be so that {goal}"
+            )
+        for number in np.unique(np.linspace(0, len(ends) - 1, TRIED).astype(int)) if ends else ():
+            finding = _examine(thing, heading, ends[number], others, kinematics)
+            if finding.feasible:
+                found.append(Push(heading, ends[number], finding))
+                refused.pop(heading, None)
+                break
+            refused.setdefault(heading, finding.reason)
+    return sorted(found, key=lambda push: -push.finding.grasps[0].score), refused
+
+
+def headings(thing: SceneObject) -> Sequence[int]:
+    """Numbers of the directions in which an object can be pushed: against its faces, or any if it is round."""
+    ways = np.stack([np.cos(HEADINGS), np.sin(HEADINGS)])
+    widths = np.ptp(thing.outline @ ways, axis=0)
+    return range(len(HEADINGS)) if np.ptp(widths) <= ROUND * widths.max() else FACES
+
+
+def _direction(thing: SceneObject, heading: int) -> np.ndarray:
+    """(3,) unit vector in the world."""
+    angle = thing.pose.yaw + HEADINGS[heading]
+    return np.array([np.cos(angle), np.sin(angle), 0.0])
+
+
+def _ends(thing: SceneObject, goal: Goal, others: Sequence[SceneObject], ground: Ground, heading: int) -> list[Pose]:
+    """Where the object stands after a push, on the ground and so that the goal holds with a margin; nearest first."""
+    near = next(o for o in others if o.id == goal.reference).aabb
+    nudges = [np.array([x, y, 0.0]) for x in (-MARGIN, 0, MARGIN) for y in (-MARGIN, 0, MARGIN)]
+    ways = [d * _direction(thing, heading) for d in np.arange(SHORTEST, _farthest(thing, ground, heading), STEP)]
+    return [
+        Pose(thing.pose.p + way, thing.pose.q)
+        for way in ways
+        if all(holds(goal.relation, thing.aabb + way + nudge, near) for nudge in nudges)  # pyrefly: ignore
+    ]
+
+
+def _farthest(thing: SceneObject, ground: Ground, heading: int) -> float:
+    """How far it can be pushed without leaving the ground, metres."""
+    way = _direction(thing, heading)[:2]
+    room = np.where(way > 0, ground.upper - thing.outline.max(axis=0), thing.outline.min(axis=0) - ground.lower)
+    rooms = room[np.abs(way) > 1e-6] / np.abs(way[np.abs(way) > 1e-6])
+    return float(np.clip(rooms.min(), 0.0, LONGEST))
+
+
+def _words(thing: SceneObject, heading: int) -> str:
+    x, y, _ = _direction(thing, heading)
+    if abs(x) > abs(y):
+        return "to the right" if x > 0 else "to the left"
+    return "away from the robot" if y > 0 else "towards the robot"
+
+
+def _examine(
+    thing: SceneObject, heading: int, end: Pose, others: Sequence[SceneObject], kinematics: Mapping[str, ArmKinematics]
+) -> Feasibility:
+    """Whether an arm can push the object to ``end``, and nothing is in its way."""
+    distance = float(np.linalg.norm(end.p - thing.pose.p))
+    where = f"{thing.record.phrase} pushed {distance * 100:.0f} cm {_words(thing, heading)}"
+    met = first_met([_swept(thing, heading, distance)], others)
+    message = f"nothing is in the way of {where}" if met is None else f"{met.record.phrase} is in the way of {where}"
+    free = Check(name="way_free", passed=met is None, message=message)
+    if met is not None:
+        return Feasibility([free], [])
+    checks, grasps = [free], []
+    for arm, k in kinematics.items():
+        check, score = _examine_arm(thing, end, others, arm, k, where)
+        if score is not None:
+            grasps.append(Grasp(contact=heading, arm=arm, score=round(score, 4)))
+        if score is not None or not grasps:
+            checks = [free, check]
+    return Feasibility(checks, sorted(grasps, key=lambda grasp: (-grasp.score, grasp.arm)))
+
+
+def _examine_arm(
+    thing: SceneObject, end: Pose, others: Sequence[SceneObject], arm: str, kinematics: ArmKinematics, where: str
+) -> tuple[Check, float | None]:
+    """What decides whether an arm can do a push, and the score of its motion."""
+    blocked = None
+    for way in push_ways(thing, end, kinematics.arm.gripper):
+        poses = _along(way)
+        boxes = [SolidBox(part, p) for p in poses for part in hand_boxes(kinematics.arm.gripper, way.opening)]
+        met = first_met(boxes, others)
+        if met is not None:
+            blocked = met.record.phrase
+            continue
+        path = follow(kinematics, [way.above, *poses, way.up], kinematics.home)
+        if path is not None:
+            return reach_check("reach_motion", where, True, arm), -travel([kinematics.home, *path, kinematics.home])
+    if blocked is not None:
+        message = f"{blocked} is in the way of the hand with {where}"
+        return Check(name="way_free", passed=False, message=message), None
+    return reach_check("reach_motion", where, False, arm), None
+
+
+def _along(way: PushWay) -> list[Pose]:
+    """Hand poses from behind the face to where it is drawn back."""
+    path = way.pushed.p - way.touch.p
+    count = max(1, int(np.ceil(np.linalg.norm(path) / SPACING)))
+    on = [Pose(way.touch.p + share * path, way.touch.q) for share in np.linspace(0, 1, count + 1)]
+    return [way.before, *on, way.after]
+
+
+def _swept(thing: SceneObject, heading: int, distance: float) -> SolidBox:
+    """What the object sweeps, with room beside it and before it."""
+    frame = Pose.from_yaw(thing.pose.p, thing.pose.yaw + HEADINGS[heading])
+    flat = (thing.outline - frame.p[:2]) @ frame.rotation()[:2, :2]
+    lower, upper = flat.min(axis=0) - [0.0, ROOM], flat.max(axis=0) + ROOM
+    height = thing.box.top - frame.p[2]
+    return SolidBox(np.array([[*lower, 0.0], [upper[0] + distance, upper[1], height]]), frame)
