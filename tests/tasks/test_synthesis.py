@@ -48,7 +48,28 @@ def test_a_script_carries_the_scene_and_the_sub_task(tmp_path: Path):
     assert set(values["SCENE"]) == {"block", "plate"}
     assert values["GRASPS"] == [(0, "left", -1.0)]
     assert values["GOALS"] == [("block", "on", "plate", None)]
-    assert (values["TEMPLATE"], values["POINT"]) == ("table", 0)
+    assert (values["TEMPLATE"], values["ROBOT"]) == ("table", "dual_panda")
+    fields = {"template": "place", "object": "block", "receptacle": "plate", "functional_point": 0}
+    assert values["SUBTASK"] == fields
+
+
+def test_a_script_stays_under_sixty_lines(tmp_path: Path):
+    lines = written(tmp_path).path.read_text().splitlines()
+    assert len([line for line in lines if line.strip()]) < 60
+
+
+def test_a_mistake_in_a_script_is_told_with_its_line(tmp_path: Path):
+    script = written(tmp_path)
+    text = script.path.read_text().replace("    task.home()", "    tsak.home()")
+    line = text.splitlines().index("    tsak.home()") + 1
+    script.path.write_text(text)
+
+    class Anything:
+        def __getattr__(self, _name):
+            return lambda *_args, **_options: None
+
+    with pytest.raises(DamagedFile, match=f"line {line}: NameError: name 'tsak'"):
+        load_script(script.path).play(Anything())
 
 
 def test_a_script_is_executable(tmp_path: Path):

@@ -17,6 +17,9 @@ from vcage.sim.robots import load_template
 from vcage.stages.stage import Job
 from vcage.tasks.synthesis import Script, load_script
 
+NEEDED = ("TEMPLATE", "ROBOT", "SUBTASK", "INSTRUCTION", "SCENE", "TEXT", "GRASPS", "GOALS")
+HINT = "mend it, or run search_subtasks --force"
+
 
 def prepare_run(run: RunFolder, path: Path, *, seed: int, force: bool) -> None:
     """Write ``optimize/scene.json`` and ``subtasks/`` from what a script says of itself.
@@ -28,9 +31,13 @@ def prepare_run(run: RunFolder, path: Path, *, seed: int, force: bool) -> None:
     """
     script = load_script(path)
     values = script.values
-    missing = [n for n in ("TEMPLATE", "SUBTASK", "INSTRUCTION", "SCENE", "TEXT", "GRASPS", "GOALS") if n not in values]
+    missing = [
+        n
+        for n in ("TEMPLATE", "ROBOT", "SUBTASK", "INSTRUCTION", "SCENE", "TEXT", "GRASPS", "GOALS")
+        if n not in values
+    ]
     if missing:
-        raise DamagedFile(f"{path} defines no {', '.join(missing)}", hint="run search_subtasks --force")
+        raise DamagedFile(f"{path} defines no {', '.join(missing)}", hint=HINT)
     origin = {"script": sha256_file(path)}
     layout = Job(run=run, output=run.layout, seed=seed, options=origin)
     layout.do(Scene, lambda _folder, provenance: _scene(values, provenance), force=force)
@@ -52,7 +59,7 @@ def prepare_run(run: RunFolder, path: Path, *, seed: int, force: bool) -> None:
 
 
 def _scene(values: dict[str, Any], provenance: Provenance) -> Scene:
-    template, library = load_template(values["TEMPLATE"]), Library.load()
+    template, library = load_template(values["TEMPLATE"], values["ROBOT"]), Library.load()
     return Scene(
         provenance=provenance,
         instruction=values["TEXT"],
@@ -83,18 +90,17 @@ def _object(key: str, fields: tuple, library: Library) -> ObjectRecord:
 
 def _subtask(script: Script, path: str) -> Subtask:
     values = script.values
-    goals = [goal_of(goal) for goal in values["GOALS"]]
-    return Subtask(
-        id=script.path.stem,
-        template=values["SUBTASK"],
-        text=values["TEXT"],
-        object=goals[0].subject,
-        receptacle=goals[0].reference,
-        functional_point=values.get("POINT"),
-        target=values.get("TARGET"),
-        grasps=[Grasp(contact=contact, arm=arm, score=score) for contact, arm, score in values["GRASPS"]],
-        requires=[goal_of(goal) for goal in values.get("REQUIRES", [])],
-        goals=goals,
-        script=path,
-        checks=[],
-    )
+    try:
+        return Subtask(
+            **values["SUBTASK"],
+            id=script.path.stem,
+            text=values["TEXT"],
+            grasps=[Grasp(contact=contact, arm=arm, score=score) for contact, arm, score in values["GRASPS"]],
+            requires=[goal_of(goal) for goal in values.get("REQUIRES", [])],
+            goals=[goal_of(goal) for goal in values["GOALS"]],
+            script=path,
+            checks=[],
+        )
+    except (TypeError, ValueError) as error:
+        message = f"{script.path} says of its sub-task what cannot be: {' '.join(str(error).split())}"
+        raise DamagedFile(message, hint=HINT) from error

@@ -9,6 +9,7 @@ from __future__ import annotations
 import ast
 import functools
 import runpy
+import traceback
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -22,10 +23,21 @@ from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Subtask
 from vcage.tasks.templates import TEMPLATES
 
+FIELDS = {"template", "object", "receptacle", "functional_point", "target", "tool", "grasped"}
+"""What a script says of its sub-task besides words, goals and grasps."""
+
 
 def render_script(subtask: Subtask, scene: Scene) -> str:
     """The script's source."""
-    text = _page().render(subtask=subtask, scene=scene, calls=TEMPLATES[subtask.template].calls(subtask))
+    text = _page().render(
+        subtask=subtask,
+        scene=scene,
+        fields=subtask.model_dump(include=FIELDS, exclude_none=True),
+        grasps=[(g.contact, g.arm, g.score) for g in subtask.grasps],
+        goals=[(g.subject, g.relation, g.reference, g.part) for g in subtask.goals],
+        requires=[(g.subject, g.relation, g.reference, g.part) for g in subtask.requires],
+        calls=TEMPLATES[subtask.template].calls(subtask),
+    )
     ast.parse(text)
     return text
 
@@ -80,7 +92,23 @@ def load_script(path: Path) -> Script:
         if not callable(names.get(name)):
             raise DamagedFile(f"{path} defines no function {name}(task)", hint="run search_subtasks --force")
     values = {name: value for name, value in names.items() if name.isupper()}
-    return Script(path, names["play"], names["verify"], values)
+    return Script(path, _naming_lines(path, names["play"]), _naming_lines(path, names["verify"]), values)
+
+
+def _naming_lines(path: Path, function: Callable[[Any], Any]) -> Callable[[Any], Any]:
+    """A function of a script, whose own mistakes are told with the script's line."""
+
+    def told(task: Any) -> Any:
+        try:
+            return function(task)
+        except Exception as error:
+            last = traceback.extract_tb(error.__traceback__)[-1]
+            if last.filename != str(path):
+                raise  # not a mistake of the script
+            message = f"{path}: line {last.lineno}: {type(error).__name__}: {error}"
+            raise DamagedFile(message, hint="mend it, or run search_subtasks --force") from error
+
+    return told
 
 
 def _for_docstring(text: str) -> str:

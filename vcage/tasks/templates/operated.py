@@ -52,8 +52,8 @@ class Operated:
         return found, refused
 
     def calls(self, subtask: Subtask) -> list[str]:
-        """The line of the script's ``play``; GRASPS and TARGET are constants of the script."""
-        return [f"task.operate({subtask.object!r}, GRASPS[0][0], TARGET, arms=[arm for _, arm, _ in GRASPS])"]
+        """The line of the script's ``play``; GRASPS is a constant of the script."""
+        return [f"task.operate({subtask.object!r}, GRASPS[0][0], {subtask.target}, arms=[arm for _, arm, _ in GRASPS])"]
 
 
 @dataclass(frozen=True)

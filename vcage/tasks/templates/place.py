@@ -63,11 +63,11 @@ class Placing:
         return pairs, refused
 
     def calls(self, subtask: Subtask) -> list[str]:
-        """The lines of the script's ``play``; GRASPS and POINT are constants of the script."""
+        """The lines of the script's ``play``; GRASPS is a constant of the script."""
         wait = [f"task.wait({self.waits})"] if self.waits else []
         return [
             f"task.pick({subtask.object!r}, grasps=[(contact, arm) for contact, arm, _ in GRASPS])",
-            f"task.place({subtask.receptacle!r}, point=POINT)",
+            f"task.place({subtask.receptacle!r}, point={subtask.functional_point})",
             "task.home()",
             *wait,
         ]
