@@ -54,3 +54,13 @@ def test_the_robot_scans_what_is_feasible_and_puts_back_what_it_took() -> None:
     assert goals_hold([SCANNED], objects, watch).success
     assert task.moment is not None and task.moment.objects[moved].p[2] > TABLE_TOP
     assert np.linalg.norm((world.object_pose(moved).p - objects[moved].pose.p)[:2]) < 0.02
+
+
+def test_what_stands_where_the_scanner_is_to_be_held_is_named() -> None:
+    around = [(dx, dy) for dx in (-0.13, 0.0, 0.13) for dy in (-0.15, 0.15)] + [(-0.13, 0.0), (0.13, 0.0)]
+    vases = [thing("vase", (0.1 + dx, 0.05 + dy), id=f"vase-{number}") for number, (dx, dy) in enumerate(around)]
+    objects = [BOX, SCANNER, *vases]
+    (proposal,), _ = SCAN.proposals(objects, ())
+    subtask, refused = proposal.examine(objects, kinematics(), GROUND, np.random.default_rng(0))
+    assert subtask is None
+    assert any("would touch" in r.reason and "vase" in r.reason for r in refused)

@@ -14,7 +14,7 @@ from vcage.sim.kinematics import ArmKinematics
 from vcage.tasks.feasibility import Feasibility, Transfer, best_first, carrying_points, examine
 from vcage.tasks.ground import Ground
 from vcage.tasks.reading import reading_poses
-from vcage.tasks.scene_objects import SceneObject
+from vcage.tasks.scene_objects import SceneObject, first_met
 from vcage.tasks.wording import wordings
 
 NAME: TemplateName = "scan"
@@ -109,6 +109,13 @@ class Reading:
         if not poses:
             return [], [self._refusal(f"{mover.record.phrase} cannot be held before {still.record.phrase}")]
         others = tuple(o for o in objects if o.id != mover.id)
+        beside = [o for o in others if o.id != still.id]
+        met = [first_met(mover.moved(pose).boxes, beside) for pose in poses]
+        poses = [pose for pose, thing in zip(poses, met, strict=True) if thing is None]
+        if not poses:
+            in_the_way = next(thing.record.phrase for thing in met if thing is not None)
+            reason = f"{mover.record.phrase} would touch {in_the_way} before {still.record.phrase}"
+            return [], [self._refusal(reason)]
         findings, refused = [], []
         for contact in carrying_points(mover.asset.annotation):
             where = f"its place before {still.record.phrase}"
