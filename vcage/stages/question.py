@@ -23,10 +23,10 @@ from vcage.vision.protocols import View
 TOP, CUSTOMER = "top", "customer"
 """The scene's camera above the table, and one where the customer stands."""
 
-FROM_CUSTOMER = {"presented", "scanned"}
-"""Goals that are told from the customer's side: fronts and bar codes are not seen from above."""
+FROM_CUSTOMER = {"presented", "scanned", "handed"}
+"""Goals that are told from the customer's side: fronts, bar codes and what is in the air are not told from above."""
 
-AT_THE_MOMENT = {"pressed", "scanned", "weighed"}
+AT_THE_MOMENT = {"pressed", "scanned", "weighed", "handed"}
 """Goals that are told by what those cameras see at the moment, and not only the wrist's."""
 
 AWAY, ABOVE, FOVY = 0.75, 0.5, 0.75

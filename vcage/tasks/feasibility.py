@@ -236,15 +236,15 @@ def _examine_ways(
         free = f"the hand has room at {where}"
         message = free if blocked is None else f"{blocked} is in the way of the hand at {where}"
         checks = [Check(name="way_free", passed=blocked is None, message=message)]
-        reached = None if blocked else _follow(kinematics, [way.before, way.grasp], kinematics.home)
+        reached = None if blocked else follow(kinematics, [way.before, way.grasp], kinematics.home)
         moved = None
         if not blocked:
             checks.append(_reach_check("reach_grasp", where, reached is not None, arm))
         if reached is not None:
-            moved = _follow(kinematics, [*way.motion, way.after], reached[-1])
+            moved = follow(kinematics, [*way.motion, way.after], reached[-1])
             checks.append(_reach_check("reach_motion", f"{where} all along its way", moved is not None, arm))
         if reached is not None and moved is not None:
-            return checks, -_travel([kinematics.home, *reached, *moved, kinematics.home])
+            return checks, -travel([kinematics.home, *reached, *moved, kinematics.home])
         furthest = checks if len(checks) > len(furthest) else furthest
     return furthest, None
 
@@ -276,7 +276,7 @@ def _examine_pose(
     transfer: Transfer, arm: str, kinematics: ArmKinematics, grasp: GraspPose, table_height: float
 ) -> tuple[list[Check], float | None]:
     phrase, height = transfer.target.record.phrase, transfer_height(transfer.others, table_height)
-    checks, picked = _examine_pick(transfer, arm, kinematics, grasp, height)
+    checks, picked = examine_pick(transfer, arm, kinematics, grasp, height)
     if picked is None:
         return checks, None
     drop, path = _best_place(transfer, kinematics, grasp, height, picked[-1])
@@ -286,13 +286,21 @@ def _examine_pose(
     checks.append(_reach_check("reach_place", transfer.where, path is not None, arm))
     if path is None:
         return checks, None
-    return checks, -_travel([kinematics.home, *picked, *path, kinematics.home])
+    return checks, -travel([kinematics.home, *picked, *path, kinematics.home])
 
 
-def _examine_pick(
+def examine_pick(
     transfer: Transfer, arm: str, kinematics: ArmKinematics, grasp: GraspPose, height: float
 ) -> tuple[list[Check], list[np.ndarray] | None]:
-    """The checks of a grasp, and the joints on the way to it and up again; None when it cannot be done."""
+    """The checks of a grasp, and the joints on the way to it and up again; None when it cannot be done.
+
+    Args:
+        transfer: what is tried.
+        arm: its name.
+        kinematics: of the arm.
+        grasp: how it holds the object.
+        height: z that the object's bottom keeps on the way, metres.
+    """
     target, gripper = transfer.target, kinematics.arm.gripper
     where, width = f"{transfer.contact.name!r} of {target.record.phrase}", target.asset.grasp_width(transfer.contact)
     blocked = _hand_meets(grasp.pose, approach_opening(width, gripper), width, transfer.others, kinematics)
@@ -302,7 +310,7 @@ def _examine_pick(
     if blocked is not None:
         return checks, None
     pick = pick_way(target, grasp, gripper, height)
-    picked = _follow(kinematics, [pick.before, pick.grasp, pick.lifted], kinematics.home)
+    picked = follow(kinematics, [pick.before, pick.grasp, pick.lifted], kinematics.home)
     checks.append(_reach_check("reach_grasp", where, picked is not None, arm))
     return checks, picked
 
@@ -318,7 +326,7 @@ def _best_place(
         way = place_way(grasp.in_object, goal, transfer.obstacles, kinematics.arm.gripper, width, height)
         drops.append(way.drop)
         poses = [way.above, way.release, way.after]
-        path = _follow(kinematics, poses, start) if way.drop <= MAX_DROP else None
+        path = follow(kinematics, poses, start) if way.drop <= MAX_DROP else None
         if path is not None:
             return way.drop, path
     return min(drops), None
@@ -341,8 +349,8 @@ def _part_meets(thing: SceneObject, link: str, others: Sequence[SceneObject]) ->
     return None if met is None else met.record.phrase
 
 
-def _follow(kinematics: ArmKinematics, poses: Sequence[Pose], start: np.ndarray) -> list[np.ndarray] | None:
-    """Joint positions of the poses in order, each solved from the one before; None when one is out of reach."""
+def follow(kinematics: ArmKinematics, poses: Sequence[Pose], start: np.ndarray) -> list[np.ndarray] | None:
+    """Joint positions (n,) of the poses in order, each solved from the one before; None when one is out of reach."""
     path, q = [], start
     for pose in poses:
         q = kinematics.ik(pose, seed_q=q)
@@ -352,7 +360,7 @@ def _follow(kinematics: ArmKinematics, poses: Sequence[Pose], start: np.ndarray)
     return path
 
 
-def _travel(path: Sequence[np.ndarray]) -> float:
+def travel(path: Sequence[np.ndarray]) -> float:
     """Length of a joint path, radians: the largest joint change of each leg, which rules how long it takes."""
     return float(sum(np.abs(b - a).max() for a, b in pairwise(path)))
 

@@ -1,0 +1,81 @@
+"""Feasible before simulated: whether one arm can take an object, another take it over, and bring it to its place."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from vcage.schema.subtasks import Check, Grasp
+from vcage.sim.kinematics import ArmKinematics
+from vcage.sim.motion import MotionFailed
+from vcage.tasks.feasibility import Feasibility, Transfer, examine_pick, follow, opens_wide_enough, travel
+from vcage.tasks.grasps import grasp_poses
+from vcage.tasks.meeting import Hold, NoMeeting, meeting_height, meetings
+from vcage.tasks.primitives.pick import transfer_height
+from vcage.tasks.primitives.place import Placing
+
+
+def examine_passing(
+    transfer: Transfer, to: str, kinematics: Mapping[str, ArmKinematics], table_height: float
+) -> Feasibility:
+    """All checks of a transfer in which the object changes hands, with the grasps of the arms that can give it.
+
+    Args:
+        transfer: what is tried; its contact point is the giving arm's.
+        to: the arm that takes it and brings it to its place.
+        kinematics: by arm.
+        table_height: z of the table top, metres.
+    """
+    wide = opens_wide_enough(transfer.target, transfer.contact, kinematics)
+    if not wide.passed:
+        return Feasibility([wide], [])
+    reports = {arm: _examine_giver(transfer, arm, to, kinematics, table_height) for arm in kinematics if arm != to}
+    grasps = [
+        Grasp(contact=transfer.contact.id, arm=arm, score=round(score, 4))
+        for arm, (_, score) in reports.items()
+        if score is not None
+    ]
+    grasps.sort(key=lambda grasp: (-grasp.score, grasp.arm))
+    best = grasps[0].arm if grasps else max(reports, key=lambda arm: sum(c.passed for c in reports[arm][0]))
+    return Feasibility([wide, *reports[best][0]], grasps)
+
+
+def _examine_giver(
+    transfer: Transfer, arm: str, to: str, kinematics: Mapping[str, ArmKinematics], table_height: float
+) -> tuple[list[Check], float | None]:
+    """The checks of the grasp that came furthest, and the score of the first that does."""
+    target, giver, taker = transfer.target, kinematics[arm], kinematics[to]
+    width, height = target.asset.grasp_width(transfer.contact), transfer_height(transfer.others, table_height)
+    meet_at = meeting_height(target, transfer.others, table_height)
+    furthest: list[Check] = []
+    for grasp in grasp_poses(target.pose, transfer.contact, giver.arm.gripper, target.box.bottom):
+        checks, picked = examine_pick(transfer, arm, giver, grasp, height)
+        if picked is not None:
+            try:
+                placing = _Placing(transfer, taker, height)
+                found = next(meetings(target, Hold(grasp.in_object, width), (giver, taker), meet_at, placing.suits))
+            except NoMeeting as error:
+                checks.append(Check(name=error.check, passed=False, message=error.message))
+            else:
+                met = f"the {arm} and the {to} arm reach {target.record.phrase} between them"
+                checks.append(Check(name="reach_meeting", passed=True, message=met))
+                put = f"the {to} arm reaches {transfer.where}"
+                checks.append(Check(name="reach_place", passed=True, message=put))
+                ways = [giver.home, *picked, found.giving, giver.home], [taker.home, found.taking, taker.home]
+                return checks, -sum(map(travel, ways))
+        furthest = checks if len(checks) > len(furthest) else furthest
+    return furthest, None
+
+
+class _Placing:
+    """Whether the taking arm can bring what it holds to the transfer's place."""
+
+    def __init__(self, transfer: Transfer, taker: ArmKinematics, height: float):
+        self._transfer = transfer
+        self._taker = taker
+        self._placing = Placing(transfer.where, transfer.obstacles, height)
+
+    def suits(self, hold: Hold) -> None:
+        taker, home = self._taker, self._taker.home
+        ways = self._placing.ways(taker, hold.in_object, hold.width, self._transfer.poses, home)
+        if not any(follow(taker, [way.above, way.release, way.after], home) for way in ways):
+            raise MotionFailed("its place is out of reach")
