@@ -66,9 +66,13 @@ class Hold:
     width: float
 
     def hand(self, gripper: Gripper) -> list[SolidBox]:
-        """What the hand fills while it closes and opens, in the object frame; the palm is last."""
+        """What the hand fills while it closes and opens, in the object frame; the palm is first."""
         opening = approach_opening(self.width, gripper)
-        return [SolidBox(box, self.in_object) for box in hand_boxes(gripper, opening, self.width)]
+        return [SolidBox(box, self.in_object) for box in hand_boxes(gripper, opening, self.width)[::-1]]
+
+    def palm(self, gripper: Gripper) -> np.ndarray:
+        """(3,) the middle of the palm in the object frame, metres."""
+        return self.in_object.apply([0.0, 0.0, -gripper.finger_length - gripper.palm_height / 2])
 
     @property
     def wrist(self) -> np.ndarray:
@@ -118,15 +122,15 @@ def holds_beside(asset: Asset, given: Hold, contacts: Sequence[ContactPoint], gr
         contacts: of the object's body.
         gripper: of both.
     """
-    first, body = given.hand(gripper), [SolidBox(asset.bounds_of(None), Pose())]
-    found = []
-    for contact in contacts:
-        for hold in _along(asset, contact, gripper):
-            second = hold.hand(gripper)
-            if any(a.overlaps(b) for a in map(_grown, second) for b in first):
-                continue
-            if not any(second[-1].overlaps(box) for box in body):
-                found.append(hold)
+    first, body = given.hand(gripper), SolidBox(asset.bounds_of(None), Pose())
+    found: list[Hold] = []
+    for hold in _along(asset, contacts, gripper):
+        if np.linalg.norm(hold.palm(gripper) - given.palm(gripper)) < min(gripper.palm_size):
+            continue  # these two overlap, whichever way they are turned
+        second = hold.hand(gripper)
+        grown = [SolidBox(box.bounds + np.array([[-APART], [APART]]), box.pose) for box in second]
+        if not second[0].overlaps(body) and not any(a.overlaps(b) for a in grown for b in first):
+            found += [hold, Hold(hold.in_object * Pose.from_yaw([0, 0, 0], np.pi), hold.width)]
     balance = _balance(asset)
     return sorted(found, key=lambda hold: round(float(np.linalg.norm(hold.in_object.p[:2] - balance[:2])), 3))
 
@@ -137,26 +141,23 @@ def _balance(asset: Asset) -> np.ndarray:
     return np.average([c.mean(axis=0) for c in corners], axis=0, weights=[ConvexHull(c).volume for c in corners])
 
 
-def _along(asset: Asset, contact: ContactPoint, gripper: Gripper) -> Iterator[Hold]:
-    """Hands at a contact point and beside it, along the object."""
-    frame = frame_from_axes(contact.position, contact.approach, contact.closing)
+def _along(asset: Asset, contacts: Sequence[ContactPoint], gripper: Gripper) -> Iterator[Hold]:
+    """Hands at contact points and beside them, along the object, none of them flipped about its approach."""
     lower, upper = asset.bounds_of(None)
-    for steps in range(-MOST_STEPS, MOST_STEPS + 1):
-        middle = frame.apply([steps * STEP, 0.0, 0.0])
-        ends = [frame.apply([steps * STEP + side * END_ROOM, 0.0, 0.0]) for side in (-1, 1)]
-        if any(np.any(end < lower) or np.any(end > upper) for end in ends):
+    seen: set[tuple[float, ...]] = set()
+    frames = [(c, frame_from_axes(c.position, c.approach, c.closing)) for c in contacts]
+    for (contact, frame), steps in product(frames, range(-MOST_STEPS, MOST_STEPS + 1)):
+        ends = frame.apply([[steps * STEP + side * END_ROOM, 0.0, 0.0] for side in (-1, 0, 1)])
+        there = contact.model_copy(update={"position": tuple(ends[1].tolist())})
+        key = (*np.round(ends[1], 3).tolist(), *np.round(frame.q, 2).tolist())
+        if key in seen or np.any(ends < lower) or np.any(ends > upper):
             continue
-        there = contact.model_copy(update={"position": tuple(middle.tolist())})
+        seen.add(key)
         width = asset.grasp_width(there)
-        if not LEAST_WIDTH <= width <= gripper.max_width - GRIP_ROOM:
-            continue
-        for lean, flip in product(LEANS, (0.0, np.pi)):
-            turn = Pose(q=[np.cos(lean / 2), 0, np.sin(lean / 2), 0]) * Pose.from_yaw([0, 0, 0], flip)
-            yield Hold(Pose(middle, frame.q) * turn, width)
-
-
-def _grown(box: SolidBox) -> SolidBox:
-    return SolidBox(box.bounds + np.array([[-APART], [APART]]), box.pose)
+        if LEAST_WIDTH <= width <= gripper.max_width - GRIP_ROOM:
+            for lean in LEANS:
+                turn = Pose(q=[np.cos(lean / 2), 0, np.sin(lean / 2), 0])
+                yield Hold(Pose(ends[1], frame.q) * turn, width)
 
 
 def meeting_height(thing: SceneObject, others: Sequence[SceneObject], table_height: float) -> float:

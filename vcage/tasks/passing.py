@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from vcage.schema.subtasks import Check, Grasp
 from vcage.sim.kinematics import ArmKinematics
@@ -37,6 +37,29 @@ def examine_passing(
     grasps.sort(key=lambda grasp: (-grasp.score, grasp.arm))
     best = grasps[0].arm if grasps else max(reports, key=lambda arm: sum(c.passed for c in reports[arm][0]))
     return Feasibility([wide, *reports[best][0]], grasps)
+
+
+def examine_detour(
+    transfers: Sequence[Transfer], kinematics: Mapping[str, ArmKinematics], table_height: float
+) -> tuple[str | None, list[Feasibility]]:
+    """The arm that can bring an object to its place after another has given it to it, and what was found with it.
+
+    Where none can, the arm is None, and the findings are those of the last.
+
+    Args:
+        transfers: of one object to one place, by each of its contact points.
+        kinematics: by arm.
+        table_height: z of the table top, metres.
+    """
+    found: dict[str, list[Feasibility]] = {}
+    for to in kinematics if len(kinematics) > 1 else ():
+        found[to] = [examine_passing(transfer, to, kinematics, table_height) for transfer in transfers]
+    best = {to: max((g.score for f in finding for g in f.grasps), default=None) for to, finding in found.items()}
+    able = {to: score for to, score in best.items() if score is not None}
+    if not able:
+        return None, next(reversed(found.values()), [])
+    to = max(able, key=able.__getitem__)
+    return to, [finding for finding in found[to] if finding.feasible]
 
 
 def _examine_giver(

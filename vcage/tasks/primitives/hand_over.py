@@ -123,6 +123,8 @@ class HandOver:
             try:
                 self.suits(taken)
                 reach = self._reach(planner, target.pose, taken)
+                leaving = cell.planner_among(giver, {self.to: reach.end}, {})
+                self._leave(leaving, cell.begun(giver).end, _opened(control.finger_width, control.arm.gripper))
                 return taken, reach
             except MotionFailed as error:
                 reasons.append(error.message)
@@ -155,6 +157,12 @@ class HandOver:
         back = planner.kinematics.fk(joints) * Pose([0.0, 0.0, -planner.kinematics.arm.gripper.approach])
         return planner.line(joints, back, Load(opening, ignore=self.cell.parts(self.object_id), speed=CAREFUL))
 
+    def _leave(self, planner: MotionPlanner, joints: np.ndarray, opening: float) -> JointPath:
+        """The first arm's way out of its hold and home."""
+        away = self._draw_back(planner, joints, opening)
+        first, *others = planner.move(away.end, planner.kinematics.home).legs
+        return away.then(JointPath((replace(first, opens=1.0), *others)))
+
     # --- execution ---
 
     def _let_go(self, giver: str) -> None:
@@ -164,9 +172,8 @@ class HandOver:
         control.release(opening)
         planner, here = cell.planner(giver), cell.begun(giver)
         with failing_at("place"):
-            away = self._draw_back(planner, here.end, opening)
-            first, *others = planner.move(away.end, np.array(control.arm.home)).legs
-        cell.carry_out(giver, here.then(away).then(JointPath((replace(first, opens=1.0), *others))))
+            away = self._leave(planner, here.end, opening)
+        cell.carry_out(giver, here.then(away))
 
 
 def _opened(width: float, gripper: Gripper) -> float:

@@ -1,7 +1,7 @@
 """Hand over: one arm takes an object, another takes it from that in the air and puts it down.
 
-It is tried where it is asked for. An object that goes into or onto another, where no arm reaches both, changes hands on
-its way there (see :meth:`handed_into`).
+It is tried where it is asked for. What goes into or onto another object, where no arm reaches both, changes hands too:
+see :mod:`~vcage.tasks.templates.place`.
 """
 
 from __future__ import annotations
