@@ -102,7 +102,7 @@ class HandOver:
         try:
             for meeting in islice(self._meetings(target, given, planner.kinematics), TRIED):
                 try:
-                    carry = planner.move(begun.end, meeting.giver, grip.load)
+                    carry = planner.move(begun.end, meeting.giver, replace(grip.load, speed=CAREFUL))
                     self._check(grip.arm, meeting, carry.end, given)
                     return meeting.taken, begun.then(carry)
                 except MotionFailed as error:
@@ -153,9 +153,20 @@ class HandOver:
         return begun.then(reach).then(planner.line(reach.end, hand, near))
 
     def _draw_back(self, planner: MotionPlanner, joints: np.ndarray, opening: float) -> JointPath:
-        """The first arm's way out of its hold."""
-        back = planner.kinematics.fk(joints) * Pose([0.0, 0.0, -planner.kinematics.arm.gripper.approach])
-        return planner.line(joints, back, Load(opening, ignore=self.cell.parts(self.object_id), speed=CAREFUL))
+        """The first arm's way out of its hold: straight back, or less far, or up."""
+        hand, far = planner.kinematics.fk(joints), planner.kinematics.arm.gripper.approach
+        load = Load(opening, ignore=self.cell.parts(self.object_id), speed=CAREFUL)
+        reasons: list[str] = []
+        for away in (
+            hand * Pose([0.0, 0.0, -far]),
+            hand * Pose([0.0, 0.0, -far / 2]),
+            Pose(hand.p + [0, 0, far], hand.q),
+        ):
+            try:
+                return planner.line(joints, away, load)
+            except MotionFailed as error:
+                reasons.append(error.message)
+        raise MotionFailed(first_reasons(reasons))
 
     def _leave(self, planner: MotionPlanner, joints: np.ndarray, opening: float) -> JointPath:
         """The first arm's way out of its hold and home."""
