@@ -17,6 +17,7 @@ PHRASES = {"pen": "red pen", "cabinet": "white cabinet", "bell": "service bell"}
         (("cabinet", "closed", None, "drawer_top"), "Close the top drawer of the white cabinet."),
         (("bell", "pressed", None, "button"), "Press the button of the service bell."),
         (("bell", "turned", None, "dial"), "Turn the dial of the service bell."),
+        (("pen", "handed", "right"), "Hand the red pen to the right arm, which puts it down."),
     ],
 )
 def test_a_goal_is_asked_for_in_ten_different_ways_and_more(goal: tuple[str | None, ...], first: str) -> None:

@@ -88,8 +88,8 @@ class CriticQuestion:
             that says how it stands.
         readers: ids of the objects that read bar codes.
         grasped: id of what the robot was to take hold of, where that is not the object of the goals.
-        moment: view by camera name while a part was touched, a code was before a scanner, or a thing came to lie on a
-            scale.
+        moment: view by camera name while a part was touched, a code was before a scanner, two hands held a thing, or a
+            thing came to lie on a scale.
         start: view by camera name at the start of the episode; only where something is put back.
         wrist: picture by camera name at that moment, or when what was held was let go, from the hand that did it.
         table_height: z of the table top, metres (part of the calibration).

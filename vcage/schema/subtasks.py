@@ -10,14 +10,17 @@ from vcage.schema.base import Finite, Identifier, Record, StageDocument, Vec3
 from vcage.schema.goals import Goal
 
 TemplateName = Literal[
-    "place", "stack", "weigh", "set_down", "push", "present", "scan", "open", "close", "press", "turn"
+    "place", "stack", "weigh", "set_down", "push", "present", "scan", "open", "close", "press", "turn", "hand_over"
 ]  # fmt: skip
 
 
 class Check(Record):
     """One feasibility check of a candidate, with what was measured against what is allowed."""
 
-    name: Literal["fits", "opening", "way_free", "reach_grasp", "reach_place", "reach_motion", "drop"]
+    name: Literal[
+        "fits", "opening", "way_free", "reach_grasp", "reach_place", "reach_motion", "drop",
+        "room_for_hands", "reach_meeting",
+    ]  # fmt: skip
     passed: bool
     message: str = Field(description="one sentence for a person")
     value: Finite | None = None
@@ -50,6 +53,7 @@ class Subtask(Record):
         default=None, description="where the joint of a part is brought to, metres or radians"
     )
     grasps: list[Grasp] = Field(min_length=1, description="feasible grasps, best first")
+    hand_to: Identifier | None = Field(default=None, description="arm that takes it from the one that grasped it")
     requires: list[Goal] = Field(default=[], description="what must be true before")
     goals: list[Goal] = Field(min_length=1, description="what it brings about")
     script: str = Field(description="path in the run folder")

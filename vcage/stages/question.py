@@ -24,14 +24,17 @@ from vcage.vision.protocols import View
 TOP, CUSTOMER = "top", "customer"
 """The scene's camera above the table, and one where the customer stands."""
 
-FROM_CUSTOMER = {"presented", "scanned"}
-"""Goals that are told from the customer's side: fronts and bar codes are not seen from above."""
+FROM_CUSTOMER = {"presented", "scanned", "handed"}
+"""Goals that are told from the customer's side: fronts, bar codes and what is in the air are not told from above."""
 
-AT_THE_MOMENT = {"pressed", "scanned", "weighed"}
+AT_THE_MOMENT = {"pressed", "scanned", "weighed", "handed"}
 """Goals that are told by what those cameras see at the moment, and not only the wrist's."""
 
 LOW = 0.01
 """A top that is lower than this is as high as the table, metres."""
+
+IN_THE_AIR = 0.2
+"""So much higher that camera looks where something changes hands, metres."""
 
 AWAY, ABOVE, FOVY = 0.75, 0.5, 0.75
 """How far beyond the table's far edge and above its top the customer's camera is, metres; its field of view."""
@@ -45,7 +48,8 @@ def cameras(scene: Scene, goals: Collection[Goal]) -> dict[str, Camera]:
         edge = np.array([x, y, height]) + TOWARDS_CUSTOMER * scene.table.size[1] / 2
         eye = edge + TOWARDS_CUSTOMER * AWAY + np.array([0.0, 0.0, ABOVE])
         top = scene.top_camera
-        found[CUSTOMER] = Camera(top.width, top.height, FOVY, look_at(eye, [x, y, height], up=(0, 0, 1)))
+        at = [x, y, height + IN_THE_AIR * any(goal.relation == "handed" for goal in goals)]
+        found[CUSTOMER] = Camera(top.width, top.height, FOVY, look_at(eye, at, up=(0, 0, 1)))
     return found
 
 

@@ -1,4 +1,4 @@
-"""Watches a world for what happens in it: a press, a code that is read, a thing that lies on a scale."""
+"""Watches a world for what happens in it: presses, codes that are read, things that lie on a scale or change hands."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from vcage.tasks.scene_objects import SceneObject
 EVERY = 10
 """Physics steps between two looks at contacts and codes."""
 
-LASTS = {"weighed": 1.0, "scanned": 0.25}
+LASTS = {"weighed": 1.0, "scanned": 0.25, "handed": 0.25}
 """How long an event must go on without a break, seconds."""
 
 STILL = 0.01
@@ -44,6 +44,7 @@ class Watch:
         self._going = dict.fromkeys(self._goals, 0)
         self._longest = dict.fromkeys(self._goals, 0)
         self._before = world.object_poses()
+        self._given: set[Goal] = set()
         world.before_step.append(self._note)
 
     def stop(self) -> None:
@@ -71,10 +72,28 @@ class Watch:
         if not self._goals or world.steps % EVERY:
             return
         for goal in self._goals:
-            happens = self._is_weighed(goal.subject) if goal.relation == "weighed" else self._is_scanned(goal.subject)
-            self._going[goal] = self._going[goal] + 1 if happens else 0
+            self._going[goal] = self._going[goal] + 1 if self._happens(goal) else 0
             self._longest[goal] = max(self._longest[goal], self._going[goal])
         self._before = world.object_poses()
+
+    def _happens(self, goal: Goal) -> bool:
+        if goal.relation == "handed":
+            return self._is_handed(goal)
+        return self._is_weighed(goal.subject) if goal.relation == "weighed" else self._is_scanned(goal.subject)
+
+    def _is_handed(self, goal: Goal) -> bool:
+        """Whether the arm alone holds what another held alone, and nothing but hands has touched it since."""
+        holders = {name.partition("/")[0] for name in self.world.touching(goal.subject)}
+        if not holders or not holders <= set(self.world.arms):
+            self._given.discard(goal)
+            return False
+        if len(holders) > 1:
+            return False
+        (arm,) = holders
+        held = self.world.holds(arm, goal.subject)
+        if held and arm != goal.reference:
+            self._given.add(goal)
+        return held and arm == goal.reference and goal in self._given
 
     def _is_weighed(self, name: str) -> bool:
         """Whether it lies still on a scale, and nothing else does."""

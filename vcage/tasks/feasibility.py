@@ -280,7 +280,7 @@ def _examine_arm(
     """
     found: dict[str, Check] = {}
     height = transfer_height(transfer.others, table_height)
-    for pick in _picks(transfer.target, transfer.contact.id, transfer.others, arm, kinematics, height):
+    for pick in picks(transfer.target, transfer.contact.id, transfer.others, arm, kinematics, height):
         checks, score = _examine_place(transfer, arm, kinematics, pick, height)
         if score is not None:
             return checks, score  # the straightest pose that works: later ones only tilt more
@@ -291,7 +291,7 @@ def _examine_arm(
 
 
 @dataclass(frozen=True)
-class _Pick:
+class Pick:
     """A grasp, its checks, and the joints on the way to it and up again; None when it cannot be done."""
 
     grasp: GraspPose
@@ -300,14 +300,14 @@ class _Pick:
 
 
 @functools.lru_cache(REMEMBERED)
-def _picks(
+def picks(
     target: SceneObject,
     contact_id: int,
     others: tuple[SceneObject, ...],
     arm: str,
     kinematics: ArmKinematics,
     height: float,
-) -> list[_Pick]:
+) -> list[Pick]:
     """The ways of an arm to take an object by a contact point, the straightest first, wherever it then goes."""
     gripper = kinematics.arm.gripper
     where = f"{target.asset.annotation.contact_point(contact_id).name!r} of {target.record.phrase}"
@@ -320,7 +320,7 @@ def _picks(
             way = pick_way(target, grasp, gripper, height)
             path = follow(kinematics, [way.before, way.grasp, way.lifted], kinematics.home)
             checks.append(reach_check("reach_grasp", where, path is not None, arm))
-        found.append(_Pick(grasp, checks, path))
+        found.append(Pick(grasp, checks, path))
     return found
 
 
@@ -354,7 +354,7 @@ def _walls_around(thing: SceneObject, holder: SceneObject) -> list[SolidBox]:
 
 
 def _examine_place(
-    transfer: Transfer, arm: str, kinematics: ArmKinematics, pick: _Pick, height: float
+    transfer: Transfer, arm: str, kinematics: ArmKinematics, pick: Pick, height: float
 ) -> tuple[list[Check], float | None]:
     """The checks of a grasp and of the way on from there, and the score of the whole; None when it cannot be done."""
     if pick.path is None:
@@ -413,7 +413,7 @@ def _part_meets(thing: SceneObject, link: str, others: Sequence[SceneObject]) ->
 
 
 def follow(kinematics: ArmKinematics, poses: Sequence[Pose], start: np.ndarray) -> list[np.ndarray] | None:
-    """Joint positions of the poses in order, each solved from the one before; None when one is out of reach."""
+    """Joint positions (n,) of the poses in order, each solved from the one before; None when one is out of reach."""
     path, q = [], start
     for pose in poses:
         q = kinematics.ik(pose, seed_q=q)

@@ -34,6 +34,9 @@ CUSTOMER_SIDE = 0.14
 TOWARDS_CUSTOMER = np.array([0.0, 1.0, 0.0])
 """From the robot to the customer, who stands on the other side of the table."""
 
+DIRECTIONS_OF_ARMS = {"left": -1, "right": 1}
+"""On which side of the middle, along x, an arm puts down what it was handed."""
+
 SHOWN = np.radians(25)
 """Largest angle between where the front of a thing faces and the customer."""
 
@@ -71,7 +74,8 @@ class Ground:
 
         Args:
             thing: where it stood at the start.
-            goal: whose subject it is: ``on`` the table, ``presented``, ``back``, or beside, left of… a thing.
+            goal: whose subject it is: ``on`` the table, ``presented``, ``back``, ``handed`` to the arm of one side, or
+                beside, left of… a thing.
             others: the other things, where they will be.
             rng: of all choices.
             taken: rectangles (2, 2) of the table that must stay free besides.
@@ -100,6 +104,12 @@ class Ground:
         if goal.relation == "presented":
             for depth in (CUSTOMER_SIDE, self.upper[1]):  # where it is full, anywhere on the customer's half
                 yield np.array([self.lower[0], self.upper[1] - depth]), self.upper
+        elif goal.relation == "handed" and goal.reference in DIRECTIONS_OF_ARMS:
+            sign, middle = DIRECTIONS_OF_ARMS[goal.reference], (self.lower[0] + self.upper[0]) / 2
+            yield (
+                np.array([middle if sign > 0 else self.lower[0], self.lower[1]]),
+                np.array([self.upper[0] if sign > 0 else middle, self.upper[1]]),
+            )
         elif near is None:
             yield self.lower, self.upper
         else:

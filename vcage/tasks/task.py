@@ -21,6 +21,8 @@ from vcage.sim.motion import MotionPlanner
 from vcage.sim.paths import JointPath
 from vcage.sim.state import WorldState
 from vcage.sim.world import PHYSICS_HZ, World
+from vcage.tasks.meeting import Hold
+from vcage.tasks.primitives.hand_over import HandOver
 from vcage.tasks.primitives.operate import Operation
 from vcage.tasks.primitives.pick import Grip, LeadsOn, PickPlan, PickWay, carry_out_pick, feel, minding, plan_pick
 from vcage.tasks.primitives.place import Placing, carry_out_place, plan_place
@@ -54,8 +56,8 @@ class Task:
     Attributes:
         arm, contact: that took hold of something.
         changes: what is done otherwise than planned, in words.
-        moment: state of the world when a part was pressed as far as it was, a code was before a scanner, a wait began,
-            or something was let go.
+        moment: state of the world when a part was pressed as far as it was, a code was before a scanner, both hands
+            held what is handed over, a wait began, or something was let go.
     """
 
     def __init__(self, world: World, objects: Mapping[str, SceneObject], slots: Mapping[str, Slot], attempt: int = 0):
@@ -70,10 +72,15 @@ class Task:
         self._grip: Grip | None = None
         self._left: Iterator[Slot] = iter(())
 
-    def pick(self, object_id: str, grasps: Sequence[tuple[int, str]]) -> None:
+    def pick(self, object_id: str, grasps: Sequence[tuple[int, str]], hand_to: str | None = None) -> None:
         """Grasp an object with the first of ``grasps`` (contact point, arm) from which it can be brought to its slot.
 
         Where none leads to the slot, other slots are tried. The object is lifted with the motion that follows.
+
+        Args:
+            object_id: what is picked.
+            grasps: (contact point, arm) to try, in this order.
+            hand_to: the arm that it is handed to, and that brings it to its slot; None where it is not handed over.
 
         Raises:
             TaskFailed: none can be planned, or the fingers closed on nothing.
@@ -81,12 +88,28 @@ class Task:
         """
         target = self._cell.object(object_id)
         first = self._attempt % max(1, len(grasps))
-        plan = self._choose(target, [*grasps[first:], *grasps[:first]])
+        plan = self._choose(target, [*grasps[first:], *grasps[:first]], hand_to)
         self.arm, self.contact = plan.arm, plan.contact
         if (plan.contact, plan.arm) != grasps[0]:
             planned = f"contact {grasps[0][0]} with the {grasps[0][1]} arm"
             self.changes.append(f"contact {plan.contact} with the {plan.arm} arm instead of {planned}")
         self._grip = carry_out_pick(self._cell, plan)
+
+    def hand_over(self, to: str) -> None:
+        """Let another arm take what was picked, between the two in the air; the one that had it goes home.
+
+        Args:
+            to: the arm that takes it.
+
+        Raises:
+            TaskFailed: nothing is held any more, no way can be planned, or the other arm does not get hold of it.
+            UnknownName: there is no such arm.
+        """
+        if self._grip is None:
+            raise TaskFailed("grasp", "nothing was picked up before handing it over")
+        grip, slots = self._grip, list(self._left)
+        self._grip, self.moment = self._handing(grip.object_id, to, slots[0] if slots else None).run(grip)
+        self._left = iter(slots)
 
     def show(self, object_id: str, other_id: str, grasps: Sequence[tuple[int, str]]) -> None:
         """Take an object, hold its bar code or window before the other's for a moment, and put it back.
@@ -151,7 +174,7 @@ class Task:
         plan, slot = plan_place(self._cell, self._grip, placing, choices)
         self._say_slot(held, slot)
         carry_out_place(self._cell, plan)
-        self.moment = self.world.state()
+        self.moment = self.moment or self.world.state()
         self._grip = None
 
     def push(self, object_id: str, arms: Sequence[str] = ()) -> None:
@@ -223,17 +246,21 @@ class Task:
         """The question for the critic: the sub-task in words, and its goals (subject, relation, reference, part)."""
         return Asked(text, [goal_of(values) for values in goals])
 
-    def _choose(self, target: SceneObject, grasps: Sequence[tuple[int, str]]) -> PickPlan:
+    def _choose(self, target: SceneObject, grasps: Sequence[tuple[int, str]], hand_to: str | None) -> PickPlan:
         """The first grasp that leads to the object's slot; else to another slot; any grasp for what has none."""
         if target.id not in self._slots:
-            return plan_pick(self._cell, target, grasps)
+            leads_on = None if hand_to is None else self._handing(target.id, hand_to, None).leads_on
+            return plan_pick(self._cell, target, grasps, leads_on)
         failures: list[TaskFailed] = []
         choices = self._choices(target.id)
         for slot in choices:
             try:
-                place = Placing.of(self._cell, target.id, slot.receptacle, slot.point)
-                poses = slot.poses(self._cell.objects())
-                plan = plan_pick(self._cell, target, grasps, self._leads_to(target, place, poses))
+                if hand_to is None:
+                    place = Placing.of(self._cell, target.id, slot.receptacle, slot.point)
+                    leads_on = self._leads_to(target, place, slot.poses(self._cell.objects()))
+                else:
+                    leads_on = self._handing(target.id, hand_to, slot).leads_on
+                plan = plan_pick(self._cell, target, grasps, leads_on)
             except TaskFailed as error:
                 failures.append(error)
             else:
@@ -244,9 +271,25 @@ class Task:
     def _leads_to(self, target: SceneObject, place: Placing, poses: Sequence[Pose]) -> LeadsOn:
         def check(planner: MotionPlanner, way: PickWay, contact: ContactPoint) -> None:
             held = Held(target.id, target.asset.model, way.grasp.inverse() * target.pose, target.joints)
-            place.check(planner, way, held, target.asset.grasp_width(contact), poses)
+            place.check(planner, way.lifted, held, target.asset.grasp_width(contact), poses)
 
         return check
+
+    def _handing(self, object_id: str, to: str, slot: Slot | None) -> HandOver:
+        """The hand-over of an object to an arm that can then bring it to its slot, if it has one."""
+        if to not in self.world.arms:
+            raise UnknownName("arm", to, self.world.arms)
+        if slot is None:
+            return HandOver(self._cell, object_id, to)
+        place, target = Placing.of(self._cell, object_id, slot.receptacle, slot.point), self._cell.object(object_id)
+        poses, planner = slot.poses(self._cell.objects()), self._cell.planner_among(to, {}, {})
+        home = planner.kinematics.fk(planner.kinematics.home)
+
+        def suits(hold: Hold) -> None:
+            held = Held(object_id, target.asset.model, hold.in_object.inverse(), target.joints)
+            place.check(planner, home, held, hold.width, poses)
+
+        return HandOver(self._cell, object_id, to, suits)
 
     def _choices(self, object_id: str) -> Iterator[Slot]:
         """The slot that was planned, then others; a later attempt begins with another."""

@@ -54,7 +54,7 @@ def _complaint(goal: Goal, objects: Mapping[str, SceneObject], watch: Watch | No
     thing = objects[goal.subject]
     if goal.relation in ("open", "closed", "turned"):
         return _joint_complaint(goal, thing)
-    if goal.relation in ("pressed", "weighed", "scanned", "back") or goal.reference == TABLE:
+    if goal.relation in ("pressed", "weighed", "scanned", "back", "handed") or goal.reference == TABLE:
         assert watch is not None  # whoever asks for it watches
         return _watched_complaint(goal, thing, objects, watch)
     if goal.relation == "presented" and not on_customers_half(thing.pose):
@@ -85,6 +85,8 @@ def _watched_complaint(goal: Goal, thing: SceneObject, objects: Mapping[str, Sce
         return None if share >= OPENED else pressed
     if goal.relation in LASTS:
         lasted = watch.lasted(goal)
+        if goal.relation == "handed" and not lasted:
+            return f"the {goal.reference} arm did not take {thing.id} from the hand of another"
         return None if lasted >= LASTS[goal.relation] else f"{thing.id} was {goal.relation} for {lasted:.1f} s only"
     if goal.relation == "back":
         away = float(np.linalg.norm(thing.pose.p - watch.objects[thing.id].pose.p))

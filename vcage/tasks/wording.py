@@ -38,6 +38,11 @@ _PATTERNS: Mapping[str, str] = {
     "back": "Put {0} back.|Put {0} back where it was.|Return {0} to its place.|Bring {0} back.|Set {0} back."
     "|Move {0} back to where it stood.|Place {0} where it stood before.|Please put {0} back."
     "|Could you put {0} back?|{1} goes back to its place.",
+    "handed": "Hand {0} to the {2} arm, which puts it down.|Hand {0} over to the {2} arm.|Pass {0} to the {2} arm."
+    "|Give {0} to the {2} arm.|Hand {0} from one arm to the other.|Pass {0} from hand to hand."
+    "|Let the {2} arm take {0} over from the other arm.|Please hand {0} to the {2} arm."
+    "|Could you pass {0} to the {2} arm?|Move {0} over into the {2} arm's gripper.|Transfer {0} to the {2} arm."
+    "|{1} is handed over to the {2} arm.",
     "turned": "Turn {0}.|Turn {0} on.|Rotate {0}.|Twist {0}.|Give {0} a turn.|Please turn {0}."
     "|Turn {0} as far as it goes.|Could you turn {0}?|Swing {0} round.|Have {0} turned.",
 }
@@ -53,7 +58,7 @@ def wordings(goal: Goal, phrases: Mapping[str, str]) -> list[str]:
     if goal.relation in _PREPOSITIONS:
         return _placing(goal, phrases)
     part = f"the {phrases[goal.subject]}" if goal.part is None else _part(goal.part, phrases[goal.subject])
-    return [p.format(part, part[0].upper() + part[1:]) for p in _PATTERNS[goal.relation].split("|")]
+    return [p.format(part, part[0].upper() + part[1:], goal.reference) for p in _PATTERNS[goal.relation].split("|")]
 
 
 def _placing(goal: Goal, phrases: Mapping[str, str]) -> list[str]:

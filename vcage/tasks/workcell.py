@@ -5,8 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 
+import numpy as np
+
 from vcage.base.errors import UnknownName, VcageError
 from vcage.schema.episodes import AttemptStage
+from vcage.sim.bodies import Body
 from vcage.sim.collision import CollisionScene
 from vcage.sim.joints import part_names
 from vcage.sim.motion import MotionFailed, MotionPlanner
@@ -103,3 +106,14 @@ class Workcell:
     def planner(self, arm: str) -> MotionPlanner:
         """A planner around everything as it stands now."""
         return MotionPlanner(CollisionScene.of_world(self.world, arm))
+
+    def planner_among(self, arm: str, joints: Mapping[str, np.ndarray], changed: Mapping[str, Body]) -> MotionPlanner:
+        """A planner around everything as it shall be.
+
+        Args:
+            arm: whose.
+            joints: (n,) of the other arms by name, rad; at home where not given.
+            changed: objects, by id, that are elsewhere then.
+        """
+        bodies = {name: self.world.body(name) for name in self.world.object_ids} | dict(changed)
+        return MotionPlanner(CollisionScene(self.world.robot, arm, self.world.table, bodies, joints))  # pyrefly: ignore

@@ -11,10 +11,17 @@ from vcage.models.protocols import CriticQuestion, DrawObject
 from vcage.models.rules import PROVIDER
 from vcage.models.rules.evidence import gather
 from vcage.models.rules.evidence_of_parts import gather_part
-from vcage.models.rules.evidence_of_places import gather_moved, gather_restless, gather_returned, gather_shown
+from vcage.models.rules.evidence_of_places import (
+    gather_handed,
+    gather_moved,
+    gather_restless,
+    gather_returned,
+    gather_shown,
+)
 from vcage.models.rules.standing import Draw, find_standing
 from vcage.models.rules.verdicts import (
     decide,
+    decide_handed,
     decide_moved,
     decide_part,
     decide_presented,
@@ -58,6 +65,8 @@ class OfflineCritic:
             return self._judge_weighed(question, goal)
         if goal.relation == "scanned":
             return self._judge_scan(question, goal)
+        if goal.relation == "handed":
+            return self._judge_handed(question, goal)
         if goal.relation == "back":
             return self._judge_returned(question, goal)
         if goal.relation in ("inside", "on") and goal.reference != TABLE:
@@ -120,6 +129,14 @@ class OfflineCritic:
             return refuse(f"no picture shows where the {look.phrase} stood at the start", 0.5)
         told = (question.background, question.table_height, look, _draw(question, goal.subject))
         return decide_returned(gather_returned(question.start, question.before, question.after, *told), look.phrase)
+
+    def _judge_handed(self, question: CriticQuestion, goal: Goal) -> Verdict:
+        look = _look(question, goal.subject)
+        if "top" not in question.moment:
+            return refuse(f"no picture shows the moment at which the {look.phrase} changes hands", 0.5)
+        views = (question.before, question.moment, question.after)
+        told = (question.background, question.table_height, look, _draw(question, goal.subject))
+        return decide_handed(gather_handed(*views, *told), look.phrase)
 
     def _judge_scan(self, question: CriticQuestion, goal: Goal) -> Verdict:
         """Of the scanner held before the thing, or the thing before the scanner."""

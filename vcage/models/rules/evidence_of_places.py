@@ -1,4 +1,4 @@
-"""What pictures show of an object that was put down on the table, shown to the customer or held before a scanner."""
+"""What pictures show of an object that was put down on the table, shown, handed over or held before a scanner."""
 
 from __future__ import annotations
 
@@ -37,6 +37,9 @@ instead."""
 
 HIDDEN = 0.4
 """How much a pixel that shows something else, such as the hand, speaks against what is drawn there."""
+
+EDGE = 0.2
+"""Depth of the strip on the robot's side of the view from above, as a share of its height."""
 
 IN_FRONT = 0.005
 """What is nearer to the camera by less than this hides nothing, metres."""
@@ -132,6 +135,53 @@ def gather_restless(before: View, moment: View, after: View) -> float:
 
 
 @dataclass(frozen=True)
+class Handed:
+    """Measurements of a hand-over.
+
+    Args:
+        left: share of the object's outline before that has changed at the moment.
+        to_come: share of its outline afterwards that looks otherwise at the moment.
+        arms: share of the picture's edge on the robot's side that changed since before, in its left and right half:
+            each arm reaches in from its own side.
+    """
+
+    left: float
+    to_come: float
+    arms: tuple[float, float]
+
+
+def gather_handed(
+    before: Mapping[str, View],
+    moment: Mapping[str, View],
+    after: Mapping[str, View],
+    background: np.ndarray | None,
+    table_height: float,
+    look: Reference,
+    draw: Draw,
+) -> Handed | None:
+    """Whether an object is neither here nor there while both arms reach out; None where it is not found.
+
+    Args:
+        before, moment, after, background, table_height, look, draw: see :func:`gather_moved`.
+    """
+    moved = gather_moved(before, after, background, table_height, look, draw)
+    if moved.old is None or moved.new is None:
+        return None
+    since, until = (_change(one["top"], moment["top"]) for one in (before, after))
+    edge = since[-round(len(since) * EDGE) :]
+    left, right = np.array_split(edge, 2, axis=1)
+    return Handed(
+        left=_share(since, moved.old.covered),
+        to_come=_share(until, moved.new.covered),
+        arms=(float(left.mean()), float(right.mean())),
+    )
+
+
+def _share(change: np.ndarray, outline: np.ndarray) -> float:
+    return float(change[outline].mean()) if outline.any() else 0.0
+
+
+@dataclass(frozen=True)
 class Shown:
     """Measurements of a scan.
 
@@ -165,7 +215,7 @@ def gather_shown(
         readings: poses of what is moved at which it reads or is read, from where both stand.
     """
     sights = [_Held.of(before[name], moment[name], still, draw_still) for name in sorted(before.keys() & moment.keys())]
-    left = min(_changed_share(sight, covered_by(draw_moved, moved.pose, sight.camera)) for sight in sights)
+    left = min(_share(sight.change, covered_by(draw_moved, moved.pose, sight.camera)) for sight in sights)
     if left < LEFT:
         return Shown(left, 0.0, 0.0)
 
@@ -210,10 +260,6 @@ class _Held:
     def of(cls, before: View, moment: View, still: Standing, draw: Draw) -> _Held:
         lab = to_lab(cv2.GaussianBlur(moment.picture, (3, 3), 0))
         return cls(moment.camera, moment.picture, lab, _change(before, moment), _depth(draw, still.pose, moment.camera))
-
-
-def _changed_share(sight: _Held, outline: np.ndarray) -> float:
-    return float(sight.change[outline].mean()) if outline.any() else 0.0
 
 
 def _depth(draw: Draw, pose: Pose, camera: Camera) -> np.ndarray:

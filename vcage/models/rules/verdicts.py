@@ -9,7 +9,7 @@ import numpy as np
 from vcage.models.rules import PROVIDER
 from vcage.models.rules.evidence import Evidence
 from vcage.models.rules.evidence_of_parts import PartEvidence
-from vcage.models.rules.evidence_of_places import Moved, Returned, Shown
+from vcage.models.rules.evidence_of_places import Handed, Moved, Returned, Shown
 from vcage.models.rules.standing import Standing
 from vcage.plans.relations import holds
 from vcage.schema.episodes import Verdict
@@ -56,6 +56,9 @@ MORE = 0.04
 
 HELD = 0.5
 """Share of the drawing of what is held before another that must be found at the moment; the hand hides some."""
+
+REACHING = 0.06
+"""Share of one half of the robot's edge of the picture that an arm which reaches out changes."""
 
 STILL = 0.25
 """Share of the outline of what lies on a scale that may change while it is weighed."""
@@ -149,6 +152,21 @@ def decide_scan(evidence: Shown, moved: str, still: str) -> Verdict:
     seen = f"{100 * evidence.seen:.0f} % of the {moved} is seen before the {still} at the moment of the scan"
     accepted = evidence.seen >= max(HELD, evidence.elsewhere + MORE)
     return _verdict(accepted, f"{seen}, {100 * evidence.elsewhere:.0f} % farther away", 0.5 + abs(evidence.seen - HELD))
+
+
+def decide_handed(evidence: Handed | None, thing: str) -> Verdict:
+    """Whether an object was in the air, and both arms out, at the moment of a hand-over."""
+    if evidence is None:
+        return refuse(f"the {thing} is not found before and after", 0.6)
+    if evidence.left < LEFT:
+        return refuse(f"the {thing} lies where it was at the moment of the hand-over", 1 - evidence.left)
+    if evidence.to_come < LEFT:
+        return refuse(f"the {thing} was put down before the moment of the hand-over", 1 - evidence.to_come)
+    seen = " and ".join(f"{100 * share:.0f} %" for share in evidence.arms)
+    least = min(evidence.arms)
+    if least < REACHING:
+        return refuse(f"not both arms reach out at the moment of the hand-over: {seen} of their sides changed", 0.8)
+    return _verdict(True, f"the {thing} is in the air while both arms reach out: {seen} of their sides changed", 0.7)
 
 
 def decide_weighed(on_scale: Verdict, change: float, thing: str) -> Verdict:

@@ -16,7 +16,7 @@ from vcage.sim.kinematics import ArmKinematics
 from vcage.sim.motion import MotionFailed, MotionPlanner
 from vcage.sim.paths import JointPath, Load
 from vcage.tasks.grasps import approach_opening, command_of, hand_boxes
-from vcage.tasks.primitives.pick import Grip, PickWay, feel, minding, transfer_height
+from vcage.tasks.primitives.pick import Grip, feel, minding, transfer_height
 from vcage.tasks.scene_objects import Obstacles, SolidBox
 from vcage.tasks.workcell import CAREFUL, TaskFailed, Workcell, failing_at, first_reasons
 
@@ -190,12 +190,12 @@ class Placing:
             raise MotionFailed("its place is out of reach")
         return [*near, *(way.raised(x) for way in near for x in RAISES if way.drop + x <= MAX_DROP)]
 
-    def check(self, planner: MotionPlanner, pick: PickWay, held: Held, width: float, poses: Sequence[Pose]) -> None:
-        """That a grasp leads to a place: the arm comes down to it with the object, and the fingers can open.
+    def check(self, planner: MotionPlanner, lifted: Pose, held: Held, width: float, poses: Sequence[Pose]) -> None:
+        """That a hold leads to a place: the arm comes down to it with the object, and the fingers can open.
 
         Args:
             planner: of the arm.
-            pick: the way to grasp.
+            lifted: gripper frame in the world before.
             held: what is then between the fingers.
             width: of it, metres.
             poses: that the object may have there, in the world.
@@ -206,7 +206,7 @@ class Placing:
         gripper = planner.kinematics.arm.gripper
         carrying = Load(command_of(width, gripper), held)
         leaving = Load(command_of(approach_opening(width, gripper), gripper), ignore=[held.object_id])
-        start = planner.kinematics.ik(pick.lifted)
+        start = planner.kinematics.ik(lifted)
         if start is None:
             raise MotionFailed("no joint angles lift it")
         reasons: list[str] = []

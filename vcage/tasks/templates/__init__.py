@@ -16,6 +16,7 @@ from vcage.sim.kinematics import ArmKinematics
 from vcage.tasks.ground import Ground
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.templates.close import CLOSE
+from vcage.tasks.templates.hand_over import HandOver
 from vcage.tasks.templates.open import OPEN
 from vcage.tasks.templates.place import PLACE
 from vcage.tasks.templates.present import PRESENT
@@ -97,6 +98,6 @@ class SubtaskTemplate(Protocol):
 
 TEMPLATES: Mapping[TemplateName, SubtaskTemplate] = {
     template.name: template
-    for template in (PLACE, STACK, WEIGH, SET_DOWN, PUSH, PRESENT, Scan(), OPEN, CLOSE, PRESS, TURN)
+    for template in (PLACE, STACK, WEIGH, SET_DOWN, PUSH, PRESENT, Scan(), OPEN, CLOSE, PRESS, TURN, HandOver())
 }
 """By name, in the order in which the search goes through them."""

@@ -22,6 +22,7 @@ from vcage.sim.kinematics import ArmKinematics
 from vcage.tasks.access import access
 from vcage.tasks.feasibility import Feasibility, Transfer, best_first, carrying_points, examine, fits
 from vcage.tasks.ground import Ground
+from vcage.tasks.passing import examine_detour
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.slots import GAP, Slot, allocate, kept_in_by, lying_in, opened_for, room_for
 from vcage.tasks.wording import wordings
@@ -85,6 +86,11 @@ def _elsewhere(refusal: Refusal) -> bool:
 
 
 PLACE = Placing("place", takes=lambda target, receptacle, point: not stands_flush(target, receptacle, point))
+
+
+def _out_of_reach(refusal: Refusal) -> bool:
+    """Whether an arm that takes the object does not reach its place."""
+    return any(check.name == "reach_place" and not check.passed for check in refusal.checks)
 
 
 @dataclass(frozen=True)
@@ -182,7 +188,36 @@ class Pair:
             if findings or not any(_elsewhere(refusal) for refusal in refused):
                 break
         phrases = {o.id: o.record.phrase for o in objects}
-        return (self._subtask(phrases, findings) if findings else None), refused
+        if findings:
+            return self._subtask(phrases, findings), refused
+        if self.template.name != "place" or not any(map(_out_of_reach, refused)):
+            return None, refused
+        return self._by_another_arm(phrases, self._transfers(poses, others), refused, kinematics, ground.height)
+
+    def _by_another_arm(
+        self,
+        phrases: Mapping[str, str],
+        transfers: Sequence[Transfer],
+        refused: list[Refusal],
+        kinematics: Mapping[str, ArmKinematics],
+        table_height: float,
+    ) -> tuple[Subtask | None, list[Refusal]]:
+        """The sub-task in which the object changes hands on its way, where no arm reaches both ends of it.
+
+        Args:
+            phrases: what to call each object, by id.
+            transfers: by each contact point.
+            refused: of the arms alone.
+            kinematics: by arm.
+            table_height: z of the table top, metres.
+        """
+        to, findings = examine_detour(transfers, kinematics, table_height)
+        if to is not None:
+            return self._subtask(phrases, findings, hand_to=to), refused
+        for transfer, finding in zip(transfers, findings, strict=False):
+            refusal = self._refusal(finding.reason, transfer.contact.id, finding.checks)
+            refused.append(refusal.model_copy(update={"template": "hand_over"}))
+        return None, refused
 
     def _findings(
         self,
@@ -193,14 +228,18 @@ class Pair:
     ) -> tuple[list[Feasibility], list[Refusal]]:
         """Whether each contact point leads to a slot, where the object may have one of some poses in the world."""
         findings, refused = [], []
-        for contact in carrying_points(self.target.asset.annotation):
-            transfer = Transfer.into(self.target, contact, self._opened, self.point, poses, others)
+        for transfer in self._transfers(poses, others):
             finding = examine(transfer, kinematics, table_height)
             if finding.feasible:
                 findings.append(finding)
             else:
-                refused.append(self._refusal(finding.reason, contact.id, finding.checks))
+                refused.append(self._refusal(finding.reason, transfer.contact.id, finding.checks))
         return findings, refused
+
+    def _transfers(self, poses: Sequence[Pose], others: Sequence[SceneObject]) -> list[Transfer]:
+        """To one of some poses, by each contact point."""
+        contacts = carrying_points(self.target.asset.annotation)
+        return [Transfer.into(self.target, c, self._opened, self.point, poses, others) for c in contacts]
 
     def _place_words(self) -> str:
         phrase = self.receptacle.record.phrase
@@ -216,22 +255,26 @@ class Pair:
         fit = fits(self.target, self.receptacle, self.point)
         return f"{fit.message}, but with less than the {GAP * 1000:.0f} mm on each side that the robot needs"
 
-    def _subtask(self, phrases: Mapping[str, str], findings: Sequence[Feasibility]) -> Subtask:
+    def _subtask(
+        self, phrases: Mapping[str, str], findings: Sequence[Feasibility], hand_to: str | None = None
+    ) -> Subtask:
         grasps, checks = best_first(findings)
         word = self.template.word or ("into" if self.point.holds == "in" else "onto")
+        word = word if hand_to is None else f"handed-{word}"
         several = len(self.receptacle.asset.annotation.functional_points) > 1
         suffix = f"-{self.point.link or self.point.id}" if several else ""
         text, *others = wordings(self.goal, phrases)
         identifier = f"{self.target.id}-{word}-{self.receptacle.id}{suffix}"
         return Subtask(
             id=identifier,
-            template=self.template.name,
+            template=self.template.name if hand_to is None else "hand_over",
             text=text,
             texts=others,
             object=self.target.id,
             receptacle=self.receptacle.id,
             functional_point=self.point.id,
             grasps=grasps,
+            hand_to=hand_to,
             requires=self._requires(),
             goals=self.goals,
             script=f"subtasks/{identifier}.py",

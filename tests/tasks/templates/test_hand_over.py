@@ -1,0 +1,77 @@
+"""What is handed from arm to arm: where it is asked for, and where no arm reaches both ends."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from tests.scenes import GROUND, kinematics, scene_of, sensible, thing
+from vcage.schema.goals import Goal
+from vcage.schema.subtasks import Subtask
+from vcage.tasks.scene_objects import SceneObject
+from vcage.tasks.search import FoundSubtasks, find_subtasks
+from vcage.tasks.synthesis import render_script
+
+HANDED = Goal(subject="hammer", relation="handed", reference="right")
+
+
+def search(objects: list[SceneObject], *asked: Goal) -> FoundSubtasks:
+    return find_subtasks(objects, kinematics(), sensible, GROUND, np.random.default_rng(0), asked)
+
+
+def handed(found: FoundSubtasks) -> list[Subtask]:
+    return [subtask for subtask in found.kept if subtask.template == "hand_over"]
+
+
+def test_it_is_tried_only_where_it_is_asked_for():
+    assert not handed(search([thing("hammer", (-0.2, 0.0))]))
+
+
+def test_what_shall_be_handed_over_is_put_down_by_the_arm_that_takes_it():
+    (subtask,) = handed(search([thing("hammer", (-0.2, 0.0))], HANDED))
+    assert subtask.goals == [HANDED, Goal(subject="hammer", relation="on", reference="table")]
+    assert subtask.hand_to == "right"
+    assert {grasp.arm for grasp in subtask.grasps} == {"left"}
+    assert subtask.text == "Hand the red hammer to the right arm, which puts it down."
+
+
+def test_what_is_too_short_for_two_hands_is_refused_with_what_was_measured():
+    found = search([thing("can", (-0.2, 0.0))], Goal(subject="can", relation="handed", reference="right"))
+    assert not handed(found)
+    reasons = {refusal.reason for refusal in found.refused if refusal.template == "hand_over"}
+    assert reasons == {
+        "two hands have no room side by side on red tin can: it is 9.0 cm long, and each is 6.4 cm thick"
+    }
+
+
+def test_an_arm_that_is_not_there_is_refused():
+    found = search([thing("hammer", (-0.2, 0.0))], Goal(subject="hammer", relation="handed", reference="third"))
+    assert [r.reason for r in found.refused if r.template == "hand_over"] == [
+        "the arms are left, right: none hands anything to 'third'"
+    ]
+
+
+def test_what_no_arm_alone_brings_to_its_place_changes_hands():
+    objects = [thing("cookie_box", (-0.6, 0.1), 0.3), thing("packaging_box", (0.6, 0.1))]
+    found = search(objects)
+    (subtask,) = handed(found)
+    assert subtask.goals == [Goal(subject="cookie_box", relation="inside", reference="packaging_box")]
+    assert (subtask.id, subtask.hand_to) == ("cookie_box-handed-into-packaging_box", "right")
+    assert any(r.reason == "the left arm does not reach 'inside floor' of brown packaging box" for r in found.refused)
+
+
+def test_what_one_arm_brings_to_its_place_does_not_change_hands():
+    found = search([thing("cookie_box", (-0.2, 0.1), 0.3), thing("packaging_box", (0.15, 0.1))])
+    assert not handed(found)
+    assert any(subtask.template == "place" for subtask in found.kept)
+
+
+def test_the_script_says_who_gives_and_who_takes():
+    hammer = thing("hammer", (-0.2, 0.0))
+    (subtask,) = handed(search([hammer], HANDED))
+    play = render_script(subtask, scene_of([hammer])).partition("def play(task):")[2].partition("def verify")[0]
+    assert [line.strip() for line in play.splitlines()[2:6]] == [
+        "task.pick('hammer', grasps=[(contact, arm) for contact, arm, _ in GRASPS], hand_to='right')",
+        "task.hand_over('right')",
+        "task.place()",
+        "task.home()",
+    ]

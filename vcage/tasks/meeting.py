@@ -1,0 +1,231 @@
+"""Where two hands meet on one object in the air: how the second holds it beside the first, and where that can be.
+
+Geometry and inverse kinematics only: what stands in the way is for the planner to say.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from itertools import islice, product
+from typing import Literal
+
+import numpy as np
+from scipy.spatial import ConvexHull
+
+from vcage.base.geometry import Pose, frame_from_axes
+from vcage.objects.asset import Asset
+from vcage.schema.asset import ContactPoint
+from vcage.schema.robot import Gripper
+from vcage.sim.kinematics import ArmKinematics
+from vcage.sim.motion import MotionFailed
+from vcage.tasks.feasibility import GRIP_ROOM, carrying_points
+from vcage.tasks.grasps import approach_opening, hand_boxes
+from vcage.tasks.primitives.pick import transfer_height
+from vcage.tasks.scene_objects import SceneObject, SolidBox
+
+STEP = 0.015
+"""Distance between neighbouring places along an object that the second hand tries, metres."""
+
+MOST_STEPS = 8
+"""So many of them to either side of a contact point."""
+
+END_ROOM = 0.012
+"""An object must go on for this far beyond the middle of the fingers, metres."""
+
+LEAST_WIDTH = 0.004
+"""Less material than this is not held, metres."""
+
+LEANS = tuple(np.radians(degrees) for degrees in (0.0, 20.0, -20.0, 40.0, -40.0, 60.0, -60.0))
+"""Turns of the second hand about its closing axis: two hands side by side lean apart."""
+
+APART = 0.008
+"""Metres between two hands on one object."""
+
+WRIST = 0.18
+"""How far behind the finger tips a wrist is, metres."""
+
+HOLDS, EACH = 16, 3
+"""Ways for the second hand to take hold that are looked at, and places for each."""
+
+AHEAD, ABOVE, TURNED = (0.5, 0.42, 0.58), (0.3, 0.4, 0.22), (0.0, 30.0, -30.0, 60.0, -60.0)
+"""Where the object is held while it changes hands: metres before the middle between the arms' bases and above it, and
+degrees off the line from one base to the other."""
+
+
+@dataclass(frozen=True)
+class Hold:
+    """A hand on an object.
+
+    Args:
+        in_object: gripper frame in the object frame.
+        width: material between the fingers, metres.
+    """
+
+    in_object: Pose
+    width: float
+
+    def hand(self, gripper: Gripper) -> list[SolidBox]:
+        """What the hand fills while it closes and opens, in the object frame; the palm is first."""
+        opening = approach_opening(self.width, gripper)
+        return [SolidBox(box, self.in_object) for box in hand_boxes(gripper, opening, self.width)[::-1]]
+
+    def palm(self, gripper: Gripper) -> np.ndarray:
+        """(3,) the middle of the palm in the object frame, metres."""
+        return self.in_object.apply([0.0, 0.0, -gripper.finger_length - gripper.palm_height / 2])
+
+    @property
+    def wrist(self) -> np.ndarray:
+        """(3,) in the object frame, metres."""
+        return self.in_object.apply([0.0, 0.0, -WRIST])
+
+
+@dataclass(frozen=True)
+class Meeting:
+    """An object in two hands.
+
+    Args:
+        pose: of the object in the world.
+        taken: how the second hand holds it.
+        giver: gripper frame of the first hand in the world.
+        giving, taking: (n,) joints of the first and the second arm, rad.
+    """
+
+    pose: Pose
+    taken: Hold
+    giver: Pose
+    giving: np.ndarray
+    taking: np.ndarray
+
+
+class NoMeeting(MotionFailed):
+    """An object cannot change hands.
+
+    Args:
+        check: the check that it fails.
+        message: says what was measured.
+    """
+
+    def __init__(self, check: Literal["room_for_hands", "reach_meeting", "reach_place"], message: str):
+        super().__init__(message)
+        self.check: Literal["room_for_hands", "reach_meeting", "reach_place"] = check
+
+
+def holds_beside(asset: Asset, given: Hold, contacts: Sequence[ContactPoint], gripper: Gripper) -> list[Hold]:
+    """How a second hand may hold an object beside a first, nearest to where its weight pulls first; else none.
+
+    It takes hold at a contact point, or at another place along the object where the fingers close on material.
+
+    Args:
+        asset: of the object.
+        given: the first hand.
+        contacts: of the object's body.
+        gripper: of both.
+    """
+    first, body = given.hand(gripper), SolidBox(asset.bounds_of(None), Pose())
+    found: list[Hold] = []
+    for hold in _along(asset, contacts, gripper):
+        if np.linalg.norm(hold.palm(gripper) - given.palm(gripper)) < min(gripper.palm_size):
+            continue  # these two overlap, whichever way they are turned
+        second = hold.hand(gripper)
+        grown = [SolidBox(box.bounds + np.array([[-APART], [APART]]), box.pose) for box in second]
+        if not second[0].overlaps(body) and not any(a.overlaps(b) for a in grown for b in first):
+            found += [hold, Hold(hold.in_object * Pose.from_yaw([0, 0, 0], np.pi), hold.width)]
+    balance = _balance(asset)
+    return sorted(found, key=lambda hold: round(float(np.linalg.norm(hold.in_object.p[:2] - balance[:2])), 3))
+
+
+def _balance(asset: Asset) -> np.ndarray:
+    """(3,) about where the object's weight pulls, in its frame: nearer to there it turns less between the fingers."""
+    corners = [piece.vertices for piece in asset.pieces_of(None)]
+    return np.average([c.mean(axis=0) for c in corners], axis=0, weights=[ConvexHull(c).volume for c in corners])
+
+
+def _along(asset: Asset, contacts: Sequence[ContactPoint], gripper: Gripper) -> Iterator[Hold]:
+    """Hands at contact points and beside them, along the object, none of them flipped about its approach."""
+    lower, upper = asset.bounds_of(None)
+    seen: set[tuple[float, ...]] = set()
+    frames = [(c, frame_from_axes(c.position, c.approach, c.closing)) for c in contacts]
+    for (contact, frame), steps in product(frames, range(-MOST_STEPS, MOST_STEPS + 1)):
+        ends = frame.apply([[steps * STEP + side * END_ROOM, 0.0, 0.0] for side in (-1, 0, 1)])
+        there = contact.model_copy(update={"position": tuple(ends[1].tolist())})
+        key = (*np.round(ends[1], 3).tolist(), *np.round(frame.q, 2).tolist())
+        if key in seen or np.any(ends < lower) or np.any(ends > upper):
+            continue
+        seen.add(key)
+        width = asset.grasp_width(there)
+        if LEAST_WIDTH <= width <= gripper.max_width - GRIP_ROOM:
+            for lean in LEANS:
+                turn = Pose(q=[np.cos(lean / 2), 0, np.sin(lean / 2), 0])
+                yield Hold(Pose(ends[1], frame.q) * turn, width)
+
+
+def meeting_height(thing: SceneObject, others: Sequence[SceneObject], table_height: float) -> float:
+    """z of the hands from which on an object hangs above all others, however it is turned, metres."""
+    return transfer_height(others, table_height) + float(max(thing.asset.size)) / 2
+
+
+Suits = Callable[[Hold], None]
+"""Raises MotionFailed where an object that is taken by a hold cannot be brought to where it is to go."""
+
+
+def meetings(
+    thing: SceneObject, given: Hold, arms: tuple[ArmKinematics, ArmKinematics], height: float, suits: Suits
+) -> Iterator[Meeting]:
+    """Where an object can change hands; at least one place.
+
+    Args:
+        thing: what is handed over.
+        given: the hand that has it.
+        arms: that have it first and then.
+        height: least z of the hands, metres.
+        suits: whether a hold does for what comes next.
+
+    Raises:
+        NoMeeting: there is none.
+    """
+    giver, taker = arms
+    holds = holds_beside(thing.asset, given, carrying_points(thing.asset.annotation), taker.arm.gripper)
+    if not holds:
+        long, thick = (100 * x for x in (max(thing.asset.size), taker.arm.gripper.palm_size[0]))
+        room = f"it is {long:.1f} cm long, and each is {thick:.1f} cm thick"
+        raise NoMeeting("room_for_hands", f"two hands have no room side by side on {thing.record.phrase}: {room}")
+    found, reasons = False, []
+    for hold in holds[:HOLDS]:
+        try:
+            suits(hold)
+        except MotionFailed as error:
+            reasons.append(error.message)
+            continue
+        for meeting in islice(_between(given, hold, giver, taker, height), EACH):
+            found = True
+            yield meeting
+    if not found and len(reasons) == min(len(holds), HOLDS):
+        raise NoMeeting("reach_place", f"beside the other hand it cannot be held so that {reasons[0]}")
+    if not found:
+        raise NoMeeting("reach_meeting", f"the two arms do not both reach {thing.record.phrase} between them")
+
+
+def _between(given: Hold, hold: Hold, giver: ArmKinematics, taker: ArmKinematics, height: float) -> Iterator[Meeting]:
+    """Places between two arms where both reach an object, each by its hold."""
+    bases = [arm.arm.base.pose() for arm in (giver, taker)]
+    across, lean = bases[1].p - bases[0].p, hold.wrist - given.wrist
+    if np.linalg.norm(lean[:2]) < 1e-3:
+        return
+    forward, turn = bases[0].rotation()[:, 0], np.arctan2(across[1], across[0]) - np.arctan2(lean[1], lean[0])
+    middle = (hold.in_object.p + given.in_object.p) / 2
+    choices = product(*(list(enumerate(values)) for values in (TURNED, ABOVE, AHEAD)))
+    for (_, turned), (_, above), (_, ahead) in sorted(choices, key=lambda choice: sum(i for i, _ in choice)):
+        at = (bases[0].p + bases[1].p) / 2 + ahead * forward + [0.0, 0.0, above]
+        at[2] = max(at[2], height)
+        upright = Pose.from_yaw([0, 0, 0], float(turn + np.radians(turned)))
+        found = _meeting(Pose(at - upright.apply(middle), upright.q), given, hold, giver, taker)
+        if found is not None:
+            yield found
+
+
+def _meeting(pose: Pose, given: Hold, hold: Hold, giver: ArmKinematics, taker: ArmKinematics) -> Meeting | None:
+    mine, other = pose * given.in_object, pose * hold.in_object
+    giving, before = giver.ik(mine), taker.ik(other * Pose([0.0, 0.0, -taker.arm.gripper.approach]))
+    taking = None if before is None else taker.ik(other, before, attempts=0)
+    return None if giving is None or taking is None else Meeting(pose, hold, mine, giving, taking)

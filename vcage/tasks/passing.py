@@ -1,0 +1,105 @@
+"""Feasible before simulated: whether one arm can take an object, another take it over, and bring it to its place."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from vcage.schema.subtasks import Check, Grasp
+from vcage.sim.kinematics import ArmKinematics
+from vcage.sim.motion import MotionFailed
+from vcage.tasks.feasibility import Feasibility, Transfer, follow, opens_wide_enough, picks, travel
+from vcage.tasks.meeting import Hold, NoMeeting, meeting_height, meetings
+from vcage.tasks.primitives.pick import transfer_height
+from vcage.tasks.primitives.place import Placing
+
+
+def examine_passing(
+    transfer: Transfer, to: str, kinematics: Mapping[str, ArmKinematics], table_height: float
+) -> Feasibility:
+    """All checks of a transfer in which the object changes hands, with the grasps of the arms that can give it.
+
+    Args:
+        transfer: what is tried; its contact point is the giving arm's.
+        to: the arm that takes it and brings it to its place.
+        kinematics: by arm.
+        table_height: z of the table top, metres.
+    """
+    wide = opens_wide_enough(transfer.target, transfer.contact, kinematics)
+    if not wide.passed:
+        return Feasibility([wide], [])
+    reports = {arm: _examine_giver(transfer, arm, to, kinematics, table_height) for arm in kinematics if arm != to}
+    grasps = [
+        Grasp(contact=transfer.contact.id, arm=arm, score=round(score, 4))
+        for arm, (_, score) in reports.items()
+        if score is not None
+    ]
+    grasps.sort(key=lambda grasp: (-grasp.score, grasp.arm))
+    best = grasps[0].arm if grasps else max(reports, key=lambda arm: sum(c.passed for c in reports[arm][0]))
+    return Feasibility([wide, *reports[best][0]], grasps)
+
+
+def examine_detour(
+    transfers: Sequence[Transfer], kinematics: Mapping[str, ArmKinematics], table_height: float
+) -> tuple[str | None, list[Feasibility]]:
+    """The arm that can bring an object to its place after another has given it to it, and what was found with it.
+
+    Where none can, the arm is None, and the findings are those of the last.
+
+    Args:
+        transfers: of one object to one place, by each of its contact points.
+        kinematics: by arm.
+        table_height: z of the table top, metres.
+    """
+    found: dict[str, list[Feasibility]] = {}
+    for to in kinematics if len(kinematics) > 1 else ():
+        found[to] = [examine_passing(transfer, to, kinematics, table_height) for transfer in transfers]
+    best = {to: max((g.score for f in finding for g in f.grasps), default=None) for to, finding in found.items()}
+    able = {to: score for to, score in best.items() if score is not None}
+    if not able:
+        return None, next(reversed(found.values()), [])
+    to = max(able, key=able.__getitem__)
+    return to, [finding for finding in found[to] if finding.feasible]
+
+
+def _examine_giver(
+    transfer: Transfer, arm: str, to: str, kinematics: Mapping[str, ArmKinematics], table_height: float
+) -> tuple[list[Check], float | None]:
+    """The checks of the grasp that came furthest, and the score of the first that does."""
+    target, giver, taker = transfer.target, kinematics[arm], kinematics[to]
+    width, height = target.asset.grasp_width(transfer.contact), transfer_height(transfer.others, table_height)
+    meet_at = meeting_height(target, transfer.others, table_height)
+    furthest: list[Check] = []
+    for pick in picks(target, transfer.contact.id, tuple(transfer.others), arm, giver, height):
+        checks, picked = list(pick.checks), pick.path
+        if picked is not None:
+            try:
+                placing = _Placing(transfer, taker, height)
+                found = next(
+                    meetings(target, Hold(pick.grasp.in_object, width), (giver, taker), meet_at, placing.suits)
+                )
+            except NoMeeting as error:
+                checks.append(Check(name=error.check, passed=False, message=error.message))
+            else:
+                met = f"the {arm} and the {to} arm reach {target.record.phrase} between them"
+                checks.append(Check(name="reach_meeting", passed=True, message=met))
+                put = f"the {to} arm reaches {transfer.where}"
+                checks.append(Check(name="reach_place", passed=True, message=put))
+                ways = [giver.home, *picked, found.giving, giver.home], [taker.home, found.taking, taker.home]
+                return checks, -sum(map(travel, ways))
+        furthest = checks if len(checks) > len(furthest) else furthest
+    return furthest, None
+
+
+class _Placing:
+    """Whether the taking arm can bring what it holds to the transfer's place."""
+
+    def __init__(self, transfer: Transfer, taker: ArmKinematics, height: float):
+        self._transfer = transfer
+        self._taker = taker
+        self._placing = Placing(transfer.where, transfer.obstacles, height)
+
+    def suits(self, hold: Hold) -> None:
+        taker, home = self._taker, self._taker.home
+        ways = self._placing.ways(taker, hold.in_object, hold.width, self._transfer.poses, home)
+        if not any(follow(taker, [way.above, way.release, way.after], home) for way in ways):
+            raise MotionFailed("its place is out of reach")

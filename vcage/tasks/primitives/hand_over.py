@@ -1,0 +1,192 @@
+"""Hand over: what one arm holds is brought between the arms, taken by another beside its hand, and let go."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from itertools import islice
+
+import numpy as np
+
+from vcage.base.geometry import Pose
+from vcage.schema.asset import ContactPoint
+from vcage.schema.robot import Gripper
+from vcage.sim.collision import Held
+from vcage.sim.kinematics import ArmKinematics, kinematics_of
+from vcage.sim.motion import MotionFailed, MotionPlanner
+from vcage.sim.paths import JointPath, Load
+from vcage.sim.state import WorldState
+from vcage.tasks.feasibility import carrying_points
+from vcage.tasks.grasps import approach_opening, command_of
+from vcage.tasks.meeting import HOLDS, Hold, Meeting, Suits, holds_beside, meeting_height, meetings
+from vcage.tasks.primitives.pick import Grip, PickWay, feel
+from vcage.tasks.scene_objects import SceneObject
+from vcage.tasks.workcell import CAREFUL, TaskFailed, Workcell, failing_at, first_reasons
+
+TRIED = 16
+"""Meetings for which every motion is planned before there is none."""
+
+
+def _all_do(_hold: Hold) -> None:
+    """Where nothing comes next."""
+
+
+@dataclass(frozen=True)
+class HandOver:
+    """How an object is handed to an arm.
+
+    Args:
+        cell: as it stands.
+        object_id: what is handed over.
+        to: the arm that takes it.
+        suits: whether a hold does for what comes next.
+    """
+
+    cell: Workcell
+    object_id: str
+    to: str
+    suits: Suits = _all_do
+
+    def leads_on(self, planner: MotionPlanner, way: PickWay, contact: ContactPoint) -> None:
+        """That the object can be handed over by the planner's arm if it grasps it so where it stands.
+
+        Raises:
+            MotionFailed: it cannot.
+        """
+        target = self.cell.object(self.object_id)
+        given = Hold(target.pose.inverse() * way.grasp, target.asset.grasp_width(contact))
+        next(self._meetings(target, given, planner.kinematics))
+
+    def run(self, grip: Grip) -> tuple[Grip, WorldState]:
+        """Carry it out, the giving arm ends at home: what the other holds then, and the world when both held it.
+
+        Raises:
+            TaskFailed: no way can be planned, the fingers close on nothing, or the object is lost.
+        """
+        cell, taker = self.cell, self.cell.world.arms[self.to]
+        planned, carry = self._plan(grip)
+        cell.carry_out(grip.arm, carry)
+        feel(cell, grip)
+        taken, reach = self._as_it_hangs(grip.arm, planned)
+        taker.command_gripper(_opened(taken.width, taker.arm.gripper))
+        cell.carry_out(self.to, reach)
+        taker.grip(0.0)
+        if taker.empty:
+            raise TaskFailed("grasp", f"the {self.to} arm closed its fingers on nothing beside the other hand")
+        moment = cell.world.state()
+        self._let_go(grip.arm)
+        now = cell.object(self.object_id)
+        held = Held(now.id, now.asset.model, taker.tool_pose.inverse() * now.pose, now.joints)
+        grip = Grip(self.to, now.id, Load(opening=taker.opening, held=held))
+        feel(cell, grip)
+        return grip, moment
+
+    # --- planning ---
+
+    def _meetings(self, target: SceneObject, given: Hold, giver: ArmKinematics) -> Iterator[Meeting]:
+        """Where it can change hands, obstacles aside.
+
+        Raises:
+            NoMeeting: nowhere.
+        """
+        height = meeting_height(target, self.cell.objects_but(target.id), self.cell.world.table.height)
+        taker = kinematics_of(self.cell.world.arms[self.to].arm)
+        return meetings(target, given, (giver, taker), height, self.suits)
+
+    def _plan(self, grip: Grip) -> tuple[Hold, JointPath]:
+        """The hold of the first meeting at which every motion is free, and the giving arm's way to it."""
+        cell, control = self.cell, self.cell.world.arms[grip.arm]
+        target, begun, planner = cell.object(self.object_id), cell.begun(grip.arm), cell.planner(grip.arm)
+        given = Hold(target.pose.inverse() * control.tool_pose, control.finger_width)
+        reasons: list[str] = []
+        try:
+            for meeting in islice(self._meetings(target, given, planner.kinematics), TRIED):
+                try:
+                    carry = planner.move(begun.end, meeting.giver, replace(grip.load, speed=CAREFUL))
+                    self._check(grip.arm, meeting, carry.end, given)
+                    return meeting.taken, begun.then(carry)
+                except MotionFailed as error:
+                    reasons.append(error.message)
+        except MotionFailed as error:
+            reasons.append(error.message)
+        message = f"the {target.record.phrase} cannot be handed to the {self.to} arm: {first_reasons(reasons)}"
+        raise TaskFailed("plan", message)
+
+    def _as_it_hangs(self, giver: str, planned: Hold) -> tuple[Hold, JointPath]:
+        """The second arm's hold and its way there: an object may have turned in the first hand while it was carried."""
+        cell, control = self.cell, self.cell.world.arms[giver]
+        target, planner = cell.object(self.object_id), cell.planner(self.to)
+        given = Hold(target.pose.inverse() * control.tool_pose, control.finger_width)
+        reasons: list[str] = []
+        contacts, gripper = carrying_points(target.asset.annotation), planner.kinematics.arm.gripper
+        for taken in [planned, *holds_beside(target.asset, given, contacts, gripper)][: 1 + HOLDS]:
+            try:
+                self.suits(taken)
+                reach = self._reach(planner, target.pose, taken)
+                leaving = cell.planner_among(giver, {self.to: reach.end}, {})
+                self._leave(leaving, cell.begun(giver).end, _opened(control.finger_width, control.arm.gripper))
+                return taken, reach
+            except MotionFailed as error:
+                reasons.append(error.message)
+        message = f"the {self.to} arm cannot take the {target.record.phrase} as it hangs: {first_reasons(reasons)}"
+        raise TaskFailed("plan", message)
+
+    def _check(self, giver: str, meeting: Meeting, giving: np.ndarray, given: Hold) -> None:
+        """That the second arm gets to the object that the first, at joints ``giving`` (n,), holds, and the first away.
+
+        Raises:
+            MotionFailed: it does not.
+        """
+        there = replace(self.cell.world.body(self.object_id), pose=meeting.pose)
+        planner = self.cell.planner_among(self.to, {giver: giving}, {self.object_id: there})
+        reach = self._reach(planner, meeting.pose, meeting.taken)
+        leaving = self.cell.planner_among(giver, {self.to: reach.end}, {self.object_id: there})
+        self._draw_back(leaving, giving, _opened(given.width, leaving.kinematics.arm.gripper))
+
+    def _reach(self, planner: MotionPlanner, pose: Pose, taken: Hold) -> JointPath:
+        """The second arm's way to its hold on the object at ``pose``, at the end straight on."""
+        gripper, begun = planner.kinematics.arm.gripper, self.cell.begun(self.to)
+        opening, hand = _opened(taken.width, gripper), pose * taken.in_object
+        before = hand * Pose([0.0, 0.0, -gripper.approach])
+        near = Load(opening, fingers_may_touch=self.cell.parts(self.object_id), speed=CAREFUL)
+        reach = planner.move(begun.end, before, Load(opening), then=[hand])
+        return begun.then(reach).then(planner.line(reach.end, hand, near))
+
+    def _draw_back(self, planner: MotionPlanner, joints: np.ndarray, opening: float) -> JointPath:
+        """The first arm's way out of its hold: straight back, or less far, or up."""
+        hand, far = planner.kinematics.fk(joints), planner.kinematics.arm.gripper.approach
+        load = Load(opening, ignore=self.cell.parts(self.object_id), speed=CAREFUL)
+        reasons: list[str] = []
+        for away in (
+            hand * Pose([0.0, 0.0, -far]),
+            hand * Pose([0.0, 0.0, -far / 2]),
+            Pose(hand.p + [0, 0, far], hand.q),
+        ):
+            try:
+                return planner.line(joints, away, load)
+            except MotionFailed as error:
+                reasons.append(error.message)
+        raise MotionFailed(first_reasons(reasons))
+
+    def _leave(self, planner: MotionPlanner, joints: np.ndarray, opening: float) -> JointPath:
+        """The first arm's way out of its hold and home."""
+        away = self._draw_back(planner, joints, opening)
+        first, *others = planner.move(away.end, planner.kinematics.home).legs
+        return away.then(JointPath((replace(first, opens=1.0), *others)))
+
+    # --- execution ---
+
+    def _let_go(self, giver: str) -> None:
+        """Open the first hand, draw it back and bring it home."""
+        cell, control = self.cell, self.cell.world.arms[giver]
+        opening = _opened(control.finger_width, control.arm.gripper)
+        control.release(opening)
+        planner, here = cell.planner(giver), cell.begun(giver)
+        with failing_at("place"):
+            away = self._leave(planner, here.end, opening)
+        cell.carry_out(giver, here.then(away))
+
+
+def _opened(width: float, gripper: Gripper) -> float:
+    """The gripper's command on the way to and from ``width`` of material, metres."""
+    return command_of(approach_opening(width, gripper), gripper)
