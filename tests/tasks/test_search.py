@@ -74,8 +74,12 @@ def test_every_template_keeps_its_reasons():
                     "service_bell", "kitchen_timer"]  # fmt: skip
     objects = [thing(name, (0.4 * k, 3.0)) for k, name in enumerate(out_of_reach)]
     objects.append(thing("block", (4.0, 3.0), id="other_block"))
-    aside = Goal(subject="block", relation="beside", reference="electronic_scale")
-    result = find_subtasks(objects, kinematics(), sensible, GROUND, np.random.default_rng(0), [aside])
+    asked = [
+        Goal(subject="block", relation="beside", reference="electronic_scale"),
+        Goal(subject="cabinet_one_drawer", relation="beside", reference="block"),
+        Goal(subject="block", relation="handed", reference="right"),
+    ]
+    result = find_subtasks(objects, kinematics(), sensible, GROUND, np.random.default_rng(0), asked)
     assert result.kept == []
     assert {refusal.template for refusal in result.refused} == set(TEMPLATES)
     assert all(refusal.reason for refusal in result.refused)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Annotated
 
 import numpy as np
@@ -12,6 +13,7 @@ from vcage.models.chat import Chat
 from vcage.models.protocols import CriticQuestion
 from vcage.models.structured import Answer, ask
 from vcage.schema.episodes import Verdict
+from vcage.schema.goals import OF_A_PART, Goal, part_words
 from vcage.vision.protocols import Reference
 
 
@@ -50,7 +52,7 @@ class LlmCritic:
         prompt = prompts.fill(
             "judge_subtask",
             text=question.text,
-            goals=list(question.goals),
+            truths=[_in_words(goal, phrases) for goal in question.goals],
             phrases=phrases,
             pictures=[name for name, _ in named],
         )
@@ -58,6 +60,23 @@ class LlmCritic:
         return Verdict(
             accepted=found.accepted, reason=found.reason, confidence=found.confidence, provider=self.provider
         )
+
+
+def _in_words(goal: Goal, phrases: Mapping[str, str]) -> str:
+    """What a goal says, with the objects' phrases."""
+    thing, word = phrases.get(goal.subject, goal.subject), goal.relation.replace("_", " ")
+    if goal.relation in OF_A_PART:
+        return f"the {part_words(str(goal.part))} of the {thing} is {word}"
+    if goal.relation == "handed":
+        return f"the {thing} is handed to the {goal.reference} arm"
+    if goal.relation == "back":
+        return f"the {thing} is back where it stood at the start"
+    if goal.relation == "presented":
+        return f"the {thing} stands on the customer's half of the table with its front towards the customer"
+    if goal.reference is None:
+        return f"the {thing} is {word}"
+    place = f"the {phrases.get(goal.reference, goal.reference)}"
+    return f"the {thing} is {word} {place if goal.part is None else f'the {part_words(goal.part)} of {place}'}"
 
 
 def _on_white(look: Reference) -> np.ndarray:
