@@ -85,8 +85,8 @@ def open_at_start(steps: Iterable[Collection[Goal]]) -> set[tuple[str, str]]:
 
 
 def lasting(steps: Iterable[Collection[Goal]]) -> list[Goal]:
-    """The goals of all steps that must be true at the end."""
+    """The goals of all steps that must be true at the end, always in the same order."""
     found: list[Goal] = []
     for step in steps:
-        found = [g for g in found if not any(supersedes(later, g) for later in step)] + list(step)
+        found = [g for g in found if not any(supersedes(later, g) for later in step)] + sorted(step, key=str)
     return [goal for goal in found if goal.relation not in EVENTS]

@@ -109,7 +109,7 @@ def test_a_rejected_episode_is_told_without_a_video(finished, tmp_path):
 
 def test_pictures_of_all_stages_and_verdicts_are_inside(finished, page, tmp_path):
     verdicts = sum(len(e.verdicts) for e in Episodes.read(finished.run.episodes).episodes)
-    assert len(page.of("img")) == 6 + 2 * verdicts
+    assert len(page.of("img")) == 6 + 3 * verdicts
     path = tmp_path / "first.jpg"
     path.write_bytes(base64.b64decode(page.of("img")[0].split(",")[1]))
     assert read_picture(path).std() > 10
