@@ -29,6 +29,10 @@ from vcage.tasks.truth import resting_point
 Judge = Callable[[Sequence[PairQuestion]], list[PairAnswer]]
 
 
+_BY = {"scanned": "scan", "weighed": "weigh", "presented": "present", "handed": "hand_over", "back": "set_down"}
+"""The template that brings about a goal whose reference is not what a refusal names."""
+
+
 @dataclass(frozen=True)
 class FoundSubtasks:
     """What was kept and what was refused, out of how many candidates."""
@@ -177,7 +181,8 @@ def _unfulfilled(scene: Scene, kept: Sequence[Subtask], refused: Sequence[Refusa
         refusal.reason
         for asked in missing
         for refusal in refused
-        if refusal.object == asked.goal.subject and refusal.receptacle == asked.goal.reference
+        if refusal.object == asked.goal.subject
+        and (refusal.receptacle == asked.goal.reference or refusal.template == _BY.get(asked.goal.relation))
     ]
     named = "; ".join(dict.fromkeys(f"{asked.goal} ({asked.words!r})" for asked in missing))
     why = "; ".join(list(dict.fromkeys(reasons))[:3]) or "no sub-task of this scene does that"
