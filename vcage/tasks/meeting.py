@@ -5,6 +5,7 @@ Geometry and inverse kinematics only: what stands in the way is for the planner 
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import islice, product
@@ -19,7 +20,7 @@ from vcage.schema.asset import ContactPoint
 from vcage.schema.robot import Gripper
 from vcage.sim.kinematics import ArmKinematics
 from vcage.sim.motion import MotionFailed
-from vcage.tasks.feasibility import GRIP_ROOM, carrying_points
+from vcage.tasks.feasibility import GRIP_ROOM, REMEMBERED, carrying_points
 from vcage.tasks.grasps import approach_opening, hand_boxes
 from vcage.tasks.primitives.pick import transfer_height
 from vcage.tasks.scene_objects import SceneObject, SolidBox
@@ -135,6 +136,13 @@ def holds_beside(asset: Asset, given: Hold, contacts: Sequence[ContactPoint], gr
     return sorted(found, key=lambda hold: round(float(np.linalg.norm(hold.in_object.p[:2] - balance[:2])), 3))
 
 
+@functools.lru_cache(REMEMBERED)
+def _holds(thing: SceneObject, given: Hold, gripper_json: str) -> list[Hold]:
+    """:func:`holds_beside` for whatever an object is carried by: a search asks for each place that it may go to."""
+    gripper = Gripper.model_validate_json(gripper_json)
+    return holds_beside(thing.asset, given, carrying_points(thing.asset.annotation), gripper)
+
+
 def _balance(asset: Asset) -> np.ndarray:
     """(3,) about where the object's weight pulls, in its frame: nearer to there it turns less between the fingers."""
     corners = [piece.vertices for piece in asset.pieces_of(None)]
@@ -185,7 +193,7 @@ def meetings(
         NoMeeting: there is none.
     """
     giver, taker = arms
-    holds = holds_beside(thing.asset, given, carrying_points(thing.asset.annotation), taker.arm.gripper)
+    holds = _holds(thing, given, taker.arm.gripper.model_dump_json())
     if not holds:
         long, thick = (100 * x for x in (max(thing.asset.size), taker.arm.gripper.palm_size[0]))
         room = f"it is {long:.1f} cm long, and each is {thick:.1f} cm thick"

@@ -52,9 +52,11 @@ def test_an_arm_that_is_not_there_is_refused():
 
 def test_what_no_arm_alone_brings_to_its_place_changes_hands():
     objects = [thing("cookie_box", (-0.6, 0.1), 0.3), thing("packaging_box", (0.6, 0.1))]
-    found = search(objects)
+    inside = Goal(subject="cookie_box", relation="inside", reference="packaging_box")
+    found = search(objects, inside)
     (subtask,) = handed(found)
-    assert subtask.goals == [Goal(subject="cookie_box", relation="inside", reference="packaging_box")]
+    assert subtask.goals == [inside]
+    assert not handed(search(objects)), "nobody asked for it"
     assert (subtask.id, subtask.hand_to) == ("cookie_box-handed-into-packaging_box", "right")
     assert any(r.reason == "the left arm does not reach 'inside floor' of brown packaging box" for r in found.refused)
 

@@ -27,8 +27,9 @@ from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.slots import GAP, Slot, allocate, kept_in_by, lying_in, opened_for, room_for
 from vcage.tasks.wording import wordings
 
-SLOTS = 12
-"""Places in the receptacle that are tried before a contact point is refused for what is wrong with its place."""
+SLOTS, OUT_OF_REACH = 12, 3
+"""Places in the receptacle that are tried before a contact point is refused for what is wrong with its place, and where
+all that is wrong is that no arm reaches it."""
 
 
 @dataclass(frozen=True)
@@ -57,7 +58,7 @@ class Placing:
                 refused.append(Refusal(template=self.name, object=target.id, receptacle=receptacle.id, reason=reason))
             mine = [point for point in points if self.takes(target, receptacle, point)]
             if carrying_points(target.asset.annotation):
-                pairs += [Pair(self, target, receptacle, point) for point in mine]
+                pairs += [Pair(self, target, receptacle, point, asked) for point in mine]
             elif mine:
                 reason = f"{target.record.phrase} has no contact point to carry it by"
                 refused.append(Refusal(template=self.name, object=target.id, receptacle=receptacle.id, reason=reason))
@@ -95,12 +96,16 @@ def _out_of_reach(refusal: Refusal) -> bool:
 
 @dataclass(frozen=True)
 class Pair:
-    """An ordered pair with one functional point: all contact points of ``target`` are candidates."""
+    """An ordered pair with one functional point: all contact points of ``target`` are candidates.
+
+    Where no arm reaches both ends it changes hands on its way, if that is among the goals that are ``asked`` for.
+    """
 
     template: Placing
     target: SceneObject
     receptacle: SceneObject
     point: FunctionalPoint
+    asked: Collection[Goal]
 
     @cached_property
     def _opened(self) -> SceneObject:
@@ -178,19 +183,20 @@ class Pair:
         present = lying_in(self.receptacle, others)
         findings: list[Feasibility] = []
         refused: list[Refusal] = []
-        for _ in range(SLOTS):
+        for tried in range(SLOTS):
             try:
                 slot = allocate(self._opened, self.point.id, [self.target], rng, present)[self.target.id]
             except InfeasibleScene as error:
                 return None, [self._refusal(error.message)]
             poses = Slot(self.receptacle.id, self.point.id, slot).poses({self.receptacle.id: self._opened})
             findings, refused = self._findings(poses, others, kinematics, ground.height)
-            if findings or not any(_elsewhere(refusal) for refusal in refused):
+            far = tried + 1 >= OUT_OF_REACH and all(map(_out_of_reach, refused))
+            if findings or far or not any(_elsewhere(refusal) for refusal in refused):
                 break
         phrases = {o.id: o.record.phrase for o in objects}
         if findings:
             return self._subtask(phrases, findings), refused
-        if self.template.name != "place" or not any(map(_out_of_reach, refused)):
+        if self.goal not in self.asked or self.template.name != "place" or not any(map(_out_of_reach, refused)):
             return None, refused
         return self._by_another_arm(phrases, self._transfers(poses, others), refused, kinematics, ground.height)
 
