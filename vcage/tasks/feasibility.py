@@ -339,11 +339,9 @@ def _hands(
     walls = [] if holder is None else _walls_around(target, holder)
     found = []
     for grasp in poses:
-        blocked = _hand_meets(grasp.pose, opening, width, beside, gripper)
         hand = [SolidBox(part, grasp.pose) for part in hand_boxes(gripper, opening, min(width, opening))]
-        if holder is not None and any(part.overlaps(wall) for part in hand for wall in walls):
-            blocked = holder.record.phrase
-        found.append((grasp, blocked))
+        met = holder if any(part.overlaps(wall) for part in hand for wall in walls) else first_met(hand, beside)
+        found.append((grasp, None if met is None else met.record.phrase))
     return found
 
 

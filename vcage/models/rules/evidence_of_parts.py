@@ -10,6 +10,7 @@ import numpy as np
 
 from vcage.base.geometry import Camera, Pose
 from vcage.models.rules.evidence import changed, middles, places, salience
+from vcage.models.rules.standing import CAP, FLIPS, as_bright, refined
 from vcage.sim.drawer import Drawing, Window
 from vcage.vision.colour import LabImage, distance, to_lab
 from vcage.vision.detector import MIN_AREA, components
@@ -21,12 +22,6 @@ POSITIONS = np.linspace(0.0, 1.0, 9)
 
 DIFFERENT = 10.0
 """Least colour distance between two of the drawings of a pixel that tells positions apart."""
-
-CAP = 30.0
-"""Largest colour distance that a pixel can cost: what lies in a drawer is in no drawing."""
-
-FLIPS = np.radians([0.0, 90.0, 180.0, 270.0])
-"""Headings besides that at which an object seems to lie: a plain box looks the same from several sides."""
 
 STEPS, ROUNDS = np.array([0.006, 0.006, np.radians(4.0)]), 10
 """First steps along x, y and in heading with which a pose is refined by drawing the object, and how often."""
@@ -115,15 +110,8 @@ def _settled(
         return float(np.minimum(distance(lab, to_lab(_composed(drawing, background, picture))), CAP).mean())
 
     turned = sorted((unlikeness(p), tuple(p)) for p in rough + np.outer(FLIPS, [0, 0, 1]))[:2]
-    found = []
-    for least, start in turned:
-        best, steps = np.array(start), STEPS.copy()
-        for _ in range(ROUNDS):
-            around = [best + sign * steps * axis for axis in np.eye(3) for sign in (1, -1)]
-            pose, value = min(((p, unlikeness(p)) for p in around), key=lambda pair: pair[1])
-            best, least, steps = (pose, value, steps) if value < least else (best, least, steps / 2)
-        found.append((best, least))
-    return found
+    found = [refined(np.array(start), least, unlikeness, STEPS, ROUNDS) for least, start in turned]
+    return [(pose, least) for least, pose in found]
 
 
 def _smoothed(picture: np.ndarray) -> np.ndarray:
@@ -171,8 +159,4 @@ class _Sight:
 
 def _composed(drawing: Drawing, background: np.ndarray, picture: np.ndarray) -> np.ndarray:
     """The drawing on the empty table, as bright as the picture is there."""
-    covered, drawn = drawing.covered, drawing.picture.astype(np.float32)
-    if covered.any():
-        gain = np.median(picture[covered], axis=0) / np.maximum(np.median(drawn[covered], axis=0), 1)
-        drawn = drawn * np.clip(gain, 0.5, 2.0)
-    return np.where(covered[..., None], np.clip(drawn, 0, 255), background).astype(np.uint8)
+    return np.where(drawing.covered[..., None], as_bright(drawing, picture), background).astype(np.uint8)

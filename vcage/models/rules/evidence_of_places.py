@@ -26,7 +26,7 @@ from vcage.vision.colour import distance, to_lab
 from vcage.vision.protocols import Reference, View
 
 LEFT = 0.5
-"""Share of the outline of what was moved that must have changed at the moment for it to be looked for elsewhere."""
+"""Share of the old outline of what was moved that must have changed."""
 
 ALIKE = 14.0
 """Colour distance below which a pixel is like the drawing of an object."""

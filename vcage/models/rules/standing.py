@@ -163,10 +163,15 @@ def as_bright(drawing: Drawing, picture: np.ndarray) -> np.ndarray:
     return np.clip(drawn, 0, 255)
 
 
-def refined(pose: np.ndarray, least: float, unlike: Callable[[np.ndarray], float]) -> tuple[float, np.ndarray]:
+def refined(
+    pose: np.ndarray,
+    least: float,
+    unlike: Callable[[np.ndarray], float],
+    steps: np.ndarray = STEPS,
+    rounds: int = ROUNDS,
+) -> tuple[float, np.ndarray]:
     """The least cost near (3,) x, y and heading, and where it is."""
-    steps = STEPS.copy()
-    for _ in range(ROUNDS):
+    for _ in range(rounds):
         around = [pose + sign * steps * axis for axis in np.eye(3) for sign in (1, -1)]
         value, nearby = min(((unlike(p), tuple(p)) for p in around), key=lambda found: found[0])
         pose, least, steps = (np.array(nearby), value, steps) if value < least else (pose, least, steps / 2)

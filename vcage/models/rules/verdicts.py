@@ -9,14 +9,11 @@ import numpy as np
 from vcage.models.rules import PROVIDER
 from vcage.models.rules.evidence import Evidence
 from vcage.models.rules.evidence_of_parts import PartEvidence
-from vcage.models.rules.evidence_of_places import Handed, Moved, Returned, Shown
+from vcage.models.rules.evidence_of_places import LEFT, Handed, Moved, Returned, Shown
 from vcage.models.rules.standing import Standing
 from vcage.plans.relations import holds
 from vcage.schema.episodes import Verdict
 from vcage.schema.goals import Goal, part_words
-
-LEFT = 0.5
-"""Share of the old outline that must have changed."""
 
 INSIDE = {"inside": 0.2, "on": 0.4}
 """Share of the object's area that must be seen in or on the receptacle; walls and other contents hide some."""
