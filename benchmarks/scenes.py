@@ -152,7 +152,7 @@ def _name(proposal: Proposal | Subtask) -> str:
     """What a sub-task is known by, before and after it was found feasible."""
     if isinstance(proposal, Subtask):
         return f"{proposal.template} {proposal.goals[0]} {proposal.functional_point}"
-    told = proposal.senseless("as any other")
+    told = proposal.refusal("as any other")
     return f"{told.template} {proposal.goal} {told.functional_point}"
 
 

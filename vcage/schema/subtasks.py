@@ -68,6 +68,7 @@ class Refusal(Record):
     contact: int | None = None
     receptacle: Identifier | None = None
     functional_point: int | None = None
+    goal: Goal | None = Field(default=None, description="what it would have brought about")
     reason: str = Field(min_length=1)
     checks: list[Check] = []
 

@@ -23,14 +23,11 @@ from vcage.sim.joints import joint_positions
 from vcage.sim.kinematics import ArmKinematics
 from vcage.tasks.ground import Ground
 from vcage.tasks.scene_objects import SceneObject
-from vcage.tasks.templates import TEMPLATES, Proposal
+from vcage.tasks.templates import TEMPLATES
+from vcage.tasks.templates.proposal import Proposal
 from vcage.tasks.truth import resting_point
 
 Judge = Callable[[Sequence[PairQuestion]], list[PairAnswer]]
-
-
-_BY = {"scanned": "scan", "weighed": "weigh", "presented": "present", "handed": "hand_over", "back": "set_down"}
-"""The template that brings about a goal whose reference is not what a refusal names."""
 
 
 @dataclass(frozen=True)
@@ -103,7 +100,7 @@ def sensible(
         if answer is None or answer.sensible:
             accepted.append(proposal)
         else:
-            refused.append(proposal.senseless(answer.reason))
+            refused.append(proposal.refusal(f"not sensible: {answer.reason}"))
     return accepted, refused, sum(proposal.candidates for proposal in proposals)
 
 
@@ -173,17 +170,18 @@ def initial_state(objects: Sequence[SceneObject]) -> frozenset[Goal]:
     return frozenset(found)
 
 
+def _is_about(refusal: Refusal, goal: Goal) -> bool:
+    """Whether a refusal is of what would have brought about a goal."""
+    if refusal.goal is None:
+        return (refusal.object, refusal.receptacle) == (goal.subject, goal.reference)
+    return refusal.goal == goal
+
+
 def _unfulfilled(scene: Scene, kept: Sequence[Subtask], refused: Sequence[Refusal]) -> NoFeasibleTask:
     """Why no chain does what the instruction asks for: the goals that nothing brings about, and the reasons."""
     possible = {goal for subtask in kept for goal in subtask.goals}
     missing = [asked for asked in scene.goals if asked.goal not in possible] or list(scene.goals)
-    reasons = [
-        refusal.reason
-        for asked in missing
-        for refusal in refused
-        if refusal.object == asked.goal.subject
-        and (refusal.receptacle == asked.goal.reference or refusal.template == _BY.get(asked.goal.relation))
-    ]
+    reasons = [refusal.reason for asked in missing for refusal in refused if _is_about(refusal, asked.goal)]
     named = "; ".join(dict.fromkeys(f"{asked.goal} ({asked.words!r})" for asked in missing))
     why = "; ".join(list(dict.fromkeys(reasons))[:3]) or "no sub-task of this scene does that"
     return NoFeasibleTask(

@@ -15,7 +15,7 @@ SCALE = thing("electronic_scale", (0.1, 0.05))
 
 def pairs(template: str, *objects: SceneObject) -> set[tuple[str, str]]:
     found, _ = TEMPLATES[template].proposals(objects, ())  # pyrefly: ignore
-    return {(pair.target.id, pair.receptacle.id) for pair in found}
+    return {(pair.thing.id, pair.receptacle.id) for pair in found}
 
 
 def test_a_pair_that_stands_flush_is_stacked_and_not_placed() -> None:

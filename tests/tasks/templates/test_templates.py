@@ -25,7 +25,7 @@ def test_a_script_only_calls_the_task(template):
 def test_a_pair_is_tried_at_each_contact_point_of_one_and_functional_point_of_the_other():
     block, plate = block_and_plate()
     pairs, refused = PLACE.proposals([block, plate], ())
-    assert [(pair.target.id, pair.receptacle.id, pair.candidates) for pair in pairs if pair.target.id == "block"] == [
+    assert [(pair.thing.id, pair.receptacle.id, pair.candidates) for pair in pairs if pair.thing.id == "block"] == [
         ("block", "plate", len(block.asset.annotation.contact_points))
     ]
     assert {r.reason for r in refused} <= {

@@ -8,12 +8,8 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping, Sequence
 from typing import Protocol
 
-import numpy as np
-
 from vcage.schema.goals import Goal
-from vcage.schema.subtasks import PairQuestion, Refusal, Subtask, TemplateName
-from vcage.sim.kinematics import ArmKinematics
-from vcage.tasks.ground import Ground
+from vcage.schema.subtasks import Refusal, Subtask, TemplateName
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.templates.close import CLOSE
 from vcage.tasks.templates.hand_over import HandOver
@@ -21,55 +17,13 @@ from vcage.tasks.templates.open import OPEN
 from vcage.tasks.templates.place import PLACE
 from vcage.tasks.templates.present import PRESENT
 from vcage.tasks.templates.press import PRESS
+from vcage.tasks.templates.proposal import Proposal
 from vcage.tasks.templates.push import PUSH
 from vcage.tasks.templates.scan import Scan
 from vcage.tasks.templates.set_down import SET_DOWN
 from vcage.tasks.templates.stack import STACK
 from vcage.tasks.templates.turn import TURN
 from vcage.tasks.templates.weigh import WEIGH
-
-
-class Proposal(Protocol):
-    """Objects of a scene in the slots of a template: what the search looks into as one."""
-
-    @property
-    def candidates(self) -> int:
-        """How many ways there are to try it."""
-        ...
-
-    @property
-    def goal(self) -> Goal:
-        """What it would bring about."""
-        ...
-
-    def impossible(self) -> Refusal | None:
-        """The refusal of what can be ruled out without asking anyone; None for what cannot."""
-        ...
-
-    def question(self) -> PairQuestion | None:
-        """What the reasoner is asked about it; None where nobody needs to be asked."""
-        ...
-
-    def senseless(self, reason: str) -> Refusal:
-        """The refusal of what the reasoner finds not sensible."""
-        ...
-
-    def examine(
-        self,
-        objects: Sequence[SceneObject],
-        kinematics: Mapping[str, ArmKinematics],
-        ground: Ground,
-        rng: np.random.Generator,
-    ) -> tuple[Subtask | None, list[Refusal]]:
-        """The sub-task if a candidate is feasible, and a refusal for each that is not.
-
-        Args:
-            objects: all of the scene.
-            kinematics: by arm.
-            ground: of the table.
-            rng: of all choices.
-        """
-        ...
 
 
 class SubtaskTemplate(Protocol):

@@ -14,13 +14,13 @@ import numpy as np
 
 from vcage.schema.goals import Goal
 from vcage.schema.plan import TABLE
-from vcage.schema.subtasks import Check, Grasp, Refusal, Subtask, TemplateName
+from vcage.schema.subtasks import Refusal, Subtask, TemplateName
 from vcage.sim.kinematics import ArmKinematics
 from vcage.tasks.feasibility import Transfer, best_first, carrying_points
 from vcage.tasks.ground import Ground
 from vcage.tasks.passing import examine_passing
 from vcage.tasks.scene_objects import SceneObject
-from vcage.tasks.wording import wordings
+from vcage.tasks.templates.proposal import Proposal
 
 NAME: TemplateName = "hand_over"
 
@@ -37,7 +37,7 @@ class HandOver:
         """Each object that shall be handed to an arm."""
         by_id = {o.id: o for o in objects}
         goals = sorted((g for g in asked if g.relation == "handed" and g.subject in by_id), key=str)
-        return [Handing(by_id[goal.subject], goal) for goal in goals], []
+        return [Handing(NAME, by_id[goal.subject], goal) for goal in goals], []
 
     def calls(self, subtask: Subtask) -> list[str]:
         """The lines of the script's ``play``; GRASPS and POINT are constants of the script."""
@@ -52,29 +52,12 @@ class HandOver:
 
 
 @dataclass(frozen=True)
-class Handing:
-    """An object and the arm that shall have it: all its contact points are candidates."""
-
-    thing: SceneObject
-    goal: Goal
-
-    @property
-    def candidates(self) -> int:
-        """How many contact points there are."""
-        return len(carrying_points(self.thing.asset.annotation))
+class Handing(Proposal):
+    """An object and the arm that shall have it."""
 
     def impossible(self) -> Refusal | None:
         """What cannot be carried."""
-        if self.candidates:
-            return None
-        return self._refusal(f"{self.thing.record.phrase} has no contact point to carry it by")
-
-    def question(self) -> None:
-        """Nobody is asked: it is tried only where it is asked for."""
-
-    def senseless(self, reason: str) -> Refusal:
-        """See :class:`vcage.tasks.templates.Proposal`; nobody is asked."""
-        return self._refusal(f"not sensible: {reason}")
+        return None if self.candidates else self.not_carried()
 
     def examine(
         self,
@@ -86,45 +69,22 @@ class Handing:
         """The sub-task if another arm can give it and the arm put it down, else a refusal for each contact point."""
         to = str(self.goal.reference)
         if to not in kinematics or len(kinematics) == 1:
-            return None, [self._refusal(f"the arms are {', '.join(kinematics)}: none hands anything to {to!r}")]
+            return None, [self.refusal(f"the arms are {', '.join(kinematics)}: none hands anything to {to!r}")]
         others = [o for o in objects if o.id != self.thing.id]
         poses = list(islice(ground.poses(self.thing, self.goal, others, rng), SPOTS))
         if not poses:
-            return None, [self._refusal(f"there is no room on the table on the side of the {to} arm")]
-        findings, refused = [], []
-        for contact in carrying_points(self.thing.asset.annotation):
-            transfer = Transfer.onto_table(self.thing, contact, poses, others)
-            finding = examine_passing(transfer, to, kinematics, ground.height)
-            if finding.feasible:
-                findings.append(finding)
-            else:
-                refused.append(self._refusal(finding.reason, contact.id, finding.checks))
-        phrases = {o.id: o.record.phrase for o in objects}
-        return (self._subtask(phrases, *best_first(findings)) if findings else None), refused
-
-    def _subtask(self, phrases: Mapping[str, str], grasps: list[Grasp], checks: list[Check]) -> Subtask:
-        text, *others = wordings(self.goal, phrases)
-        identifier = f"{self.thing.id}-handed-{self.goal.reference}"
-        return Subtask(
-            id=identifier,
-            template=NAME,
-            text=text,
-            texts=others,
-            object=self.thing.id,
-            receptacle=TABLE,
-            grasps=grasps,
-            hand_to=self.goal.reference,
-            goals=[self.goal, Goal(subject=self.thing.id, relation="on", reference=TABLE)],
-            script=f"subtasks/{identifier}.py",
-            checks=checks,
+            return None, [self.refusal(f"there is no room on the table on the side of the {to} arm")]
+        contacts = carrying_points(self.thing.asset.annotation)
+        transfers = {c.id: Transfer.onto_table(self.thing, c, poses, others) for c in contacts}
+        findings, refused = self.judged(
+            {contact: examine_passing(t, to, kinematics, ground.height) for contact, t in transfers.items()}
         )
-
-    def _refusal(self, reason: str, contact: int | None = None, checks: Sequence[Check] = ()) -> Refusal:
-        return Refusal(
-            template=NAME,
-            object=self.thing.id,
-            contact=contact,
-            receptacle=self.goal.reference,
-            reason=reason,
-            checks=list(checks),
+        if not findings:
+            return None, refused
+        grasps, checks = best_first(findings)
+        goals = [self.goal, Goal(subject=self.thing.id, relation="on", reference=TABLE)]
+        name = f"{self.thing.id}-handed-{to}"
+        return (
+            self.subtask(name, objects, receptacle=TABLE, grasps=grasps, hand_to=to, goals=goals, checks=checks),
+            refused,
         )

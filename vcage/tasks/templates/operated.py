@@ -9,13 +9,13 @@ import numpy as np
 
 from vcage.schema.asset import ContactPoint, Joint
 from vcage.schema.goals import Goal, GoalWord, part_that
-from vcage.schema.subtasks import PairQuestion, Refusal, Subtask, TemplateName
+from vcage.schema.subtasks import Refusal, Subtask, TemplateName
 from vcage.sim.joints import joint_index, joint_positions
 from vcage.sim.kinematics import ArmKinematics
 from vcage.tasks.feasibility import examine_operation
 from vcage.tasks.ground import Ground
 from vcage.tasks.scene_objects import SceneObject
-from vcage.tasks.wording import wordings
+from vcage.tasks.templates.proposal import Proposal
 
 
 @dataclass(frozen=True)
@@ -45,10 +45,11 @@ class Operated:
         for thing in objects:
             for part in (link.name for link in thing.asset.model.links if part_that(self.action, link.name)):
                 contacts = [c for c in thing.asset.annotation.contact_points if c.link == part]
+                goal = Goal(subject=thing.id, relation=self.word, part=part)
                 if not contacts:
                     reason = f"{thing.record.phrase} has no contact point on its {part} to {self.name} it by"
-                    refused.append(Refusal(template=self.name, object=thing.id, reason=reason))
-                found += [Operable(self, thing, part, contact) for contact in contacts]
+                    refused.append(Refusal(template=self.name, object=thing.id, goal=goal, reason=reason))
+                found += [Operable(self.name, thing, goal, self, part, contact) for contact in contacts]
         return found, refused
 
     def calls(self, subtask: Subtask) -> list[str]:
@@ -57,11 +58,10 @@ class Operated:
 
 
 @dataclass(frozen=True)
-class Operable:
+class Operable(Proposal):
     """A part of an object with a contact point on it."""
 
     template: Operated
-    thing: SceneObject
     part: str
     contact: ContactPoint
 
@@ -69,23 +69,6 @@ class Operable:
     def candidates(self) -> int:
         """One: a contact point."""
         return 1
-
-    @property
-    def goal(self) -> Goal:
-        """What it would bring about."""
-        return Goal(subject=self.thing.id, relation=self.template.word, part=self.part)
-
-    def impossible(self) -> Refusal | None:
-        """Nothing can be ruled out without inverse kinematics."""
-        return None
-
-    def question(self) -> PairQuestion | None:
-        """Nobody is asked: what a part is for, its annotation says."""
-        return None
-
-    def senseless(self, reason: str) -> Refusal:
-        """See :class:`vcage.tasks.templates.Proposal`; nobody is asked."""
-        return self._refusal(f"not sensible: {reason}")
 
     def examine(
         self,
@@ -105,21 +88,14 @@ class Operable:
             kinematics,
         )
         if not finding.feasible:
-            return None, [self._refusal(finding.reason)]
-        text, *others = wordings(self.goal, {o.id: o.record.phrase for o in objects})
-        identifier = f"{self.template.name}-{self.thing.id}-{self.part}"
+            return None, [self.refusal(finding.reason, self.contact.id, finding.checks)]
         return (
-            Subtask(
-                id=identifier,
-                template=self.template.name,
-                text=text,
-                texts=others,
-                object=self.thing.id,
+            self.subtask(
+                f"{self.name}-{self.thing.id}-{self.part}",
+                objects,
                 target=round(target, 4),
                 grasps=finding.grasps,
                 requires=self._requires(),
-                goals=[self.goal],
-                script=f"subtasks/{identifier}.py",
                 checks=finding.checks,
             ),
             [],
@@ -145,6 +121,3 @@ class Operable:
         joints = joint_positions(model, self.thing.joints)
         joints[joint_index(model, self.part)] = position
         return self.thing.moved(self.thing.pose, tuple(joints.tolist()))
-
-    def _refusal(self, reason: str) -> Refusal:
-        return Refusal(template=self.template.name, object=self.thing.id, contact=self.contact.id, reason=reason)

@@ -7,16 +7,15 @@ Stacking and weighing are placing with a further demand: see :mod:`~vcage.tasks.
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import permutations
 
 import numpy as np
 
 from vcage.base.errors import InfeasibleScene
-from vcage.base.geometry import Pose
 from vcage.schema.asset import FunctionalPoint
-from vcage.schema.goals import EventWord, Goal, part_words
+from vcage.schema.goals import EventWord, Goal, StateWord, part_words
 from vcage.schema.subtasks import Check, PairQuestion, Refusal, Subtask, TemplateName
 from vcage.sim.kinematics import ArmKinematics
 from vcage.tasks.access import access
@@ -25,7 +24,7 @@ from vcage.tasks.ground import Ground
 from vcage.tasks.passing import examine_detour
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.slots import GAP, Slot, allocate, kept_in_by, lying_in, opened_for, room_for
-from vcage.tasks.wording import wordings
+from vcage.tasks.templates.proposal import Proposal
 
 SLOTS, OUT_OF_REACH = 12, 3
 """Places in the receptacle that are tried before a contact point is refused for what is wrong with its place, and where
@@ -56,13 +55,21 @@ class Placing:
             if not points and self.name == "place":
                 reason = f"{receptacle.record.phrase} has no functional point"
                 refused.append(Refusal(template=self.name, object=target.id, receptacle=receptacle.id, reason=reason))
-            mine = [point for point in points if self.takes(target, receptacle, point)]
+            mine = [
+                Pair(self.name, target, self._goal(target, receptacle, point), self, receptacle, point, asked)
+                for point in points
+                if self.takes(target, receptacle, point)
+            ]
             if carrying_points(target.asset.annotation):
-                pairs += [Pair(self, target, receptacle, point, asked) for point in mine]
-            elif mine:
-                reason = f"{target.record.phrase} has no contact point to carry it by"
-                refused.append(Refusal(template=self.name, object=target.id, receptacle=receptacle.id, reason=reason))
+                pairs += mine
+            else:
+                refused += [pair.not_carried() for pair in mine]
         return pairs, refused
+
+    def _goal(self, target: SceneObject, receptacle: SceneObject, point: FunctionalPoint) -> Goal:
+        if self.word is not None:
+            return Goal(subject=target.id, relation=self.word)
+        return lying(target, receptacle, point)
 
     def calls(self, subtask: Subtask) -> list[str]:
         """The lines of the script's ``play``; GRASPS is a constant of the script."""
@@ -73,6 +80,12 @@ class Placing:
             "task.home()",
             *wait,
         ]
+
+
+def lying(target: SceneObject, receptacle: SceneObject, point: FunctionalPoint) -> Goal:
+    """That an object is in or on another, at one of its functional points."""
+    word: StateWord = "inside" if point.holds == "in" else "on"
+    return Goal(subject=target.id, relation=word, reference=receptacle.id, part=point.link)
 
 
 def stands_flush(target: SceneObject, receptacle: SceneObject, point: FunctionalPoint) -> bool:
@@ -95,14 +108,13 @@ def _out_of_reach(refusal: Refusal) -> bool:
 
 
 @dataclass(frozen=True)
-class Pair:
-    """An ordered pair with one functional point: all contact points of ``target`` are candidates.
+class Pair(Proposal):
+    """An ordered pair, the object that is put first, with one functional point.
 
     Where no arm reaches both ends it changes hands on its way, if that is among the goals that are ``asked`` for.
     """
 
     template: Placing
-    target: SceneObject
     receptacle: SceneObject
     point: FunctionalPoint
     asked: Collection[Goal]
@@ -113,56 +125,40 @@ class Pair:
         return opened_for(self.receptacle, self.point.id)
 
     @property
-    def candidates(self) -> int:
-        """How many contact points there are."""
-        return len(carrying_points(self.target.asset.annotation))
-
-    @property
-    def goal(self) -> Goal:
-        """What it would bring about."""
-        return self.goals[0]
+    def other(self) -> str:
+        """The receptacle."""
+        return self.receptacle.id
 
     @cached_property
     def goals(self) -> list[Goal]:
         """What it would bring about, what it is for first."""
-        lies = Goal(
-            subject=self.target.id,
-            relation="inside" if self.point.holds == "in" else "on",
-            reference=self.receptacle.id,
-            part=self.point.link,
-        )
-        word = self.template.word
-        return [lies] if word is None else [Goal(subject=self.target.id, relation=word), lies]
+        return list(dict.fromkeys([self.goal, lying(self.thing, self.receptacle, self.point)]))
 
     def impossible(self) -> Refusal | None:
         """A place that is not open to above, or too small."""
         check = access(self._opened, self.point)
         if check.passed:
-            check = fits(self.target, self.receptacle, self.point)
+            check = fits(self.thing, self.receptacle, self.point)
         if not check.passed:
-            return self._refusal(check.message, checks=[check])
-        room = room_for(self.receptacle, self.point.id, [self.target])
-        if np.any(np.sort(room) < np.sort(self.target.asset.footprint)):
-            return self._refusal(self._no_room())
+            return self.refusal(check.message, checks=[check])
+        room = room_for(self.receptacle, self.point.id, [self.thing])
+        if np.any(np.sort(room) < np.sort(self.thing.asset.footprint)):
+            return self.refusal(self._no_room())
         return None
 
     def question(self) -> PairQuestion:
         """Whether the receptacle can sensibly hold the object."""
         opening = self.receptacle.asset.opening(self.point)
-        x, y, z = self.target.asset.size.tolist()
+        x, y, z = self.thing.asset.size.tolist()
         return PairQuestion(
-            object=self.target.id,
-            object_words=f"{self.target.record.phrase}: {self.target.asset.annotation.words.description}",
+            object=self.thing.id,
+            object_words=f"{self.thing.record.phrase}: {self.thing.asset.annotation.words.description}",
             receptacle=self.receptacle.id,
             receptacle_words=f"{self._place_words()}: {self.receptacle.asset.annotation.words.description}",
             holds=self.point.holds,
             object_size=(x, y, z),
             opening_size=(float(opening.size[0]), float(opening.size[1]), float(opening.depth)),
         )
-
-    def senseless(self, reason: str) -> Refusal:
-        """The refusal of a pair that the reasoner finds not sensible."""
-        return self._refusal(f"not sensible: {reason}")
 
     def examine(
         self,
@@ -179,73 +175,34 @@ class Pair:
             ground: of the table.
             rng: of the slot.
         """
-        others = [self._opened if o.id == self.receptacle.id else o for o in objects if o.id != self.target.id]
+        others = [self._opened if o.id == self.receptacle.id else o for o in objects if o.id != self.thing.id]
         present = lying_in(self.receptacle, others)
+        transfers: dict[int, Transfer] = {}
         findings: list[Feasibility] = []
         refused: list[Refusal] = []
         for tried in range(SLOTS):
             try:
-                slot = allocate(self._opened, self.point.id, [self.target], rng, present)[self.target.id]
+                slot = allocate(self._opened, self.point.id, [self.thing], rng, present)[self.thing.id]
             except InfeasibleScene as error:
-                return None, [self._refusal(error.message)]
+                return None, [self.refusal(error.message)]
             poses = Slot(self.receptacle.id, self.point.id, slot).poses({self.receptacle.id: self._opened})
-            findings, refused = self._findings(poses, others, kinematics, ground.height)
+            transfers = {
+                c.id: Transfer.into(self.thing, c, self._opened, self.point, poses, others)
+                for c in carrying_points(self.thing.asset.annotation)
+            }
+            findings, refused = self.judged({c: examine(t, kinematics, ground.height) for c, t in transfers.items()})
             far = tried + 1 >= OUT_OF_REACH and all(map(_out_of_reach, refused))
-            if findings or far or not any(_elsewhere(refusal) for refusal in refused):
+            if findings or far or not any(map(_elsewhere, refused)):
                 break
-        phrases = {o.id: o.record.phrase for o in objects}
         if findings:
-            return self._subtask(phrases, findings), refused
-        if self.goal not in self.asked or self.template.name != "place" or not any(map(_out_of_reach, refused)):
+            return self._subtask(objects, findings), refused
+        if self.goal not in self.asked or self.name != "place" or not any(map(_out_of_reach, refused)):
             return None, refused
-        return self._by_another_arm(phrases, self._transfers(poses, others), refused, kinematics, ground.height)
-
-    def _by_another_arm(
-        self,
-        phrases: Mapping[str, str],
-        transfers: Sequence[Transfer],
-        refused: list[Refusal],
-        kinematics: Mapping[str, ArmKinematics],
-        table_height: float,
-    ) -> tuple[Subtask | None, list[Refusal]]:
-        """The sub-task in which the object changes hands on its way, where no arm reaches both ends of it.
-
-        Args:
-            phrases: what to call each object, by id.
-            transfers: by each contact point.
-            refused: of the arms alone.
-            kinematics: by arm.
-            table_height: z of the table top, metres.
-        """
-        to, findings = examine_detour(transfers, kinematics, table_height)
+        passing = replace(self, name="hand_over")
+        to, findings = examine_detour(list(transfers.values()), kinematics, ground.height)
         if to is not None:
-            return self._subtask(phrases, findings, hand_to=to), refused
-        for transfer, finding in zip(transfers, findings, strict=False):
-            refusal = self._refusal(finding.reason, transfer.contact.id, finding.checks)
-            refused.append(refusal.model_copy(update={"template": "hand_over"}))
-        return None, refused
-
-    def _findings(
-        self,
-        poses: Sequence[Pose],
-        others: Sequence[SceneObject],
-        kinematics: Mapping[str, ArmKinematics],
-        table_height: float,
-    ) -> tuple[list[Feasibility], list[Refusal]]:
-        """Whether each contact point leads to a slot, where the object may have one of some poses in the world."""
-        findings, refused = [], []
-        for transfer in self._transfers(poses, others):
-            finding = examine(transfer, kinematics, table_height)
-            if finding.feasible:
-                findings.append(finding)
-            else:
-                refused.append(self._refusal(finding.reason, transfer.contact.id, finding.checks))
-        return findings, refused
-
-    def _transfers(self, poses: Sequence[Pose], others: Sequence[SceneObject]) -> list[Transfer]:
-        """To one of some poses, by each contact point."""
-        contacts = carrying_points(self.target.asset.annotation)
-        return [Transfer.into(self.target, c, self._opened, self.point, poses, others) for c in contacts]
+            return passing._subtask(objects, findings, to), refused
+        return None, refused + passing.judged(dict(zip(transfers, findings, strict=False)))[1]
 
     def _place_words(self) -> str:
         phrase = self.receptacle.record.phrase
@@ -258,42 +215,29 @@ class Pair:
 
     def _no_room(self) -> str:
         """Why the object, which fits by its size alone, gets no place."""
-        fit = fits(self.target, self.receptacle, self.point)
+        fit = fits(self.thing, self.receptacle, self.point)
         return f"{fit.message}, but with less than the {GAP * 1000:.0f} mm on each side that the robot needs"
 
     def _subtask(
-        self, phrases: Mapping[str, str], findings: Sequence[Feasibility], hand_to: str | None = None
+        self, objects: Sequence[SceneObject], findings: Sequence[Feasibility], hand_to: str | None = None
     ) -> Subtask:
         grasps, checks = best_first(findings)
         word = self.template.word or ("into" if self.point.holds == "in" else "onto")
         word = word if hand_to is None else f"handed-{word}"
         several = len(self.receptacle.asset.annotation.functional_points) > 1
         suffix = f"-{self.point.link or self.point.id}" if several else ""
-        text, *others = wordings(self.goal, phrases)
-        identifier = f"{self.target.id}-{word}-{self.receptacle.id}{suffix}"
-        return Subtask(
-            id=identifier,
-            template=self.template.name if hand_to is None else "hand_over",
-            text=text,
-            texts=others,
-            object=self.target.id,
+        return self.subtask(
+            f"{self.thing.id}-{word}-{self.receptacle.id}{suffix}",
+            objects,
             receptacle=self.receptacle.id,
             functional_point=self.point.id,
             grasps=grasps,
             hand_to=hand_to,
             requires=self._requires(),
             goals=self.goals,
-            script=f"subtasks/{identifier}.py",
             checks=checks,
         )
 
-    def _refusal(self, reason: str, contact: int | None = None, checks: Sequence[Check] = ()) -> Refusal:
-        return Refusal(
-            template=self.template.name,
-            object=self.target.id,
-            contact=contact,
-            receptacle=self.receptacle.id,
-            functional_point=self.point.id,
-            reason=reason,
-            checks=list(checks),
-        )
+    def refusal(self, reason: str, contact: int | None = None, checks: Sequence[Check] = ()) -> Refusal:
+        """That it cannot be done, or not by a contact point."""
+        return super().refusal(reason, contact, checks).model_copy(update={"functional_point": self.point.id})

@@ -15,6 +15,7 @@ from vcage.tasks.feasibility import carrying_points, opens_wide_enough
 from vcage.tasks.ground import Ground
 from vcage.tasks.pushing import Push, examine_pushes, headings
 from vcage.tasks.scene_objects import SceneObject
+from vcage.tasks.templates.proposal import Proposal
 from vcage.tasks.wording import push_wordings
 
 NAME: TemplateName = "push"
@@ -37,7 +38,7 @@ class Pushing:
         """Every object with each relation that is asked for of it."""
         by_id = {o.id: o for o in objects}
         goals = [g for g in asked if g.relation in _RELATIONS and g.subject in by_id and g.reference in by_id]
-        return [Shove(by_id[goal.subject], goal) for goal in goals], []
+        return [Shove(NAME, by_id[goal.subject], goal) for goal in goals], []
 
     def calls(self, subtask: Subtask) -> list[str]:
         """The lines of the script's ``play``; GRASPS is a constant of the script."""
@@ -45,11 +46,8 @@ class Pushing:
 
 
 @dataclass(frozen=True)
-class Shove:
+class Shove(Proposal):
     """An object and the relation that it shall stand in: it may be pushed against its faces."""
-
-    thing: SceneObject
-    goal: Goal
 
     @property
     def candidates(self) -> int:
@@ -60,20 +58,13 @@ class Shove:
         """What stands in or on something, is flat or heavy cannot be pushed."""
         phrase, model = self.thing.record.phrase, self.thing.asset.model
         if self.thing.record.container is not None:
-            return self._refusal(f"{phrase} does not stand on the table")
+            return self.refusal(f"{phrase} does not stand on the table")
         height, force = float(self.thing.asset.size[2]), model.total_mass * model.friction * GRAVITY
         if height < FLATTEST:
-            return self._refusal(f"{phrase} is {height * 1000:.0f} mm high, too flat for finger tips to push it")
+            return self.refusal(f"{phrase} is {height * 1000:.0f} mm high, too flat for finger tips to push it")
         if force > STRONGEST:
-            return self._refusal(f"{phrase} resists a push with {force:.0f} N, more than {STRONGEST:.0f} N")
+            return self.refusal(f"{phrase} resists a push with {force:.0f} N, more than {STRONGEST:.0f} N")
         return None
-
-    def question(self) -> None:
-        """Nobody is asked: the table takes everything."""
-
-    def senseless(self, reason: str) -> Refusal:
-        """See :class:`vcage.tasks.templates.Proposal`; nobody is asked."""
-        return self._refusal(f"not sensible: {reason}")
 
     def examine(
         self,
@@ -89,29 +80,20 @@ class Shove:
             return None, []
         others = [o for o in objects if o.id != self.thing.id]
         found, refused = examine_pushes(self.thing, self.goal, others, kinematics, ground)
-        phrases = {o.id: o.record.phrase for o in objects}
-        refusals = [self._refusal(reason, heading) for heading, reason in refused.items()]
-        return (self._subtask(phrases, found) if found else None), refusals
+        refusals = [self.refusal(reason, heading) for heading, reason in refused.items()]
+        return (self._subtask(objects, found) if found else None), refusals
 
-    def _subtask(self, phrases: Mapping[str, str], found: Sequence[Push]) -> Subtask:
-        text, *others = push_wordings(self.goal, phrases)
-        identifier = f"{self.thing.id}-pushed-{self.goal.relation}-{self.goal.reference}"
-        return Subtask(
-            id=identifier,
-            template=NAME,
+    def _subtask(self, objects: Sequence[SceneObject], found: Sequence[Push]) -> Subtask:
+        text, *others = push_wordings(self.goal, {o.id: o.record.phrase for o in objects})
+        return self.subtask(
+            f"{self.thing.id}-pushed-{self.goal.relation}-{self.goal.reference}",
+            objects,
             text=text,
             texts=others,
-            object=self.thing.id,
             receptacle=TABLE,
             grasps=[grasp for push in found for grasp in push.finding.grasps],
             goals=[self.goal, Goal(subject=self.thing.id, relation="on", reference=TABLE)],
-            script=f"subtasks/{identifier}.py",
             checks=found[0].finding.checks,
-        )
-
-    def _refusal(self, reason: str, heading: int | None = None) -> Refusal:
-        return Refusal(
-            template=NAME, object=self.thing.id, contact=heading, receptacle=self.goal.reference, reason=reason
         )
 
 

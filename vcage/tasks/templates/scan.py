@@ -9,13 +9,13 @@ from functools import cached_property
 import numpy as np
 
 from vcage.schema.goals import Goal
-from vcage.schema.subtasks import Check, Grasp, Refusal, Subtask, TemplateName
+from vcage.schema.subtasks import Refusal, Subtask, TemplateName
 from vcage.sim.kinematics import ArmKinematics
 from vcage.tasks.feasibility import Feasibility, Transfer, best_first, carrying_points, examine
 from vcage.tasks.ground import Ground
 from vcage.tasks.reading import reading_poses
 from vcage.tasks.scene_objects import SceneObject, first_met
-from vcage.tasks.wording import wordings
+from vcage.tasks.templates.proposal import Proposal
 
 NAME: TemplateName = "scan"
 
@@ -32,10 +32,10 @@ class Scan:
         for thing in objects:
             goal = Goal(subject=thing.id, relation="scanned")
             if thing.asset.annotation.faces_of("code"):
-                found += [Reading(thing, scanner, goal) for scanner in scanners]
+                found += [Reading(NAME, thing, goal, scanner) for scanner in scanners]
             elif goal in asked:
                 reason = f"{thing.record.phrase} has no bar code"
-                refused.append(Refusal(template=NAME, object=thing.id, reason=reason))
+                refused.append(Refusal(template=NAME, object=thing.id, goal=goal, reason=reason))
         return found, refused
 
     def calls(self, subtask: Subtask) -> list[str]:
@@ -49,12 +49,15 @@ class Scan:
 
 
 @dataclass(frozen=True)
-class Reading:
+class Reading(Proposal):
     """A bar code and a scanner; whichever can be brought to the other is moved, the scanner rather."""
 
-    thing: SceneObject
     scanner: SceneObject
-    goal: Goal
+
+    @property
+    def other(self) -> str:
+        """The scanner."""
+        return self.scanner.id
 
     @cached_property
     def _ways(self) -> list[tuple[SceneObject, SceneObject]]:
@@ -71,14 +74,7 @@ class Reading:
         """One of the two must be one that can be carried."""
         if self._ways:
             return None
-        return self._refusal(f"neither {self.thing.record.phrase} nor {self.scanner.record.phrase} can be carried")
-
-    def question(self) -> None:
-        """Nobody is asked: what has a bar code is there to be scanned."""
-
-    def senseless(self, reason: str) -> Refusal:
-        """See :class:`vcage.tasks.templates.Proposal`; nobody is asked."""
-        return self._refusal(f"not sensible: {reason}")
+        return self.refusal(f"neither {self.thing.record.phrase} nor {self.scanner.record.phrase} can be carried")
 
     def examine(
         self,
@@ -93,8 +89,10 @@ class Reading:
             findings, complaints = self._findings(mover, still, objects, kinematics, ground)
             refused += complaints
             if findings:
-                phrases = {o.id: o.record.phrase for o in objects}
-                return self._subtask(mover, phrases, *best_first(findings)), refused
+                grasps, checks = best_first(findings)
+                name = f"{self.thing.id}-scanned-by-{self.scanner.id}"
+                slots = {"tool": self.scanner.id, "grasped": mover.id}
+                return self.subtask(name, objects, grasps=grasps, checks=checks, **slots), refused
         return None, refused
 
     def _findings(
@@ -107,7 +105,7 @@ class Reading:
     ) -> tuple[list[Feasibility], list[Refusal]]:
         poses = list(reading_poses(mover, still, ground.height))
         if not poses:
-            return [], [self._refusal(f"{mover.record.phrase} cannot be held before {still.record.phrase}")]
+            return [], [self.refusal(f"{mover.record.phrase} cannot be held before {still.record.phrase}")]
         others = tuple(o for o in objects if o.id != mover.id)
         beside = [o for o in others if o.id != still.id]
         met = [first_met(mover.moved(pose).boxes, beside) for pose in poses]
@@ -115,35 +113,8 @@ class Reading:
         if not poses:
             in_the_way = next(thing.record.phrase for thing in met if thing is not None)
             reason = f"{mover.record.phrase} would touch {in_the_way} before {still.record.phrase}"
-            return [], [self._refusal(reason)]
-        findings, refused = [], []
-        for contact in carrying_points(mover.asset.annotation):
-            where = f"its place before {still.record.phrase}"
-            finding = examine(Transfer(mover, contact, where, poses, [], others), kinematics, ground.height)
-            if finding.feasible:
-                findings.append(finding)
-            else:
-                refused.append(self._refusal(finding.reason, contact.id))
-        return findings, refused
-
-    def _subtask(
-        self, mover: SceneObject, phrases: Mapping[str, str], grasps: list[Grasp], checks: list[Check]
-    ) -> Subtask:
-        text, *others = wordings(self.goal, phrases)
-        identifier = f"{self.thing.id}-scanned-by-{self.scanner.id}"
-        return Subtask(
-            id=identifier,
-            template=NAME,
-            text=text,
-            texts=others,
-            object=self.thing.id,
-            tool=self.scanner.id,
-            grasped=mover.id,
-            grasps=grasps,
-            goals=[self.goal],
-            script=f"subtasks/{identifier}.py",
-            checks=checks,
-        )
-
-    def _refusal(self, reason: str, contact: int | None = None) -> Refusal:
-        return Refusal(template=NAME, object=self.thing.id, contact=contact, receptacle=self.scanner.id, reason=reason)
+            return [], [self.refusal(reason)]
+        where = f"its place before {still.record.phrase}"
+        contacts = carrying_points(mover.asset.annotation)
+        transfers = {c.id: Transfer(mover, c, where, poses, [], others) for c in contacts}
+        return self.judged({c: examine(t, kinematics, ground.height) for c, t in transfers.items()})

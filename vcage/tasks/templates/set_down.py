@@ -10,12 +10,12 @@ import numpy as np
 
 from vcage.schema.goals import Goal
 from vcage.schema.plan import TABLE
-from vcage.schema.subtasks import Check, Grasp, Refusal, Subtask, TemplateName
+from vcage.schema.subtasks import Refusal, Subtask, TemplateName
 from vcage.sim.kinematics import ArmKinematics
 from vcage.tasks.feasibility import Transfer, best_first, carrying_points, examine
 from vcage.tasks.ground import Ground
 from vcage.tasks.scene_objects import SceneObject
-from vcage.tasks.wording import wordings
+from vcage.tasks.templates.proposal import Proposal
 
 SPOTS = 4
 """Places on the table that are tried before a contact point is refused."""
@@ -39,12 +39,11 @@ class SetDown:
         """Every object with each goal that is wanted of it, and those that cannot be carried."""
         found, refused = [], []
         for thing in objects:
-            moves = [Move(self, thing, goal) for goal in dict.fromkeys(self.wants(thing, asked))]
+            moves = [Move(self.name, thing, goal) for goal in dict.fromkeys(self.wants(thing, asked))]
             if carrying_points(thing.asset.annotation):
                 found += moves
-            elif moves:
-                reason = f"{thing.record.phrase} has no contact point to carry it by"
-                refused.append(Refusal(template=self.name, object=thing.id, receptacle=TABLE, reason=reason))
+            else:
+                refused += [move.not_carried() for move in moves]
         return found, refused
 
     def calls(self, subtask: Subtask) -> list[str]:
@@ -67,30 +66,14 @@ SET_DOWN = SetDown("set_down", _aside)
 
 
 @dataclass(frozen=True)
-class Move:
-    """An object and what is true once it is put down: all its contact points are candidates."""
-
-    template: SetDown
-    thing: SceneObject
-    goal: Goal
-
-    @property
-    def candidates(self) -> int:
-        """How many contact points there are."""
-        return len(carrying_points(self.thing.asset.annotation))
+class Move(Proposal):
+    """An object and what is true once it is put down."""
 
     def impossible(self) -> Refusal | None:
         """What did not stand on the table cannot be put back there."""
         if self.goal.relation == "back" and self.thing.record.container is not None:
-            return self._refusal(f"{self.thing.record.phrase} did not stand on the table at the start")
+            return self.refusal(f"{self.thing.record.phrase} did not stand on the table at the start")
         return None
-
-    def question(self) -> None:
-        """Nobody is asked: the table takes everything."""
-
-    def senseless(self, reason: str) -> Refusal:
-        """See :class:`vcage.tasks.templates.Proposal`; nobody is asked."""
-        return self._refusal(f"not sensible: {reason}")
 
     def examine(
         self,
@@ -103,38 +86,20 @@ class Move:
         others = [o for o in objects if o.id != self.thing.id]
         poses = list(islice(ground.poses(self.thing, self.goal, others, rng), SPOTS))
         if not poses:
-            return None, [self._refusal(f"there is no room on the table so that {self.goal}")]
-        findings, refused = [], []
-        for contact in carrying_points(self.thing.asset.annotation):
-            finding = examine(Transfer.onto_table(self.thing, contact, poses, others), kinematics, ground.height)
-            if finding.feasible:
-                findings.append(finding)
-            else:
-                refused.append(self._refusal(finding.reason, contact.id))
-        phrases = {o.id: o.record.phrase for o in objects}
-        return (self._subtask(phrases, *best_first(findings)) if findings else None), refused
+            return None, [self.refusal(f"there is no room on the table so that {self.goal}")]
+        contacts = carrying_points(self.thing.asset.annotation)
+        transfers = {c.id: Transfer.onto_table(self.thing, c, poses, others) for c in contacts}
+        findings, refused = self.judged({c: examine(t, kinematics, ground.height) for c, t in transfers.items()})
+        if not findings:
+            return None, refused
+        grasps, checks = best_first(findings)
+        goals = list(dict.fromkeys([self.goal, Goal(subject=self.thing.id, relation="on", reference=TABLE)]))
+        return (
+            self.subtask(self._identifier(), objects, receptacle=TABLE, grasps=grasps, goals=goals, checks=checks),
+            refused,
+        )
 
-    def _subtask(self, phrases: Mapping[str, str], grasps: list[Grasp], checks: list[Check]) -> Subtask:
-        text, *others = wordings(self.goal, phrases)
-        where = self.goal.reference or TABLE
+    def _identifier(self) -> str:
         word = {"on": "onto", "presented": "shown", "back": "back"}.get(self.goal.relation, self.goal.relation)
-        identifier = f"{self.thing.id}-{word}-{where}" if word not in ("shown", "back") else f"{self.thing.id}-{word}"
-        on_table = Goal(subject=self.thing.id, relation="on", reference=TABLE)
-        return Subtask(
-            id=identifier,
-            template=self.template.name,
-            text=text,
-            texts=others,
-            object=self.thing.id,
-            receptacle=TABLE,
-            grasps=grasps,
-            goals=list(dict.fromkeys([self.goal, on_table])),
-            script=f"subtasks/{identifier}.py",
-            checks=checks,
-        )
-
-    def _refusal(self, reason: str, contact: int | None = None) -> Refusal:
-        where = self.goal.reference
-        return Refusal(
-            template=self.template.name, object=self.thing.id, contact=contact, receptacle=where, reason=reason
-        )
+        name = f"{self.thing.id}-{word}"
+        return name if word in ("shown", "back") else f"{name}-{self.goal.reference or TABLE}"

@@ -1,0 +1,101 @@
+"""Objects of a scene in the slots of a template: what the search looks into as one."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from vcage.schema.goals import Goal
+from vcage.schema.subtasks import Check, PairQuestion, Refusal, Subtask, TemplateName
+from vcage.sim.kinematics import ArmKinematics
+from vcage.tasks.feasibility import Feasibility, carrying_points
+from vcage.tasks.ground import Ground
+from vcage.tasks.scene_objects import SceneObject
+from vcage.tasks.wording import wordings
+
+
+@dataclass(frozen=True)
+class Proposal(ABC):
+    """An object, and what shall become true of it.
+
+    Args:
+        name: of the template.
+        thing: the object that it is about.
+        goal: what it would bring about.
+    """
+
+    name: TemplateName
+    thing: SceneObject
+    goal: Goal
+
+    @property
+    def candidates(self) -> int:
+        """How many ways there are to try it: one for each contact point that the object is carried by."""
+        return len(carrying_points(self.thing.asset.annotation))
+
+    def impossible(self) -> Refusal | None:
+        """The refusal of what can be ruled out without asking anyone; None for what cannot."""
+        return None
+
+    def question(self) -> PairQuestion | None:
+        """What the reasoner is asked about it; None where nobody needs to be asked."""
+        return None
+
+    @abstractmethod
+    def examine(
+        self,
+        objects: Sequence[SceneObject],
+        kinematics: Mapping[str, ArmKinematics],
+        ground: Ground,
+        rng: np.random.Generator,
+    ) -> tuple[Subtask | None, list[Refusal]]:
+        """The sub-task if a candidate is feasible, and a refusal for each that is not.
+
+        Args:
+            objects: all of the scene.
+            kinematics: by arm.
+            ground: of the table.
+            rng: of all choices.
+        """
+
+    @property
+    def other(self) -> str | None:
+        """Id of the other object that a refusal names."""
+        return self.goal.reference
+
+    def refusal(self, reason: str, contact: int | None = None, checks: Sequence[Check] = ()) -> Refusal:
+        """That it cannot be done, or not by a contact point."""
+        return Refusal(
+            template=self.name,
+            object=self.thing.id,
+            contact=contact,
+            receptacle=self.other,
+            goal=self.goal,
+            reason=reason,
+            checks=list(checks),
+        )
+
+    def not_carried(self) -> Refusal:
+        """That nothing holds the object where it could be carried."""
+        return self.refusal(f"{self.thing.record.phrase} has no contact point to carry it by")
+
+    def judged(self, findings: Mapping[int, Feasibility]) -> tuple[list[Feasibility], list[Refusal]]:
+        """Those of some findings, by contact point, that are feasible, and the refusals of the others."""
+        refused = [self.refusal(f.reason, contact, f.checks) for contact, f in findings.items() if not f.feasible]
+        return [finding for finding in findings.values() if finding.feasible], refused
+
+    def subtask(self, identifier: str, objects: Sequence[SceneObject], **slots: Any) -> Subtask:
+        """The sub-task, in the words of its goal.
+
+        Args:
+            identifier: of the sub-task.
+            objects: all of the scene.
+            slots: fields of the sub-task, in place of the usual ones.
+        """
+        text, *others = wordings(self.goal, {o.id: o.record.phrase for o in objects})
+        usual: dict[str, Any] = {"template": self.name, "text": text, "texts": others, "goals": [self.goal]}
+        return Subtask(id=identifier, object=self.thing.id, script=f"subtasks/{identifier}.py", **(usual | slots))
