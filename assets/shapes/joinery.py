@@ -24,7 +24,7 @@ GRIP_WIDTH, GRIP_HEIGHT, PROUD = 0.012, 0.034, 0.036
 GAP = 0.002
 """Between a front and the boards around it, metres."""
 
-SLIDE = 0.14
+SLIDE = 0.16
 """How far a drawer opens, metres."""
 
 REBATE = 0.002
