@@ -400,33 +400,43 @@ class _Grounding:
         if not found:
             raise self._refusal(place, f"nothing can be put {request.preposition} it, or it is not there")
         if place.quantity == "rest":
-            used = {p.id if place.part is None else f"{p.id}/{p.part}" for p in self._places.values()}
-            found = [p for p in found if (p.id if place.part is None else f"{p.id}/{p.part}") not in used]
-            if len(found) != 1 or not used:
-                raise self._refusal(
-                    place, f"it may be {_either([p.id for p in found])}" if found else "there is no other"
-                )
+            found = [self._remaining(place, found)]
         if place.plural:
             if place.part is None and len(found) != len(names):
                 raise self._refusal(place, f"{len(names)} things do not go to {len(found)} places one by one")
             return found
-        if len(found) > 1 and place.quantity != "a" and not _one_object(found):
-            known = self._named_before(place, list(dict.fromkeys(p.id for p in found)))
-            found = [p for p in found if p.id in known]
-        if len(found) > 1 and place.quantity != "a" and not _one_object(found):
-            raise self._refusal(place, f"it may be {_either([p.id for p in found])}")
-        if (
-            len(found) > 1 and place.part is not None and not place.which and place.quantity == "the"
-        ):  # 'in that same drawer'
-            before = [p for k, p in self._places.items() if k[0].part == place.part and k[0].start < place.start]  # pyrefly: ignore
-            found = [before[-1]] if before and before[-1] in found else found
-        if len(found) > 1 and place.quantity != "a" and place.part is not None:
-            raise self._refusal(place, f"it may be {_either([str(p.part) for p in found])}")
         if place.quantity == "a":
-            fresh = [p for p in found if p not in self._places.values()]
-            found = fresh or found
+            found = [p for p in found if p not in self._places.values()] or found
+        else:
+            found = [self._the_one(place, found)]
         self._places[key] = found[0]
         return [found[0]]
+
+    def _remaining(self, place: Phrase, found: Sequence[_Place]) -> _Place:
+        """'The other drawer': the one of some places that nothing was put in yet."""
+
+        def spot(p: _Place) -> str:
+            return p.id if place.part is None else f"{p.id}/{p.part}"
+
+        used = set(map(spot, self._places.values()))
+        left = [p for p in found if spot(p) not in used]
+        if len(left) == 1 and used:
+            return left[0]
+        raise self._refusal(place, f"it may be {_either([p.id for p in left])}" if left else "there is no other")
+
+    def _the_one(self, place: Phrase, found: list[_Place]) -> _Place:
+        """The only one of some places that the words mean: the object that was named before, or the same part of it."""
+        if len(found) > 1 and not _one_object(found):
+            known = self._named_before(place, list(dict.fromkeys(p.id for p in found)))
+            found = [p for p in found if p.id in known]
+        if len(found) > 1 and not _one_object(found):
+            raise self._refusal(place, f"it may be {_either([p.id for p in found])}")
+        if len(found) > 1 and place.part is not None and not place.which and place.quantity == "the":
+            before = [p for k, p in self._places.items() if k[0].part == place.part and k[0].start < place.start]  # pyrefly: ignore
+            found = [before[-1]] if before and before[-1] in found else found  # 'in that same drawer'
+        if len(found) > 1 and place.part is not None:
+            raise self._refusal(place, f"it may be {_either([str(p.part) for p in found])}")
+        return found[0]
 
     def _candidates(self, place: Phrase, preposition: str, names: Sequence[str]) -> list[_Place]:
         """Every place that the words fit."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from vcage.models.rules.phrases import MARKS, Phrase, noun_phrase, noun_phrases
 from vcage.models.rules.references import SURFACES, References
@@ -11,6 +11,25 @@ from vcage.models.rules.request import ENDS, Request
 _THROWN = ("throw", "toss", "chuck", "shove", "dump")
 _ALONG = ("run", "wave", "swipe")
 """Verbs that mean something only with the scanner: 'run it past the scanner'."""
+
+
+@dataclass
+class _Move:
+    """What is read of things that are moved, while it is read.
+
+    Args:
+        things: that are moved.
+        begun: where the command began, a token's index.
+        takes: whether its verb is one of taking.
+        placed: whether it is known where they go.
+        tools: what is used for it.
+    """
+
+    things: tuple[Phrase, ...]
+    begun: int
+    takes: bool
+    placed: bool = False
+    tools: tuple[Phrase, ...] = ()
 
 
 class Placing(References):
@@ -51,80 +70,92 @@ class Placing(References):
 
     def _places_of(self, things: tuple[Phrase, ...], begun: int, takes: bool = False) -> None:
         """What follows things that are moved: where from, where to, and further things with their places."""
-        cursor = self._cursor
-        placed = False
-        tools: tuple[Phrase, ...] = ()
-        while True:
-            while cursor.text() in ("down", "out", "over", "along", "across", "instead", "straight"):
-                cursor.take()
-            cursor.skip("also")
-            if cursor.text() in MARKS and not placed and cursor.kind(1) in ("prep", "there", "toward", "back"):
-                cursor.take()
-            if (
-                cursor.kind() == "and"
-                and not placed
-                and cursor.kind(1) == "prep"
-                and self._tokens[cursor.at - 1].kind == "word"
-            ):
-                cursor.take()  # 'off the desk and into the tray'
-            kind = cursor.kind()
-            if self._instead_follows():
-                things, placed = self._corrected(things, placed, begun)
-                continue
-            if kind == "back" and placed and self._requests and self._requests[-1].asked == "back":
-                cursor.take()
-                continue
-            if kind == "back":
-                cursor.take()
-                self._require_things(things, begun)
-                self._add(Request("back", things), begun)
-                placed = True
-            elif (
-                kind == "there"
-                and not placed
-                and self._part is None
-                and self._place is None
-                and cursor.text() == "there"
-            ):
-                cursor.take()  # 'grab the sign there'
-            elif kind == "there":
-                token = cursor.take()
-                if token.text != "there":
-                    self._require_clear(cursor.at - 1)
-                word = "on" if token.text.startswith("on") else "in" if token.text.startswith("in") else self._how
-                self._add(self._placed(things, self._known_place(begun), word), begun)
-                placed = True
-            elif kind == "toward":
-                placed = self._handed(things, begun, takes) or placed
-            elif kind == "prep" and cursor.peek().value == "from":  # pyrefly: ignore
-                cursor.take()
-                self._taken_out(things)
-            elif kind == "prep" and cursor.peek().value == "with":  # pyrefly: ignore
-                cursor.take()
-                tools = noun_phrases(cursor)
-                if tools and all(tool.is_pronoun for tool in tools):
-                    continue  # 'the pens go in there with them'
-                raise self._refusal(self._words(begun, cursor.at), "what is used for it is not understood")
-            elif kind == "prep" and not placed and cursor.peek().value == "tower":  # pyrefly: ignore
-                cursor.take()
-                self._add(Request("tower", things), begun)
-                placed = True
-            elif kind == "prep" and not placed:
-                if self._tokens[begun].base in _ALONG:
-                    raise self._refusal(self._words(begun, self._end_of_clause()), "the robot does not do that")
-                place, preposition = self._place_after(cursor.take().value, things)
-                self._add(replace(self._placed(things, place, preposition), tools=tools), begun)
-                placed = True
-            elif placed and self._left_out():
-                continue
-            elif placed and self._more(begun):
-                return
-            else:
-                break
-        if not placed:
-            self._waiting, self._things = things, things
+        move = _Move(things, begun, takes)
+        while self._one_place(move):
+            pass
+        if not move.placed:
+            self._waiting, self._things = move.things, move.things
             if not self._announces():
-                self._pending |= dict.fromkeys(things, self._words(begun, cursor.at))
+                self._pending |= dict.fromkeys(move.things, self._words(begun, self._cursor.at))
+
+    def _one_place(self, move: _Move) -> bool:
+        """Read one more place, or a word about one; whether another may follow."""
+        cursor = self._cursor
+        self._skip_fillers(move)
+        if self._instead_follows():
+            move.things, move.placed = self._corrected(move.things, move.placed, move.begun)
+            return True
+        reader = {"back": self._back, "there": self._there, "toward": self._toward, "prep": self._to}.get(cursor.kind())
+        if reader is not None and reader(move):
+            return True
+        if move.placed and self._left_out():
+            return True
+        if move.placed:
+            self._more(move.begun)
+        return False
+
+    def _skip_fillers(self, move: _Move) -> None:
+        """'down', 'also', a comma or an 'and' before a place: 'off the desk and into the tray'."""
+        cursor = self._cursor
+        while cursor.text() in ("down", "out", "over", "along", "across", "instead", "straight"):
+            cursor.take()
+        cursor.skip("also")
+        if move.placed:
+            return
+        if cursor.text() in MARKS and cursor.kind(1) in ("prep", "there", "toward", "back"):
+            cursor.take()
+        if cursor.kind() == "and" and cursor.kind(1) == "prep" and self._tokens[cursor.at - 1].kind == "word":
+            cursor.take()
+
+    def _back(self, move: _Move) -> bool:
+        """'… back'; said twice it means the same."""
+        self._cursor.take()
+        if not (move.placed and self._requests and self._requests[-1].asked == "back"):
+            self._require_things(move.things, move.begun)
+            self._add(Request("back", move.things), move.begun)
+            move.placed = True
+        return True
+
+    def _there(self, move: _Move) -> bool:
+        """'… in there'; where nothing is known that it could mean it is skipped: 'grab the sign there'."""
+        token = self._cursor.take()
+        if token.text == "there" and not move.placed and self._part is None and self._place is None:
+            return True
+        if token.text != "there":
+            self._require_clear(self._cursor.at - 1)
+        word = "on" if token.text.startswith("on") else "in" if token.text.startswith("in") else self._how
+        self._add(self._placed(move.things, self._known_place(move.begun), word), move.begun)
+        move.placed = True
+        return True
+
+    def _toward(self, move: _Move) -> bool:
+        """'… to the customer'."""
+        move.placed = self._handed(move.things, move.begun, move.takes) or move.placed
+        return True
+
+    def _to(self, move: _Move) -> bool:
+        """'… from the bowl', '… into the box'; whether that was read: a second place with one verb is not."""
+        cursor = self._cursor
+        token = cursor.take()
+        if token.value == "from":
+            self._taken_out(move.things)
+        elif token.value == "with":
+            move.tools = noun_phrases(cursor)
+            if not (move.tools and all(tool.is_pronoun for tool in move.tools)):  # 'the pens go in there with them'
+                raise self._refusal(self._words(move.begun, cursor.at), "what is used for it is not understood")
+        elif move.placed:
+            cursor.at -= 1
+            return False
+        elif token.value == "tower":
+            self._add(Request("tower", move.things), move.begun)
+            move.placed = True
+        else:
+            if self._tokens[move.begun].base in _ALONG:
+                raise self._refusal(self._words(move.begun, self._end_of_clause()), "the robot does not do that")
+            place, preposition = self._place_after(token.value, move.things)
+            self._add(replace(self._placed(move.things, place, preposition), tools=move.tools), move.begun)
+            move.placed = True
+        return True
 
     def _goes_on(self) -> bool:
         """Whether a preposition and a place follow: 'scan it and put in the basket'."""
