@@ -40,6 +40,13 @@ def test_the_arm_on_whose_side_it_happens_comes_first():
     assert found[0].finding.grasps[0].arm == "left"
 
 
+def test_the_checks_of_a_push_are_those_of_its_best_arm():
+    found, _ = examined("left_of", thing("plate", (-0.15, -0.1)), thing("mug", (-0.15, 0.15)))
+    assert any(len(push.finding.grasps) == 2 for push in found)
+    for finding in (push.finding for push in found):
+        assert f"the {finding.grasps[0].arm} arm reaches" in finding.checks[-1].message
+
+
 @pytest.mark.parametrize(
     ("others", "reason"),
     [

@@ -95,12 +95,31 @@ class Transfer:
         return Obstacles(self.around)
 
 
+Report = tuple[Sequence[Check], float | None]
+"""The checks of one arm up to the first that failed, and the score of its motion; None where it cannot do it."""
+
+
 @dataclass(frozen=True)
 class Feasibility:
-    """The checks of a transfer up to the first that failed, and the arms that can do it, best first."""
+    """The checks of the best arm up to the first that failed, and the arms that can do it, best first."""
 
     checks: list[Check]
     grasps: list[Grasp]
+
+    @classmethod
+    def of_arms(cls, contact: int, before: Sequence[Check], reports: Mapping[str, Report]) -> Feasibility:
+        """What the arms can do, with the checks of the best; where none can, of the one that came furthest.
+
+        Args:
+            contact: id of the contact point; of a push its direction.
+            before: checks that do not depend on the arm, all of them passed.
+            reports: by arm, at least one.
+        """
+        scores = {arm: score for arm, (_, score) in reports.items() if score is not None}
+        grasps = [Grasp(contact=contact, arm=arm, score=round(score, 4)) for arm, score in scores.items()]
+        grasps.sort(key=lambda grasp: (-grasp.score, grasp.arm))
+        told = grasps[0].arm if grasps else max(reports, key=lambda arm: _progress(reports[arm][0]))
+        return cls([*before, *reports[told][0]], grasps)
 
     @property
     def feasible(self) -> bool:
@@ -185,15 +204,7 @@ def examine(transfer: Transfer, kinematics: Mapping[str, ArmKinematics], table_h
     if not wide.passed:
         return Feasibility([wide], [])
     reports = {arm: _examine_arm(transfer, arm, k, table_height) for arm, k in kinematics.items()}
-    grasps = [
-        Grasp(contact=transfer.contact.id, arm=arm, score=round(score, 4))
-        for arm, (_, score) in reports.items()
-        if score is not None
-    ]
-    grasps.sort(key=lambda grasp: (-grasp.score, grasp.arm))
-    # the arm that came furthest explains the transfer best
-    best = grasps[0].arm if grasps else max(reports, key=lambda arm: _progress(reports[arm][0]))
-    return Feasibility([wide, *reports[best][0]], grasps)
+    return Feasibility.of_arms(transfer.contact.id, [wide], reports)
 
 
 def _progress(checks: Sequence[Check]) -> tuple[int, bool]:
@@ -226,15 +237,8 @@ def examine_operation(
     wide = opens_wide_enough(thing, contact, kinematics)
     if contact.use == "grasp" and not wide.passed:
         return Feasibility([wide], [])
-    checks, grasps = [wide] if contact.use == "grasp" else [], []
-    for arm, k in kinematics.items():
-        found, score = _examine_ways(handle, thing, target, others, arm, k)
-        if score is not None:
-            grasps.append(Grasp(contact=contact.id, arm=arm, score=round(score, 4)))
-        if score is not None or not grasps:
-            checks = [*checks[:1], *found] if contact.use == "grasp" else found
-    grasps.sort(key=lambda grasp: (-grasp.score, grasp.arm))
-    return Feasibility(checks, grasps)
+    reports = {arm: _examine_ways(handle, thing, target, others, arm, k) for arm, k in kinematics.items()}
+    return Feasibility.of_arms(contact.id, [wide] if contact.use == "grasp" else [], reports)
 
 
 def _examine_ways(
@@ -244,7 +248,7 @@ def _examine_ways(
     others: Sequence[SceneObject],
     arm: str,
     kinematics: ArmKinematics,
-) -> tuple[list[Check], float | None]:
+) -> Report:
     """The checks of the way that came furthest, and the score of the first that an arm can follow."""
     gripper = kinematics.arm.gripper
     where = f"{handle.contact.name!r} of {thing.record.phrase}"
@@ -267,10 +271,8 @@ def _examine_ways(
     return furthest, None
 
 
-def _examine_arm(
-    transfer: Transfer, arm: str, kinematics: ArmKinematics, table_height: float
-) -> tuple[list[Check], float | None]:
-    """The checks of one arm, and the score of its motion; None when it cannot.
+def _examine_arm(transfer: Transfer, arm: str, kinematics: ArmKinematics, table_height: float) -> Report:
+    """What one arm can do.
 
     Args:
         transfer: what is tried.
@@ -351,9 +353,7 @@ def _walls_around(thing: SceneObject, holder: SceneObject) -> list[SolidBox]:
     return holder.boxes if where is None else holder.around(where.id)
 
 
-def _examine_place(
-    transfer: Transfer, arm: str, kinematics: ArmKinematics, pick: Pick, height: float
-) -> tuple[list[Check], float | None]:
+def _examine_place(transfer: Transfer, arm: str, kinematics: ArmKinematics, pick: Pick, height: float) -> Report:
     """The checks of a grasp and of the way on from there, and the score of the whole; None when it cannot be done."""
     if pick.path is None:
         return pick.checks, None

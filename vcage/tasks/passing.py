@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from vcage.schema.subtasks import Check, Grasp
+from vcage.schema.subtasks import Check
 from vcage.sim.kinematics import ArmKinematics
 from vcage.sim.motion import MotionFailed
-from vcage.tasks.feasibility import Feasibility, Transfer, follow, opens_wide_enough, picks, travel
+from vcage.tasks.feasibility import Feasibility, Report, Transfer, follow, opens_wide_enough, picks, reach_check, travel
 from vcage.tasks.meeting import Hold, NoMeeting, meeting_height, meetings
 from vcage.tasks.primitives.pick import transfer_height
 from vcage.tasks.primitives.place import Placing
@@ -28,14 +28,7 @@ def examine_passing(
     if not wide.passed:
         return Feasibility([wide], [])
     reports = {arm: _examine_giver(transfer, arm, to, kinematics, table_height) for arm in kinematics if arm != to}
-    grasps = [
-        Grasp(contact=transfer.contact.id, arm=arm, score=round(score, 4))
-        for arm, (_, score) in reports.items()
-        if score is not None
-    ]
-    grasps.sort(key=lambda grasp: (-grasp.score, grasp.arm))
-    best = grasps[0].arm if grasps else max(reports, key=lambda arm: sum(c.passed for c in reports[arm][0]))
-    return Feasibility([wide, *reports[best][0]], grasps)
+    return Feasibility.of_arms(transfer.contact.id, [wide], reports)
 
 
 def examine_detour(
@@ -63,7 +56,7 @@ def examine_detour(
 
 def _examine_giver(
     transfer: Transfer, arm: str, to: str, kinematics: Mapping[str, ArmKinematics], table_height: float
-) -> tuple[list[Check], float | None]:
+) -> Report:
     """The checks of the grasp that came furthest, and the score of the first that does."""
     target, giver, taker = transfer.target, kinematics[arm], kinematics[to]
     width, height = target.asset.grasp_width(transfer.contact), transfer_height(transfer.others, table_height)
@@ -82,8 +75,7 @@ def _examine_giver(
             else:
                 met = f"the {arm} and the {to} arm reach {target.record.phrase} between them"
                 checks.append(Check(name="reach_meeting", passed=True, message=met))
-                put = f"the {to} arm reaches {transfer.where}"
-                checks.append(Check(name="reach_place", passed=True, message=put))
+                checks.append(reach_check("reach_place", transfer.where, True, to))
                 ways = [giver.home, *picked, found.giving, giver.home], [taker.home, found.taking, taker.home]
                 return checks, -sum(map(travel, ways))
         furthest = checks if len(checks) > len(furthest) else furthest

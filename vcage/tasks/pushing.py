@@ -10,9 +10,9 @@ import numpy as np
 from vcage.base.geometry import Pose
 from vcage.plans.relations import holds
 from vcage.schema.goals import Goal
-from vcage.schema.subtasks import Check, Grasp
+from vcage.schema.subtasks import Check
 from vcage.sim.kinematics import ArmKinematics
-from vcage.tasks.feasibility import Feasibility, follow, reach_check, travel
+from vcage.tasks.feasibility import Feasibility, Report, follow, reach_check, travel
 from vcage.tasks.grasps import hand_boxes
 from vcage.tasks.ground import Ground
 from vcage.tasks.primitives.push import PushWay, push_ways
@@ -144,20 +144,14 @@ def _examine(
     free = Check(name="way_free", passed=met is None, message=message)
     if met is not None:
         return Feasibility([free], [])
-    checks, grasps = [free], []
-    for arm, k in kinematics.items():
-        check, score = _examine_arm(thing, end, others, arm, k, where)
-        if score is not None:
-            grasps.append(Grasp(contact=heading, arm=arm, score=round(score, 4)))
-        if score is not None or not grasps:
-            checks = [free, check]
-    return Feasibility(checks, sorted(grasps, key=lambda grasp: (-grasp.score, grasp.arm)))
+    reports = {arm: _examine_arm(thing, end, others, arm, k, where) for arm, k in kinematics.items()}
+    return Feasibility.of_arms(heading, [free], reports)
 
 
 def _examine_arm(
     thing: SceneObject, end: Pose, others: Sequence[SceneObject], arm: str, kinematics: ArmKinematics, where: str
-) -> tuple[Check, float | None]:
-    """What decides whether an arm can do a push, and the score of its motion."""
+) -> Report:
+    """Whether an arm can do a push."""
     blocked = None
     for way in push_ways(thing, end, kinematics.arm.gripper):
         poses = _along(way)
@@ -168,11 +162,12 @@ def _examine_arm(
             continue
         path = follow(kinematics, [way.above, *poses, way.up], kinematics.home)
         if path is not None:
-            return reach_check("reach_motion", where, True, arm), -travel([kinematics.home, *path, kinematics.home])
+            reached = reach_check("reach_motion", where, True, arm)
+            return [reached], -travel([kinematics.home, *path, kinematics.home])
     if blocked is not None:
         message = f"{blocked} is in the way of the hand with {where}"
-        return Check(name="way_free", passed=False, message=message), None
-    return reach_check("reach_motion", where, False, arm), None
+        return [Check(name="way_free", passed=False, message=message)], None
+    return [reach_check("reach_motion", where, False, arm)], None
 
 
 def _along(way: PushWay) -> list[Pose]:

@@ -48,6 +48,14 @@ def test_a_part_in_reach_is_operated(template: str, asset: str, goal: str, befor
     assert len({subtask.text, *subtask.texts}) >= 10
 
 
+@pytest.mark.parametrize("x", [-0.1, 0.1])
+def test_the_checks_of_an_operation_are_those_of_its_best_arm(x: float) -> None:
+    (subtask,), _ = found("open", thing("cabinet_one_drawer", (x, 0.1)))
+    assert len(subtask.grasps) == 2
+    reached = [check.message for check in subtask.checks if check.name in ("reach_grasp", "reach_motion")]
+    assert len(reached) == 2 and all(subtask.grasps[0].arm in message for message in reached)
+
+
 def test_a_lower_drawer_needs_those_above_it_shut() -> None:
     kept, _ = found("open", thing("cabinet_two_drawers", (-0.05, 0.05)))
     needs = {s.goals[0].part: {(g.relation, g.part) for g in s.requires} for s in kept}
