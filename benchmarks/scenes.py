@@ -28,7 +28,7 @@ from vcage.base.workers import cores, in_processes
 from vcage.models.selection_check import NamedObject
 from vcage.plans.actions import lasting
 from vcage.schema.scene import Scene
-from vcage.schema.subtasks import Subtask, Subtasks
+from vcage.schema.subtasks import Refusal, Subtask, Subtasks
 from vcage.sim.robots import load_template
 from vcage.stages import inpaint_plan, match, optimize, search_subtasks, select_place
 from vcage.stages.context import StageContext
@@ -36,7 +36,6 @@ from vcage.stages.stage import ModelOptions
 from vcage.tasks.readiness import ready_for
 from vcage.tasks.search import sensible
 from vcage.tasks.synthesis import load_script
-from vcage.tasks.templates import Proposal
 
 logger = logging.getLogger(__name__)
 
@@ -145,15 +144,13 @@ def _outcomes(task: _Task) -> tuple[_Task, dict[str, Outcome]]:
 def found_subtasks(scene: Scene, context: StageContext) -> list[str]:
     """The sub-tasks that make sense for the objects of a scene and fit by size, wherever the objects stand."""
     proposals, _, _ = sensible(context.objects(scene), context.models.reasoner.judge_pairs)
-    return list(dict.fromkeys(_name(proposal) for proposal in proposals))
+    return list(dict.fromkeys(_name(proposal.refusal("as any other")) for proposal in proposals))
 
 
-def _name(proposal: Proposal | Subtask) -> str:
-    """What a sub-task is known by, before and after it was found feasible."""
-    if isinstance(proposal, Subtask):
-        return f"{proposal.template} {proposal.goals[0]} {proposal.functional_point}"
-    told = proposal.refusal("as any other")
-    return f"{told.template} {proposal.goal} {told.functional_point}"
+def _name(found: Subtask | Refusal) -> str:
+    """What a sub-task is known by, whether it is feasible or not."""
+    goal = found.goals[0] if isinstance(found, Subtask) else found.goal
+    return f"{found.template} {goal} {found.functional_point}"
 
 
 def _lay_out(run: RunFolder, drawn: Scene, seed: int, layout: str, context: StageContext) -> None:
@@ -200,19 +197,5 @@ def _failure(subtask: Subtask, run: RunFolder, scene: Scene, seed: int, context:
 
 def _refusal(name: str, searched: Subtasks) -> str:
     """Why a sub-task is not feasible in a layout."""
-    template, subject = name.split()[0], name.split()[1]
-    thing = subject.partition("/")[0]
-    reasons = [
-        refusal.reason
-        for refusal in searched.refused
-        if refusal.template == template and refusal.object == thing and _is_about(refusal, name)
-    ]
+    reasons = [refusal.reason for refusal in searched.refused if _name(refusal) == name]
     return f"not feasible: {reasons[-1] if reasons else 'no reason given'}"
-
-
-def _is_about(refusal: Any, name: str) -> bool:
-    """Whether a refusal is of the sub-task of that name, as far as it tells."""
-    if refusal.functional_point is None:
-        return True
-    *_, reference, point = name.split()
-    return refusal.receptacle == reference.partition("/")[0] and str(refusal.functional_point) == point

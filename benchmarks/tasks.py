@@ -92,7 +92,7 @@ def _row(name: str, sentence: str, robot: str, seeds: int, context: StageContext
     tally, start = Tally(), time.perf_counter()
     for seed in range(seeds):
         try:
-            _count(simulated(sentence, seed, context, robot), tally)
+            _count(*simulated(sentence, seed, context, robot), tally)
         except VcageError as error:
             tally.failures[f"refused: {error.message}"[:160]] += 1
     for reason, count in tally.failures.most_common(5):
@@ -108,15 +108,17 @@ def _row(name: str, sentence: str, robot: str, seeds: int, context: StageContext
     }
 
 
-def _count(done: EpisodeRun, tally: Tally) -> None:
+def _count(chain: Sequence[Subtask], done: EpisodeRun, tally: Tally) -> None:
+    """Add an episode of a chain to a tally."""
     for attempt in done.attempts:
         tally.steps += 1
         truth = attempt.truth
         if truth is not None and truth.success:
             tally.done += 1
         else:
-            kind = attempt.subtask.partition("-")[0]
-            tally.failures[f"{kind} at {attempt.stage}: {truth.reason if truth else attempt.reason}"[:160]] += 1
+            tally.failures[
+                f"{chain[attempt.step].template} at {attempt.stage}: {truth.reason if truth else attempt.reason}"[:160]
+            ] += 1
             return
     if done.goals_hold is not None and done.goals_hold.success:
         tally.whole += 1
@@ -124,8 +126,10 @@ def _count(done: EpisodeRun, tally: Tally) -> None:
         tally.failures[f"at the end: {done.goals_hold.reason if done.goals_hold else done.reason}"[:160]] += 1
 
 
-def simulated(sentence: str, seed: int, context: StageContext, robot: str | None = None) -> EpisodeRun:
-    """One episode of an instruction in a scene of its own, judged by nobody.
+def simulated(
+    sentence: str, seed: int, context: StageContext, robot: str | None = None
+) -> tuple[list[Subtask], EpisodeRun]:
+    """The chain of an instruction in a scene of its own, and one episode of it, judged by nobody.
 
     Raises:
         VcageError: a stage refuses.
@@ -140,8 +144,9 @@ def simulated(sentence: str, seed: int, context: StageContext, robot: str | None
         search_subtasks.execute(made, ModelOptions(models="offline"), context)
         scene, found = Scene.read(made.layout), Subtasks.read(made.subtasks)
         kept = {subtask.id: subtask for subtask in found.kept}
-        chain = [(kept[name], load_script(made.root / kept[name].script)) for name in found.chains[0].subtasks]
-        return play(scene, chain, lasting(in_steps(scene.goals)), seed, context)
+        chain = [kept[name] for name in found.chains[0].subtasks]
+        scripts = [(subtask, load_script(made.root / subtask.script)) for subtask in chain]
+        return chain, play(scene, scripts, lasting(in_steps(scene.goals)), seed, context)
 
 
 def play(
