@@ -116,9 +116,8 @@ def _count(chain: Sequence[Subtask], done: EpisodeRun, tally: Tally) -> None:
         if truth is not None and truth.success:
             tally.done += 1
         else:
-            tally.failures[
-                f"{chain[attempt.step].template} at {attempt.stage}: {truth.reason if truth else attempt.reason}"[:160]
-            ] += 1
+            why = truth.reason if truth else attempt.reason
+            tally.failures[f"{chain[attempt.step].template} at {attempt.stage}: {why}"[:160]] += 1
             return
     if done.goals_hold is not None and done.goals_hold.success:
         tally.whole += 1

@@ -54,4 +54,4 @@ def test_what_cannot_be_weighed_says_why() -> None:
 def test_each_drawer_has_a_reason_of_its_own(part: str) -> None:
     found = searched([thing("cabinet_two_drawers", (0.0, 0.9))])
     reason = _refusal(f"open cabinet_two_drawers/drawer_{part} open None", found)
-    assert f"{part}" in reason
+    assert part in reason
