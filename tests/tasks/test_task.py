@@ -11,6 +11,7 @@ from tests.scenes import ON_PLATE, TABLE_TOP, block_and_plate, thing, world_of
 from vcage.base.errors import UnknownName
 from vcage.base.geometry import Pose
 from vcage.schema.goals import Goal
+from vcage.tasks.primitives.place import Placing
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.slots import Slot
 from vcage.tasks.task import Task, TaskFailed
@@ -160,6 +161,28 @@ def test_an_object_without_a_slot_cannot_be_placed():
     task.pick("block", GRASPS[:1])
     with pytest.raises(UnknownName, match="slot 'block'"):
         task.place("plate")
+
+
+@pytest.mark.parametrize(
+    ("elsewhere", "named"), [(("block",), "block"), (("plate", 1), "functional point 1 of plate"), ((), "table")]
+)
+def test_a_place_other_than_that_of_the_slot_is_refused_with_both(
+    task: Task, elsewhere: tuple[str | int, ...], named: str
+):
+    task.pick("block", GRASPS)
+    expected = f"block cannot be put at {named}: its slot was planned at functional point 0 of plate"
+    with pytest.raises(TaskFailed, match=expected) as caught:
+        task.place(*elsewhere)
+    assert (caught.value.stage, caught.value.exhausted) == ("plan", True)
+
+
+def test_what_receives_something_stays_an_obstacle_where_no_point_is_named(task: Task, monkeypatch):
+    seen: list[tuple[str, int | None]] = []
+    of = Placing.of
+    monkeypatch.setattr(Placing, "of", lambda cell, name, *where: seen.append(where) or of(cell, name, *where))
+    task.pick("block", GRASPS)
+    task.place("plate")
+    assert set(seen) == {("plate", 0)}
 
 
 def test_a_question_holds_the_words_and_the_goals(task: Task):

@@ -153,15 +153,16 @@ class Task:
     def place(self, receptacle_id: str = TABLE, point: int | None = None) -> None:
         """Carry what is held to its slot in the receptacle or on the table, or another that is free, and let it go.
 
-        The hand is drawn back with the motion that follows.
+        The hand is drawn back with the motion that follows. Slots are planned for the whole chain before it begins, so
+        what is named here only says again where that is.
 
         Args:
             receptacle_id: what receives it, or ``table``.
-            point: id of the receptacle's functional point; None on the table.
+            point: id of the receptacle's functional point; that of the slot when not given.
 
         Raises:
-            TaskFailed: nothing is held any more, or no way can be planned.
-            UnknownName: there is no such receptacle or functional point, or what is held has no slot.
+            TaskFailed: nothing is held any more, its slot is elsewhere, or no way can be planned.
+            UnknownName: what is held has no slot.
         """
         if self._grip is None:
             raise TaskFailed("grasp", "nothing was picked up before placing")
@@ -169,7 +170,12 @@ class Task:
         held, objects = self._grip.object_id, self._cell.objects()
         if held not in self._slots:
             raise UnknownName("slot", held, self._slots)
-        placing = Placing.of(self._cell, held, receptacle_id, point)
+        planned = self._slots[held]
+        if receptacle_id != planned.receptacle or point not in (None, planned.point):
+            there, here = _place_words(planned.receptacle, planned.point), _place_words(receptacle_id, point)
+            message = f"{held} cannot be put at {here}: its slot was planned at {there}"
+            raise TaskFailed("plan", message, exhausted=True)
+        placing = Placing.of(self._cell, held, planned.receptacle, planned.point)
         choices = ((slot, slot.poses(objects)) for slot in self._left)
         plan, slot = plan_place(self._cell, self._grip, placing, choices)
         self._say_slot(held, slot)
@@ -312,3 +318,7 @@ class Task:
         """The arms, the one whose base is nearest to an object first."""
         bases = {name: control.arm.base.pose().p for name, control in self.world.arms.items()}
         return sorted(bases, key=lambda name: (float(np.linalg.norm(bases[name] - thing.pose.p)), name))
+
+
+def _place_words(receptacle_id: str, point: int | None) -> str:
+    return receptacle_id if point is None else f"functional point {point} of {receptacle_id}"
