@@ -95,8 +95,9 @@ def test_a_script_plays_a_pick_a_place_and_the_way_home(tmp_path: Path):
 @settings(suppress_health_check=[HealthCheck.function_scoped_fixture], deadline=None)
 @given(text=texts, instruction=texts)
 def test_the_words_of_a_model_come_back_as_they_were_and_never_become_code(tmp_path: Path, text: str, instruction: str):
-    values = written(tmp_path, text, instruction).values
-    assert (values["TEXT"], values["INSTRUCTION"]) == (text, instruction)
+    step = subtask(text=text, texts=[instruction])
+    values = load_script(write_script(step, scene_of(block_and_plate(), instruction), tmp_path / "step.py")).values
+    assert (values["TEXT"], values["TEXTS"]) == (text, [instruction])
 
 
 @settings(deadline=None)

@@ -17,7 +17,7 @@ from vcage.sim.robots import load_template
 from vcage.stages.stage import Job
 from vcage.tasks.synthesis import Script, load_script
 
-NEEDED = ("TEMPLATE", "ROBOT", "SUBTASK", "INSTRUCTION", "SCENE", "TEXT", "GRASPS", "GOALS")
+NEEDED = ("TEMPLATE", "ROBOT", "TEXT", "TEXTS", "SUBTASK", "SCENE", "GRASPS", "GOALS", "REQUIRES")
 HINT = "mend it, or run search_subtasks --force"
 
 
@@ -31,11 +31,7 @@ def prepare_run(run: RunFolder, path: Path, *, seed: int, force: bool) -> None:
     """
     script = load_script(path)
     values = script.values
-    missing = [
-        n
-        for n in ("TEMPLATE", "ROBOT", "SUBTASK", "INSTRUCTION", "SCENE", "TEXT", "GRASPS", "GOALS")
-        if n not in values
-    ]
+    missing = [name for name in NEEDED if name not in values]
     if missing:
         raise DamagedFile(f"{path} defines no {', '.join(missing)}", hint=HINT)
     origin = {"script": sha256_file(path)}
@@ -95,8 +91,9 @@ def _subtask(script: Script, path: str) -> Subtask:
             **values["SUBTASK"],
             id=script.path.stem,
             text=values["TEXT"],
+            texts=values["TEXTS"],
             grasps=[Grasp(contact=contact, arm=arm, score=score) for contact, arm, score in values["GRASPS"]],
-            requires=[goal_of(goal) for goal in values.get("REQUIRES", [])],
+            requires=[goal_of(goal) for goal in values["REQUIRES"]],
             goals=[goal_of(goal) for goal in values["GOALS"]],
             script=path,
             checks=[],

@@ -23,8 +23,8 @@ from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Subtask
 from vcage.tasks.templates import TEMPLATES
 
-FIELDS = {"template", "object", "receptacle", "functional_point", "target", "tool", "grasped"}
-"""What a script says of its sub-task besides words, goals and grasps."""
+SAID_ELSEWHERE = {"id", "text", "texts", "grasps", "requires", "goals", "script", "checks"}
+"""What a script's SUBTASK leaves out: it has names of its own, or follows from the script; checks are not repeated."""
 
 
 def render_script(subtask: Subtask, scene: Scene) -> str:
@@ -32,7 +32,7 @@ def render_script(subtask: Subtask, scene: Scene) -> str:
     text = _page().render(
         subtask=subtask,
         scene=scene,
-        fields=subtask.model_dump(include=FIELDS, exclude_none=True),
+        fields=subtask.model_dump(exclude=SAID_ELSEWHERE, exclude_none=True),
         grasps=[(g.contact, g.arm, g.score) for g in subtask.grasps],
         goals=[(g.subject, g.relation, g.reference, g.part) for g in subtask.goals],
         requires=[(g.subject, g.relation, g.reference, g.part) for g in subtask.requires],
