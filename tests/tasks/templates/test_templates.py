@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import ast
 from typing import get_args
 
 import pytest
 
-from tests.scenes import block_and_plate, subtask
+from tests.scenes import block_and_plate, subtask, thing
 from vcage.schema.subtasks import TemplateName
 from vcage.tasks.templates import TEMPLATES
 from vcage.tasks.templates.place import PLACE
@@ -20,15 +21,22 @@ def test_every_template_that_a_record_can_name_is_searched():
 def test_a_script_only_calls_the_task(template):
     calls = template.calls(subtask())
     assert calls and all(call.startswith("task.") for call in calls)
+    names = {node.id for call in calls for node in ast.walk(ast.parse(call)) if isinstance(node, ast.Name)}
+    assert names <= {"task", "GRASPS", "contact", "arm", "_"}
 
 
 def test_a_pair_is_tried_at_each_contact_point_of_one_and_functional_point_of_the_other():
     block, plate = block_and_plate()
-    pairs, refused = PLACE.proposals([block, plate], ())
+    pairs, _ = PLACE.proposals([block, plate], ())
     assert [(pair.thing.id, pair.receptacle.id, pair.candidates) for pair in pairs if pair.thing.id == "block"] == [
         ("block", "plate", len(block.asset.annotation.contact_points))
     ]
-    assert {r.reason for r in refused} <= {
-        "red block has no functional point",
-        "white plate has no contact point to carry it by",
+
+
+def test_a_pair_that_lacks_the_points_for_it_is_refused_with_what_it_lacks():
+    _, refused = PLACE.proposals([thing("marker"), thing("plate"), thing("packaging_box")], ())
+    assert {(r.object, r.receptacle, r.reason) for r in refused} == {
+        ("plate", "marker", "black marker pen has no functional point"),
+        ("packaging_box", "marker", "black marker pen has no functional point"),
+        ("plate", "packaging_box", "white plate has no contact point to carry it by"),
     }

@@ -40,8 +40,9 @@ class HandOver:
         return [Handing(NAME, by_id[goal.subject], goal) for goal in goals], []
 
     def calls(self, subtask: Subtask) -> list[str]:
-        """The lines of the script's ``play``; GRASPS and POINT are constants of the script."""
-        where = "" if subtask.functional_point is None else f"{subtask.receptacle!r}, point=POINT"
+        """The lines of the script's ``play``; GRASPS is a constant of the script."""
+        point = subtask.functional_point
+        where = "" if point is None else f"{subtask.receptacle!r}, point={point}"
         grasps = "[(contact, arm) for contact, arm, _ in GRASPS]"
         return [
             f"task.pick({subtask.object!r}, grasps={grasps}, hand_to={subtask.hand_to!r})",
