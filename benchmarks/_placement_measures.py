@@ -15,7 +15,6 @@ from vcage.schema.asset import ContactPoint, FunctionalPoint
 from vcage.sim.bodies import Body
 from vcage.sim.kinematics import ArmKinematics
 from vcage.sim.world import PHYSICS_HZ, World
-from vcage.tasks.feasibility import carrying_points
 from vcage.tasks.grasps import grasp_poses
 
 SECONDS = 2.0
@@ -116,7 +115,7 @@ def reached_points(
             continue
         pose, notes = poses[thing.id], thing.asset.annotation
         if thing.role == "content":
-            answers += [_grasped(pose, point, kinematics.values(), scene.height) for point in carrying_points(notes)]
+            answers += [_grasped(pose, point, kinematics.values(), scene.height) for point in notes.carrying_points]
         elif thing.role == "receptacle":
             answers += [_come_down_on(pose, point, kinematics.values()) for point in notes.functional_points]
     return sum(answers), len(answers)

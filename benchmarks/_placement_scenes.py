@@ -19,7 +19,6 @@ from vcage.schema.scene import Role, Table
 from vcage.sim.kinematics import ArmKinematics, kinematics_of
 from vcage.sim.robots import load_robot
 from vcage.stages.select_place import MARGIN
-from vcage.tasks.feasibility import carrying_points
 
 FILL = (0.2, 0.8)
 """Range of the fill ratio: sum of the objects' rectangles, each grown by the margin, over the workspace's area."""
@@ -140,7 +139,7 @@ def draw_roles(assets: list[Asset]) -> list[Role]:
     """
     roles: list[Role] = ["context"] * len(assets)
     still = [i for i, asset in enumerate(assets) if not asset.articulated]
-    carried = [i for i in still if carrying_points(assets[i].annotation)]
+    carried = [i for i in still if assets[i].annotation.carrying_points]
     for i in carried[: min(MOST_CONTENTS, max(1, len(assets) // 3))]:
         roles[i] = "content"
     holding = [i for i in still if assets[i].annotation.functional_points and roles[i] == "context"]

@@ -23,7 +23,7 @@ from vcage.base.geometry import Pose
 from vcage.schema.asset import FunctionalPoint
 from vcage.schema.goals import Goal
 from vcage.tasks.access import access
-from vcage.tasks.feasibility import Feasibility, Transfer, carrying_points, examine, fits, opens_wide_enough
+from vcage.tasks.feasibility import Feasibility, Transfer, examine, fits, opens_wide_enough
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.search import find_subtasks
 from vcage.tasks.slots import Slot
@@ -160,8 +160,10 @@ def chest(tmp_path_factory):
 
 
 def test_nothing_is_carried_by_the_handle_of_a_drawer(cabinet):
-    assert carrying_points(cabinet.annotation) == []
-    assert len(carrying_points(thing("block").asset.annotation)) == len(thing("block").asset.annotation.contact_points)
+    assert cabinet.annotation.carrying_points == []
+    block = thing("block").asset
+    assert block.annotation.carrying_points == block.annotation.contact_points
+    assert (block.entry().can_be_carried, cabinet.entry().can_be_carried) == (True, False)
 
 
 def test_a_closed_drawer_takes_nothing(cabinet):

@@ -8,7 +8,6 @@ import pytest
 from tests.scenes import TABLE_TOP, kinematics, robot, thing
 from vcage.base.geometry import Pose
 from vcage.sim.motion import MotionFailed
-from vcage.tasks.feasibility import carrying_points
 from vcage.tasks.grasps import grasp_poses
 from vcage.tasks.meeting import Hold, NoMeeting, holds_beside, meetings
 from vcage.tasks.scene_objects import SceneObject
@@ -19,13 +18,13 @@ HEIGHT = TABLE_TOP + 0.2
 
 
 def first_hold(target: SceneObject) -> Hold:
-    contact = carrying_points(target.asset.annotation)[0]
+    contact = target.asset.annotation.carrying_points[0]
     grasp = next(grasp_poses(Pose(), contact, GRIPPER, 0.0))
     return Hold(grasp.in_object, target.asset.grasp_width(contact))
 
 
 def beside(target: SceneObject) -> list[Hold]:
-    contacts = carrying_points(target.asset.annotation)
+    contacts = target.asset.annotation.carrying_points
     return holds_beside(target.asset, first_hold(target), contacts, GRIPPER)
 
 

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from tests.scenes import TABLE_TOP, kinematics, thing
 from vcage.base.geometry import Pose
-from vcage.tasks.feasibility import Transfer, carrying_points
+from vcage.tasks.feasibility import Transfer
 from vcage.tasks.passing import examine_detour, examine_passing
 from vcage.tasks.scene_objects import SceneObject
 
 
 def to_table(target: SceneObject, x: float, y: float = 0.0) -> Transfer:
-    contact = carrying_points(target.asset.annotation)[0]
+    contact = target.asset.annotation.carrying_points[0]
     return Transfer.onto_table(target, contact, [Pose([x, y, TABLE_TOP])], [])
 
 

@@ -65,5 +65,5 @@ def _tags(entry: CatalogueEntry) -> set[str]:
 def _good_for(entry: CatalogueEntry, role: str) -> bool:
     """Whether a kind can be carried, if it is to be, and takes things, if it is to."""
     if role == "content":
-        return any(point.link is None and point.use == "grasp" for point in entry.contact_points)
+        return entry.can_be_carried
     return role == "context" or bool(entry.functional_points)

@@ -41,6 +41,11 @@ class ContactPoint(Record):
             raise ValueError("expected a 'link' for the use 'press': only a moving part can be pressed")
         return self
 
+    @property
+    def carries(self) -> bool:
+        """Whether the object is carried by it: handles and buttons of moving parts are not for that."""
+        return self.link is None and self.use == "grasp"
+
 
 class FunctionalPoint(Record):
     """Where another object may be put, in the object frame."""
@@ -144,6 +149,11 @@ class Annotation(Document):
         """
         return _by_id(f"contact point of {self.name}", self.contact_points, point_id)
 
+    @property
+    def carrying_points(self) -> list[ContactPoint]:
+        """The contact points by which the object is carried."""
+        return [point for point in self.contact_points if point.carries]
+
     def faces_of(self, kind: str) -> list[Face]:
         """The bar codes (``code``) or scanner windows (``reader``)."""
         return [face for face in self.faces if face.kind == kind]
@@ -177,6 +187,11 @@ class CatalogueEntry(Record):
     contact_points: list[ContactPoint] = []
     functional_points: list[FunctionalPoint] = []
     moving_parts: list[Identifier] = Field(default=[], description="names of drawers, lids, buttons…")
+
+    @property
+    def can_be_carried(self) -> bool:
+        """Whether there is a contact point for that."""
+        return any(point.carries for point in self.contact_points)
 
 
 class Joint(Record):

@@ -16,25 +16,19 @@ from typing import Literal
 import numpy as np
 
 from vcage.base.geometry import Pose
-from vcage.schema.asset import Annotation, ContactPoint, FunctionalPoint
+from vcage.schema.asset import ContactPoint, FunctionalPoint
 from vcage.schema.goals import part_words
 from vcage.schema.robot import Gripper
 from vcage.schema.subtasks import Check, Grasp
 from vcage.sim.joints import carried_by, joint_positions
 from vcage.sim.kinematics import ArmKinematics
 from vcage.tasks.access import headroom
-from vcage.tasks.grasps import GraspPose, approach_opening, grasp_poses, hand_boxes
+from vcage.tasks.grasps import GRIP_ROOM, GraspPose, approach_opening, grasp_poses, hand_boxes
 from vcage.tasks.primitives.handles import Handle, operating_ways
 from vcage.tasks.primitives.pick import pick_way, transfer_height
 from vcage.tasks.primitives.place import MAX_DROP, place_way
-from vcage.tasks.scene_objects import Obstacles, SceneObject, SolidBox, first_met
+from vcage.tasks.scene_objects import REMEMBERED, Obstacles, SceneObject, SolidBox, first_met
 from vcage.tasks.truth import resting_point
-
-GRIP_ROOM = 0.006
-"""The gripper must open this much wider than the material, metres."""
-
-REMEMBERED = 2**10
-"""Objects with a contact point and an arm whose picks are kept: a search asks again for each place that there is."""
 
 
 @dataclass(frozen=True)
@@ -137,11 +131,6 @@ def best_first(findings: Sequence[Feasibility]) -> tuple[list[Grasp], list[Check
     grasps = [grasp for finding in findings for grasp in finding.grasps]
     grasps.sort(key=lambda grasp: (-grasp.score, grasp.contact, grasp.arm))
     return grasps, next(f for f in findings if grasps[0] in f.grasps).checks
-
-
-def carrying_points(annotation: Annotation) -> list[ContactPoint]:
-    """The contact points by which the object is carried: handles and buttons of moving parts are not among them."""
-    return [point for point in annotation.contact_points if point.link is None and point.use == "grasp"]
 
 
 def fits(target: SceneObject, receptacle: SceneObject, point: FunctionalPoint) -> Check:

@@ -20,6 +20,9 @@ TILTS = tuple(np.radians(degrees) for degrees in (0.0, 20.0, -20.0, 40.0, -40.0)
 TIP_CLEARANCE = 0.002
 """Metres between the finger tips and what lies under them."""
 
+GRIP_ROOM = 0.006
+"""The gripper must open this much wider than the material, metres."""
+
 GRASP_ROOM = 0.024
 """How much wider than the material the fingers open before they close on it, or let it go, metres."""
 

@@ -20,10 +20,9 @@ from vcage.schema.asset import ContactPoint
 from vcage.schema.robot import Gripper
 from vcage.sim.kinematics import ArmKinematics
 from vcage.sim.motion import MotionFailed
-from vcage.tasks.feasibility import GRIP_ROOM, REMEMBERED, carrying_points
-from vcage.tasks.grasps import approach_opening, hand_boxes
+from vcage.tasks.grasps import GRIP_ROOM, approach_opening, hand_boxes
 from vcage.tasks.primitives.pick import transfer_height
-from vcage.tasks.scene_objects import SceneObject, SolidBox
+from vcage.tasks.scene_objects import REMEMBERED, SceneObject, SolidBox
 
 STEP = 0.015
 """Distance between neighbouring places along an object that the second hand tries, metres."""
@@ -140,7 +139,7 @@ def holds_beside(asset: Asset, given: Hold, contacts: Sequence[ContactPoint], gr
 def _holds(thing: SceneObject, given: Hold, gripper_json: str) -> list[Hold]:
     """:func:`holds_beside` for whatever an object is carried by: a search asks for each place that it may go to."""
     gripper = Gripper.model_validate_json(gripper_json)
-    return holds_beside(thing.asset, given, carrying_points(thing.asset.annotation), gripper)
+    return holds_beside(thing.asset, given, thing.asset.annotation.carrying_points, gripper)
 
 
 def _balance(asset: Asset) -> np.ndarray:

@@ -15,6 +15,9 @@ from vcage.schema.asset import CatalogueEntry
 from vcage.schema.scene import ObjectRecord
 from vcage.sim.joints import link_poses
 
+REMEMBERED = 2**10
+"""Answers about objects where they stand that are kept: a search asks again for each place that there is."""
+
 
 @dataclass(frozen=True)
 class SolidBox:

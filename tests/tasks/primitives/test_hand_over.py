@@ -13,7 +13,6 @@ from vcage.base.geometry import Pose
 from vcage.schema.goals import Goal
 from vcage.sim.arms import ArmControl
 from vcage.tasks.events import Watch
-from vcage.tasks.feasibility import carrying_points
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.slots import Slot
 from vcage.tasks.task import Task, TaskFailed
@@ -30,7 +29,7 @@ def task_with(target: SceneObject) -> Task:
 
 
 def grasps(target: SceneObject) -> list[tuple[int, str]]:
-    return [(contact.id, "left") for contact in carrying_points(target.asset.annotation)]
+    return [(contact.id, "left") for contact in target.asset.annotation.carrying_points]
 
 
 @pytest.fixture(scope="module")

@@ -21,8 +21,7 @@ from vcage.sim.poses import to_sapien
 from vcage.sim.shapes import box_shape, model_shapes
 from vcage.sim.trajectory import time_optimal
 from vcage.sim.world import PHYSICS_HZ, World
-from vcage.tasks.feasibility import GRIP_ROOM
-from vcage.tasks.grasps import approach_opening, grasp_poses, hand_boxes
+from vcage.tasks.grasps import GRIP_ROOM, approach_opening, grasp_poses, hand_boxes
 from vcage.tasks.task import Task, TaskFailed
 
 WAY_STEP = 0.01

@@ -20,7 +20,6 @@ from vcage.objects.asset import Asset
 from vcage.objects.library import Library
 from vcage.schema.proof import ObjectProof, ProofCheck, VariantProof
 from vcage.sim.robots import load_robot, load_template
-from vcage.tasks.feasibility import carrying_points
 
 TRIES, QUICK_TRIES = 10, 3
 
@@ -110,7 +109,7 @@ class Prover:
         table = places.template.table
         yaw = float(np.random.default_rng(seed).uniform(-np.pi, np.pi))
         checks = [check_rest(asset, table, yaw)]
-        carried = carrying_points(asset.annotation)
+        carried = asset.annotation.carrying_points
         checks += [check_contact(asset, contact, places, tries, seed) for contact in carried]
         points = asset.annotation.functional_points
         checks += [check_functional(asset, point, table, tries, seed) for point in points]

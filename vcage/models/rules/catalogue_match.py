@@ -107,8 +107,7 @@ def _is_of_kind(word: str, entry: CatalogueEntry, names: Names) -> bool:
     """Whether a word for a kind of things covers the entry; a word for its very self does not count."""
     category = entry.words.category.lower()
     if word in ANYTHING:
-        carried = any(point.link is None and point.use == "grasp" for point in entry.contact_points)
-        return carried and category not in _PLACE_CATEGORIES
+        return entry.can_be_carried and category not in _PLACE_CATEGORIES
     head = names.words[-1]
     if same_word(head, word):
         return word in KINDS

@@ -329,7 +329,7 @@ class _Grounding:
         """
         for name in names:
             entry = self._things[name]
-            if not any(p.link is None and p.use == "grasp" for p in entry.contact_points):
+            if not entry.can_be_carried:
                 raise UnreadInstruction.of(
                     self._instruction, entry.words.name, f"the robot cannot pick up the {entry.words.name}"
                 )

@@ -72,7 +72,7 @@ def _is_kind_word(phrase: Phrase) -> bool:
 
 def _good_for(entry: CatalogueEntry, meaning: Meaning) -> bool:
     if meaning is Meaning.CARRIED:
-        return any(p.link is None and p.use == "grasp" for p in entry.contact_points)
+        return entry.can_be_carried
     if meaning is Meaning.HOLDS:
         return bool(entry.functional_points)
     if meaning is Meaning.MOVING:

@@ -50,7 +50,7 @@ def plan_scene(scene: Scene, catalogue: Sequence[CatalogueEntry], rng: np.random
 
 def _is_fixture(kind: CatalogueEntry) -> bool:
     """Whether it has moving parts and is not carried about itself."""
-    return bool(kind.moving_parts) and not any(p.link is None and p.use == "grasp" for p in kind.contact_points)
+    return bool(kind.moving_parts) and not kind.can_be_carried
 
 
 def _area(o: ObjectRecord) -> float:

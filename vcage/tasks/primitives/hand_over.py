@@ -16,7 +16,6 @@ from vcage.sim.kinematics import ArmKinematics, kinematics_of
 from vcage.sim.motion import MotionFailed, MotionPlanner
 from vcage.sim.paths import JointPath, Load
 from vcage.sim.state import WorldState
-from vcage.tasks.feasibility import carrying_points
 from vcage.tasks.grasps import approach_opening, command_of
 from vcage.tasks.meeting import HOLDS, Hold, Meeting, Suits, holds_beside, meeting_height, meetings
 from vcage.tasks.primitives.pick import Grip, PickWay, feel
@@ -118,7 +117,7 @@ class HandOver:
         target, planner = cell.object(self.object_id), cell.planner(self.to)
         given = Hold(target.pose.inverse() * control.tool_pose, control.finger_width)
         reasons: list[str] = []
-        contacts, gripper = carrying_points(target.asset.annotation), planner.kinematics.arm.gripper
+        contacts, gripper = target.asset.annotation.carrying_points, planner.kinematics.arm.gripper
         for taken in [planned, *holds_beside(target.asset, given, contacts, gripper)][: 1 + HOLDS]:
             try:
                 self.suits(taken)

@@ -16,7 +16,7 @@ from vcage.schema.goals import Goal
 from vcage.schema.plan import TABLE
 from vcage.schema.subtasks import Refusal, Subtask, TemplateName
 from vcage.sim.kinematics import ArmKinematics
-from vcage.tasks.feasibility import Transfer, best_first, carrying_points
+from vcage.tasks.feasibility import Transfer, best_first
 from vcage.tasks.ground import Ground
 from vcage.tasks.passing import examine_passing
 from vcage.tasks.scene_objects import SceneObject
@@ -75,7 +75,7 @@ class Handing(Proposal):
         poses = list(islice(ground.poses(self.thing, self.goal, others, rng), SPOTS))
         if not poses:
             return None, [self.refusal(f"there is no room on the table on the side of the {to} arm")]
-        contacts = carrying_points(self.thing.asset.annotation)
+        contacts = self.thing.asset.annotation.carrying_points
         transfers = {c.id: Transfer.onto_table(self.thing, c, poses, others) for c in contacts}
         findings, refused = self.judged(
             {contact: examine_passing(t, to, kinematics, ground.height) for contact, t in transfers.items()}

@@ -19,7 +19,7 @@ from vcage.schema.goals import EventWord, Goal, StateWord, part_words
 from vcage.schema.subtasks import Check, PairQuestion, Refusal, Subtask, TemplateName
 from vcage.sim.kinematics import ArmKinematics
 from vcage.tasks.access import access
-from vcage.tasks.feasibility import Feasibility, Transfer, best_first, carrying_points, examine, fits
+from vcage.tasks.feasibility import Feasibility, Transfer, best_first, examine, fits
 from vcage.tasks.ground import Ground
 from vcage.tasks.passing import examine_detour
 from vcage.tasks.scene_objects import SceneObject
@@ -60,7 +60,7 @@ class Placing:
                 for point in points
                 if self.takes(target, receptacle, point)
             ]
-            if carrying_points(target.asset.annotation):
+            if target.asset.annotation.carrying_points:
                 pairs += mine
             else:
                 refused += [pair.not_carried() for pair in mine]
@@ -188,7 +188,7 @@ class Pair(Proposal):
             poses = Slot(self.receptacle.id, self.point.id, slot).poses({self.receptacle.id: self._opened})
             transfers = {
                 c.id: Transfer.into(self.thing, c, self._opened, self.point, poses, others)
-                for c in carrying_points(self.thing.asset.annotation)
+                for c in self.thing.asset.annotation.carrying_points
             }
             findings, refused = self.judged({c: examine(t, kinematics, ground.height) for c, t in transfers.items()})
             far = tried + 1 >= OUT_OF_REACH and all(map(_out_of_reach, refused))

@@ -12,7 +12,7 @@ import numpy as np
 from vcage.schema.goals import Goal
 from vcage.schema.subtasks import Check, PairQuestion, Refusal, Subtask, TemplateName
 from vcage.sim.kinematics import ArmKinematics
-from vcage.tasks.feasibility import Feasibility, carrying_points
+from vcage.tasks.feasibility import Feasibility
 from vcage.tasks.ground import Ground
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.wording import wordings
@@ -35,7 +35,7 @@ class Proposal(ABC):
     @property
     def candidates(self) -> int:
         """How many ways there are to try it: one for each contact point that the object is carried by."""
-        return len(carrying_points(self.thing.asset.annotation))
+        return len(self.thing.asset.annotation.carrying_points)
 
     def impossible(self) -> Refusal | None:
         """The refusal of what can be ruled out without asking anyone; None for what cannot."""

@@ -11,7 +11,7 @@ from vcage.schema.goals import Goal
 from vcage.schema.plan import TABLE
 from vcage.schema.subtasks import Refusal, Subtask, TemplateName
 from vcage.sim.kinematics import ArmKinematics
-from vcage.tasks.feasibility import carrying_points, opens_wide_enough
+from vcage.tasks.feasibility import opens_wide_enough
 from vcage.tasks.ground import Ground
 from vcage.tasks.pushing import Push, examine_pushes, headings
 from vcage.tasks.scene_objects import SceneObject
@@ -52,7 +52,7 @@ class Shove(Proposal):
     @property
     def candidates(self) -> int:
         """How many directions there are, none where the object is carried."""
-        return 0 if carrying_points(self.thing.asset.annotation) else len(headings(self.thing))
+        return 0 if self.thing.asset.annotation.carrying_points else len(headings(self.thing))
 
     def impossible(self) -> Refusal | None:
         """What stands in or on something, is flat or heavy cannot be pushed."""
@@ -74,9 +74,8 @@ class Shove(Proposal):
         rng: np.random.Generator,
     ) -> tuple[Subtask | None, list[Refusal]]:
         """The sub-task if an arm can push the object so; a refusal for each direction; nothing for what is carried."""
-        if any(
-            opens_wide_enough(self.thing, c, kinematics).passed for c in carrying_points(self.thing.asset.annotation)
-        ):
+        points = self.thing.asset.annotation.carrying_points
+        if any(opens_wide_enough(self.thing, point, kinematics).passed for point in points):
             return None, []
         others = [o for o in objects if o.id != self.thing.id]
         found, refused = examine_pushes(self.thing, self.goal, others, kinematics, ground)

@@ -11,7 +11,7 @@ import numpy as np
 from vcage.schema.goals import Goal
 from vcage.schema.subtasks import Refusal, Subtask, TemplateName
 from vcage.sim.kinematics import ArmKinematics
-from vcage.tasks.feasibility import Feasibility, Transfer, best_first, carrying_points, examine
+from vcage.tasks.feasibility import Feasibility, Transfer, best_first, examine
 from vcage.tasks.ground import Ground
 from vcage.tasks.reading import reading_poses
 from vcage.tasks.scene_objects import SceneObject, first_met
@@ -63,12 +63,12 @@ class Reading(Proposal):
     def _ways(self) -> list[tuple[SceneObject, SceneObject]]:
         """(what is moved, what stays)."""
         both = [(self.scanner, self.thing), (self.thing, self.scanner)]
-        return [(mover, still) for mover, still in both if carrying_points(mover.asset.annotation)]
+        return [(mover, still) for mover, still in both if mover.asset.annotation.carrying_points]
 
     @property
     def candidates(self) -> int:
         """How many contact points there are on what can be moved."""
-        return sum(len(carrying_points(mover.asset.annotation)) for mover, _ in self._ways)
+        return sum(len(mover.asset.annotation.carrying_points) for mover, _ in self._ways)
 
     def impossible(self) -> Refusal | None:
         """One of the two must be one that can be carried."""
@@ -115,6 +115,6 @@ class Reading(Proposal):
             reason = f"{mover.record.phrase} would touch {in_the_way} before {still.record.phrase}"
             return [], [self.refusal(reason)]
         where = f"its place before {still.record.phrase}"
-        contacts = carrying_points(mover.asset.annotation)
+        contacts = mover.asset.annotation.carrying_points
         transfers = {c.id: Transfer(mover, c, where, poses, [], others) for c in contacts}
         return self.judged({c: examine(t, kinematics, ground.height) for c, t in transfers.items()})

@@ -12,7 +12,7 @@ from vcage.schema.goals import Goal
 from vcage.schema.plan import TABLE
 from vcage.schema.subtasks import Refusal, Subtask, TemplateName
 from vcage.sim.kinematics import ArmKinematics
-from vcage.tasks.feasibility import Transfer, best_first, carrying_points, examine
+from vcage.tasks.feasibility import Transfer, best_first, examine
 from vcage.tasks.ground import Ground
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.templates.proposal import Proposal
@@ -40,7 +40,7 @@ class SetDown:
         found, refused = [], []
         for thing in objects:
             moves = [Move(self.name, thing, goal) for goal in dict.fromkeys(self.wants(thing, asked))]
-            if carrying_points(thing.asset.annotation):
+            if thing.asset.annotation.carrying_points:
                 found += moves
             else:
                 refused += [move.not_carried() for move in moves]
@@ -87,7 +87,7 @@ class Move(Proposal):
         poses = list(islice(ground.poses(self.thing, self.goal, others, rng), SPOTS))
         if not poses:
             return None, [self.refusal(f"there is no room on the table so that {self.goal}")]
-        contacts = carrying_points(self.thing.asset.annotation)
+        contacts = self.thing.asset.annotation.carrying_points
         transfers = {c.id: Transfer.onto_table(self.thing, c, poses, others) for c in contacts}
         findings, refused = self.judged({c: examine(t, kinematics, ground.height) for c, t in transfers.items()})
         if not findings:
