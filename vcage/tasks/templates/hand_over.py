@@ -8,24 +8,19 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import islice
 
 import numpy as np
 
 from vcage.schema.goals import Goal
-from vcage.schema.plan import TABLE
 from vcage.schema.subtasks import Refusal, Subtask, TemplateName
 from vcage.sim.kinematics import ArmKinematics
-from vcage.tasks.feasibility import Transfer, best_first
+from vcage.tasks.feasibility import Feasibility, Transfer
 from vcage.tasks.ground import Ground
 from vcage.tasks.passing import examine_passing
 from vcage.tasks.scene_objects import SceneObject
-from vcage.tasks.templates.proposal import Proposal
+from vcage.tasks.templates.set_down import Move
 
 NAME: TemplateName = "hand_over"
-
-SPOTS = 4
-"""Places on the table that are tried before a contact point is refused."""
 
 
 class HandOver:
@@ -53,8 +48,8 @@ class HandOver:
 
 
 @dataclass(frozen=True)
-class Handing(Proposal):
-    """An object and the arm that shall have it."""
+class Handing(Move):
+    """An object and the arm that shall have it: that arm puts it down."""
 
     def impossible(self) -> Refusal | None:
         """What cannot be carried."""
@@ -68,24 +63,23 @@ class Handing(Proposal):
         rng: np.random.Generator,
     ) -> tuple[Subtask | None, list[Refusal]]:
         """The sub-task if another arm can give it and the arm put it down, else a refusal for each contact point."""
-        to = str(self.goal.reference)
-        if to not in kinematics or len(kinematics) == 1:
-            return None, [self.refusal(f"the arms are {', '.join(kinematics)}: none hands anything to {to!r}")]
-        others = [o for o in objects if o.id != self.thing.id]
-        poses = list(islice(ground.poses(self.thing, self.goal, others, rng), SPOTS))
-        if not poses:
-            return None, [self.refusal(f"there is no room on the table on the side of the {to} arm")]
-        contacts = self.thing.asset.annotation.carrying_points
-        transfers = {c.id: Transfer.onto_table(self.thing, c, poses, others) for c in contacts}
-        findings, refused = self.judged(
-            {contact: examine_passing(t, to, kinematics, ground.height) for contact, t in transfers.items()}
-        )
-        if not findings:
-            return None, refused
-        grasps, checks = best_first(findings)
-        goals = [self.goal, Goal(subject=self.thing.id, relation="on", reference=TABLE)]
-        name = f"{self.thing.id}-handed-{to}"
-        return (
-            self.subtask(name, objects, receptacle=TABLE, grasps=grasps, hand_to=to, goals=goals, checks=checks),
-            refused,
-        )
+        if self.hand_to not in kinematics or len(kinematics) == 1:
+            return None, [
+                self.refusal(f"the arms are {', '.join(kinematics)}: none hands anything to {self.hand_to!r}")
+            ]
+        return super().examine(objects, kinematics, ground, rng)
+
+    @property
+    def hand_to(self) -> str:
+        """The arm that shall have it."""
+        return str(self.goal.reference)
+
+    @property
+    def _wanted(self) -> str:
+        return f"on the side of the {self.hand_to} arm"
+
+    def _finding(self, transfer: Transfer, kinematics: Mapping[str, ArmKinematics], ground: Ground) -> Feasibility:
+        return examine_passing(transfer, self.hand_to, kinematics, ground.height)
+
+    def _identifier(self) -> str:
+        return f"{self.thing.id}-handed-{self.hand_to}"

@@ -12,7 +12,7 @@ from vcage.schema.goals import Goal
 from vcage.schema.plan import TABLE
 from vcage.schema.subtasks import Refusal, Subtask, TemplateName
 from vcage.sim.kinematics import ArmKinematics
-from vcage.tasks.feasibility import Transfer, best_first, examine
+from vcage.tasks.feasibility import Feasibility, Transfer, best_first, examine
 from vcage.tasks.ground import Ground
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.templates.proposal import Proposal
@@ -86,18 +86,29 @@ class Move(Proposal):
         others = [o for o in objects if o.id != self.thing.id]
         poses = list(islice(ground.poses(self.thing, self.goal, others, rng), SPOTS))
         if not poses:
-            return None, [self.refusal(f"there is no room on the table so that {self.goal}")]
+            return None, [self.refusal(f"there is no room on the table {self._wanted}")]
         contacts = self.thing.asset.annotation.carrying_points
         transfers = {c.id: Transfer.onto_table(self.thing, c, poses, others) for c in contacts}
-        findings, refused = self.judged({c: examine(t, kinematics, ground.height) for c, t in transfers.items()})
+        findings, refused = self.judged({c: self._finding(t, kinematics, ground) for c, t in transfers.items()})
         if not findings:
             return None, refused
         grasps, checks = best_first(findings)
         goals = list(dict.fromkeys([self.goal, Goal(subject=self.thing.id, relation="on", reference=TABLE)]))
-        return (
-            self.subtask(self._identifier(), objects, receptacle=TABLE, grasps=grasps, goals=goals, checks=checks),
-            refused,
-        )
+        slots = {"receptacle": TABLE, "grasps": grasps, "hand_to": self.hand_to, "goals": goals, "checks": checks}
+        return self.subtask(self._identifier(), objects, **slots), refused
+
+    @property
+    def hand_to(self) -> str | None:
+        """The arm that puts it down, where that is another than the one that takes it."""
+        return None
+
+    @property
+    def _wanted(self) -> str:
+        """What its place must be like."""
+        return f"so that {self.goal}"
+
+    def _finding(self, transfer: Transfer, kinematics: Mapping[str, ArmKinematics], ground: Ground) -> Feasibility:
+        return examine(transfer, kinematics, ground.height)
 
     def _identifier(self) -> str:
         word = {"on": "onto", "presented": "shown", "back": "back"}.get(self.goal.relation, self.goal.relation)
