@@ -40,7 +40,7 @@ def run(quick: bool) -> dict[str, Any]:
     - ``candidates``: ways to try a template that were looked into; ``kept``: sub-tasks; ``refused``: refusals.
     - ``seconds``: wall time of the search in one process, the first look at each object's geometry included; of all
       rows the longest.
-    - ``reasons``: how many refusals of all rows are of each kind; ``without_reason``: those that say none.
+    - ``reasons``: how many refusals of all rows are of each kind.
 
     Args:
         quick: one scene, not five.
@@ -68,7 +68,6 @@ def run(quick: bool) -> dict[str, Any]:
     return {
         "rows": rows,
         "seconds": max(row["seconds"] for row in rows),
-        "without_reason": reasons.pop("", 0),
         "reasons": dict(reasons.most_common(REASONS)),
     }
 

@@ -34,9 +34,9 @@ def test_the_chain_moves_every_content_once(finished):
     }
 
 
-def test_every_refusal_has_a_reason(finished):
+def test_what_does_not_fit_is_refused_with_its_size(finished):
     record = Subtasks.read(finished.run.subtasks)
-    assert record.refused and all(refusal.reason for refusal in record.refused)
+    assert any("does not fit" in refusal.reason and " cm" in refusal.reason for refusal in record.refused)
     assert record.candidates > len(record.kept)
 
 
