@@ -65,9 +65,9 @@ class Refusal(Record):
 
     template: TemplateName
     object: Identifier
-    contact: int | None = None
-    receptacle: Identifier | None = None
-    functional_point: int | None = None
+    contact: int | None = Field(default=None, description="as of a grasp; not given where it is not about one")
+    receptacle: Identifier | None = Field(default=None, description="object that it would have been put in or on")
+    functional_point: int | None = Field(default=None, description="of the receptacle")
     goal: Goal | None = Field(default=None, description="what it would have brought about")
     reason: str = Field(min_length=1)
     checks: list[Check] = []

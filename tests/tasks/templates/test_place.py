@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from tests.scenes import GROUND, kinematics, thing
@@ -32,6 +34,18 @@ def test_a_block_stands_flush_on_a_block_and_not_on_a_plate() -> None:
     block, plate = thing("block"), thing("plate")
     assert stands_flush(block, thing("block", id="other"), block.asset.annotation.functional_point(0))
     assert not stands_flush(block, plate, plate.asset.annotation.functional_point(0))
+
+
+def test_what_fits_but_leaves_no_room_for_the_robot_is_refused_with_both_sizes() -> None:
+    box, block = thing("packaging_box"), thing("block", (0.3, 0.0))
+    width, depth = box.asset.opening(box.asset.annotation.functional_point(0)).size
+    half = (width / 2 - 0.001, depth / 2 - 0.001)
+    model = block.asset.model.model_copy(update={"lower": (-half[0], -half[1], 0.0), "upper": (*half, 0.04)})
+    plank = replace(block, asset=replace(block.asset, model=model))
+    (pair,) = (p for p in TEMPLATES["place"].proposals([plank, box], ())[0] if p.thing is plank)
+    refusal = pair.impossible()
+    assert refusal is not None and (refusal.receptacle, refusal.functional_point) == (box.id, 0)
+    assert "cm) fits in brown packaging box" in refusal.reason and "less than the 6 mm on each side" in refusal.reason
 
 
 def test_what_is_weighed_lies_on_the_scale_and_waits_there() -> None:

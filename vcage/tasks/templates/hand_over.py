@@ -64,9 +64,8 @@ class Handing(Move):
     ) -> tuple[Subtask | None, list[Refusal]]:
         """The sub-task if another arm can give it and the arm put it down, else a refusal for each contact point."""
         if self.hand_to not in kinematics or len(kinematics) == 1:
-            return None, [
-                self.refusal(f"the arms are {', '.join(kinematics)}: none hands anything to {self.hand_to!r}")
-            ]
+            reason = f"the arms are {', '.join(kinematics)}: none hands anything to {self.hand_to!r}"
+            return None, [self.refusal(reason)]
         return super().examine(objects, kinematics, ground, rng)
 
     @property

@@ -124,11 +124,6 @@ class Pair(Proposal):
         """The receptacle as it must be before something is put there: the drawer or lid that keeps it in is open."""
         return opened_for(self.receptacle, self.point.id)
 
-    @property
-    def other(self) -> str:
-        """The receptacle."""
-        return self.receptacle.id
-
     @cached_property
     def goals(self) -> list[Goal]:
         """What it would bring about, what it is for first."""
@@ -143,7 +138,8 @@ class Pair(Proposal):
             return self.refusal(check.message, checks=[check])
         room = room_for(self.receptacle, self.point.id, [self.thing])
         if np.any(np.sort(room) < np.sort(self.thing.asset.footprint)):
-            return self.refusal(self._no_room())
+            need = f"less than the {GAP * 1000:.0f} mm on each side that the robot needs"
+            return self.refusal(f"{check.message}, but with {need}")
         return None
 
     def question(self) -> PairQuestion:
@@ -213,11 +209,6 @@ class Pair(Proposal):
         part = kept_in_by(self.receptacle, self.point.id)
         return [] if part is None else [Goal(subject=self.receptacle.id, relation="open", part=part)]
 
-    def _no_room(self) -> str:
-        """Why the object, which fits by its size alone, gets no place."""
-        fit = fits(self.thing, self.receptacle, self.point)
-        return f"{fit.message}, but with less than the {GAP * 1000:.0f} mm on each side that the robot needs"
-
     def _subtask(
         self, objects: Sequence[SceneObject], findings: Sequence[Feasibility], hand_to: str | None = None
     ) -> Subtask:
@@ -240,4 +231,5 @@ class Pair(Proposal):
 
     def refusal(self, reason: str, contact: int | None = None, checks: Sequence[Check] = ()) -> Refusal:
         """That it cannot be done, or not by a contact point."""
-        return super().refusal(reason, contact, checks).model_copy(update={"functional_point": self.point.id})
+        where = {"receptacle": self.receptacle.id, "functional_point": self.point.id}
+        return super().refusal(reason, contact, checks).model_copy(update=where)

@@ -62,18 +62,12 @@ class Proposal(ABC):
             rng: of all choices.
         """
 
-    @property
-    def other(self) -> str | None:
-        """Id of the other object that a refusal names."""
-        return self.goal.reference
-
     def refusal(self, reason: str, contact: int | None = None, checks: Sequence[Check] = ()) -> Refusal:
         """That it cannot be done, or not by a contact point."""
         return Refusal(
             template=self.name,
             object=self.thing.id,
             contact=contact,
-            receptacle=self.other,
             goal=self.goal,
             reason=reason,
             checks=list(checks),

@@ -54,11 +54,6 @@ class Reading(Proposal):
 
     scanner: SceneObject
 
-    @property
-    def other(self) -> str:
-        """The scanner."""
-        return self.scanner.id
-
     @cached_property
     def _ways(self) -> list[tuple[SceneObject, SceneObject]]:
         """(what is moved, what stays)."""
