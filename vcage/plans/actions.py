@@ -8,11 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable
 from dataclasses import dataclass
+from typing import get_args
 
 from vcage.schema.goals import EventWord, Goal
 
 State = frozenset[Goal]
-EVENTS: tuple[EventWord, ...] = ("pressed", "turned", "scanned", "weighed", "presented", "handed")
+EVENTS: tuple[EventWord, ...] = get_args(EventWord)
 HOLDING = ("inside", "on")
 _OPPOSITE = {"open": "closed", "closed": "open"}
 

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 from vcage.plans.actions import Action, State, lasting, supersedes
 from vcage.schema.goals import Goal
+from vcage.schema.plan import TABLE
 
 MOST_STATES = 200_000
 """The search ends after so many states."""
@@ -116,7 +117,7 @@ def _useful(task: Task, actions: Sequence[Action]) -> list[Action]:
 
 
 def _sets_aside(action: Action) -> bool:
-    return any(g.reference == "table" for g in action.adds)
+    return any(g.reference == TABLE for g in action.adds)
 
 
 def complaints(task: Task, chain: Sequence[Action]) -> list[str]:
