@@ -176,5 +176,15 @@ def test_a_content_without_a_feasible_sub_task_is_named_with_the_reason():
 
 
 def test_what_shall_be_left_alone_is_not_moved():
-    with pytest.raises(NoFeasibleTask, match="marker inside packaging_box"):
+    with pytest.raises(NoFeasibleTask, match=r"marker inside packaging_box.*: marker is to be left alone"):
         chain_for(stationery(), ("marker", "inside", "packaging_box"), untouched=["marker"])
+
+
+def test_goals_that_cannot_all_be_brought_about_in_any_order_are_told_as_that():
+    objects = block_and_plate()
+    goals = [Goal(subject="block", relation="on", reference=name) for name in ("plate", "table")]
+    found = find_subtasks(objects, kinematics(), sensible, GROUND, np.random.default_rng(0), goals)
+    asked = [AskedGoal(goal=goal, step=0, words=str(goal)) for goal in goals]
+    with pytest.raises(NoFeasibleTask, match="each can be brought about, but in no order all of them") as caught:
+        compose(scene_of(objects).model_copy(update={"goals": asked}), objects, found.kept, found.refused)
+    assert caught.value.details == {"missing": [], "reasons": []}

@@ -60,8 +60,8 @@ def find_subtasks(
     kept: list[Subtask] = []
     proposals, refused, candidates = sensible(objects, judge, asked)
     for proposal in proposals:
-        subtask, complaints = proposal.examine(objects, kinematics, ground, rng)
-        refused += complaints
+        subtask, refusals = proposal.examine(objects, kinematics, ground, rng)
+        refused += refusals
         kept += [subtask] if subtask is not None else []
     return FoundSubtasks(kept, refused, candidates)
 
@@ -179,11 +179,16 @@ def _is_about(refusal: Refusal, goal: Goal) -> bool:
 
 def _unfulfilled(scene: Scene, kept: Sequence[Subtask], refused: Sequence[Refusal]) -> NoFeasibleTask:
     """Why no chain does what the instruction asks for: the goals that nothing brings about, and the reasons."""
-    possible = {goal for subtask in kept for goal in subtask.goals}
-    missing = [asked for asked in scene.goals if asked.goal not in possible] or list(scene.goals)
+    able = [subtask for subtask in kept if subtask.object not in scene.untouched]
+    missing = [asked for asked in scene.goals if not any(asked.goal in subtask.goals for subtask in able)]
     reasons = [refusal.reason for asked in missing for refusal in refused if _is_about(refusal, asked.goal)]
-    named = "; ".join(dict.fromkeys(f"{asked.goal} ({asked.words!r})" for asked in missing))
-    why = "; ".join(list(dict.fromkeys(reasons))[:3]) or "no sub-task of this scene does that"
+    left = {asked.goal.subject for asked in missing}.intersection(scene.untouched)
+    reasons += [f"{name} is to be left alone" for name in sorted(left)]
+    named = "; ".join(dict.fromkeys(f"{asked.goal} ({asked.words!r})" for asked in missing or scene.goals))
+    unsaid = (
+        "no sub-task of this scene does that" if missing else "each can be brought about, but in no order all of them"
+    )
+    why = "; ".join(list(dict.fromkeys(reasons))[:3]) or unsaid
     return NoFeasibleTask(
         f"no chain of feasible sub-tasks brings about {named}: {why}",
         hint="another --seed gives another layout; another instruction other objects",
