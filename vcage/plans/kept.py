@@ -1,7 +1,7 @@
 """How much of a plan a layout keeps: the one metric for every stage, benchmark and report.
 
 When a relation holds is the matter of :mod:`vcage.plans.relations`, whether a plan can be true at all that of
-:mod:`vcage.plans.check`; both lie on a lower floor, as the models use them too.
+:mod:`vcage.plans.check`.
 """
 
 from __future__ import annotations

@@ -88,7 +88,9 @@ class Subtasks(StageDocument):
     SCHEMA: ClassVar[str] = "vcage.subtasks/2"
 
     instruction: str | None
-    candidates: int = Field(ge=0, description="ordered pairs × contact points × functional points that were examined")
+    candidates: int = Field(
+        ge=0, description="ways to try a template here: by each contact point, or in each direction of a push"
+    )
     kept: list[Subtask]
     refused: list[Refusal]
     chains: list[Chain] = Field(

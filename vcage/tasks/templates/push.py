@@ -51,8 +51,8 @@ class Shove(Proposal):
 
     @property
     def candidates(self) -> int:
-        """How many directions there are, none where the object is carried."""
-        return 0 if self.thing.asset.annotation.carrying_points else len(headings(self.thing))
+        """How many directions there are, though none is tried of what a hand can carry."""
+        return len(headings(self.thing))
 
     def impossible(self) -> Refusal | None:
         """What stands in or on something, is flat or heavy cannot be pushed."""
