@@ -8,6 +8,7 @@ import pytest
 from tests.scenes import robot, thing, world_of
 from vcage.base.errors import UnknownName
 from vcage.base.geometry import Pose
+from vcage.sim.motion import MotionFailed, MotionPlanner
 from vcage.tasks.grasps import hand_boxes
 from vcage.tasks.primitives.push import push_ways
 from vcage.tasks.scene_objects import SceneObject, SolidBox
@@ -60,6 +61,22 @@ def test_what_did_not_come_along_is_told_with_how_far_it_is_off():
     with pytest.raises(TaskFailed, match=r"is 1\d\.\d cm from where it was pushed to") as caught:
         task.push("plate")
     assert caught.value.stage == "place"
+
+
+def test_what_stopped_the_hand_before_the_object_was_there_is_told(monkeypatch):
+    pushed = thing("plate", (-0.12, 0.0))
+    task = task_with(moved(pushed, 0.12, 0.0), pushed)
+    task.world.before_step.append(lambda world: world.set_object_pose("plate", pushed.pose))
+    begun, line, stops = task.world.steps, MotionPlanner.line, ["left/hand would touch table"]
+
+    def only_as_planned(*args, **options):
+        if task.world.steps > begun and stops:
+            raise MotionFailed(stops.pop())
+        return line(*args, **options)
+
+    monkeypatch.setattr(MotionPlanner, "line", only_as_planned)
+    with pytest.raises(TaskFailed, match="pushed to, and the hand could not go on: left/hand would touch table"):
+        task.push("plate")
 
 
 def test_it_needs_a_slot_and_an_arm_that_there_is():

@@ -188,7 +188,7 @@ def carry_out_push(cell: Workcell, thing: SceneObject, plan: PushPlan) -> None:
     cell.carry_out(plan.arm, plan.push)
     along = plan.way.pushed.p - plan.way.touch.p
     along /= np.linalg.norm(along)
-    done, last = plan.push.end, plan.way.pushed
+    done, last, stopped = plan.push.end, plan.way.pushed, ""
     for _ in range(CORRECTIONS):
         now = cell.object(thing.id)
         missing = float((plan.goal.p - now.pose.p) @ along)
@@ -197,18 +197,28 @@ def carry_out_push(cell: Workcell, thing: SceneObject, plan: PushPlan) -> None:
         here, last = last, _shifted(last, missing * along)
         try:
             further = cell.planner(plan.arm).line(done, last, _pushing(now, here, opening))
-        except MotionFailed:
+        except MotionFailed as error:
+            stopped = f", and the hand could not go on: {error.message}"
             break
         cell.carry_out(plan.arm, further)
         done = further.end
     away = Load(opening, ignore=cell.parts(thing.id), speed=CAREFUL)
     with failing_at("place"):
         cell.put_off(plan.arm, cell.planner(plan.arm).follow(done, [plan.way.after, plan.way.up], away))
-    _confirm(cell.object(thing.id), thing, plan.goal)
+    _confirm(cell.object(thing.id), thing, plan.goal, stopped)
 
 
-def _confirm(now: SceneObject, before: SceneObject, goal: Pose) -> None:
-    """That an object is where it was pushed to, and stands as it stood."""
+def _confirm(now: SceneObject, before: SceneObject, goal: Pose, stopped: str) -> None:
+    """That an object is where it was pushed to, and stands as it stood.
+
+    Args:
+        now, before: the object after the push and before it.
+        goal: object frame in the world.
+        stopped: why it was not pushed farther, to go on after what is told; empty where nothing stopped the hand.
+
+    Raises:
+        TaskFailed: it is not, or does not.
+    """
     phrase = now.record.phrase
     tipped = float(np.arccos(np.clip(now.pose.rotation()[:, 2] @ before.pose.rotation()[:, 2], -1, 1)))
     turned = abs(float(wrap_angle(now.pose.yaw - goal.yaw)))
@@ -218,7 +228,7 @@ def _confirm(now: SceneObject, before: SceneObject, goal: Pose) -> None:
     if turned > TURNED:
         raise TaskFailed("place", f"{phrase} turned by {np.degrees(turned):.0f}° when it was pushed")
     if off > OFF:
-        raise TaskFailed("place", f"{phrase} is {off * 100:.1f} cm from where it was pushed to")
+        raise TaskFailed("place", f"{phrase} is {off * 100:.1f} cm from where it was pushed to{stopped}")
 
 
 def _shifted(pose: Pose, way: np.ndarray) -> Pose:
