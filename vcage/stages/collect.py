@@ -31,10 +31,9 @@ from vcage.stages.context import StageContext
 from vcage.stages.episode_runner import EpisodeRunner
 from vcage.stages.episode_store import EpisodeStore
 from vcage.stages.stage import Job, ModelOptions, StageResult, stage_seed
+from vcage.tasks.loop import OnFailure
 
 logger = logging.getLogger(__name__)
-
-OnFailure = Literal["resample", "abort"]
 
 RUNS_PER_EPISODE = 3
 """Episodes that are tried for each that is wanted, before the collection gives up."""

@@ -31,6 +31,8 @@ from vcage.tasks.truth import goals_hold
 
 logger = logging.getLogger(__name__)
 
+OnFailure = Literal["resample", "abort"]
+
 PicturesByCamera = Mapping[str, np.ndarray]
 """Camera name → (H, W, 3) uint8."""
 
@@ -59,7 +61,7 @@ class Setting:
     slots: Mapping[str, Slot]
     photograph: Callable[[WorldState, Sequence[Goal], str | None], PicturesByCamera]
     judge: Callable[[Asked, Subtask, Seen], Verdict]
-    on_failure: Literal["resample", "abort"]
+    on_failure: OnFailure
     retries: int
     fps: int
 
