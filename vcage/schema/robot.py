@@ -17,7 +17,7 @@ JointLimit = Positive | list[Positive]
 class Gripper(Record):
     """A parallel gripper; its frame has z along the approach, y along the closing, the origin between the tips."""
 
-    joints: list[str] = Field(min_length=1, description="finger joints, driven together")
+    joints: tuple[str, ...] = Field(min_length=1, description="finger joints, driven together")
     open: Finite = Field(description="joint position when open, metres")
     closed: Finite
     max_width: Finite = Field(gt=0, description="opening between the fingers, metres")

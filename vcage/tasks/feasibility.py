@@ -303,7 +303,7 @@ def picks(
     gripper = kinematics.arm.gripper
     where = f"{target.asset.annotation.contact_point(contact_id).name!r} of {target.record.phrase}"
     found = []
-    for grasp, blocked in _hands(target, contact_id, others, gripper.model_dump_json()):
+    for grasp, blocked in _hands(target, contact_id, others, gripper):
         free = f"the hand has room around {where}"
         message = free if blocked is None else f"{blocked} is in the way of the hand at {where}"
         checks, path = [Check(name="way_free", passed=blocked is None, message=message)], None
@@ -317,10 +317,9 @@ def picks(
 
 @functools.lru_cache(REMEMBERED)
 def _hands(
-    target: SceneObject, contact_id: int, others: tuple[SceneObject, ...], gripper_json: str
+    target: SceneObject, contact_id: int, others: tuple[SceneObject, ...], gripper: Gripper
 ) -> list[tuple[GraspPose, str | None]]:
     """The poses of a hand at a contact point, whichever arm has it, each with the phrase of what is in its way."""
-    gripper = Gripper.model_validate_json(gripper_json)
     contact = target.asset.annotation.contact_point(contact_id)
     width = target.asset.grasp_width(contact)
     poses = grasp_poses(target.pose, contact, gripper, target.box.bottom)

@@ -136,9 +136,8 @@ def holds_beside(asset: Asset, given: Hold, contacts: Sequence[ContactPoint], gr
 
 
 @functools.lru_cache(REMEMBERED)
-def _holds(thing: SceneObject, given: Hold, gripper_json: str) -> list[Hold]:
+def _holds(thing: SceneObject, given: Hold, gripper: Gripper) -> list[Hold]:
     """:func:`holds_beside` for whatever an object is carried by: a search asks for each place that it may go to."""
-    gripper = Gripper.model_validate_json(gripper_json)
     return holds_beside(thing.asset, given, thing.asset.annotation.carrying_points, gripper)
 
 
@@ -192,7 +191,7 @@ def meetings(
         NoMeeting: there is none.
     """
     giver, taker = arms
-    holds = _holds(thing, given, taker.arm.gripper.model_dump_json())
+    holds = _holds(thing, given, taker.arm.gripper)
     if not holds:
         long, thick = (100 * x for x in (max(thing.asset.size), taker.arm.gripper.palm_size[0]))
         room = f"it is {long:.1f} cm long, and each is {thick:.1f} cm thick"
