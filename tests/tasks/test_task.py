@@ -11,7 +11,7 @@ from tests.scenes import ON_PLATE, TABLE_TOP, block_and_plate, thing, world_of
 from vcage.base.errors import UnknownName
 from vcage.base.geometry import Pose
 from vcage.schema.goals import Goal
-from vcage.tasks.primitives.place import Placing
+from vcage.tasks.primitives.place import Surroundings
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.slots import Slot
 from vcage.tasks.task import Task, TaskFailed
@@ -178,8 +178,8 @@ def test_a_place_other_than_that_of_the_slot_is_refused_with_both(
 
 def test_what_receives_something_stays_an_obstacle_where_no_point_is_named(task: Task, monkeypatch):
     seen: list[tuple[str, int | None]] = []
-    of = Placing.of
-    monkeypatch.setattr(Placing, "of", lambda cell, name, *where: seen.append(where) or of(cell, name, *where))
+    of = Surroundings.of
+    monkeypatch.setattr(Surroundings, "of", lambda cell, name, *where: seen.append(where) or of(cell, name, *where))
     task.pick("block", GRASPS)
     task.place("plate")
     assert set(seen) == {("plate", 0)}

@@ -8,9 +8,9 @@ from vcage.schema.subtasks import Check
 from vcage.sim.kinematics import ArmKinematics
 from vcage.sim.motion import MotionFailed
 from vcage.tasks.feasibility import Feasibility, Report, Transfer, follow, opens_wide_enough, picks, reach_check, travel
-from vcage.tasks.meeting import Hold, NoMeeting, meeting_height, meetings
+from vcage.tasks.meeting import Hold, NoMeeting, Suits, meeting_height, meetings
 from vcage.tasks.primitives.pick import transfer_height
-from vcage.tasks.primitives.place import Placing
+from vcage.tasks.primitives.place import Surroundings
 
 
 def examine_passing(
@@ -61,15 +61,13 @@ def _examine_giver(
     target, giver, taker = transfer.target, kinematics[arm], kinematics[to]
     width, height = target.asset.grasp_width(transfer.contact), transfer_height(transfer.others, table_height)
     meet_at = meeting_height(target, transfer.others, table_height)
-    furthest: list[Check] = []
+    suits, furthest = _brings(transfer, taker, height), list[Check]()
     for pick in picks(target, transfer.contact.id, tuple(transfer.others), arm, giver, height):
         checks, picked = list(pick.checks), pick.path
         if picked is not None:
             try:
-                placing = _Placing(transfer, taker, height)
-                found = next(
-                    meetings(target, Hold(pick.grasp.in_object, width), (giver, taker), meet_at, placing.suits)
-                )
+                given = Hold(pick.grasp.in_object, width)
+                found = next(meetings(target, given, (giver, taker), meet_at, suits))
             except NoMeeting as error:
                 checks.append(Check(name=error.check, passed=False, message=error.message))
             else:
@@ -82,16 +80,17 @@ def _examine_giver(
     return furthest, None
 
 
-class _Placing:
-    """Whether the taking arm can bring what it holds to the transfer's place."""
+def _brings(transfer: Transfer, taker: ArmKinematics, height: float) -> Suits:
+    """Whether the taking arm can bring what it holds to the transfer's place.
 
-    def __init__(self, transfer: Transfer, taker: ArmKinematics, height: float):
-        self._transfer = transfer
-        self._taker = taker
-        self._placing = Placing(transfer.where, transfer.obstacles, height)
+    Args:
+        height: z that the object's bottom keeps on the way, metres.
+    """
 
-    def suits(self, hold: Hold) -> None:
-        taker, home = self._taker, self._taker.home
-        ways = self._placing.ways(taker, hold.in_object, hold.width, self._transfer.poses, home)
+    def suits(hold: Hold) -> None:
+        around, home = Surroundings(transfer.where, transfer.obstacles, height), taker.home
+        ways = around.ways(taker, hold.in_object, hold.width, transfer.poses, home)
         if not any(follow(taker, [way.above, way.release, way.after], home) for way in ways):
             raise MotionFailed("its place is out of reach")
+
+    return suits

@@ -25,7 +25,7 @@ from vcage.tasks.meeting import Hold
 from vcage.tasks.primitives.hand_over import HandOver
 from vcage.tasks.primitives.operate import Operation
 from vcage.tasks.primitives.pick import Grip, LeadsOn, PickPlan, PickWay, carry_out_pick, feel, minding, plan_pick
-from vcage.tasks.primitives.place import Placing, carry_out_place, plan_place
+from vcage.tasks.primitives.place import Surroundings, carry_out_place, plan_place
 from vcage.tasks.primitives.push import carry_out_push, plan_push
 from vcage.tasks.reading import reading_poses
 from vcage.tasks.scene_objects import Obstacles, SceneObject
@@ -128,7 +128,7 @@ class Task:
         if not poses:
             raise TaskFailed("plan", f"{object_id} cannot be held before {other_id}", exhausted=True)
         # Where it came from the hand has room, and before the other it lets go of nothing: no obstacle raises it.
-        hover = replace(Placing.of(cell, object_id, TABLE, None), obstacles=Obstacles([]))
+        hover = replace(Surroundings.of(cell, object_id, TABLE, None), obstacles=Obstacles([]))
         first = self._attempt % max(1, len(grasps))
         plan = plan_pick(cell, target, [*grasps[first:], *grasps[:first]], self._leads_to(target, hover, poses))
         self.arm, self.contact = plan.arm, plan.contact
@@ -175,9 +175,9 @@ class Task:
             there, here = _place_words(planned.receptacle, planned.point), _place_words(receptacle_id, point)
             message = f"{held} cannot be put at {here}: its slot was planned at {there}"
             raise TaskFailed("plan", message, exhausted=True)
-        placing = Placing.of(self._cell, held, planned.receptacle, planned.point)
+        around = Surroundings.of(self._cell, held, planned.receptacle, planned.point)
         choices = ((slot, slot.poses(objects)) for slot in self._left)
-        plan, slot = plan_place(self._cell, self._grip, placing, choices)
+        plan, slot = plan_place(self._cell, self._grip, around, choices)
         self._say_slot(held, slot)
         carry_out_place(self._cell, plan)
         self.moment = self.moment or self.world.state()
@@ -262,8 +262,8 @@ class Task:
         for slot in choices:
             try:
                 if hand_to is None:
-                    place = Placing.of(self._cell, target.id, slot.receptacle, slot.point)
-                    leads_on = self._leads_to(target, place, slot.poses(self._cell.objects()))
+                    around = Surroundings.of(self._cell, target.id, slot.receptacle, slot.point)
+                    leads_on = self._leads_to(target, around, slot.poses(self._cell.objects()))
                 else:
                     leads_on = self._handing(target.id, hand_to, slot).leads_on
                 plan = plan_pick(self._cell, target, grasps, leads_on)
@@ -274,10 +274,10 @@ class Task:
                 return plan
         raise failures[0]
 
-    def _leads_to(self, target: SceneObject, place: Placing, poses: Sequence[Pose]) -> LeadsOn:
+    def _leads_to(self, target: SceneObject, around: Surroundings, poses: Sequence[Pose]) -> LeadsOn:
         def check(planner: MotionPlanner, way: PickWay, contact: ContactPoint) -> None:
             held = Held(target.id, target.asset.model, way.grasp.inverse() * target.pose, target.joints)
-            place.check(planner, way.lifted, held, target.asset.grasp_width(contact), poses)
+            around.check(planner, way.lifted, held, target.asset.grasp_width(contact), poses)
 
         return check
 
@@ -287,13 +287,14 @@ class Task:
             raise UnknownName("arm", to, self.world.arms)
         if slot is None:
             return HandOver(self._cell, object_id, to)
-        place, target = Placing.of(self._cell, object_id, slot.receptacle, slot.point), self._cell.object(object_id)
+        target = self._cell.object(object_id)
+        around = Surroundings.of(self._cell, object_id, slot.receptacle, slot.point)
         poses, planner = slot.poses(self._cell.objects()), self._cell.planner_among(to, {}, {})
         home = planner.kinematics.fk(planner.kinematics.home)
 
         def suits(hold: Hold) -> None:
             held = Held(object_id, target.asset.model, hold.in_object.inverse(), target.joints)
-            place.check(planner, home, held, hold.width, poses)
+            around.check(planner, home, held, hold.width, poses)
 
         return HandOver(self._cell, object_id, to, suits)
 

@@ -95,7 +95,7 @@ Choice = TypeVar("Choice")
 
 
 def plan_place(
-    cell: Workcell, grip: Grip, place: Placing, choices: Iterable[tuple[Choice, Sequence[Pose]]]
+    cell: Workcell, grip: Grip, around: Surroundings, choices: Iterable[tuple[Choice, Sequence[Pose]]]
 ) -> tuple[PlacePlan, Choice]:
     """The first free way to bring what is held to one of the places to choose from, and which.
 
@@ -104,7 +104,7 @@ def plan_place(
     Args:
         cell: as it stands.
         grip: what is held.
-        place: what receives it, where it stands.
+        around: what receives it, where it stands, and what stands there besides.
         choices: places in the order in which they are tried, each with the poses that the object may have there, in
             the world.
 
@@ -118,7 +118,7 @@ def plan_place(
     reasons: list[str] = []
     for choice, poses in choices:
         try:
-            ways = place.ways(planner.kinematics, held, control.finger_width, poses, begun.end)
+            ways = around.ways(planner.kinematics, held, control.finger_width, poses, begun.end)
         except MotionFailed as error:
             reasons.append(error.message)
             continue
@@ -126,15 +126,15 @@ def plan_place(
             try:
                 carry = planner.move(begun.end, way.above, grip.load, then=[way.release, way.after])
                 lower = planner.line(carry.end, way.release, careful)
-                return PlacePlan(grip, place.receptacle, way, begun.then(carry).then(lower)), choice
+                return PlacePlan(grip, around.receptacle, way, begun.then(carry).then(lower)), choice
             except MotionFailed as error:
                 reasons.append(error.message)
-    raise TaskFailed("plan", f"{grip.object_id} cannot be brought to {place.receptacle}: {first_reasons(reasons)}")
+    raise TaskFailed("plan", f"{grip.object_id} cannot be brought to {around.receptacle}: {first_reasons(reasons)}")
 
 
 @dataclass(frozen=True)
-class Placing:
-    """What a place has to do with, as it stands.
+class Surroundings:
+    """What is around a place where an object is put down, as it stands.
 
     Args:
         receptacle: id of what receives the object, or ``table``.
@@ -147,7 +147,7 @@ class Placing:
     height: float
 
     @classmethod
-    def of(cls, cell: Workcell, object_id: str, receptacle: str, point: int | None) -> Placing:
+    def of(cls, cell: Workcell, object_id: str, receptacle: str, point: int | None) -> Surroundings:
         """Everything but the object itself is in its way.
 
         Args:
