@@ -241,6 +241,22 @@ def test_what_is_scanned_too_is_scanned_besides(more: str) -> None:
     assert goals("cashier_desk", f"Scan the lime{more}") == ["lime_green scanned", "lemon_ripe scanned"]
 
 
+@pytest.mark.parametrize(
+    ("instruction", "why"),
+    [
+        ("Scan the lime, no, the lemon and the potato too", "besides is not clear"),
+        ("Scan the lime and the lemon, then weigh it", "more than one thing"),
+    ],
+)
+def test_what_may_add_or_take_back_and_what_it_may_be_is_refused(instruction: str, why: str) -> None:
+    refuses("cashier_desk", instruction, why)
+
+
+def test_what_is_done_too_in_another_clause_adds_nothing_to_this_one() -> None:
+    found = goals("cashier_desk", "Put the lime in the basket, no, the lemon, and ring the bell too")
+    assert found == [f"lemon_ripe {BASKET}", "service_bell_silver/button pressed"]
+
+
 def test_a_drawer_is_opened_too() -> None:
     found = goals("cabinet", "Open the top drawer, actually the bottom one too")
     assert found == [f"{OAK}top open", f"{OAK}bottom open"]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
@@ -286,7 +287,10 @@ def _phrase(words: Sequence[Token], quantity: Quantity | None, numbers: Sequence
         count = 2 if quantity == "both" else None if several else 1
     plain = count is not None and bool(numbers) and quantity is None
     several = max(2, count or 0) if is_plural(counted) else 1
-    least = max([several, *(ORDINALS.get(word, 1) for word in which)]) if part else 0
+    stated = [
+        NUMBERS.get(a) or 0 for a, b in itertools.pairwise(texts) if lemma(b) == part
+    ]  # 'the three-drawer cabinet'
+    least = max([several, *stated, *(ORDINALS.get(word, 1) for word in which)]) if part else 0
     return Phrase(
         text=text,
         lemmas=lemmas,

@@ -83,9 +83,13 @@ class References(ABC):
     def _meant(self, pronoun: Phrase) -> tuple[Phrase, ...]:
         """What 'it' or 'them' stands for: what is waiting for a place, else what was named last."""
         if not pronoun.plural:
-            last = (self._waiting or self._things)[-1:]
+            named = self._waiting or self._things
             part = self._part
-            return (part,) if part is not None and (not last or part.start > last[0].start) else last
+            if part is not None and (not named or part.start > named[-1].start):
+                return (part,)
+            if len(named) > 1:
+                raise self._refusal(pronoun.text, "it may be more than one thing")
+            return named
         found = self._all_waiting() if self._waiting else self._things
         counts = [phrase.count or 0 for phrase in found]
         if pronoun.count is not None and all(counts) and pronoun.count not in (len(counts), sum(counts)):
@@ -250,12 +254,18 @@ class References(ABC):
             led = led or self._cursor.kind(ahead) == "instead"
             ahead += 1
         ends = ("", "stop", "query", "then", "before", "after", "instead")
-        also = False
+        also = listed = False
         if not joined and self._requests and self._names_again(ahead):
             return False
-        while self._cursor.kind(ahead) not in ends:
-            also = also or self._cursor.kind(ahead) == "also"
+        while self._cursor.kind(ahead) not in ends and not also:
+            following = self._cursor.peek(ahead + 1)
+            if self._cursor.kind(ahead) == "and" and following is not None and following.bare:
+                break  # '…, no, the pen, and ring the bell too'
+            listed = listed or self._cursor.kind(ahead) == "and"
+            also = self._cursor.kind(ahead) == "also"
             ahead += 1
+        if led and also and listed and not joined:  # '…, no, the pen and the ruler too'
+            raise self._refusal(self._rest(), "what is done besides is not clear")
         return led and (joined or also)
 
     def _names_again(self, ahead: int) -> bool:
