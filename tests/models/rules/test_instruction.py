@@ -117,6 +117,8 @@ def test_every_verb_asks_for_its_own(text: str, expected: tuple[str, list[str], 
         ("the top drawer of the cabinet", ("cabinet",), ("top",), 2),
         ("the cabinet's top drawer", ("cabinet",), ("top",), 2),
         ("the drawers of the white cabinet", ("cabinet",), (), 2),
+        ("the top drawer of the three-drawer cabinet", ("three", "drawer", "cabinet"), ("top",), 3),
+        ("the third drawer from the bottom", ("drawer",), ("third", "bottom"), 3),
     ],
 )
 def test_a_drawer_says_which_and_how_many_there_must_be(

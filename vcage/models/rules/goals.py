@@ -11,7 +11,7 @@ from vcage.models.rules.instruction import Request, parse_instruction
 from vcage.models.rules.naming import Meaning, meant, words_of
 from vcage.models.rules.phrases import Phrase
 from vcage.models.rules.references import BESIDE
-from vcage.models.rules.words import ANYTHING, COLOURS, SHALLOW, lemmas
+from vcage.models.rules.words import ANYTHING, COLOURS, COUNTED, HIGHEST, LOWEST, SHALLOW, lemmas
 from vcage.plans.actions import lasting
 from vcage.plans.check import contradictions
 from vcage.schema.asset import CatalogueEntry
@@ -22,11 +22,6 @@ _TOOLS = {"scan": "barcode_scanner", "weigh": "electronic_scale"}
 SMALL = 0.1
 """Of what is less wide than this, metres, the top holds one thing."""
 
-_ORDER = {
-    "top": 0, "upper": 0, "uppermost": 0, "topmost": 0, "highest": 0, "first": 0, "middle": 1, "second": 1, "third": 2,
-    "fourth": 3, "fifth": 4, "sixth": 5, "tenth": 9, "bottom": -1, "lower": -1, "lowest": -1, "bottommost": -1,
-    "last": -1,
-}  # fmt: skip
 _SAME_PART = {"lid": ("lid", "cover", "screen"), "screen": ("screen", "lid", "display"), "dial": ("dial", "knob")}
 
 
@@ -68,7 +63,7 @@ class _Grounding:
         self._lying = lying
         self._instruction = instruction
         self._things = things
-        self._requests = parse_instruction(instruction, words_of(list(things.values())), self._is_place)
+        self._requests = parse_instruction(instruction, words_of(list(things.values())), self._is_place, self._opens)
         self._meant: dict[Phrase, tuple[str, ...]] = {}
         self._places: dict[tuple[object, ...], _Place] = {}
         self._taken: list[str] = []
@@ -78,6 +73,12 @@ class _Grounding:
         found = meant(phrase, self._things, Meaning.HOLDS)
         return phrase.part is not None or any(self._things[name].functional_points for name in found)
 
+    def _opens(self, phrase: Phrase) -> bool:
+        if phrase.part is not None:
+            return True
+        found = meant(phrase, self._things, Meaning.HOLDS)
+        return any(part_that("open", part) for name in found for part in self._things[name].moving_parts)
+
     def read(self) -> Reading:
         """The goals.
 
@@ -85,6 +86,7 @@ class _Grounding:
             UnreadInstruction: see :func:`read_goals`.
         """
         self._requests = [self._shared_out(request) for request in self._requests]
+        self._require_sources()
         self._name_all()
         goals: list[AskedGoal] = []
         for request in self._requests:
@@ -94,6 +96,7 @@ class _Grounding:
         if not goals:
             raise UnreadInstruction.of(self._instruction, self._instruction, "it asks for none of anything")
         untouched = self._untouched(goals)
+        goals = self._kept(goals)
         self._require_sense(goals)
         return Reading(goals=list(_once(goals)), untouched=untouched)
 
@@ -187,7 +190,8 @@ class _Grounding:
         found = self._answers(phrase)
         if not found:
             raise self._refusal(phrase, "there is no such thing here")
-        left = [name for name in found if name not in self._taken]
+        places = self._places_before(phrase) if phrase.quantity == "rest" else []
+        left = [name for name in found if name not in (*self._taken, *places)]
         count = phrase.count
         if phrase.quantity == "rest":
             if not left or (count == 1 and len(left) > 1):
@@ -215,22 +219,70 @@ class _Grounding:
         for request in self._requests:
             if request.asked != "leave":
                 continue
-            for phrase in request.things:
+            for phrase in request.things if request.preposition not in ("open", "close") else ():
                 names = meant(phrase, self._things, Meaning.CARRIED) or meant(phrase, self._things, Meaning.MOVING)
                 if not names:
                     raise self._refusal(phrase, "there is no such thing here")
                 if request.preposition:
-                    word = {"open": "open", "close": "closed", "press": "pressed", "turn": "turned", "scan": "scanned"}
+                    word = {"press": "pressed", "turn": "turned", "scan": "scanned"}
                     asked = word.get(request.preposition, "weighed")
                     if any(g.goal.relation == asked and g.goal.subject in names for g in goals):
                         raise self._refusal(phrase, "it contradicts the rest")
                     continue
                 found += names
         touched = {g.goal.subject for g in goals}
+        touched |= {str(g.goal.reference) for g in goals if g.goal.part is not None}
         both = [name for name in found if name in touched]
         if both:
             raise UnreadInstruction.of(self._instruction, " and ".join(both), "it shall be left alone and moved")
         return list(dict.fromkeys(found))
+
+    def _places_before(self, phrase: Phrase) -> list[str]:
+        """What things were put in, on or beside before 'the others': 'the red block on the blue one, the others …'."""
+        places = [r.place for r in self._requests if r.place is not None and r.place.start < phrase.start]
+        return [
+            name for place in places if place.lemmas != (TABLE,) for name in meant(place, self._things, Meaning.ANY)
+        ]
+
+    def _kept(self, goals: list[AskedGoal]) -> list[AskedGoal]:
+        """With what shall not be closed opened before it is used, so that it stays open.
+
+        Raises:
+            UnreadInstruction: what shall not be closed, or not be opened, is so for another goal.
+        """
+        for request in (r for r in self._requests if r.asked == "leave" and r.preposition in ("open", "close")):
+            denied = "closed" if request.preposition == "close" else "open"
+            for phrase in request.things:
+                for name, part in self._parts(phrase, request.preposition):
+                    told = [g.goal.relation for g in goals if (g.goal.subject, g.goal.part) == (name, part)]
+                    used = self._uses(name, part, goals)
+                    if denied in told or (used and denied == "open"):
+                        raise self._refusal(phrase, "it contradicts the rest")
+                    if used and not told:
+                        words = self._instruction[request.start : request.end]
+                        goal = Goal(subject=name, relation="open", part=part)
+                        goals = [
+                            *(g.model_copy(update={"step": g.step + (g.step >= min(used))}) for g in goals),
+                            AskedGoal(goal=goal, step=min(used), words=words),
+                        ]
+        return sorted(goals, key=lambda g: g.step)
+
+    def _uses(self, name: str, part: str, goals: Sequence[AskedGoal]) -> list[int]:
+        """The steps in which something is put into what a part closes, or taken out of it."""
+        inside = [g for g in goals if g.goal.relation == "inside" and g.goal.reference == name]
+        taken = [(r.step, place) for r in self._requests if r.asked != "leave" for _, place in r.sources]
+        into = [g.step for g in inside if g.goal.part in (None, part)]
+        return [*into, *(step for step, place in taken if (name, part) in self._parts_named(place))]
+
+    def _require_sources(self) -> None:
+        """That what things are taken out of is there.
+
+        Raises:
+            UnreadInstruction: something is not.
+        """
+        for place in (place for request in self._requests for _, place in request.sources):
+            if not meant(place, self._things, Meaning.ANY) and not (place.part and self._parts_named(place)):
+                raise self._refusal(place, "there is no such thing here")
 
     def _require_sense(self, goals: Sequence[AskedGoal]) -> None:
         """That all that shall be true at the end can be.
@@ -402,7 +454,7 @@ class _Grounding:
         if place.quantity == "rest":
             found = [self._remaining(place, found)]
         if place.plural:
-            if place.part is None and len(found) != len(names):
+            if len(found) > len(names) or (place.part is None and len(found) != len(names)):
                 raise self._refusal(place, f"{len(names)} things do not go to {len(found)} places one by one")
             return found
         if place.quantity == "a":
@@ -512,8 +564,10 @@ class _Grounding:
                 raise self._refusal(phrase, "what is left out is not there")
             fitting = kept
         if phrase.quantity == "rest":
-            fitting = [found for found in fitting if found not in self._operated]
-            if len(fitting) != 1 or not self._operated:
+            used = [*self._operated, *((p.id, p.part) for p in self._places.values())]
+            known = any(found in used for found in fitting)
+            fitting = [found for found in fitting if found not in used]
+            if not known or not fitting or (len(fitting) > 1 and not phrase.plural):
                 raise self._refusal(phrase, "it is not clear which other one")
         if phrase.plural and phrase.count is not None:
             if phrase.quantity != "a" and len(fitting) != phrase.count:
@@ -547,8 +601,10 @@ class _Grounding:
             parts = [p for p in self._things[name].moving_parts if p.split("_")[0] in same]
             parts.sort(key=_height)
             if phrase.which:
-                parts = _told_apart(parts, phrase.which)
+                parts = _told_apart(parts, phrase.which, phrase.count or 1)
             found += [(name, part) for part in parts]
+        if phrase.which and phrase.count is None and len({name for name, _ in found}) < 2:
+            return []  # 'the lower drawers': nobody can tell how many
         return found
 
     def _refusal(self, phrase: Phrase, why: str) -> UnreadInstruction:
@@ -560,12 +616,27 @@ def _height(part: str) -> int:
     return {"top": 0, "middle": 1, "bottom": 2}.get(part.rpartition("_")[2], 0)
 
 
-def _told_apart(parts: Sequence[str], which: Sequence[str]) -> list[str]:
-    """The part that ordinals tell from the others; none where there are too few."""
-    at = _ORDER.get(which[-1])
-    if at is None or (which[-1] in ("middle",) and len(parts) != 3) or len(parts) < 2:
+def _told_apart(parts: Sequence[str], which: Sequence[str], count: int) -> Sequence[str]:
+    """The parts that ordinals tell from the others, from the top down; none where there are too few.
+
+    Args:
+        which: 'second', 'bottom', or both: 'the second lowest'.
+        count: how many: 'the top two'.
+    """
+    *counted, end = which
+    number = COUNTED.index(end) + 1 if end in COUNTED else 1
+    if end in COUNTED or len(parts) < 2 or count > len(parts):
+        single = len(parts) > 1 and not counted and (count == 1 or number == 1)
+        return parts[number - 1 : number - 1 + count] if single and number - 1 + count <= len(parts) else []
+    if end == "middle":
+        return [parts[1]] if len(parts) == 3 and count == 1 and not counted else []
+    if end not in (*HIGHEST, *LOWEST, "last"):
         return []
-    return [parts[at]] if -len(parts) <= at < len(parts) else []
+    ordered = parts if end in HIGHEST else parts[::-1]
+    if counted:
+        at = COUNTED.index(counted[0]) if len(counted) == 1 and counted[0] in COUNTED and count == 1 else len(parts)
+        return ordered[at : at + 1]
+    return sorted(ordered[:count], key=_height)
 
 
 def _one_object(places: Sequence[_Place]) -> bool:

@@ -6,13 +6,13 @@ the instruction refused. A sentence is refused rather than misread.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
 
 from vcage.models.rules.lexicon import BASES, FORMS
 from vcage.models.rules.phrases import MARKS, Phrase, noun_phrase, noun_phrases
 from vcage.models.rules.request import ENDS, Asked, Request
-from vcage.models.rules.verbs import Verbs, without_last
+from vcage.models.rules.verbs import KEPT, Verbs, without_last
 
 _DONE: dict[str, Asked] = {
     "open": "open", "opened": "open", "closed": "close", "shut": "close", "scanned": "scan", "weighed": "weigh",
@@ -29,18 +29,22 @@ _HAPPENED = ("done", "finished", "running", "over", "rung", "ready", "complete")
 
 
 def parse_instruction(
-    instruction: str, names: Collection[str] = (), is_place: Callable[[Phrase], bool] = lambda _: True
+    instruction: str,
+    names: Collection[str] = (),
+    is_place: Callable[[Phrase], bool] = lambda _: True,
+    opens: Callable[[Phrase], bool] = lambda phrase: phrase.part is not None,
 ) -> list[Request]:
     """What an instruction asks for, in the order in which it is to be done; pronouns are resolved.
 
     Args:
         names: words that things are called by, so that a slip of the pen in one is forgiven.
         is_place: whether a phrase may name a place: what 'in the bowl, no, the pan' corrects.
+        opens: whether a phrase may name what opens and closes: what 'close it' may mean.
 
     Raises:
         UnreadInstruction: some of its words are of no use, or it asks for nothing; names the words.
     """
-    return _Reader(instruction, names, is_place).read()
+    return _Reader(instruction, names, is_place, opens).read()
 
 
 class _Reader(Verbs):
@@ -58,10 +62,14 @@ class _Reader(Verbs):
             if cursor.peek() is None:
                 break
             self._sentence_part()
-        if self._arm:
-            raise self._refusal(self._arm, "which arm does it is not the instruction's to say")
+        if self._arms:
+            raise self._refusal(self._arms[0][1], "which arm does it is not the instruction's to say")
         if self._pending:
             raise self._refusal(next(iter(self._pending.values())), "it does not say where that goes")
+        named = {thing.head for request in self._requests for thing in request.things}
+        for phrase, words in self._announced.items():
+            if phrase.head not in named:
+                raise self._refusal(words, "nothing is asked for with it")
         found = self._finished()
         if not any(request.asked != "leave" for request in found):
             raise self._refusal("nothing", "it asks for nothing that the robot can do")
@@ -171,21 +179,41 @@ class _Reader(Verbs):
     def _same_again(self, begun: int, things: tuple[Phrase, ...] = ()) -> None:
         """'… and so does the bun': the last request with other things."""
         cursor = self._cursor
-        done = [request for request in self._requests if request.asked != "leave"]
-        if not done:
+        loose = self._tokens[begun].text.startswith(("so", "as"))
+        again = self._done_last(strict=not loose)
+        if not again:
             raise self._refusal(self._rest(), "there is nothing yet to be done again")
         things = things or self._inherit(noun_phrases(cursor), self._things)
-        self._do_with(done[-1], self._resolved(things) if done[-1].things else things, begun)
         if not things:
             raise self._refusal(self._rest(), "nothing is named there")
+        self._do_with(again, things, begun)
         self._require_boundary()
 
-    def _do_with(self, request: Request, things: tuple[Phrase, ...], begun: int) -> None:
+    def _done_last(self, strict: bool) -> list[Request]:
+        """All that was asked for last of the same things, or of the same part.
+
+        Args:
+            strict: refuse where the last sentence asks for more than that.
+        """
+        done = [request for request in self._requests if request.asked != "leave"]
+        of = [(r.things, None if r.things else r.place) for r in done]
+        first = next((at + 1 for at in reversed(range(len(done))) if of[at] != of[-1]), 0)
+        stops = [t.end for t in self._tokens if done and t.kind in ("stop", "query") and t.end <= done[-1].start]
+        if strict and any(r.start >= max(stops, default=0) for r in done[:first]):
+            raise self._refusal(self._rest(), "it is not clear what is done again")
+        return done[first:]
+
+    def _do_with(self, requests: Sequence[Request], things: tuple[Phrase, ...], begun: int) -> None:
         """The same with other things."""
-        for told in (
-            [replace(request, things=things)] if request.things else [replace(request, place=t) for t in things]
-        ):
-            self._add(replace(told, sources=()), begun)
+        for request in requests:
+            if request.things:
+                self._add(replace(request, things=self._resolved(things), sources=()), begun)
+            elif request.asked in ("open", "close"):
+                for thing in things:
+                    self._operates(request.asked, thing, begun)
+            else:
+                for thing in things:
+                    self._add(replace(request, place=thing, sources=()), begun)
 
     def _subordinate_follows(self) -> bool:
         """Whether 'before …' or 'after …' comes next, and a clause that is complete came before it."""
@@ -222,11 +250,12 @@ class _Reader(Verbs):
         """'once it is running, …', 'when that has been done, …' asks for nothing new; whether that came next."""
         cursor = self._cursor
         at = cursor.at
-        if noun_phrase(cursor) is not None or cursor.text() in ("that", "this"):
+        phrase = noun_phrase(cursor)
+        if phrase is not None or cursor.text() in ("that", "this"):
             cursor.skip("article")
             while cursor.kind() in ("be", "ought") or cursor.text() in ("has", "have", "had", "been"):
                 cursor.take()
-            if cursor.at > at + 1 and cursor.kind() == "there":  # 'once they are in there'
+            if cursor.at > at + 1 and cursor.kind() == "there" and self._is_placed(phrase):  # 'once they are in there'
                 cursor.take()
                 return True
             said = cursor.at > at + 1 and cursor.kind() == "word" and cursor.kind(1) in ENDS
@@ -236,6 +265,13 @@ class _Reader(Verbs):
         cursor.at = at
         return False
 
+    def _is_placed(self, phrase: Phrase | None) -> bool:
+        """Whether what is named was to be put somewhere before."""
+        placed = [thing for request in self._requests if request.asked == "put" for thing in request.things]
+        if phrase is None or phrase.is_pronoun:
+            return bool(placed) and set(self._things) <= set(placed)
+        return any((thing.head, thing.colour) == (phrase.head, phrase.colour) for thing in placed)
+
     def _is_known(self, word: str) -> bool:
         """Whether what a participle says was asked for before: 'once the timer has been set'."""
         done = _DONE.get(word, "")
@@ -244,9 +280,13 @@ class _Reader(Verbs):
     def _corrected_clause(self) -> None:
         """'Put the apple on the plate. No, the banana.': what was said last, otherwise."""
         cursor = self._cursor
-        while cursor.kind() in ("instead", "and"):
-            cursor.take()
-        if not self._requests:
+        begun = cursor.at
+        adds = self._adds()
+        cursor.skip("and", "instead", *(("also",) if adds else ()))
+        if not self._requests or (adds and self._at_verb()):
+            return
+        if adds:
+            self._besides(begun)
             return
         last = self._requests[-1]
         if len(last.things) > 1 or any(thing.plural for thing in last.things):
@@ -269,6 +309,17 @@ class _Reader(Verbs):
                 self._add(replace(last, things=self._inherit(things, last.things)), last.start)
         self._require_boundary()
 
+    def _besides(self, begun: int) -> None:
+        """'Actually, the orange too': the same with it, or what is said of it."""
+        cursor = self._cursor
+        last = self._requests[-1]
+        things = self._inherit(noun_phrases(cursor), last.things or ((last.place,) if last.place else ()))
+        if things and cursor.kind() in ("prep", "toward", "there", "back"):
+            self._places_of(self._resolved(things), begun)
+        else:
+            self._same_again(begun, things)
+        self._require_boundary()
+
     def _clause_about(self, things: tuple[Phrase, ...], last: Request) -> None:
         things = self._inherit(things, last.things)
         if self._cursor.kind() == "prep":
@@ -280,7 +331,9 @@ class _Reader(Verbs):
     def _require_boundary(self) -> None:
         cursor = self._cursor
         cursor.skip("also")
-        if cursor.kind() not in (*ENDS, "colon", "instead"):
+        following = cursor.peek(1)
+        aside = cursor.kind() == "not" and following is not None and following.verb in ("open", "close")
+        if cursor.kind() not in (*ENDS, "colon", "instead") and not aside:
             raise self._refusal(self._rest(), "they have no use there")
 
     def _clause(self, subordinate: bool = False) -> None:
@@ -329,8 +382,10 @@ class _Reader(Verbs):
         begun = cursor.at
         things = noun_phrases(cursor)
         if things and self._instead_follows():
-            cursor.skip("and", "instead")
-            things = (*things[:-1], *self._inherit(noun_phrases(cursor), things))
+            kept = things if self._adds() else things[:-1]
+            cursor.skip("and", "instead", "also")
+            things = (*kept, *self._inherit(noun_phrases(cursor), things))
+            cursor.skip("also")
         if not things:
             raise self._refusal(self._rest(), "they say nothing that the robot can do")
         if cursor.text() == "," and cursor.kind(1) in ("prep", "toward", "belong", "ought", "be"):
@@ -346,7 +401,19 @@ class _Reader(Verbs):
         if last and last[0] in _DONE and cursor.kind() in ENDS:  # 'both drawers open, please'
             self._done(_DONE[last[0]], (*things[:-1], without_last(things[-1])), begun)
             return
-        self._wished(self._resolved(things), begun)
+        if not self._stay_so(things, begun):
+            self._wished(self._resolved(things), begun)
+
+    def _stay_so(self, things: tuple[Phrase, ...], begun: int) -> bool:
+        """'It should stay open': the other is not to be done; whether it is that."""
+        cursor = self._cursor
+        at = cursor.at
+        cursor.skip("ought", "be")
+        if self._tokens[cursor.at - 1].text.startswith(("stay", "remain")) and cursor.text() in KEPT:
+            self._keep(things, KEPT[cursor.take().text], begun)
+            return True
+        cursor.at = at
+        return False
 
     def _wished(self, things: tuple[Phrase, ...], begun: int) -> None:
         """What shall be true of things."""
@@ -396,6 +463,7 @@ class _Reader(Verbs):
             self._places_of(things, begun)
         elif cursor.kind() == "colon":
             self._waiting = things
+            self._announced |= dict.fromkeys(things, self._words(begun, cursor.at))
         else:
             raise self._refusal(self._words(begun, self._end_of_clause()), "they say nothing that the robot can do")
 
@@ -415,9 +483,9 @@ class _Reader(Verbs):
         """'scan the milk, then the juice': the same with other things; or things that the next clause says more of."""
         cursor = self._cursor
         before = self._tokens[begun - 1].kind if begun else ""
-        done = [request for request in self._requests if request.asked != "leave"]
+        done = self._done_last(strict=False)
         if before == "then" and done:
-            self._do_with(done[-1], things, begun)
+            self._do_with(done, things, begun)
             if done[-1].asked in ("scan", "weigh"):
                 self._waiting = things
             return True
@@ -469,7 +537,10 @@ class _Reader(Verbs):
             if noun_phrase(cursor) is None and cursor.kind() != "":
                 raise self._refusal(self._rest(), "they forbid nothing that is named")
             raise self._refusal(self._words(begun, cursor.at), "what a thing shall not be put into is not understood")
-        if verb in ("open", "close", "press", "turn", "scan", "weigh"):
+        if verb in ("open", "close"):
+            self._keep(things, verb, begun)
+            return
+        if verb in ("press", "turn", "scan", "weigh"):
             self._place = self._place if things[-1].is_pronoun else things[-1]
             things = self._resolved(things) if not things[0].is_pronoun else ((self._part or self._place),)
             self._add(Request("leave", tuple(t for t in things if t), preposition=verb), begun)

@@ -63,6 +63,14 @@ def meant(
     if _is_kind_word(phrase):
         return list(fits)
     best = max(fits.values())
+    proper = [names[:3] for names in (names_of(things[name]) for name in fits)]
+    if (
+        meaning is Meaning.CARRIED
+        and len(phrase.lemmas) == 1
+        and not any(list(phrase.lemmas) in names for names in proper)
+    ):
+        best = min(best, 2)  # 'the eraser', short for the whiteboard eraser, may be the pencil eraser
+        return [name for name, fit in fits.items() if fit >= best]
     return [name for name, fit in fits.items() if fit == best]
 
 
@@ -103,6 +111,9 @@ def _fit(phrase: Phrase, entry: CatalogueEntry) -> int:
     described = {w for name in names for w in name} | set(lemmas(entry.words.description)) | colours
     described.add(lemma(entry.words.category.lower()))
     *qualifiers, head = plain or [""]
+    if head in ANYTHING:  # 'the writing things' are not those whose description has the word
+        described = {lemma(entry.words.category.lower()), *colours}
+        qualifiers = [word for word in qualifiers if not _is_of_kind(word, entry, names_of(entry))]
     explained = all(any(_describes(word, other) for other in described) for word in qualifiers)
     if explained and any(same_word(head, name[-1]) for name in names):
         return 2

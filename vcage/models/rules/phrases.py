@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
@@ -11,6 +12,8 @@ from vcage.models.rules.tokens import Token
 from vcage.models.rules.words import (
     ANYTHING,
     COLOURS,
+    HIGHEST,
+    LOWEST,
     MASS_KINDS,
     NUMBERS,
     ORDINALS,
@@ -30,6 +33,7 @@ Quantity = Literal["the", "a", "all", "both", "rest"]
 
 _ATTRIBUTES = {"eat": "edible", "eatable": "edible", "write": "writing", "drink": "drinkable"}
 _ONE = ("one", "ones")
+_STATES = ("open", "opened", "shut", "closed")
 _PARTICLES = ("out", "down", "across", "along")
 _POINTING = ("those", "these", "that", "this")
 _EVERY = ("everything", "anything", "whatever", "things")
@@ -128,7 +132,7 @@ def noun_phrase(cursor: Cursor, exceptions: bool = True) -> Phrase | None:
     begun = cursor.at
     if cursor.kind() == "pronoun":
         token = cursor.take()
-        count = 1 if token.value in ("it", "the other") else None
+        count = 1 if token.value in ("it", "the other") else _told(token.text)
         return Phrase(
             token.value,
             (),
@@ -145,14 +149,15 @@ def noun_phrase(cursor: Cursor, exceptions: bool = True) -> Phrase | None:
             start=token.start,
         )
     quantity, numbers = _determiners(cursor)
-    words = _named(cursor)
+    bare = quantity in ("both", "all") and cursor.text() in _STATES and cursor.kind(1) != "word"  # 'leave both open'
+    words = [] if bare else [*_led(cursor, numbers), *_named(cursor)]
     if not words and not numbers and quantity in ("both", "all"):
-        return Phrase("them", (), count=None, start=cursor.tokens[begun].start)
+        return Phrase("them", (), count=2 if quantity == "both" else None, start=cursor.tokens[begun].start)
     if not words and not numbers and quantity != "rest":
         cursor.at = begun
         return None
     start = cursor.tokens[begun].start
-    phrase = _phrase(words, quantity, numbers, start)
+    phrase = _from_an_end(cursor, _phrase(words, quantity, numbers, start))
     phrase = _related(cursor, phrase)
     return replace(phrase, but=(*phrase.but, *_left_out(cursor, phrase))) if exceptions else phrase
 
@@ -170,7 +175,7 @@ def _determiners(cursor: Cursor) -> tuple[Quantity | None, list[int | None]]:
         if counted and token.kind in ("number", "article"):
             continue  # 'two of the three mugs'
         if token.kind == "number":
-            numbers.append(NUMBERS[token.text] if token.text in NUMBERS else int(token.text))
+            numbers.append(_value(token))
         elif token.kind == "quantity":
             if token.value == "one":
                 single = True
@@ -184,6 +189,35 @@ def _determiners(cursor: Cursor) -> tuple[Quantity | None, list[int | None]]:
             if token.text == "some" and not is_plural(cursor.text()) and lemma(cursor.text()) not in MASS_KINDS:
                 numbers.append(0)  # 'some salt' is no salt shaker
     return quantity, [1] if single else numbers
+
+
+def _told(pronoun: str) -> int | None:
+    """How many 'them both' or 'all three' are; None where that is not said."""
+    pairs = {"both": 2, "two": 2, "pair": 2, "three": 3, "four": 4}
+    return next((pairs[word] for word in pronoun.split() if word in pairs), None)
+
+
+def _value(number: Token) -> int | None:
+    return NUMBERS[number.text] if number.text in NUMBERS else int(number.text)
+
+
+def _led(cursor: Cursor, numbers: list[int | None]) -> list[Token]:
+    """An ordinal before a number, which joins the numbers: 'the top two drawers'."""
+    if cursor.text() not in ORDINALS or cursor.kind(1) != "number" or cursor.kind(2) != "word":
+        return []
+    led = cursor.take()
+    numbers.append(_value(cursor.take()))
+    return [led]
+
+
+def _from_an_end(cursor: Cursor, phrase: Phrase) -> Phrase:
+    """'the third drawer from the bottom': the third lowest."""
+    end = cursor.text(2)
+    told = cursor.text() == "from" and cursor.kind(1) == "article" and end in (*HIGHEST, *LOWEST)
+    if not told or cursor.kind(3) == "word" or phrase.part is None or len(phrase.which) != 1:
+        return phrase
+    cursor.at += 3
+    return replace(phrase, which=(*phrase.which, end), text=f"{phrase.text} from the {end}")
 
 
 def _named(cursor: Cursor) -> list[Token]:
@@ -252,7 +286,11 @@ def _phrase(words: Sequence[Token], quantity: Quantity | None, numbers: Sequence
         several = is_plural(counted) or lemmas[-1] in MASS_KINDS or quantity == "all"
         count = 2 if quantity == "both" else None if several else 1
     plain = count is not None and bool(numbers) and quantity is None
-    least = max([ORDINALS.get(word, 1) for word in which] + [2 if part and is_plural(counted) else 1]) if part else 0
+    several = max(2, count or 0) if is_plural(counted) else 1
+    stated = [
+        NUMBERS.get(a) or 0 for a, b in itertools.pairwise(texts) if lemma(b) == part
+    ]  # 'the three-drawer cabinet'
+    least = max([several, *stated, *(ORDINALS.get(word, 1) for word in which)]) if part else 0
     return Phrase(
         text=text,
         lemmas=lemmas,
@@ -366,8 +404,12 @@ def _left_out(cursor: Cursor, phrase: Phrase) -> tuple[Phrase, ...]:
     if cursor.kind() not in ("except", "not"):
         cursor.at = begun
         return ()
-    cursor.take()
-    if cursor.text() in ("touch", "move", "use", "disturb") or (_begins_clause(cursor) and cursor.kind() == "word"):
+    doubtful = cursor.take().text == "no" and phrase.count == 1  # 'the apple, no banana' may be a slip
+    if (
+        doubtful
+        or cursor.text() in ("touch", "move", "use", "disturb")
+        or (_begins_clause(cursor) and cursor.kind() == "word")
+    ):
         cursor.at = begun
         return ()
     found = _excepted(cursor)
@@ -444,9 +486,16 @@ def _begins_clause(cursor: Cursor) -> bool:
 def _with_heads(phrases: Sequence[Phrase]) -> tuple[Phrase, ...]:
     found: list[Phrase] = []
     for phrase in reversed(phrases):
+        told = found and found[-1].part is not None and found[-1].which
+        if told and len(phrase.lemmas) == 1 and phrase.part is None and phrase.head in ORDINALS:
+            following = found[-1] = replace(found[-1], count=1 if found[-1].count is None else found[-1].count)
+            phrase = replace(
+                following, which=phrase.lemmas, text=f"{phrase.text} {following.part}", start=phrase.start, count=1
+            )
         if found and phrase.lemmas and len(phrase.lemmas) == 1 and phrase.head in COLOURS and phrase.colour is None:
             following = found[-1]
-            bare = len(following.lemmas) == 1 and following.head in COLOURS and following.colour is None
+            fruit = phrase.head == "orange" and following.colour is None  # 'the orange and the carrot'
+            bare = fruit or (len(following.lemmas) == 1 and following.head in COLOURS and following.colour is None)
             if not bare and (following.colour or following.lemmas != phrase.lemmas):
                 single = following.count is None or phrase.count == 1
                 if single and following.colour and following.count is None:

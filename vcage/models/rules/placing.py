@@ -7,10 +7,14 @@ from dataclasses import dataclass, replace
 from vcage.models.rules.phrases import MARKS, Phrase, noun_phrase, noun_phrases
 from vcage.models.rules.references import SURFACES, References
 from vcage.models.rules.request import ENDS, Request
+from vcage.models.rules.tokens import Token
 
 _THROWN = ("throw", "toss", "chuck", "shove", "dump")
 _ALONG = ("run", "wave", "swipe")
 """Verbs that mean something only with the scanner: 'run it past the scanner'."""
+_SHOWN = (*_ALONG, "hold", "pass", "show", "present")
+_PAST = ("past", "through", "across")
+"""Verbs, and words, by which a thing is scanned that comes to the scanner."""
 
 
 @dataclass
@@ -82,6 +86,8 @@ class Placing(References):
         """Read one more place, or a word about one; whether another may follow."""
         cursor = self._cursor
         self._skip_fillers(move)
+        if move.placed and self._adds():
+            return False
         if self._instead_follows():
             move.things, move.placed = self._corrected(move.things, move.placed, move.begun)
             return True
@@ -225,8 +231,14 @@ class Placing(References):
     def _corrected(self, things: tuple[Phrase, ...], placed: bool, begun: int) -> tuple[tuple[Phrase, ...], bool]:
         """'the apple, no, the banana': what was named last is taken back."""
         cursor = self._cursor
-        while cursor.kind() in ("and", "instead"):
-            cursor.take()
+        adds = self._adds()
+        cursor.skip("and", "instead", *(("also",) if adds else ()))
+        if adds:
+            said = noun_phrases(cursor)
+            cursor.skip("also")
+            if not said:
+                raise self._refusal(self._rest(), "whether that is done besides is not clear")
+            return (*things, *self._resolved(self._inherit(said, things))), False
         if self._at_verb():
             end = self._end_of_clause()
             adds = any(token.first for token in self._tokens[cursor.at : end])
@@ -286,20 +298,30 @@ class Placing(References):
             if self._tokens[begun].verb != "hand" and self._tokens[self._cursor.at - 2].kind != "toward":
                 raise self._refusal(token.text, "it names no place")
             value = value.removeprefix("aside ")
-        if value.startswith("in") and takes:
-            self._arm = token.text
         if value.startswith("from") or (value.startswith("in") and takes):
+            self._arms.append((value.split()[-1], token.text, things))
             return False
         value = value.removeprefix("in ")
         self._require_things(things, begun)
         if value == "customer":
             self._add(Request("present", things), begun)
+        elif value == "scanner" and base not in _SHOWN and token.text.split()[0] not in _PAST:
+            self._beside_scanner(things, token, begun)
         elif value == "scanner":
             self._add(Request("scan", things), begun)
             self._waiting = things
         else:
             self._add(Request("hand", things, preposition=value), begun)
         return True
+
+    def _beside_scanner(self, things: tuple[Phrase, ...], token: Token, begun: int) -> None:
+        """'Put the juice by the scanner': a place, and no scanning."""
+        how, _, name = token.text.partition(" the ")
+        if how not in ("by", "in front of"):
+            raise self._refusal(token.text, "the robot puts nothing there")
+        words = tuple(name.split())
+        place = Phrase(name, words, start=token.start)
+        self._add(self._placed(things, place, "beside" if how == "by" else "in_front_of"), begun)
 
     def _place_first(self) -> None:
         """'Into the box go the pens', 'with the scanner, scan the juice'."""

@@ -7,7 +7,7 @@ from collections.abc import Callable, Collection, Iterable
 from dataclasses import replace
 
 from vcage.base.errors import UnreadInstruction
-from vcage.models.rules.phrases import Cursor, Phrase, noun_phrase
+from vcage.models.rules.phrases import MARKS, Cursor, Phrase, noun_phrase
 from vcage.models.rules.request import ENDS, Request
 from vcage.models.rules.tokens import tokens
 from vcage.models.rules.words import COLOURS, colour_of
@@ -21,8 +21,15 @@ SURFACES = frozenset(("table", "desk", "desktop", "tabletop", "worktop", "counte
 class References(ABC):
     """The instruction, how far it is read, what was asked for so far, and what was named last."""
 
-    def __init__(self, instruction: str, names: Collection[str], is_place: Callable[[Phrase], bool]):
+    def __init__(
+        self,
+        instruction: str,
+        names: Collection[str],
+        is_place: Callable[[Phrase], bool],
+        opens: Callable[[Phrase], bool],
+    ):
         self._is_place = is_place
+        self._opens = opens
         self._names = names
         self._instruction = instruction
         self._tokens = tokens(instruction, names)
@@ -49,10 +56,12 @@ class References(ABC):
         self._passive: tuple[Phrase, ...] = ()
         """Of what it was said last what shall be done with it: 'the juice should be scanned and put …'."""
         self._sources: list[tuple[Phrase, Phrase]] = []
-        self._arm = ""
-        """Words that say which arm takes a thing, of use only if it is then given to the other."""
+        self._arms: list[tuple[str, str, tuple[Phrase, ...]]] = []
+        """(arm, words that say so, things) that it takes, of use only if they are then given to the other arm."""
         self._pending: dict[Phrase, str] = {}
         """What was taken hold of and must yet be of use, and the words for that."""
+        self._announced: dict[Phrase, str] = {}
+        """What stands before a colon, of use if something of its like is asked for, and the words for that."""
 
     def _resolved(self, phrases: Iterable[Phrase]) -> tuple[Phrase, ...]:
         """The phrases, with what pronouns among them stand for."""
@@ -74,10 +83,18 @@ class References(ABC):
     def _meant(self, pronoun: Phrase) -> tuple[Phrase, ...]:
         """What 'it' or 'them' stands for: what is waiting for a place, else what was named last."""
         if not pronoun.plural:
-            last = (self._waiting or self._things)[-1:]
+            named = self._waiting or self._things
             part = self._part
-            return (part,) if part is not None and (not last or part.start > last[0].start) else last
-        return self._all_waiting() if self._waiting else self._things
+            if part is not None and (not named or part.start > named[-1].start):
+                return (part,)
+            if len(named) > 1:
+                raise self._refusal(pronoun.text, "it may be more than one thing")
+            return named
+        found = self._all_waiting() if self._waiting else self._things
+        counts = [phrase.count or 0 for phrase in found]
+        if pronoun.count is not None and all(counts) and pronoun.count not in (len(counts), sum(counts)):
+            raise self._refusal(pronoun.text, "it is not clear what these are")
+        return found
 
     def _all_waiting(self) -> tuple[Phrase, ...]:
         """What was scanned, weighed or taken hold of since something was put somewhere."""
@@ -159,7 +176,8 @@ class References(ABC):
             self._require_clear(at)
             return self._known_place(at, things), preposition
         if place.head == "one":
-            known = [p for p in (self._place, self._part) if p is not None and p.head != "table"]
+            sources = (place for _, place in self._sources[-1:])
+            known = [p for p in (self._place, self._part, *sources) if p is not None and p.head != "table"]
             model = before or max(known, key=lambda p: p.start, default=None)
             place = self._inherit((place,), things[-1:] if model is None else (model,))[0]
         if len(place.lemmas) == 1 and place.head in SURFACES and preposition in ("on", "to", "in"):
@@ -227,6 +245,38 @@ class References(ABC):
             ahead += 1
         return self._cursor.kind(ahead) == "instead"
 
+    def _adds(self) -> bool:
+        """Whether what stands after 'sorry' or 'actually' is meant besides: 'sorry, and the pen', 'the pen too'."""
+        ahead, led, joined = 0, False, False
+        while self._cursor.kind(ahead) in ("and", "instead"):
+            said = self._cursor.kind(ahead) == "and" and self._cursor.text(ahead) not in (*MARKS, "but")
+            joined = joined or (led and said)
+            led = led or self._cursor.kind(ahead) == "instead"
+            ahead += 1
+        ends = ("", "stop", "query", "then", "before", "after", "instead")
+        also = listed = False
+        if not joined and self._requests and self._names_again(ahead):
+            return False
+        while self._cursor.kind(ahead) not in ends and not also:
+            following = self._cursor.peek(ahead + 1)
+            if self._cursor.kind(ahead) == "and" and following is not None and following.bare:
+                break  # '…, no, the pen, and ring the bell too'
+            listed = listed or self._cursor.kind(ahead) == "and"
+            also = self._cursor.kind(ahead) == "also"
+            ahead += 1
+        if led and also and listed and not joined:  # '…, no, the pen and the ruler too'
+            raise self._refusal(self._rest(), "what is done besides is not clear")
+        return led and (joined or also)
+
+    def _names_again(self, ahead: int) -> bool:
+        """Whether what was named last is named there once more: 'pen in the box, no, pen in the cup as well'."""
+        at = self._cursor.at
+        self._cursor.at += ahead
+        phrase = noun_phrase(self._cursor)
+        self._cursor.at = at
+        last = self._requests[-1].things
+        return phrase is not None and any((phrase.lemmas, phrase.colour) == (t.lemmas, t.colour) for t in last)
+
     def _add(self, request: Request, begun: int) -> None:
         """Note a request; each clause is a step of its own, what one verb does to several things is one."""
         last = self._requests[-1] if self._requests else None
@@ -246,7 +296,7 @@ class References(ABC):
             self._left = request.things
             return
         if request.asked == "hand":
-            self._arm = ""
+            self._arms = [arm for arm in self._arms if arm[0] == request.preposition or arm[2] != request.things]
         for phrase in (*request.things, *([request.place] if request.place is not None else [])):
             self._pending.pop(phrase, None)
         if request.things:
@@ -262,6 +312,12 @@ class References(ABC):
         """The instruction's own words between two tokens."""
         row = self._tokens[max(begun, 0) : max(end, begun + 1)]
         return self._instruction[row[0].start : row[-1].end] if row else ""
+
+    def _said(self, begun: int) -> str:
+        """The instruction's own words from a token to here, with those that are left out."""
+        at = self._cursor.at
+        end = self._tokens[at].start if at < len(self._tokens) else len(self._instruction)
+        return self._instruction[self._tokens[begun].start : end].strip()
 
     def _end_of_clause(self) -> int:
         end = self._cursor.at
@@ -279,6 +335,10 @@ class References(ABC):
     def _refusal(self, words: str, why: str) -> UnreadInstruction:
         understood = [self._instruction[r.start : r.end] for r in self._requests]
         return UnreadInstruction.of(self._instruction, words, why, list(dict.fromkeys(understood)))
+
+    @abstractmethod
+    def _keep(self, things: tuple[Phrase, ...], denied: str, begun: int) -> None:
+        """Note that something shall not be opened, or not be closed."""
 
     @abstractmethod
     def _clause(self, subordinate: bool = False) -> None:

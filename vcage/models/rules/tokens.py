@@ -10,7 +10,7 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
 from vcage.models.rules.lexicon import BASES, FORMS, IS, LONGEST, OTHERS, PHRASES, SLIPS, Kind, Verb
-from vcage.models.rules.words import ANYTHING, CATEGORIES, COLOURS, KINDS, NUMBERS, ORDINALS, PARTS, lemma
+from vcage.models.rules.words import ANYTHING, CATEGORIES, COLOURS, COUNTED, KINDS, NUMBERS, ORDINALS, PARTS, lemma
 
 _PIECE = re.compile(r"[a-z0-9]+(?:['-][a-z0-9]+)*|[^\s\"'`“”‘*]")
 
@@ -94,6 +94,14 @@ def tokens(instruction: str, names: Collection[str] = ()) -> list[Token]:
         begins = not useful or useful[-1].kind in ("and", "stop", "then")
         led = next((other for other in reversed(found[:at]) if other.text != ","), None)
         before = "" if led is None else led.kind if led.kind == "first" else found[at - 1].kind
+        alone = ends and bool(useful) and useful[-1].kind in ("and", "then", "stop")
+        joined = at > 0 and found[at - 1].kind in ("and", "then", "stop")
+        if (alone and token.text in ("again", "once more")) or (joined and token.text == "me"):
+            useful.append(replace(token, kind="word"))  # 'ring it, then again', 'give her the pen and me the book'
+            continue
+        if token.text == "up" and _is_counted(useful):  # 'the third drawer up', not 'open the drawer up'
+            useful.append(replace(token, kind="word"))
+            continue
         if token.kind == "first" and not begins:
             useful[-1] = replace(useful[-1], first=True)
         elif token.kind not in ("noise", "wish", "first"):
@@ -101,11 +109,19 @@ def tokens(instruction: str, names: Collection[str] = ()) -> list[Token]:
     return [_before_noun(token, useful[at + 1 : at + 2]) for at, token in enumerate(useful)]
 
 
+def _is_counted(before: Sequence[Token]) -> bool:
+    """Whether a part was named last by its number: 'the third drawer'."""
+    return len(before) > 1 and before[-1].text in PARTS and before[-2].text in COUNTED
+
+
 def _before_noun(token: Token, following: Sequence[Token]) -> Token:
     """'inside its drawer', not 'put it inside': a preposition."""
     if token.text == "an" and following and following[0].bare:  # 'the roll in the box an open the microwave'
         return replace(token, kind="and", value="")
     named = bool(following) and following[0].kind in ("article", "quantity", "number")
+    bare = bool(following) and following[0].kind == "word" and not following[0].bare
+    if token.kind == "instead" and token.text == "no" and bare:  # 'no pens', not 'no, the pens'
+        return replace(token, kind="not", value="")
     if token.text == "bar" and named:  # 'all the bottles bar the blue one'
         return replace(token, kind="except", value="")
     return (

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 
 from vcage.models.rules.phrases import Phrase, noun_phrase, noun_phrases
@@ -13,6 +14,12 @@ _SHUT, _OPEN = ("shut", "closed", "close", "in", "back in"), ("open", "out", "op
 """Words after a part that is pushed or pulled."""
 
 _HOWS = ("open", "shut", "closed", "out")
+
+_TOGETHER = re.compile(r"\b(together|combined|in one go)\b", re.IGNORECASE)
+"""Words that mean nothing for most verbs."""
+
+KEPT = {"open": "close", "opened": "close", "closed": "open", "shut": "open"}
+"""States that something shall stay in → what is not to be done to it."""
 
 _IDIOMS: dict[str, Asked] = {
     "ring": "press", "press": "press", "push": "press", "ding": "press", "hit": "press",
@@ -31,8 +38,9 @@ class Verbs(Placing):
         base, verb = token.base or token.text, token.verb
         if base in ("build", "make"):
             self._tower(begun)
-        elif base == "leave" and self._left_alone(begun):
-            return
+        elif base in ("leave", "keep"):
+            if not self._kept_so(begun) and not (base == "leave" and self._left_alone(begun)):
+                self._stays(begun, base)
         elif base == "touch":
             raise self._refusal(token.text, "nothing is asked for by it")
         elif verb == "fill" or (base in ("pack", "load", "stuff") and self._filled()):
@@ -58,22 +66,52 @@ class Verbs(Placing):
         else:
             self._put(begun, takes=verb == "take", base=base)
 
+    def _stays(self, begun: int, base: str) -> None:
+        """'Leave it on the table': a place for it, if it was not put elsewhere before."""
+        count = len(self._requests)
+        self._put(begun, takes=False, base=base)
+        for request in self._requests[count:]:
+            named = {(thing.lemmas, thing.colour) for thing in request.things}
+            moved = [r for r in self._requests[:count] if r.asked == "put" and r.place != request.place]
+            if any((thing.lemmas, thing.colour) in named for r in moved for thing in r.things):
+                raise self._refusal(self._words(begun, self._cursor.at), "it contradicts what was said before")
+
+    def _kept_so(self, begun: int) -> bool:
+        """'Leave it open', 'keep the door shut': the other shall not be done; whether it is one of these."""
+        cursor = self._cursor
+        at = cursor.at
+        things = noun_phrases(cursor)
+        how = things[-1].text.split()[-1] if things else ""
+        if things and cursor.text() in KEPT and cursor.kind() == "word" and cursor.kind(1) in ENDS:
+            how = cursor.take().text
+        elif how in KEPT and cursor.kind() in ENDS:
+            things = (*things[:-1], without_last(things[-1]))
+        else:
+            cursor.at = at
+            return False
+        self._keep(things, KEPT[how], begun)
+        return True
+
+    def _keep(self, things: tuple[Phrase, ...], denied: str, begun: int) -> None:
+        """Note that something shall not be opened, or not be closed."""
+        things = tuple(replace(t, quantity="all", count=None) if t.quantity == "a" else t for t in things)  # 'either'
+        parts = [known for thing in things for known in (self._operable(thing) if thing.is_pronoun else (thing,))]
+        self._part = parts[-1]
+        self._add(Request("leave", tuple(dict.fromkeys(parts)), preposition=denied), begun)
+
     def _left_alone(self, begun: int) -> bool:
         """'Leave the mug alone', 'leave the mug where it is'."""
         cursor = self._cursor
         at = cursor.at
         things = noun_phrases(cursor)
         ended = cursor.kind() in ENDS
-        if ended and things and things[-1].text.split()[-1:] in (["closed"], ["shut"]):
-            things = (*things[:-1], without_last(things[-1]))
         if things and (ended or cursor.kind() == "stay" or cursor.text() in ("out", "be")):
             if not ended:
                 cursor.take()
             self._add(Request("leave", self._resolved(things)), begun)
             return True
         cursor.at = at
-        self._put(begun, takes=False, base="leave")
-        return True
+        return False
 
     def _operate(self, verb: str, begun: int) -> None:
         """'Open the top drawer', 'shut it', 'open up the laptop', 'flip open the lid'."""
@@ -96,7 +134,7 @@ class Verbs(Placing):
     def _corrected_parts(self, parts: tuple[Phrase, ...]) -> tuple[Phrase, ...]:
         """'the top drawer, sorry, the bottom one'."""
         cursor = self._cursor
-        while self._instead_follows():
+        while self._instead_follows() and not self._adds():
             cursor.skip("and", "instead")
             if self._at_verb():
                 return ()
@@ -107,24 +145,58 @@ class Verbs(Placing):
         return parts
 
     def _operates(self, asked: str, part: Phrase, begun: int) -> None:
-        if part.is_pronoun and part.text == "the other":
-            if self._part is None:
+        if (part.quantity == "rest" and part.lemmas in ((), ("one",))) or (
+            part.is_pronoun and part.text == "the other"
+        ):
+            model = self._part or self._place
+            if model is None or model.part is None or part.text == "everything else":
                 raise self._refusal(part.text, "it is not clear what that is")
-            model = self._part
-            part = replace(model, which=(), quantity="rest", colour=None, text=part.text, start=part.start)
-        if part.is_pronoun:
-            known = self._part or self._place or (self._things[-1] if self._things else None)
-            if part.plural:
-                opened = [r.place for r in self._requests if r.asked == "open" and r.place is not None]
-                for place in opened if len(opened) > 1 else []:
-                    self._add(Request("close" if asked == "close" else "open", (), place), begun)
-                if len(opened) > 1:
-                    return
-            if known is None:
-                raise self._refusal(part.text, "it is not clear what that is")
-            part = known
-        self._part = part
-        self._add(Request(asked, (), part), begun)  # pyrefly: ignore
+            part = replace(
+                model, which=(), quantity="rest", colour=None, text=part.text, start=part.start, count=part.count
+            )
+        if part.lemmas[-1:] == ("one",) and part.part is None:  # 'close the top one'
+            named = [p for p in (self._part, self._place) if p is not None and p.part is not None]
+            part = self._inherit((part,), tuple(sorted(named, key=lambda p: p.start)))[0]
+        for known in self._operable(part) if part.is_pronoun else (part,):
+            self._part = known
+            self._add(Request(asked, (), known), begun)  # pyrefly: ignore
+
+    def _operable(self, pronoun: Phrase) -> tuple[Phrase, ...]:
+        """What 'it' or 'both' stand for where something is opened or closed."""
+        part, place = self._part, self._place
+        if pronoun.plural and part is not None and part.plural:
+            if part.count is not None and pronoun.count not in (None, part.count):
+                raise self._refusal(pronoun.text, "it is not clear what these are")
+            return (part,)
+        if pronoun.plural:
+            found = self._standing_open()
+            things = self._things[-1:] if self._things and self._things[-1].plural else ()
+            if len(found) > 1 and pronoun.count in (None, len(found)):
+                return tuple(found)
+            if found or not things:
+                raise self._refusal(pronoun.text, "it is not clear what these are")
+            return things
+        if part is not None and place is not None and place.start > part.start and self._opens(place):
+            same = place.part == part.part and (place.which == part.which or not place.which)
+            if not same or (place.part is None and place.head != part.head):
+                raise self._refusal(pronoun.text, "it may be more than one thing")
+        known = part or place or (self._things[-1] if self._things else None)
+        if known is None:
+            raise self._refusal(pronoun.text, "it is not clear what that is")
+        return (known,)
+
+    def _standing_open(self) -> list[Phrase]:
+        """What was opened, or has a part that something was put in or taken out of, and was not closed since."""
+        found: dict[tuple[object, ...], Phrase] = {}
+        for request in self._requests:
+            sources = [place for _, place in request.sources]
+            for place in (*sources, *([request.place] if request.place is not None else [])):
+                key = (place.lemmas, place.colour, place.part, place.which)
+                if request.asked == "close":
+                    found.pop(key, None)
+                elif request.asked == "open" or (request.asked == "put" and place.part is not None):
+                    found.setdefault(key, place)
+        return list(found.values())
 
     def _operated(self, base: str, begun: int) -> bool:
         """'Pull the drawer open', 'push it shut', 'push the button'; whether it is one of these."""
@@ -203,10 +275,12 @@ class Verbs(Placing):
         if also in ("scan", "weigh"):  # 'scan and weigh the tomato'
             cursor.at += 2
         things = self._resolved(noun_phrases(cursor))
-        while self._instead_follows():
+        while self._instead_follows() and not self._adds():
             cursor.skip("and", "instead")
             things = (*things[:-1], *self._inherit(noun_phrases(cursor), things))
         self._require_things(things, begun)
+        if "weigh" in (verb, also) and _TOGETHER.search(self._said(begun)):
+            raise self._refusal(self._said(begun), "the robot weighs one thing at a time")
         tools: tuple[Phrase, ...] = ()
         place = None
         allowed = ("with", "on", "to", "in") if "weigh" in (verb, also) else ("with", "to", "on")

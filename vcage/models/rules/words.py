@@ -104,6 +104,12 @@ ORDINALS = {
 }  # fmt: skip
 """Words that tell one part from another, and how many there must be for them to make sense."""
 
+COUNTED = ("first", "second", "third", "fourth", "fifth", "sixth", "seventh", "eighth", "ninth", "tenth")
+"""Ordinals that count from one end."""
+
+HIGHEST = ("top", "upper", "uppermost", "topmost", "highest")
+LOWEST = ("bottom", "lower", "bottommost", "lowest")
+
 _WORD = re.compile(r"[a-z0-9]+(?:'[a-z]+)?")
 
 
