@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
 from vcage.base.errors import DamagedFile
 from vcage.base.files import RunFolder, sha256_file, write_bytes
@@ -11,9 +10,10 @@ from vcage.base.geometry import Pose
 from vcage.objects.library import Library
 from vcage.schema.base import PoseRecord, Provenance, box_record
 from vcage.schema.goals import goal_of
+from vcage.schema.plan import TABLE
 from vcage.schema.scene import ObjectRecord, Scene
 from vcage.schema.subtasks import Chain, Grasp, Subtask, Subtasks
-from vcage.sim.robots import load_template
+from vcage.sim.robots import load_robot, load_template
 from vcage.stages.stage import Job
 from vcage.tasks.synthesis import Script, load_script
 
@@ -36,12 +36,13 @@ def prepare_run(run: RunFolder, path: Path, *, seed: int, force: bool) -> None:
         raise DamagedFile(f"{path} defines no {', '.join(missing)}", hint=HINT)
     origin = {"script": sha256_file(path)}
     layout = Job(run=run, output=run.layout, seed=seed, options=origin)
-    layout.do(Scene, lambda _folder, provenance: _scene(values, provenance), force=force)
+    scene = layout.do(Scene, lambda _folder, provenance: _scene(script, provenance), force=force).record
     search = Job(run=run, output=run.subtasks, inputs=[run.layout], seed=seed, options=origin)
 
     def make(folder: Path, provenance: Provenance) -> Subtasks:
         write_bytes(folder / path.name, path.read_bytes())
         subtask = _subtask(script, search.inside(path.name))
+        _require_names(subtask, scene, path)
         return Subtasks(
             provenance=provenance,
             instruction=subtask.text,
@@ -54,18 +55,37 @@ def prepare_run(run: RunFolder, path: Path, *, seed: int, force: bool) -> None:
     search.do(Subtasks, make, force=force)
 
 
-def _scene(values: dict[str, Any], provenance: Provenance) -> Scene:
+def _require_names(subtask: Subtask, scene: Scene, path: Path) -> None:
+    """That the scene has what a sub-task names, and the robot its arms.
+
+    Raises:
+        DamagedFile: names what there is none of.
+    """
+    ids = {o.id for o in scene.objects} | {TABLE, *load_robot(scene.robot).arms}
+    named = [subtask.object, subtask.receptacle, subtask.tool, subtask.grasped, subtask.hand_to]
+    named += [name for goal in (*subtask.goals, *subtask.requires) for name in (goal.subject, goal.reference)]
+    unknown = [name for name in dict.fromkeys([*named, *(g.arm for g in subtask.grasps)]) if name and name not in ids]
+    if unknown:
+        there = ", ".join(sorted(ids))
+        raise DamagedFile(f"{path} names {', '.join(map(repr, unknown))}; there are {there}", hint=HINT)
+
+
+def _scene(script: Script, provenance: Provenance) -> Scene:
+    values = script.values
     template, library = load_template(values["TEMPLATE"], values["ROBOT"]), Library.load()
-    return Scene(
-        provenance=provenance,
-        instruction=values["TEXT"],
-        template=template.name,
-        robot=template.robot,
-        table=template.table,
-        workspace=template.workspace,
-        top_camera=template.top_camera,
-        objects=[_object(key, fields, library) for key, fields in values["SCENE"].items()],
-    )
+    try:
+        return Scene(
+            provenance=provenance,
+            instruction=values["TEXT"],
+            template=template.name,
+            robot=template.robot,
+            table=template.table,
+            workspace=template.workspace,
+            top_camera=template.top_camera,
+            objects=[_object(key, fields, library) for key, fields in values["SCENE"].items()],
+        )
+    except (TypeError, ValueError) as error:
+        raise _impossible(script, "scene", error) from error
 
 
 def _object(key: str, fields: tuple, library: Library) -> ObjectRecord:
@@ -99,5 +119,8 @@ def _subtask(script: Script, path: str) -> Subtask:
             checks=[],
         )
     except (TypeError, ValueError) as error:
-        message = f"{script.path} says of its sub-task what cannot be: {' '.join(str(error).split())}"
-        raise DamagedFile(message, hint=HINT) from error
+        raise _impossible(script, "sub-task", error) from error
+
+
+def _impossible(script: Script, what: str, error: Exception) -> DamagedFile:
+    return DamagedFile(f"{script.path} says of its {what} what cannot be: {' '.join(str(error).split())}", hint=HINT)

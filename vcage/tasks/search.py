@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vcage.base.errors import NoFeasibleTask
+from vcage.base.errors import InputFileError, NoFeasibleTask
 from vcage.plans.actions import Action
 from vcage.plans.planner import Task, complaints, find_chain
 from vcage.schema.goals import Goal, StateWord, in_steps, part_that
@@ -133,6 +133,10 @@ def _fulfilling(
     scene: Scene, objects: Sequence[SceneObject], kept: Sequence[Subtask], refused: Sequence[Refusal]
 ) -> list[str]:
     """Ids of the sub-tasks that bring about all goals, in order."""
+    if not scene.goals:
+        raise InputFileError(
+            "the scene has an instruction but no goals that answer it", hint="run select_place --force, which reads it"
+        )
     task = Task(initial_state(objects), in_steps(scene.goals))
     actions = [action_of(s) for s in kept if s.object not in scene.untouched]
     chain = find_chain(task, actions)

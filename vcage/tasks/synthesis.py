@@ -101,7 +101,7 @@ def _naming_lines(path: Path, function: Callable[[Any], Any]) -> Callable[[Any],
     def told(task: Any) -> Any:
         try:
             return function(task)
-        except Exception as error:
+        except (Exception, SystemExit) as error:
             last = traceback.extract_tb(error.__traceback__)[-1]
             if last.filename != str(path):
                 raise  # not a mistake of the script

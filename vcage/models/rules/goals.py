@@ -290,6 +290,10 @@ class _Grounding:
         Raises:
             UnreadInstruction: goals contradict each other.
         """
+        turned = [asked for asked in goals if asked.goal.relation == "turned"]
+        for number, asked in enumerate(turned):
+            if asked.goal in [earlier.goal for earlier in turned[:number]]:
+                raise UnreadInstruction.of(self._instruction, asked.words, "it is turned as far as it goes by then")
         standing = [
             Relation.model_validate({"subject": g.subject, "relation": g.relation, "reference": g.reference})
             for g in lasting(in_steps(goals))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 
@@ -14,6 +14,13 @@ from vcage.schema.scene import ObjectRecord, Scene
 
 _PLACES: tuple[RelationWord, ...] = ("left_of", "right_of", "in_front_of")
 """Where contents stand around a receptacle, in turn, so that both arms have something to do."""
+
+_ELSEWHERE: Mapping[RelationWord, RelationWord] = {
+    "left_of": "right_of",
+    "right_of": "left_of",
+    "in_front_of": "left_of",
+}
+"""Where contents stand instead that are to be brought to that side."""
 
 ROOM = 0.06
 """Free space that an object behind another needs, metres."""
@@ -35,7 +42,8 @@ def plan_layout(scene: Scene, catalogue: Sequence[CatalogueEntry], rng: np.rando
     carried = [(o, scene.object(o.container)) for o in scene.objects if o.container is not None]
     anchors, contents, context = _groups(scene, {holder.id for _, holder in carried}, rng)
     relations = _anchor_relations(anchors)
-    relations += _around(contents, anchors)
+    asked = {(a.goal.subject, a.goal.reference): a.goal.relation for a in scene.goals}
+    relations += _around(contents, anchors, asked)
     relations += _out_of_the_way(context, anchors, relations, scene)
     relations += [relation(o, _lies(o, holder, catalogue), holder) for o, holder in carried]
     return LayoutPlan(text=as_sentences(relations, scene), relations=relations)
@@ -77,8 +85,13 @@ def _anchor_relations(anchors: Sequence[ObjectRecord]) -> list[Relation]:
     return first + [relation(b, "right_of", a) for a, b in itertools.pairwise(anchors)]
 
 
-def _around(contents: Sequence[ObjectRecord], anchors: Sequence[ObjectRecord]) -> list[Relation]:
-    """Contents in turn to the left, to the right and in front; later ones next to the one before them there."""
+def _around(
+    contents: Sequence[ObjectRecord], anchors: Sequence[ObjectRecord], asked: Mapping[tuple[str, str | None], str]
+) -> list[Relation]:
+    """Contents in turn to the left, to the right and in front; later ones next to the one before them there.
+
+    What is to be brought to one side, as ``asked``, starts on another.
+    """
     relations = []
     last: dict[tuple[str, str], ObjectRecord] = {}
     for index, item in enumerate(contents):
@@ -86,6 +99,8 @@ def _around(contents: Sequence[ObjectRecord], anchors: Sequence[ObjectRecord]) -
         place = _PLACES[(index // len(anchors)) % len(_PLACES)]
         if len(anchors) > 1:
             place = "left_of" if anchor is anchors[0] else "right_of" if anchor is anchors[-1] else "in_front_of"
+        if asked.get((item.id, anchor.id)) == place:
+            place = _ELSEWHERE[place]
         before = last.get((anchor.id, place))
         relations.append(relation(item, place, anchor))
         if before is not None:
