@@ -270,12 +270,12 @@ def test_a_silent_failure_is_known_to_the_truth_though_the_critic_accepts_it(sil
 
 def test_a_silent_failure_counts_as_a_false_acceptance_of_the_critic(silent: EpisodeRun):
     counts = confusion(silent.attempts)
-    assert (counts["judged"], counts["false_accepted"]) == (1, 1)
+    assert (counts.judged, counts.false_accepted) == (1, 1)
 
 
 def test_a_refused_success_counts_as_a_false_refusal_of_the_critic(resampled: EpisodeRun):
     counts = confusion(resampled.attempts)
-    assert (counts["judged"], counts["false_refused"], counts["true_accepted"]) == (2, 1, 1)
+    assert (counts.judged, counts.false_refused, counts.true_accepted) == (2, 1, 1)
 
 
 def test_an_attempt_that_never_reached_the_critic_is_not_held_against_it(unplanned: tuple[EpisodeRun, Critic]):

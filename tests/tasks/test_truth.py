@@ -9,8 +9,9 @@ from tests.scenes import TABLE_TOP, thing, world_of
 from vcage.base.geometry import Pose
 from vcage.schema.episodes import Truth
 from vcage.schema.goals import Goal
+from vcage.schema.subtasks import Grasp, Subtask
 from vcage.tasks.scene_objects import SceneObject
-from vcage.tasks.truth import Watch, goals_hold
+from vcage.tasks.truth import Watch, goals_hold, others_stay
 
 BOX = thing("packaging_box", (0.1, 0.05), 0.5)
 
@@ -126,3 +127,44 @@ def test_what_was_pressed_and_came_back_was_pressed():
     world.step(50)
     assert world.object_joints(bell.id)[0] < 0.001
     assert goals_hold([goal], {bell.id: bell}, watch).success
+
+
+def marker_subtask() -> Subtask:
+    inside = Goal(subject="marker", relation="inside", reference="packaging_box")
+    return Subtask(
+        id="marker-into-packaging_box", template="place", text="Put the marker into the box.", object="marker",
+        receptacle="packaging_box", functional_point=0, grasps=[Grasp(contact=0, arm="left", score=1.0)],
+        goals=[inside], script="subtasks/x.py", checks=[],
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(("shift", "stays"), [(0.0, True), (0.03, True), (0.08, False)])
+def test_what_a_subtask_has_no_business_with_stays_where_it_was(shift: float, stays: bool) -> None:
+    objects = [thing("marker"), BOX, thing("block", (-0.2, 0.1))]
+    world = world_of(objects)
+    watch = Watch(world, {o.id: o for o in objects})
+    was = world.object_pose("block")
+    world.set_object_pose("block", Pose(was.p + [shift, 0, 0], was.q))
+    found = others_stay(marker_subtask(), watch)
+    assert found.success is stays
+    assert stays or found.reason == "block was moved by 8 cm on the way"
+
+
+def test_what_lies_in_the_thing_that_is_moved_goes_along() -> None:
+    plate, block = thing("plate"), thing("block")
+    world = world_of([plate, block.moved(Pose(plate.pose.p + [0, 0, 0.02]))])
+    watch = Watch(world, {o.id: o for o in (plate, block)})
+    for name in ("plate", "block"):
+        was = world.object_pose(name)
+        world.set_object_pose(name, Pose(was.p + [0.2, 0, 0], was.q))
+    moved = marker_subtask().model_copy(update={"object": "plate", "receptacle": "table"})
+    assert others_stay(moved, watch).success
+
+
+def test_a_leaning_thing_is_as_low_as_its_lowest_point() -> None:
+    marker = thing("marker")
+    leaning = marker.moved(
+        Pose(marker.pose.p, Pose.from_yaw([0, 0, 0], 0.4).q) * Pose(q=[np.cos(0.3), np.sin(0.3), 0, 0])
+    )
+    assert leaning.aabb[0, 2] <= leaning.lowest <= leaning.aabb[1, 2]
+    assert marker.lowest == pytest.approx(marker.aabb[0, 2], abs=1e-3)

@@ -34,6 +34,7 @@ class Watch:
     Attributes:
         world: that is watched.
         objects: as given.
+        began: the objects when the watch began, by id.
     """
 
     def __init__(self, world: World, objects: Mapping[str, SceneObject], goals: Collection[Goal] = ()):
@@ -44,6 +45,7 @@ class Watch:
         self._going = dict.fromkeys(self._goals, 0)
         self._longest = dict.fromkeys(self._goals, 0)
         self._before = world.object_poses()
+        self.began = {name: self.now(name) for name in objects}
         self._given: set[Goal] = set()
         world.before_step.append(self._note)
 

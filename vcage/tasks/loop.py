@@ -14,7 +14,7 @@ from typing import Literal
 
 import numpy as np
 
-from vcage.base.errors import UnknownName
+from vcage.base.errors import DamagedFile, UnknownName
 from vcage.datasets.episode import Segment
 from vcage.schema.episodes import Attempt, AttemptStage, Truth, Verdict
 from vcage.schema.goals import Goal
@@ -27,7 +27,7 @@ from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.slots import Slot
 from vcage.tasks.synthesis import Script
 from vcage.tasks.task import Asked, Task, TaskFailed
-from vcage.tasks.truth import goals_hold
+from vcage.tasks.truth import goals_hold, subtask_done
 
 logger = logging.getLogger(__name__)
 
@@ -196,6 +196,9 @@ class _Step:
         try:
             self.script.play(task)
             asked = self.script.verify(task)
+            if not isinstance(asked, Asked):
+                message = f"{self.script.path}: verify(task) gives {asked!r}, not what task.ask(…) does"
+                raise DamagedFile(message, hint="mend it, or run search_subtasks --force")
         except TaskFailed as error:
             record = self._attempt(task, attempt, error.stage, error.message, world.steps - start)
             return _Trial(record, exhausted=error.exhausted)
@@ -226,7 +229,7 @@ class _Step:
         return _Trial(record, pictures, segment)
 
     def _truth(self, asked: Asked, world: World, watch: Watch) -> Truth:
-        return goals_hold(asked.goals, self.setting.now(world), watch)
+        return subtask_done(self.subtask, asked.goals, self.setting.now(world), watch)
 
     def _seen(self, before: PicturesByCamera, world: World, task: Task) -> Seen:
         """What the critic looks at."""

@@ -163,6 +163,15 @@ class SceneObject:
         points = np.concatenate(parts)[:, :2]
         return points[ConvexHull(points).vertices]
 
+    @cached_property
+    def lowest(self) -> float:
+        """z of its lowest point where it is now, metres: higher than that of a box around it, where it leans."""
+        return min(
+            self._frames[link].apply(p.vertices)[:, 2].min()
+            for link in self._frames
+            for p in self.asset.pieces_of(link)
+        )
+
     def part_box(self, link: str | None) -> SolidBox:
         """The bounding box of a part, or of the body (None), where it is now."""
         return SolidBox(self.asset.bounds_of(link), self._frames[link])

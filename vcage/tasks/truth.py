@@ -11,6 +11,7 @@ from vcage.schema.asset import FunctionalPoint
 from vcage.schema.episodes import Truth
 from vcage.schema.goals import Goal, part_words
 from vcage.schema.plan import TABLE
+from vcage.schema.subtasks import Subtask
 from vcage.sim.joints import joint_index, joint_positions
 from vcage.tasks.events import LASTS, Watch
 from vcage.tasks.ground import faces_customer, on_customers_half
@@ -31,6 +32,9 @@ BORNE = 0.2
 BACK = 0.02
 """What is nearer than this to where it stood is back there, metres."""
 
+DISTURBED, TIPPED = 0.05, np.radians(30)
+"""What was moved farther, metres, or turned over by more than this was disturbed."""
+
 OPENED, CLOSED = 0.8, 0.12
 """Share of the range beyond which a joint counts as opened, pressed or turned, and below which as closed."""
 
@@ -47,6 +51,48 @@ def goals_hold(goals: Sequence[Goal], objects: Mapping[str, SceneObject], watch:
         if complaint:
             return Truth(success=False, reason=complaint)
     return Truth(success=True, reason="; ".join(map(str, goals)))
+
+
+def subtask_done(subtask: Subtask, goals: Sequence[Goal], objects: Mapping[str, SceneObject], watch: Watch) -> Truth:
+    """Whether a sub-task brought about some goals, and disturbed nothing else.
+
+    Args:
+        subtask: that was done.
+        goals: that it was to bring about.
+        objects: by id, as they are now.
+        watch: since it began.
+    """
+    truth = goals_hold(goals, objects, watch)
+    left = others_stay(subtask, watch)
+    return truth if left.success or not truth.success else left
+
+
+def others_stay(subtask: Subtask, watch: Watch) -> Truth:
+    """Whether all stand where they stood that a sub-task has no business with; what lies in or on what it moves goes
+    along.
+
+    Args:
+        subtask: that was done.
+        watch: since it began.
+    """
+    handled = [watch.began[name] for name in (subtask.object, subtask.tool, subtask.grasped) if name is not None]
+    for name, thing in watch.began.items():
+        if any(thing is other or _bears(other, thing) for other in handled):
+            continue
+        now = watch.world.object_pose(name)
+        moved = float(np.linalg.norm(now.p - thing.pose.p))
+        tilt = float(np.arccos(np.clip(now.rotation()[:, 2] @ thing.pose.rotation()[:, 2], -1, 1)))
+        if moved > DISTURBED or tilt > TIPPED:
+            how = f"moved by {100 * moved:.0f} cm" if moved > DISTURBED else f"tipped by {np.degrees(tilt):.0f}°"
+            return Truth(success=False, reason=f"{name} was {how} on the way")
+    return Truth(success=True, reason="nothing else was moved")
+
+
+def _bears(below: SceneObject, thing: SceneObject) -> bool:
+    """Whether a thing stands within the outline of another, and not lower."""
+    middle = thing.aabb.mean(axis=0)[:2]
+    (lower, upper), bottom = below.around_boxes[:, :2], below.around_boxes[0, 2]
+    return bool(np.all((lower <= middle) & (middle <= upper))) and thing.aabb[0, 2] >= bottom
 
 
 def _complaint(goal: Goal, objects: Mapping[str, SceneObject], watch: Watch | None) -> str | None:
@@ -120,7 +166,7 @@ def place_complaint(subject: SceneObject, receptacle: SceneObject, point: Functi
     if np.any(outside > EDGE_TOLERANCE):
         return f"{subject.id} is {100 * outside.max():.1f} cm outside {receptacle.id}"
     floor = frame.apply([*opening.centre, opening.floor])[2]
-    above = subject.aabb[0, 2] - floor
+    above = subject.lowest - floor
     limit = max(HEIGHT_TOLERANCE, opening.depth - RIM_MARGIN)
     if not -HEIGHT_TOLERANCE <= above <= limit:
         return f"{subject.id} is {100 * above:.1f} cm above the floor of {receptacle.id}"
