@@ -7,9 +7,13 @@ from dataclasses import dataclass, replace
 import cv2
 import numpy as np
 
-from vcage.base.geometry import Camera, Pose, world_aabb
+from vcage.base.geometry import Camera, Pose, box_corners, world_aabb
+from vcage.models.protocols import CriticQuestion
+from vcage.models.rules.standing import cut
 from vcage.schema.base import CameraRecord, PoseRecord, Provenance
+from vcage.schema.goals import Goal
 from vcage.schema.scene import ObjectRecord, Scene, Table, Workspace
+from vcage.sim.drawer import Drawing, Window
 from vcage.vision.protocols import Reference, View
 
 HEIGHT = 0.74
@@ -121,6 +125,39 @@ def reference(thing: Thing, phrase: str = "") -> Reference:
 
 def view(things: list[Thing], seed: int = 0) -> View:
     return View(draw(things, CAMERA, seed)[0], CAMERA)
+
+
+def critic_question(before: list[Thing], after: list[Thing], goal: Goal, text: str = "…") -> CriticQuestion:
+    """What a critic is asked about two views of things on the table."""
+    by_id = {thing.id: thing for thing in before}
+
+    def drawn(name: str, pose: Pose, camera: Camera, window: Window, _shares: object) -> Drawing:
+        thing = by_id[name].moved(at=tuple(pose.p[:2]), yaw=pose.yaw, base=pose.p[2] - HEIGHT)
+        picture, ids = np.zeros((camera.height, camera.width, 3), np.float32), np.zeros((camera.height, camera.width))
+        _draw(picture, ids, 1, thing, camera)
+        covered = cut(ids, window) > 0
+        return Drawing(cut(picture, window).astype(np.uint8), covered, np.ones(covered.shape, np.float32))
+
+    rooms = {goal: _room(by_id[goal.reference])[None]} if goal.reference in by_id else {}
+    return CriticQuestion(
+        text,
+        [goal],
+        {"top": view(before)},
+        {"top": view(after)},
+        {thing.id: reference(thing) for thing in before},
+        draw=drawn,
+        rooms=rooms,
+        planned={t.id: Pose.from_yaw((*t.at, HEIGHT + t.base), t.yaw) for t in before},
+        table_height=HEIGHT,
+        background=table_picture(),
+    )
+
+
+def _room(thing: Thing) -> np.ndarray:
+    """(8, 3) corners of where others may be in or on it, in its frame."""
+    half = np.array(thing.size[:2]) / 2 * (0.94 if thing.hollow else np.sqrt(0.5))
+    floor = 0.005 if thing.hollow else thing.size[2]
+    return box_corners([*-half, floor], [*half, thing.size[2] + (0.0 if thing.hollow else 0.04)])
 
 
 def scene_of(things: list[Thing], instruction: str = "Put the blocks on the plate") -> Scene:

@@ -11,7 +11,8 @@ import pytest
 
 from tests.layout.items import capacity
 from tests.models.catalogue import CATALOGUE, unchecked
-from tests.models.tabletop import BLOCKS, BOX, MARKERS, PLATE, draw, reference, scene_of, table_picture, view
+from tests.models.tabletop import BLOCKS, BOX, MARKERS, PLATE, draw, scene_of, table_picture
+from tests.models.tabletop import critic_question as asked
 from tests.standin import Special, StandIn, no_picture, text_answer
 from vcage.base.errors import (
     ConfigurationError,
@@ -63,13 +64,8 @@ def edit_request() -> EditRequest:
 def critic_question(moved: bool) -> CriticQuestion:
     before = [BOX, *MARKERS]
     after = [BOX, MARKERS[0].moved(at=BOX.at, base=0.005), *MARKERS[1:]] if moved else before
-    return CriticQuestion(
-        "Put the black marker into the box.",
-        [Goal(subject="black-marker", relation="inside", reference="box")],
-        {"top": view(before)},
-        {"top": view(after)},
-        {thing.id: reference(thing) for thing in before},
-    )
+    goal = Goal(subject="black-marker", relation="inside", reference="box")
+    return asked(before, after, goal, "Put the black marker into the box.")
 
 
 def test_the_provider_names_the_model(models: Models) -> None:

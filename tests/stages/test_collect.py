@@ -22,7 +22,7 @@ from tests.runs import FPS, INSTRUCTION, Finished, clean_environment, copied, di
 from vcage.base.errors import DamagedFile, PartlyDone, StaleStage
 from vcage.base.files import RunFolder, read_json, write_json
 from vcage.datasets.reader import EpisodeReader
-from vcage.schema.episodes import Attempt, Episode, Episodes, Truth, Verdict
+from vcage.schema.episodes import Attempt, CriticCounts, Episode, Episodes, Truth, Verdict
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Subtasks
 from vcage.stages import collect, episode_store
@@ -113,8 +113,8 @@ def test_acceptance_and_the_critic_s_confusion_follow_from_the_log(finished):
     assert sum(entry["attempts"] for entry in record.acceptance.values()) == len(attempts)
     assert sum(entry["accepted"] for entry in record.acceptance.values()) == sum(a.accepted for a in attempts)
     counts = record.critic
-    assert counts["judged"] == sum(a.verdict is not None for a in attempts)
-    assert counts["judged"] == sum(counts[name] for name in counts if name != "judged")
+    assert counts.judged == sum(a.verdict is not None for a in attempts)
+    assert counts.judged == counts.true_accepted + counts.false_accepted + counts.false_refused + counts.true_refused
 
 
 def test_the_pictures_of_every_verdict_are_kept(finished):
@@ -314,9 +314,7 @@ def test_failed_episodes_are_made_up_for_and_counted(finished, begun, cheap):
     record = collect.execute(begun, options(episodes=2), finished.context).record
     assert [e.accepted for e in record.episodes] == [False, True, False, True]
     assert record.acceptance == {"block/red": {"accepted": 2, "attempts": 4}}
-    assert record.critic == {
-        "judged": 4, "true_accepted": 0, "false_accepted": 2, "false_refused": 1, "true_refused": 1,
-    }  # fmt: skip
+    assert record.critic == CriticCounts.of([(True, False), (True, False), (False, True), (False, False)])
 
 
 def test_a_collection_without_success_ends_and_says_why(finished, begun, cheap):

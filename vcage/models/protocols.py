@@ -92,6 +92,9 @@ class CriticQuestion:
             thing came to lie on a scale.
         start: view by camera name at the start of the episode; only where something is put back.
         wrist: picture by camera name at that moment, or when what was held was let go, from the hand that did it.
+        planned: where the layout put each object, which does not say what was done since.
+        opened: parts that are open before and after, by the plan: by the object that they belong to.
+        rooms: for goals that something is in or on another: (n, 8, 3) corners of where it then is, in that's frame.
         table_height: z of the table top, metres (part of the calibration).
         tops: z of what things may stand on besides the table, by the objects that the scene has, metres.
         towards_customer: (3,) unit vector from the middle of the table to the customer.
@@ -111,6 +114,9 @@ class CriticQuestion:
     moment: dict[str, View] = field(default_factory=dict)
     start: dict[str, View] = field(default_factory=dict)
     wrist: dict[str, np.ndarray] = field(default_factory=dict)
+    planned: Mapping[str, Pose] = field(default_factory=dict)
+    opened: Mapping[str, Sequence[str]] = field(default_factory=dict)
+    rooms: Mapping[Goal, np.ndarray] = field(default_factory=dict)
     table_height: float = 0.74
     tops: Sequence[float] = ()
     towards_customer: tuple[float, float, float] = (0.0, 1.0, 0.0)

@@ -5,37 +5,33 @@ from __future__ import annotations
 import gc
 import logging
 import platform
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from functools import partial
 from importlib import metadata
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from vcage.base.errors import InputFileError
 from vcage.base.files import RunFolder
-from vcage.base.geometry import Pose
 from vcage.base.pictures import write_picture
 from vcage.base.time_limit import TimeIsUp, time_limit
 from vcage.base.version import __version__
 from vcage.datasets.hdf5 import write_episode
-from vcage.objects.table_tops import TABLES, table_texture
 from vcage.plans.actions import lasting
 from vcage.schema.base import PoseRecord
 from vcage.schema.episodes import Attempt, Episode, Verdict
 from vcage.schema.goals import Goal, in_steps
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Chain, Subtask, Subtasks
-from vcage.sim.appearance import Appearance
-from vcage.sim.cameras import robot_cameras, shoot
 from vcage.sim.replay import camera_paths, render_log
 from vcage.sim.robots import load_robot
-from vcage.sim.state import WorldState
 from vcage.sim.world import World
 from vcage.stages.context import StageContext
 from vcage.stages.episode_store import background_name
-from vcage.stages.question import AT_THE_MOMENT, TOP, cameras, verdict
+from vcage.stages.photographs import Photographer, episode_light
+from vcage.stages.question import Asking, verdict
 from vcage.stages.stage import Job
 from vcage.tasks.assemble import episode_data
 from vcage.tasks.ground import Ground
@@ -93,6 +89,10 @@ class EpisodeRunner:
         self._models = context.physical_models(self._scene)
         subtasks = Subtasks.read(run.subtasks)
         kept = {s.id: s for s in subtasks.kept}
+        unknown = sorted({name for chain in subtasks.chains for name in chain.subtasks} - kept.keys())
+        if unknown:
+            message = f"{run.subtasks} has chains of {', '.join(unknown)}, which it does not keep"
+            raise InputFileError(message, hint="mend it, or run search_subtasks --force")
         self._chains = [_Work.of(chain, kept, self._scene, run, context) for chain in subtasks.chains]
 
     def one(self, index: int, folder: Path) -> tuple[Episode, list[Attempt]]:
@@ -114,18 +114,18 @@ class EpisodeRunner:
         rng = np.random.default_rng([self._stage.seed, index])
         objects = self._context.objects(work.scene)
         objects = [o.moved(pose) for o, pose in zip(objects, shifted_poses(objects, rng).values(), strict=True)]
-        look = Appearance.random(rng, [partial(table_texture, name) for name in TABLES])
+        look = episode_light(rng)
         scene = work.scene.model_copy(
             update={"objects": [o.record.model_copy(update={"pose": PoseRecord.of(o.pose)}) for o in objects]}
         )
-        drawn = World.of_scene(scene, self._models, self._robot, look, render=True)
-        background = self._empty_table(drawn)
+        photographer = Photographer(scene, self._models, self._robot, look)
+        background = photographer.empty_table()
         write_picture(folder / background_name(index), background)
         setting = Setting(
             build=lambda: World.of_scene(scene, self._models, self._robot),
             objects={o.id: o for o in objects},
             slots=slots_for_chain([subtask for subtask, _ in work.steps], objects, self._robot, Ground.of(scene), rng),
-            photograph=lambda state, goals, arm: self._photograph(drawn, state, goals, arm),
+            photograph=photographer.shots,
             judge=lambda asked, subtask, seen: self._judge(asked, subtask, seen, background),
             on_failure=self._stage.options["on_failure"],
             retries=self._stage.options["retries"],
@@ -134,29 +134,11 @@ class EpisodeRunner:
         done = run_episode(setting, work.steps, index, work.goals)
         for name, picture in done.pictures.items():
             write_picture(folder / name, picture)
-        return self._write(done, index, work, drawn, folder), done.attempts
-
-    def _photograph(
-        self, drawn: World, state: WorldState, goals: Sequence[Goal] = (), arm: str | None = None
-    ) -> dict[str, np.ndarray]:
-        drawn.set_state(state)
-        taken_by = cameras(self._scene, goals)
-        if arm is not None:
-            taken_by = taken_by if any(goal.relation in AT_THE_MOMENT for goal in goals) else {}
-            taken_by |= {name: c for name, c in robot_cameras(drawn).items() if self._robot.cameras[name].arm == arm}
-        return {name: shoot(drawn, camera) for name, camera in taken_by.items()}
-
-    def _empty_table(self, drawn: World) -> np.ndarray:
-        """The table in the episode's light with nothing on it, the robot at home."""
-        state = drawn.state()
-        away = {key: Pose([0.0, 0.0, -9.0 - number]) for number, key in enumerate(state.objects)}
-        picture = self._photograph(drawn, WorldState(away, state.joints, state.object_joints))[TOP]
-        drawn.set_state(state)
-        return picture
+        return self._write(done, index, work, photographer.world, folder), done.attempts
 
     def _judge(self, asked: Asked, subtask: Subtask, seen: Seen, background: np.ndarray) -> Verdict:
         told = (seen, background, subtask.requires, subtask.grasped)
-        return verdict(self._context, self._scene, asked.text, asked.goals, *told)
+        return verdict(self._context, self._scene, Asking(asked.text, asked.goals, *told))
 
     def _write(self, done: EpisodeRun, index: int, work: _Work, drawn: World, folder: Path) -> Episode:
         """Write the HDF5: with pictures when accepted, states alone when not."""

@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass
 
 import numpy as np
 
-from vcage.base.geometry import Camera, Pose, look_at
+from vcage.base.geometry import Camera, Pose, box_corners, look_at
 from vcage.models.protocols import CriticQuestion
 from vcage.schema.episodes import Verdict
 from vcage.schema.goals import OF_A_PART, Goal
 from vcage.schema.scene import Scene
+from vcage.schema.subtasks import Subtask
 from vcage.sim.drawer import Drawing, Window
+from vcage.sim.joints import link_poses
 from vcage.stages.context import StageContext
 from vcage.tasks.ground import TOWARDS_CUSTOMER
 from vcage.tasks.loop import Seen
@@ -29,6 +31,9 @@ FROM_CUSTOMER = {"presented", "scanned", "handed"}
 
 AT_THE_MOMENT = {"pressed", "scanned", "weighed", "handed"}
 """Goals that are told by what those cameras see at the moment, and not only the wrist's."""
+
+PLACED = ("inside", "on")
+"""Goals of what lies in or on another."""
 
 LOW = 0.01
 """A top that is lower than this is as high as the table, metres."""
@@ -53,64 +58,60 @@ def cameras(scene: Scene, goals: Collection[Goal]) -> dict[str, Camera]:
     return found
 
 
-def verdict(
-    context: StageContext,
-    scene: Scene,
-    text: str,
-    goals: Sequence[Goal],
-    seen: Seen,
-    background: np.ndarray | None = None,
-    requires: Sequence[Goal] = (),
-    grasped: str | None = None,
-) -> Verdict:
-    """What the critic says about one sub-task.
+@dataclass(frozen=True)
+class Asking:
+    """What a critic is asked about a sub-task, but for what follows from the scene.
 
     Args:
-        context: with the critic, and how the objects look.
-        scene: where it was done.
         text, goals: the sub-task in words and in the closed vocabulary.
         seen: pictures (H, W, 3) uint8 RGB by what they show and by camera (see :data:`vcage.tasks.loop.Seen`).
         background: the top view of the empty table.
         requires: what was true before, by the plan: which drawers are open.
         grasped: id of what the robot was to take hold of, where that is not the goals' object.
+    """
+
+    text: str
+    goals: Sequence[Goal]
+    seen: Seen
+    background: np.ndarray | None = None
+    requires: Sequence[Goal] = ()
+    grasped: str | None = None
+
+    @classmethod
+    def of(cls, subtask: Subtask, seen: Seen, background: np.ndarray | None) -> Asking:
+        """About a sub-task in its own words."""
+        return cls(subtask.text, subtask.goals, seen, background, subtask.requires, subtask.grasped)
+
+    @property
+    def hash(self) -> str:
+        """Hex SHA-256 of all of it."""
+        told = (self.text, [goal.model_dump_json() for goal in (*self.goals, *self.requires)], self.grasped)
+        digest = hashlib.sha256(repr(told).encode())
+        shown = [(f"{when} {name}", p) for when, by in sorted(self.seen.items()) for name, p in sorted(by.items())]
+        for name, picture in [*shown, *([] if self.background is None else [("background", self.background)])]:
+            digest.update(f"{name} {picture.shape}".encode() + np.ascontiguousarray(picture).tobytes())
+        return digest.hexdigest()
+
+
+def verdict(context: StageContext, scene: Scene, asking: Asking) -> Verdict:
+    """What the critic says about one sub-task.
+
+    Args:
+        context: with the critic, and how the objects look.
+        scene: where it was done.
+        asking: what it is asked.
 
     Raises:
         VcageError: the critic cannot be asked, or gives no answer of use.
     """
-    question = replace(_question(context, scene, text, goals, seen, background, requires), grasped=grasped)
-    asked = question_hash(text, goals, seen, background, requires, grasped)
-    return context.models.critic.judge(question).model_copy(update={"question": asked})
+    answer = context.models.critic.judge(_question(context, scene, asking))
+    return answer.model_copy(update={"question": asking.hash})
 
 
-def question_hash(
-    text: str,
-    goals: Sequence[Goal],
-    seen: Seen,
-    background: np.ndarray | None,
-    requires: Sequence[Goal] = (),
-    grasped: str | None = None,
-) -> str:
-    """Hex SHA-256 of what a critic is asked about a scene (see :func:`verdict`); what else it is shown follows from the
-    scene."""
-    told = (text, [goal.model_dump_json() for goal in (*goals, *requires)], grasped)
-    digest = hashlib.sha256(repr(told).encode())
-    named = [(f"{when} {name}", p) for when, shown in sorted(seen.items()) for name, p in sorted(shown.items())]
-    for name, picture in [*named, *([] if background is None else [("background", background)])]:
-        digest.update(f"{name} {picture.shape}".encode() + np.ascontiguousarray(picture).tobytes())
-    return digest.hexdigest()
-
-
-def _question(
-    context: StageContext,
-    scene: Scene,
-    text: str,
-    goals: Sequence[Goal],
-    seen: Seen,
-    background: np.ndarray | None,
-    requires: Sequence[Goal],
-) -> CriticQuestion:
+def _question(context: StageContext, scene: Scene, asking: Asking) -> CriticQuestion:
+    goals, seen = asking.goals, asking.seen
     objects, taken_by = {o.id: o for o in context.objects(scene)}, cameras(scene, goals)
-    opened = _opened(goals, requires)
+    opened = _opened(goals, asking.requires)
 
     def views(when: str) -> dict[str, View]:
         return {name: View(p, taken_by[name]) for name, p in seen.get(when, {}).items() if name in taken_by}
@@ -122,7 +123,7 @@ def _question(
         return reading_poses(objects[moved].moved(at), objects[still].moved(there), scene.table.height)
 
     return CriticQuestion(
-        text=text,
+        text=asking.text,
         goals=list(goals),
         before=views("before"),
         after=views("after"),
@@ -130,6 +131,13 @@ def _question(
         start=views("start"),
         wrist={name: p for name, p in seen.get("moment", {}).items() if name not in taken_by},
         references={o.id: context.look(o, opened.get(o.id, ())) for o in scene.objects},
+        planned={o.id: o.pose.pose() for o in scene.objects},
+        opened=opened,
+        rooms={
+            goal: _rooms(goal, objects, opened)
+            for goal in goals
+            if goal.relation in PLACED and goal.reference in objects
+        },
         looks={
             goal.subject: context.look(scene.object(goal.subject), [goal.part] if goal.relation == "closed" else ())
             for goal in goals
@@ -141,8 +149,26 @@ def _question(
         table_height=scene.table.height,
         tops=[scene.table.height + top for top in _tops(objects.values())],
         towards_customer=tuple(TOWARDS_CUSTOMER.tolist()),
-        background=background,
+        background=asking.background,
+        grasped=asking.grasped,
     )
+
+
+def _rooms(goal: Goal, objects: Mapping[str, SceneObject], opened: Mapping[str, Sequence[str]]) -> np.ndarray:
+    """(n, 8, 3) corners of where an object is that is in or on another, in the frame of that: from each floor up to its
+    rim, or as high as the object stands on it."""
+    thing, place = objects[goal.subject], objects[str(goal.reference)].asset
+    far = {link.name: link.joint.far_end for link in place.model.links}
+    joints = [far[link.name] * (link.name in opened.get(str(goal.reference), ())) for link in place.model.links]
+    frames, found = link_poses(place.model, joints), []
+    for point in place.annotation.functional_points:
+        if point.link == goal.part and (point.holds == "in") == (goal.relation == "inside"):
+            opening = place.opening(point)
+            middle, half = np.array(opening.centre), np.array(opening.size) / 2
+            top = opening.floor + max(opening.depth, float(thing.asset.size[2]))
+            lower, upper = [*(middle - half), opening.floor], [*(middle + half), top]
+            found.append(frames[point.link].apply(box_corners(lower, upper)))
+    return np.reshape(found, (-1, 8, 3))
 
 
 def _tops(objects: Iterable[SceneObject]) -> list[float]:
@@ -155,7 +181,7 @@ def _opened(goals: Sequence[Goal], requires: Sequence[Goal]) -> dict[str, list[s
     """The parts that are open before and after, by the plan: by the object that they belong to."""
     found: dict[str, list[str]] = {}
     for goal in (*requires, *(g for g in goals if g.relation == "inside" and g.part)):
-        owner = goal.subject if goal.relation in ("open", "closed") else goal.reference
+        owner = goal.subject if goal.relation == "open" else goal.reference
         if goal.relation in ("open", "inside") and goal.part and owner:
             found.setdefault(owner, []).append(goal.part)
     return found

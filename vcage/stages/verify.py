@@ -19,7 +19,7 @@ from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Subtasks
 from vcage.stages.context import StageContext
 from vcage.stages.episode_store import background_name
-from vcage.stages.question import TOP, question_hash, verdict
+from vcage.stages.question import TOP, Asking, verdict
 from vcage.stages.stage import Job, ModelOptions, StageResult, stage_seed
 
 _NAMED = re.compile(r"-(before|after|moment|start)-(\w+)\.png$")
@@ -94,9 +94,9 @@ class _Judge:
         for name, earlier in zip(episode.subtasks, episode.verdicts, strict=True):
             seen = _seen([self._folder / picture for picture in earlier.pictures], self._scene)
             subtask = self._subtasks[name]
-            asked = (subtask.text, subtask.goals, seen, empty, subtask.requires, subtask.grasped)
-            known = self._take_over and earlier.question == question_hash(*asked)
-            said = earlier if known else verdict(self._context, self._scene, *asked)
+            asking = Asking.of(subtask, seen, empty)
+            known = self._take_over and earlier.question == asking.hash
+            said = earlier if known else verdict(self._context, self._scene, asking)
             pictures = [f"../{self._folder.name}/{picture}" for picture in earlier.pictures]
             told.append((said.model_copy(update={"pictures": pictures}), known))
         return told
@@ -122,9 +122,7 @@ def judge_pair(run: RunFolder, context: StageContext, subtask_id: str, before: P
     subtask, scene = kept[subtask_id], Scene.read(run.layout)
     seen = _seen(_beside(after), scene)
     seen |= {when: seen.get(when, {}) | {TOP: _view(p, scene)} for when, p in (("before", before), ("after", after))}
-    empty = _empty_beside(before, scene)
-    told = (seen, empty, subtask.requires, subtask.grasped)
-    said = verdict(context, scene, subtask.text, subtask.goals, *told)
+    said = verdict(context, scene, Asking.of(subtask, seen, _empty_beside(before, scene)))
     pictures = [str(before), str(after)]
     return SingleVerdict(text=subtask.text, verdict=said.model_copy(update={"pictures": pictures}))
 

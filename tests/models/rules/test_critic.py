@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -12,13 +14,10 @@ from tests.models.tabletop import (
     PLATE,
     WHITE_BOX,
     Thing,
-    reference,
-    table_picture,
-    view,
+    critic_question,
 )
 from vcage.base.errors import InputFileError
 from vcage.base.geometry import Pose
-from vcage.models.protocols import CriticQuestion
 from vcage.models.rules.critic import OfflineCritic
 from vcage.schema.episodes import Verdict
 from vcage.schema.goals import Goal
@@ -40,8 +39,7 @@ def judge(before: list[Thing], after: list[Thing], thing: Thing) -> Verdict:
     place = before[0]
     relation = "on" if place is PLATE else "inside"
     goal = Goal(subject=thing.id, relation=relation, reference=place.id)
-    references = {t.id: reference(t) for t in before}
-    return OfflineCritic().judge(CriticQuestion("…", [goal], {"top": view(before)}, {"top": view(after)}, references))
+    return OfflineCritic().judge(critic_question(before, after, goal))
 
 
 def placed(thing: Thing, place: Thing, index: int) -> Thing:
@@ -80,9 +78,7 @@ def test_a_thing_that_lies_along_a_wall_of_a_box_of_the_tables_colour_is_accepte
     inside = red.moved(at=(box.at[0] - 0.02, box.at[1] - 0.02), yaw=box.yaw, base=0.005)
     before, after = [box, inside, black, ERASER], [box, inside, along, ERASER]
     goal = Goal(subject=black.id, relation="inside", reference=box.id)
-    references, table = {t.id: reference(t) for t in before}, table_picture()
-    views = {"top": view(before)}, {"top": view(after)}
-    verdict = OfflineCritic().judge(CriticQuestion("…", [goal], *views, references, background=table))
+    verdict = OfflineCritic().judge(critic_question(before, after, goal))
     assert verdict.accepted, verdict.reason
 
 
@@ -126,8 +122,17 @@ def test_a_receptacle_that_is_gone_is_rejected() -> None:
     assert not judge(before, [t for t in before[1:] if t is not thing], thing).accepted
 
 
+@pytest.mark.parametrize("name", TWO)
+def test_another_thing_that_was_moved_on_the_way_is_seen(name: str) -> None:
+    before, thing = earlier(name, 0)
+    other = before[3]
+    after = swapped(swapped(before, thing, placed(thing, before[0], 0)), other, other.moved(at=(0.1, -0.2)))
+    verdict = judge(before, after, thing)
+    assert not verdict.accepted and "where nothing should" in verdict.reason
+
+
 def test_a_missing_reference_is_named() -> None:
     before, thing = earlier("box", 0)
     goal = Goal(subject=thing.id, relation="inside", reference="box")
     with pytest.raises(InputFileError, match=thing.id):
-        OfflineCritic().judge(CriticQuestion("…", [goal], {"top": view(before)}, {"top": view(before)}, {}))
+        OfflineCritic().judge(replace(critic_question(before, before, goal), references={}))

@@ -11,7 +11,7 @@ from vcage.schema.goals import Goal
 from vcage.sim.cameras import shoot
 from vcage.sim.world import World
 from vcage.stages.context import StageContext
-from vcage.stages.question import TOP, verdict
+from vcage.stages.question import TOP, Asking, verdict
 from vcage.tasks.scene_objects import SceneObject
 
 PARTS = {"cabinet_one_drawer": "drawer", "laptop": "screen", "kitchen_timer": "dial", "tap": "lever"}
@@ -38,7 +38,7 @@ def judged(context: StageContext, subject: SceneObject, word: str, before: float
     empty = shoot(world, scene.top_camera)
     goal = Goal(subject=subject.id, relation=word, part=link.name)  # pyrefly: ignore
     seen = {when: {TOP: picture} for when, picture in zip(("before", "after"), pictures, strict=True)}
-    return verdict(context, scene, "x", [goal], seen, empty)
+    return verdict(context, scene, Asking("x", [goal], seen, empty))
 
 
 @pytest.mark.parametrize("name", PARTS)

@@ -17,7 +17,7 @@ from vcage.sim.cameras import shoot
 from vcage.sim.robots import load_robot
 from vcage.sim.world import World
 from vcage.stages.context import StageContext
-from vcage.stages.question import TOP, cameras, verdict
+from vcage.stages.question import TOP, Asking, cameras, verdict
 from vcage.tasks.reading import reading_poses
 
 BOX, PLATE, APPLE = thing("cereal_box", (-0.1, -0.05), 0.3), thing("plate", (0.15, 0.05)), thing("apple", (-0.3, 0.1))
@@ -54,7 +54,7 @@ def judged(
 
     empty = seen(dict.fromkeys(names, GONE))[TOP]
     told = {when: seen(poses) for when, poses in states.items()}
-    return verdict(context(), scene, "x", goals, told, empty, grasped=grasped)
+    return verdict(context(), scene, Asking("x", goals, told, empty, grasped=grasped))
 
 
 def shown(pose: Pose) -> Verdict:

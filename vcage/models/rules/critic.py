@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import partial
+
+import numpy as np
 
 from vcage.base.errors import InputFileError
 from vcage.base.geometry import Camera, Pose
 from vcage.models.protocols import CriticQuestion, DrawObject
 from vcage.models.rules import PROVIDER
-from vcage.models.rules.evidence import gather
+from vcage.models.rules.change import Change, displaced, grown
+from vcage.models.rules.evidence import salience
 from vcage.models.rules.evidence_of_parts import gather_part
 from vcage.models.rules.evidence_of_places import (
     gather_handed,
@@ -18,12 +22,15 @@ from vcage.models.rules.evidence_of_places import (
     gather_returned,
     gather_shown,
 )
-from vcage.models.rules.standing import Draw, find_standing
+from vcage.models.rules.evidence_of_placing import AROUND, gather_placed
+from vcage.models.rules.standing import Sought, Standing
 from vcage.models.rules.verdicts import (
-    decide,
+    UNLIKE,
     decide_handed,
     decide_moved,
+    decide_others,
     decide_part,
+    decide_placed,
     decide_presented,
     decide_relation,
     decide_returned,
@@ -37,6 +44,12 @@ from vcage.schema.plan import TABLE
 from vcage.sim.drawer import Drawing, Window
 from vcage.vision.protocols import Reference, View
 
+NUDGED = 0.035
+"""What was moved less than this, metres, counts as left where it was: the state of a simulator says so from 5 cm on."""
+
+PUT_BACK = 12.0
+"""So near to where it was what was held up is put back, pixels."""
+
 
 class OfflineCritic:
     """Implements :class:`vcage.models.protocols.Critic` for every goal that there is.
@@ -47,18 +60,27 @@ class OfflineCritic:
     provider = PROVIDER
 
     def judge(self, question: CriticQuestion) -> Verdict:
-        """The verdict on all goals: accepted when each is; the reason is that of the least certain one.
+        """The verdict on all goals: accepted when each is, and nothing else was moved. The reason is that of the surest
+        refusal, else of the least sure yes.
 
         Raises:
             InputFileError: a picture or a reference that the question needs is missing.
         """
-        verdicts = [self._judge(question, goal) for goal in question.goals]
-        failed = [verdict for verdict in verdicts if not verdict.accepted]
-        if not verdicts:
+        if not question.goals:
             raise InputFileError("the critic was asked about no goal", hint="give the sub-task's goals")
-        return max(failed, key=lambda v: v.confidence) if failed else min(verdicts, key=lambda v: v.confidence)
+        told = [self._judge(question, goal) for goal in question.goals]
+        failed = [verdict for verdict, _ in told if not verdict.accepted]
+        if failed:
+            return max(failed, key=lambda v: v.confidence)
+        before, after = _top(question.before), _top(question.after)
+        explained = np.any([mask for _, mask in told], axis=0)
+        apart = (before.camera.pose.p[2] - question.table_height) / before.camera.focal  # metres of table per pixel
+        stood = [salience(view.picture, question.background) > 0.5 for view in (before, after)]
+        pixels = displaced(Change.between(before, after), explained, *stood, far=NUDGED / apart)
+        other = decide_others(pixels * apart**2)
+        return other if not other.accepted else min((verdict for verdict, _ in told), key=lambda v: v.confidence)
 
-    def _judge(self, question: CriticQuestion, goal: Goal) -> Verdict:
+    def _judge(self, question: CriticQuestion, goal: Goal) -> _Told:
         if goal.relation in OF_A_PART:
             return self._judge_part(question, goal)
         if goal.relation == "weighed":
@@ -73,100 +95,115 @@ class OfflineCritic:
             return self._judge_place(question, goal)
         return self._judge_moved(question, goal)
 
-    def _judge_part(self, question: CriticQuestion, goal: Goal) -> Verdict:
+    def _judge_part(self, question: CriticQuestion, goal: Goal) -> _Told:
         before, after, moment = _top(question.before), _top(question.after), question.moment.get("top")
         if question.draw is None or question.background is None:
             raise InputFileError(
                 f"whether the {part_words(str(goal.part))} of {goal.subject!r} moved is told beside the empty table",
                 hint="give pictures that lie in episodes/critic, as collect keeps them",
             )
-        was, draw = question.looks[goal.subject], question.draw
+        draw, look = question.draw, question.looks[goal.subject]
+        start = {str(goal.part): float(goal.relation == "closed")}
+        thing = replace(_sought(question, goal.subject), look=look, draw=partial(_drawn, draw, goal.subject, start))
         evidence = gather_part(
-            before.picture,
-            after.picture,
-            before.camera,
-            question.table_height,
-            was,
+            before,
+            after,
+            thing,
             lambda pose, camera, window, share: draw(goal.subject, pose, camera, window, {str(goal.part): share}),
             question.background,
-            start=float(goal.relation == "closed"),
-            moment=None if moment is None else moment.picture,
+            moment=moment,
         )
-        return decide_part(evidence, goal, was.phrase)
+        if evidence is None:
+            return refuse(f"the {look.phrase} is not found", 0.5), _nowhere(question)
+        return decide_part(evidence, goal, look.phrase), grown(evidence.covered, AROUND)
 
-    def _judge_place(self, question: CriticQuestion, goal: Goal) -> Verdict:
-        before, after = _top(question.before), _top(question.after)
-        moved, place = _look(question, goal.subject), _look(question, goal.reference or "")
-        evidence = gather(
-            before.picture, after.picture, before.camera, question.table_height, moved, place, question.background
-        )
-        return decide(evidence, goal, moved.phrase, place.phrase)
+    def _judge_place(self, question: CriticQuestion, goal: Goal) -> _Told:
+        thing, place = _sought(question, goal.subject), _sought(question, goal.reference or "")
+        evidence = gather_placed(question.before, question.after, thing, place, question.rooms[goal], UNLIKE)
+        verdict = decide_placed(evidence, goal, thing.look.phrase, place.look.phrase)
+        return verdict, _nowhere(question) if evidence is None else evidence.explained
 
-    def _judge_weighed(self, question: CriticQuestion, goal: Goal) -> Verdict:
+    def _judge_weighed(self, question: CriticQuestion, goal: Goal) -> _Told:
         on = next((g for g in question.goals if g.subject == goal.subject and g.relation == "on"), None)
         thing, moment = _look(question, goal.subject).phrase, question.moment.get("top")
         if on is None or moment is None:
-            return refuse(f"nothing shows the {thing} lying on a scale", 0.5)
+            return refuse(f"nothing shows the {thing} lying on a scale", 0.5), _nowhere(question)
         restless = gather_restless(_top(question.before), moment, _top(question.after))
-        return decide_weighed(self._judge_place(question, on), restless, thing)
+        lies, explained = self._judge_place(question, on)
+        return decide_weighed(lies, restless, thing), explained
 
-    def _judge_moved(self, question: CriticQuestion, goal: Goal) -> Verdict:
+    def _judge_moved(self, question: CriticQuestion, goal: Goal) -> _Told:
         """Of what stands on the table: anywhere, beside another, or shown to the customer."""
-        look, draw, height = _look(question, goal.subject), _draw(question, goal.subject), question.table_height
-        moved = gather_moved(question.before, question.after, question.background, height, look, draw)
+        thing = _sought(question, goal.subject)
+        look, moved = thing.look, gather_moved(question.before, question.after, thing)
+        explained = _around(question, moved.old, moved.new)
         if goal.relation == "presented":
-            return decide_presented(moved, question.towards_customer, look.phrase)
+            return decide_presented(moved, question.towards_customer, look.phrase), explained
         if goal.reference == TABLE:
-            return decide_moved(moved, look.phrase)
-        name = str(goal.reference)
-        other = _look(question, name)
-        stands = find_standing(question.after, question.background, height, other, _draw(question, name))
-        return decide_relation(moved, stands, goal, look.phrase, other.phrase)
+            return decide_moved(moved, look.phrase), explained
+        other = _sought(question, str(goal.reference))
+        told = decide_relation(moved, other.standing(question.after), goal, look.phrase, other.look.phrase)
+        return told, explained
 
-    def _judge_returned(self, question: CriticQuestion, goal: Goal) -> Verdict:
-        look = _look(question, goal.subject)
+    def _judge_returned(self, question: CriticQuestion, goal: Goal) -> _Told:
+        thing = _sought(question, goal.subject)
         if "top" not in question.start:
-            return refuse(f"no picture shows where the {look.phrase} stood at the start", 0.5)
-        told = (question.background, question.table_height, look, _draw(question, goal.subject))
-        return decide_returned(gather_returned(question.start, question.before, question.after, *told), look.phrase)
+            told = refuse(f"no picture shows where the {thing.look.phrase} stood at the start", 0.5)
+            return told, _nowhere(question)
+        evidence = gather_returned(question.start, question.before, question.after, thing)
+        explained = _nowhere(question) if evidence is None else _around(question, evidence.stood, evidence.was)
+        return decide_returned(evidence, thing.look.phrase), explained
 
-    def _judge_handed(self, question: CriticQuestion, goal: Goal) -> Verdict:
-        look = _look(question, goal.subject)
+    def _judge_handed(self, question: CriticQuestion, goal: Goal) -> _Told:
+        thing = _sought(question, goal.subject)
         if "top" not in question.moment:
-            return refuse(f"no picture shows the moment at which the {look.phrase} changes hands", 0.5)
-        views = (question.before, question.moment, question.after)
-        told = (question.background, question.table_height, look, _draw(question, goal.subject))
-        return decide_handed(gather_handed(*views, *told), look.phrase)
+            told = refuse(f"no picture shows the moment at which the {thing.look.phrase} changes hands", 0.5)
+            return told, _nowhere(question)
+        evidence = gather_handed(question.before, question.moment, question.after, thing)
+        explained = _nowhere(question) if evidence is None else _around(question, evidence.old, evidence.new)
+        return decide_handed(evidence, thing.look.phrase), explained
 
-    def _judge_scan(self, question: CriticQuestion, goal: Goal) -> Verdict:
+    def _judge_scan(self, question: CriticQuestion, goal: Goal) -> _Told:
         """Of the scanner held before the thing, or the thing before the scanner."""
+        phrase = _look(question, goal.subject).phrase
         if question.readings is None or "top" not in question.moment:
-            return refuse(
-                f"no picture shows the moment at which the {_look(question, goal.subject).phrase} is read", 0.5
-            )
+            told = refuse(f"no picture shows the moment at which the {phrase} is read", 0.5)
+            return told, _nowhere(question)
         moved = question.grasped or goal.subject
         others = [goal.subject] if moved in question.readers else question.readers
-        verdicts = [self._judge_shown(question, moved, still) for still in others]
-        return max(verdicts, key=lambda v: (v.accepted, v.confidence), default=refuse("there is no scanner", 1.0))
+        told = [self._judge_shown(question, moved, still) for still in others]
+        none = refuse("there is no scanner", 1.0), _nowhere(question)
+        return max(told, key=lambda one: (one[0].accepted, one[0].confidence), default=none)
 
-    def _judge_shown(self, question: CriticQuestion, moved: str, still: str) -> Verdict:
-        looks = _look(question, moved), _look(question, still)
-        draws = _draw(question, moved), _draw(question, still)
-        told = (question.before, question.background, question.table_height)
-        held, stands = (
-            find_standing(*told, look, draw, tops=question.tops) for look, draw in zip(looks, draws, strict=True)
-        )
+    def _judge_shown(self, question: CriticQuestion, moved: str, still: str) -> _Told:
+        one, other = (_sought(question, name, question.tops) for name in (moved, still))
+        held, stands = one.standing(question.before), other.standing(question.before)
         if held is None or stands is None:
-            return refuse(f"the {looks[held is not None].phrase} is not found", 0.5)
+            return refuse(f"the {(one if held is None else other).look.phrase} is not found", 0.5), _nowhere(question)
         evidence = gather_shown(
             question.before,
             question.moment,
             held,
             stands,
-            *draws,
+            one.draw,
+            other.draw,
             lambda at, there: question.readings(moved, at, still, there),  # pyrefly: ignore
         )
-        return decide_scan(evidence, looks[0].phrase, looks[1].phrase)
+        return decide_scan(evidence, one.look.phrase, other.look.phrase), grown(held.covered, PUT_BACK)
+
+
+_Told = tuple[Verdict, np.ndarray]
+"""A verdict, and (H, W) bool where the view from above changes when what is asked for is done."""
+
+
+def _nowhere(question: CriticQuestion) -> np.ndarray:
+    return np.zeros(_top(question.before).picture.shape[:2], bool)
+
+
+def _around(question: CriticQuestion, *standing: Standing | None) -> np.ndarray:
+    """Where some things stand, and a little around them."""
+    masks = [one.covered for one in standing if one is not None]
+    return grown(np.any(masks, axis=0), AROUND) if masks else _nowhere(question)
 
 
 def _top(views: Mapping[str, View]) -> View:
@@ -181,12 +218,17 @@ def _look(question: CriticQuestion, name: str) -> Reference:
     return question.references[name]
 
 
-def _draw(question: CriticQuestion, name: str) -> Draw:
-    """Draws an object with its parts at rest."""
+def _sought(question: CriticQuestion, name: str, tops: Sequence[float] = ()) -> Sought:
+    """An object with its parts as they are by the plan, standing on the table or on something as high as ``tops``."""
     if question.draw is None:
         raise InputFileError(f"nothing draws {name!r}", hint="give the run's scene, as collect and verify do")
-    return partial(_drawn, question.draw, name)
+    shares = dict.fromkeys(question.opened.get(name, ()), 1.0)
+    draw = partial(_drawn, question.draw, name, shares)
+    planned = question.planned.get(name)
+    return Sought(_look(question, name), draw, question.background, question.table_height, tops, planned)
 
 
-def _drawn(draw: DrawObject, name: str, pose: Pose, camera: Camera, window: Window) -> Drawing:
-    return draw(name, pose, camera, window, {})
+def _drawn(
+    draw: DrawObject, name: str, shares: Mapping[str, float], pose: Pose, camera: Camera, window: Window
+) -> Drawing:
+    return draw(name, pose, camera, window, shares)

@@ -9,13 +9,11 @@ import cv2
 import numpy as np
 
 from vcage.base.geometry import Camera, Pose
-from vcage.models.rules.evidence import changed, middles, places, salience
-from vcage.models.rules.standing import CAP, FLIPS, as_bright, refined
+from vcage.models.rules.evidence import changed
+from vcage.models.rules.standing import CAP, Sought, as_bright
 from vcage.sim.drawer import Drawing, Window
-from vcage.vision.colour import LabImage, distance, to_lab
-from vcage.vision.detector import MIN_AREA, components
-from vcage.vision.object_templates import ObjectTemplate, template_from_reference
-from vcage.vision.protocols import Reference
+from vcage.vision.colour import distance, to_lab
+from vcage.vision.protocols import View
 
 POSITIONS = np.linspace(0.0, 1.0, 9)
 """Positions of a joint that are drawn, as shares of its range."""
@@ -23,10 +21,7 @@ POSITIONS = np.linspace(0.0, 1.0, 9)
 DIFFERENT = 10.0
 """Least colour distance between two of the drawings of a pixel that tells positions apart."""
 
-STEPS, ROUNDS = np.array([0.006, 0.006, np.radians(4.0)]), 10
-"""First steps along x, y and in heading with which a pose is refined by drawing the object, and how often."""
-
-Draw = Callable[[Pose, Camera, Window, float], Drawing]
+DrawPart = Callable[[Pose, Camera, Window, float], Drawing]
 """The object alone at a pose, its part at a share of its range."""
 
 
@@ -38,80 +33,43 @@ class PartEvidence:
         told_by: pixels in which the drawings differ.
         before, after: share of its range at which the part is likeliest.
         touched: share of the object that has changed in the picture of the moment; 0 without one.
+        covered: (H, W) bool, where the object is with its part anywhere.
     """
 
     told_by: int
     before: float
     after: float
     touched: float
+    covered: np.ndarray
 
 
 def gather_part(
-    before: np.ndarray,
-    after: np.ndarray,
-    camera: Camera,
-    table_height: float,
-    was: Reference,
-    draw: Draw,
-    background: np.ndarray,
-    *,
-    start: float = 0.0,
-    moment: np.ndarray | None = None,
-) -> PartEvidence:
-    """Measure one sub-task that moves a part.
+    before: View, after: View, thing: Sought, draw: DrawPart, background: np.ndarray, *, moment: View | None = None
+) -> PartEvidence | None:
+    """Measure one sub-task that moves a part; None where the object is not found before.
 
     Args:
-        before, after, background: (H, W, 3) uint8 RGB of the same camera, the last of the empty table.
-        camera: took them.
-        table_height: metres.
-        was: how the object looks from above before.
-        draw: draws it as the camera sees it.
-        start: share of its range at which the part is before, by the plan.
-        moment: the view while the part was touched, where there is one.
+        before, after: from above.
+        thing: the object, its part as it is before, by the plan.
+        draw: draws it with its part anywhere.
+        background: (H, W, 3) uint8 RGB, the empty table from above.
+        moment: from above while the part was touched, where there is such a view.
     """
-    height, width = before.shape[:2]
+    stands = thing.found({"top": before})
+    if stands is None:
+        return None
+    (height, width), camera = before.picture.shape[:2], before.camera
     window = Window(0, 0, max(camera.width, camera.height), 1)
 
-    def drawn(pose: np.ndarray, share: float) -> Drawing:
-        standing = Pose.from_yaw([pose[0], pose[1], table_height], float(pose[2]))
-        shown = draw(standing, camera, window, share)
+    def drawn(share: float) -> Drawing:
+        shown = draw(stands.pose, camera, window, share)
         return Drawing(*(layer[:height, :width] for layer in (shown.picture, shown.covered, shown.depth)))
 
-    rough = _found(before, template_from_reference(was, camera, table_height), background)
-    sights = []
-    for pose, unlike in _settled(rough, before, background, lambda pose: drawn(pose, start)):
-        sight = _Sight([drawn(pose, share) for share in POSITIONS], before, background)
-        sights.append((unlike + sight.least_cost(after), sight))
-    sight = min(sights, key=lambda found: found[0])[1]
-    touched = 0.0
+    sight, touched = _Sight([drawn(share) for share in POSITIONS], before.picture, background), 0.0
     if moment is not None:
-        touched = float(changed(*(to_lab(p) for p in (after, moment)))[sight.covered].mean())
-    return PartEvidence(int(sight.telling.sum()), sight.likeliest(before), sight.likeliest(after), touched)
-
-
-def _found(picture: np.ndarray, template: ObjectTemplate, background: np.ndarray) -> np.ndarray:
-    """(3,) x, y and heading at which the object seems to stand."""
-    image = LabImage.of(picture, salience(picture, background))
-    standing = components(image.salience > 0.5, MIN_AREA * picture.shape[0] * picture.shape[1])
-    return places(image, template, middles(standing)).first.poses[0, :3]
-
-
-def _settled(
-    rough: np.ndarray, picture: np.ndarray, background: np.ndarray, draw: Callable[[np.ndarray], Drawing]
-) -> list[tuple[np.ndarray, float]]:
-    """The two poses (3,) near a rough one, turned by quarters or not, at which drawings of the object are most like the
-    picture, and how unlike they still are."""
-    lab = _smoothed(picture)
-
-    def unlikeness(pose: np.ndarray) -> float:
-        drawing = draw(pose)
-        if not drawing.covered.any():
-            return np.inf
-        return float(np.minimum(distance(lab, to_lab(_composed(drawing, background, picture))), CAP).mean())
-
-    turned = sorted((unlikeness(p), tuple(p)) for p in rough + np.outer(FLIPS, [0, 0, 1]))[:2]
-    found = [refined(np.array(start), least, unlikeness, STEPS, ROUNDS) for least, start in turned]
-    return [(pose, least) for least, pose in found]
+        touched = float(changed(*(to_lab(view.picture) for view in (after, moment)))[sight.covered].mean())
+    likeliest = sight.likeliest(before.picture), sight.likeliest(after.picture)
+    return PartEvidence(int(sight.telling.sum()), *likeliest, touched, sight.covered)
 
 
 def _smoothed(picture: np.ndarray) -> np.ndarray:
@@ -136,11 +94,6 @@ class _Sight:
         self.covered = np.any([drawing.covered for drawing in drawings], axis=0)
         differ = [distance(lab, self._labs[0]) > DIFFERENT for lab in self._labs[1:]]
         self.telling = self.covered & np.any(differ, axis=0)
-
-    def least_cost(self, picture: np.ndarray) -> float:
-        """How unlike a picture the likeliest of the drawings is, over all its pixels."""
-        lab = _smoothed(picture)
-        return min(float(distance(lab, drawn).mean()) for drawn in self._labs)
 
     def likeliest(self, picture: np.ndarray) -> float:
         """The position whose drawing is most like the picture where drawings differ, refined between its neighbours."""

@@ -9,21 +9,24 @@ import cv2
 import numpy as np
 
 from vcage.base.geometry import Camera, Pose
+from vcage.models.rules.change import Change
 from vcage.models.rules.evidence import changed, salience
+from vcage.models.rules.evidence_of_placing import looks_like
 from vcage.models.rules.standing import (
+    SURELY,
     Draw,
+    Sought,
     Standing,
     as_bright,
     covered_by,
     cut,
-    find_standing,
     inside,
     refined,
     window_around,
 )
 from vcage.sim.drawer import Window
 from vcage.vision.colour import distance, to_lab
-from vcage.vision.protocols import Reference, View
+from vcage.vision.protocols import View
 
 LEFT = 0.5
 """Share of the old outline of what was moved that must have changed."""
@@ -53,42 +56,44 @@ class Moved:
         left: share of its old outline that has changed.
         old, new: where it stood and stands; None where it is not found.
         bare: share of its new outline that was empty table before.
+        alike: share of what came to be seen there that looks like it.
     """
 
     left: float
     old: Standing | None
     new: Standing | None
     bare: float
+    alike: float
 
 
 def gather_moved(
     before: Mapping[str, View],
     after: Mapping[str, View],
-    background: np.ndarray | None,
-    table_height: float,
-    look: Reference,
-    draw: Draw,
+    thing: Sought,
 ) -> Moved:
     """Where an object was, and where it is now: among what has changed.
 
     Args:
         before, after: views of one moment each, by camera.
-        background: the top view of the empty table.
-        table_height: metres.
-        look: how the object looks from above.
-        draw: draws it.
+        thing: the object.
     """
-    change = _change(before["top"], after["top"])
-    old = find_standing(before, background, table_height, look, draw, change)
-    taken = np.zeros_like(change) if old is None else old.covered
-    new = find_standing(after, background, table_height, look, draw, change & ~taken)
-    stood = salience(before["top"].picture, background) > 0.5
+    change = Change.between(before["top"], after["top"])
+    old = thing.found(before, change.things)
+    taken = np.zeros_like(change.all) if old is None else old.covered
+    came = change.things & ~taken
+    new = thing.standing(after, came)
+    if new is None or new.unlike > SURELY:  # what is as grey as the table looks like its shadow
+        grey = thing.standing(after, change.all & ~taken)
+        new = min((one for one in (new, grey) if one is not None), key=lambda one: one.unlike, default=None)
+    stood = salience(before["top"].picture, thing.background) > 0.5
     here = new.covered & ~taken if new is not None else taken
+    seen = _smooth(after["top"])[came & here]
     return Moved(
-        left=float(change[taken].mean()) if taken.any() else 0.0,
+        left=_share(change.all, taken),
         old=old,
         new=new,
-        bare=float(1 - stood[here].mean()) if here.any() else 0.0,
+        bare=1 - _share(stood, here) if here.any() else 0.0,
+        alike=float(looks_like(thing.look, seen).mean()) if len(seen) else 0.0,
     )
 
 
@@ -99,33 +104,38 @@ class Returned:
     Args:
         came: share of its outline at the start that changed when it was put there.
         same: share of it that looks as at the start.
+        off: how far it is seen from there, metres; inf where it is not found.
+        stood, was: where it stood at the start, and before it was put back.
     """
 
     came: float
     same: float
+    off: float
+    stood: Standing
+    was: Standing | None
 
 
 def gather_returned(
     start: Mapping[str, View],
     before: Mapping[str, View],
     after: Mapping[str, View],
-    background: np.ndarray | None,
-    table_height: float,
-    look: Reference,
-    draw: Draw,
+    thing: Sought,
 ) -> Returned | None:
     """Whether an object is again where it stood at the start; None where it is not found there.
 
     Args:
         start: views of the start of the episode.
-        before, after, background, table_height, look, draw: see :func:`gather_moved`.
+        before, after, thing: see :func:`gather_moved`.
     """
     gone = _change(start["top"], before["top"])
-    stood = find_standing(start, background, table_height, look, draw, gone)
+    stood = thing.standing(start, gone)
     if stood is None or not stood.covered.any():
         return None
     came, differs = (_change(one["top"], after["top"])[stood.covered].mean() for one in (before, start))
-    return Returned(float(came), float(1 - differs))
+    change = _change(before["top"], after["top"])
+    now = thing.standing(after, change)
+    off = np.inf if now is None else float(np.linalg.norm(now.pose.p - stood.pose.p))
+    return Returned(float(came), float(1 - differs), off, stood, thing.standing(before, change & ~stood.covered))
 
 
 def gather_restless(before: View, moment: View, after: View) -> float:
@@ -143,28 +153,28 @@ class Handed:
         to_come: share of its outline afterwards that looks otherwise at the moment.
         arms: share of the picture's edge on the robot's side that changed since before, in its left and right half:
             each arm reaches in from its own side.
+        old, new: where it stood and stands.
     """
 
     left: float
     to_come: float
     arms: tuple[float, float]
+    old: Standing
+    new: Standing
 
 
 def gather_handed(
     before: Mapping[str, View],
     moment: Mapping[str, View],
     after: Mapping[str, View],
-    background: np.ndarray | None,
-    table_height: float,
-    look: Reference,
-    draw: Draw,
+    thing: Sought,
 ) -> Handed | None:
     """Whether an object is neither here nor there while both arms reach out; None where it is not found.
 
     Args:
-        before, moment, after, background, table_height, look, draw: see :func:`gather_moved`.
+        before, moment, after, thing: see :func:`gather_moved`.
     """
-    moved = gather_moved(before, after, background, table_height, look, draw)
+    moved = gather_moved(before, after, thing)
     if moved.old is None or moved.new is None:
         return None
     since, until = (_change(one["top"], moment["top"]) for one in (before, after))
@@ -174,6 +184,8 @@ def gather_handed(
         left=_share(since, moved.old.covered),
         to_come=_share(until, moved.new.covered),
         arms=(float(left.mean()), float(right.mean())),
+        old=moved.old,
+        new=moved.new,
     )
 
 
@@ -296,4 +308,9 @@ def _seen(pose: Pose, moved: Standing, sights: Sequence[_Held], draw: Draw) -> f
 
 def _change(one: View, other: View) -> np.ndarray:
     """(H, W) bool."""
-    return changed(*(to_lab(cv2.GaussianBlur(view.picture, (3, 3), 0)) for view in (one, other)))
+    return changed(_smooth(one), _smooth(other))
+
+
+def _smooth(view: View) -> np.ndarray:
+    """(H, W, 3) CIELAB."""
+    return to_lab(cv2.GaussianBlur(view.picture, (3, 3), 0))

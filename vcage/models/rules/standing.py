@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import cv2
 import numpy as np
 
 from vcage.base.geometry import Camera, Pose
-from vcage.models.rules.evidence import middles, places, salience
+from vcage.models.rules.evidence import FILLED, middles, places, salience
 from vcage.sim.drawer import Drawing, Window
 from vcage.vision.colour import LabImage, distance, to_lab
 from vcage.vision.detector import MIN_AREA, components
@@ -34,6 +34,16 @@ HEADINGS = np.radians([0.0, 30.0, 60.0])
 
 NEAR = 12
 """So far from what has been seen to stand or change an object is looked for, pixels."""
+
+BRIGHTER, TINTED = (0.5, 2.0), (0.85, 1.18)
+"""How much brighter than a drawing a picture may be, and how much more so in one colour than in the others."""
+
+UNFILLED = 20.0
+"""Colour distance that a pixel of an outline costs which a drawing leaves open."""
+
+CLEARLY, SURELY = 3.0, 5.0
+"""So much more like an object another place must be than that where the layout put it; and so unlike at most is what is
+not looked for elsewhere."""
 
 APART = 0.02
 """Poses that are nearer to each other than this are at one place, metres."""
@@ -67,61 +77,106 @@ class Standing:
         return np.array([[x - half[0], y - half[1], z], [x + half[0], y + half[1], z + self.size[2]]])
 
 
-def find_standing(
-    views: Mapping[str, View],
-    background: np.ndarray | None,
-    table_height: float,
-    look: Reference,
-    draw: Draw,
-    among: np.ndarray | None = None,
-    tops: Sequence[float] = (),
-) -> Standing | None:
-    """Where an object stands; None where nothing stands that it could be.
+@dataclass(frozen=True)
+class Sought:
+    """An object that is looked for in pictures of a table.
 
     Args:
-        views: of the same moment; the ``top`` one finds it, all tell its sides apart.
+        look: how it looks from above.
+        draw: draws it.
         background: the top view of the empty table.
         table_height: metres.
-        look: how the object looks from above.
-        draw: draws it.
-        among: (H, W) bool, where it may be in the top view; anywhere when not given.
         tops: z of what it may stand on besides the table, metres.
+        planned: where the layout put it: it is looked for there too.
     """
-    top = views["top"]
-    image = LabImage.of(top.picture, salience(top.picture, background))
-    there = image.salience > 0.5
-    patches = components(there if among is None else there & among, MIN_AREA * there.size)
-    if not patches:
-        return None
-    stands = [_on(height, views, image, patches, look, draw) for height in (table_height, *tops)]
-    return min(stands, key=lambda found: found.unlike)
 
+    look: Reference
+    draw: Draw
+    background: np.ndarray | None
+    table_height: float
+    tops: Sequence[float] = ()
+    planned: Pose | None = None
 
-def _on(
-    height: float,
-    views: Mapping[str, View],
-    image: LabImage,
-    patches: Sequence[np.ndarray],
-    look: Reference,
-    draw: Draw,
-) -> Standing:
-    """Where an object is likeliest to stand on something of a height; see :func:`find_standing`."""
-    camera = views["top"].camera
-    template, standing = template_from_reference(look, camera, height), middles(patches)
-    tries: list[tuple[float, tuple[float, ...], list[_Sight]]] = []
-    for rough in [*_apart(places(image, template, standing).poses), *_upon(patches, camera, height)]:
-        if not _shown(rough, patches, camera, height):
-            continue
-        middle = np.array([rough[0], rough[1], height + look.size[2] / 2])
-        sights = [_Sight.of(view, middle, look.size) for view in views.values()]
-        tries += [(_unlike(p, height, sights, draw), tuple(p), sights) for p in rough + FLIPS[:, None] * [0, 0, 1]]
-    best: tuple[float, np.ndarray] = (np.inf, np.zeros(3))
-    for least, start, sights in sorted(tries, key=lambda tried: tried[0])[:REFINED]:
-        nearby = refined(np.array(start), least, lambda p, s=sights: _unlike(p, height, s, draw))
-        best = min(best, nearby, key=lambda found: found[0])
-    unlike, (x, y, yaw) = best
-    pose = Pose.from_yaw([x, y, height], yaw)
-    return Standing(pose, look.size, unlike, covered_by(draw, pose, camera))
+    def standing(self, views: Mapping[str, View], among: np.ndarray | None = None) -> Standing | None:
+        """Where the object stands; None where nothing stands that it could be.
+
+        Args:
+            views: of the same moment; the ``top`` one finds it, all tell its sides apart.
+            among: (H, W) bool, where it may be in the top view; anywhere when not given.
+        """
+        top = views["top"]
+        image = LabImage.of(top.picture, salience(top.picture, self.background))
+        there = image.salience > 0.5
+        patches = components(there if among is None else there & among, MIN_AREA * there.size)
+        if not patches:
+            return None
+        outline = None if among is None else np.any(patches, axis=0)
+        stands = [self._on(height, views, image, patches, outline) for height in (self.table_height, *self.tops)]
+        return min(stands, key=lambda found: found.unlike)
+
+    def _on(
+        self,
+        height: float,
+        views: Mapping[str, View],
+        image: LabImage,
+        patches: Sequence[np.ndarray],
+        outline: np.ndarray | None,
+    ) -> Standing:
+        """Where it is likeliest to stand on something of a height; (H, W) an outline that it should fill from above."""
+        camera, size, draw = views["top"].camera, self.look.size, self.draw
+        template, standing = template_from_reference(self.look, camera, height), middles(patches)
+        tries: list[tuple[float, tuple[float, ...], list[_Sight]]] = []
+        roughs = [*_apart(places(image, template, standing).poses), *_upon(patches, camera, height)]
+        if self.planned is not None:
+            roughs.append(np.array([*self.planned.p[:2], self.planned.yaw]))
+        for rough in roughs:
+            if not _shown(rough, patches, camera, height):
+                continue
+            middle = np.array([rough[0], rough[1], height + size[2] / 2])
+            sights = [_Sight.of(view, middle, size, outline if name == "top" else None) for name, view in views.items()]
+            tries += [(_unlike(p, height, sights, draw), tuple(p), sights) for p in rough + FLIPS[:, None] * [0, 0, 1]]
+        best: tuple[float, np.ndarray, list[_Sight]] = (np.inf, np.zeros(3), [])
+        for least, start, sights in sorted(tries, key=lambda tried: tried[0])[:REFINED]:
+            nearby = refined(np.array(start), least, lambda p, s=sights: _unlike(p, height, s, draw))
+            best = min(best, (*nearby, sights), key=lambda found: found[0])
+        return self._seen_at(best[1], height, best[2], camera)
+
+    def where_planned(self, views: Mapping[str, View]) -> Standing | None:
+        """Where the object stands if it does so about where the layout put it; None where that is not known.
+
+        Args:
+            views: of the same moment.
+        """
+        if self.planned is None:
+            return None
+        x, y, height = self.planned.p
+        start, middle = np.array([x, y, self.planned.yaw]), np.array([x, y, height + self.look.size[2] / 2])
+        sights = [_Sight.of(view, middle, self.look.size, None) for view in views.values()]
+        least = _unlike(start, height, sights, self.draw)
+        _, pose = refined(start, least, lambda p: _unlike(p, height, sights, self.draw))
+        return self._seen_at(pose, height, sights, views["top"].camera)
+
+    def found(self, views: Mapping[str, View], among: np.ndarray | None = None) -> Standing | None:
+        """Where the object stands: where the layout put it, unless nothing stands there or another place fits better.
+
+        Args:
+            views, among: see :meth:`standing`.
+        """
+        there = self.where_planned(views)
+        if there is not None and there.unlike < SURELY:
+            return there
+        elsewhere = self.standing(views, among)
+        if there is None or not there.covered.any():
+            return elsewhere
+        empty = salience(views["top"].picture, self.background)[there.covered].mean() < FILLED
+        if elsewhere is not None and (empty or elsewhere.unlike + CLEARLY < there.unlike):
+            return elsewhere
+        return None if empty and there.unlike > CAP / 3 else there
+
+    def _seen_at(self, pose: np.ndarray, height: float, sights: Sequence[_Sight], camera: Camera) -> Standing:
+        unlike = _unlike(pose, height, [replace(s, outline=np.zeros_like(s.outline)) for s in sights], self.draw)
+        at = Pose.from_yaw([pose[0], pose[1], height], float(pose[2]))
+        return Standing(at, self.look.size, unlike, covered_by(self.draw, at, camera))
 
 
 def covered_by(draw: Draw, pose: Pose, camera: Camera) -> np.ndarray:
@@ -158,8 +213,9 @@ def as_bright(drawing: Drawing, picture: np.ndarray) -> np.ndarray:
     """(side, side, 3) float32, a drawing as bright as a picture is where it is covered."""
     drawn, covered = drawing.picture.astype(np.float32), drawing.covered
     if covered.any():
-        gain = np.median(picture[covered], axis=0) / np.maximum(np.median(drawn[covered], axis=0), 1)
-        drawn = drawn * np.clip(gain, 0.5, 2.0)
+        gain = np.median((picture[covered] + 4.0) / (drawn[covered] + 4.0), axis=0)
+        level = float(np.median(gain))
+        drawn = drawn * np.clip(level, *BRIGHTER) * np.clip(gain / max(level, 1e-3), *TINTED)
     return np.clip(drawn, 0, 255)
 
 
@@ -186,18 +242,22 @@ class _Sight:
         camera, window: that see it.
         picture: (side, side, 3) uint8.
         lab: the same, smoothed.
+        outline: (side, side) bool, what a drawing should fill.
     """
 
     camera: Camera
     window: Window
     picture: np.ndarray
     lab: np.ndarray
+    outline: np.ndarray
 
     @classmethod
-    def of(cls, view: View, middle: np.ndarray, size: Sequence[float]) -> _Sight:
+    def of(cls, view: View, middle: np.ndarray, size: Sequence[float], outline: np.ndarray | None) -> _Sight:
         window = window_around(middle, size, view.camera)
         picture = cut(view.picture, window)
-        return cls(view.camera, window, picture, to_lab(cv2.GaussianBlur(picture, (3, 3), 0)))
+        lab = to_lab(cv2.GaussianBlur(picture, (3, 3), 0))
+        filled = np.zeros(picture.shape[:2], bool) if outline is None else cut(outline, window)
+        return cls(view.camera, window, picture, lab, filled)
 
 
 def _unlike(pose: np.ndarray, height: float, sights: Sequence[_Sight], draw: Draw) -> float:
@@ -208,7 +268,8 @@ def _unlike(pose: np.ndarray, height: float, sights: Sequence[_Sight], draw: Dra
         if not drawing.covered.any():
             return CAP
         drawn = to_lab(as_bright(drawing, sight.picture).astype(np.uint8))
-        costs.append(np.minimum(distance(sight.lab, drawn)[drawing.covered], CAP).mean())
+        apart = np.minimum(distance(sight.lab, drawn)[drawing.covered], CAP).mean()
+        costs.append(apart + UNFILLED * (sight.outline & ~drawing.covered).sum() / drawing.covered.sum())
     return float(np.mean(costs))
 
 

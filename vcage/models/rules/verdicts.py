@@ -7,9 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from vcage.models.rules import PROVIDER
-from vcage.models.rules.evidence import Evidence
 from vcage.models.rules.evidence_of_parts import PartEvidence
 from vcage.models.rules.evidence_of_places import LEFT, Handed, Moved, Returned, Shown
+from vcage.models.rules.evidence_of_placing import Placed
 from vcage.models.rules.standing import Standing
 from vcage.plans.relations import holds
 from vcage.schema.episodes import Verdict
@@ -18,11 +18,14 @@ from vcage.schema.goals import Goal, part_words
 INSIDE = {"inside": 0.2, "on": 0.4}
 """Share of the object's area that must be seen in or on the receptacle; walls and other contents hide some."""
 
-TOO_MUCH = 1.8
-"""More new pixels than that, over the object's area, are of something larger."""
+MOSTLY = 0.6
+"""Share of what looks like an object around its receptacle that must be seen where it should be."""
 
 SEEN_OPEN, SEEN_CLOSED = 0.7, 0.15
 """Share of its range at which a part must seem to be at least, or at most, to count as open or turned, or as closed."""
+
+STIRRED = 0.2
+"""Share of its range by which a part must be seen to have moved."""
 
 FEWEST = 25
 """So many pixels must tell a part's positions apart."""
@@ -33,8 +36,11 @@ TOUCHED = 0.15
 MAX_SHIFT = 0.06
 """A receptacle that moved farther was knocked away, metres."""
 
-MAX_WORSE = 0.3
-"""A receptacle whose rim fits its reference so much worse than before lies on its side."""
+OTHERS = 3e-4
+"""Largest patch that may change where nothing should, square metres."""
+
+LOOKS = 0.2
+"""Share of what came to be seen somewhere that must have the object's colours: what leans shows other sides."""
 
 UNLIKE = 14.0
 """Mean colour distance between what stands somewhere and drawings of an object from which on it is another."""
@@ -47,6 +53,9 @@ FACING = np.radians(40)
 
 BACK_AGAIN = 0.6
 """Share of its outline at the start that must look so again, of what was put back."""
+
+NEAR_ENOUGH = 0.02
+"""What is seen no farther from where it stood is back there, metres."""
 
 MORE = 0.04
 """So much more of it must be found there than at other places and headings."""
@@ -69,35 +78,48 @@ def decide_part(evidence: PartEvidence, goal: Goal, thing: str) -> Verdict:
         return _verdict(evidence.touched >= TOUCHED, seen, 0.5 + 0.5 * abs(evidence.touched - TOUCHED))
     if evidence.told_by < FEWEST:
         return refuse(f"whether the {part} of the {thing} moved cannot be seen from above", 0.5)
+    if abs(evidence.after - evidence.before) < STIRRED:
+        return refuse(f"the {part} of the {thing} stays {100 * evidence.before:.0f} % of its way from rest", 0.8)
     seen, limit = evidence.after, SEEN_CLOSED if goal.relation == "closed" else SEEN_OPEN
     accepted = seen <= limit if goal.relation == "closed" else seen >= limit
     looks = f"the {part} of the {thing} looks {100 * seen:.0f} % {'turned' if goal.relation == 'turned' else 'open'}"
     return _verdict(accepted, f"{looks}, {100 * evidence.before:.0f} % before", 0.5 + min(0.5, abs(seen - limit)))
 
 
-def decide(evidence: Evidence, goal: Goal, thing: str, place: str) -> Verdict:
-    """Turn measurements into a verdict with one sentence of reason."""
-    needed = INSIDE["inside" if goal.relation == "inside" else "on"]
+def decide_placed(evidence: Placed | None, goal: Goal, thing: str, place: str) -> Verdict:
+    """Whether an object came to be in or on another."""
     word = "in" if goal.relation == "inside" else "on"
+    if evidence is None:
+        return refuse(f"the {thing} or the {place} is not found before", 0.5)
     seen = f"{100 * evidence.inside:.0f} % of it is seen {word} the {place}"
     if evidence.left < LEFT:
         return refuse(f"the {thing} still lies where it was", 1 - evidence.left)
-    if evidence.shifted > MAX_SHIFT or evidence.worse > MAX_WORSE:
-        return refuse(f"the {place} was knocked away or tipped over", 0.7)
-    if evidence.outside > max(evidence.inside, 0.25):
-        return refuse(f"the {thing} lies outside the {place}: only {seen}", min(1.0, evidence.outside))
-    if evidence.inside < needed:
-        return refuse(f"the {thing} left its place and is not found {word} the {place}: {seen}", 0.75)
-    if evidence.inside > TOO_MUCH:
-        return refuse(f"something larger than the {thing} came to be {word} the {place}: {seen}", 0.6)
+    if evidence.shifted > MAX_SHIFT:
+        return refuse(f"the {place} was knocked away or tipped over", 0.8)
+    if evidence.inside < INSIDE[goal.relation]:
+        return refuse(f"the {thing} left its place and is not found {word} the {place}: {seen}", 0.8)
+    if evidence.alike < LOOKS:
+        return refuse(f"what came to be {word} the {place} does not look like the {thing}", 0.7)
+    if evidence.share < MOSTLY:
+        return refuse(f"the {thing} lies across the edge of the {place}: {100 * evidence.share:.0f} % {word} it", 0.7)
     return _verdict(True, f"the {thing} left its place, and {seen}", 0.5 + 0.5 * min(1.0, evidence.inside / 0.8))
+
+
+def decide_others(area: float) -> Verdict:
+    """Whether nothing else was moved.
+
+    Args:
+        area: of the largest patch that changed where nothing should, square metres on the table.
+    """
+    seen = f"{1e4 * area:.0f} cm² of the table changed where nothing should"
+    return _verdict(area <= OTHERS, seen, 0.5 + min(0.5, abs(area - OTHERS) / OTHERS / 2))
 
 
 def decide_moved(evidence: Moved, thing: str) -> Verdict:
     """Whether an object left its place and stands on the bare table."""
     if evidence.old is None or evidence.left < LEFT:
         return refuse(f"the {thing} still lies where it was", 1 - evidence.left)
-    if evidence.new is None or evidence.new.unlike > UNLIKE:
+    if evidence.new is None or evidence.alike < LOOKS:
         return refuse(f"the {thing} left its place and is not found on the table", 0.7)
     seen = f"{100 * evidence.bare:.0f} % of where it is now was empty table"
     return _verdict(evidence.bare >= BARE, f"the {thing} left its place, and {seen}", 0.5 + abs(evidence.bare - BARE))
@@ -139,6 +161,8 @@ def decide_returned(evidence: Returned | None, thing: str) -> Verdict:
     if evidence.came < LEFT:
         return refuse(f"nothing came back to where the {thing} stood", 1 - evidence.came)
     seen = f"{100 * evidence.same:.0f} % of where the {thing} stood looks as at the start"
+    if evidence.off <= NEAR_ENOUGH:  # its label may be turned away
+        return _verdict(True, f"the {thing} is seen {100 * evidence.off:.0f} cm from where it stood, and {seen}", 0.8)
     return _verdict(evidence.same >= BACK_AGAIN, seen, 0.5 + abs(evidence.same - BACK_AGAIN))
 
 

@@ -1,0 +1,60 @@
+"""What came, went or moved between two views, and what is only a shadow."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+
+from vcage.models.rules.change import Change, displaced
+from vcage.vision.protocols import View
+
+RNG = np.random.default_rng(3)
+TABLE = np.clip(cv2.GaussianBlur(RNG.normal(size=(120, 160)), (0, 0), 3)[..., None] * 60 + [150, 115, 80], 0, 255)
+NONE = np.zeros((120, 160), bool)
+
+
+def picture(*things: tuple[slice, slice], shade: tuple[slice, slice] | None = None) -> np.ndarray:
+    drawn = TABLE.copy()
+    if shade is not None:
+        drawn[shade] = ((drawn[shade] / 255) ** 2.2 * 0.5) ** (1 / 2.2) * 255
+    for thing in things:
+        drawn[thing] = (40, 90, 190)
+    return drawn.astype(np.uint8)
+
+
+def mask(*things: tuple[slice, slice]) -> np.ndarray:
+    found = NONE.copy()
+    for thing in things:
+        found[thing] = True
+    return found
+
+
+def change(one: np.ndarray, other: np.ndarray) -> Change:
+    return Change.between(View(one, None), View(other, None))  # pyrefly: ignore
+
+
+def test_what_came_is_a_thing_and_its_shadow_is_none() -> None:
+    thing, shade = np.s_[30:60, 40:70], np.s_[60:90, 45:75]
+    found = change(picture(), picture(thing, shade=shade))
+    assert found.things[34:56, 44:66].all()
+    assert found.all[64:86, 49:71].all() and not found.things[66:88, 40:80].any()
+
+
+def test_what_went_and_came_elsewhere_is_displaced() -> None:
+    old, new = np.s_[20:40, 20:40], np.s_[70:90, 100:120]
+    found = change(picture(old), picture(new))
+    assert displaced(found, NONE, mask(old), mask(new), far=15) > 200
+
+
+def test_what_is_explained_is_not_displaced() -> None:
+    old, new = np.s_[20:40, 20:40], np.s_[70:90, 100:120]
+    found = change(picture(old), picture(new))
+    explained = mask(np.s_[15:45, 15:45], np.s_[65:95, 95:125])
+    assert displaced(found, explained, mask(old), mask(new), far=15) == 0
+
+
+def test_what_was_nudged_stands_where_it_stood() -> None:
+    old, new = np.s_[20:60, 20:60], np.s_[20:60, 26:66]
+    found = change(picture(old), picture(new))
+    assert displaced(found, NONE, mask(old), mask(new), far=15) == 0
+    assert displaced(found, NONE, mask(old), mask(new), far=3) > 0

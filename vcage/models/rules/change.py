@@ -1,0 +1,81 @@
+"""What came, went or moved between two views of one camera; a shadow is told apart from a thing."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from vcage.models.rules.evidence import changed
+from vcage.vision.colour import to_lab
+from vcage.vision.protocols import View
+
+GREY, DEEPEST = 0.16, 1.5
+"""A shadow changes the logarithm of the three colours by amounts that differ by less than this, and by no more."""
+
+SMOOTH, AROUND = 0.1, 5
+"""Standard deviation of that logarithm within a square of so many pixels that only edges and textures exceed."""
+
+BLOB = 11
+"""What is nowhere as wide as this may be the edge of what was nudged, pixels."""
+
+SPECK, STRIP = 3, 5
+"""Narrower strips than this are the edges of shadows, pixels; and where there should be none."""
+
+
+@dataclass(frozen=True)
+class Change:
+    """What differs between two views.
+
+    Args:
+        all: (H, W) bool.
+        things: (H, W) bool, what is no shadow.
+    """
+
+    all: np.ndarray
+    things: np.ndarray
+
+    @classmethod
+    def between(cls, one: View, other: View) -> Change:
+        """Of two views of one camera in the same light."""
+        smooth = [cv2.GaussianBlur(view.picture, (3, 3), 0) for view in (one, other)]
+        change = changed(*map(to_lab, smooth))
+        light = [np.log((picture.astype(np.float32) / 255) ** 2.2 + 0.004) for picture in smooth]
+        ratio = light[1] - light[0]
+        mean = ratio.mean(axis=2)
+        square = cv2.blur(mean * mean, (AROUND, AROUND)) - cv2.blur(mean, (AROUND, AROUND)) ** 2
+        grey = (np.ptp(ratio, axis=2) < GREY) & (np.abs(mean) < DEEPEST)
+        shade = grey & grown(grey & change & (square < SMOOTH * SMOOTH), AROUND)  # a shadow's edge is not smooth
+        things = (change & ~shade).astype(np.uint8)
+        return cls(change, cv2.morphologyEx(things, cv2.MORPH_OPEN, np.ones((SPECK, SPECK), np.uint8)).astype(bool))
+
+
+def grown(mask: np.ndarray, pixels: float) -> np.ndarray:
+    """(H, W) bool: a mask and what is around it."""
+    side = 2 * max(1, round(pixels)) + 1
+    return cv2.dilate(mask.astype(np.uint8), cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (side, side))).astype(bool)
+
+
+def displaced(change: Change, explained: np.ndarray, before: np.ndarray, after: np.ndarray, far: float) -> int:
+    """Pixels of the largest thing that has come, gone or moved where nothing is explained.
+
+    Args:
+        change: of two views.
+        explained: (H, W) bool, where they may differ.
+        before, after: (H, W) bool, where things stand in them.
+        far: a thing that moved less stands where it stood, pixels.
+    """
+    left = (change.things & ~explained).astype(np.uint8)
+    left = cv2.morphologyEx(left, cv2.MORPH_OPEN, np.ones((STRIP, STRIP), np.uint8))
+    count, labels, stats, _ = cv2.connectedComponentsWithStats(left, connectivity=8)
+    stood = [cv2.connectedComponents((mask & ~explained).astype(np.uint8))[1] for mask in (before, after)]
+    most = 0
+    for number in range(1, count):
+        here = labels == number
+        near = grown(here, far)  # the strip that a thing left and the one that it came to are both of it
+        was, now = (np.argwhere(np.isin(there, np.setdiff1d(there[near], 0))) for there in stood)
+        stays = len(was) and len(now) and np.linalg.norm(was.mean(axis=0) - now.mean(axis=0)) <= far
+        thin = not cv2.morphologyEx(here.astype(np.uint8), cv2.MORPH_OPEN, np.ones((BLOB, BLOB), np.uint8)).any()
+        most = most if stays and thin else max(most, int(stats[number, cv2.CC_STAT_AREA]))
+    return most

@@ -1,0 +1,67 @@
+"""The pictures that a critic gets: states of a scene, drawn in the light of one episode."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from functools import partial
+
+import numpy as np
+
+from vcage.base.geometry import Pose
+from vcage.objects.table_tops import TABLES, table_texture
+from vcage.schema.asset import PhysicalModel
+from vcage.schema.goals import Goal
+from vcage.schema.robot import Robot
+from vcage.schema.scene import Scene
+from vcage.sim.appearance import Appearance
+from vcage.sim.cameras import robot_cameras, shoot
+from vcage.sim.state import WorldState
+from vcage.sim.world import World
+from vcage.stages.question import AT_THE_MOMENT, TOP, cameras
+
+
+def episode_light(rng: np.random.Generator) -> Appearance:
+    """The light, table top and surroundings of an episode."""
+    return Appearance.random(rng, [partial(table_texture, name) for name in TABLES])
+
+
+class Photographer:
+    """Takes pictures of states of a scene.
+
+    Args:
+        scene: as it is at the start.
+        models: of its objects, by id.
+        robot: that stands at the table.
+        look: light, table top and surroundings.
+
+    Attributes:
+        world: in which the states are drawn; nothing moves there by itself.
+    """
+
+    def __init__(self, scene: Scene, models: Mapping[str, PhysicalModel], robot: Robot, look: Appearance):
+        self.world = World.of_scene(scene, models, robot, look, render=True)
+        self._scene, self._robot = scene, robot
+
+    def shots(self, state: WorldState, goals: Sequence[Goal] = (), arm: str | None = None) -> dict[str, np.ndarray]:
+        """(H, W, 3) uint8 RGB pictures by camera: those that tell some goals.
+
+        Args:
+            state: that is shown.
+            goals: of the sub-task.
+            arm: whose wrist camera looks on at the moment that tells most; none before and after.
+        """
+        self.world.set_state(state)
+        taken_by = cameras(self._scene, goals)
+        if arm is not None:
+            taken_by = taken_by if any(goal.relation in AT_THE_MOMENT for goal in goals) else {}
+            of_robot = robot_cameras(self.world)
+            taken_by |= {name: c for name, c in of_robot.items() if self._robot.cameras[name].arm == arm}
+        return {name: shoot(self.world, camera) for name, camera in taken_by.items()}
+
+    def empty_table(self) -> np.ndarray:
+        """The view from above of the table with nothing on it, the robot as it is."""
+        state = self.world.state()
+        away = {key: Pose([0.0, 0.0, -9.0 - number]) for number, key in enumerate(state.objects)}
+        picture = self.shots(WorldState(away, state.joints, state.object_joints))[TOP]
+        self.world.set_state(state)
+        return picture
