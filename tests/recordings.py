@@ -14,7 +14,7 @@ from vcage.base.files import RunFolder
 from vcage.datasets.episode import CameraTrack, EpisodeData, Segment
 from vcage.datasets.hdf5 import write_episode
 from vcage.schema.base import Provenance
-from vcage.schema.episodes import Episode, Episodes, Truth, Verdict
+from vcage.schema.episodes import CriticCounts, Episode, Episodes, Truth, Verdict
 from vcage.schema.subtasks import Chain
 
 CAMERAS = ("cam_high", "cam_left_wrist", "cam_right_wrist")
@@ -116,7 +116,7 @@ def collected(root: Path, count: int = 2, frames: int = 12) -> RunFolder:
         episodes=records,
         attempts=count,
         acceptance={},
-        critic={},
+        critic=CriticCounts.of([]),
     ).write(run.episodes)
     return run
 

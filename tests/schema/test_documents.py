@@ -102,7 +102,7 @@ def test_files_of_earlier_runs_keep_their_schema():
     assert sorted(schema.DOCUMENTS) == [
         "vcage.asset/1",
         "vcage.compression/4",
-        "vcage.episodes/2",
+        "vcage.episodes/3",
         "vcage.export/1",
         "vcage.matches/1",
         "vcage.plan/1",

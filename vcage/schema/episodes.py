@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any, ClassVar, Literal
+from collections.abc import Iterable
+from typing import ClassVar, Literal, Self
 
 from pydantic import Field
 
+from vcage.base.proportions import wilson
 from vcage.schema.base import Document, Finite, Identifier, Record, StageDocument
 from vcage.schema.subtasks import Chain
 
@@ -73,17 +75,63 @@ class Episode(Record):
     )
 
 
+class CountedShare(Record):
+    """A share of a few, with its Wilson interval at 95 %."""
+
+    some: int = Field(ge=0)
+    of: int = Field(ge=0)
+    share: Finite | None = Field(description="none where there was nothing to count")
+    low: Finite = Field(ge=0, le=1)
+    high: Finite = Field(ge=0, le=1)
+
+    @classmethod
+    def counted(cls, some: int, of: int) -> Self:
+        """Of what was counted."""
+        low, high = wilson(some, of)
+        return cls(some=some, of=of, share=round(some / of, 4) if of else None, low=round(low, 4), high=round(high, 4))
+
+    def __str__(self) -> str:
+        return f"{self.some} of {self.of} ({100 * self.low:.0f}-{100 * self.high:.0f} %)"
+
+
+class CriticCounts(Record):
+    """A critic against the simulator's truth, over the attempts that were judged."""
+
+    judged: int = Field(ge=0)
+    true_accepted: int = Field(ge=0)
+    false_accepted: int = Field(ge=0)
+    false_refused: int = Field(ge=0)
+    true_refused: int = Field(ge=0)
+    precision: CountedShare = Field(description="successes among what was accepted")
+    recall: CountedShare = Field(description="what was accepted among the successes")
+
+    @classmethod
+    def of(cls, told: Iterable[tuple[bool, bool]]) -> Self:
+        """Of pairs: whether the critic accepted it, and whether it is so."""
+        judged = list(told)
+        true, false_no = judged.count((True, True)), judged.count((False, True))
+        return cls(
+            judged=len(judged),
+            true_accepted=true,
+            false_accepted=judged.count((True, False)),
+            false_refused=false_no,
+            true_refused=judged.count((False, False)),
+            precision=CountedShare.counted(true, sum(said for said, _ in judged)),
+            recall=CountedShare.counted(true, true + false_no),
+        )
+
+
 class Episodes(StageDocument):
     """``episodes/episodes.json``."""
 
-    SCHEMA: ClassVar[str] = "vcage.episodes/2"
+    SCHEMA: ClassVar[str] = "vcage.episodes/3"
 
     instruction: str | None
     chains: list[Chain]
     episodes: list[Episode] = Field(description="by number; a number that is missing was not needed")
     attempts: int = Field(ge=0, description="lines of log.jsonl")
     acceptance: dict[str, dict[str, int]] = Field(description="asset/variant → {accepted, attempts}")
-    critic: dict[str, Any] = Field(description="confusion counts of the critic against the simulator's truth")
+    critic: CriticCounts
 
 
 class Verdicts(StageDocument):

@@ -90,7 +90,7 @@ def summary(record: Episodes) -> dict[str, Any]:
         "never_verified": _never_verified(record),
         "attempts": record.attempts,
         "silent_failures": sum(not e.goals_hold.success for e in record.episodes if e.accepted and e.goals_hold),
-        "critic": record.critic,
+        "critic": record.critic.model_dump(mode="json"),
     }
 
 

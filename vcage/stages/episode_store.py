@@ -11,7 +11,7 @@ from pathlib import Path
 from vcage.base.errors import DamagedFile, InputFileError, MissingStage
 from vcage.base.files import PARTIAL, REPLACED, atomic_folder, recover, write_text
 from vcage.base.keeper import Keeper
-from vcage.schema.episodes import Attempt, Episode, Episodes
+from vcage.schema.episodes import Attempt, CriticCounts, Episode, Episodes
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Subtasks
 from vcage.stages.stage import Job, StageResult
@@ -134,13 +134,7 @@ def acceptance(attempts: Sequence[Attempt]) -> dict[str, dict[str, int]]:
     return counts
 
 
-def confusion(attempts: Sequence[Attempt]) -> dict[str, int]:
+def confusion(attempts: Sequence[Attempt]) -> CriticCounts:
     """The critic against the simulator's truth, over the attempts that were judged."""
-    judged = [(a.verdict.accepted, a.truth.success) for a in attempts if a.verdict is not None and a.truth is not None]
-    return {
-        "judged": len(judged),
-        "true_accepted": sum(said and is_so for said, is_so in judged),
-        "false_accepted": sum(said and not is_so for said, is_so in judged),
-        "false_refused": sum(not said and is_so for said, is_so in judged),
-        "true_refused": sum(not said and not is_so for said, is_so in judged),
-    }
+    judged = [a for a in attempts if a.verdict is not None and a.truth is not None]
+    return CriticCounts.of((a.verdict.accepted, a.truth.success) for a in judged)  # pyrefly: ignore

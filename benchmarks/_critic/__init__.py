@@ -1,0 +1,1 @@
+"""Outcomes of sub-tasks whose truth the simulator knows, for critics to be counted on."""

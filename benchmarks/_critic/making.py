@@ -1,0 +1,264 @@
+"""Makes outcomes: scenes are drawn, laid out and searched, sub-tasks carried out, and failures made of them."""
+
+from __future__ import annotations
+
+import hashlib
+import logging
+import tempfile
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+
+from benchmarks._critic.kinds import FAILURES, UGLY
+from benchmarks._critic.outcome import SUCCESS, Outcome, OutcomeRecord, Part, picture_paths
+from benchmarks._critic.played import Case, Shots
+from vcage.base.errors import InfeasibleScene, VcageError
+from vcage.base.files import RunFolder
+from vcage.schema.base import PoseRecord
+from vcage.schema.goals import Goal
+from vcage.schema.plan import TABLE
+from vcage.schema.scene import Scene
+from vcage.schema.subtasks import Subtask
+from vcage.sim.robots import load_robot
+from vcage.sim.world import World
+from vcage.stages import inpaint_plan, match, optimize, select_place
+from vcage.stages.context import StageContext
+from vcage.stages.photographs import Photographer, episode_light
+from vcage.stages.stage import ModelOptions
+from vcage.tasks.ground import Ground
+from vcage.tasks.loop import Seen
+from vcage.tasks.readiness import ready_for
+from vcage.tasks.scene_objects import SceneObject
+from vcage.tasks.search import find_subtasks
+from vcage.tasks.slots import slots_for_chain
+from vcage.tasks.synthesis import load_script, write_script
+from vcage.tasks.variation import shifted_poses
+
+logger = logging.getLogger(__name__)
+
+SCENES = ("bathroom", "cabinet", "cashier_desk", "kitchen", "office_desk")
+UNTOUCHED_SCENES = ("bathroom", "office_desk")
+"""Never looked at while a critic is tuned; nor are half of the kinds of objects of the others."""
+
+ASKED = 3
+"""Of each goal that is sensible only when somebody asks for it, how many are asked for in a scene."""
+
+FRONTS = ("sign", "carton", "box")
+"""Categories of things that have a front to show."""
+
+
+@dataclass(frozen=True)
+class Draw:
+    """A scene to make outcomes in.
+
+    Args:
+        scene: name of the template.
+        seed: of all choices.
+        robot: by name.
+        subtasks: how many are carried out.
+        part: what the outcomes may be of: that which may be looked at while tuning, the other, or ``all``.
+    """
+
+    scene: str
+    seed: int
+    robot: str
+    subtasks: int
+    part: str = "all"
+
+
+def part_of(scene: str, asset: str) -> Part:
+    """Whether outcomes of a kind of object in a scene may be looked at while a critic is tuned."""
+    odd = hashlib.sha256(asset.encode()).digest()[0] % 2
+    return "untouched" if scene in UNTOUCHED_SCENES or odd else "tuning"
+
+
+def outcomes(draw: Draw) -> list[Outcome]:
+    """Of every sub-task a success or two, where it succeeds, and as many failures."""
+    if draw.part == "tuning" and draw.scene in UNTOUCHED_SCENES:
+        return []
+    context, rng = _context(), np.random.default_rng([draw.seed, SCENES.index(draw.scene)])
+    with tempfile.TemporaryDirectory() as folder:
+        scene = _laid_out(draw, RunFolder(Path(folder) / "run"), context)
+        return list(_made(draw, scene, Path(folder), context, rng))
+
+
+@lru_cache(maxsize=1)
+def _context() -> StageContext:
+    return StageContext("offline")
+
+
+def _laid_out(draw: Draw, run: RunFolder, context: StageContext) -> Scene:
+    begun = select_place.Options(template=draw.scene, models="offline", seed=draw.seed, robot=draw.robot)
+    select_place.execute(run, begun, context)
+    inpaint_plan.execute(run, ModelOptions(models="offline", seed=draw.seed), context)
+    match.execute(run, match.Options(models="offline", seed=draw.seed), context)
+    optimize.execute(run, optimize.Options(seed=draw.seed), context)
+    return Scene.read(run.layout)
+
+
+def _made(draw: Draw, scene: Scene, folder: Path, context: StageContext, rng: np.random.Generator) -> Iterator[Outcome]:
+    objects = context.objects(scene)
+    asked = _asked(objects, sorted(load_robot(scene.robot).arms), rng)
+    arms, judge = context.kinematics(scene.robot), context.models.reasoner.judge_pairs
+    kept = find_subtasks(objects, arms, judge, Ground.of(scene), rng, asked).kept
+    used: Counter[str] = Counter()
+    assets = {o.id: o.record.asset for o in objects}
+    wanted = [s for s in kept if draw.part in ("all", part_of(draw.scene, assets[s.object]))]
+    for number, subtask in enumerate(_spread(wanted, rng)[: draw.subtasks]):
+        name = f"{draw.scene}-{draw.seed:03d}-{number:02d}"
+        try:
+            yield from _Maker(draw, scene, subtask, kept, folder, context, rng, name).outcomes(used)
+        except VcageError as error:
+            logger.info("%s, %s: %s", name, subtask.id, error.message)
+
+
+def _asked(objects: Sequence[SceneObject], arms: Sequence[str], rng: np.random.Generator) -> set[Goal]:
+    """Goals that are tried only where somebody asks for them."""
+    carried = [o for o in objects if o.asset.annotation.carrying_points and o.record.container is None]
+    others = [o for o in objects if o.record.container is None]
+    found: set[Goal] = set()
+    for _ in range(ASKED if len(carried) > 1 else 0):
+        thing, handed, back = (carried[int(i)] for i in rng.integers(len(carried), size=3))
+        other = others[int(rng.integers(len(others)))]
+        word = ("left_of", "right_of", "in_front_of", "behind", "beside", "near")[int(rng.integers(6))]
+        if other.id != thing.id:
+            found.add(Goal(subject=thing.id, relation=word, reference=other.id))
+        if len(arms) > 1:
+            found.add(Goal(subject=handed.id, relation="handed", reference=arms[int(rng.integers(len(arms)))]))
+        found.add(Goal(subject=back.id, relation="back"))
+    fronted = [o for o in carried if o.asset.annotation.words.category in FRONTS]
+    found |= {Goal(subject=o.id, relation="presented") for o in fronted[:ASKED]}
+    return found
+
+
+def _spread(kept: Sequence[Subtask], rng: np.random.Generator) -> list[Subtask]:
+    """The sub-tasks, of each template in turn."""
+    order = [kept[int(i)] for i in rng.permutation(len(kept))]
+    seen: Counter[str] = Counter()
+    turns = []
+    for subtask in order:
+        turns.append((seen[subtask.goals[0].relation], len(turns), subtask))
+        seen[subtask.goals[0].relation] += 1
+    return [subtask for _, _, subtask in sorted(turns, key=lambda turn: turn[:2])]
+
+
+class _Maker:
+    """Makes the outcomes of one sub-task."""
+
+    def __init__(
+        self,
+        draw: Draw,
+        scene: Scene,
+        subtask: Subtask,
+        kept: Sequence[Subtask],
+        folder: Path,
+        context: StageContext,
+        rng: np.random.Generator,
+        name: str,
+    ):
+        self._draw, self._subtask, self._rng, self._name = draw, subtask, rng, name
+        robot, models = load_robot(scene.robot), context.physical_models(scene)
+        ready = ready_for(subtask, scene, context.objects(scene))
+        self._planned, objects = ready, context.objects(ready)
+        objects = [o.moved(pose) for o, pose in zip(objects, shifted_poses(objects, rng).values(), strict=True)]
+        self._scene = ready.model_copy(
+            update={"objects": [o.record.model_copy(update={"pose": PoseRecord.of(o.pose)}) for o in objects]}
+        )
+        self._photographer = Photographer(self._scene, models, robot, episode_light(rng))
+        self._empty = self._photographer.empty_table()
+        ground = Ground.of(scene)
+        slots = slots_for_chain([subtask], objects, robot, ground, rng)
+        script = write_script(subtask, self._scene, folder / "subtasks" / f"{subtask.id}.py")
+        away, start = {}, None
+        if subtask.goals[0].relation == "back":
+            start = World.of_scene(self._scene, models, robot).state()
+            thing = next(o for o in objects if o.id == subtask.object)
+            rest = [o for o in objects if o.id != thing.id]
+            anywhere = Goal(subject=thing.id, relation="on", reference=TABLE)
+            spot = next(iter(ground.poses(thing, anywhere, rest, rng, [thing.aabb[:, :2]])), None)
+            if spot is None:
+                raise InfeasibleScene(f"there is no room on the table to put {thing.record.phrase} aside")
+            away = {thing.id: spot}
+
+        def build() -> World:
+            world = World.of_scene(self._scene, models, robot)
+            for key, pose in away.items():
+                world.set_object_pose(key, pose)
+            return world
+
+        self._case = Case(
+            subtask=subtask,
+            script=load_script(script),
+            objects={o.id: o for o in objects},
+            slots={subtask.object: slots[subtask.id]} if subtask.id in slots else {},
+            build=build,
+            others=[s for s in kept if s.id != subtask.id],
+            rng=rng,
+            start=start,
+        )
+
+    def outcomes(self, used: Counter[str]) -> Iterator[Outcome]:
+        """What the robot did, an ugly success, and two failures of kinds that were ``used`` least."""
+        played = self._case.play()
+        failures = 0
+        if played.gave_up or not played.shots.truth.success:
+            yield self._outcome("gave up" if played.gave_up else "as it came", played.shots)
+            failures += 1
+        else:
+            yield self._outcome(SUCCESS, played.shots)
+        if played.gave_up:
+            return
+        wanted = 1
+        for kind in sorted(UGLY, key=lambda kind: (used[kind], self._rng.random())):
+            shots = UGLY[kind](played)
+            if shots is not None and shots.truth.success:
+                used[kind] += 1
+                wanted = 2
+                yield self._outcome(kind, shots)
+                break
+        for kind in sorted(FAILURES, key=lambda kind: (used[kind], self._rng.random())):
+            if failures == wanted:
+                break
+            shots = FAILURES[kind](played)
+            if shots is not None and not shots.truth.success:
+                used[kind] += 1
+                failures += 1
+                yield self._outcome(kind, shots)
+
+    def _outcome(self, kind: str, shots: Shots) -> Outcome:
+        subtask = self._subtask
+        asked = shots.asked or subtask
+        seen = self._seen(shots, asked.goals)
+        name = f"{self._name}-{kind.replace(' ', '_')}"
+        asset = self._case.objects[subtask.object].record.asset
+        record = OutcomeRecord(
+            id=name,
+            scene=f"{self._name}/scene.json",
+            setting=self._draw.scene,
+            part=part_of(self._draw.scene, asset),
+            template=subtask.template,
+            text=asked.text,
+            goals=asked.goals,
+            requires=asked.requires,
+            grasped=asked.grasped,
+            asset=asset,
+            success=shots.truth.success,
+            reason=shots.truth.reason,
+            kind=kind,
+            pictures=picture_paths(name, seen),
+            empty=f"{self._name}/empty.png",
+        )
+        return Outcome(record, self._planned, seen, self._empty)
+
+    def _seen(self, shots: Shots, goals: Sequence[Goal]) -> Seen:
+        take = self._photographer.shots
+        seen = {"before": take(shots.before, goals), "after": take(shots.after, goals)}
+        if shots.moment is not None:
+            seen["moment"] = take(shots.moment, goals, shots.arm)
+        if any(goal.relation == "back" for goal in goals):
+            seen["start"] = take(shots.start, goals)
+        return seen

@@ -1,0 +1,168 @@
+"""A sub-task that was carried out in the simulator, and what could have come of it instead, made by hand."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from vcage.base.geometry import Pose
+from vcage.schema.episodes import Truth
+from vcage.schema.goals import Goal
+from vcage.schema.subtasks import Subtask
+from vcage.sim.state import WorldState
+from vcage.sim.world import World
+from vcage.tasks.events import Watch
+from vcage.tasks.scene_objects import SceneObject
+from vcage.tasks.slots import Slot
+from vcage.tasks.synthesis import Script
+from vcage.tasks.task import Task, TaskFailed
+from vcage.tasks.truth import goals_hold, subtask_done
+
+SETTLE = 500
+"""Physics steps in which what was moved by hand comes to rest."""
+
+
+@dataclass(frozen=True)
+class Shots:
+    """States that a critic is shown, and what is true of them.
+
+    Args:
+        before, after: the sub-task.
+        moment: that tells most; None where there is none.
+        start: of the episode, where that is shown.
+        arm: whose wrist looks on at the moment.
+        truth: by the simulator's state.
+        asked: the sub-task that is asked about, where it is another.
+    """
+
+    before: WorldState
+    after: WorldState
+    moment: WorldState | None
+    start: WorldState
+    arm: str | None
+    truth: Truth
+    asked: Subtask | None = None
+
+
+@dataclass(frozen=True)
+class Case:
+    """A sub-task where it can begin.
+
+    Args:
+        subtask, script: what is done.
+        objects: by id, as they stood at the start of the episode.
+        slots: id of an object → where it goes.
+        build: makes the world as it is before.
+        others: further sub-tasks of the scene, whose words may be wrong here.
+        rng: of all choices.
+        start: of the episode, where that is not the state before.
+    """
+
+    subtask: Subtask
+    script: Script
+    objects: Mapping[str, SceneObject]
+    slots: Mapping[str, Slot]
+    build: Callable[[], World]
+    others: Sequence[Subtask]
+    rng: np.random.Generator
+    start: WorldState | None = None
+
+    def play(self) -> Played:
+        """Carry it out once."""
+        world = self.build()
+        world.settle()
+        before, begun, gave_up = world.state(), world.snapshot(), False
+        task, watch = Task(world, self.objects, self.slots), Watch(world, self.objects, self.subtask.goals)
+        try:
+            self.script.play(task)
+            truth = _done(self.subtask, watch)
+        except TaskFailed as error:
+            gave_up, truth = True, Truth(success=False, reason=error.message)
+        watch.stop()
+        shots = Shots(before, world.state(), task.moment, self.start or before, task.arm, truth)
+        return Played(self, shots, gave_up, begun, world.snapshot())
+
+
+@dataclass(frozen=True)
+class Played:
+    """A sub-task that was carried out in a world of its own.
+
+    Args:
+        case: what was to be done.
+        shots: what came of it.
+        gave_up: whether the robot did.
+        begun, ended: snapshots of the world before and after.
+    """
+
+    case: Case
+    shots: Shots
+    gave_up: bool
+    begun: bytes = field(repr=False)
+    ended: bytes = field(repr=False)
+
+    @property
+    def subtask(self) -> Subtask:
+        """What was done."""
+        return self.case.subtask
+
+    @property
+    def rng(self) -> np.random.Generator:
+        """Of all choices."""
+        return self.case.rng
+
+    @property
+    def goal(self) -> Goal:
+        """What it is for."""
+        return self.subtask.goals[0]
+
+    def now(self, state: WorldState) -> dict[str, SceneObject]:
+        """The objects in a state, by id."""
+        return {
+            name: o.moved(state.objects[name], tuple(state.object_joints.get(name, ())))
+            for name, o in self.case.objects.items()
+        }
+
+    def instead(
+        self,
+        poses: Mapping[str, Pose] | None = None,
+        joints: Mapping[str, Sequence[float]] | None = None,
+        ended: bool = True,
+    ) -> Shots:
+        """Things put elsewhere by hand after the sub-task, or in its stead, and left to come to rest.
+
+        Args:
+            poses, joints: of objects, by id.
+            ended: whether everything else is as it was afterwards, not as it was before.
+        """
+        shots = self.shots
+        world = self.case.build()
+        world.restore(self.begun)
+        watch = Watch(world, self.case.objects, self.subtask.goals)
+        if ended:
+            world.restore(self.ended)
+        for name, pose in (poses or {}).items():
+            world.set_object_pose(name, pose)
+        for name, positions in (joints or {}).items():
+            world.set_object_joints(name, positions)
+        world.settle(SETTLE)
+        after, truth = world.state(), _done(self.subtask, watch)
+        watch.stop()
+        moment = None if shots.moment is None else replace(
+            shots.moment, objects=after.objects, object_joints=after.object_joints
+        )  # fmt: skip
+        return replace(shots, after=after, moment=moment, truth=truth)
+
+    def about(self, other: Subtask) -> Shots:
+        """What came of it, in the words of another sub-task."""
+        world = self.case.build()
+        world.restore(self.ended)
+        watch = Watch(world, self.case.objects, other.goals)
+        truth = goals_hold(other.goals, self.now(world.state()), watch)
+        watch.stop()
+        return replace(self.shots, truth=truth, asked=other)
+
+
+def _done(subtask: Subtask, watch: Watch) -> Truth:
+    return subtask_done(subtask, subtask.goals, {name: watch.now(name) for name in watch.objects}, watch)

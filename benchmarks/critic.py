@@ -1,0 +1,209 @@
+"""The critic, counted: on outcomes of sub-tasks whose truth the simulator knows.
+
+Half of them are successes, some of them ugly; the others failed, each in one of a score of ways that were made in the
+simulator, by the robot or by hand. The critic is shown what it is shown while data is collected. Half of the kinds of
+objects and two of the scenes (``untouched``) are never looked at while the offline critic is tuned. Precision and
+recall stand with the lower end of their Wilson interval (95 %). ``--keep`` leaves the outcomes in a folder, for other
+critics; ``--pictures`` reads such a folder.
+"""
+
+from __future__ import annotations
+
+import argparse
+import logging
+import tempfile
+import time
+from collections import Counter, defaultdict
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from benchmarks._critic.making import SCENES, Draw, outcomes
+from benchmarks._critic.outcome import Outcome, OutcomeRecord, read_outcomes, write_list
+from vcage.base.errors import VcageError
+from vcage.base.proportions import wilson
+from vcage.base.workers import cores, in_processes
+from vcage.schema.episodes import Verdict
+from vcage.stages.context import StageContext
+from vcage.stages.question import Asking, verdict
+
+logger = logging.getLogger(__name__)
+
+DRAWS, SUBTASKS = 5, 12
+"""Draws of each scene, and sub-tasks that are carried out in each."""
+
+PARTS = ("tuning", "untouched", "all")
+CONFIDENCES = (0.5, 0.7, 0.9, 1.0)
+"""Edges between which stated confidences are counted together."""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """What can be chosen."""
+    parser.add_argument("--models", default="offline", help="whose critic: offline, or a provider")
+    parser.add_argument("--robot", default="dual_panda", help="which one")
+    parser.add_argument("--part", choices=PARTS, default="all", help="which outcomes are made")
+    parser.add_argument("--first", type=int, default=0, help="seed of the first draw of each scene")
+    parser.add_argument("--keep", type=Path, metavar="DIR", help="leave the outcomes there")
+    parser.add_argument("--pictures", type=Path, metavar="DIR", help="judge the outcomes that lie there")
+    parser.add_argument("--workers", type=int, default=cores(), help="processes")
+
+
+def run(
+    quick: bool,
+    models: str = "offline",
+    robot: str = "dual_panda",
+    part: str = "all",
+    first: int = 0,
+    keep: Path | None = None,
+    pictures: Path | None = None,
+    workers: int = 1,
+) -> dict[str, Any]:
+    """Rows for each part, template and kind of outcome.
+
+    Args:
+        quick: about 60 outcomes, not 600.
+        models: whose critic.
+        robot: by name.
+        part: which outcomes are made.
+        first: seed of the first draw of each scene.
+        keep: folder for the outcomes.
+        pictures: folder of outcomes to judge, none are made then.
+        workers: processes.
+    """
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = pictures or keep or Path(temporary)
+        if pictures is None:
+            count, subtasks = (1, 5) if quick else (DRAWS, SUBTASKS)
+            seeds = range(first, first + count)
+            make([Draw(scene, seed, robot, subtasks, part) for seed in seeds for scene in SCENES], folder, workers)
+        tasks = [_Task(folder, models, n, workers) for n in range(workers)]
+        judged = [one for some in in_processes(_judged, tasks, workers) for one in some]
+    judged.sort(key=lambda one: one.record.id)
+    for one in judged:
+        if one.wrong:
+            logger.info("%s: %s", one.record.id, one.told)
+    return figures(judged)
+
+
+def make(draws: Sequence[Draw], folder: Path, workers: int) -> None:
+    """Write a folder of outcomes."""
+    records: list[OutcomeRecord] = []
+    for made in in_processes(outcomes, draws, workers):
+        for outcome in made:
+            outcome.write(folder)
+            records.append(outcome.record)
+        logger.info("%d outcomes", len(records))
+        write_list(sorted(records, key=lambda record: record.id), folder)
+
+
+@dataclass(frozen=True)
+class _Task:
+    """Every ``of``-th outcome of a folder, from one on."""
+
+    folder: Path
+    models: str
+    first: int
+    of: int
+
+
+@dataclass(frozen=True)
+class Judged:
+    """An outcome and what the critic said of it.
+
+    Args:
+        record: the outcome.
+        accepted, confidence, reason: the verdict; no, with the error, where there is none.
+        seconds: it took.
+    """
+
+    record: OutcomeRecord
+    accepted: bool
+    confidence: float
+    reason: str
+    seconds: float
+
+    @property
+    def wrong(self) -> bool:
+        """Whether the verdict is not the truth."""
+        return self.accepted != self.record.success
+
+    @property
+    def told(self) -> str:
+        """Verdict and truth in one line."""
+        said = "yes" if self.accepted else "no"
+        return f"said {said} ({self.reason}), {self.record.kind}: {self.record.reason}"
+
+
+def _judged(task: _Task) -> list[Judged]:
+    context = StageContext(task.models)
+    every = enumerate(read_outcomes(task.folder))
+    return [judge(outcome, context) for number, outcome in every if number % task.of == task.first]
+
+
+def judge(outcome: Outcome, context: StageContext) -> Judged:
+    """Ask the critic of a context about one outcome."""
+    record = outcome.record
+    asking = Asking(record.text, record.goals, outcome.seen, outcome.empty, record.requires, record.grasped)
+    start = time.perf_counter()
+    try:
+        said: Verdict | None = verdict(context, outcome.scene, asking)
+        reason = said.reason  # pyrefly: ignore
+    except VcageError as error:
+        said, reason = None, error.message
+    seconds = time.perf_counter() - start
+    return Judged(record, said is not None and said.accepted, said.confidence if said else 0.0, reason, seconds)
+
+
+def figures(judged: Sequence[Judged]) -> dict[str, Any]:
+    """Precision and recall of each part, and where and how sure the wrong verdicts are."""
+    rows = [_row(part, [j for j in judged if part in ("all", j.record.part)]) for part in PARTS]
+    return {
+        "rows": rows,
+        "by_template": _shares(judged, lambda j: j.record.goals[0].relation),
+        "by_failure": _shares(judged, lambda j: j.record.kind),
+        "by_confidence": _calibration(judged),
+    }
+
+
+def _row(part: str, judged: Sequence[Judged]) -> dict[str, Any]:
+    true = sum(j.accepted and j.record.success for j in judged)
+    said, successes = sum(j.accepted for j in judged), sum(j.record.success for j in judged)
+    precision, recall = _share(true, said), _share(true, successes)
+    both = (precision or 0.0) + (recall or 0.0)
+    return {
+        "critic": "offline",
+        "part": part,
+        "n": len(judged),
+        "successes": successes,
+        "precision": precision,
+        "precision_low": round(wilson(true, said)[0], 4),
+        "recall": recall,
+        "recall_low": round(wilson(true, successes)[0], 4),
+        "f1": round(2 * (precision or 0.0) * (recall or 0.0) / both, 4) if both else 0.0,
+        "seconds": round(float(np.mean([j.seconds for j in judged])), 3) if judged else None,
+    }
+
+
+def _share(some: int, of: int) -> float | None:
+    return round(some / of, 4) if of else None
+
+
+def _shares(judged: Iterable[Judged], key: Any) -> dict[str, dict[str, int]]:
+    """How many were judged, and how many of these wrongly, each way."""
+    found: dict[str, Counter[str]] = defaultdict(Counter)
+    for j in judged:
+        found[key(j)].update(n=1, false_yes=int(j.accepted and j.wrong), false_no=int(not j.accepted and j.wrong))
+    return {name: dict(counts) for name, counts in sorted(found.items())}
+
+
+def _calibration(judged: Sequence[Judged]) -> dict[str, Any]:
+    """How often a verdict of a stated confidence is right."""
+    found = {}
+    for low, high in zip((0.0, *CONFIDENCES[:-1]), CONFIDENCES, strict=True):
+        some = [j for j in judged if low < j.confidence <= high or (low == 0.0 and j.confidence == 0.0)]
+        if some:
+            found[f"{low:g}-{high:g}"] = {"n": len(some), "right": _share(sum(not j.wrong for j in some), len(some))}
+    return found

@@ -1,0 +1,83 @@
+"""How the critic benchmark makes outcomes, and counts."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from benchmarks._critic.kinds import FAILURES
+from benchmarks._critic.making import SCENES, UNTOUCHED_SCENES, Draw, outcomes, part_of
+from benchmarks._critic.outcome import OutcomeRecord, read_outcomes
+from benchmarks.critic import Judged, figures, make
+from vcage.base.errors import InputFileError
+from vcage.schema.goals import Goal
+
+GOAL = Goal(subject="cup", relation="inside", reference="tray")
+
+
+def judged(
+    success: bool, accepted: bool, kind: str = "success", part: str = "tuning", confidence: float = 0.9
+) -> Judged:
+    record = OutcomeRecord(
+        id="x", scene="s.json", setting="kitchen", part=part, template="place", text="Put it there.", goals=[GOAL],
+        asset="cup", success=success, reason="because", kind=kind, pictures={}, empty="e.png",
+    )  # fmt: skip
+    return Judged(record, accepted, confidence, "seen", 1.0)
+
+
+def test_precision_is_of_what_was_accepted_and_recall_of_what_succeeded() -> None:
+    told = (
+        [judged(True, True)] * 8 + [judged(True, False)] * 2 + [judged(False, True, "beside")] + [judged(False, False)]
+    )
+    row = next(row for row in figures(told)["rows"] if row["part"] == "all")
+    assert (row["n"], row["successes"]) == (12, 10)
+    assert row["precision"] == round(8 / 9, 4) and row["recall"] == 0.8
+    assert row["precision_low"] < row["precision"] and row["recall_low"] < row["recall"]
+
+
+def test_parts_are_counted_apart_and_wrong_verdicts_by_kind() -> None:
+    told = [judged(False, True, "beside", "untouched"), judged(True, True)]
+    found = figures(told)
+    rows = {row["part"]: row["n"] for row in found["rows"]}
+    assert rows == {"tuning": 1, "untouched": 1, "all": 2}
+    assert found["by_failure"]["beside"] == {"n": 1, "false_yes": 1, "false_no": 0}
+
+
+def test_a_stated_confidence_is_compared_with_how_often_it_is_right() -> None:
+    told = [
+        judged(True, True, confidence=0.95),
+        judged(True, False, confidence=0.95),
+        judged(True, True, confidence=0.6),
+    ]
+    assert figures(told)["by_confidence"] == {"0.5-0.7": {"n": 1, "right": 1.0}, "0.9-1": {"n": 2, "right": 0.5}}
+
+
+def test_two_scenes_and_about_half_of_the_kinds_are_never_looked_at() -> None:
+    assert all(part_of(scene, "cup") == "untouched" for scene in UNTOUCHED_SCENES)
+    kinds = [f"kind_{n}" for n in range(200)]
+    assert 70 < sum(part_of("kitchen", kind) == "untouched" for kind in kinds) < 130
+    assert set(UNTOUCHED_SCENES) < set(SCENES)
+
+
+def test_a_folder_without_a_list_is_named(tmp_path: Path) -> None:
+    with pytest.raises(InputFileError, match=r"outcomes\.json"):
+        next(read_outcomes(tmp_path))
+
+
+@pytest.mark.slow
+def test_outcomes_are_made_physically_and_read_as_they_were_written(tmp_path: Path) -> None:
+    draws = [Draw("cabinet", 100, "dual_panda", 2)]
+    made = {outcome.record.id: outcome for outcome in outcomes(draws[0])}
+    assert {o.record.success for o in made.values()} == {True, False}
+    failed = [o.record for o in made.values() if not o.record.success]
+    assert all(record.kind in (*FAILURES, "gave up", "as it came") and record.reason for record in failed)
+    make(draws, tmp_path, workers=1)
+    for outcome in read_outcomes(tmp_path):
+        again = made[outcome.record.id]
+        assert outcome.record == again.record
+        assert all(np.array_equal(p, again.seen[w][c]) for w, by in outcome.seen.items() for c, p in by.items())
+    assert json.loads((tmp_path / "outcomes.json").read_text())["schema"] == "vcage.benchmarks.outcomes/1"
+    assert "Truth is for counting alone" in (tmp_path / "README.md").read_text()
