@@ -279,4 +279,4 @@ def test_a_refused_success_counts_as_a_false_refusal_of_the_critic(resampled: Ep
 
 
 def test_an_attempt_that_never_reached_the_critic_is_not_held_against_it(unplanned: tuple[EpisodeRun, Critic]):
-    assert confusion(unplanned[0].attempts)["judged"] == 0
+    assert confusion(unplanned[0].attempts).judged == 0

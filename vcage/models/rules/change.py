@@ -45,7 +45,9 @@ class Change:
         ratio = light[1] - light[0]
         mean = ratio.mean(axis=2)
         square = cv2.blur(mean * mean, (AROUND, AROUND)) - cv2.blur(mean, (AROUND, AROUND)) ** 2
-        grey = (np.ptp(ratio, axis=2) < GREY) & (np.abs(mean) < DEEPEST)
+        grey = (np.maximum.reduce(cv2.split(ratio)) - np.minimum.reduce(cv2.split(ratio)) < GREY) & (
+            np.abs(mean) < DEEPEST
+        )
         shade = grey & grown(grey & change & (square < SMOOTH * SMOOTH), AROUND)  # a shadow's edge is not smooth
         things = (change & ~shade).astype(np.uint8)
         return cls(change, cv2.morphologyEx(things, cv2.MORPH_OPEN, np.ones((SPECK, SPECK), np.uint8)).astype(bool))

@@ -13,7 +13,6 @@ from vcage.models.rules.change import Change
 from vcage.models.rules.evidence import changed, salience
 from vcage.models.rules.evidence_of_placing import looks_like
 from vcage.models.rules.standing import (
-    SURELY,
     Draw,
     Sought,
     Standing,
@@ -37,6 +36,9 @@ ALIKE = 14.0
 AWAY, DIRECTIONS, HEADINGS = (0.1, 0.16), 8, 4
 """How far from where a code is read, metres, in how many directions and at how many headings what is held may be seen
 instead."""
+
+GREYISH = 5.0
+"""What is less like an object than this may only be its edges."""
 
 HIDDEN = 0.4
 """How much a pixel that shows something else, such as the hand, speaks against what is drawn there."""
@@ -82,7 +84,7 @@ def gather_moved(
     taken = np.zeros_like(change.all) if old is None else old.covered
     came = change.things & ~taken
     new = thing.standing(after, came)
-    if new is None or new.unlike > SURELY:  # what is as grey as the table looks like its shadow
+    if new is None or new.unlike > GREYISH:  # what is as grey as the table looks like its shadow
         grey = thing.standing(after, change.all & ~taken)
         new = min((one for one in (new, grey) if one is not None), key=lambda one: one.unlike, default=None)
     stood = salience(before["top"].picture, thing.background) > 0.5

@@ -35,13 +35,19 @@ HEADINGS = np.radians([0.0, 30.0, 60.0])
 NEAR = 12
 """So far from what has been seen to stand or change an object is looked for, pixels."""
 
+FEW = 3
+"""Rounds in which a pose is refined that is known to be nearly right."""
+
+ENOUGH = 1000
+"""Pixels by which it is told how bright a drawing should be."""
+
 BRIGHTER, TINTED = (0.5, 2.0), (0.85, 1.18)
 """How much brighter than a drawing a picture may be, and how much more so in one colour than in the others."""
 
 UNFILLED = 20.0
 """Colour distance that a pixel of an outline costs which a drawing leaves open."""
 
-CLEARLY, SURELY = 3.0, 5.0
+CLEARLY, SURELY = 3.0, 9.0
 """So much more like an object another place must be than that where the layout put it; and so unlike at most is what is
 not looked for elsewhere."""
 
@@ -153,7 +159,7 @@ class Sought:
         start, middle = np.array([x, y, self.planned.yaw]), np.array([x, y, height + self.look.size[2] / 2])
         sights = [_Sight.of(view, middle, self.look.size, None) for view in views.values()]
         least = _unlike(start, height, sights, self.draw)
-        _, pose = refined(start, least, lambda p: _unlike(p, height, sights, self.draw))
+        _, pose = refined(start, least, lambda p: _unlike(p, height, sights, self.draw), rounds=FEW)
         return self._seen_at(pose, height, sights, views["top"].camera)
 
     def found(self, views: Mapping[str, View], among: np.ndarray | None = None) -> Standing | None:
@@ -163,12 +169,12 @@ class Sought:
             views, among: see :meth:`standing`.
         """
         there = self.where_planned(views)
-        if there is not None and there.unlike < SURELY:
+        if there is None or not there.covered.any():
+            return self.standing(views, among)
+        empty = salience(views["top"].picture, self.background)[there.covered].mean() < FILLED
+        if not empty and there.unlike < SURELY:
             return there
         elsewhere = self.standing(views, among)
-        if there is None or not there.covered.any():
-            return elsewhere
-        empty = salience(views["top"].picture, self.background)[there.covered].mean() < FILLED
         if elsewhere is not None and (empty or elsewhere.unlike + CLEARLY < there.unlike):
             return elsewhere
         return None if empty and there.unlike > CAP / 3 else there
@@ -213,7 +219,8 @@ def as_bright(drawing: Drawing, picture: np.ndarray) -> np.ndarray:
     """(side, side, 3) float32, a drawing as bright as a picture is where it is covered."""
     drawn, covered = drawing.picture.astype(np.float32), drawing.covered
     if covered.any():
-        gain = np.median((picture[covered] + 4.0) / (drawn[covered] + 4.0), axis=0)
+        some = slice(None, None, 1 + int(covered.sum()) // ENOUGH)
+        gain = np.median((picture[covered][some] + 4.0) / (drawn[covered][some] + 4.0), axis=0)
         level = float(np.median(gain))
         drawn = drawn * np.clip(level, *BRIGHTER) * np.clip(gain / max(level, 1e-3), *TINTED)
     return np.clip(drawn, 0, 255)
