@@ -85,7 +85,7 @@ def run(
     for one in judged:
         if one.wrong:
             logger.info("%s: %s", one.record.id, one.told)
-    return figures(judged)
+    return figures(judged, models)
 
 
 def make(draws: Sequence[Draw], folder: Path, workers: int) -> None:
@@ -157,9 +157,9 @@ def judge(outcome: Outcome, context: StageContext) -> Judged:
     return Judged(record, said is not None and said.accepted, said.confidence if said else 0.0, reason, seconds)
 
 
-def figures(judged: Sequence[Judged]) -> dict[str, Any]:
+def figures(judged: Sequence[Judged], critic: str = "offline") -> dict[str, Any]:
     """Precision and recall of each part, and where and how sure the wrong verdicts are."""
-    rows = [_row(part, [j for j in judged if part in ("all", j.record.part)]) for part in PARTS]
+    rows = [_row(critic, part, [j for j in judged if part in ("all", j.record.part)]) for part in PARTS]
     return {
         "rows": rows,
         "by_template": _shares(judged, lambda j: j.record.goals[0].relation),
@@ -168,13 +168,13 @@ def figures(judged: Sequence[Judged]) -> dict[str, Any]:
     }
 
 
-def _row(part: str, judged: Sequence[Judged]) -> dict[str, Any]:
+def _row(critic: str, part: str, judged: Sequence[Judged]) -> dict[str, Any]:
     true = sum(j.accepted and j.record.success for j in judged)
     said, successes = sum(j.accepted for j in judged), sum(j.record.success for j in judged)
     precision, recall = _share(true, said), _share(true, successes)
     both = (precision or 0.0) + (recall or 0.0)
     return {
-        "critic": "offline",
+        "critic": critic,
         "part": part,
         "n": len(judged),
         "successes": successes,

@@ -18,6 +18,7 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks._laying_out import lay_out
 from vcage.base.errors import VcageError
 from vcage.base.files import RunFolder
 from vcage.plans.actions import lasting
@@ -27,7 +28,7 @@ from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Subtask, Subtasks
 from vcage.sim.robots import load_robot
 from vcage.sim.world import World
-from vcage.stages import inpaint_plan, match, optimize, search_subtasks, select_place
+from vcage.stages import search_subtasks, select_place
 from vcage.stages.context import StageContext
 from vcage.stages.stage import ModelOptions
 from vcage.tasks.ground import Ground
@@ -136,10 +137,7 @@ def simulated(
     with tempfile.TemporaryDirectory() as folder:
         made = RunFolder(Path(folder) / "run")
         begun = select_place.Options(instruction=sentence, models="offline", seed=seed, robot=robot)
-        select_place.execute(made, begun, context)
-        inpaint_plan.execute(made, ModelOptions(models="offline"), context)
-        match.execute(made, match.Options(models="offline"), context)
-        optimize.execute(made, optimize.Options(), context)
+        lay_out(made, begun, context)
         search_subtasks.execute(made, ModelOptions(models="offline"), context)
         scene, found = Scene.read(made.layout), Subtasks.read(made.subtasks)
         kept = {subtask.id: subtask for subtask in found.kept}

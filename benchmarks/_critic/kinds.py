@@ -10,6 +10,7 @@ import numpy as np
 
 from benchmarks._critic.played import Played, Shots
 from vcage.base.geometry import Pose
+from vcage.plans.actions import HOLDING
 from vcage.schema.episodes import Truth
 from vcage.schema.plan import TABLE
 from vcage.sim.joints import joint_index
@@ -20,9 +21,8 @@ from vcage.tasks.scene_objects import SceneObject
 Kind = Callable[[Played], Shots | None]
 """Makes an outcome from one that was played; None where that makes no sense, or does not come out as it should."""
 
-PLACED = ("inside", "on")
 RELATED = ("left_of", "right_of", "in_front_of", "behind", "beside", "near")
-MOVED = (*PLACED, *RELATED, "presented", "back", "handed", "weighed")
+MOVED = (*HOLDING, *RELATED, "presented", "back", "handed", "weighed")
 """Goals of what is carried or pushed."""
 
 DROP = 0.03
@@ -67,7 +67,7 @@ def off_table(played: Played) -> Shots | None:
 
 def beside(played: Played) -> Shots | None:
     """It was let go beside its place."""
-    if played.goal.relation not in (*PLACED, "weighed") or played.subtask.receptacle in (None, TABLE):
+    if played.goal.relation not in (*HOLDING, "weighed") or played.subtask.receptacle in (None, TABLE):
         return None
     thing, place = _subject(played), _place(played)
     (x0, y0), (x1, _) = place.around_boxes[:, :2]
@@ -80,7 +80,7 @@ def beside(played: Played) -> Shots | None:
 
 def on_the_rim(played: Played) -> Shots | None:
     """It was let go across the rim of its place."""
-    if played.goal.relation not in (*PLACED, "weighed") or played.subtask.receptacle in (None, TABLE):
+    if played.goal.relation not in (*HOLDING, "weighed") or played.subtask.receptacle in (None, TABLE):
         return None
     thing, place = _subject(played), _place(played)
     angle = played.rng.uniform(0, 2 * np.pi)
@@ -121,7 +121,7 @@ def wrong_place(played: Played) -> Shots | None:
 
 def knocked_over(played: Played) -> Shots | None:
     """Its receptacle was knocked over, and what lies in it fell out."""
-    if played.goal.relation not in PLACED or played.subtask.receptacle in (None, TABLE):
+    if played.goal.relation not in HOLDING or played.subtask.receptacle in (None, TABLE):
         return None
     place = _place(played)
     if place.asset.articulated or place.asset.size[2] < 0.03:
@@ -335,7 +335,7 @@ UGLY: Mapping[str, Kind] = {"near the rim": near_the_rim, "leaning": leaning}
 
 
 def _within(played: Played, *, lean: bool) -> Shots | None:
-    if played.goal.relation not in PLACED or played.subtask.receptacle in (None, TABLE):
+    if played.goal.relation not in HOLDING or played.subtask.receptacle in (None, TABLE):
         return None
     thing, place = _subject(played), _place(played)
     point = place.asset.annotation.functional_point(int(played.subtask.functional_point or 0))
@@ -393,9 +393,7 @@ def _loose(played: Played) -> list[SceneObject]:
     return [
         o
         for o in now.values()
-        if o.record.container is None
-        and o.id not in holding
-        and any(c.link is None and c.use == "grasp" for c in o.asset.annotation.contact_points)
+        if o.record.container is None and o.id not in holding and o.asset.annotation.carrying_points
     ]
 
 

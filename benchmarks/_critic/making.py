@@ -16,6 +16,7 @@ import numpy as np
 from benchmarks._critic.kinds import FAILURES, UGLY
 from benchmarks._critic.outcome import SUCCESS, Outcome, OutcomeRecord, Part, picture_paths
 from benchmarks._critic.played import Case, Shots
+from benchmarks._laying_out import lay_out
 from vcage.base.errors import InfeasibleScene, VcageError
 from vcage.base.files import RunFolder
 from vcage.schema.base import PoseRecord
@@ -25,10 +26,9 @@ from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Subtask
 from vcage.sim.robots import load_robot
 from vcage.sim.world import World
-from vcage.stages import inpaint_plan, match, optimize, select_place
+from vcage.stages import select_place
 from vcage.stages.context import StageContext
 from vcage.stages.photographs import Photographer, episode_light
-from vcage.stages.stage import ModelOptions
 from vcage.tasks.ground import Ground
 from vcage.tasks.loop import Seen
 from vcage.tasks.readiness import ready_for
@@ -92,11 +92,7 @@ def _context() -> StageContext:
 
 
 def _laid_out(draw: Draw, run: RunFolder, context: StageContext) -> Scene:
-    begun = select_place.Options(template=draw.scene, models="offline", seed=draw.seed, robot=draw.robot)
-    select_place.execute(run, begun, context)
-    inpaint_plan.execute(run, ModelOptions(models="offline", seed=draw.seed), context)
-    match.execute(run, match.Options(models="offline", seed=draw.seed), context)
-    optimize.execute(run, optimize.Options(seed=draw.seed), context)
+    lay_out(run, select_place.Options(template=draw.scene, models="offline", seed=draw.seed, robot=draw.robot), context)
     return Scene.read(run.layout)
 
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from vcage.base.geometry import Camera, Pose, box_corners, look_at
 from vcage.models.protocols import CriticQuestion
+from vcage.plans.actions import HOLDING
 from vcage.schema.episodes import Verdict
 from vcage.schema.goals import OF_A_PART, Goal
 from vcage.schema.scene import Scene
@@ -31,9 +32,6 @@ FROM_CUSTOMER = {"presented", "scanned", "handed"}
 
 AT_THE_MOMENT = {"pressed", "scanned", "weighed", "handed"}
 """Goals that are told by what those cameras see at the moment, and not only the wrist's."""
-
-PLACED = ("inside", "on")
-"""Goals of what lies in or on another."""
 
 LOW = 0.01
 """A top that is lower than this is as high as the table, metres."""
@@ -136,7 +134,7 @@ def _question(context: StageContext, scene: Scene, asking: Asking) -> CriticQues
         rooms={
             goal: _rooms(goal, objects, opened)
             for goal in goals
-            if goal.relation in PLACED and goal.reference in objects
+            if goal.relation in HOLDING and goal.reference in objects
         },
         looks={
             goal.subject: context.look(scene.object(goal.subject), [goal.part] if goal.relation == "closed" else ())

@@ -80,6 +80,11 @@ def to_lab(picture: np.ndarray) -> np.ndarray:
     return cv2.cvtColor(picture.astype(np.float32) / 255, cv2.COLOR_RGB2LAB)
 
 
+def smoothed(picture: np.ndarray) -> np.ndarray:
+    """(H, W, 3) float32 CIELAB of an RGB uint8 picture without its pixels' noise: two views are compared so."""
+    return to_lab(cv2.GaussianBlur(picture, (3, 3), 0))
+
+
 def distance(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """(...) colour distance of Lab arrays (..., 3), lightness counting less."""
     # channel by channel: sums along an axis of three take numpy six times as long

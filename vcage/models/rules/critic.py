@@ -142,7 +142,7 @@ class OfflineCritic:
         if goal.reference == TABLE:
             return decide_moved(moved, look.phrase), explained
         other = _sought(question, str(goal.reference))
-        told = decide_relation(moved, other.standing(question.after), goal, look.phrase, other.look.phrase)
+        told = decide_relation(moved, other.found(question.after), goal, look.phrase, other.look.phrase)
         return told, explained
 
     def _judge_returned(self, question: CriticQuestion, goal: Goal) -> _Told:

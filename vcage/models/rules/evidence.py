@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import cv2
 import numpy as np
 
-from vcage.vision.colour import LabImage, distance, to_lab
+from vcage.vision.colour import LabImage, distance, smoothed
 from vcage.vision.detector import clean
 from vcage.vision.object_templates import ObjectTemplate
 from vcage.vision.pose_score import Fit, fit, from_pixels, refine
@@ -38,7 +38,7 @@ def salience(picture: np.ndarray, background: np.ndarray | None) -> np.ndarray:
     counts in full: a grey basket on a grey table is."""
     if background is None:
         return fit_table(picture).salience
-    return clean(changed(*(to_lab(cv2.GaussianBlur(p, (3, 3), 0)) for p in (background, picture)))).astype(np.float32)
+    return clean(changed(*(smoothed(p) for p in (background, picture)))).astype(np.float32)
 
 
 def middles(masks: Sequence[np.ndarray]) -> np.ndarray:

@@ -5,14 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-import cv2
 import numpy as np
 
 from vcage.base.geometry import Camera, Pose
 from vcage.models.rules.evidence import changed
 from vcage.models.rules.standing import CAP, Sought, as_bright
 from vcage.sim.drawer import Drawing, Window
-from vcage.vision.colour import distance, to_lab
+from vcage.vision.colour import distance, smoothed, to_lab
 from vcage.vision.protocols import View
 
 POSITIONS = np.linspace(0.0, 1.0, 9)
@@ -72,10 +71,6 @@ def gather_part(
     return PartEvidence(int(sight.telling.sum()), *likeliest, touched, sight.covered)
 
 
-def _smoothed(picture: np.ndarray) -> np.ndarray:
-    return to_lab(cv2.GaussianBlur(picture, (3, 3), 0))
-
-
 class _Sight:
     """Drawings of an object at one pose with its part at every one of :data:`POSITIONS`.
 
@@ -99,7 +94,7 @@ class _Sight:
         """The position whose drawing is most like the picture where drawings differ, refined between its neighbours."""
         if not self.telling.any():
             return 0.0
-        lab = _smoothed(picture)
+        lab = smoothed(picture)
         costs = [np.minimum(distance(lab, drawn)[self.telling], CAP).mean() for drawn in self._labs]
         k = int(np.argmin(costs))
         if k in (0, len(costs) - 1):

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-import cv2
 import numpy as np
 
 from vcage.base.geometry import Camera, Pose
@@ -24,7 +23,7 @@ from vcage.models.rules.standing import (
     window_around,
 )
 from vcage.sim.drawer import Window
-from vcage.vision.colour import distance, to_lab
+from vcage.vision.colour import distance, smoothed, to_lab
 from vcage.vision.protocols import View
 
 LEFT = 0.5
@@ -89,7 +88,7 @@ def gather_moved(
         new = min((one for one in (new, grey) if one is not None), key=lambda one: one.unlike, default=None)
     stood = salience(before["top"].picture, thing.background) > 0.5
     here = new.covered & ~taken if new is not None else taken
-    seen = _smooth(after["top"])[came & here]
+    seen = smoothed(after["top"].picture)[came & here]
     return Moved(
         left=_share(change.all, taken),
         old=old,
@@ -272,7 +271,7 @@ class _Held:
 
     @classmethod
     def of(cls, before: View, moment: View, still: Standing, draw: Draw) -> _Held:
-        lab = to_lab(cv2.GaussianBlur(moment.picture, (3, 3), 0))
+        lab = smoothed(moment.picture)
         return cls(moment.camera, moment.picture, lab, _change(before, moment), _depth(draw, still.pose, moment.camera))
 
 
@@ -310,9 +309,4 @@ def _seen(pose: Pose, moved: Standing, sights: Sequence[_Held], draw: Draw) -> f
 
 def _change(one: View, other: View) -> np.ndarray:
     """(H, W) bool."""
-    return changed(_smooth(one), _smooth(other))
-
-
-def _smooth(view: View) -> np.ndarray:
-    """(H, W, 3) CIELAB."""
-    return to_lab(cv2.GaussianBlur(view.picture, (3, 3), 0))
+    return changed(smoothed(one.picture), smoothed(other.picture))

@@ -11,7 +11,7 @@ import numpy as np
 from vcage.base.geometry import Camera, Pose
 from vcage.models.rules.change import Change, grown
 from vcage.models.rules.standing import Sought
-from vcage.vision.colour import palette, palette_distance, to_lab
+from vcage.vision.colour import palette, palette_distance, smoothed, to_lab
 from vcage.vision.protocols import Reference, View
 
 ALIKE = 16.0
@@ -85,7 +85,7 @@ def gather_placed(
     wide = grown(room | stands.covered, AROUND)
     came = change.things & ~grown(old.covered, AROUND) & wide
     alike = np.zeros_like(came)
-    alike[came] = looks_like(thing.look, to_lab(cv2.GaussianBlur(after["top"].picture, (3, 3), 0))[came])
+    alike[came] = looks_like(thing.look, smoothed(after["top"].picture)[came])
     here = grown(room, EDGE)
     area, seen = max(1, int(old.covered.sum())), max(1, int((came & here).sum()))
     return Placed(

@@ -6,13 +6,12 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
-import cv2
 import numpy as np
 
 from vcage.base.geometry import Camera, Pose
 from vcage.models.rules.evidence import FILLED, middles, places, salience
 from vcage.sim.drawer import Drawing, Window
-from vcage.vision.colour import LabImage, distance, to_lab
+from vcage.vision.colour import LabImage, distance, smoothed, to_lab
 from vcage.vision.detector import MIN_AREA, components
 from vcage.vision.object_templates import template_from_reference
 from vcage.vision.protocols import Reference, View
@@ -262,7 +261,7 @@ class _Sight:
     def of(cls, view: View, middle: np.ndarray, size: Sequence[float], outline: np.ndarray | None) -> _Sight:
         window = window_around(middle, size, view.camera)
         picture = cut(view.picture, window)
-        lab = to_lab(cv2.GaussianBlur(picture, (3, 3), 0))
+        lab = smoothed(picture)
         filled = np.zeros(picture.shape[:2], bool) if outline is None else cut(outline, window)
         return cls(view.camera, window, picture, lab, filled)
 

@@ -1,0 +1,25 @@
+"""The stages before the sub-tasks, offline, for benchmarks that begin with a sentence or a scene."""
+
+from __future__ import annotations
+
+from vcage.base.files import RunFolder
+from vcage.stages import inpaint_plan, match, optimize, select_place
+from vcage.stages.context import StageContext
+from vcage.stages.stage import ModelOptions
+
+
+def lay_out(run: RunFolder, begun: select_place.Options, context: StageContext) -> None:
+    """Write ``place/``, ``inpaint/``, ``match/`` and ``optimize/`` of a run.
+
+    Args:
+        run: the run folder.
+        begun: what is asked for, and the seed of all stages.
+        context: the library and the offline models.
+
+    Raises:
+        VcageError: a stage refuses.
+    """
+    select_place.execute(run, begun, context)
+    inpaint_plan.execute(run, ModelOptions(models="offline", seed=begun.seed), context)
+    match.execute(run, match.Options(models="offline", seed=begun.seed), context)
+    optimize.execute(run, optimize.Options(seed=begun.seed), context)
