@@ -13,7 +13,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from tests.scenes import block_and_plate, scene_of, subtask
-from vcage.base.errors import DamagedFile, MissingStage
+from vcage.base.errors import DamagedFile, MissingStage, UnknownName
 from vcage.tasks.synthesis import Script, load_script, render_script, write_script
 
 HOSTILE = [
@@ -70,6 +70,18 @@ def test_a_mistake_in_a_script_is_told_with_its_line(tmp_path: Path):
 
     with pytest.raises(DamagedFile, match=f"line {line}: NameError: name 'tsak'"):
         load_script(script.path).play(Anything())
+
+
+def test_a_script_that_names_what_is_not_there_is_told_with_its_line(tmp_path: Path):
+    script = written(tmp_path)
+    line = next(n for n, text in enumerate(script.path.read_text().splitlines(), 1) if "task.pick" in text)
+
+    class Nothing:
+        def pick(self, *_args, **_options):
+            raise UnknownName("object", "blok", ["block"])
+
+    with pytest.raises(DamagedFile, match=f"line {line}: UnknownName: unknown object 'blok'"):
+        load_script(script.path).play(Nothing())
 
 
 def test_a_script_is_executable(tmp_path: Path):

@@ -14,7 +14,7 @@ from typing import Literal
 
 import numpy as np
 
-from vcage.base.errors import DamagedFile, UnknownName
+from vcage.base.errors import DamagedFile
 from vcage.datasets.episode import Segment
 from vcage.schema.episodes import Attempt, AttemptStage, Truth, Verdict
 from vcage.schema.goals import Goal
@@ -202,8 +202,6 @@ class _Step:
         except TaskFailed as error:
             record = self._attempt(task, attempt, error.stage, error.message, world.steps - start)
             return _Trial(record, exhausted=error.exhausted)
-        except UnknownName as error:  # a script that was edited may name what is not there
-            return _Trial(self._attempt(task, attempt, "plan", error.message, world.steps - start), exhausted=True)
         finally:
             watch.stop()
         seen = self._seen(before, world, task)

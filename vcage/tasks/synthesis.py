@@ -17,7 +17,7 @@ from typing import Any
 
 import jinja2
 
-from vcage.base.errors import DamagedFile, MissingStage
+from vcage.base.errors import DamagedFile, MissingStage, UnknownName
 from vcage.base.files import write_text
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Subtask
@@ -102,10 +102,11 @@ def _naming_lines(path: Path, function: Callable[[Any], Any]) -> Callable[[Any],
         try:
             return function(task)
         except (Exception, SystemExit) as error:
-            last = traceback.extract_tb(error.__traceback__)[-1]
-            if last.filename != str(path):
+            frames = traceback.extract_tb(error.__traceback__)
+            ours = next(frame for frame in reversed(frames) if frame.filename == str(path))
+            if ours is not frames[-1] and not isinstance(error, UnknownName):
                 raise  # not a mistake of the script
-            message = f"{path}: line {last.lineno}: {type(error).__name__}: {error}"
+            message = f"{path}: line {ours.lineno}: {type(error).__name__}: {error}"
             raise DamagedFile(message, hint="mend it, or run search_subtasks --force") from error
 
     return told

@@ -50,7 +50,7 @@ def goals_hold(goals: Sequence[Goal], objects: Mapping[str, SceneObject], watch:
         complaint = _complaint(goal, objects, watch)
         if complaint:
             return Truth(success=False, reason=complaint)
-    return Truth(success=True, reason="; ".join(map(str, goals)))
+    return Truth(success=True, reason="; ".join(map(str, goals)) or "nothing was asked for that lasts")
 
 
 def subtask_done(subtask: Subtask, goals: Sequence[Goal], objects: Mapping[str, SceneObject], watch: Watch) -> Truth:
