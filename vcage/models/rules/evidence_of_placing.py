@@ -33,6 +33,9 @@ STAYED = 0.5
 MOVING = 2.0
 """Where more than so many times the object's area changed in its receptacle, that may have moved a little."""
 
+FARTHEST = 16
+"""So far at most, pixels along each side of the picture."""
+
 
 @dataclass(frozen=True)
 class Placed:
@@ -91,7 +94,7 @@ def gather_placed(
     alike[came] = looks_like(thing.look, smoothed(after["top"].picture)[came])
     stirred = (came & ~grown(alike, BORDER))[stands.covered]
     if (came & here).sum() > MOVING * area:
-        came &= _besides_shift(before["top"].picture, after["top"].picture, wide)
+        came = _besides_shift(before["top"].picture, after["top"].picture, came)
         alike &= came
     seen, size = max(1, int((came & here).sum())), float(np.hypot(*np.ptp(np.argwhere(old.covered), axis=0)))
     reaching = _reaching(change.things & ~old.covered, here) & grown(here, size / 2)
@@ -120,15 +123,18 @@ def _stands_now(
     return now if now is not None and now.unlike < unlike and not place.gone(now, after["top"]) else None
 
 
-def _besides_shift(before: np.ndarray, after: np.ndarray, there: np.ndarray) -> np.ndarray:
-    """(H, W) bool: what differs between two pictures (H, W, 3) besides that what was seen there was shifted a little,
-    as a drawer is that the hand meets."""
-    v, u = (slice(axis.min(), axis.max() + 1) for axis in np.nonzero(there))
-    was, now = (cv2.cvtColor(picture[v, u], cv2.COLOR_RGB2GRAY).astype(np.float32) for picture in (before, after))
-    shift, _ = cv2.phaseCorrelate(was, now, cv2.createHanningWindow(was.shape[::-1], cv2.CV_32F))
-    along = np.array([[1, 0, shift[0]], [0, 1, shift[1]]], np.float32)
-    shifted = cv2.warpAffine(before, along, before.shape[1::-1], borderMode=cv2.BORDER_REPLICATE)
-    return changed(smoothed(shifted), smoothed(after)) | ~there
+def _besides_shift(before: np.ndarray, after: np.ndarray, change: np.ndarray) -> np.ndarray:
+    """What of a change (H, W) bool between two pictures (H, W, 3) is more than that something there was shifted a
+    little, as a drawer is that the hand meets."""
+    v, u = (slice(axis.min(), axis.max() + 1) for axis in np.nonzero(change))
+    wider = cv2.copyMakeBorder(before, *(FARTHEST,) * 4, cv2.BORDER_REPLICATE)
+    wider = wider[v.start : v.stop + 2 * FARTHEST, u.start : u.stop + 2 * FARTHEST]
+    differs = cv2.matchTemplate(wider, after[v, u], cv2.TM_SQDIFF, mask=change[v, u].astype(np.uint8))
+    du, dv = cv2.minMaxLoc(differs)[2]
+    return change & changed(
+        smoothed(np.roll(before, (FARTHEST - dv, FARTHEST - du), (0, 1))),
+        smoothed(after),
+    )
 
 
 def _margin(alike: np.ndarray, rooms: np.ndarray, pose: Pose, camera: Camera) -> float:

@@ -51,7 +51,7 @@ LOOKS = 0.2
 UNLIKE = 14.0
 """Mean colour distance between what stands somewhere and drawings of an object from which on it is another."""
 
-BARE = 0.6
+BARE = 0.8
 """Share of the outline of what stands on the table that must have been empty table before."""
 
 FACING = np.radians(40)
