@@ -128,7 +128,7 @@ def test_another_thing_that_was_moved_on_the_way_is_seen(name: str) -> None:
     other = before[3]
     after = swapped(swapped(before, thing, placed(thing, before[0], 0)), other, other.moved(at=(0.1, -0.2)))
     verdict = judge(before, after, thing)
-    assert not verdict.accepted and "where nothing should" in verdict.reason
+    assert not verdict.accepted and f"{other.id} no longer stands" in verdict.reason
 
 
 @pytest.mark.parametrize("name", TWO)
@@ -147,6 +147,20 @@ def test_a_box_of_the_tables_colour_that_is_gone_is_rejected() -> None:
     fell = placed(thing, before[0], 0).moved(base=0.0)
     verdict = judge(before, [fell, *before[2:]], thing)
     assert not verdict.accepted and "knocked away" in verdict.reason
+
+
+def test_another_box_of_the_tables_colour_that_was_moved_on_the_way_is_seen() -> None:
+    before, thing = earlier("plate", 0)
+    other = WHITE_BOX.moved(at=(-0.35, 0.1))
+    after = swapped(before, thing, placed(thing, before[0], 0))
+    verdict = judge([*before, other], [*after, other.moved(at=(-0.35, -0.1))], thing)
+    assert not verdict.accepted and f"{other.id} no longer stands" in verdict.reason
+
+
+def test_a_white_thing_in_a_white_box_is_seen() -> None:
+    thing = Thing("sponge", (226, 224, 218), (0.06, 0.04, 0.03), at=(0.1, -0.2))
+    verdict = judge([WHITE_BOX, thing], [WHITE_BOX, placed(thing, WHITE_BOX, 0)], thing)
+    assert verdict.accepted, verdict.reason
 
 
 def test_a_thing_that_balances_on_the_edge_is_rejected() -> None:

@@ -13,7 +13,7 @@ from vcage.base.geometry import Camera, Pose
 from vcage.models.protocols import CriticQuestion, DrawObject
 from vcage.models.rules import PROVIDER
 from vcage.models.rules.change import Change, displaced, grown
-from vcage.models.rules.evidence import salience
+from vcage.models.rules.evidence import CHANGED, salience
 from vcage.models.rules.evidence_of_parts import gather_part
 from vcage.models.rules.evidence_of_places import (
     gather_handed,
@@ -23,8 +23,9 @@ from vcage.models.rules.evidence_of_places import (
     gather_shown,
 )
 from vcage.models.rules.evidence_of_placing import AROUND, gather_placed
-from vcage.models.rules.standing import Sought, Standing
+from vcage.models.rules.standing import Sought, Standing, covered_by
 from vcage.models.rules.verdicts import (
+    FEWEST,
     UNLIKE,
     decide_handed,
     decide_moved,
@@ -42,10 +43,14 @@ from vcage.schema.episodes import Verdict
 from vcage.schema.goals import OF_A_PART, Goal, part_words
 from vcage.schema.plan import TABLE
 from vcage.sim.drawer import Drawing, Window
+from vcage.vision.colour import distance, smoothed
 from vcage.vision.protocols import Reference, View
 
 NUDGED = 0.035
 """What was moved less than this, metres, counts as left where it was: the state of a simulator says so from 5 cm on."""
+
+VANISHED = 0.45
+"""Share of what was seen of a thing that must show the bare table for it to have been moved."""
 
 PUT_BACK = 12.0
 """So near to where it was what was held up is put back, pixels."""
@@ -77,8 +82,25 @@ class OfflineCritic:
         apart = (before.camera.pose.p[2] - question.table_height) / before.camera.focal  # metres of table per pixel
         stood = [salience(view.picture, question.background) > 0.5 for view in (before, after)]
         pixels = displaced(Change.between(before, after), explained, *stood, far=NUDGED / apart)
-        other = decide_others(pixels * apart**2)
+        other = decide_others(pixels * apart**2, self._vanished(question, explained))
         return other if not other.accepted else min((verdict for verdict, _ in told), key=lambda v: v.confidence)
+
+    def _vanished(self, question: CriticQuestion, explained: np.ndarray) -> list[str]:
+        """What no goal is about and no longer stands where the layout put it, in words."""
+        if question.background is None:
+            return []
+        before, after = _top(question.before), _top(question.after)
+        was, now, bare = (smoothed(picture) for picture in (before.picture, after.picture, question.background))
+        stood = (distance(was, bare) > CHANGED) & ~explained
+        empty = stood & (distance(now, bare) < distance(now, was))
+        about = {name for goal in question.goals for name in (goal.subject, goal.reference)} | {question.grasped}
+        found = []
+        for name in question.planned.keys() - about:
+            thing = _sought(question, name)
+            here = stood & covered_by(thing.draw, question.planned[name], before.camera)
+            if here.sum() >= FEWEST and empty[here].mean() > VANISHED:
+                found.append(thing.look.phrase)
+        return sorted(found)
 
     def _judge(self, question: CriticQuestion, goal: Goal) -> _Told:
         if goal.relation in OF_A_PART:

@@ -90,7 +90,7 @@ def gather_moved(
     here = new.covered & ~taken if new is not None else taken
     seen = smoothed(after["top"].picture)[came & here]
     return Moved(
-        left=_share(change.all, taken),
+        left=0.0 if old is None else thing.left(old, change.all, after["top"]),
         old=old,
         new=new,
         bare=1 - _share(stood, here) if here.any() else 0.0,

@@ -33,6 +33,13 @@ STAYED = 0.5
 MOVING = 2.0
 """Where more than so many times the object's area changed in its receptacle, that may have moved a little."""
 
+HARDLY = 0.4
+"""Share of the object's area that must be seen at once; where less is, and as much changed, it is looked for."""
+
+LIKE, SPEAKS = 9.0, 0.7
+"""Colour distance to drawings of it at most, and share of what tells these from what was there that must speak for it,
+where an object is of the colour of what it lies on."""
+
 FARTHEST = 16
 """So far at most, pixels along each side of the picture."""
 
@@ -96,10 +103,13 @@ def gather_placed(
     if (came & here).sum() > MOVING * area:
         came = _besides_shift(before["top"].picture, after["top"].picture, came)
         alike &= came
+    if (alike & here).sum() < HARDLY * area < (change.all & here).sum():
+        found = _of_its_colour(thing, before["top"], after["top"], change.all & wide & ~old.covered)
+        came, alike = came | found, alike | found
     seen, size = max(1, int((came & here).sum())), float(np.hypot(*np.ptp(np.argwhere(old.covered), axis=0)))
     reaching = _reaching(change.things & ~old.covered, here) & grown(here, size / 2)
     return Placed(
-        left=float(change.all[old.covered].mean()) if old.covered.any() else 0.0,
+        left=thing.left(old, change.all, after["top"]),
         shifted=np.inf if now is None else float(np.linalg.norm(now.pose.p - stands.pose.p)),
         stirred=float(stirred.mean()) if stirred.size else 0.0,
         inside=float((came & here).sum()) / area,
@@ -108,6 +118,15 @@ def gather_placed(
         margin=_margin(alike & here, rooms, (now or stands).pose, camera),
         explained=grown(old.covered, AROUND) | wide | grown(reaching, AROUND),
     )
+
+
+def _of_its_colour(thing: Sought, before: View, after: View, among: np.ndarray) -> np.ndarray:
+    """(H, W) bool: where an object is seen among what changed that has the colours of what it lies on: what changes
+    there looks like shadows, and only a drawing of it tells."""
+    found = thing.standing({"top": after}, among)
+    if found is None or found.unlike > LIKE or thing.speaks(found, after, before.picture) < SPEAKS:
+        return np.zeros_like(among)
+    return found.covered
 
 
 def _stands_now(

@@ -50,6 +50,9 @@ CLEARLY, SURELY = 3.0, 9.0
 """So much more like an object another place must be than that where the layout put it; and so unlike at most is what is
 not looked for elsewhere."""
 
+GONE = 0.2
+"""Share of what tells an object from the bare table below which it is not there; more of it may lie in shadow."""
+
 APART = 0.02
 """Poses that are nearer to each other than this are at one place, metres."""
 
@@ -176,20 +179,30 @@ class Sought:
         elsewhere = self.standing(views, among)
         if elsewhere is not None and (empty or elsewhere.unlike + CLEARLY < there.unlike):
             return elsewhere
-        return None if empty and there.unlike > CAP / 3 else there
+        return None if empty else there
 
     def gone(self, there: Standing, top: View) -> bool:
-        """Whether a view from above shows the empty table where the object would stand: what tells a drawing of it from
-        the table is not seen."""
+        """Whether a view from above shows the empty table where the object would stand."""
         if self.background is None:
             return float(salience(top.picture, None)[there.covered].mean()) < FILLED
+        return self.speaks(there, top, self.background) < GONE
+
+    def speaks(self, there: Standing, top: View, without: np.ndarray) -> float:
+        """Share of what tells a drawing of the object from a picture without it (H, W, 3) that a view from above shows
+        as drawn; 1 where nothing tells them apart."""
         window = window_around(there.pose.p + [0, 0, self.look.size[2] / 2], self.look.size, top.camera)
         drawing, picture = self.draw(there.pose, top.camera, window), cut(top.picture, window)
         own = to_lab(as_bright(drawing, picture).astype(np.uint8))
-        seen, bare = smoothed(picture), smoothed(cut(self.background, window))
+        seen, bare = smoothed(picture), smoothed(cut(without, window))
         telling = drawing.covered & inside(top.picture, window) & (distance(own, bare) > CHANGED)
-        speaks = (distance(seen, own) < distance(seen, bare))[telling]
-        return speaks.size > 0 and float(speaks.mean()) < FILLED
+        return float((distance(seen, own) < distance(seen, bare))[telling].mean()) if telling.any() else 1.0
+
+    def left(self, there: Standing, change: np.ndarray, top: View) -> float:
+        """Share of where the object stood that has changed (H, W); all of it where a view from above shows the bare
+        table."""
+        if not there.covered.any():
+            return 0.0
+        return 1.0 if self.gone(there, top) else float(change[there.covered].mean())
 
     def _seen_at(self, pose: np.ndarray, height: float, sights: Sequence[_Sight], camera: Camera) -> Standing:
         unlike = _unlike(pose, height, [replace(s, outline=np.zeros_like(s.outline)) for s in sights], self.draw)

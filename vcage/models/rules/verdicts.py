@@ -111,12 +111,15 @@ def decide_placed(evidence: Placed | None, goal: Goal, thing: str, place: str) -
     return _verdict(True, f"the {thing} left its place, and {seen}", 0.5 + 0.5 * min(1.0, evidence.inside / 0.8))
 
 
-def decide_others(area: float) -> Verdict:
+def decide_others(area: float, vanished: Sequence[str]) -> Verdict:
     """Whether nothing else was moved.
 
     Args:
         area: of the largest patch that changed where nothing should, square metres on the table.
+        vanished: what is no longer where it was, in words.
     """
+    if vanished:
+        return refuse(f"the {' and the '.join(vanished)} no longer stands where it stood", 0.8)
     seen = f"{1e4 * area:.0f} cm² of the table changed where nothing should"
     return _verdict(area <= OTHERS, seen, 0.5 + min(0.5, abs(area - OTHERS) / OTHERS / 2))
 
@@ -209,5 +212,5 @@ def refuse(reason: str, confidence: float) -> Verdict:
     return _verdict(False, reason, confidence)
 
 
-def _verdict(accepted: bool, reason: str, confidence: float) -> Verdict:
-    return Verdict(accepted=accepted, reason=reason, confidence=min(1.0, max(0.0, confidence)), provider=PROVIDER)
+def _verdict(accepted: bool | np.bool_, reason: str, confidence: float) -> Verdict:
+    return Verdict(accepted=bool(accepted), reason=reason, confidence=min(1.0, max(0.0, confidence)), provider=PROVIDER)
