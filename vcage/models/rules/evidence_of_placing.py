@@ -26,6 +26,9 @@ EDGE = 3.0
 BORDER = 4
 """Width of the strip along a receptacle's outline that shows whether it was moved, pixels."""
 
+BESIDE = 40
+"""So near to a receptacle lies what was brought to it and is not in or on it, pixels."""
+
 STAYED = 0.5
 """A receptacle of whose border less than this changed stands where it stood."""
 
@@ -40,6 +43,7 @@ class Placed:
         inside: what came to be seen where it should be, over the object's area.
         share: of what looks like the object around the receptacle, how much is where it should be.
         alike: share of what is there, or of as much as the object covers, that looks like it.
+        beside: what came to be seen around the receptacle, far from where the object was, over the object's area.
         explained: (H, W) bool, where the sub-task changes the picture.
     """
 
@@ -48,6 +52,7 @@ class Placed:
     inside: float
     share: float
     alike: float
+    beside: float
     explained: np.ndarray
 
 
@@ -87,6 +92,7 @@ def gather_placed(
     alike = np.zeros_like(came)
     alike[came] = looks_like(thing.look, smoothed(after["top"].picture)[came])
     here = grown(room, EDGE)
+    near = change.things & _about(wide) & ~here & ~_about(old.covered)
     area, seen = max(1, int(old.covered.sum())), max(1, int((came & here).sum()))
     return Placed(
         left=float(change.all[old.covered].mean()) if old.covered.any() else 0.0,
@@ -94,8 +100,15 @@ def gather_placed(
         inside=float((came & here).sum()) / area,
         share=float((alike & here).sum()) / max(1, int(alike.sum())),
         alike=float((alike & here).sum()) / min(seen, area),
+        beside=float(near.sum()) / area,
         explained=grown(old.covered, AROUND) | wide | grown(_reaching(change.things & ~old.covered, here), AROUND),
     )
+
+
+def _about(mask: np.ndarray) -> np.ndarray:
+    """(H, W) bool: a mask and what is beside it, in a square, which is a hundred times as fast as a circle."""
+    side = 2 * BESIDE + 1
+    return cv2.dilate(mask.astype(np.uint8), np.ones((side, side), np.uint8)).astype(bool)
 
 
 def _reaching(mask: np.ndarray, room: np.ndarray) -> np.ndarray:
