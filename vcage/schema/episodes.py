@@ -52,7 +52,7 @@ class Attempt(Record):
     variant: Identifier
     arm: str | None
     contact: int | None
-    changes: list[str] = Field(default=[], description="what was done otherwise than planned: grasp, arm, slot")
+    changes: list[str] = Field(default=[], description="what was done otherwise: grasp, arm, slot, way to operate")
     stage: AttemptStage
     reason: str
     accepted: bool
