@@ -56,8 +56,8 @@ LOOPS: Mapping[Critic, Sequence[Mode]] = {"pictures": ("resample", "abort", "ope
 PLAIN = ("abort", "blind")
 """What the others are measured by."""
 
-MOST_BEGUN = 100
-"""So many episodes are begun for one that is accepted."""
+MOST_ATTEMPTS = 300
+"""A row ends when one trajectory takes more attempts than that: seven times what theory asks of the longest."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -150,16 +150,16 @@ class _Row:
     rng: np.random.Generator = field(default_factory=lambda: np.random.default_rng(7))
     begun: int = 0
     seconds: float = 0.0
+    hopeless: bool = False
 
     def next_accepted(self) -> None:
-        """Begin episodes until one more is accepted, or so many were begun that none will be."""
-        start, wanted = time.perf_counter(), self.tally.accepted + 1
-        for _ in range(MOST_BEGUN):
+        """Begin episodes until one more is accepted, unless so many attempts were in vain that none will be."""
+        start, before, wanted = time.perf_counter(), self.tally.attempts, self.tally.accepted + 1
+        while not self.hopeless and self.tally.accepted < wanted:
             planted: Planted = Chance(self.share, self.rng) if self.kind == "chance" else Causes(self.share, self.begun)
             self.tally.count(self.chain.carried_out(self.mode, self.critic, planted, self.retries, self.begun))
             self.begun += 1
-            if self.tally.accepted == wanted:
-                break
+            self.hopeless = self.tally.accepted < wanted and self.tally.attempts - before > MOST_ATTEMPTS
         self.seconds += time.perf_counter() - start
         told = (self.steps, self.kind, self.critic, self.mode, self.tally.accepted, self.seconds)
         logger.info("%d steps, %s, %s, %s: %d in %.0f s", *told)
