@@ -7,7 +7,7 @@ import logging
 import tempfile
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
 
@@ -40,7 +40,16 @@ from vcage.tasks.variation import shifted_poses
 
 logger = logging.getLogger(__name__)
 
-SCENES = ("bathroom", "cabinet", "cashier_desk", "kitchen", "office_desk")
+SCENES = {
+    "bathroom": select_place.Options(template="bathroom"),
+    "cabinet": select_place.Options(template="cabinet"),
+    "cashier_desk": select_place.Options(template="cashier_desk"),
+    "kitchen": select_place.Options(template="kitchen"),
+    "office_desk": select_place.Options(template="office_desk"),
+    "scale": select_place.Options(instruction="Weigh the tomato and the chocolate bar, then put both in the basket"),
+}
+"""What a scene is made from: a template as it is, or what an instruction asks for."""
+
 UNTOUCHED_SCENES = ("bathroom", "office_desk")
 """Never looked at while a critic is tuned; nor are half of the kinds of objects of the others."""
 
@@ -56,7 +65,7 @@ class Draw:
     """A scene to make outcomes in.
 
     Args:
-        scene: name of the template.
+        scene: name, one of :data:`SCENES`.
         seed: of all choices.
         robot: by name.
         subtasks: how many are carried out.
@@ -80,7 +89,7 @@ def outcomes(draw: Draw) -> list[Outcome]:
     """Of every sub-task a success or two, where it succeeds, and as many failures."""
     if draw.part == "tuning" and draw.scene in UNTOUCHED_SCENES:
         return []
-    context, rng = _context(), np.random.default_rng([draw.seed, SCENES.index(draw.scene)])
+    context, rng = _context(), np.random.default_rng([draw.seed, list(SCENES).index(draw.scene)])
     with tempfile.TemporaryDirectory() as folder:
         scene = _laid_out(draw, RunFolder(Path(folder) / "run"), context)
         return list(_made(draw, scene, Path(folder), context, rng))
@@ -92,7 +101,7 @@ def _context() -> StageContext:
 
 
 def _laid_out(draw: Draw, run: RunFolder, context: StageContext) -> Scene:
-    lay_out(run, select_place.Options(template=draw.scene, models="offline", seed=draw.seed, robot=draw.robot), context)
+    lay_out(run, replace(SCENES[draw.scene], models="offline", seed=draw.seed, robot=draw.robot), context)
     return Scene.read(run.layout)
 
 

@@ -40,7 +40,7 @@ class OutcomeRecord(Record):
 
     id: str
     scene: str = Field(description="path of the scene's document, relative to the folder")
-    setting: str = Field(description="name of the scene template")
+    setting: str = Field(description="name of the scene")
     part: Part
     template: str
     text: str

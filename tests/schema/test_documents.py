@@ -111,5 +111,5 @@ def test_files_of_earlier_runs_keep_their_schema():
         "vcage.scene/1",
         "vcage.subtasks/2",
         "vcage.verdict/1",
-        "vcage.verdicts/1",
+        "vcage.verdicts/2",
     ]

@@ -1,18 +1,23 @@
-"""Judging again: all accepted episodes from the pictures that were kept, or one pair."""
+"""Judging again: all attempts from the pictures that were kept, or one pair."""
 
 from __future__ import annotations
 
+import json
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from tests.runs import OPTIONS, copied
+from tests.runs import OPTIONS, Finished, command, copied
+from tests.standin import StandIn, text_answer
 from vcage.base.errors import DamagedFile, InputFileError, MissingStage, StaleStage, UnknownName
-from vcage.base.files import read_json, write_json
+from vcage.base.files import RunFolder, read_json, write_json, write_text
 from vcage.base.pictures import read_picture, write_picture
-from vcage.schema.episodes import Episodes, SingleVerdict, Verdicts
+from vcage.schema.episodes import Attempt, CriticCounts, Episodes, SingleVerdict, Truth, Verdict, Verdicts
 from vcage.stages import verify
+from vcage.stages.differences import EDGE, VIEW
+from vcage.stages.episode_store import log_path, read_log
 
 
 def pair(finished):
@@ -62,6 +67,137 @@ def test_another_picture_is_judged_anew(finished, tmp_path):
     record = verify.execute(run, OPTIONS, finished.context).record
     assert record.taken_over == len(episode.subtasks) - 1
     assert not record.episodes[episode.file][0].accepted
+
+
+# --- two critics ---------------------------------------------------------------------------------------
+
+
+class Says:
+    """A critic that gives the same answer to everything."""
+
+    provider = "another"
+
+    def __init__(self, accepted: bool):
+        self._accepted = accepted
+
+    def judge(self, _question: object) -> Verdict:
+        return Verdict(accepted=self._accepted, reason="it always says so", confidence=0.6, provider=self.provider)
+
+
+@pytest.fixture
+def run(finished: Finished, tmp_path) -> RunFolder:
+    """A collection whose first sub-task was wrongly refused, and rightly, before it was verified."""
+    run = copied(finished.run, tmp_path / "run", before="verify")
+    attempts = read_log(run.episodes.parent)
+    first = attempts[0]
+    wrongly = refused(run, first, 7, first.truth)
+    rightly = refused(run, first, 8, Truth(success=False, reason="it lies beside it"))
+    write_log(run, [wrongly, rightly, *attempts])
+    return run
+
+
+def refused(run: RunFolder, done: Attempt, number: int, truth: Truth) -> Attempt:
+    """An attempt whose pictures show the same before and after, and that the collecting critic refused."""
+    before = next(p for p in done.verdict.pictures if "-before-" in p)
+    pictures = [f"critic/e{done.episode:06d}-s{done.step}-a{number}-{when}-top.png" for when in ("before", "after")]
+    for name in pictures:
+        write_picture(run.episodes.parent / name, read_picture(run.episodes.parent / before))
+    said = Verdict(accepted=False, reason="nothing moved", confidence=0.9, provider="offline", pictures=pictures)
+    return done.model_copy(update={"attempt": number, "accepted": False, "verdict": said, "truth": truth})
+
+
+def write_log(run: RunFolder, attempts: Sequence[Attempt]) -> None:
+    write_text(log_path(run.episodes.parent), "".join(a.model_dump_json() + "\n" for a in attempts))
+
+
+def judged_by(critic: Says, run: RunFolder, finished: Finished, monkeypatch: pytest.MonkeyPatch) -> Verdicts:
+    monkeypatch.setattr(finished.context, "models", replace(finished.context.models, critic=critic))
+    return verify.execute(run, OPTIONS, finished.context).record
+
+
+def test_a_second_critic_that_says_no_differs_where_the_first_said_yes(run, finished, monkeypatch):
+    record = judged_by(Says(False), run, finished, monkeypatch)
+    (episode,) = Episodes.read(run.episodes).episodes
+    assert [d.subtask for d in record.differences] == episode.subtasks
+    for found in record.differences:
+        assert (found.earlier_verdict.accepted, found.verdict.accepted, found.truth.success) == (True, False, True)
+        assert found.verdict.reason == "it always says so"
+        assert found.text
+        for name in (*found.verdict.pictures, *found.earlier_verdict.pictures):
+            assert (run.verdicts.parent / name).is_file()
+
+
+def test_both_critics_are_counted_over_refused_attempts_too(run, finished, monkeypatch):
+    steps = len(Episodes.read(run.episodes).episodes[0].subtasks)
+    record = judged_by(Says(True), run, finished, monkeypatch)
+    assert record.earlier_critic == CriticCounts.of([(True, True)] * steps + [(False, True), (False, False)])
+    assert record.critic == CriticCounts.of([(True, True)] * (steps + 1) + [(True, False)])
+    assert [d.attempt for d in record.differences] == [7, 8]
+
+
+def test_the_verdicts_of_accepted_episodes_are_of_their_verified_attempts_alone(run, finished, monkeypatch):
+    record = judged_by(Says(True), run, finished, monkeypatch)
+    (episode,) = Episodes.read(run.episodes).episodes
+    ((file, verdicts),) = record.episodes.items()
+    assert file == episode.file
+    assert [v.pictures for v in verdicts] == [[f"../episodes/{p}" for p in v.pictures] for v in episode.verdicts]
+
+
+def test_every_difference_has_a_picture_to_look_at(run, finished, monkeypatch):
+    record = judged_by(Says(False), run, finished, monkeypatch)
+    drawn = [run.verdicts.parent / found.picture for found in record.differences]
+    assert drawn and sorted(drawn) == sorted((run.verdicts.parent / "differences").iterdir())
+    assert all(read_picture(path).shape[1] == 2 * VIEW + 3 * EDGE for path in drawn)
+
+
+def test_the_same_critic_differs_nowhere_from_itself(finished):
+    record = Verdicts.read(finished.run.verdicts)
+    assert record.differences == [] and record.not_kept == 0
+    assert record.critic == record.earlier_critic == Episodes.read(finished.run.episodes).critic
+    assert not (finished.run.verdicts.parent / "differences").exists()
+
+
+def test_an_attempt_that_lost_a_picture_is_left_out_and_counted(run, finished, monkeypatch):
+    (run.episodes.parent / read_log(run.episodes.parent)[0].verdict.pictures[0]).unlink()
+    record = judged_by(Says(True), run, finished, monkeypatch)
+    assert record.not_kept == 1
+    assert [d.attempt for d in record.differences] == [8]
+    assert record.critic.judged == record.earlier_critic.judged == len(read_log(run.episodes.parent)) - 1
+
+
+def test_where_nothing_is_kept_that_is_said(run, finished, monkeypatch, caplog):
+    attempts = read_log(run.episodes.parent)
+    write_log(run, [a.model_copy(update={"truth": None}) for a in attempts])
+    told = verify.summary(judged_by(Says(False), run, finished, monkeypatch))
+    assert f"of none of {len(attempts)} judged attempts" in caplog.text
+    assert (told["critic"]["judged"], told["differ"], told["not_kept"]) == (0, 0, len(attempts))
+    assert told["critic"]["recall"]["share"] is None
+
+
+def test_a_model_behind_an_endpoint_is_compared_by_the_command(run, monkeypatch, capsys):
+    attempts = read_log(run.episodes.parent)
+    no = json.dumps({"observations": "none", "accepted": False, "reason": "I see no block", "confidence": 0.7})
+    with StandIn() as server:
+        monkeypatch.setenv("VCAGE_GEMINI_API_KEY", server.key)
+        monkeypatch.setenv("VCAGE_GEMINI_BASE_URL", server.url)
+        server.queue(*[text_answer(no)] * len(attempts))
+        told = command(capsys, "verify", "--run", run.root, "--models", "gemini").record["summary"]
+    assert len(server.requests) == len(attempts)
+    assert told["critic"]["recall"] == {"some": 0, "of": len(attempts) - 1, "share": 0.0, "low": 0.0} | {
+        "high": told["critic"]["recall"]["high"]
+    }
+    assert told["differ"] == told["earlier_critic"]["true_accepted"] == len(attempts) - 2
+    assert {d.verdict.reason for d in Verdicts.read(run.verdicts).differences} == {"I see no block"}
+
+
+def test_another_log_makes_the_verdicts_stale(finished, tmp_path):
+    run = copied(finished.run, tmp_path / "run")
+    write_log(run, read_log(run.episodes.parent)[:-1])
+    with pytest.raises(StaleStage, match=r"episodes/log\.jsonl"):
+        verify.execute(run, OPTIONS, finished.context)
+
+
+# --- one pair ------------------------------------------------------------------------------------------
 
 
 def test_a_pair_is_judged_by_what_it_shows(finished):

@@ -56,6 +56,10 @@ class Canvas:
         """
         self.draw.text(at, words, fill=fill, font=ImageFont.load_default(size) if size else self.font)
 
+    def paste(self, at: tuple[int, int], picture: np.ndarray) -> None:
+        """A (H, W, 3) uint8 picture with its upper left corner at ``at``, (u, v) in pixels."""
+        self.image.paste(Image.fromarray(picture), at)
+
     def arrow(self, start: Sequence[float], end: Sequence[float], colour: Colour, width: int = 3) -> None:
         """An arrow with a light rim, from ``start`` to ``end`` in pixels; nothing where they meet.
 

@@ -21,9 +21,11 @@ PICTURE = arg(metavar="PNG")
 
 @dataclass(frozen=True, kw_only=True)
 class Verify(StageCommand[verify.Options], Command):
-    """Judge by looking whether sub-tasks were done: finished episodes again, or one pair of pictures.
+    """Judge by looking whether sub-tasks were done: all that was collected again, or one pair of pictures.
 
-    Reads episodes/. Writes verify/verdicts.json; with --before and --after only answers.
+    Reads episodes/, with the pictures of refused attempts. Writes verify/verdicts.json: verdicts of the accepted
+    episodes, precision and recall of this critic and of the one that collected (n and interval at 95 %), and where the
+    two differ, each with a picture in verify/differences/. With --before and --after only answers.
 
     examples:
       vcage verify --run runs/stationery --models gemini --force

@@ -139,15 +139,33 @@ class Episodes(StageDocument):
     critic: CriticCounts
 
 
+class Difference(Record):
+    """An attempt of which a second critic says otherwise than the one that collected."""
+
+    episode: int = Field(ge=0)
+    step: int = Field(ge=0, description="index in the chain")
+    attempt: int = Field(ge=0)
+    subtask: Identifier
+    text: str = Field(description="the sub-task in words")
+    earlier_verdict: Verdict = Field(description="of the critic that collected")
+    verdict: Verdict
+    truth: Truth
+    picture: str = Field(description="what both looked at, side by side with what they said; relative to this file")
+
+
 class Verdicts(StageDocument):
-    """``verify/verdicts.json``: finished episodes judged again."""
+    """``verify/verdicts.json``: what was collected judged again."""
 
-    SCHEMA: ClassVar[str] = "vcage.verdicts/1"
+    SCHEMA: ClassVar[str] = "vcage.verdicts/2"
 
-    episodes: dict[str, list[Verdict]] = Field(description="episode file → one verdict per sub-task")
+    episodes: dict[str, list[Verdict]] = Field(description="file of an accepted episode → one verdict per sub-task")
     taken_over: int = Field(
         default=0, ge=0, description="verdicts of the collection that the same critic had given on the same question"
     )
+    critic: CriticCounts = Field(description="this critic, over all attempts of which pictures and truth are kept")
+    earlier_critic: CriticCounts = Field(description="the critic that collected, over the same attempts")
+    not_kept: int = Field(ge=0, description="attempts judged while collecting that have no pictures or truth any more")
+    differences: list[Difference] = Field(description="where the two say otherwise, in the order of the attempts")
 
 
 class SingleVerdict(Document):

@@ -78,7 +78,7 @@ class EpisodeStore:
         self.episodes = sorted([*self.episodes, episode], key=lambda one: one.index)
         self._attempts = sorted([*self._attempts, *attempts], key=lambda one: one.episode)
         lines = [attempt.model_dump_json() + "\n" for attempt in self._attempts]
-        write_text(self.folder / "log.jsonl", "".join(lines))
+        write_text(log_path(self.folder), "".join(lines))
         self._record().write(self._index)
 
     def finish(self) -> Episodes:
@@ -110,13 +110,18 @@ def background_name(episode: int) -> str:
     return f"critic/e{episode:06d}-background-top.png"
 
 
+def log_path(folder: Path) -> Path:
+    """Where all attempts of the episodes in a folder are noted."""
+    return folder / "log.jsonl"
+
+
 def read_log(folder: Path) -> list[Attempt]:
     """The attempts of ``log.jsonl``, in order; none when there is no log.
 
     Raises:
         DamagedFile: a line is not an attempt.
     """
-    path = folder / "log.jsonl"
+    path = log_path(folder)
     try:
         lines = path.read_text(encoding="utf-8").splitlines() if path.is_file() else []
         return [Attempt.model_validate_json(line) for line in lines]

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from vcage.base.errors import InputFileError
 from vcage.base.geometry import Camera, Pose, box_corners, look_at
 from vcage.models.protocols import CriticQuestion
 from vcage.plans.actions import HOLDING
@@ -110,9 +111,12 @@ def _question(context: StageContext, scene: Scene, asking: Asking) -> CriticQues
     goals, seen = asking.goals, asking.seen
     objects, taken_by = {o.id: o for o in context.objects(scene)}, cameras(scene, goals)
     opened = _opened(goals, asking.requires)
+    if asking.background is not None:
+        _view(asking.background, taken_by[TOP], "empty table")
 
     def views(when: str) -> dict[str, View]:
-        return {name: View(p, taken_by[name]) for name, p in seen.get(when, {}).items() if name in taken_by}
+        shown = {name: p for name, p in seen.get(when, {}).items() if name in taken_by}
+        return {name: _view(p, taken_by[name], f"{when}, {name}") for name, p in shown.items()}
 
     def draw(object_id: str, pose: Pose, camera: Camera, window: Window, shares: Mapping[str, float]) -> Drawing:
         return context.drawing(scene.object(object_id), pose, camera, window, shares)
@@ -150,6 +154,20 @@ def _question(context: StageContext, scene: Scene, asking: Asking) -> CriticQues
         background=asking.background,
         grasped=asking.grasped,
     )
+
+
+def _view(picture: np.ndarray, camera: Camera, name: str) -> View:
+    """A picture with the camera that took it.
+
+    Raises:
+        InputFileError: it is of another size than that camera takes, or has other channels.
+    """
+    if picture.shape != (camera.height, camera.width, 3):
+        raise InputFileError(
+            f"the picture ({name}) has the shape {picture.shape}; its camera takes {camera.width} x {camera.height}",
+            hint="give pictures as collect keeps them in episodes/critic",
+        )
+    return View(picture, camera)
 
 
 def _rooms(goal: Goal, objects: Mapping[str, SceneObject], opened: Mapping[str, Sequence[str]]) -> np.ndarray:

@@ -1,9 +1,11 @@
-"""Stage 7: judge finished episodes again, or any pair of pictures of a run's table (paper, section III-C)."""
+"""Stage 7: judge what was collected again, or any pair of pictures of a run's table (paper, section III-C)."""
 
 from __future__ import annotations
 
+import logging
 import re
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -11,16 +13,20 @@ import numpy as np
 
 from vcage.base.errors import InputFileError, MissingStage, UnknownName
 from vcage.base.files import RunFolder
-from vcage.base.pictures import read_picture
+from vcage.base.pictures import read_picture, write_picture
 from vcage.base.progress import Progress, silent
 from vcage.schema.base import Provenance
-from vcage.schema.episodes import Episode, Episodes, SingleVerdict, Verdict, Verdicts
+from vcage.schema.episodes import Attempt, Difference, Episodes, SingleVerdict, Verdict, Verdicts
 from vcage.schema.scene import Scene
-from vcage.schema.subtasks import Subtasks
+from vcage.schema.subtasks import Subtask, Subtasks
 from vcage.stages.context import StageContext
-from vcage.stages.episode_store import background_name
+from vcage.stages.differences import draw_difference
+from vcage.stages.episode_store import background_name, confusion, log_path, read_log
 from vcage.stages.question import TOP, Asking, verdict
 from vcage.stages.stage import Job, ModelOptions, StageResult, stage_seed
+from vcage.tasks.loop import Seen
+
+logger = logging.getLogger(__name__)
 
 _NAMED = re.compile(r"-(before|after|moment|start)-(\w+)\.png$")
 """How collect names what a verdict looked at: when, and by which camera."""
@@ -34,7 +40,7 @@ def job(run: RunFolder, options: Options, context: StageContext) -> Job:
     return Job(
         run=run,
         output=run.verdicts,
-        inputs=[run.layout, run.subtasks, run.episodes],
+        inputs=[run.layout, run.subtasks, run.episodes, log_path(run.episodes.parent)],
         seed=stage_seed(run, options.seed),
         providers=context.models.providers("critic"),
     )
@@ -43,38 +49,109 @@ def job(run: RunFolder, options: Options, context: StageContext) -> Job:
 def summary(record: Verdicts) -> dict[str, Any]:
     """A few facts for whoever ran the stage."""
     verified = sum(all(v.accepted for v in verdicts) for verdicts in record.episodes.values())
-    return {"episodes": len(record.episodes), "verified": verified, "taken_over": record.taken_over}
+    return {
+        "episodes": len(record.episodes),
+        "verified": verified,
+        "taken_over": record.taken_over,
+        "critic": record.critic.model_dump(mode="json"),
+        "earlier_critic": record.earlier_critic.model_dump(mode="json"),
+        "not_kept": record.not_kept,
+        "differ": len(record.differences),
+    }
 
 
 def execute(
     run: RunFolder, options: Options, context: StageContext, progress: Progress = silent
 ) -> StageResult[Verdicts]:
-    """Write ``verify/verdicts.json``: one verdict per sub-task of every accepted episode, from the pictures kept.
+    """Write ``verify/verdicts.json``: a verdict on every attempt of which pictures are kept, and both critics counted.
 
     What the same critic said of the same pictures while they were collected is taken over, unless ``force`` asks for it
-    to look again.
+    to look again. Where the two critics differ, a picture in ``verify/differences`` shows what they looked at.
     """
     stage = job(run, options, context)
 
-    def make(_folder: Path, provenance: Provenance) -> Verdicts:
-        collected = Episodes.read(run.episodes)
-        now, then = provenance, collected.provenance
-        same_critic = (now.version, now.providers["critic"]) == (then.version, then.providers.get("critic"))
+    def make(folder: Path, provenance: Provenance) -> Verdicts:
+        then = Episodes.read(run.episodes).provenance
+        same_critic = (provenance.version, provenance.providers["critic"]) == (
+            then.version,
+            then.providers.get("critic"),
+        )
         judge = _Judge(run, context, take_over=same_critic and not options.force)
-        accepted = [e for e in collected.episodes if e.accepted]
-        judged, known = {}, 0
-        for number, episode in enumerate(accepted):
-            progress(f"episode {episode.index}", number, len(accepted))
-            verdicts = judge.episode(episode)
-            judged[episode.file or f"episode {episode.index}"] = [verdict for verdict, _ in verdicts]
-            known += sum(taken_over for _, taken_over in verdicts)
-        return Verdicts(provenance=provenance, episodes=judged, taken_over=known)
+        return _judged(run, judge, folder, provenance, progress)
 
     return stage.do(Verdicts, make, force=options.force)
 
 
+def _judged(run: RunFolder, judge: _Judge, folder: Path, provenance: Provenance, progress: Progress) -> Verdicts:
+    """Judge every verified sub-task, without whose pictures there is an error, and every other attempt that can be."""
+    accepted = [episode for episode in Episodes.read(run.episodes).episodes if episode.accepted]
+    steps = [_Question(e.index, *step) for e in accepted for step in zip(e.subtasks, e.verdicts, strict=True)]
+    tried = [(a, _Question(a.episode, a.subtask, a.verdict)) for a in read_log(run.episodes.parent) if a.verdict]
+    kept = [(attempt, question) for attempt, question in tried if attempt.truth and judge.sees(question)]
+    if not kept:
+        logger.warning(
+            "verify: of none of %d judged attempts are pictures and truth kept: nothing to count", len(tried)
+        )
+    questions = {q.pictures: q for q in [*steps, *(question for _, question in kept)]}  # a verified step is both
+    said: dict[tuple[str, ...], Verdict] = {}
+    for number, (pictures, question) in enumerate(questions.items()):
+        progress(f"episode {question.episode}", number, len(questions))
+        said[pictures] = judge.again(question)
+    again = [attempt.model_copy(update={"verdict": said[question.pictures]}) for attempt, question in kept]
+    return Verdicts(
+        provenance=provenance,
+        episodes={e.file or f"episode {e.index}": [said[tuple(v.pictures)] for v in e.verdicts] for e in accepted},
+        taken_over=judge.taken_over,
+        critic=confusion(again),
+        earlier_critic=confusion([attempt for attempt, _ in kept]),
+        not_kept=len(tried) - len(kept),
+        differences=[
+            _difference(judge, question, attempt, folder)
+            for attempt, (_, question) in zip(again, kept, strict=True)
+            if attempt.verdict.accepted != question.earlier.accepted  # pyrefly: ignore
+        ],
+    )
+
+
+def _difference(judge: _Judge, question: _Question, attempt: Attempt, folder: Path) -> Difference:
+    """Record where the verdict on an attempt is not the earlier one, and draw it."""
+    found = Difference(
+        episode=attempt.episode,
+        step=attempt.step,
+        attempt=attempt.attempt,
+        subtask=attempt.subtask,
+        text=judge.subtask(question).text,
+        earlier_verdict=question.earlier.model_copy(update={"pictures": judge.from_verify(question)}),
+        verdict=attempt.verdict,  # pyrefly: ignore
+        truth=attempt.truth,  # pyrefly: ignore
+        picture=f"differences/e{attempt.episode:06d}-s{attempt.step}-a{attempt.attempt}.png",
+    )
+    write_picture(folder / found.picture, draw_difference(found, judge.seen(question)))
+    return found
+
+
+@dataclass(frozen=True)
+class _Question:
+    """A sub-task that was judged while it was collected.
+
+    Args:
+        episode: its number.
+        subtask: id.
+        earlier: the verdict, with its pictures relative to the folder of the episodes.
+    """
+
+    episode: int
+    subtask: str
+    earlier: Verdict
+
+    @property
+    def pictures(self) -> tuple[str, ...]:
+        """Names that no other attempt's pictures have."""
+        return tuple(self.earlier.pictures)
+
+
 class _Judge:
-    """Judges the episodes of a run.
+    """Judges again what a run collected.
 
     Args:
         run: the run folder.
@@ -86,20 +163,33 @@ class _Judge:
         self._folder, self._context, self._take_over = run.episodes.parent, context, take_over
         self._scene = Scene.read(run.layout)
         self._subtasks = {s.id: s for s in Subtasks.read(run.subtasks).kept}
+        self.taken_over = 0
 
-    def episode(self, episode: Episode) -> list[tuple[Verdict, bool]]:
-        """A verdict for each sub-task, and whether it was taken over."""
-        empty = read_picture(self._folder / background_name(episode.index))
-        told = []
-        for name, earlier in zip(episode.subtasks, episode.verdicts, strict=True):
-            seen = _seen([self._folder / picture for picture in earlier.pictures], self._scene)
-            subtask = self._subtasks[name]
-            asking = Asking.of(subtask, seen, empty)
-            known = self._take_over and earlier.question == asking.hash
-            said = earlier if known else verdict(self._context, self._scene, asking)
-            pictures = [f"../{self._folder.name}/{picture}" for picture in earlier.pictures]
-            told.append((said.model_copy(update={"pictures": pictures}), known))
-        return told
+    def subtask(self, question: _Question) -> Subtask:
+        """What was to be done."""
+        return self._subtasks[question.subtask]
+
+    def sees(self, question: _Question) -> bool:
+        """Whether all that was looked at is kept."""
+        pictures = (*question.pictures, background_name(question.episode))
+        return bool(question.pictures) and all((self._folder / name).is_file() for name in pictures)
+
+    def seen(self, question: _Question) -> Seen:
+        """The pictures that were looked at."""
+        return _seen([self._folder / name for name in question.pictures], self._scene)
+
+    def from_verify(self, question: _Question) -> list[str]:
+        """Their paths, relative to the folder of the verdicts."""
+        return [f"../{self._folder.name}/{name}" for name in question.pictures]
+
+    def again(self, question: _Question) -> Verdict:
+        """A verdict on it, or the earlier one where that stands."""
+        empty = read_picture(self._folder / background_name(question.episode))
+        asking = Asking.of(self.subtask(question), self.seen(question), empty)
+        known = self._take_over and question.earlier.question == asking.hash
+        self.taken_over += known
+        said = question.earlier if known else verdict(self._context, self._scene, asking)
+        return said.model_copy(update={"pictures": self.from_verify(question)})
 
 
 def judge_pair(run: RunFolder, context: StageContext, subtask_id: str, before: Path, after: Path) -> SingleVerdict:

@@ -4,20 +4,22 @@ from __future__ import annotations
 
 import base64
 import re
+from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
 
 import h5py
 import pytest
 
-from tests.runs import INSTRUCTION, STAGES, Finished, copied
+from tests.runs import INSTRUCTION, OPTIONS, STAGES, Finished, copied
 from vcage.apps.report.page import write_report
 from vcage.base.errors import DamagedFile, MissingStage
 from vcage.base.files import RunFolder, read_json, write_json
 from vcage.base.pictures import read_picture
 from vcage.base.videos import decode
-from vcage.schema.episodes import Episodes
+from vcage.schema.episodes import Episodes, Verdict
 from vcage.schema.subtasks import Subtasks
+from vcage.stages import verify
 
 
 class Page(HTMLParser):
@@ -83,7 +85,7 @@ def test_it_names_the_instruction_the_subtasks_and_the_reasons(finished, page):
     subtasks = Subtasks.read(finished.run.subtasks)
     wanted = [INSTRUCTION, *(s.text for s in subtasks.kept), *(r.reason for r in subtasks.refused)]
     assert all(words in page.text for words in wanted + [v.reason for v in episode.verdicts])
-    assert all(stage in page.text for stage in STAGES if stage != "verify")
+    assert all(stage in page.text for stage in STAGES)
 
 
 def test_every_accepted_episode_has_a_video_that_plays(finished, page, tmp_path):
@@ -113,6 +115,32 @@ def test_pictures_of_all_stages_and_verdicts_are_inside(finished, page, tmp_path
     path = tmp_path / "first.jpg"
     path.write_bytes(base64.b64decode(page.of("img")[0].split(",")[1]))
     assert read_picture(path).std() > 10
+
+
+class Refuses:
+    """A critic that says no to everything."""
+
+    provider = "doubter"
+
+    def judge(self, _question: object) -> Verdict:
+        return Verdict(accepted=False, reason="I doubt it", confidence=0.6, provider=self.provider)
+
+
+def test_what_two_critics_differ_about_is_shown_with_both_counted(finished, tmp_path, monkeypatch):
+    run = copied(finished.run, tmp_path / "run", before="verify")
+    pictures = len(Page(write_report(run).read_text(encoding="utf-8")).of("img"))
+    monkeypatch.setattr(finished.context, "models", replace(finished.context.models, critic=Refuses()))
+    record = verify.execute(run, OPTIONS, finished.context).record
+    page = Page(write_report(run).read_text(encoding="utf-8"))
+    assert page.open == []
+    assert len(page.of("img")) == pictures + len(record.differences) > pictures
+    counted = f"recall {record.critic.recall}; wrongly accepted 0, wrongly refused {len(record.differences)}"
+    for words in ("Judged again by doubter", counted, "I doubt it", record.differences[0].truth.reason):
+        assert words in page.text
+
+
+def test_critics_that_agree_are_said_to(page):
+    assert "Judged again by offline" in page.text and "The two differ on none of them." in page.text
 
 
 @pytest.mark.parametrize("stage", STAGES[1:])

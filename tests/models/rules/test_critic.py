@@ -131,6 +131,31 @@ def test_another_thing_that_was_moved_on_the_way_is_seen(name: str) -> None:
     assert not verdict.accepted and "where nothing should" in verdict.reason
 
 
+@pytest.mark.parametrize("name", TWO)
+def test_a_black_picture_is_never_a_yes(name: str) -> None:
+    before, thing = earlier(name, 1)
+    place = before[0]
+    goal = Goal(subject=thing.id, relation="on" if place is PLATE else "inside", reference=place.id)
+    asked = critic_question(before, swapped(before, thing, placed(thing, place, 1)), goal)
+    black = {"top": replace(asked.after["top"], picture=np.zeros_like(asked.after["top"].picture))}
+    assert not OfflineCritic().judge(replace(asked, after=black)).accepted
+    assert not OfflineCritic().judge(replace(asked, before=black, after=black)).accepted
+
+
+def test_a_box_of_the_tables_colour_that_is_gone_is_rejected() -> None:
+    before, thing = earlier("white-box", 0)
+    fell = placed(thing, before[0], 0).moved(base=0.0)
+    verdict = judge(before, [fell, *before[2:]], thing)
+    assert not verdict.accepted and "knocked away" in verdict.reason
+
+
+def test_a_thing_that_balances_on_the_edge_is_rejected() -> None:
+    before, thing = earlier("plate", 0)
+    across = thing.moved(at=(PLATE.at[0] + 0.71 * PLATE.size[0] / 2 - 0.002, PLATE.at[1]), base=PLATE.size[2])
+    verdict = judge(before, swapped(before, thing, across), thing)
+    assert not verdict.accepted and "across the edge" in verdict.reason
+
+
 def test_a_missing_reference_is_named() -> None:
     before, thing = earlier("box", 0)
     goal = Goal(subject=thing.id, relation="inside", reference="box")

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import cache
+from types import MappingProxyType
 
 import numpy as np
 import pytest
 
 from tests.scenes import TABLE_TOP, library, scene_of, thing
+from vcage.base.errors import InputFileError
 from vcage.base.geometry import Pose
 from vcage.schema.episodes import Verdict
 from vcage.schema.goals import Goal
@@ -42,9 +44,13 @@ def table(*names: str):
 
 
 def judged(
-    goals: list[Goal], states: Mapping[str, Mapping[str, Pose]], *names: str, grasped: str | None = None
+    goals: list[Goal],
+    states: Mapping[str, Mapping[str, Pose]],
+    *names: str,
+    grasped: str | None = None,
+    spoilt: Mapping[str, Callable[[np.ndarray], np.ndarray]] = MappingProxyType({}),
 ) -> Verdict:
-    """The verdict on states in which some objects stand elsewhere than at first."""
+    """The verdict on states in which some objects stand elsewhere than at first, some of the pictures spoilt."""
     scene, world = table(*names)
 
     def seen(poses: Mapping[str, Pose]):
@@ -54,6 +60,8 @@ def judged(
 
     empty = seen(dict.fromkeys(names, GONE))[TOP]
     told = {when: seen(poses) for when, poses in states.items()}
+    for when, spoil in spoilt.items():
+        told[when] = {name: spoil(picture) for name, picture in told[when].items()}
     return verdict(context(), scene, Asking("x", goals, told, empty, grasped=grasped))
 
 
@@ -141,3 +149,59 @@ def test_without_a_picture_of_the_moment_nothing_is_read() -> None:
     goal = Goal(subject=BOX.id, relation="scanned")
     told = judged([goal], {"before": {}, "after": {}}, BOX.id, SCANNER.id, grasped=SCANNER.id)
     assert not told.accepted and "no picture shows the moment" in told.reason
+
+
+def stranger(picture: np.ndarray) -> np.ndarray:
+    """With something magenta on the table that was not there."""
+    height, width = picture.shape[:2]
+    painted = picture.copy()
+    painted[int(0.6 * height) : int(0.68 * height), int(0.62 * width) : int(0.68 * width)] = (200, 30, 160)
+    return painted
+
+
+def noise(picture: np.ndarray) -> np.ndarray:
+    return np.random.default_rng(0).integers(0, 256, picture.shape, dtype=np.uint8)
+
+
+DONE = {
+    "presented": ([SHOWN], {BOX.id: FACING}, (BOX.id, PLATE.id)),
+    "left_of": (
+        [Goal(subject=APPLE.id, relation="left_of", reference=PLATE.id)],
+        {APPLE.id: Pose([-0.1, 0.05, TABLE_TOP])},
+        (APPLE.id, PLATE.id),
+    ),
+    "on": (
+        [Goal(subject=APPLE.id, relation="on", reference=TABLE)],
+        {APPLE.id: Pose([0.0, -0.1, TABLE_TOP])},
+        (APPLE.id, PLATE.id),
+    ),
+}
+SPOILT = {"black": np.zeros_like, "noise": noise, "a stranger": stranger, "upside down": lambda p: p[::-1, ::-1].copy()}
+
+
+@pytest.mark.parametrize("what", SPOILT)
+@pytest.mark.parametrize("done", DONE)
+def test_a_picture_that_cannot_be_of_this_table_is_never_a_yes(done: str, what: str) -> None:
+    goals, after, names = DONE[done]
+    told = judged(goals, {"before": {}, "after": after}, *names, spoilt={"after": SPOILT[what]})
+    assert not told.accepted and told.reason
+
+
+@pytest.mark.parametrize("what", SPOILT)
+def test_a_scan_whose_last_picture_cannot_be_of_this_table_is_not_one(what: str) -> None:
+    states = {"before": {}, "moment": {SCANNER.id: next(iter(reading_poses(SCANNER, BOX, TABLE_TOP)))}, "after": {}}
+    goals, names = [Goal(subject=BOX.id, relation="scanned")], (BOX.id, SCANNER.id)
+    told = judged(goals, states, *names, grasped=SCANNER.id, spoilt={"after": SPOILT[what]})
+    assert not told.accepted, told.reason
+
+
+def test_a_picture_of_another_size_is_an_error_that_names_it() -> None:
+    goals, after, names = DONE["on"]
+    with pytest.raises(InputFileError, match=r"after, top.* takes 640 x 480"):
+        judged(goals, {"before": {}, "after": after}, *names, spoilt={"after": lambda p: p[::2, ::2].copy()})
+
+
+def test_a_question_without_goals_is_an_error() -> None:
+    _, after, names = DONE["on"]
+    with pytest.raises(InputFileError, match="no goal"):
+        judged([], {"before": {}, "after": after}, *names)

@@ -15,7 +15,17 @@ from vcage.models.rules.verdicts import decide_handed, decide_others, decide_pla
 from vcage.schema.episodes import Failure
 from vcage.schema.goals import Goal
 
-IN = Placed(left=0.9, shifted=0, inside=0.8, share=0.9, alike=0.9, beside=0, explained=np.zeros((1, 1), bool))
+IN = Placed(
+    left=0.9,
+    shifted=0,
+    stirred=0,
+    inside=0.8,
+    share=0.9,
+    alike=0.9,
+    beside=0,
+    margin=0.1,
+    explained=np.zeros((1, 1), bool),
+)
 """What is where it should be."""
 
 STANDS = Standing(Pose(), (0.1, 0.1, 0.1), 0.0, np.ones((1, 1), bool))

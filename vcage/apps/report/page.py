@@ -21,7 +21,7 @@ from vcage.base.version import __version__
 from vcage.plans.kept import relations_kept_in
 from vcage.schema.base import StageDocument
 from vcage.schema.compression import Compression
-from vcage.schema.episodes import Episode, Episodes, Verdict
+from vcage.schema.episodes import Difference, Episode, Episodes, Verdict, Verdicts
 from vcage.schema.export import Export
 from vcage.schema.matches import Matches
 from vcage.schema.plan import Plan
@@ -70,7 +70,7 @@ def _context(run: RunFolder) -> dict[str, Any]:
     scene = Scene.read(run.scene)
     plan, matches = _read(run.plan, Plan), _read(run.matches, Matches)
     layout, subtasks = _read(run.layout, Scene), _read(run.subtasks, Subtasks)
-    episodes = _read(run.episodes, Episodes)
+    episodes, judged_again = _read(run.episodes, Episodes), _read(run.verdicts, Verdicts)
     documents = {
         "scene": scene,
         "plan": plan,
@@ -78,6 +78,7 @@ def _context(run: RunFolder) -> dict[str, Any]:
         "layout": layout,
         "subtasks": subtasks,
         "episodes": episodes,
+        "judged_again": judged_again,
         "compression": _read(run.compression, Compression),
         "export": _read(run.export, Export),
     }
@@ -94,6 +95,7 @@ def _context(run: RunFolder) -> dict[str, Any]:
         "previewed": PREVIEWED,
         "rejections": rejections,
         "refused": [_verdict_card(run, a.verdict, a.subtask) for a in rejections if a.verdict],
+        "differences": [_difference_card(run, found) for found in judged_again.differences] if judged_again else [],
         "timings": read_timings(run),
         "provenances": [d.provenance for d in documents.values() if d is not None],
         "refusals": Counter(r.reason for r in subtasks.refused).most_common() if subtasks else [],
@@ -138,6 +140,10 @@ def _episode_card(run: RunFolder, episode: Episode, video: str | None) -> dict[s
 def _verdict_card(run: RunFolder, verdict: Verdict, subtask: str) -> dict[str, Any]:
     urls = [_picture_url(run.episodes.parent / picture, max_width=480) for picture in verdict.pictures]
     return {"verdict": verdict, "subtask": subtask, "pictures": [url for url in urls if url]}
+
+
+def _difference_card(run: RunFolder, found: Difference) -> dict[str, Any]:
+    return {"difference": found, "url": _picture_url(run.verdicts.parent / found.picture)}
 
 
 @cache

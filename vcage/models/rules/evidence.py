@@ -17,8 +17,8 @@ from vcage.vision.table_model import fit_table
 CHANGED = 4.0
 """Least colour distance between the two pictures above which a pixel has changed."""
 
-NOISE_FACTOR = 8.0
-"""That limit grows with the noise: so many times the median distance between the pictures."""
+NOISE_FACTOR, NOISIEST = 8.0, 12.0
+"""That limit grows with the noise: so many times the median distance between the pictures, but no farther."""
 
 HEADINGS, STARTS = 24, 8
 """Headings around the circle that are tried where something stands, and how many more poses than things are refined."""
@@ -65,5 +65,5 @@ def places(image: LabImage, template: ObjectTemplate, standing: np.ndarray) -> F
 def changed(before: np.ndarray, after: np.ndarray) -> np.ndarray:
     """(H, W) bool: pixels that differ by more than noise, without specks."""
     away = distance(before, after)
-    change = away > max(CHANGED, NOISE_FACTOR * float(np.median(away)))
+    change = away > np.clip(NOISE_FACTOR * float(np.median(away)), CHANGED, NOISIEST)
     return cv2.morphologyEx(change.astype(np.uint8), cv2.MORPH_OPEN, np.ones((2, 2), np.uint8)).astype(bool)

@@ -10,7 +10,8 @@ import numpy as np
 
 from vcage.base.geometry import Camera, Pose
 from vcage.models.rules.change import Change, grown
-from vcage.models.rules.standing import Sought
+from vcage.models.rules.evidence import changed
+from vcage.models.rules.standing import Sought, Standing
 from vcage.vision.colour import palette, palette_distance, smoothed, to_lab
 from vcage.vision.protocols import Reference, View
 
@@ -32,6 +33,12 @@ BESIDE = 40
 STAYED = 0.5
 """A receptacle of whose border less than this changed stands where it stood."""
 
+MOVING = 2.0
+"""Where more than so many times the object's area changed in its receptacle, that may have moved a little."""
+
+FARTHEST = 16
+"""So far at most, pixels along each side of the picture."""
+
 
 @dataclass(frozen=True)
 class Placed:
@@ -40,19 +47,23 @@ class Placed:
     Args:
         left: share of the object's old outline that has changed.
         shifted: how far the receptacle moved, metres; inf where it is not found again.
+        stirred: share of the receptacle that changed and does not look like the object.
         inside: what came to be seen where it should be, over the object's area.
         share: of what looks like the object around the receptacle, how much is where it should be.
         alike: share of what is there, or of as much as the object covers, that looks like it.
         beside: what came to be seen around the receptacle, far from where the object was, over the object's area.
+        margin: how far inside the edge of where it should be the middle of what looks like it is, metres.
         explained: (H, W) bool, where the sub-task changes the picture.
     """
 
     left: float
     shifted: float
+    stirred: float
     inside: float
     share: float
     alike: float
     beside: float
+    margin: float
     explained: np.ndarray
 
 
@@ -79,29 +90,30 @@ def gather_placed(
     old = thing.found(before, change.all if room is None else change.all & ~room)
     if stands is None or room is None or old is None:
         return None
-    inner = cv2.erode(stands.covered.astype(np.uint8), np.ones((BORDER, BORDER), np.uint8)).astype(bool)
-    border, shifted = stands.covered & ~inner, 0.0
-    if border.any() and change.things[border].mean() > STAYED:
-        now = place.standing({"top": after["top"]})
-        shifted = np.inf
-        if now is not None and now.unlike < unlike:
-            shifted = float(np.linalg.norm(now.pose.p - stands.pose.p))
-            room = _covered(rooms, now.pose, camera)
-    wide = grown(room | stands.covered, AROUND)
+    now = _stands_now(place, stands, change, after, unlike)
+    if now is not None and now is not stands:
+        room = _covered(rooms, now.pose, camera)
+    here, wide, area = grown(room, EDGE), grown(room | stands.covered, AROUND), max(1, int(old.covered.sum()))
     came = change.things & ~grown(old.covered, AROUND) & wide
     alike = np.zeros_like(came)
     alike[came] = looks_like(thing.look, smoothed(after["top"].picture)[came])
-    here = grown(room, EDGE)
+    stirred = (came & ~grown(alike, BORDER))[stands.covered]
+    if (came & here).sum() > MOVING * area:
+        came = _besides_shift(before["top"].picture, after["top"].picture, came)
+        alike &= came
+    seen, size = max(1, int((came & here).sum())), float(np.hypot(*np.ptp(np.argwhere(old.covered), axis=0)))
+    reaching = _reaching(change.things & ~old.covered, here) & grown(here, size / 2)
     near = change.things & _about(wide) & ~here & ~_about(old.covered)
-    area, seen = max(1, int(old.covered.sum())), max(1, int((came & here).sum()))
     return Placed(
         left=float(change.all[old.covered].mean()) if old.covered.any() else 0.0,
-        shifted=shifted,
+        shifted=np.inf if now is None else float(np.linalg.norm(now.pose.p - stands.pose.p)),
+        stirred=float(stirred.mean()) if stirred.size else 0.0,
         inside=float((came & here).sum()) / area,
         share=float((alike & here).sum()) / max(1, int(alike.sum())),
         alike=float((alike & here).sum()) / min(seen, area),
         beside=float(near.sum()) / area,
-        explained=grown(old.covered, AROUND) | wide | grown(_reaching(change.things & ~old.covered, here), AROUND),
+        margin=_margin(alike & here, rooms, (now or stands).pose, camera),
+        explained=grown(old.covered, AROUND) | wide | grown(reaching, AROUND),
     )
 
 
@@ -109,6 +121,45 @@ def _about(mask: np.ndarray) -> np.ndarray:
     """(H, W) bool: a mask and what is beside it, in a square, which is a hundred times as fast as a circle."""
     side = 2 * BESIDE + 1
     return cv2.dilate(mask.astype(np.uint8), np.ones((side, side), np.uint8)).astype(bool)
+
+
+def _stands_now(
+    place: Sought, stands: Standing, change: Change, after: Mapping[str, View], unlike: float
+) -> Standing | None:
+    """Where a receptacle stands afterwards; None where it is not found."""
+    inner = cv2.erode(stands.covered.astype(np.uint8), np.ones((BORDER, BORDER), np.uint8)).astype(bool)
+    border = stands.covered & ~inner
+    moved = border.any() and change.things[border].mean() > STAYED
+    if not moved and not place.gone(stands, after["top"]):
+        return stands
+    now = place.standing({"top": after["top"]})
+    return now if now is not None and now.unlike < unlike and not place.gone(now, after["top"]) else None
+
+
+def _besides_shift(before: np.ndarray, after: np.ndarray, change: np.ndarray) -> np.ndarray:
+    """What of a change (H, W) bool between two pictures (H, W, 3) is more than that something there was shifted a
+    little, as a drawer is that the hand meets."""
+    v, u = (slice(axis.min(), axis.max() + 1) for axis in np.nonzero(change))
+    wider = cv2.copyMakeBorder(before, *(FARTHEST,) * 4, cv2.BORDER_REPLICATE)
+    wider = wider[v.start : v.stop + 2 * FARTHEST, u.start : u.stop + 2 * FARTHEST]
+    differs = cv2.matchTemplate(wider, after[v, u], cv2.TM_SQDIFF, mask=change[v, u].astype(np.uint8))
+    du, dv = cv2.minMaxLoc(differs)[2]
+    return change & changed(
+        smoothed(np.roll(before, (FARTHEST - dv, FARTHEST - du), (0, 1))),
+        smoothed(after),
+    )
+
+
+def _margin(alike: np.ndarray, rooms: np.ndarray, pose: Pose, camera: Camera) -> float:
+    """How far inside rooms (n, 8, 3) in the frame of something at a pose the middle of a mask (H, W) is, metres."""
+    if not alike.any():
+        return -np.inf
+    middle = np.argwhere(alike).mean(axis=0)[::-1] + 0.5
+    margins = []
+    for corners in rooms:
+        at = pose.inverse().apply(camera.unproject(middle[None], float(pose.apply(corners)[:, 2].min())))[0]
+        margins.append(float((np.ptp(corners, axis=0) / 2 - np.abs(at - corners.mean(axis=0)))[:2].min()))
+    return max(margins)
 
 
 def _reaching(mask: np.ndarray, room: np.ndarray) -> np.ndarray:

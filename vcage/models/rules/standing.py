@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from vcage.base.geometry import Camera, Pose
-from vcage.models.rules.evidence import FILLED, middles, places, salience
+from vcage.models.rules.evidence import CHANGED, FILLED, middles, places, salience
 from vcage.sim.drawer import Drawing, Window
 from vcage.vision.colour import LabImage, distance, smoothed, to_lab
 from vcage.vision.detector import MIN_AREA, components
@@ -170,13 +170,26 @@ class Sought:
         there = self.where_planned(views)
         if there is None or not there.covered.any():
             return self.standing(views, among)
-        empty = salience(views["top"].picture, self.background)[there.covered].mean() < FILLED
+        empty = self.gone(there, views["top"])
         if not empty and there.unlike < SURELY:
             return there
         elsewhere = self.standing(views, among)
         if elsewhere is not None and (empty or elsewhere.unlike + CLEARLY < there.unlike):
             return elsewhere
         return None if empty and there.unlike > CAP / 3 else there
+
+    def gone(self, there: Standing, top: View) -> bool:
+        """Whether a view from above shows the empty table where the object would stand: what tells a drawing of it from
+        the table is not seen."""
+        if self.background is None:
+            return float(salience(top.picture, None)[there.covered].mean()) < FILLED
+        window = window_around(there.pose.p + [0, 0, self.look.size[2] / 2], self.look.size, top.camera)
+        drawing, picture = self.draw(there.pose, top.camera, window), cut(top.picture, window)
+        own = to_lab(as_bright(drawing, picture).astype(np.uint8))
+        seen, bare = smoothed(picture), smoothed(cut(self.background, window))
+        telling = drawing.covered & inside(top.picture, window) & (distance(own, bare) > CHANGED)
+        speaks = (distance(seen, own) < distance(seen, bare))[telling]
+        return speaks.size > 0 and float(speaks.mean()) < FILLED
 
     def _seen_at(self, pose: np.ndarray, height: float, sights: Sequence[_Sight], camera: Camera) -> Standing:
         unlike = _unlike(pose, height, [replace(s, outline=np.zeros_like(s.outline)) for s in sights], self.draw)

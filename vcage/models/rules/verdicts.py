@@ -21,6 +21,12 @@ INSIDE = {"inside": 0.2, "on": 0.4}
 MOSTLY = 0.6
 """Share of what looks like an object around its receptacle that must be seen where it should be."""
 
+NEARLY_ALL, WELL_IN = 0.9, 0.025
+"""That share of what has its middle nearer to the edge than this, metres: it may well balance there."""
+
+STIRRED_PLACE = 0.27
+"""A receptacle of which more than this share changed, and shows no more of the object, was knocked over."""
+
 SEEN_OPEN, SEEN_CLOSED = 0.7, 0.15
 """Share of its range at which a part must seem to be at least, or at most, to count as open or turned, or as closed."""
 
@@ -45,7 +51,7 @@ LOOKS = 0.2
 UNLIKE = 14.0
 """Mean colour distance between what stands somewhere and drawings of an object from which on it is another."""
 
-BARE = 0.6
+BARE = 0.8
 """Share of the outline of what stands on the table that must have been empty table before."""
 
 FACING = np.radians(40)
@@ -95,17 +101,17 @@ def decide_placed(evidence: Placed | None, goal: Goal, thing: str, place: str) -
     word = "in" if goal.relation == "inside" else "on"
     if evidence is None:
         return refuse(f"the {thing} or the {place} is not found before", 0.5)
-    seen = f"{100 * evidence.inside:.0f} % of it is seen {word} the {place}"
+    seen = f"{100 * min(1.0, evidence.inside):.0f} % of it is seen {word} the {place}"
     if evidence.left < LEFT:
         return refuse(f"the {thing} still lies where it was", 1 - evidence.left, "lost")
-    if evidence.shifted > MAX_SHIFT:
+    if evidence.shifted > MAX_SHIFT or evidence.stirred > STIRRED_PLACE:
         return refuse(f"the {place} was knocked away or tipped over", 0.8, "astray")
     if evidence.inside < INSIDE[goal.relation]:
         failure: Failure = "astray" if evidence.beside >= BESIDE else "lost"
         return refuse(f"the {thing} left its place and is not found {word} the {place}: {seen}", 0.8, failure)
     if evidence.alike < LOOKS:
         return refuse(f"what came to be {word} the {place} does not look like the {thing}", 0.7)
-    if evidence.share < MOSTLY:
+    if evidence.share < (MOSTLY if evidence.margin > WELL_IN else NEARLY_ALL):
         return refuse(
             f"the {thing} lies across the edge of the {place}: {100 * evidence.share:.0f} % {word} it", 0.7, "astray"
         )

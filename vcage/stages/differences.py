@@ -1,0 +1,83 @@
+"""A picture of a question on which two critics differ: what they looked at, what each said of it, and the truth."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Iterator, Sequence
+
+import cv2
+import numpy as np
+
+from vcage.base.drawing import INK, PAPER, WARNING, Canvas, Colour
+from vcage.schema.episodes import Difference, Truth, Verdict
+from vcage.tasks.loop import Seen
+
+VIEW, EDGE, CAPTION = 640, 16, 30
+"""Width of a view, space around it, and height of the line above it, pixels."""
+
+WORDS, LINE = 20, 28
+"""Height of the words and of a line of them, pixels."""
+
+LETTERS = 120
+"""That fit into a line, as wide as the words of a verdict are on average."""
+
+
+def draw_difference(found: Difference, seen: Seen) -> np.ndarray:
+    """The views before and after side by side, those of other moments below, and under them who said what.
+
+    Args:
+        found: what is drawn; a verdict that the simulator's state does not bear out is red.
+        seen: the pictures that both critics looked at, (H, W, 3) uint8 RGB.
+
+    Returns:
+        (H', W', 3) uint8, two views wide.
+    """
+    views = _views(seen)
+    rows = [views[k : k + 2] for k in range(0, len(views), 2)]
+    heights = [CAPTION + max(len(picture) for _, picture in row) + EDGE for row in rows]
+    lines = list(_lines(found))
+    height = EDGE + sum(heights) + len(lines) * LINE + EDGE
+    canvas = Canvas(np.full((height, 2 * VIEW + 3 * EDGE, 3), PAPER, dtype=np.uint8), text_size=WORDS)
+    for row, top in zip(rows, EDGE + np.cumsum([0, *heights]), strict=False):
+        for left, (caption, picture) in zip((EDGE, VIEW + 2 * EDGE), row, strict=False):
+            canvas.text((left, top), caption)
+            canvas.paste((left, top + CAPTION), picture)
+    for number, (line, colour) in enumerate(lines):
+        canvas.text((EDGE, EDGE + sum(heights) + number * LINE), line, fill=colour)
+    return canvas.picture()
+
+
+def _views(seen: Seen) -> Sequence[tuple[str, np.ndarray]]:
+    """Captions and pictures: before and after of each camera, in the order in which it was looked through; then the
+    others."""
+    cameras = dict.fromkeys(camera for pictures in seen.values() for camera in pictures)
+    order = [(when, camera) for camera in cameras for when in ("before", "after")]
+    order += [(when, camera) for when in seen if when not in ("before", "after") for camera in cameras]
+    return [
+        (f"{when}, {camera}", _scaled(seen[when][camera])) for when, camera in order if camera in seen.get(when, {})
+    ]
+
+
+def _scaled(picture: np.ndarray) -> np.ndarray:
+    height, width = picture.shape[:2]
+    size = (VIEW, round(height * VIEW / width))
+    return cv2.resize(picture, size, interpolation=cv2.INTER_AREA if width > VIEW else cv2.INTER_CUBIC)
+
+
+def _lines(found: Difference) -> Iterator[tuple[str, Colour]]:
+    """What is written, line by line, and in which colour."""
+    said = [("while collecting", found.earlier_verdict), ("again", found.verdict)]
+    paragraphs = [(f"Episode {found.episode}, step {found.step}, attempt {found.attempt}: {found.text}", INK)]
+    paragraphs += [(_verdict(when, v), WARNING if v.accepted != found.truth.success else INK) for when, v in said]
+    paragraphs += [(_truth(found.truth), INK)]
+    for words, colour in paragraphs:
+        yield from ((line, colour) for line in textwrap.wrap(words, LETTERS, subsequent_indent="    "))
+
+
+def _verdict(when: str, said: Verdict) -> str:
+    yes = "yes" if said.accepted else "no"
+    return f"{said.provider}, {when}, says {yes} ({said.confidence:.2f}): {said.reason}"
+
+
+def _truth(truth: Truth) -> str:
+    return f"The simulator's state says {'yes' if truth.success else 'no'}: {truth.reason}"
