@@ -1,54 +1,39 @@
-"""What the closed loop is worth: verified long trajectories per hour, failures planted so that steps succeed at a rate.
+"""What the closed loop is worth: verified long trajectories per hour, with failures that are planted by hand.
 
-A chain of sub-tasks is carried out over and over, once trying again from the last verified state (``resample``), once
-beginning anew at the first failure (``abort``), and once without looking (``open``). What was put down is taken away
-again by hand in a share of the attempts, so that a step fails as often as is asked for, whoever looks. Once the critic
-that looks at pictures judges, once one that is always right. Trajectories are counted that were accepted; ``false`` are
-those in which some step had failed all the same. In theory, where steps succeed with p, resampling needs n / p attempts
-for n steps and aborting (1 − pⁿ) / (1 − p) / pⁿ.
+A chain of sub-tasks is carried out over and over. First what was put down is taken away again in a share of the
+attempts, so that a step fails as often as is asked for, whoever looks: once trying again from the last verified state
+(``resample``), once beginning anew at the first failure (``abort``), and once without looking (``open``). Once the
+critic that looks at pictures judges, once one that is always right. In theory, where steps succeed with p, resampling
+needs n / p attempts for n steps and aborting (1 − pⁿ) / (1 − p) / pⁿ.
+
+Then failures have causes that stay: of the grasps of a step, and of the slots, a share is bad each time. What a bad
+grasp takes is found near where it was, what goes to a bad slot beside its receptacle; a step is tried again as often as
+``collect`` does. Here ``resample`` changes what the critic says went wrong, ``blind`` knows no more than that it is a
+no, and changes grasp and slot together; ``named`` is the share of planted failures that the critic gave their right
+name. ``counted`` has the same for more shares and a thousand steps, without physics and with every reason right.
+
+Trajectories are counted that were accepted; ``false`` are those in which some step had failed all the same, ``over
+plain`` is how many times those per hour of ``abort``, or of ``blind``, there are.
 """
 
 from __future__ import annotations
 
 import argparse
 import logging
-import tempfile
 import time
-from dataclasses import replace
-from functools import partial
-from pathlib import Path
-from typing import Any, Literal
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
-from benchmarks._laying_out import lay_out
-from vcage.base.errors import VcageError
-from vcage.base.files import RunFolder
-from vcage.base.geometry import Pose
-from vcage.plans.actions import lasting
-from vcage.schema.episodes import Truth, Verdict
-from vcage.schema.goals import in_steps
-from vcage.schema.scene import Scene
-from vcage.schema.subtasks import Subtask, Subtasks
-from vcage.sim.robots import load_robot
-from vcage.sim.world import World
-from vcage.stages import search_subtasks, select_place
-from vcage.stages.context import StageContext
-from vcage.stages.photographs import Photographer, episode_light
-from vcage.stages.question import Asking, verdict
-from vcage.stages.stage import ModelOptions
-from vcage.tasks.events import Watch
-from vcage.tasks.ground import Ground
-from vcage.tasks.loop import EpisodeRun, PicturesByCamera, Seen, Setting, run_episode
-from vcage.tasks.slots import slots_for_chain
-from vcage.tasks.synthesis import Script, load_script
-from vcage.tasks.task import Asked, Task
-from vcage.tasks.truth import goals_hold
+from benchmarks._loop.chain import Chain, Critic, Mode, Played
+from benchmarks._loop.counted import counted
+from benchmarks._loop.planted import Causes, Chance, Kind, Planted
+from vcage.schema.episodes import Failure
+from vcage.stages import collect
 
 logger = logging.getLogger(__name__)
-
-Mode = Literal["resample", "abort", "open"]
-Critic = Literal["pictures", "perfect"]
 
 CHAINS = {
     (6, 0.75): "Pick six blocks and put them in the packaging box",
@@ -56,13 +41,23 @@ CHAINS = {
 }
 """(steps, share of attempts that succeed) → a sentence for as many."""
 
-RETRIES = 12
-"""Further attempts of a step: enough that hardly any chain ends for want of them."""
+GOOD = 0.7
+"""Share of the grasps, and of the slots, that are good where failures have causes."""
 
-MOST_BEGUN = 100
-"""A row ends when so many times the trajectories that are wanted were begun, with those that were accepted by then."""
+SHARES = (0.9, 0.8, 0.7, 0.6, 0.5)
+"""The same, where it is counted without physics."""
 
-FPS = 10
+PLENTY = 12
+"""Further attempts of a step where failures happen by chance: enough that hardly any chain ends for want of them."""
+
+LOOPS: Mapping[Critic, Sequence[Mode]] = {"pictures": ("resample", "abort", "open"), "perfect": ("resample", "abort")}
+"""Who judges → what follows a failure that happens by chance."""
+
+PLAIN = ("abort", "blind")
+"""What the others are measured by."""
+
+MOST_ATTEMPTS = 300
+"""A row ends when one trajectory takes more attempts than that: seven times what theory asks of the longest."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -71,119 +66,113 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(quick: bool, trajectories: int | None = None) -> dict[str, Any]:
-    """Rows for each chain, critic and what follows a failure.
+    """Rows for each chain, kind of failure, critic and what follows a failure.
 
     Args:
         quick: the shorter chain alone, and one trajectory of each row.
         trajectories: accepted ones of each row.
     """
     wanted = trajectories or (1 if quick else 8)
-    rows = []
+    found = []
     for (steps, share), sentence in list(CHAINS.items())[: 1 if quick else None]:
-        chain = _Chain(sentence, steps, share)
-        for critic in ("pictures", "perfect"):
-            rates: dict[str, float] = {}
-            for mode in ("resample", "abort", "open"):
-                if critic == "perfect" and mode == "open":
-                    continue  # nobody looks
-                row = chain.row(mode, critic, wanted)
-                rates[mode] = row["per_hour"]
-                rows.append(row)
-            for row in rows[-len(rates) :]:
-                row["over_abort"] = round(row["per_hour"] / rates["abort"], 2) if rates.get("abort") else None
-    return {"rows": rows}
+        chain = Chain(sentence, steps)
+        for critic, modes in LOOPS.items():
+            rows = [_Row(chain, steps, "chance", share, PLENTY, critic, mode) for mode in modes]
+            if critic == "pictures":
+                few = collect.Options.retries
+                rows += [_Row(chain, steps, "causes", GOOD, few, critic, mode) for mode in ("resample", "blind")]
+            for _ in range(wanted):  # in turn, so that whatever else the machine does slows all down alike
+                for row in rows:
+                    row.next_accepted()
+            found += _compared([row.figures() for row in rows])
+    return {"rows": found, "counted": counted(SHARES, collect.Options.retries, 200 if quick else 1000)}
 
 
-class _Chain:
-    """A chain of sub-tasks in a scene, carried out again and again."""
+@dataclass
+class Tally:
+    """What came of the episodes of a row.
 
-    def __init__(self, sentence: str, steps: int, share: float):
-        self._context = StageContext("offline")
-        self._steps, self._share = steps, share
-        with tempfile.TemporaryDirectory() as folder:
-            run = RunFolder(Path(folder) / "run")
-            lay_out(run, select_place.Options(instruction=sentence, models="offline"), self._context)
-            search_subtasks.execute(run, ModelOptions(models="offline"), self._context)
-            self._scene, found = Scene.read(run.layout), Subtasks.read(run.subtasks)
-            kept = {subtask.id: subtask for subtask in found.kept}
-            self._chain = [(kept[n], load_script(run.root / kept[n].script)) for n in found.chains[0].subtasks]
-        if len(self._chain) != steps:
-            raise VcageError(f"{sentence!r} became {len(self._chain)} sub-tasks, not {steps}")
-        self._objects = self._context.objects(self._scene)
-        self._by_id = {o.id: o for o in self._objects}
-        self._known = Truth(success=False, reason="nothing was done yet")
-        self._robot, self._models = load_robot(self._scene.robot), self._context.physical_models(self._scene)
-        look = episode_light(np.random.default_rng(0))
-        self._photographer = Photographer(self._scene, self._models, self._robot, look)
-        self._empty = self._photographer.empty_table()
+    Args:
+        accepted: episodes whose every step was.
+        false: those of them in which some step had failed.
+        attempts: at all steps.
+        failed: attempts that did not do the step.
+        steps: that were verified.
+        named: planted failures that were refused, and what they were taken for.
+    """
 
-    def row(self, mode: Mode, critic: Critic, wanted: int) -> dict[str, Any]:
-        """Trajectories until as many were accepted as are wanted."""
-        rng = np.random.default_rng(7)
-        accepted, false, attempts, failed, begun = 0, 0, 0, 0, time.perf_counter()
-        for _ in range(wanted * MOST_BEGUN):
-            if accepted == wanted:
-                break
-            done = self._one(mode, critic, rng)
-            attempts += len(done.attempts)
-            failed += sum(not (a.truth and a.truth.success) for a in done.attempts)
-            accepted += done.accepted
-            false += done.accepted and not all(s.truth.success for s in done.segments)
-        seconds = time.perf_counter() - begun
-        logger.info("%d steps, %s, %s: %d in %.0f s", self._steps, critic, mode, accepted, seconds)
+    accepted: int = 0
+    false: int = 0
+    attempts: int = 0
+    failed: int = 0
+    steps: int = 0
+    named: list[tuple[Failure, Failure | None]] = field(default_factory=list)
+
+    def count(self, played: Played) -> None:
+        """Add an episode."""
+        done = played.run
+        self.attempts += len(done.attempts)
+        self.failed += sum(not (a.truth and a.truth.success) for a in done.attempts)
+        self.steps += len(done.segments)
+        self.accepted += done.accepted
+        self.false += done.accepted and not all(s.truth.success for s in done.segments)
+        self.named += played.named
+
+    def figures(self, seconds: float) -> dict[str, Any]:
+        """Of what took so long."""
+        right = sum(planted == said for planted, said in self.named)
         return {
-            "steps": self._steps,
-            "critic": "none" if mode == "open" else critic,
-            "mode": mode,
-            "accepted": accepted,
-            "false": false,
-            "attempts": attempts,
-            "step_success": round(1 - failed / attempts, 3),
-            "per_hour": round(accepted / seconds * 3600, 1),
-            "true_per_hour": round((accepted - false) / seconds * 3600, 1),
+            "accepted": self.accepted,
+            "false": self.false,
+            "attempts": self.attempts,
+            "attempts_per_accepted": round(self.attempts / self.accepted, 1) if self.accepted else None,
+            "step_success": round(1 - self.failed / self.attempts, 3),
+            "attempts_per_step": round(self.attempts / self.steps, 2) if self.steps else None,
+            "seconds_per_attempt": round(seconds / self.attempts, 2),
+            "named": round(right / len(self.named), 2) if self.named else None,
+            "per_hour": round(self.accepted / seconds * 3600, 1),
+            "true_per_hour": round((self.accepted - self.false) / seconds * 3600, 1),
         }
 
-    def _one(self, mode: Mode, critic: Critic, rng: np.random.Generator) -> EpisodeRun:
-        looks = critic == "pictures" and mode != "open"
-        chain = [(s, replace(script, play=partial(self._play, s, script, rng))) for s, script in self._chain]
-        slots = slots_for_chain([s for s, _ in chain], self._objects, self._robot, Ground.of(self._scene), rng)
-        setting = Setting(
-            build=lambda: World.of_scene(self._scene, self._models, self._robot),
-            objects=self._by_id,
-            slots=slots,
-            photograph=self._photographer.shots if looks else _nothing,
-            judge=self._judge if looks else _accept if mode == "open" else self._know,
-            on_failure="resample" if mode == "resample" else "abort",
-            retries=RETRIES,
-            fps=FPS,
-        )
-        return run_episode(setting, chain, 0, lasting(in_steps(self._scene.goals)))
 
-    def _play(self, subtask: Subtask, script: Script, rng: np.random.Generator, task: Task) -> None:
-        """Carry out a script; then, sometimes, bring what was put down back and let it fall on the table."""
-        world, was = task.world, task.world.object_pose(subtask.object)
-        script.play(task)
-        if rng.random() >= self._share:
-            turn = Pose.from_yaw([0, 0, 0], float(rng.uniform(0.3, np.pi)))
-            away = was.p + [*rng.uniform(-0.02, 0.02, 2), 0.02]
-            world.set_object_pose(subtask.object, Pose(away, (turn * Pose(q=was.q)).q))
-            world.settle()
-        watch = Watch(world, self._by_id, subtask.goals)
-        self._known = goals_hold(subtask.goals, {name: watch.now(name) for name in self._by_id}, watch)
-        watch.stop()
+@dataclass
+class _Row:
+    """Episodes of one kind, and the time that they took."""
 
-    def _know(self, _asked: Asked, _subtask: Subtask, _seen: Seen) -> Verdict:
-        known = self._known
-        return Verdict(accepted=known.success, reason=known.reason, confidence=1.0, provider="benchmark")
+    chain: Chain
+    steps: int
+    kind: Kind
+    share: float
+    retries: int
+    critic: Critic
+    mode: Mode
+    tally: Tally = field(default_factory=Tally)
+    rng: np.random.Generator = field(default_factory=lambda: np.random.default_rng(7))
+    begun: int = 0
+    seconds: float = 0.0
+    hopeless: bool = False
 
-    def _judge(self, asked: Asked, subtask: Subtask, seen: Seen) -> Verdict:
-        told = (seen, self._empty, subtask.requires, subtask.grasped)
-        return verdict(self._context, self._scene, Asking(asked.text, asked.goals, *told))
+    def next_accepted(self) -> None:
+        """Begin episodes until one more is accepted, unless so many attempts were in vain that none will be."""
+        start, before, wanted = time.perf_counter(), self.tally.attempts, self.tally.accepted + 1
+        while not self.hopeless and self.tally.accepted < wanted:
+            planted: Planted = Chance(self.share, self.rng) if self.kind == "chance" else Causes(self.share, self.begun)
+            self.tally.count(self.chain.carried_out(self.mode, self.critic, planted, self.retries, self.begun))
+            self.begun += 1
+            self.hopeless = self.tally.accepted < wanted and self.tally.attempts - before > MOST_ATTEMPTS
+        self.seconds += time.perf_counter() - start
+        told = (self.steps, self.kind, self.critic, self.mode, self.tally.accepted, self.seconds)
+        logger.info("%d steps, %s, %s, %s: %d in %.0f s", *told)
 
-
-def _nothing(*_: Any) -> PicturesByCamera:
-    return {}
+    def figures(self) -> dict[str, Any]:
+        """Of the episodes so far."""
+        who = "none" if self.mode == "open" else self.critic
+        told = {"steps": self.steps, "failures": self.kind, "critic": who, "mode": self.mode}
+        return told | self.tally.figures(self.seconds)
 
 
-def _accept(_asked: Asked, _subtask: Subtask, _seen: Seen) -> Verdict:
-    return Verdict(accepted=True, reason="nobody looks here", confidence=1.0, provider="benchmark")
+def _compared(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Rows with their trajectories per hour over those of the plainest of the same failures."""
+    plain = {row["failures"]: row["per_hour"] for row in rows if row["mode"] in PLAIN}
+    over = [(row, plain[row["failures"]]) for row in rows]
+    return [{**row, "over_plain": round(row["per_hour"] / least, 2) if least else None} for row, least in over]

@@ -12,7 +12,7 @@ import numpy as np
 from vcage.base.geometry import Pose, world_aabb
 from vcage.objects.library import Library
 from vcage.schema.base import PoseRecord, Provenance
-from vcage.schema.episodes import Verdict
+from vcage.schema.episodes import Failure, Verdict
 from vcage.schema.goals import Goal
 from vcage.schema.robot import Robot
 from vcage.schema.scene import ObjectRecord, Role, Scene, SceneTemplate
@@ -144,16 +144,17 @@ def script_of(step: Subtask, play: Callable[[Task], None] | None = None) -> Scri
 
 @dataclass
 class Critic:
-    """Answers in turn, then the last answer for ever; remembers what it was asked."""
+    """Answers in turn, then the last answer for ever: yes, no, or what went wrong; remembers what it was asked."""
 
-    answers: Sequence[bool] = (True,)
+    answers: Sequence[bool | Failure] = (True,)
     asked: list[Asked] = field(default_factory=list)
 
     def __call__(self, asked: Asked, subtask: Subtask, seen: Seen) -> Verdict:
         answer = self.answers[min(len(self.asked), len(self.answers) - 1)]
         self.asked.append(asked)
-        reason = "it is there" if answer else "it is not there"
-        return Verdict(accepted=answer, reason=reason, confidence=1.0, provider="test")
+        accepted, failure = answer is True, None if isinstance(answer, bool) else answer
+        reason = "it is there" if accepted else "it is not there"
+        return Verdict(accepted=accepted, reason=reason, confidence=1.0, provider="test", failure=failure)
 
 
 def setting(

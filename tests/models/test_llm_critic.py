@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from typing import get_args
+
 import pytest
 
-from vcage.models.llm_critic import _in_words
+from vcage.models.llm_critic import Judgement, _in_words, _verdict
+from vcage.models.structured import flat_schema
+from vcage.schema.episodes import Failure, Verdict
 from vcage.schema.goals import Goal
 
 PHRASES = {"box": "red box", "cabinet": "white cabinet"}
@@ -26,3 +30,18 @@ PHRASES = {"box": "red box", "cabinet": "white cabinet"}
 )
 def test_a_goal_is_told_in_words(goal: Goal, words: str) -> None:
     assert _in_words(goal, PHRASES) == words
+
+
+def test_the_answer_may_name_every_failure_that_a_retry_heeds() -> None:
+    allowed = flat_schema(Judgement)["properties"]["failure"]["enum"]
+    assert set(allowed) == {"none", "other", *get_args(Failure)}
+
+
+@pytest.mark.parametrize(
+    ("accepted", "failure", "told"),
+    [(False, "astray", "astray"), (False, "other", None), (False, "none", None), (True, "lost", None)],
+)
+def test_only_a_no_tells_what_went_wrong(accepted: bool, failure: str, told: Failure | None) -> None:
+    answer = {"observations": "", "accepted": accepted, "failure": failure, "reason": "seen", "confidence": 0.9}
+    verdict = _verdict(Judgement.model_validate(answer), "test")
+    assert verdict == Verdict(accepted=accepted, reason="seen", confidence=0.9, provider="test", failure=told)

@@ -19,12 +19,13 @@ from tests.scenes import (
     thing,
 )
 from vcage.base.geometry import Pose
+from vcage.schema.episodes import Failure
 from vcage.schema.subtasks import Grasp
 from vcage.sim.recording import StateLog
 from vcage.stages.episode_store import confusion
 from vcage.tasks.loop import EpisodeRun, run_episode
 from vcage.tasks.slots import slots_for_chain
-from vcage.tasks.task import Task
+from vcage.tasks.task import Task, TaskFailed
 
 FAR = Pose([0.3, 0.1, TABLE_TOP])
 
@@ -170,6 +171,38 @@ def test_the_second_attempt_tries_another_grasp():
     grasps = [Grasp(contact=0, arm="left", score=-1.0), Grasp(contact=1, arm="right", score=-2.0)]
     run = play_once(Critic([False, True]), subtask(grasps=grasps))
     assert [(a.contact, a.arm) for a in run.attempts] == [(0, "left"), (1, "right")]
+
+
+@pytest.mark.parametrize(
+    ("failure", "changes"), [("lost", ["arm instead of"]), ("astray", ["from the slot"]), (False, ["arm", "slot"])]
+)
+def test_what_the_critic_says_went_wrong_decides_what_changes(failure: Failure | bool, changes: list[str]):
+    grasps = [Grasp(contact=0, arm="left", score=-1.0), Grasp(contact=1, arm="right", score=-2.0)]
+    run = play_once(Critic([failure, True]), subtask(grasps=grasps))
+    assert run.accepted
+    assert all(word in change for word, change in zip(changes, run.attempts[1].changes, strict=True))
+
+
+def test_a_third_attempt_avoids_what_both_others_failed_for():
+    grasps = [Grasp(contact=0, arm="left", score=-1.0), Grasp(contact=1, arm="right", score=-2.0)]
+    run = play_once(Critic(["lost", "astray", True]), subtask(grasps=grasps))
+    assert [(a.contact, a.arm) for a in run.attempts] == [(0, "left"), (1, "right"), (1, "right")]
+    assert [any("from the slot" in change for change in a.changes) for a in run.attempts] == [False, False, True]
+
+
+def test_what_slips_out_of_the_fingers_is_held_otherwise_and_goes_to_the_same_slot():
+    grasps = [Grasp(contact=0, arm="left", score=-1.0), Grasp(contact=1, arm="right", score=-2.0)]
+
+    def lose_once(task: Task) -> None:
+        task.pick("block", [(g.contact, g.arm) for g in grasps])
+        if task.arm == "left":
+            raise TaskFailed("grasp", "it slipped")
+        task.place("plate")
+        task.home()
+
+    run = play_once(Critic(), subtask(grasps=grasps), lose_once)
+    assert [a.stage for a in run.attempts] == ["grasp", "done"]
+    assert run.attempts[1].changes == ["contact 1 with the right arm instead of contact 0 with the left arm"]
 
 
 def test_an_episode_with_a_retry_is_the_same_bit_for_bit_when_it_is_run_again(resampled: EpisodeRun):

@@ -116,6 +116,18 @@ def test_another_slot_keeps_away_from_those_of_the_other_objects():
         assert not boxes_overlap(world_aabb(objects[0].asset.bounds, slot.pose), there)
 
 
+def test_the_other_slots_keep_clear_of_what_was_brought_to_another_slot_than_was_planned():
+    objects = [thing("marker", (-0.2, 0.0)), thing("block", (0.2, 0.0)), thing("packaging_box", (0, 0.05))]
+    chain = [subtask(o.id, "packaging_box", "inside") for o in objects[:2]]
+    slots = by_object(chain, slots_for_chain(chain, objects, robot(), GROUND, rng(0)))
+    for block in other_slots(slots, "block", {o.id: o for o in objects}):
+        lies = objects[1].moved(objects[2].frame(0) * block.pose)
+        for slot in other_slots(slots, "marker", {o.id: o for o in (objects[0], lies, objects[2])}):
+            assert not boxes_overlap(
+                world_aabb(objects[0].asset.bounds, slot.pose), world_aabb(objects[1].asset.bounds, block.pose)
+            )
+
+
 def test_the_other_slots_are_always_the_same():
     objects = [thing("marker", (-0.2, 0.0)), thing("packaging_box", (0, 0.05))]
     chain = [subtask("marker", "packaging_box", "inside")]

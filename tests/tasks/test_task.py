@@ -12,6 +12,7 @@ from vcage.base.errors import UnknownName
 from vcage.base.geometry import Pose
 from vcage.schema.goals import Goal
 from vcage.tasks.primitives.place import Surroundings
+from vcage.tasks.retry import Failed, Retry
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.slots import Slot
 from vcage.tasks.task import Task, TaskFailed
@@ -19,11 +20,11 @@ from vcage.tasks.task import Task, TaskFailed
 GRASPS = [(0, "left"), (0, "right"), (1, "left"), (1, "right")]
 
 
-def task_on(objects: Sequence[SceneObject], attempt: int = 0) -> Task:
+def task_on(objects: Sequence[SceneObject], failed: Sequence[Failed] = ()) -> Task:
     """A task in a settled world; the block's slot is the middle of the plate."""
     world = world_of(objects)
     world.settle()
-    return Task(world, {o.id: o for o in objects}, {"block": ON_PLATE}, attempt)
+    return Task(world, {o.id: o for o in objects}, {"block": ON_PLATE}, Retry(tuple(failed)))
 
 
 @pytest.fixture
@@ -61,10 +62,28 @@ def test_the_first_grasp_that_can_be_planned_is_taken(task: Task):
     assert (task.contact, task.arm) == GRASPS[0]
 
 
-def test_a_later_attempt_begins_with_another_grasp():
-    task = task_on(block_and_plate(), attempt=1)
+@pytest.mark.parametrize(
+    ("blamed", "grasp", "same_slot"),
+    [({"grasp"}, (0, "right"), True), ({"slot"}, (0, "left"), False), ({"arm"}, (0, "right"), True)],
+)
+def test_a_further_attempt_changes_what_was_to_blame_and_keeps_the_rest(
+    blamed: set[str], grasp: tuple[int, str], same_slot: bool
+):
+    task = task_on(block_and_plate(), [Failed(*GRASPS[0], ON_PLATE, frozenset(blamed))])
     task.pick("block", GRASPS)
-    assert (task.contact, task.arm) == GRASPS[1]
+    task.place("plate")
+    assert (task.contact, task.arm) == grasp
+    assert (task.slot == ON_PLATE) is same_slot
+    assert [("arm instead of" in change, "from the slot" in change) for change in task.changes] == (
+        [(True, False)] if same_slot else [(False, True)]
+    )
+
+
+def test_where_there_is_no_other_grasp_the_slot_changes():
+    task = task_on(block_and_plate(), [Failed(*GRASPS[0], ON_PLATE, frozenset({"grasp"}))])
+    task.pick("block", GRASPS[:1])
+    assert (task.contact, task.arm) == GRASPS[0]
+    assert task.slot != ON_PLATE
 
 
 def test_a_placed_object_comes_to_rest_in_its_slot(done: Task):

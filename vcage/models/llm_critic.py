@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated
+from typing import Annotated, Literal
 
 import numpy as np
 from pydantic import Field
@@ -22,6 +22,7 @@ class Judgement(Answer):
 
     observations: str
     accepted: bool
+    failure: Literal["none", "lost", "astray", "disturbed", "other"]
     reason: Annotated[str, Field(min_length=1)]
     confidence: float
 
@@ -57,9 +58,17 @@ class LlmCritic:
             pictures=[name for name, _ in named],
         )
         found = ask(self._chat, prompt, Judgement, pictures=[picture for _, picture in named], complaints=_complaints)
-        return Verdict(
-            accepted=found.accepted, reason=found.reason, confidence=found.confidence, provider=self.provider
-        )
+        return _verdict(found, self.provider)
+
+
+def _verdict(found: Judgement, provider: str) -> Verdict:
+    return Verdict(
+        accepted=found.accepted,
+        reason=found.reason,
+        confidence=found.confidence,
+        provider=provider,
+        failure=None if found.accepted or found.failure in ("none", "other") else found.failure,
+    )
 
 
 def _in_words(goal: Goal, phrases: Mapping[str, str]) -> str:

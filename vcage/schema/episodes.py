@@ -14,6 +14,10 @@ from vcage.schema.subtasks import Chain
 AttemptStage = Literal["plan", "grasp", "place", "verify", "done"]
 """How far an attempt at a sub-task came; ``done`` means that the critic accepted it."""
 
+Failure = Literal["lost", "astray", "disturbed"]
+"""What went wrong, as far as another attempt can do better: an object was not taken, or lost on the way; it was brought
+to where it does not stay (a rim, a place beside it, what receives it knocked over); something else was moved."""
+
 
 class Verdict(Record):
     """φ(I, T) ∈ {0, 1} of the paper, with the reason and the pictures that were looked at."""
@@ -22,6 +26,7 @@ class Verdict(Record):
     reason: str = Field(min_length=1)
     confidence: Finite = Field(ge=0, le=1)
     provider: str
+    failure: Failure | None = Field(default=None, description="what went wrong, where it is a no and that can be told")
     pictures: list[str] = Field(
         default=[], description="paths of the pictures, relative to the file that holds the verdict"
     )
@@ -47,7 +52,7 @@ class Attempt(Record):
     variant: Identifier
     arm: str | None
     contact: int | None
-    changes: list[str] = Field(default=[], description="what was done otherwise than planned: grasp, arm, slot")
+    changes: list[str] = Field(default=[], description="what was done otherwise: grasp, arm, slot, way to operate")
     stage: AttemptStage
     reason: str
     accepted: bool

@@ -23,6 +23,7 @@ from vcage.sim.recording import StateLog
 from vcage.sim.state import WorldState
 from vcage.sim.world import World
 from vcage.tasks.events import Watch
+from vcage.tasks.retry import Failed, Retry, blamed
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.slots import Slot
 from vcage.tasks.synthesis import Script
@@ -143,13 +144,22 @@ class _Trial:
         attempt: its record.
         pictures: file name → picture that the verdict looked at.
         segment: of the recording, if it was accepted.
+        slot: that it took.
         exhausted: another attempt would fail in the same way.
     """
 
     attempt: Attempt
     pictures: Mapping[str, np.ndarray] = field(default_factory=dict)
     segment: Segment | None = None
+    slot: Slot | None = None
     exhausted: bool = False
+
+    @property
+    def failed(self) -> Failed:
+        """What a further attempt is told of it."""
+        record = self.attempt
+        failure = None if record.verdict is None else record.verdict.failure
+        return Failed(record.contact, record.arm, self.slot, blamed(record.stage, failure))
 
 
 @dataclass(frozen=True)
@@ -185,13 +195,13 @@ class _Step:
                 world = self.setting.build()
                 world.restore(snapshot)
                 self.recording.record(world)
-            trials.append(self._try(world, attempt, start, before))
+            trials.append(self._try(world, Retry(tuple(trial.failed for trial in trials)), start, before))
             if trials[-1].attempt.accepted or trials[-1].exhausted:
                 break
         return world, trials
 
-    def _try(self, world: World, attempt: int, start: int, before: PicturesByCamera) -> _Trial:
-        task = Task(world, self.setting.objects, self.slots, attempt)
+    def _try(self, world: World, retry: Retry, start: int, before: PicturesByCamera) -> _Trial:
+        task, attempt = Task(world, self.setting.objects, self.slots, retry), len(retry.failed)
         watch = Watch(world, self.setting.objects, self.subtask.goals)
         try:
             self.script.play(task)
@@ -201,7 +211,7 @@ class _Step:
                 raise DamagedFile(message, hint="mend it, or run search_subtasks --force")
         except TaskFailed as error:
             record = self._attempt(task, attempt, error.stage, error.message, world.steps - start)
-            return _Trial(record, exhausted=error.exhausted)
+            return _Trial(record, slot=task.slot, exhausted=error.exhausted)
         finally:
             watch.stop()
         seen = self._seen(before, world, task)
@@ -212,7 +222,7 @@ class _Step:
         stage: AttemptStage = "done" if verdict.accepted else "verify"
         record = self._attempt(task, attempt, stage, verdict.reason, world.steps - start, verdict, truth)
         if not verdict.accepted:
-            return _Trial(record, pictures)
+            return _Trial(record, pictures, slot=task.slot)
         segment = Segment(
             subtask=self.subtask.id,
             text=self.subtask.text,

@@ -42,9 +42,6 @@ DRAWS = 8
 OTHERS = 6
 """Other slots that are drawn for an object that cannot be brought to its own."""
 
-THERE = 0.05
-"""An object nearer to its slot than this lies where it lies, metres."""
-
 
 @dataclass(frozen=True)
 class Slot:
@@ -312,9 +309,9 @@ def other_slots(slots: Mapping[str, Slot], object_id: str, objects: Mapping[str,
     present = lying_in(receptacle, [o for o in objects.values() if o.id not in slots])
     for key, slot in slots.items():
         if key != object_id and slot.receptacle == own.receptacle:
-            goal = slot.poses(objects)[0]
-            there = np.linalg.norm(objects[key].pose.p - goal.p) < THERE
-            present.append(objects[key] if there else objects[key].moved(goal))
+            # What was brought already may lie in another slot than was planned for it.
+            there = _lies_at(objects[key], receptacle, slot.point)
+            present.append(objects[key] if there else objects[key].moved(slot.poses(objects)[0]))
     rng = np.random.default_rng(list(object_id.encode()))
     found: list[Slot] = []
     for _ in range(OTHERS):
@@ -324,6 +321,15 @@ def other_slots(slots: Mapping[str, Slot], object_id: str, objects: Mapping[str,
             break
         found.append(replace(own, pose=poses[object_id]))
     return found
+
+
+def _lies_at(thing: SceneObject, receptacle: SceneObject, point: int | None) -> bool:
+    """Whether an object is in or on a receptacle now, at one of its functional points."""
+    if point is None:
+        return False
+    opening = receptacle.asset.opening(receptacle.asset.annotation.functional_point(point))
+    at = (receptacle.frame(point).inverse() * thing.pose).p[:2]
+    return bool(np.all(np.abs(at - opening.centre) < np.array(opening.size) / 2))
 
 
 def opened_for(receptacle: SceneObject, functional_point: int) -> SceneObject:

@@ -28,6 +28,7 @@ from vcage.tasks.primitives.pick import Grip, LeadsOn, PickPlan, PickWay, carry_
 from vcage.tasks.primitives.place import Surroundings, carry_out_place, plan_place
 from vcage.tasks.primitives.push import carry_out_push, plan_push
 from vcage.tasks.reading import reading_poses
+from vcage.tasks.retry import Retry
 from vcage.tasks.scene_objects import Obstacles, SceneObject
 from vcage.tasks.slots import Slot, other_slots
 from vcage.tasks.workcell import TaskFailed, Workcell, failing_at
@@ -51,24 +52,28 @@ class Task:
         world: where it happens; the robot is at home.
         objects: by id, with their geometry; poses are read from the world.
         slots: object id → where it goes.
-        attempt: number of the attempt; later ones begin with other grasps and slots.
+        retry: what earlier attempts at the same sub-task failed for; the first attempt when not given.
 
     Attributes:
         arm, contact: that took hold of something.
+        slot: where it goes, once that is chosen.
         changes: what is done otherwise than planned, in words.
         moment: state of the world when a part was pressed as far as it was, a code was before a scanner, both hands
             held what is handed over, a wait began, or something was let go.
     """
 
-    def __init__(self, world: World, objects: Mapping[str, SceneObject], slots: Mapping[str, Slot], attempt: int = 0):
+    def __init__(
+        self, world: World, objects: Mapping[str, SceneObject], slots: Mapping[str, Slot], retry: Retry | None = None
+    ):
         self.world = world
         self.arm: str | None = None
         self.contact: int | None = None
+        self.slot: Slot | None = None
         self.changes: list[str] = []
         self.moment: WorldState | None = None
         self._cell = Workcell(world, objects)
         self._slots = slots
-        self._attempt = attempt
+        self._retry = retry or Retry()
         self._grip: Grip | None = None
         self._left: Iterator[Slot] = iter(())
 
@@ -87,12 +92,8 @@ class Task:
             UnknownName: there is no such object, contact point or arm.
         """
         target = self._cell.object(object_id)
-        first = self._attempt % max(1, len(grasps))
-        plan = self._choose(target, [*grasps[first:], *grasps[:first]], hand_to)
-        self.arm, self.contact = plan.arm, plan.contact
-        if (plan.contact, plan.arm) != grasps[0]:
-            planned = f"contact {grasps[0][0]} with the {grasps[0][1]} arm"
-            self.changes.append(f"contact {plan.contact} with the {plan.arm} arm instead of {planned}")
+        plan = self._choose(target, grasps, hand_to)
+        self._say_grasp(plan, grasps)
         self._grip = carry_out_pick(self._cell, plan)
 
     def hand_over(self, to: str) -> None:
@@ -129,9 +130,9 @@ class Task:
             raise TaskFailed("plan", f"{object_id} cannot be held before {other_id}", exhausted=True)
         # Where it came from the hand has room, and before the other it lets go of nothing: no obstacle raises it.
         hover = replace(Surroundings.of(cell, object_id, TABLE, None), obstacles=Obstacles([]))
-        first = self._attempt % max(1, len(grasps))
-        plan = plan_pick(cell, target, [*grasps[first:], *grasps[:first]], self._leads_to(target, hover, poses))
-        self.arm, self.contact = plan.arm, plan.contact
+        in_turn = [grasp for _, some in self._retry.choices(grasps, [None]) for grasp in some]
+        plan = plan_pick(cell, target, in_turn, self._leads_to(target, hover, poses))
+        self._say_grasp(plan, grasps)
         grip = carry_out_pick(cell, plan)
         feel(cell, grip)
         shown, _ = plan_place(cell, grip, hover, [(None, poses)])
@@ -200,9 +201,10 @@ class Task:
         if object_id not in self._slots:
             raise UnknownName("slot", object_id, self._slots)
         failures: list[TaskFailed] = []
-        for slot in self._choices(object_id):
+        ways = [(None, arm) for arm in dict.fromkeys(arms) or self._nearest_first(thing)]
+        for slot, some in self._retry.choices(ways, self._slots_of(object_id)):
             try:
-                plan = plan_push(self._cell, thing, slot.pose, list(dict.fromkeys(arms)) or self._nearest_first(thing))
+                plan = plan_push(self._cell, thing, slot.pose, [arm for _, arm in some])
             except TaskFailed as error:
                 failures.append(error)
                 continue
@@ -231,8 +233,12 @@ class Task:
         thing = self._cell.object(object_id)
         contact = thing.asset.annotation.contact_point(contact_id)
         operation = Operation(self._cell, thing, contact, target)
-        self.arm = operation.run(list(arms) or self._nearest_first(thing), self._attempt)
-        self.contact, self.moment = contact_id, operation.moment
+        plan, first = operation.choose(list(arms) or self._nearest_first(thing), len(self._retry.failed))
+        self.arm, self.contact = plan.arm, contact_id
+        if not first:
+            self.changes.append(f"{object_id} is operated in another way, with the {plan.arm} arm")
+        operation.run(plan)
+        self.moment = operation.moment
         self.home()
         operation.confirm()
 
@@ -254,25 +260,29 @@ class Task:
 
     def _choose(self, target: SceneObject, grasps: Sequence[tuple[int, str]], hand_to: str | None) -> PickPlan:
         """The first grasp that leads to the object's slot; else to another slot; any grasp for what has none."""
-        if target.id not in self._slots:
-            leads_on = None if hand_to is None else self._handing(target.id, hand_to, None).leads_on
-            return plan_pick(self._cell, target, grasps, leads_on)
         failures: list[TaskFailed] = []
-        choices = self._choices(target.id)
-        for slot in choices:
+        places = self._slots_of(target.id) if target.id in self._slots else [None]
+        choices = self._retry.choices(grasps, places)
+        for slot, some in choices:
             try:
-                if hand_to is None:
-                    around = Surroundings.of(self._cell, target.id, slot.receptacle, slot.point)
-                    leads_on = self._leads_to(target, around, slot.poses(self._cell.objects()))
-                else:
-                    leads_on = self._handing(target.id, hand_to, slot).leads_on
-                plan = plan_pick(self._cell, target, grasps, leads_on)
+                plan = plan_pick(self._cell, target, some, self._leading_on(target, slot, hand_to))
             except TaskFailed as error:
                 failures.append(error)
             else:
-                self._left = itertools.chain([slot], choices)
+                self.slot = slot
+                places = itertools.chain([slot], (other for other, _ in choices))
+                self._left = (one for one in places if one is not None)
                 return plan
         raise failures[0]
+
+    def _leading_on(self, target: SceneObject, slot: Slot | None, hand_to: str | None) -> LeadsOn | None:
+        """What a grasp must lead to: a slot, a hand-over, or nothing."""
+        if hand_to is not None:
+            return self._handing(target.id, hand_to, slot).leads_on
+        if slot is None:
+            return None
+        around = Surroundings.of(self._cell, target.id, slot.receptacle, slot.point)
+        return self._leads_to(target, around, slot.poses(self._cell.objects()))
 
     def _leads_to(self, target: SceneObject, around: Surroundings, poses: Sequence[Pose]) -> LeadsOn:
         def check(planner: MotionPlanner, way: PickWay, contact: ContactPoint) -> None:
@@ -298,19 +308,18 @@ class Task:
 
         return HandOver(self._cell, object_id, to, suits)
 
-    def _choices(self, object_id: str) -> Iterator[Slot]:
-        """The slot that was planned, then others; a later attempt begins with another."""
-        own = self._slots[object_id]
-        if self._attempt == 0:
-            yield own
-        others = other_slots(self._slots, object_id, self._cell.objects())
-        first = max(0, self._attempt - 1) % max(1, len(others))
-        yield from [*others[first:], *others[:first]]
-        if self._attempt > 0:
-            yield own
+    def _slots_of(self, object_id: str) -> list[Slot]:
+        """The slot that was planned, then others."""
+        return [self._slots[object_id], *other_slots(self._slots, object_id, self._cell.objects())]
+
+    def _say_grasp(self, plan: PickPlan, grasps: Sequence[tuple[int, str]]) -> None:
+        self.arm, self.contact = plan.arm, plan.contact
+        if (plan.contact, plan.arm) != grasps[0]:
+            planned = f"contact {grasps[0][0]} with the {grasps[0][1]} arm"
+            self.changes.append(f"contact {plan.contact} with the {plan.arm} arm instead of {planned}")
 
     def _say_slot(self, object_id: str, slot: Slot) -> None:
-        planned = self._slots[object_id].pose
+        self.slot, planned = slot, self._slots[object_id].pose
         if slot.pose != planned:
             x, y = 100 * (slot.pose.p - planned.p)[:2]
             self.changes.append(f"{object_id} is put {x:+.1f}, {y:+.1f} cm from the slot that was planned")

@@ -1,14 +1,32 @@
-"""Measurements of a hand-over become a verdict."""
+"""Measurements become verdicts, and a no says what went wrong."""
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from vcage.base.geometry import Pose
 from vcage.models.rules.evidence_of_places import Handed
+from vcage.models.rules.evidence_of_placing import Placed
 from vcage.models.rules.standing import Standing
-from vcage.models.rules.verdicts import decide_handed
+from vcage.models.rules.verdicts import decide_handed, decide_others, decide_placed
+from vcage.schema.episodes import Failure
+from vcage.schema.goals import Goal
+
+IN = Placed(
+    left=0.9,
+    shifted=0,
+    stirred=0,
+    inside=0.8,
+    share=0.9,
+    alike=0.9,
+    beside=0,
+    margin=0.1,
+    explained=np.zeros((1, 1), bool),
+)
+"""What is where it should be."""
 
 STANDS = Standing(Pose(), (0.1, 0.1, 0.1), 0.0, np.ones((1, 1), bool))
 
@@ -27,3 +45,26 @@ def test_a_hand_over_needs_a_thing_in_the_air_and_both_arms(evidence: Handed | N
     verdict = decide_handed(evidence, "red hammer")
     assert verdict.accepted is accepted
     assert words in verdict.reason
+
+
+@pytest.mark.parametrize(
+    ("changed", "failure"),
+    [
+        ({}, None),
+        ({"left": 0.1}, "lost"),
+        ({"inside": 0.0}, "lost"),
+        ({"inside": 0.0, "beside": 0.9}, "astray"),
+        ({"share": 0.2}, "astray"),
+        ({"shifted": 0.2}, "astray"),
+        ({"alike": 0.0}, None),
+    ],
+)
+def test_a_no_about_what_was_put_somewhere_says_what_went_wrong(changed: dict[str, float], failure: Failure | None):
+    goal = Goal(subject="block", relation="inside", reference="box")
+    verdict = decide_placed(replace(IN, **changed), goal, "red block", "brown box")
+    assert (verdict.accepted, verdict.failure) == (not changed, failure)
+
+
+@pytest.mark.parametrize(("area", "failure"), [(0.0, None), (0.01, "disturbed")])
+def test_what_was_moved_besides_is_told(area: float, failure: Failure | None):
+    assert decide_others(area).failure == failure

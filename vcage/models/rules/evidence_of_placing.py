@@ -27,6 +27,9 @@ EDGE = 3.0
 BORDER = 4
 """Width of the strip along a receptacle's outline that shows whether it was moved, pixels."""
 
+BESIDE = 40
+"""So near to a receptacle lies what was brought to it and is not in or on it, pixels."""
+
 STAYED = 0.5
 """A receptacle of whose border less than this changed stands where it stood."""
 
@@ -55,6 +58,7 @@ class Placed:
         inside: what came to be seen where it should be, over the object's area.
         share: of what looks like the object around the receptacle, how much is where it should be.
         alike: share of what is there, or of as much as the object covers, that looks like it.
+        beside: what came to be seen around the receptacle, far from where the object was, over the object's area.
         margin: how far inside the edge of where it should be the middle of what looks like it is, metres.
         explained: (H, W) bool, where the sub-task changes the picture.
     """
@@ -65,6 +69,7 @@ class Placed:
     inside: float
     share: float
     alike: float
+    beside: float
     margin: float
     explained: np.ndarray
 
@@ -96,28 +101,46 @@ def gather_placed(
     if now is not None and now is not stands:
         room = _covered(rooms, now.pose, camera)
     here, wide, area = grown(room, EDGE), grown(room | stands.covered, AROUND), max(1, int(old.covered.sum()))
-    came = change.things & ~grown(old.covered, AROUND) & wide
-    alike = np.zeros_like(came)
-    alike[came] = looks_like(thing.look, smoothed(after["top"].picture)[came])
-    stirred = (came & ~grown(alike, BORDER))[stands.covered]
-    if (came & here).sum() > MOVING * area:
-        came = _besides_shift(before["top"].picture, after["top"].picture, came)
-        alike &= came
-    if (alike & here).sum() < HARDLY * area < (change.all & here).sum():
-        found = _of_its_colour(thing, before["top"], after["top"], change.all & wide & ~old.covered)
-        came, alike = came | found, alike | found
+    came, alike, stirred = _came(before["top"], after["top"], thing, old, change, here, wide)
     seen, size = max(1, int((came & here).sum())), float(np.hypot(*np.ptp(np.argwhere(old.covered), axis=0)))
     reaching = _reaching(change.things & ~old.covered, here) & grown(here, size / 2)
+    near = change.things & _about(wide) & ~here & ~_about(old.covered)
     return Placed(
         left=thing.left(old, change.all, after["top"]),
         shifted=np.inf if now is None else float(np.linalg.norm(now.pose.p - stands.pose.p)),
-        stirred=float(stirred.mean()) if stirred.size else 0.0,
+        stirred=float(stirred[stands.covered].mean()) if stands.covered.any() else 0.0,
         inside=float((came & here).sum()) / area,
         share=float((alike & here).sum()) / max(1, int(alike.sum())),
         alike=float((alike & here).sum()) / min(seen, area),
+        beside=float(near.sum()) / area,
         margin=_margin(alike & here, rooms, (now or stands).pose, camera),
         explained=grown(old.covered, AROUND) | wide | grown(reaching, AROUND),
     )
+
+
+def _came(
+    before: View, after: View, thing: Sought, old: Standing, change: Change, here: np.ndarray, wide: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """(H, W) bool each: what came to be seen around a receptacle, what of it looks like an object, and what changed
+    there and does not.
+
+    Args:
+        before, after: from above.
+        thing, old: the object, and where it stood.
+        change: between the views.
+        here, wide: (H, W) bool, where the object should be, and what is around that.
+    """
+    area, came = max(1, int(old.covered.sum())), change.things & ~grown(old.covered, AROUND) & wide
+    alike = np.zeros_like(came)
+    alike[came] = looks_like(thing.look, smoothed(after.picture)[came])
+    stirred = came & ~grown(alike, BORDER)
+    if (came & here).sum() > MOVING * area:
+        came = _besides_shift(before.picture, after.picture, came)
+        alike &= came
+    if (alike & here).sum() < HARDLY * area < (change.all & here).sum():
+        found = _of_its_colour(thing, before, after, change.all & wide & ~old.covered)
+        came, alike = came | found, alike | found
+    return came, alike, stirred
 
 
 def _of_its_colour(thing: Sought, before: View, after: View, among: np.ndarray) -> np.ndarray:
@@ -127,6 +150,12 @@ def _of_its_colour(thing: Sought, before: View, after: View, among: np.ndarray) 
     if found is None or found.unlike > LIKE or thing.speaks(found, after, before.picture) < SPEAKS:
         return np.zeros_like(among)
     return found.covered
+
+
+def _about(mask: np.ndarray) -> np.ndarray:
+    """(H, W) bool: a mask and what is beside it, in a square, which is a hundred times as fast as a circle."""
+    side = 2 * BESIDE + 1
+    return cv2.dilate(mask.astype(np.uint8), np.ones((side, side), np.uint8)).astype(bool)
 
 
 def _stands_now(

@@ -177,6 +177,9 @@ class Sought:
         if not empty and there.unlike < SURELY:
             return there
         elsewhere = self.standing(views, among)
+        # A full box looks less like its drawing than does the bare table of its colour around a smaller thing.
+        if elsewhere is not None and self.gone(elsewhere, views["top"]):
+            elsewhere = None
         if elsewhere is not None and (empty or elsewhere.unlike + CLEARLY < there.unlike):
             return elsewhere
         return None if empty else there

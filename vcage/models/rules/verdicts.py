@@ -12,7 +12,7 @@ from vcage.models.rules.evidence_of_places import LEFT, Handed, Moved, Returned,
 from vcage.models.rules.evidence_of_placing import Placed
 from vcage.models.rules.standing import Standing
 from vcage.plans.relations import holds
-from vcage.schema.episodes import Verdict
+from vcage.schema.episodes import Failure, Verdict
 from vcage.schema.goals import Goal, part_words
 
 INSIDE = {"inside": 0.2, "on": 0.4}
@@ -76,6 +76,10 @@ STILL = 0.25
 """Share of the outline of what lies on a scale that may change while it is weighed."""
 
 
+BESIDE = 0.2
+"""Share of an object's area that must be seen beside a receptacle for it to have been brought there."""
+
+
 def decide_part(evidence: PartEvidence, goal: Goal, thing: str) -> Verdict:
     """Turn measurements of a moving part into a verdict with one sentence of reason."""
     part = part_words(str(goal.part))
@@ -99,15 +103,18 @@ def decide_placed(evidence: Placed | None, goal: Goal, thing: str, place: str) -
         return refuse(f"the {thing} or the {place} is not found before", 0.5)
     seen = f"{100 * min(1.0, evidence.inside):.0f} % of it is seen {word} the {place}"
     if evidence.left < LEFT:
-        return refuse(f"the {thing} still lies where it was", 1 - evidence.left)
+        return refuse(f"the {thing} still lies where it was", 1 - evidence.left, "lost")
     if evidence.shifted > MAX_SHIFT or evidence.stirred > STIRRED_PLACE:
-        return refuse(f"the {place} was knocked away or tipped over", 0.8)
+        return refuse(f"the {place} was knocked away or tipped over", 0.8, "astray")
     if evidence.inside < INSIDE[goal.relation]:
-        return refuse(f"the {thing} left its place and is not found {word} the {place}: {seen}", 0.8)
+        failure: Failure = "astray" if evidence.beside >= BESIDE else "lost"
+        return refuse(f"the {thing} left its place and is not found {word} the {place}: {seen}", 0.8, failure)
     if evidence.alike < LOOKS:
         return refuse(f"what came to be {word} the {place} does not look like the {thing}", 0.7)
     if evidence.share < (MOSTLY if evidence.margin > WELL_IN else NEARLY_ALL):
-        return refuse(f"the {thing} lies across the edge of the {place}: {100 * evidence.share:.0f} % {word} it", 0.7)
+        return refuse(
+            f"the {thing} lies across the edge of the {place}: {100 * evidence.share:.0f} % {word} it", 0.7, "astray"
+        )
     return _verdict(True, f"the {thing} left its place, and {seen}", 0.5 + 0.5 * min(1.0, evidence.inside / 0.8))
 
 
@@ -119,19 +126,21 @@ def decide_others(area: float, vanished: Sequence[str]) -> Verdict:
         vanished: what is no longer where it was, in words.
     """
     if vanished:
-        return refuse(f"the {' and the '.join(vanished)} no longer stands where it stood", 0.8)
+        return refuse(f"the {' and the '.join(vanished)} no longer stands where it stood", 0.8, "disturbed")
     seen = f"{1e4 * area:.0f} cm² of the table changed where nothing should"
-    return _verdict(area <= OTHERS, seen, 0.5 + min(0.5, abs(area - OTHERS) / OTHERS / 2))
+    return _verdict(area <= OTHERS, seen, 0.5 + min(0.5, abs(area - OTHERS) / OTHERS / 2), "disturbed")
 
 
 def decide_moved(evidence: Moved, thing: str) -> Verdict:
     """Whether an object left its place and stands on the bare table."""
     if evidence.old is None or evidence.left < LEFT:
-        return refuse(f"the {thing} still lies where it was", 1 - evidence.left)
+        return refuse(f"the {thing} still lies where it was", 1 - evidence.left, "lost")
     if evidence.new is None or evidence.alike < LOOKS:
-        return refuse(f"the {thing} left its place and is not found on the table", 0.7)
+        return refuse(f"the {thing} left its place and is not found on the table", 0.7, "lost")
     seen = f"{100 * evidence.bare:.0f} % of where it is now was empty table"
-    return _verdict(evidence.bare >= BARE, f"the {thing} left its place, and {seen}", 0.5 + abs(evidence.bare - BARE))
+    return _verdict(
+        evidence.bare >= BARE, f"the {thing} left its place, and {seen}", 0.5 + abs(evidence.bare - BARE), "astray"
+    )
 
 
 def decide_relation(evidence: Moved, reference: Standing | None, goal: Goal, thing: str, other: str) -> Verdict:
@@ -143,7 +152,9 @@ def decide_relation(evidence: Moved, reference: Standing | None, goal: Goal, thi
     if reference is None or reference.unlike > UNLIKE:
         return refuse(f"the {other} is not found, so that nothing is told to be {word} it", 0.6)
     there = holds(goal.relation, evidence.new.aabb, reference.aabb)  # pyrefly: ignore
-    return _verdict(there, f"the {thing} left its place and is {'' if there else 'not '}seen {word} the {other}", 0.8)
+    return _verdict(
+        there, f"the {thing} left its place and is {'' if there else 'not '}seen {word} the {other}", 0.8, "astray"
+    )
 
 
 def decide_presented(evidence: Moved, towards: Sequence[float], thing: str) -> Verdict:
@@ -159,8 +170,8 @@ def decide_presented(evidence: Moved, towards: Sequence[float], thing: str) -> V
     angle = float(np.arccos(np.clip(-stands.rotation()[:, 1] @ towards, -1, 1)))
     seen = f"the front of the {thing} is seen {np.degrees(angle):.0f}° from the customer"
     if stands.p @ towards < 0:
-        return refuse(f"the {thing} is not on the customer's half of the table", 0.8)
-    return _verdict(angle <= FACING, seen, 0.5 + min(0.5, abs(angle - FACING)))
+        return refuse(f"the {thing} is not on the customer's half of the table", 0.8, "astray")
+    return _verdict(angle <= FACING, seen, 0.5 + min(0.5, abs(angle - FACING)), "astray")
 
 
 def decide_returned(evidence: Returned | None, thing: str) -> Verdict:
@@ -168,7 +179,7 @@ def decide_returned(evidence: Returned | None, thing: str) -> Verdict:
     if evidence is None:
         return refuse(f"where the {thing} stood at the start is not found", 0.6)
     if evidence.came < LEFT:
-        return refuse(f"nothing came back to where the {thing} stood", 1 - evidence.came)
+        return refuse(f"nothing came back to where the {thing} stood", 1 - evidence.came, "lost")
     seen = f"{100 * evidence.same:.0f} % of where the {thing} stood looks as at the start"
     if evidence.off <= NEAR_ENOUGH:  # its label may be turned away
         return _verdict(True, f"the {thing} is seen {100 * evidence.off:.0f} cm from where it stood, and {seen}", 0.8)
@@ -178,7 +189,7 @@ def decide_returned(evidence: Returned | None, thing: str) -> Verdict:
 def decide_scan(evidence: Shown, moved: str, still: str) -> Verdict:
     """Whether one object was held before another so that a code was read."""
     if evidence.left < LEFT:
-        return refuse(f"the {moved} lies where it was at the moment of the scan", 1 - evidence.left)
+        return refuse(f"the {moved} lies where it was at the moment of the scan", 1 - evidence.left, "lost")
     seen = f"{100 * evidence.seen:.0f} % of the {moved} is seen before the {still} at the moment of the scan"
     accepted = evidence.seen >= max(HELD, evidence.elsewhere + MORE)
     return _verdict(accepted, f"{seen}, {100 * evidence.elsewhere:.0f} % farther away", 0.5 + abs(evidence.seen - HELD))
@@ -189,7 +200,7 @@ def decide_handed(evidence: Handed | None, thing: str) -> Verdict:
     if evidence is None:
         return refuse(f"the {thing} is not found before and after", 0.6)
     if evidence.left < LEFT:
-        return refuse(f"the {thing} lies where it was at the moment of the hand-over", 1 - evidence.left)
+        return refuse(f"the {thing} lies where it was at the moment of the hand-over", 1 - evidence.left, "lost")
     if evidence.to_come < LEFT:
         return refuse(f"the {thing} was put down before the moment of the hand-over", 1 - evidence.to_come)
     seen = " and ".join(f"{100 * share:.0f} %" for share in evidence.arms)
@@ -207,10 +218,17 @@ def decide_weighed(on_scale: Verdict, change: float, thing: str) -> Verdict:
     return _verdict(change <= STILL, seen, 0.5 + abs(change - STILL))
 
 
-def refuse(reason: str, confidence: float) -> Verdict:
-    """A no."""
-    return _verdict(False, reason, confidence)
+def refuse(reason: str, confidence: float, failure: Failure | None = None) -> Verdict:
+    """A no, and what went wrong where that can be told."""
+    return _verdict(False, reason, confidence, failure)
 
 
-def _verdict(accepted: bool | np.bool_, reason: str, confidence: float) -> Verdict:
-    return Verdict(accepted=bool(accepted), reason=reason, confidence=min(1.0, max(0.0, confidence)), provider=PROVIDER)
+def _verdict(accepted: bool | np.bool_, reason: str, confidence: float, failure: Failure | None = None) -> Verdict:
+    """A yes, or a no because of ``failure``."""
+    return Verdict(
+        accepted=bool(accepted),
+        reason=reason,
+        confidence=min(1.0, max(0.0, confidence)),
+        provider=PROVIDER,
+        failure=None if accepted else failure,
+    )

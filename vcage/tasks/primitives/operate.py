@@ -27,7 +27,7 @@ REACHED = 0.1
 
 
 @dataclass(frozen=True)
-class _Plan:
+class OperatePlan:
     """A way with the arm that takes it.
 
     Args:
@@ -85,16 +85,38 @@ class Operation:
         width = thing.asset.grasp_width(contact)
         self._handle = Handle(contact, model, thing.pose, world.object_joints(thing.id), width)
 
-    def run(self, arms: Sequence[str], attempt: int = 0) -> str:
-        """Carry it out with the first of ``arms`` that can; returns its name. The arm ends beside the handle.
+    def choose(self, arms: Sequence[str], failed: int) -> tuple[OperatePlan, bool]:
+        """A way that can be planned, and whether it is the first of them.
 
         Args:
-            attempt: number of the attempt; later ones take later ways.
+            arms: that may do it, best first.
+            failed: how many attempts failed; each later one takes the next way, whatever the reason was.
 
         Raises:
-            TaskFailed: no way can be planned, the fingers miss the handle, or the joint did not reach its target.
+            TaskFailed: no way can be planned.
         """
-        plan = self._choose(arms, attempt)
+        reasons: list[str] = []
+        clear, others = [], []
+        for plan in self._plans(arms):
+            if not isinstance(plan, OperatePlan):
+                reasons.append(plan)
+                continue
+            (clear if plan.clear else others).append(plan)
+            if len(clear) > failed:
+                break
+        plans = clear + others
+        if not plans:
+            named = f"{self._contact.name!r} of {self._thing.record.phrase}"
+            message = f"no way to operate {named} can be planned: {first_reasons(reasons)}"
+            raise TaskFailed("plan", message, exhausted=True)
+        return plans[failed % len(plans)], failed % len(plans) == 0
+
+    def run(self, plan: OperatePlan) -> None:
+        """Carry it out. The arm ends beside the handle.
+
+        Raises:
+            TaskFailed: the fingers miss the handle, or the joint did not reach its target.
+        """
         control = self._world.arms[plan.arm]
         control.command_gripper(command_of(plan.way.opening, control.arm.gripper))
         self._cell.carry_out(plan.arm, plan.reach)
@@ -114,7 +136,6 @@ class Operation:
         if self._contact.use == "press":
             self._check(reached)
         self.confirm()
-        return plan.arm
 
     def confirm(self) -> None:
         """That a part moved by its handle still is where it was brought; what was pressed may spring back.
@@ -127,24 +148,7 @@ class Operation:
 
     # --- planning --------------------------------------------------------------------------------------
 
-    def _choose(self, arms: Sequence[str], attempt: int) -> _Plan:
-        reasons: list[str] = []
-        clear, others = [], []
-        for plan in self._plans(arms):
-            if not isinstance(plan, _Plan):
-                reasons.append(plan)
-                continue
-            (clear if plan.clear else others).append(plan)
-            if len(clear) > attempt:
-                break
-        plans = clear + others
-        if not plans:
-            named = f"{self._contact.name!r} of {self._thing.record.phrase}"
-            message = f"no way to operate {named} can be planned: {first_reasons(reasons)}"
-            raise TaskFailed("plan", message, exhausted=True)
-        return plans[attempt % len(plans)]
-
-    def _plans(self, arms: Sequence[str]) -> Iterator[_Plan | str]:
+    def _plans(self, arms: Sequence[str]) -> Iterator[OperatePlan | str]:
         """For each way of each arm: a plan, or why there is none."""
         for arm in arms:
             joints, where = self._cell.begun(arm).end, f"{arm} arm at {self._contact.name!r}"
@@ -161,7 +165,9 @@ class Operation:
                     except MotionFailed as error:
                         yield f"{where}: {error.message}"
 
-    def _plan(self, arm: str, way: OperatingWay, start: np.ndarray, now: MotionPlanner, then: MotionPlanner) -> _Plan:
+    def _plan(
+        self, arm: str, way: OperatingWay, start: np.ndarray, now: MotionPlanner, then: MotionPlanner
+    ) -> OperatePlan:
         """Every motion of a way with the arm at ``start`` before it, the narrow ones first.
 
         Args:
@@ -189,7 +195,7 @@ class Operation:
         then.move(away.end, np.array(record.home), Load(opening))
         touched = self._own if self._contact.use == "press" else ()
         clear = now.scene.first_contact(down.end, opening, ignore=touched) is None
-        return _Plan(arm, way, reach, push, back, clear)
+        return OperatePlan(arm, way, reach, push, back, clear)
 
     def _planner_at_target(self, arm: str) -> MotionPlanner:
         """A planner around everything as it stands when the part is where it shall be."""
@@ -204,7 +210,7 @@ class Operation:
 
     # --- execution -------------------------------------------------------------------------------------
 
-    def _let_go(self, plan: _Plan, control: ArmControl) -> None:
+    def _let_go(self, plan: OperatePlan, control: ArmControl) -> None:
         """Open the fingers; drawing the hand back begins what the arm does next."""
         opened = command_of(plan.way.opening, control.arm.gripper)
         control.release(opened)

@@ -1,0 +1,1 @@
+"""Chains of sub-tasks that are carried out with failures planted in them."""

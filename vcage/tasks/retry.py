@@ -1,0 +1,113 @@
+"""What a further attempt at a sub-task does otherwise: another grasp, arm or slot, by why the earlier ones failed.
+
+A choice that is to blame is made last, and one that is not is kept: what was lost on the way is held otherwise and goes
+to the same slot, what came to lie on a rim goes to another slot by the same grasp. Where nobody knows what went wrong,
+grasp and slot both change. What failed together is not done again before all else was tried.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Literal, TypeVar
+
+import numpy as np
+
+from vcage.schema.episodes import AttemptStage, Failure
+from vcage.tasks.slots import Slot
+
+Choice = Literal["grasp", "arm", "slot"]
+
+BLAMED_FOR: Mapping[Failure, frozenset[Choice]] = {
+    "lost": frozenset({"grasp"}),
+    "astray": frozenset({"slot"}),
+    "disturbed": frozenset({"arm", "slot"}),
+}
+"""What the critic sees → what is to blame."""
+
+BLAMED_AT: Mapping[AttemptStage, frozenset[Choice]] = {
+    "plan": frozenset({"arm"}),
+    "grasp": frozenset({"grasp"}),
+    "place": frozenset({"slot"}),
+}
+"""How far an attempt came that no critic was asked about → what is to blame."""
+
+UNKNOWN: frozenset[Choice] = frozenset({"grasp", "slot"})
+"""What changes where nobody says what went wrong."""
+
+SAME = 1e-3
+"""Slots that differ by less are one, metres: objects stand a trifle otherwise in a world that was built anew."""
+
+Grasp = TypeVar("Grasp", bound="tuple[int | None, str]")
+"""Contact point and arm; a push has no contact point."""
+
+Place = TypeVar("Place", bound="Slot | None")
+"""A slot, or None for what is put nowhere."""
+
+
+def blamed(stage: AttemptStage, failure: Failure | None) -> frozenset[Choice]:
+    """What a failed attempt is put down to.
+
+    Args:
+        stage: how far it came.
+        failure: what the critic says went wrong, if it was asked and says so.
+    """
+    return BLAMED_AT.get(stage, UNKNOWN) if failure is None else BLAMED_FOR[failure]
+
+
+@dataclass(frozen=True)
+class Failed:
+    """What a failed attempt took, and what of it is to blame."""
+
+    contact: int | None
+    arm: str | None
+    slot: Slot | None
+    blamed: frozenset[Choice]
+
+    def took(self, slot: Slot | None) -> bool:
+        """Whether it had this slot, or one at the same place; None is that of what is put nowhere."""
+        if slot is None or self.slot is None:
+            return slot is self.slot
+        mine, other = self.slot, slot
+        apart = np.abs(np.concatenate([mine.pose.p - other.pose.p, mine.pose.q - other.pose.q])).max()
+        return (mine.receptacle, mine.point) == (other.receptacle, other.point) and bool(apart < SAME)
+
+
+@dataclass(frozen=True)
+class Retry:
+    """The order in which an attempt tries what there is to choose from.
+
+    Args:
+        failed: the attempts at the same sub-task before it.
+    """
+
+    failed: tuple[Failed, ...] = ()
+
+    def choices(self, grasps: Sequence[Grasp], slots: Iterable[Place]) -> Iterator[tuple[Place, list[Grasp]]]:
+        """Slots in the order in which they are tried, each with the grasps to try there, best first.
+
+        A slot comes twice where some of the grasps failed with it before: with those at the very end.
+
+        Args:
+            grasps: (contact point, arm), in the order of a first attempt.
+            slots: in the order of a first attempt; a single None for what is put nowhere.
+        """
+        ordered, again = sorted(grasps, key=self._blame), list[tuple[Place, list[Grasp]]]()
+        for slot in sorted(slots, key=self._blame_of_slot):
+            known = {(one.contact, one.arm) for one in self.failed if one.took(slot)}
+            left = [grasp for grasp in ordered if grasp not in known]
+            if left or not grasps:
+                yield slot, left
+            if len(left) < len(ordered):
+                again.append((slot, [grasp for grasp in ordered if grasp in known]))
+        yield from again
+
+    def _blame(self, grasp: tuple[int | None, str]) -> tuple[int, int]:
+        """How often its arm was to blame, and how often it was itself."""
+        contact, arm = grasp
+        by_arm = [one for one in self.failed if one.arm == arm]
+        arms = sum("arm" in one.blamed for one in by_arm)
+        return arms, sum("grasp" in one.blamed and one.contact == contact for one in by_arm)
+
+    def _blame_of_slot(self, slot: Slot | None) -> int:
+        return sum("slot" in one.blamed and one.took(slot) for one in self.failed)
