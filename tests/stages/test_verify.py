@@ -176,11 +176,11 @@ def test_where_nothing_is_kept_that_is_said(run, finished, monkeypatch, caplog):
 
 def test_a_model_behind_an_endpoint_is_compared_by_the_command(run, monkeypatch, capsys):
     attempts = read_log(run.episodes.parent)
-    no = json.dumps({"observations": "none", "accepted": False, "reason": "I see no block", "confidence": 0.7})
+    no = {"observations": "none", "accepted": False, "reason": "I see no block", "failure": "lost", "confidence": 0.7}
     with StandIn() as server:
         monkeypatch.setenv("VCAGE_GEMINI_API_KEY", server.key)
         monkeypatch.setenv("VCAGE_GEMINI_BASE_URL", server.url)
-        server.queue(*[text_answer(no)] * len(attempts))
+        server.queue(*[text_answer(json.dumps(no))] * len(attempts))
         told = command(capsys, "verify", "--run", run.root, "--models", "gemini").record["summary"]
     assert len(server.requests) == len(attempts)
     assert told["critic"]["recall"] == {"some": 0, "of": len(attempts) - 1, "share": 0.0, "low": 0.0} | {

@@ -65,6 +65,8 @@ def test_a_no_about_what_was_put_somewhere_says_what_went_wrong(changed: dict[st
     assert (verdict.accepted, verdict.failure) == (not changed, failure)
 
 
-@pytest.mark.parametrize(("area", "failure"), [(0.0, None), (0.01, "disturbed")])
-def test_what_was_moved_besides_is_told(area: float, failure: Failure | None):
-    assert decide_others(area).failure == failure
+@pytest.mark.parametrize(
+    ("area", "vanished", "failure"), [(0.0, [], None), (0.01, [], "disturbed"), (0.0, ["white bowl"], "disturbed")]
+)
+def test_what_was_moved_besides_is_told(area: float, vanished: list[str], failure: Failure | None):
+    assert decide_others(area, vanished).failure == failure
