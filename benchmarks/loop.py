@@ -10,7 +10,7 @@ Then failures have causes that stay: of the grasps of a step, and of the slots, 
 grasp takes is found near where it was, what goes to a bad slot beside its receptacle; a step is tried again as often as
 ``collect`` does. Here ``resample`` changes what the critic says went wrong, ``blind`` knows no more than that it is a
 no, and changes grasp and slot together; ``named`` is the share of planted failures that the critic gave their right
-name. ``counted`` has the same for more shares and a thousand steps, without physics and with every reason right.
+name. ``counted`` has the same for more shares and some hundred steps, without physics and with every reason right.
 
 Trajectories are counted that were accepted; ``false`` are those in which some step had failed all the same, ``over
 plain`` is how many times those per hour of ``abort``, or of ``blind``, there are.

@@ -34,7 +34,7 @@ from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.slots import slots_for_chain
 from vcage.tasks.synthesis import Script, load_script
 from vcage.tasks.task import Asked, Task
-from vcage.tasks.truth import goals_hold
+from vcage.tasks.truth import subtask_done
 
 Mode = Literal["resample", "blind", "abort", "open"]
 """Trying again as the critic's reason says, trying again knowing no more than that it is a no, beginning anew, and not
@@ -152,15 +152,18 @@ class _Looking:
     def play(self, subtask: Subtask, script: Script, task: Task) -> None:
         """Carry out a script; then bring what was put down elsewhere by hand, if that is planted."""
         world, was = task.world, task.world.object_pose(subtask.object)
-        script.play(task)
-        self.befell = self.planted.failure(subtask, (task.contact, task.arm), task.slot)
         watch = Watch(world, self.objects, subtask.goals)
-        if self.befell is not None:
+        try:
+            script.play(task)
+            self.befell = self.planted.failure(subtask, (task.contact, task.arm), task.slot)
+            if self.befell is not None:
+                now = {name: watch.now(name) for name in self.objects}
+                world.set_object_pose(subtask.object, befallen(self.befell, subtask, now, was, self.ground, self.rng))
+                world.settle()
             now = {name: watch.now(name) for name in self.objects}
-            world.set_object_pose(subtask.object, befallen(self.befell, subtask, now, was, self.ground, self.rng))
-            world.settle()
-        self.known = goals_hold(subtask.goals, {name: watch.now(name) for name in self.objects}, watch)
-        watch.stop()
+            self.known = subtask_done(subtask, subtask.goals, now, watch)
+        finally:
+            watch.stop()
         if self.befell is not None and self.known.success:
             raise VcageError(f"what was planted in {subtask.id} is no failure: {self.known.reason}")
 

@@ -120,9 +120,13 @@ def test_the_other_slots_keep_clear_of_what_was_brought_to_another_slot_than_was
     objects = [thing("marker", (-0.2, 0.0)), thing("block", (0.2, 0.0)), thing("packaging_box", (0, 0.05))]
     chain = [subtask(o.id, "packaging_box", "inside") for o in objects[:2]]
     slots = by_object(chain, slots_for_chain(chain, objects, robot(), GROUND, rng(0)))
-    for block in other_slots(slots, "block", {o.id: o for o in objects}):
+    blocks = other_slots(slots, "block", {o.id: o for o in objects})
+    assert blocks
+    for block in blocks:
         lies = objects[1].moved(objects[2].frame(0) * block.pose)
-        for slot in other_slots(slots, "marker", {o.id: o for o in (objects[0], lies, objects[2])}):
+        markers = other_slots(slots, "marker", {o.id: o for o in (objects[0], lies, objects[2])})
+        assert markers
+        for slot in markers:
             assert not boxes_overlap(
                 world_aabb(objects[0].asset.bounds, slot.pose), world_aabb(objects[1].asset.bounds, block.pose)
             )

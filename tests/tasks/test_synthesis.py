@@ -84,6 +84,13 @@ def test_a_script_that_names_what_is_not_there_is_told_with_its_line(tmp_path: P
         load_script(script.path).play(Nothing())
 
 
+def test_a_mistake_elsewhere_than_in_the_script_stays_what_it_is(tmp_path: Path):
+    script = written(tmp_path)
+    script.path.write_text(f"{script.path.read_text()}\nplay = len\n")
+    with pytest.raises(TypeError, match="len"):
+        load_script(script.path).play(object())
+
+
 def test_a_script_is_executable(tmp_path: Path):
     assert os.access(written(tmp_path).path, os.X_OK)
 

@@ -29,6 +29,7 @@ from vcage.tasks.ground import Ground
 from vcage.tasks.primitives.place import SET_DOWN, place_way
 from vcage.tasks.pushing import examine_pushes
 from vcage.tasks.scene_objects import Obstacles, SceneObject
+from vcage.tasks.truth import place_complaint
 
 GAP = 0.006
 """Metres kept between contents, and between contents and wall."""
@@ -310,7 +311,8 @@ def other_slots(slots: Mapping[str, Slot], object_id: str, objects: Mapping[str,
     for key, slot in slots.items():
         if key != object_id and slot.receptacle == own.receptacle:
             # What was brought already may lie in another slot than was planned for it.
-            there = _lies_at(objects[key], receptacle, slot.point)
+            point = receptacle.asset.annotation.functional_point(int(slot.point or 0))
+            there = place_complaint(objects[key], receptacle, point) is None
             present.append(objects[key] if there else objects[key].moved(slot.poses(objects)[0]))
     rng = np.random.default_rng(list(object_id.encode()))
     found: list[Slot] = []
@@ -321,15 +323,6 @@ def other_slots(slots: Mapping[str, Slot], object_id: str, objects: Mapping[str,
             break
         found.append(replace(own, pose=poses[object_id]))
     return found
-
-
-def _lies_at(thing: SceneObject, receptacle: SceneObject, point: int | None) -> bool:
-    """Whether an object is in or on a receptacle now, at one of its functional points."""
-    if point is None:
-        return False
-    opening = receptacle.asset.opening(receptacle.asset.annotation.functional_point(point))
-    at = (receptacle.frame(point).inverse() * thing.pose).p[:2]
-    return bool(np.all(np.abs(at - opening.centre) < np.array(opening.size) / 2))
 
 
 def opened_for(receptacle: SceneObject, functional_point: int) -> SceneObject:

@@ -103,8 +103,8 @@ def _naming_lines(path: Path, function: Callable[[Any], Any]) -> Callable[[Any],
             return function(task)
         except (Exception, SystemExit) as error:
             frames = traceback.extract_tb(error.__traceback__)
-            ours = next(frame for frame in reversed(frames) if frame.filename == str(path))
-            if ours is not frames[-1] and not isinstance(error, UnknownName):
+            ours = next((frame for frame in reversed(frames) if frame.filename == str(path)), None)
+            if ours is None or (ours is not frames[-1] and not isinstance(error, UnknownName)):
                 raise  # not a mistake of the script
             message = f"{path}: line {ours.lineno}: {type(error).__name__}: {error}"
             raise DamagedFile(message, hint="mend it, or run search_subtasks --force") from error

@@ -15,12 +15,12 @@ ROOM = box_corners([-0.1, -0.05, 0.0], [0.1, 0.05, 0.04])[None]
 POSE = Pose.from_yaw((0.1, 0.05, HEIGHT), 0.4)
 
 
-@pytest.mark.parametrize("shift", [(0.0, 0.0), (0.012, 0.0), (-0.01, 0.008)])
+@pytest.mark.parametrize("shift", [(0.012, 0.0), (-0.01, 0.008)])
 def test_what_was_only_shifted_is_no_change(shift: tuple[float, float]) -> None:
     nudged = BOX.moved(at=(BOX.at[0] + shift[0], BOX.at[1] + shift[1]))
     was, now = view([BOX]), view([nudged])
     change = Change.between(was, now).all
-    left = _besides_shift(was.picture, now.picture, change) if change.any() else change
+    left = _besides_shift(was.picture, now.picture, change)
     assert left.sum() <= 0.3 * change.sum()
 
 

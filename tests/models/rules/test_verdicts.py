@@ -56,6 +56,8 @@ def test_a_hand_over_needs_a_thing_in_the_air_and_both_arms(evidence: Handed | N
         ({"inside": 0.0, "beside": 0.9}, "astray"),
         ({"share": 0.2}, "astray"),
         ({"shifted": 0.2}, "astray"),
+        ({"stirred": 0.5}, "astray"),
+        ({"share": 0.8, "margin": 0.01}, "astray"),
         ({"alike": 0.0}, None),
     ],
 )

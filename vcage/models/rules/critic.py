@@ -25,7 +25,6 @@ from vcage.models.rules.evidence_of_places import (
 from vcage.models.rules.evidence_of_placing import AROUND, gather_placed
 from vcage.models.rules.standing import Sought, Standing, covered_by
 from vcage.models.rules.verdicts import (
-    FEWEST,
     UNLIKE,
     decide_handed,
     decide_moved,
@@ -47,10 +46,13 @@ from vcage.vision.colour import distance, smoothed
 from vcage.vision.protocols import Reference, View
 
 NUDGED = 0.035
-"""What was moved less than this, metres, counts as left where it was: the state of a simulator says so from 5 cm on."""
+"""What was moved less than this, metres, counts as left where it was; the state calls it disturbed from 5 cm on."""
 
 VANISHED = 0.45
 """Share of what was seen of a thing that must show the bare table for it to have been moved."""
+
+FEWEST_SEEN = 25
+"""So many pixels of a thing must have been seen to tell that it is gone."""
 
 PUT_BACK = 12.0
 """So near to where it was what was held up is put back, pixels."""
@@ -98,7 +100,11 @@ class OfflineCritic:
         for name in question.planned.keys() - about:
             thing = _sought(question, name)
             here = stood & covered_by(thing.draw, question.planned[name], before.camera)
-            if here.sum() >= FEWEST and empty[here].mean() > VANISHED:
+            if here.sum() < FEWEST_SEEN or empty[here].mean() <= VANISHED:
+                continue
+            still = thing.where_planned(question.after)
+            stays = still is not None and not thing.gone(still, after) and still.unlike < UNLIKE
+            if not stays or np.linalg.norm(still.pose.p - question.planned[name].p) > NUDGED:
                 found.append(thing.look.phrase)
         return sorted(found)
 
@@ -141,6 +147,8 @@ class OfflineCritic:
 
     def _judge_place(self, question: CriticQuestion, goal: Goal) -> _Told:
         thing, place = _sought(question, goal.subject), _sought(question, goal.reference or "")
+        if goal not in question.rooms:
+            raise InputFileError(f"nothing says where in or on {goal.reference!r} {goal.subject!r} may be")
         evidence = gather_placed(question.before, question.after, thing, place, question.rooms[goal], UNLIKE)
         verdict = decide_placed(evidence, goal, thing.look.phrase, place.look.phrase)
         return verdict, _nowhere(question) if evidence is None else evidence.explained

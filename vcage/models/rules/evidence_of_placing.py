@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
@@ -101,7 +101,9 @@ def gather_placed(
     if now is not None and now is not stands:
         room = _covered(rooms, now.pose, camera)
     here, wide, area = grown(room, EDGE), grown(room | stands.covered, AROUND), max(1, int(old.covered.sum()))
-    came, alike, stirred = _came(before["top"], after["top"], thing, old, change, here, wide)
+    floors = sorted({round(float((now or stands).pose.apply(corners)[:, 2].min()), 3) for corners in rooms})
+    put = replace(thing, table_height=floors[0], tops=floors[1:]) if floors else thing
+    came, alike, stirred = _came(before["top"], after["top"], put, old, change, here, wide)
     seen, size = max(1, int((came & here).sum())), float(np.hypot(*np.ptp(np.argwhere(old.covered), axis=0)))
     reaching = _reaching(change.things & ~old.covered, here) & grown(here, size / 2)
     near = change.things & _about(wide) & ~here & ~_about(old.covered)
@@ -126,7 +128,7 @@ def _came(
 
     Args:
         before, after: from above.
-        thing, old: the object, and where it stood.
+        thing, old: the object as it is looked for there, and where it stood.
         change: between the views.
         here, wide: (H, W) bool, where the object should be, and what is around that.
     """

@@ -120,7 +120,7 @@ class Sought:
             return None
         outline = None if among is None else np.any(patches, axis=0)
         stands = [self._on(height, views, image, patches, outline) for height in (self.table_height, *self.tops)]
-        return min(stands, key=lambda found: found.unlike)
+        return min((one for one in stands if one is not None), key=lambda found: found.unlike, default=None)
 
     def _on(
         self,
@@ -129,8 +129,12 @@ class Sought:
         image: LabImage,
         patches: Sequence[np.ndarray],
         outline: np.ndarray | None,
-    ) -> Standing:
-        """Where it is likeliest to stand on something of a height; (H, W) an outline that it should fill from above."""
+    ) -> Standing | None:
+        """Where it is likeliest to stand on something of a height; None where no patch shows a place for it.
+
+        Args:
+            outline: (H, W) bool, what it should fill from above.
+        """
         camera, size, draw = views["top"].camera, self.look.size, self.draw
         template, standing = template_from_reference(self.look, camera, height), middles(patches)
         tries: list[tuple[float, tuple[float, ...], list[_Sight]]] = []
@@ -143,6 +147,8 @@ class Sought:
             middle = np.array([rough[0], rough[1], height + size[2] / 2])
             sights = [_Sight.of(view, middle, size, outline if name == "top" else None) for name, view in views.items()]
             tries += [(_unlike(p, height, sights, draw), tuple(p), sights) for p in rough + FLIPS[:, None] * [0, 0, 1]]
+        if not tries:
+            return None
         best: tuple[float, np.ndarray, list[_Sight]] = (np.inf, np.zeros(3), [])
         for least, start, sights in sorted(tries, key=lambda tried: tried[0])[:REFINED]:
             nearby = refined(np.array(start), least, lambda p, s=sights: _unlike(p, height, s, draw))

@@ -105,7 +105,7 @@ def decide_placed(evidence: Placed | None, goal: Goal, thing: str, place: str) -
     if evidence.left < LEFT:
         return refuse(f"the {thing} still lies where it was", 1 - evidence.left, "lost")
     if evidence.shifted > MAX_SHIFT or evidence.stirred > STIRRED_PLACE:
-        return refuse(f"the {place} was knocked away or tipped over", 0.8, "astray")
+        return refuse(f"the {place} was moved away or tipped over", 0.8, "astray")
     if evidence.inside < INSIDE[goal.relation]:
         failure: Failure = "astray" if evidence.beside >= BESIDE else "lost"
         return refuse(f"the {thing} left its place and is not found {word} the {place}: {seen}", 0.8, failure)
@@ -126,7 +126,7 @@ def decide_others(area: float, vanished: Sequence[str]) -> Verdict:
         vanished: what is no longer where it was, in words.
     """
     if vanished:
-        return refuse(f"the {' and the '.join(vanished)} no longer stands where it stood", 0.8, "disturbed")
+        return refuse(f"no longer where it stood: the {' and the '.join(vanished)}", 0.8, "disturbed")
     seen = f"{1e4 * area:.0f} cm² of the table changed where nothing should"
     return _verdict(area <= OTHERS, seen, 0.5 + min(0.5, abs(area - OTHERS) / OTHERS / 2), "disturbed")
 
