@@ -31,7 +31,7 @@ class PartEvidence:
     Args:
         told_by: pixels in which the drawings differ.
         before, after: share of its range at which the part is likeliest.
-        touched: share of the object that has changed in the picture of the moment; 0 without one.
+        touched: share of what is seen of the part that has changed in the picture of the moment; 0 without one.
         covered: (H, W) bool, where the object is with its part anywhere.
     """
 
@@ -66,7 +66,8 @@ def gather_part(
 
     sight, touched = _Sight([drawn(share) for share in POSITIONS], before.picture, background), 0.0
     if moment is not None:
-        touched = float(changed(*(to_lab(view.picture) for view in (after, moment)))[sight.covered].mean())
+        part = sight.telling if sight.telling.any() else sight.covered
+        touched = float(changed(*(to_lab(view.picture) for view in (after, moment)))[part].mean())
     likeliest = sight.likeliest(before.picture), sight.likeliest(after.picture)
     return PartEvidence(int(sight.telling.sum()), *likeliest, touched, sight.covered)
 

@@ -42,7 +42,7 @@ GREYISH = 5.0
 HIDDEN = 0.4
 """How much a pixel that shows something else, such as the hand, speaks against what is drawn there."""
 
-EDGE = 0.2
+EDGE = 0.35
 """Depth of the strip on the robot's side of the view from above, as a share of its height."""
 
 IN_FRONT = 0.005
@@ -179,7 +179,8 @@ def gather_handed(
     if moved.old is None or moved.new is None:
         return None
     since, until = (_change(one["top"], moment["top"]) for one in (before, after))
-    edge = since[-round(len(since) * EDGE) :]
+    things = Change.between(before["top"], moment["top"]).things  # an arm's shadow falls on the other one's side
+    edge = things[-round(len(things) * EDGE) :]
     left, right = np.array_split(edge, 2, axis=1)
     return Handed(
         left=_share(since, moved.old.covered),

@@ -37,7 +37,7 @@ FEWEST = 25
 """So many pixels must tell a part's positions apart."""
 
 TOUCHED = 0.15
-"""Share of an object that the hand covers while it presses a button of it."""
+"""Share of what is seen of a button that the hand covers while it presses it."""
 
 MAX_SHIFT = 0.06
 """A receptacle that moved farther was knocked away, metres."""
@@ -69,7 +69,7 @@ MORE = 0.04
 HELD = 0.5
 """Share of the drawing of what is held before another that must be found at the moment; the hand hides some."""
 
-REACHING = 0.06
+REACHING = 0.09
 """Share of one half of the robot's edge of the picture that an arm which reaches out changes."""
 
 STILL = 0.25
@@ -84,7 +84,9 @@ def decide_part(evidence: PartEvidence, goal: Goal, thing: str) -> Verdict:
     """Turn measurements of a moving part into a verdict with one sentence of reason."""
     part = part_words(str(goal.part))
     if goal.relation == "pressed":
-        seen = f"{100 * evidence.touched:.0f} % of the {thing} is under the hand at the moment of the press"
+        seen = (
+            f"{100 * evidence.touched:.0f} % of the {part} of the {thing} is under the hand at the moment of the press"
+        )
         return _verdict(evidence.touched >= TOUCHED, seen, 0.5 + 0.5 * abs(evidence.touched - TOUCHED))
     if evidence.told_by < FEWEST:
         return refuse(f"whether the {part} of the {thing} moved cannot be seen from above", 0.5)
