@@ -35,6 +35,14 @@ def test_at_every_heading_of_both_what_is_held_stays_upright_and_over_the_table(
     assert there.aabb[0, 2] > TABLE_TOP
 
 
+@pytest.mark.parametrize("name", CODED)
+@pytest.mark.parametrize("off", [[0.003, 0, 0], [-0.003, 0, 0], [0, 0.003, 0], [0, -0.003, 0], [0, 0, 0.003]])
+def test_what_is_held_before_a_scanner_is_read_some_millimetres_off_too(name: str, off: list[float]) -> None:
+    box = thing(name, (0.1, 0.05))
+    for pose in reading_poses(box, SCANNER, TABLE_TOP):
+        assert reads(box.moved(Pose(pose.p + off, pose.q)), SCANNER)
+
+
 @settings(deadline=None, max_examples=20)
 @given(st.floats(-np.pi, np.pi))
 def test_reading_is_mutual(yaw: float) -> None:

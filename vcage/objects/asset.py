@@ -106,6 +106,7 @@ class Asset:
             size=tuple(float(x) for x in self.size),
             contact_points=self.annotation.contact_points,
             functional_points=self.annotation.functional_points,
+            faces=self.annotation.faces,
             moving_parts=[link.name for link in self.model.links],
         )
 

@@ -186,6 +186,7 @@ class CatalogueEntry(Record):
     size: Vec3 = Field(description="size of the first variant's bounding box, metres")
     contact_points: list[ContactPoint] = []
     functional_points: list[FunctionalPoint] = []
+    faces: list[Face] = []
     moving_parts: list[Identifier] = Field(default=[], description="names of drawers, lids, buttons…")
 
     @property

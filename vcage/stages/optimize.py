@@ -174,7 +174,7 @@ def _items(
     """What the optimisation needs of each object."""
     objects = context.objects(scene)
     reach = context.reach(scene.robot, scene.workspace, scene.table)
-    # Without an instruction each receptacle receives what either arm brings.
+    # Without an instruction each receptacle receives what either arm brings, and a scanner reads what either arm has.
     common = context.reach(scene.robot, scene.workspace, scene.table, every=scene.instruction is None)
     hand = hand_clearance(load_robot(scene.robot))
     places = {m.object: m.position for m in matches.matches}
@@ -182,6 +182,7 @@ def _items(
     items = []
     for o in objects:
         contents = [other.asset for other in objects if inside.get(other.id) == o.id]
+        shared = o.record.role == "receptacle" or bool(o.asset.annotation.faces_of("reader"))
         items.append(
             replace(
                 table_item(o.id, o.asset),
@@ -189,7 +190,7 @@ def _items(
                 target=places[o.id],
                 opening=opening_for(o.asset, contents),
                 inside=inside.get(o.id),
-                allowed=reach_for(o.asset, o.record.role, common if o.record.role == "receptacle" else reach),
+                allowed=reach_for(o.asset, o.record.role, common if shared else reach),
                 hand=hand if o.record.role == "content" else None,
             )
         )

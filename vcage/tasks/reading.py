@@ -13,8 +13,11 @@ from vcage.tasks.scene_objects import SceneObject
 DISTANCES = (0.04, 0.055, 0.03)
 """Between a window and the code before it, metres, in the order to try them."""
 
-FARTHEST, ASIDE, SLANT = 0.07, 0.025, np.radians(30)
+FARTHEST, ASIDE, SLANT = 0.07, 0.03, np.radians(30)
 """A scanner reads what is at most this far before it, this far beside its axis (metres), and turned this far away."""
+
+SURELY = 0.025
+"""Farther beside its axis than this nothing is held on purpose, metres: a hand comes some millimetres beside."""
 
 OVER_TABLE = 0.006
 """What is held keeps so far off the table, metres."""
@@ -47,7 +50,7 @@ def reading_poses(mover: SceneObject, still: SceneObject, support: float) -> Ite
         for distance in DISTANCES:
             x, y, z = still.pose.apply(theirs.position) + distance * normal - offset
             pose = Pose([x, y, max(z, support + OVER_TABLE - low)], rotation.q)
-            if _sees(mover.moved(pose), mine, still, theirs):
+            if _sees(mover.moved(pose), mine, still, theirs, SURELY):
                 yield pose
 
 
@@ -59,11 +62,11 @@ def _pairs(one: SceneObject, other: SceneObject) -> Iterator[tuple[Face, Face]]:
                 yield a, b
 
 
-def _sees(one: SceneObject, a: Face, other: SceneObject, b: Face) -> bool:
+def _sees(one: SceneObject, a: Face, other: SceneObject, b: Face, beside: float = ASIDE) -> bool:
     reader, code = ((one, a), (other, b)) if a.kind == "reader" else ((other, b), (one, a))
     out = reader[0].pose.rotation() @ np.asarray(reader[1].axis)
     back = code[0].pose.rotation() @ np.asarray(code[1].axis)
     between = code[0].pose.apply(code[1].position) - reader[0].pose.apply(reader[1].position)
     along = float(between @ out)
     aside = float(np.linalg.norm(between - along * out))
-    return 0 < along <= FARTHEST and aside <= ASIDE and -float(out @ back) >= np.cos(SLANT)
+    return 0 < along <= FARTHEST and aside <= beside and -float(out @ back) >= np.cos(SLANT)

@@ -74,3 +74,9 @@ def test_which_side_is_which_is_a_random_choice_that_the_seed_settles():
     found = laid(RECEPTACLES, CONTENTS)
     assert plan(found, 3) == plan(found, 3)
     assert {"pen_tray" in places(plan(found, seed), "left_of") for seed in range(8)} == {True, False}
+
+
+def test_a_scanner_stands_before_a_receptacle_that_does_not_open_where_every_arm_comes_to():
+    planned = plan(laid(["cash_drawer", "shopping_basket"], [*CONTENTS, "barcode_scanner"]))
+    assert places(planned, "in_front_of")["barcode_scanner"] == "shopping_basket"
+    assert "barcode_scanner" not in {*places(planned, "near"), *places(planned, "near").values()}

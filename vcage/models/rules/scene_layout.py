@@ -1,7 +1,7 @@
 """Plans the layout of a scene that has no instruction, so that every sub-task of it can be done.
 
-What things are put into or on stands in the middle, where every arm comes to; what opens there has nothing before it.
-What is carried stands around that, like by like.
+What things are put into or on stands in the middle, where every arm comes to, with the scanners; what opens there has
+nothing before it. What is carried stands around that, like by like.
 """
 
 from __future__ import annotations
@@ -35,22 +35,27 @@ def plan_scene(scene: Scene, catalogue: Sequence[CatalogueEntry], rng: np.random
     fixed = {o.id for o in things if _is_fixture(kinds[o.asset])}
     places = [o for o in things if o.role == "receptacle"] or things[:1]
     places.sort(key=lambda o: (o.id not in fixed, -_area(o)))
-    rest = [o for o in things if o not in places]
+    shared = places[ROW:] + [o for o in things if _is_scanner(kinds[o.asset]) and o not in places]
+    rest = [o for o in things if o not in places and o not in shared]
     rest.sort(key=lambda o: (o.id not in fixed, o.role, kinds[o.asset].words.category))
     sides = _sides(places[:ROW], rng)
     relations = [Relation(subject=places[0].id, relation="center", reference=TABLE)]
     relations += [relation(o, word, places[0]) for word, o in sides.items() if o is not places[0]]
     before = [o for o in (*sides.values(), places[0]) if o.id not in fixed]
-    for number, o in enumerate(places[ROW:]):
+    for number, o in enumerate(shared):
         relations.append(relation(o, "in_front_of", before[number % len(before)] if before else places[0]))
-    taken = len(places[ROW:])
-    relations += _by_kind(rest, list(_spots(sides, before[taken:], rest, scene)))
+    relations += _by_kind(rest, list(_spots(sides, before[len(shared) :], rest, scene)))
     return LayoutPlan(text=as_sentences(relations, scene), relations=relations)
 
 
 def _is_fixture(kind: CatalogueEntry) -> bool:
     """Whether it has moving parts and is not carried about itself."""
     return bool(kind.moving_parts) and not kind.can_be_carried
+
+
+def _is_scanner(kind: CatalogueEntry) -> bool:
+    """Whether it reads what every arm has."""
+    return any(face.kind == "reader" for face in kind.faces)
 
 
 def _area(o: ObjectRecord) -> float:

@@ -17,13 +17,11 @@ from vcage.sim.state import WorldState
 from vcage.tasks.grasps import command_of
 from vcage.tasks.primitives.handles import Handle, OperatingWay, operating_ways
 from vcage.tasks.scene_objects import SceneObject
+from vcage.tasks.truth import CLOSED
 from vcage.tasks.workcell import CAREFUL, TaskFailed, Workcell, first_reasons
 
 SLOW = 0.4
 """Share of the speed limit while a part is moved."""
-
-REACHED = 0.1
-"""A joint has reached its target when it is nearer than this share of its range."""
 
 
 @dataclass(frozen=True)
@@ -81,7 +79,7 @@ class Operation:
         self._riding = _riding(cell, thing, contact.link)
         along = [name for key in self._riding for name in cell.parts(key)]
         self._own += along
-        self._tolerance = REACHED * (joint.upper - joint.lower)
+        self._tolerance = CLOSED * (joint.upper - joint.lower)
         width = thing.asset.grasp_width(contact)
         self._handle = Handle(contact, model, thing.pose, world.object_joints(thing.id), width)
 
