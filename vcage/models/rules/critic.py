@@ -23,7 +23,7 @@ from vcage.models.rules.evidence_of_places import (
     gather_shown,
 )
 from vcage.models.rules.evidence_of_placing import AROUND, gather_placed
-from vcage.models.rules.standing import Sought, Standing, covered_by
+from vcage.models.rules.standing import Sought, Standing, drawn_whole
 from vcage.models.rules.verdicts import (
     UNLIKE,
     decide_handed,
@@ -99,7 +99,7 @@ class OfflineCritic:
         found = []
         for name in question.planned.keys() - about:
             thing = _sought(question, name)
-            here = stood & covered_by(thing.draw, question.planned[name], before.camera)
+            here = stood & drawn_whole(thing.draw, question.planned[name], before.camera).covered
             if here.sum() < FEWEST_SEEN or empty[here].mean() <= VANISHED:
                 continue
             still = thing.where_planned(question.after)

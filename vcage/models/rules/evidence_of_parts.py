@@ -9,7 +9,7 @@ import numpy as np
 
 from vcage.base.geometry import Camera, Pose
 from vcage.models.rules.evidence import changed
-from vcage.models.rules.standing import CAP, Sought, as_bright
+from vcage.models.rules.standing import CAP, Sought, as_bright, drawn_whole
 from vcage.sim.drawer import Drawing, Window
 from vcage.vision.colour import distance, smoothed, to_lab
 from vcage.vision.protocols import View
@@ -57,12 +57,9 @@ def gather_part(
     stands = thing.found({"top": before})
     if stands is None:
         return None
-    (height, width), camera = before.picture.shape[:2], before.camera
-    window = Window(0, 0, max(camera.width, camera.height), 1)
 
     def drawn(share: float) -> Drawing:
-        shown = draw(stands.pose, camera, window, share)
-        return Drawing(*(layer[:height, :width] for layer in (shown.picture, shown.covered, shown.depth)))
+        return drawn_whole(lambda pose, camera, window: draw(pose, camera, window, share), stands.pose, before.camera)
 
     sight, touched = _Sight([drawn(share) for share in POSITIONS], before.picture, background), 0.0
     if moment is not None:

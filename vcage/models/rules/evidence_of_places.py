@@ -16,13 +16,12 @@ from vcage.models.rules.standing import (
     Sought,
     Standing,
     as_bright,
-    covered_by,
     cut,
+    drawn_whole,
     inside,
     refined,
     window_around,
 )
-from vcage.sim.drawer import Window
 from vcage.vision.colour import distance, smoothed, to_lab
 from vcage.vision.protocols import View
 
@@ -229,7 +228,7 @@ def gather_shown(
         readings: poses of what is moved at which it reads or is read, from where both stand.
     """
     sights = [_Held.of(before[name], moment[name], still, draw_still) for name in sorted(before.keys() & moment.keys())]
-    left = min(_share(sight.change, covered_by(draw_moved, moved.pose, sight.camera)) for sight in sights)
+    left = min(_share(sight.change, drawn_whole(draw_moved, moved.pose, sight.camera).covered) for sight in sights)
     if left < LEFT:
         return Shown(left, 0.0, 0.0)
 
@@ -277,8 +276,9 @@ class _Held:
 
 
 def _depth(draw: Draw, pose: Pose, camera: Camera) -> np.ndarray:
-    drawing = draw(pose, camera, Window(0, 0, max(camera.width, camera.height), 1))
-    return np.where(drawing.covered, drawing.depth, np.inf)[: camera.height, : camera.width].astype(np.float32)
+    """(H, W) how far what an object covers is away along a camera's axis, metres; inf elsewhere."""
+    drawing = drawn_whole(draw, pose, camera)
+    return np.where(drawing.covered, drawing.depth, np.inf).astype(np.float32)
 
 
 def _shifted(pose: Pose, shift: np.ndarray) -> Pose:

@@ -27,7 +27,7 @@ EDGE = 3.0
 BORDER = 4
 """Width of the strip along a receptacle's outline that shows whether it was moved, pixels."""
 
-BESIDE = 40
+NEARBY = 40
 """So near to a receptacle lies what was brought to it and is not in or on it, pixels."""
 
 STAYED = 0.5
@@ -156,7 +156,7 @@ def _of_its_colour(thing: Sought, before: View, after: View, among: np.ndarray) 
 
 def _about(mask: np.ndarray) -> np.ndarray:
     """(H, W) bool: a mask and what is beside it, in a square, which is a hundred times as fast as a circle."""
-    side = 2 * BESIDE + 1
+    side = 2 * NEARBY + 1
     return cv2.dilate(mask.astype(np.uint8), np.ones((side, side), np.uint8)).astype(bool)
 
 

@@ -216,13 +216,14 @@ class Sought:
     def _seen_at(self, pose: np.ndarray, height: float, sights: Sequence[_Sight], camera: Camera) -> Standing:
         unlike = _unlike(pose, height, [replace(s, outline=np.zeros_like(s.outline)) for s in sights], self.draw)
         at = Pose.from_yaw([pose[0], pose[1], height], float(pose[2]))
-        return Standing(at, self.look.size, unlike, covered_by(self.draw, at, camera))
+        return Standing(at, self.look.size, unlike, drawn_whole(self.draw, at, camera).covered)
 
 
-def covered_by(draw: Draw, pose: Pose, camera: Camera) -> np.ndarray:
-    """(H, W) bool: where a drawing of an object covers a camera's picture."""
-    window = Window(0, 0, max(camera.width, camera.height), 1)
-    return draw(pose, camera, window).covered[: camera.height, : camera.width]
+def drawn_whole(draw: Draw, pose: Pose, camera: Camera) -> Drawing:
+    """A drawing of an object in all of a camera's picture, as large as that."""
+    drawing = draw(pose, camera, Window(0, 0, max(camera.width, camera.height), 1))
+    layers = (drawing.picture, drawing.covered, drawing.depth)
+    return Drawing(*(layer[: camera.height, : camera.width] for layer in layers))
 
 
 def window_around(middle: np.ndarray, size: Sequence[float], camera: Camera) -> Window:
