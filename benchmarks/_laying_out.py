@@ -5,7 +5,6 @@ from __future__ import annotations
 from vcage.base.files import RunFolder
 from vcage.stages import inpaint_plan, match, optimize, select_place
 from vcage.stages.context import StageContext
-from vcage.stages.stage import ModelOptions
 
 
 def lay_out(run: RunFolder, begun: select_place.Options, context: StageContext) -> None:
@@ -20,6 +19,6 @@ def lay_out(run: RunFolder, begun: select_place.Options, context: StageContext) 
         VcageError: a stage refuses.
     """
     select_place.execute(run, begun, context)
-    inpaint_plan.execute(run, ModelOptions(models="offline", seed=begun.seed), context)
+    inpaint_plan.execute(run, inpaint_plan.Options(models="offline", seed=begun.seed), context)
     match.execute(run, match.Options(models="offline", seed=begun.seed), context)
     optimize.execute(run, optimize.Options(seed=begun.seed), context)

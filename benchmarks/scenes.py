@@ -15,7 +15,7 @@ import tempfile
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from functools import lru_cache, partial
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -164,8 +164,7 @@ def _lay_out(run: RunFolder, drawn: Scene, seed: int, layout: str, context: Stag
         placed.write(run.layout)
         return
     select_place.photograph(placed, context, run.scene.parent).write(run.scene)
-    models = partial(ModelOptions, models="offline", seed=seed)
-    inpaint_plan.execute(run, models(), context)
+    inpaint_plan.execute(run, inpaint_plan.Options(models="offline", seed=seed), context)
     match.execute(run, match.Options(models="offline", seed=seed), context)
     optimize.execute(run, optimize.Options(seed=seed), context)
 

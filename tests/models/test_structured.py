@@ -4,9 +4,9 @@ from collections.abc import Sequence
 from typing import Any
 
 import pytest
+from vcage.models.chat import Message
 
 from vcage.base.errors import ModelRefused
-from vcage.models.chat import Message
 from vcage.models.structured import Answer, ask, flat_schema, json_of, one_of
 
 

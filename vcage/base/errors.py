@@ -5,13 +5,15 @@ A script turns a :class:`VcageError` into one line on stderr and one JSON line o
 of ours and exits with 1.
 
 Exit codes: 0 done, 1 a bug, 2 usage, 3 bad input file or schema, 4 key or configuration missing,
-5 the model refused (final), 6 the endpoint failed for now, 7 partly done (run again).
+5 the model refused (final), 6 the endpoint failed for now, 7 partly done (run again), 8 the agent that runs the command
+is to answer first.
 """
 
 from __future__ import annotations
 
 import difflib
 from collections.abc import Iterable, Sequence
+from pathlib import Path
 from typing import Any, ClassVar
 
 
@@ -243,3 +245,53 @@ class DiskFull(PartlyDone):
     """The disk or quota is full; nothing half-written was left."""
 
     code = "disk_full"
+
+
+# --- 8: whoever runs the command is the model ----------------------------------------------------------
+
+
+class AnswerNeeded(VcageError):
+    """A question lies in the run folder, and the command goes on when it is answered.
+
+    ``details["asked"]`` lists ``{folder, role, files, answer, round, complaint}`` for each question.
+    """
+
+    code = "answer_needed"
+    exit_code = 8
+    retryable = True
+
+    @classmethod
+    def of(cls, folder: Path, role: str, number: int, complaint: str, files: Sequence[str]) -> AnswerNeeded:
+        """For one question.
+
+        Args:
+            folder: where it lies.
+            role: who is asked.
+            number: of the round.
+            complaint: about the answer of the round before; empty in the first.
+            files: of the question.
+        """
+        return cls.all_of([
+            {
+                "folder": str(folder),
+                "role": role,
+                "files": list(files),
+                "answer": str(folder / "answer.json"),
+                "round": number,
+                "complaint": complaint,
+            }
+        ])  # fmt: skip
+
+    @classmethod
+    def all_of(cls, asked: Sequence[dict[str, Any]]) -> AnswerNeeded:
+        """For several questions, as their details list them."""
+        if len(asked) == 1:
+            only = asked[0]
+            message = f"the {only['role']}'s answer of round {only['round']} is needed: {only['folder']}/prompt.md"
+        else:
+            message = f"{len(asked)} answers are needed, the first to {asked[0]['folder']}/prompt.md"
+        return cls(
+            message,
+            hint="read prompt.md and the pictures, write answer.json beside them, then run the same command again",
+            details={"asked": list(asked)},
+        )

@@ -41,7 +41,7 @@ class Run(BeginCommand[chain.ChainOptions], Command):
     def execute(self) -> Result:
         """Run the chain."""
         run, options = RunFolder(self.run), self.stage
-        context = options.context()
+        context = options.context(run)
         if self.dry_run:
             options.require_a_task()
             select_place.job(run, options, context)

@@ -56,7 +56,7 @@ def options_of(name: str) -> type[StageCommand]:
 def execute_stage(name: str, command: StageCommand) -> Result:
     """Run one stage on a run folder, or with ``--dry-run`` say what it would do."""
     stage, run, options = stage_of(name), RunFolder(command.run), command.stage
-    context = options.context()
+    context = options.context(run)
     if command.dry_run:
         job = stage.job(run, options, context)
         would = "replace" if options.force and job.output.exists() else "write"

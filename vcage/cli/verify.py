@@ -46,7 +46,8 @@ class Verify(StageCommand[verify.Options], Command):
             UsageError: only some of --subtask, --before, --after are given.
         """
         if self.subtask and self.before and self.after:
-            run, context = RunFolder(self.run), self.stage.context()
+            run = RunFolder(self.run)
+            context = self.stage.context(run)
             answer = verify.judge_pair(run, context, self.subtask, self.before, self.after)
             return Result(schema=answer.SCHEMA, summary=answer.model_dump(mode="json", by_alias=True))
         if self.subtask or self.before or self.after:

@@ -11,11 +11,9 @@ from typing import Any
 import numpy as np
 
 from vcage.base.errors import EndpointFailed, ModelRefused
-from vcage.models import prompts
-from vcage.models.chat import Message
+from vcage.models.exchange import Question, Reply
 from vcage.models.pictures import decode_base64, encode_base64
-from vcage.models.protocols import EditRequest
-from vcage.models.provider import Client, Provider
+from vcage.models.provider import Client, Provider, count
 
 PICTURE_ROUNDS = 3
 """How often a picture is asked for: an answer without one is normal and passes."""
@@ -26,16 +24,14 @@ _PASSING = frozenset(("NO_IMAGE", "STOP", "MAX_TOKENS", "OTHER", "IMAGE_OTHER", 
 _RATIOS = ("1:1", "2:3", "3:2", "3:4", "4:3", "4:5", "5:4", "9:16", "16:9", "21:9")
 
 
-class GeminiChat(Client):
-    """Implements :class:`vcage.models.chat.Chat`."""
+class GeminiText(Client):
+    """Implements :class:`vcage.models.exchange.Answerer` for answers in JSON."""
 
-    def complete(self, messages: Sequence[Message], schema: dict[str, Any]) -> str:
-        """See :class:`vcage.models.chat.Chat`."""
-        body = {
-            "contents": [{"role": m.role, "parts": _parts(m.text, m.pictures)} for m in messages],
-            "generationConfig": {"responseMimeType": "application/json", "responseJsonSchema": schema},
-        }
-        parts, reason = _generate(self, body)
+    def answer(self, question: Question) -> Reply:
+        """See :class:`vcage.models.exchange.Answerer`."""
+        config = {"responseMimeType": "application/json", "responseJsonSchema": question.schema}
+        data = _generate(self, {"contents": _contents(question), "generationConfig": config})
+        parts, reason = _first_candidate(data, self.provider)
         text = "".join(part["text"] for part in parts if isinstance(part.get("text"), str) and not part.get("thought"))
         if not text or reason not in ("STOP", ""):
             raise ModelRefused(
@@ -43,31 +39,29 @@ class GeminiChat(Client):
                 hint="change the instruction or the model",
                 details={"finish_reason": reason},
             )
-        return text
+        return _reply(data, text)
 
 
-class GeminiEditor(Client):
-    """Implements :class:`vcage.models.protocols.ImageEditor` (the paper's Nano Banana)."""
+class GeminiPicture(Client):
+    """Implements :class:`vcage.models.exchange.Answerer` for edited pictures (the paper's Nano Banana)."""
 
-    def rearrange(self, request: EditRequest) -> np.ndarray:
+    def answer(self, question: Question) -> Reply:
         """The edited picture, in whatever size the model gives.
 
         Raises:
             ModelRefused: a safety block, or no picture after all rounds.
             EndpointFailed: a picture that cannot be decoded, and see the transport.
         """
-        ratio = _nearest_ratio(request.picture.shape)
-        body = {
-            "contents": [{"role": "user", "parts": _parts(prompts.edit_prompt(request), (request.picture,))}],
-            "generationConfig": {"responseModalities": ["TEXT", "IMAGE"], "imageConfig": {"aspectRatio": ratio}},
-        }
+        ratio = _nearest_ratio(question.messages[0].pictures[0].shape)
+        config = {"responseModalities": ["TEXT", "IMAGE"], "imageConfig": {"aspectRatio": ratio}}
         reason = ""
         for _ in range(PICTURE_ROUNDS):
-            parts, reason = _generate(self, body)
+            answered = _generate(self, {"contents": _contents(question), "generationConfig": config})
+            parts, reason = _first_candidate(answered, self.provider)
             pictures = [part.get("inlineData") or part.get("inline_data") for part in parts if not part.get("thought")]
             data = next((p["data"] for p in pictures if isinstance(p, dict) and p.get("data")), None)
             if data is not None:
-                return decode_base64(data, self.provider)
+                return _reply(answered, picture=decode_base64(data, self.provider))
             if reason not in _PASSING:
                 break
         raise ModelRefused(
@@ -77,32 +71,46 @@ class GeminiEditor(Client):
         )
 
 
+def _contents(question: Question) -> list[dict[str, Any]]:
+    return [{"role": m.speaker, "parts": _parts(m.text, m.pictures)} for m in question.messages]
+
+
 def _parts(text: str, pictures: Sequence[np.ndarray]) -> list[dict[str, Any]]:
     data = [{"inlineData": {"mimeType": "image/png", "data": encode_base64(picture)}} for picture in pictures]
-    return [{"text": text}, *data]
+    return [*([{"text": text}] if text else []), *data]
 
 
-def _generate(client: Client, body: Mapping[str, Any]) -> tuple[list[dict[str, Any]], str]:
-    """Parts of the first candidate, and why it ended.
+def _generate(client: Client, body: Mapping[str, Any]) -> dict[str, Any]:
+    version = "" if client.transport.base_url.endswith(("/v1", "/v1beta")) else "v1beta/"
+    return client.transport.post_json(f"{version}models/{client.model}:generateContent", body)
+
+
+def _reply(data: dict[str, Any], text: str = "", picture: np.ndarray | None = None) -> Reply:
+    used = data.get("usageMetadata")
+    used = used if isinstance(used, dict) else {}
+    thought = count(used, "thoughtsTokenCount") or 0
+    out = count(used, "candidatesTokenCount")
+    model = str(data.get("modelVersion") or "")
+    return Reply(text, picture, model, count(used, "promptTokenCount"), None if out is None else out + thought)
+
+
+def _first_candidate(data: dict[str, Any], provider: str) -> tuple[list[dict[str, Any]], str]:
+    """Its parts, and why it ended.
 
     Raises:
         ModelRefused: the prompt itself was blocked.
         EndpointFailed: the answer is of another shape.
     """
-    version = "" if client.transport.base_url.endswith(("/v1", "/v1beta")) else "v1beta/"
-    data = client.transport.post_json(f"{version}models/{client.model}:generateContent", body)
     feedback = data.get("promptFeedback") or {}
     candidates = data.get("candidates") or []
     if feedback.get("blockReason") and not candidates:
-        raise ModelRefused(
-            f"{client.provider} blocked the request: {feedback['blockReason']}", hint="change the instruction"
-        )
+        raise ModelRefused(f"{provider} blocked the request: {feedback['blockReason']}", hint="change the instruction")
     try:
         candidate = candidates[0] if candidates else {}
         parts = (candidate.get("content") or {}).get("parts") or []
         return [part for part in parts if isinstance(part, dict)], str(candidate.get("finishReason") or "")
     except (AttributeError, TypeError, KeyError) as error:
-        raise EndpointFailed(f"{client.provider} answered in an unknown shape", hint="check the base URL") from error
+        raise EndpointFailed(f"{provider} answered in an unknown shape", hint="check the base URL") from error
 
 
 def _nearest_ratio(shape: tuple[int, ...]) -> str:
@@ -115,8 +123,8 @@ GEMINI = Provider(
     key_variables=("GEMINI_API_KEY", "GOOGLE_API_KEY"),
     headers=lambda key: {"x-goog-api-key": key},
     base_url="https://generativelanguage.googleapis.com",
-    text_model="gemini-3-pro-preview",
-    image_model="gemini-3-pro-image",
-    chat=GeminiChat,
-    editor=GeminiEditor,
+    text_model="gemini-pro-latest",
+    image_model="gemini-nano-banana-2.1",
+    text=GeminiText,
+    picture=GeminiPicture,
 )

@@ -1,4 +1,4 @@
-"""The critic behind any chat endpoint that sees pictures."""
+"""The critic behind whatever answers questions and sees pictures."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import Field
 
 from vcage.models import prompts
-from vcage.models.chat import Chat
+from vcage.models.exchange import Answerer
 from vcage.models.protocols import CriticQuestion
 from vcage.models.structured import Answer, ask
 from vcage.schema.episodes import Verdict
@@ -30,15 +30,15 @@ class Judgement(Answer):
 class LlmCritic:
     """Implements :class:`vcage.models.protocols.Critic`: the paper's φ(I, T), with pictures before and after."""
 
-    def __init__(self, chat: Chat):
-        self._chat = chat
-        self.provider = chat.provider
+    def __init__(self, who: Answerer):
+        self._who = who
+        self.provider = who.provider
 
     def judge(self, question: CriticQuestion) -> Verdict:
         """The model's verdict.
 
         Raises:
-            ModelRefused, EndpointFailed, ConfigurationError: see :func:`vcage.models.structured.ask`.
+            ModelRefused, AnswerNeeded, EndpointFailed, ConfigurationError: see :func:`vcage.models.structured.ask`.
         """
         named = [
             (f"{when}, camera {name}", view.picture)
@@ -57,7 +57,7 @@ class LlmCritic:
             phrases=phrases,
             pictures=[name for name, _ in named],
         )
-        found = ask(self._chat, prompt, Judgement, pictures=[picture for _, picture in named], complaints=_complaints)
+        found = ask(self._who, "critic", prompt, Judgement, pictures=named, complaints=_complaints)
         return _verdict(found, self.provider)
 
 

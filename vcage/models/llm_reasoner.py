@@ -1,4 +1,4 @@
-"""The reasoner behind any chat endpoint: prompts, answer types made of what the scene holds, and their checks."""
+"""The reasoner behind whatever answers questions: prompts, answer types of what the scene holds, and their checks."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ import numpy as np
 
 from vcage.base.errors import NoAssetFits, UnreadInstruction
 from vcage.models import prompts
-from vcage.models.chat import Chat
+from vcage.models.exchange import Answerer
 from vcage.models.search import Search, best_search, narrow
-from vcage.models.structured import Answer, ask, narrowed, one_of
+from vcage.models.structured import Answer, AnswerType, ask, narrowed, one_of
 from vcage.objects.catalogue import LEGEND, catalogue_text
 from vcage.plans.check import PlanCheck
 from vcage.schema.asset import CatalogueEntry
@@ -85,14 +85,20 @@ class LlmReasoner:
 
     ``rng`` is not used, since the model chooses.
 
-    Raises (all methods): ModelRefused, EndpointFailed, ConfigurationError; see :func:`vcage.models.structured.ask`.
+    Raises (all methods): ModelRefused, AnswerNeeded, EndpointFailed, ConfigurationError; see
+    :func:`vcage.models.structured.ask`.
     """
 
-    def __init__(self, chat: Chat, search: Callable[[], Search] = best_search):
+    def __init__(self, who: Answerer, search: Callable[[], Search] = best_search):
         """``search`` makes the search that narrows a large catalogue."""
-        self._chat = chat
+        self._who = who
         self._search = search
-        self.provider = chat.provider
+        self.provider = who.provider
+
+    def _ask(
+        self, prompt: prompts.Prompt, answer: type[AnswerType], complaints: Callable[[AnswerType], Sequence[str]]
+    ) -> AnswerType:
+        return ask(self._who, "reasoner", prompt, answer, complaints=complaints)
 
     def select_assets(
         self, instruction: str, catalogue: Sequence[CatalogueEntry], rng: np.random.Generator, check: SelectionCheck
@@ -106,7 +112,7 @@ class LlmReasoner:
         prompt = prompts.fill(
             "select_assets", instruction=instruction, catalogue=catalogue_text(catalogue), legend=LEGEND
         )
-        found = ask(self._chat, prompt, answer, complaints=lambda a: _selection_complaints(a, check))
+        found = self._ask(prompt, answer, lambda a: _selection_complaints(a, check))
         if found.missing:
             listed = " and ".join(repr(name) for name in found.missing)
             raise NoAssetFits(
@@ -124,7 +130,7 @@ class LlmReasoner:
         item = narrowed(_PlannedRelation, subject=one_of(ids), reference=one_of([*ids, TABLE]))
         answer = narrowed(_LayoutAnswer, relations=list[item])
         prompt = prompts.fill("plan_layout", scene=scene, entries={entry.name: entry for entry in catalogue})
-        return _plan(ask(self._chat, prompt, answer, complaints=lambda a: _plan_complaints(a, check)))
+        return _plan(self._ask(prompt, answer, lambda a: _plan_complaints(a, check)))
 
     def judge_pairs(self, questions: Sequence[PairQuestion]) -> list[PairAnswer]:
         """One answer per question, asked in batches."""
@@ -135,7 +141,7 @@ class LlmReasoner:
 
     def _judge_batch(self, questions: Sequence[PairQuestion]) -> list[PairAnswer]:
         prompt = prompts.fill("judge_pairs", questions=list(questions))
-        found = ask(self._chat, prompt, _PairsAnswer, complaints=lambda a: _pair_complaints(a.pairs, len(questions)))
+        found = self._ask(prompt, _PairsAnswer, lambda a: _pair_complaints(a.pairs, len(questions)))
         return [
             PairAnswer(
                 object=question.object,
@@ -157,7 +163,7 @@ class LlmReasoner:
         )
         answer = narrowed(_GoalsAnswer, goals=list[item], untouched=list[one_of(list(things))])  # pyrefly: ignore
         prompt = prompts.fill("read_goals", instruction=instruction, things=dict(things), lying=dict(lying))
-        found = ask(self._chat, prompt, answer, complaints=lambda a: _goal_complaints(a, instruction, things))
+        found = self._ask(prompt, answer, lambda a: _goal_complaints(a, instruction, things))
         if found.unread:
             understood = [goal.words for goal in found.goals]
             raise UnreadInstruction.of(instruction, "; ".join(found.unread), "no goal answers it", understood)

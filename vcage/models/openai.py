@@ -5,33 +5,31 @@ Wire shapes: https://platform.openai.com/docs/api-reference/chat, …/images/cre
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from vcage.base.errors import EndpointFailed, ModelRefused
-from vcage.models import prompts
-from vcage.models.chat import Message
+from vcage.models.exchange import Message, Question, Reply
 from vcage.models.pictures import decode_base64, encode_base64, encode_png
-from vcage.models.protocols import EditRequest
-from vcage.models.provider import Client, Provider, bearer
+from vcage.models.provider import Client, Provider, bearer, count
 
 
-class OpenAiChat(Client):
-    """Implements :class:`vcage.models.chat.Chat` over ``chat/completions``."""
+class OpenAiText(Client):
+    """Implements :class:`vcage.models.exchange.Answerer` for answers in JSON over ``chat/completions``."""
 
-    def complete(self, messages: Sequence[Message], schema: dict[str, Any]) -> str:
-        """See :class:`vcage.models.chat.Chat`; servers that ignore ``response_format`` may answer in a fence."""
+    def answer(self, question: Question) -> Reply:
+        """See :class:`vcage.models.exchange.Answerer`; servers without ``response_format`` may answer in a fence."""
         body = {
             "model": self.model,
-            "messages": [wire_message(message) for message in messages],
+            "messages": [wire_message(message) for message in question.messages],
             "response_format": {
                 "type": "json_schema",
-                "json_schema": {"name": "answer", "strict": True, "schema": schema},
+                "json_schema": {"name": "answer", "strict": True, "schema": question.schema},
             },
         }
-        message, reason = first_choice(self.transport.post_json("chat/completions", body), self.provider)
+        data = self.transport.post_json("chat/completions", body)
+        message, reason = first_choice(data, self.provider)
         text = _text(message.get("content"))
         if message.get("refusal") or reason in ("length", "content_filter") or not text:
             why = message.get("refusal") or reason or "no text"
@@ -40,21 +38,24 @@ class OpenAiChat(Client):
                 hint="change the instruction or the model",
                 details={"finish_reason": reason},
             )
-        return text
+        return reply(data, text)
 
 
-class OpenAiEditor(Client):
-    """Implements :class:`vcage.models.protocols.ImageEditor` over ``images/edits``."""
+class OpenAiPicture(Client):
+    """Implements :class:`vcage.models.exchange.Answerer` for edited pictures over ``images/edits``."""
 
-    def rearrange(self, request: EditRequest) -> np.ndarray:
+    def answer(self, question: Question) -> Reply:
         """The edited picture, in whatever size the model gives.
 
         Raises:
             ModelRefused: an answer without a picture.
             EndpointFailed: a picture that cannot be decoded, and see the transport.
         """
-        fields = {"model": self.model, "prompt": prompts.edit_prompt(request)}
-        files = [("image[]", ("source.png", encode_png(request.picture), "image/png"))]
+        # There are no turns here: what was wrong with the last picture is said with the first request.
+        said = [message.text for message in question.messages if message.speaker == "user"]
+        fields = {"model": self.model, "prompt": "\n\n".join(said)}
+        source = question.messages[0].pictures[0]
+        files = [("image[]", ("source.png", encode_png(source), "image/png"))]
         data = self.transport.post_multipart("images/edits", fields, files)
         items = data.get("data")
         first = items[0] if isinstance(items, list) and items and isinstance(items[0], dict) else {}
@@ -62,12 +63,23 @@ class OpenAiEditor(Client):
             raise ModelRefused(
                 f"{self.provider} drew no picture", hint="change the instruction, or use --models offline"
             )
-        return decode_base64(first["b64_json"], self.provider)
+        return reply(data, picture=decode_base64(first["b64_json"], self.provider))
+
+
+def reply(data: dict[str, Any], text: str = "", picture: np.ndarray | None = None) -> Reply:
+    """With the model and the tokens that the answer names; chat and pictures count them by other names."""
+    used = data.get("usage")
+    used = used if isinstance(used, dict) else {}
+    tokens_in, tokens_out = (
+        next((n for name in names if (n := count(used, name)) is not None), None)
+        for names in (("prompt_tokens", "input_tokens"), ("completion_tokens", "output_tokens"))
+    )
+    return Reply(text, picture, str(data.get("model") or ""), tokens_in, tokens_out)
 
 
 def wire_message(message: Message) -> dict[str, Any]:
     """A turn as ``chat/completions`` takes it."""
-    role = "assistant" if message.role == "model" else "user"
+    role = "assistant" if message.speaker == "model" else "user"
     if not message.pictures:
         return {"role": role, "content": message.text}
     parts: list[dict[str, Any]] = [{"type": "text", "text": message.text}]
@@ -99,8 +111,8 @@ OPENAI = Provider(
     key_variables=("OPENAI_API_KEY",),
     headers=bearer,
     base_url="https://api.openai.com/v1",
-    text_model="gpt-5",
-    image_model="gpt-image-1",
-    chat=OpenAiChat,
-    editor=OpenAiEditor,
+    text_model="gpt-6.1-terra",
+    image_model="gpt-image-2",
+    text=OpenAiText,
+    picture=OpenAiPicture,
 )

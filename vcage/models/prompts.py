@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import jinja2
 import jinja2.meta
 
@@ -15,8 +17,20 @@ def names() -> list[str]:
     return sorted(path.stem for path in resource("prompts").glob("*.md"))
 
 
-def fill(name: str, **values: object) -> str:
-    """The prompt's text with all its placeholders filled in.
+class Prompt(NamedTuple):
+    """A prompt as it is sent.
+
+    Args:
+        name: of its file, without ``.md``.
+        text: with all placeholders filled in.
+    """
+
+    name: str
+    text: str
+
+
+def fill(name: str, **values: object) -> Prompt:
+    """The prompt with all its placeholders filled in.
 
     Raises:
         UnknownName: there is no such prompt.
@@ -36,9 +50,9 @@ def fill(name: str, **values: object) -> str:
             f"{path} uses the placeholders {sorted(wanted)}, but gets {sorted(values)}",
             hint="name exactly these in the prompt",
         )
-    return environment.from_string(text).render(**values).strip()
+    return Prompt(name, environment.from_string(text).render(**values).strip())
 
 
-def edit_prompt(request: EditRequest) -> str:
+def edit_prompt(request: EditRequest) -> Prompt:
     """The text that goes with the picture to any image editor; raises as :func:`fill`."""
     return fill("rearrange", scene=request.scene, plan=request.plan)

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-from vcage.models.chat import Chat
-from vcage.models.protocols import ImageEditor
+from vcage.models.exchange import Answerer
 from vcage.models.transport import Transport
 
 
@@ -35,7 +34,7 @@ class Provider:
         headers: what carries a key in a request.
         base_url, text_model, image_model: where ``VCAGE_<NAME>_BASE_URL``, ``…_TEXT_MODEL`` and ``…_IMAGE_MODEL`` do
             not name others.
-        chat, editor: made from transport, model and the name for records.
+        text, picture: made from transport, model and the name for records.
     """
 
     name: str
@@ -44,21 +43,27 @@ class Provider:
     base_url: str
     text_model: str
     image_model: str
-    chat: Callable[[Transport, str, str], Chat]
-    editor: Callable[[Transport, str, str], ImageEditor]
+    text: Callable[[Transport, str, str], Answerer]
+    picture: Callable[[Transport, str, str], Answerer]
 
-    def connect(self, key: str) -> tuple[Chat, ImageEditor]:
-        """Its clients; nothing is sent yet.
+    def connect(self, key: str) -> tuple[Answerer, Answerer]:
+        """What answers in text, and what answers in pictures; nothing is sent yet.
 
         Raises:
             ConfigurationError: the base URL that was set is none.
         """
         transport = Transport(self._setting("BASE_URL", self.base_url), self.headers(key))
         text, image = self._setting("TEXT_MODEL", self.text_model), self._setting("IMAGE_MODEL", self.image_model)
-        return self.chat(transport, text, f"{self.name}:{text}"), self.editor(transport, image, f"{self.name}:{image}")
+        return self.text(transport, text, f"{self.name}:{text}"), self.picture(transport, image, f"{self.name}:{image}")
 
     def _setting(self, what: str, default: str) -> str:
         return os.environ.get(f"VCAGE_{self.name.upper()}_{what}") or default
+
+
+def count(used: Mapping[str, object], name: str) -> int | None:
+    """A number of tokens in an answer; None where it says none."""
+    value = used.get(name)
+    return value if isinstance(value, int) else None
 
 
 def bearer(key: str) -> dict[str, str]:

@@ -1,6 +1,8 @@
 """Which implementation plays which role.
 
-``--models auto|offline|gemini|openai|openrouter`` chooses reasoner, editor and critic by one word. Detector and
+``--models auto|offline|agent|replay|gemini|openai|openrouter`` chooses reasoner, editor and critic by one word, and
+``--reasoner``, ``--editor`` and ``--critic`` one of them alone. What answers questions in words and pictures (all but
+``offline``) is asked through :class:`vcage.models.kept.Keeping`, so every exchange is kept under the run. Detector and
 embedder run on this machine in every choice, and are chosen by a name of their own, with weights after a colon where
 it has a choice of them: ``background``, ``grounding-dino``, ``grounding-dino:IDEA-Research/grounding-dino-base``,
 ``dinov2:~/models/dinov2-large``. That is how they are spelled in a record's provenance, too.
@@ -8,21 +10,32 @@ it has a choice of them: ``background``, ``grounding-dino``, ``grounding-dino:ID
 
 from __future__ import annotations
 
-from vcage.base.errors import UnknownName, UsageError
+from dataclasses import dataclass
+from pathlib import Path
+from typing import get_args
+
+from vcage.base.errors import InputFileError, UnknownName, UsageError
+from vcage.models import agent
+from vcage.models.exchange import Answerer
 from vcage.models.gemini import GEMINI
+from vcage.models.kept import Exchanges, Keeping, Replayed, who_answered
 from vcage.models.keys import find_key, require_key
 from vcage.models.llm_critic import LlmCritic
+from vcage.models.llm_editor import LlmEditor
 from vcage.models.llm_reasoner import LlmReasoner
 from vcage.models.openai import OPENAI
 from vcage.models.openrouter import OPENROUTER
-from vcage.models.protocols import Models
+from vcage.models.protocols import Critic, ImageEditor, Models, Reasoner
 from vcage.models.provider import Provider
+from vcage.schema.exchange import Asked
 from vcage.vision.protocols import Detector, Embedder
 
 PROVIDERS: dict[str, Provider] = {provider.name: provider for provider in (GEMINI, OPENAI, OPENROUTER)}
 """Online choices, in the order in which ``auto`` takes the first one that has a key."""
 
-CHOICES = ("auto", "offline", *PROVIDERS)
+CHOICES = ("auto", "offline", agent.PROVIDER, "replay", *PROVIDERS)
+
+ROLES: tuple[Asked, ...] = get_args(Asked)
 
 DETECTORS = ("background", "grounding-dino")
 EMBEDDERS = ("classical", "efficientnet", "dinov2")
@@ -38,7 +51,92 @@ def found_keys() -> dict[str, str]:
     return {name: found[1] for name, provider in PROVIDERS.items() if (found := find_key(provider)) is not None}
 
 
-def build_models(choice: str = "auto", detector: str = DETECTORS[0], embedder: str = EMBEDDERS[0]) -> Models:
+@dataclass(frozen=True)
+class Choice:
+    """Who plays reasoner, editor and critic.
+
+    Args:
+        models: who does where no other is named; one of :data:`CHOICES`.
+        reasoner, editor, critic: another one for that role.
+        run: folder of the run: exchanges are kept in its ``exchanges/``, questions to an agent lie in its ``ask/``.
+        replayed: folder of the run whose exchanges ``replay`` reads; ``run`` when left out.
+        anew: ask again what was answered before.
+    """
+
+    models: str = "auto"
+    reasoner: str | None = None
+    editor: str | None = None
+    critic: str | None = None
+    run: Path | None = None
+    replayed: Path | None = None
+    anew: bool = False
+
+    def of(self, role: Asked) -> str:
+        """Who plays a role: ``offline``, ``agent``, ``replay`` or a provider.
+
+        Raises:
+            UnknownName: there is no such choice.
+            UsageError: an agent is to draw.
+        """
+        chosen = getattr(self, role) or self.models
+        if chosen not in CHOICES:
+            raise UnknownName(f"choice of the {role}", chosen, CHOICES)
+        if chosen == "auto":
+            return next(iter(found_keys()), "offline")
+        if chosen == agent.PROVIDER and role == "editor":
+            if self.editor is None:
+                return "offline"
+            raise UsageError("an agent does not draw", hint="give a picture with: inpaint-plan --target FILE")
+        return chosen
+
+    @property
+    def exchanges(self) -> Exchanges:
+        """Of this run, or of the one that is replayed.
+
+        Raises:
+            UsageError: there is no run.
+        """
+        return Exchanges(self._run() / "exchanges")
+
+    def answerer(self, role: Asked) -> Answerer | None:
+        """Who answers the role's questions; None where rules do.
+
+        Raises:
+            MissingKey: the provider's key is nowhere to be found.
+            UsageError: there is no run in which an agent could be asked, or to replay.
+            InputFileError: what is to be replayed holds no exchange.
+        """
+        chosen = self.of(role)
+        if chosen == "offline":
+            return None
+        if chosen == "replay":
+            return self._replayed(role)
+        if chosen == agent.PROVIDER:
+            # It keeps its answers itself, beside the questions.
+            return Keeping(agent.Agent(self._run() / "ask"), self.exchanges, anew=True)
+        provider = PROVIDERS[chosen]
+        text, picture = provider.connect(require_key(provider))
+        who = picture if role == "editor" else text
+        return who if self.run is None else Keeping(who, self.exchanges, anew=self.anew)
+
+    def _replayed(self, role: Asked) -> Replayed | None:
+        """What was answered in the role; None where nobody was asked, as rules answer alike each time."""
+        exchanges = self.exchanges if self.replayed is None else Exchanges(self.replayed / "exchanges")
+        answered = who_answered(exchanges)
+        if not answered:
+            raise InputFileError(
+                f"{exchanges.folder} holds no exchange to replay",
+                hint="name the run that asked models: --replay RUN; where rules answered, take --models offline",
+            )
+        return Replayed(exchanges, answered[role]) if role in answered else None
+
+    def _run(self) -> Path:
+        if self.run is None:
+            raise UsageError("there is no run folder to keep exchanges in", hint="give one with --run")
+        return self.run
+
+
+def build_models(choice: Choice, detector: str = DETECTORS[0], embedder: str = EMBEDDERS[0]) -> Models:
     """All roles.
 
     Base URLs and model ids come from ``VCAGE_<PROVIDER>_BASE_URL``, ``…_TEXT_MODEL`` and ``…_IMAGE_MODEL``
@@ -50,23 +148,35 @@ def build_models(choice: str = "auto", detector: str = DETECTORS[0], embedder: s
 
     Raises:
         UnknownName: there is no such choice, detector or embedder.
-        MissingKey: the provider's key is nowhere to be found.
+        MissingKey, UsageError, InputFileError: see :meth:`Choice.answerer`.
         MissingDependency, InputFileError: see :func:`build_detector`.
     """
-    if choice not in CHOICES:
-        raise UnknownName("choice of models", choice, CHOICES)
     found = build_detector(*split_weights(detector)), build_embedder(*split_weights(embedder))
-    if choice == "auto":
-        choice = next(iter(found_keys()), "offline")
-    if choice == "offline":
-        from vcage.models.rules.critic import OfflineCritic
-        from vcage.models.rules.editor import OfflineEditor
-        from vcage.models.rules.reasoner import OfflineReasoner
+    return Models(_reasoner(choice), _editor(choice), *found, _critic(choice))
 
-        return Models(OfflineReasoner(), OfflineEditor(), *found, OfflineCritic())
-    provider = PROVIDERS[choice]
-    chat, editor = provider.connect(require_key(provider))
-    return Models(LlmReasoner(chat), editor, *found, LlmCritic(chat))
+
+def _reasoner(choice: Choice) -> Reasoner:
+    if who := choice.answerer("reasoner"):
+        return LlmReasoner(who)
+    from vcage.models.rules.reasoner import OfflineReasoner
+
+    return OfflineReasoner()
+
+
+def _editor(choice: Choice) -> ImageEditor:
+    if who := choice.answerer("editor"):
+        return LlmEditor(who)
+    from vcage.models.rules.editor import OfflineEditor
+
+    return OfflineEditor()
+
+
+def _critic(choice: Choice) -> Critic:
+    if who := choice.answerer("critic"):
+        return LlmCritic(who)
+    from vcage.models.rules.critic import OfflineCritic
+
+    return OfflineCritic()
 
 
 def split_weights(spelled: str) -> tuple[str, str | None]:

@@ -11,7 +11,9 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, ValidationError, create_model
 
 from vcage.base.errors import ModelRefused
-from vcage.models.chat import Chat, Message
+from vcage.models.exchange import Answerer, Message, Question
+from vcage.models.prompts import Prompt
+from vcage.schema.exchange import Asked
 
 ROUNDS = 3
 """How often a model may answer before its answers count as a refusal."""
@@ -40,38 +42,45 @@ def narrowed(answer: type[AnswerType], **fields: Any) -> type[AnswerType]:
 
 
 def ask(
-    chat: Chat,
-    prompt: str,
+    who: Answerer,
+    role: Asked,
+    prompt: Prompt,
     answer: type[AnswerType],
     *,
-    pictures: Sequence[np.ndarray] = (),
+    pictures: Sequence[tuple[str, np.ndarray]] = (),
     complaints: Callable[[AnswerType], Sequence[str]] = lambda _: (),
 ) -> AnswerType:
     """Ask until the answer is valid, at most :data:`ROUNDS` times.
 
     Args:
+        role: which is asked.
+        prompt: with its placeholders filled in.
         answer: the type of the answer; its JSON Schema is sent along.
+        pictures: (what it shows, (H, W, 3) uint8 RGB).
         complaints: what is wrong with an answer of the right type; empty when nothing is.
 
     Raises:
         ModelRefused: no answer was valid; the message holds the last complaint.
+        AnswerNeeded, EndpointFailed, ConfigurationError: see :class:`vcage.models.exchange.Answerer`.
     """
-    schema = flat_schema(answer)
-    messages = [Message("user", prompt, tuple(pictures))]
+    turn = Message("user", prompt.text, tuple(picture for _, picture in pictures))
+    captions = tuple(what for what, _ in pictures)
+    question = Question(role, (turn,), flat_schema(answer), prompt.name, captions)
     problems: Sequence[str] = ()
     text = ""
     for _ in range(ROUNDS):
-        text = chat.complete(messages, schema)
+        reply = who.answer(question)
+        text = reply.text
         found, problems = _read(text, answer)
         if found is not None:
             problems = complaints(found)
             if not problems:
                 return found
-        messages += [Message("model", text), Message("user", _complaint(problems))]
+        question = question.again(reply, _complaint(problems))
     raise ModelRefused(
-        f"{chat.provider} gave no valid answer in {ROUNDS} rounds: {'; '.join(problems)}",
-        hint="try another model, or --models offline",
-        details={"problems": list(problems), "answer": text[:2000]},
+        f"{who.provider} gave no valid answer in {ROUNDS} rounds: {'; '.join(problems)}",
+        hint="try another model, or --models offline; an agent answers anew once its folder in ask/ is removed",
+        details={"role": role, "problems": list(problems), "answer": text[:2000]},
     )
 
 

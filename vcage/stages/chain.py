@@ -50,7 +50,9 @@ OF_THE_EPISODES = ("verify", "compress", "export")
 
 
 @dataclass(frozen=True, kw_only=True)
-class ChainOptions(select_place.Options, match.Options, optimize.Options, collect.Options, compress.Options):
+class ChainOptions(
+    select_place.Options, inpaint_plan.Options, match.Options, optimize.Options, collect.Options, compress.Options
+):
     """Options of every stage at once but export, whose codec would have the name of the compression's.
 
     Example:
@@ -105,7 +107,7 @@ def run_chain(
         VcageError: what a stage raises; those before it are finished.
     """
     options.require_a_task()
-    context = context or options.context()
+    context = context or options.context(run)
     done = {}
     with at_work(run):
         if options.workers != 1 and not run.compression.exists():  # else no process may be begun

@@ -78,7 +78,7 @@ def job(run: RunFolder, options: Options, context: StageContext) -> Job:
         inputs=[run.layout, run.subtasks, *scripts],
         seed=stage_seed(run, options.seed),
         options={"on_failure": options.on_failure, "retries": options.retries, "fps": options.fps},
-        providers=context.models.providers("critic"),
+        providers=context.at_once.models.providers("critic"),
     )
 
 
@@ -103,6 +103,7 @@ def execute(
         MissingStage, StaleStage: see :class:`vcage.stages.stage.Job`.
         PartlyDone: no episode was accepted.
     """
+    context = context.at_once
     stage = job(run, options, context)
     stage.provenance()
     wanted = _Wanted.of(options, Subtasks.read(run.subtasks))
@@ -263,7 +264,7 @@ def _in_process(task: _Task) -> _Done:
 
 @lru_cache(maxsize=1)
 def _shared(run: Path, options: Options) -> EpisodeRunner:
-    return _runner(run, options, options.context())
+    return _runner(run, options, options.context(RunFolder(run)).at_once)
 
 
 def _runner(run: Path, options: Options, context: StageContext) -> EpisodeRunner:

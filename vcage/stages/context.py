@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -11,8 +12,9 @@ from vcage.base.geometry import Camera, Pose
 from vcage.layout.capacities import capacity_of
 from vcage.layout.items import TableItem
 from vcage.layout.placement.reach import GRASP_HEIGHTS, robot_reach
+from vcage.models.agent import PROVIDER as AGENT
 from vcage.models.protocols import Models
-from vcage.models.registry import DETECTORS, EMBEDDERS, build_models
+from vcage.models.registry import DETECTORS, EMBEDDERS, Choice, build_models
 from vcage.objects.asset import Asset
 from vcage.objects.library import Library
 from vcage.objects.table_tops import table_texture
@@ -25,8 +27,6 @@ from vcage.sim.robots import load_robot
 from vcage.tasks.scene_objects import SceneObject
 from vcage.vision.protocols import Reference
 from vcage.vision.symmetry import rotational_symmetry
-
-"""Name of the scene's camera among the views that a critic gets."""
 
 METRES_PER_PIXEL = 0.0015
 """Scale of the reference pictures of assets; the top camera's is about the same."""
@@ -43,8 +43,9 @@ class StageContext:
         models, detector, embedder: which models answer (see :func:`vcage.models.registry.build_models`).
     """
 
-    def __init__(self, models: str = "auto", detector: str = DETECTORS[0], embedder: str = EMBEDDERS[0]):
-        self._models = (models, detector, embedder)
+    def __init__(self, models: Choice | str = "auto", detector: str = DETECTORS[0], embedder: str = EMBEDDERS[0]):
+        self._choice = Choice(models) if isinstance(models, str) else models
+        self._networks = detector, embedder
         self._references: dict[tuple[str, str, tuple[float, ...]], np.ndarray] = {}
         self._symmetries: dict[tuple[str, str], int] = {}
         self._drawers: dict[tuple[str, str], ModelDrawer] = {}
@@ -60,7 +61,14 @@ class StageContext:
 
     @cached_property
     def models(self) -> Models:
-        return build_models(*self._models)
+        return build_models(self._choice, *self._networks)
+
+    @cached_property
+    def at_once(self) -> StageContext:
+        """The same with a critic that answers while the robot waits: rules, where an agent would be asked."""
+        if self._choice.of("critic") != AGENT:
+            return self
+        return StageContext(replace(self._choice, critic="offline"), *self._networks)
 
     def kinematics(self, robot: str) -> Mapping[str, ArmKinematics]:
         """The kinematics of a robot's arms, by arm."""

@@ -5,16 +5,24 @@ Reads place/. Writes inpaint/plan.json and inpaint/target.png.
 examples:
   vcage inpaint-plan --run runs/stationery
   vcage inpaint-plan --run runs/stationery --models gemini --force
+  vcage inpaint-plan --run runs/stationery --models agent --target edited.png --force
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
-from vcage.base.files import RunFolder
-from vcage.base.pictures import write_picture
+import numpy as np
+from tyro.conf import arg
+
+from vcage.base.errors import InputFileError
+from vcage.base.files import RunFolder, sha256_file
+from vcage.base.options import UNSAID
+from vcage.base.pictures import read_picture, write_picture
 from vcage.base.progress import Progress, silent
+from vcage.models.llm_editor import edit_complaint
 from vcage.models.protocols import EditRequest
 from vcage.schema.base import Provenance
 from vcage.schema.plan import Plan
@@ -23,20 +31,41 @@ from vcage.stages.context import StageContext
 from vcage.stages.inputs import plan_check, read_pictures
 from vcage.stages.stage import Job, ModelOptions, StageResult, stage_seed
 
-Options = ModelOptions
-"""The stage has no options of its own."""
+GIVEN = "file"
+"""Provider of a picture that was edited elsewhere."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Options(ModelOptions):
+    """Who draws."""
+
+    target: Annotated[Path | None, arg(metavar="FILE"), UNSAID] = None
+    """a target picture that was edited elsewhere from place/source.png, instead of one that the editor draws"""
 
 
 def job(run: RunFolder, options: Options, context: StageContext) -> Job:
     """What the stage has to do."""
     folder = run.scene.parent
+    given = options.target is not None
     return Job(
         run=run,
         output=run.plan,
         inputs=[run.scene, folder / "source.png", folder / "background.png", folder / "segmentation.png"],
         seed=stage_seed(run, options.seed),
-        providers=context.models.providers("reasoner", "editor"),
+        options={"target": _digest(options.target)} if options.target is not None else {},
+        providers=context.models.providers("reasoner", "editor") | ({"editor": GIVEN} if given else {}),
     )
+
+
+def _digest(path: Path) -> str:
+    """Hex SHA-256 of a file.
+
+    Raises:
+        InputFileError: it is not there.
+    """
+    if not path.is_file():
+        raise InputFileError(f"there is no picture {path}", hint="name what was edited from place/source.png")
+    return sha256_file(path)
 
 
 def summary(record: Plan) -> dict[str, Any]:
@@ -50,6 +79,7 @@ def execute(run: RunFolder, options: Options, context: StageContext, progress: P
     Raises:
         ModelRefused: the reasoner was told what is wrong with its plan and found no better one in its rounds (the
             message lists the complaints), or the editor refuses.
+        InputFileError: the picture that was given is none, or no edit of the source.
         InfeasibleScene: the offline editor cannot show every object in the planned layout.
     """
     stage = job(run, options, context)
@@ -68,7 +98,8 @@ def execute(run: RunFolder, options: Options, context: StageContext, progress: P
             plan=plan,
             items=items,
         )
-        write_picture(folder / "target.png", context.models.editor.rearrange(request))
+        target = context.models.editor.rearrange(request) if options.target is None else _given(options.target, request)
+        write_picture(folder / "target.png", target)
         return Plan(
             provenance=provenance,
             instruction=scene.instruction,
@@ -80,6 +111,19 @@ def execute(run: RunFolder, options: Options, context: StageContext, progress: P
         )
 
     return stage.do(Plan, make, force=options.force)
+
+
+def _given(path: Path, request: EditRequest) -> np.ndarray:
+    """The picture of a file, which must be an edit of the source.
+
+    Raises:
+        InputFileError: it is not; says what was measured.
+    """
+    picture = read_picture(path)
+    complaint = edit_complaint(picture, request.picture, request.background)
+    if complaint:
+        raise InputFileError(f"{path} is no edit of place/source.png: {complaint}", hint="edit that picture")
+    return picture
 
 
 def _solvable(request: EditRequest) -> dict[str, Any]:

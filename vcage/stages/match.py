@@ -69,8 +69,8 @@ class Options(ModelOptions):
     threshold: Annotated[float, between(0, 1, "τ")] = THRESHOLD
     """smallest cosine similarity of a match that no label of the detector speaks for"""
 
-    def context(self) -> StageContext:
-        return StageContext(self.models, self.detector, self.embedder)
+    def context(self, run: RunFolder) -> StageContext:
+        return StageContext(self.who(run), self.detector, self.embedder)
 
 
 def job(run: RunFolder, options: Options, context: StageContext) -> Job:

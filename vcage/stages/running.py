@@ -62,7 +62,7 @@ def run_stage(
     """
     options = options or stage.Options()
     with at_work(run):
-        return timed(stage, run, options, context or options.context(), progress)
+        return timed(stage, run, options, context or options.context(run), progress)
 
 
 def timed(

@@ -19,8 +19,8 @@ import numpy as np
 from vcage.base.errors import InputFileError, MissingStage, OutputFolderError, StaleStage, VcageError
 from vcage.base.files import RunFolder, atomic_folder, recover, sha256_file
 from vcage.base.keeper import Keeper
-from vcage.base.options import NATURAL, UNSAID, Flag, choice
-from vcage.models.registry import CHOICES
+from vcage.base.options import FOLDER, NATURAL, UNSAID, Flag, choice
+from vcage.models.registry import CHOICES, Choice
 from vcage.schema.base import Provenance, StageDocument
 from vcage.schema.scene import Scene
 from vcage.stages.context import StageContext
@@ -52,9 +52,9 @@ class StageOptions:
     force: Flag = False
     """make a finished stage again"""
 
-    def context(self) -> StageContext:
+    def context(self, run: RunFolder) -> StageContext:
         """What the stage needs beyond its files, with the models that these options choose."""
-        return StageContext()
+        return StageContext(Choice(run=run.root))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -62,10 +62,22 @@ class ModelOptions(StageOptions):
     """Options of a stage that asks models."""
 
     models: Annotated[str, choice(CHOICES), UNSAID] = "auto"
-    """which models answer (default: auto, that is gemini or openai with a key, else offline)"""
+    """who answers (default: auto, that is the first provider with a key, else offline: rules without a network)"""
+    reasoner: Annotated[str | None, choice(CHOICES), UNSAID] = None
+    """another one that selects, reads goals, plans and judges pairs"""
+    editor: Annotated[str | None, choice(CHOICES), UNSAID] = None
+    """another one that draws the target picture"""
+    critic: Annotated[str | None, choice(CHOICES), UNSAID] = None
+    """another one that verifies"""
+    replay: Annotated[Path | None, FOLDER, UNSAID] = None
+    """the run whose exchanges --models replay reads (default: this one)"""
 
-    def context(self) -> StageContext:
-        return StageContext(self.models)
+    def who(self, run: RunFolder) -> Choice:
+        """Who plays which role in a run."""
+        return Choice(self.models, self.reasoner, self.editor, self.critic, run.root, self.replay, anew=self.force)
+
+    def context(self, run: RunFolder) -> StageContext:
+        return StageContext(self.who(run))
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from vcage.base.errors import InputFileError, MissingStage, UnknownName
+from vcage.base.errors import AnswerNeeded, InputFileError, MissingStage, UnknownName
 from vcage.base.files import RunFolder
 from vcage.base.pictures import read_picture, write_picture
 from vcage.base.progress import Progress, silent
@@ -94,9 +94,15 @@ def _judged(run: RunFolder, judge: _Judge, folder: Path, provenance: Provenance,
         )
     questions = {q.pictures: q for q in [*steps, *(question for _, question in kept)]}  # a verified step is both
     said: dict[tuple[str, ...], Verdict] = {}
+    asked: list[dict[str, Any]] = []
     for number, (pictures, question) in enumerate(questions.items()):
         progress(f"episode {question.episode}", number, len(questions))
-        said[pictures] = judge.again(question)
+        try:
+            said[pictures] = judge.again(question)
+        except AnswerNeeded as error:  # all are asked at once
+            asked += error.details["asked"]
+    if asked:
+        raise AnswerNeeded.all_of(asked)
     again = [attempt.model_copy(update={"verdict": said[question.pictures]}) for attempt, question in kept]
     return Verdicts(
         provenance=provenance,

@@ -1,0 +1,91 @@
+"""The agent that runs the commands is the model: it reads a question from a folder and writes its answer there.
+
+``ask/<role>-<hash>/`` of the run holds ``prompt.md``, ``schema.json`` and the pictures. Where ``answer.json`` is
+missing, the command ends with :class:`vcage.base.errors.AnswerNeeded`; run again, it reads it. An answer that was read
+is kept as ``answer-<round>.json``, and read again by whatever asks the same; the folder is removed to answer anew.
+"""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+from vcage.base.errors import AnswerNeeded, InputFileError
+from vcage.base.files import write_json, write_text
+from vcage.base.pictures import write_picture
+from vcage.models.exchange import Question, Reply
+from vcage.models.kept import SHORT
+
+PROVIDER = "agent"
+
+MOST_BYTES = 1_000_000
+"""An answer that is longer was not meant."""
+
+
+class Agent:
+    """Implements :class:`vcage.models.exchange.Answerer`.
+
+    Args:
+        folder: where questions are put.
+    """
+
+    provider = PROVIDER
+
+    def __init__(self, folder: Path):
+        self._folder = folder
+
+    def answer(self, question: Question) -> Reply:
+        """What lies in ``answer-<round>.json``, or else in ``answer.json``.
+
+        Raises:
+            AnswerNeeded: it is not there; names the files, the round and what was wrong with the answer before.
+            InputFileError: it is no text, or too long.
+            OutputFolderError: the question cannot be written.
+        """
+        folder = self._folder / f"{question.role}-{question.first.hash[:SHORT]}"
+        kept, written = folder / f"answer-{question.round}.json", folder / "answer.json"
+        if kept.exists():
+            return Reply(_read(kept))
+        if not written.exists():
+            raise self._needed(question, folder)
+        text = _read(written)
+        written.replace(kept)
+        return Reply(text)
+
+    def _needed(self, question: Question, folder: Path) -> AnswerNeeded:
+        """The error, once the question is written."""
+        first = question.first.messages[0]
+        names = [f"picture-{number:02}-{_spelled(what)}.png" for number, what in enumerate(question.captions, 1)]
+        write_text(folder / "prompt.md", _prompt(question, names))
+        write_json(folder / "schema.json", question.schema)
+        for name, picture in zip(names, first.pictures, strict=True):
+            write_picture(folder / name, picture)
+        complaint = question.messages[-1].text if question.round > 1 else ""
+        return AnswerNeeded.of(folder, question.role, question.round, complaint, ["prompt.md", "schema.json", *names])
+
+
+def _prompt(question: Question, names: list[str]) -> str:
+    """What the agent reads: the question, what the pictures show, and what was wrong with its last answer."""
+    parts = [question.messages[0].text]
+    if names:
+        listed = zip(names, question.captions, strict=True)
+        parts.append("\n".join(["The pictures lie beside this file:", *(f"- {name}: {what}" for name, what in listed)]))
+    parts.append("Write the JSON object that schema.json describes to answer.json in this folder.")
+    if question.round > 1:
+        parts.append(f"Your answer of round {question.round - 1}:\n{question.messages[-2].text.strip()}")
+        parts.append(question.messages[-1].text)
+    return "\n\n".join(parts) + "\n"
+
+
+def _read(path: Path) -> str:
+    if path.stat().st_size > MOST_BYTES:
+        raise InputFileError(f"{path} is {path.stat().st_size:,} bytes long", hint="write the JSON object alone")
+    try:
+        return path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputFileError(f"{path} cannot be read: {error}", hint="write it as UTF-8 text") from error
+
+
+def _spelled(caption: str) -> str:
+    """A caption as a part of a file's name."""
+    return re.sub(r"[^a-z0-9]+", "-", caption.lower()).strip("-")[:40]

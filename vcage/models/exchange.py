@@ -1,0 +1,105 @@
+"""Exchanges with models: whatever answers, a rule, an agent, an endpoint or a record, is asked and answers alike.
+
+What was asked is known by its hash: role, turns with their pictures, and what the answer must look like.
+:mod:`vcage.models.kept` keeps exchanges under that hash.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any, Literal, Protocol
+
+import numpy as np
+
+from vcage.schema.exchange import Asked
+
+
+@dataclass(frozen=True)
+class Message:
+    """One turn: text, then pictures (H, W, 3) uint8 RGB."""
+
+    speaker: Literal["user", "model"]
+    text: str
+    pictures: tuple[np.ndarray, ...] = ()
+
+
+@dataclass(frozen=True)
+class Question:
+    """What is asked.
+
+    Args:
+        role: who should answer.
+        messages: the turns so far, the last one the user's.
+        schema: JSON Schema of the answer; None asks for a picture.
+        name: of the prompt, ``prompts/<name>.md``.
+        captions: what each picture of the first turn shows.
+    """
+
+    role: Asked
+    messages: tuple[Message, ...]
+    schema: dict[str, Any] | None
+    name: str
+    captions: tuple[str, ...] = ()
+
+    @property
+    def round(self) -> int:
+        """1, and one more for each answer that came back with a complaint."""
+        return 1 + sum(message.speaker == "model" for message in self.messages)
+
+    @property
+    def first(self) -> Question:
+        """The question of the first round."""
+        return replace(self, messages=self.messages[:1])
+
+    def again(self, reply: Reply, complaint: str) -> Question:
+        """The next round."""
+        pictures = () if reply.picture is None else (reply.picture,)
+        turns = Message("model", reply.text, pictures), Message("user", complaint)
+        return replace(self, messages=(*self.messages, *turns))
+
+    @cached_property
+    def hash(self) -> str:
+        """Hex SHA-256 of role, turns and schema."""
+        digest = hashlib.sha256(json.dumps([self.role, self.schema], sort_keys=True).encode())
+        for message in self.messages:
+            digest.update(json.dumps([message.speaker, message.text]).encode())
+            for picture in message.pictures:
+                digest.update(str(picture.shape).encode() + np.ascontiguousarray(picture).tobytes())
+        return digest.hexdigest()
+
+
+@dataclass(frozen=True)
+class Reply:
+    """What came back.
+
+    Args:
+        text: of the answer; what was written beside a picture.
+        picture: (H, W, 3) uint8 RGB, in whatever size it came.
+        model: version, as the reply names it.
+        tokens_in, tokens_out: as the reply counts them.
+    """
+
+    text: str = ""
+    picture: np.ndarray | None = None
+    model: str = ""
+    tokens_in: int | None = None
+    tokens_out: int | None = None
+
+
+class Answerer(Protocol):
+    """A model, a person, a record."""
+
+    provider: str
+
+    def answer(self, question: Question) -> Reply:
+        """The reply.
+
+        Raises:
+            ModelRefused: a refusal, a safety block, an answer that was cut off, or no picture.
+            AnswerNeeded: the answer is to be written first.
+            EndpointFailed, ConfigurationError: see :class:`vcage.models.transport.Transport`.
+        """
+        ...

@@ -1,0 +1,147 @@
+"""Exchanges kept in a folder: a run that crashed never pays twice, and one is replayed without a network.
+
+``<role>-<hash>-<who>.json`` is :class:`vcage.schema.exchange.Exchange`; pictures lie in ``pictures/``, each once.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import re
+import time
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from vcage.base.errors import MissingStage
+from vcage.base.pictures import read_picture, write_picture
+from vcage.models.exchange import Answerer, Question, Reply
+from vcage.schema.exchange import Asked, Exchange, Turn
+
+SHORT = 12
+"""Digits of a hash in a file's name."""
+
+
+class Exchanges:
+    """A folder of exchanges; it is made when the first one is kept."""
+
+    def __init__(self, folder: Path):
+        self.folder = folder
+
+    def all(self) -> list[Exchange]:
+        """Every exchange, in the order in which they were kept.
+
+        Raises:
+            DamagedFile, SchemaMismatch: one cannot be read.
+        """
+        return sorted(map(Exchange.read, self.folder.glob("*.json")), key=lambda exchange: exchange.number)
+
+    def find(self, question: Question, provider: str) -> Reply | None:
+        """What somebody answered to a question; None where that was not kept.
+
+        Raises:
+            DamagedFile, SchemaMismatch: it was, and cannot be read.
+        """
+        path = self._path(question, provider)
+        if not path.exists():
+            return None
+        kept = Exchange.read(path)
+        picture = None if kept.picture is None else read_picture(self.folder / "pictures" / kept.picture)
+        return Reply(kept.answer, picture, kept.model, kept.tokens_in, kept.tokens_out)
+
+    def keep(self, question: Question, reply: Reply, provider: str, seconds: float) -> None:
+        """Write an exchange.
+
+        Raises:
+            OutputFolderError: the folder cannot be written.
+        """
+        turns = [Turn(speaker=m.speaker, text=m.text, pictures=self._pictures(m.pictures)) for m in question.messages]
+        Exchange(
+            role=question.role,
+            prompt=question.name,
+            hash=question.hash,
+            turns=turns,
+            answer_schema=question.schema,
+            provider=provider,
+            model=reply.model,
+            answer=reply.text,
+            picture=None if reply.picture is None else self._pictures([reply.picture])[0],
+            tokens_in=reply.tokens_in,
+            tokens_out=reply.tokens_out,
+            seconds=round(seconds, 3),
+            number=1 + len(list(self.folder.glob("*.json"))),
+        ).write(self._path(question, provider))
+
+    def _path(self, question: Question, provider: str) -> Path:
+        who = re.sub(r"[^a-z0-9.]+", "-", provider.lower()).strip("-")
+        return self.folder / f"{question.role}-{question.hash[:SHORT]}-{who}.json"
+
+    def _pictures(self, pictures: Sequence[np.ndarray]) -> list[str]:
+        names = []
+        for picture in pictures:
+            name = f"{hashlib.sha256(str(picture.shape).encode() + picture.tobytes()).hexdigest()[:16]}.png"
+            path = self.folder / "pictures" / name
+            if not path.exists():
+                write_picture(path, picture)
+            names.append(name)
+        return names
+
+
+class Keeping:
+    """Implements :class:`vcage.models.exchange.Answerer`: asks another one, and keeps what it says.
+
+    Args:
+        other: who is asked.
+        exchanges: what was answered before is not asked again.
+        anew: it is, all the same.
+    """
+
+    def __init__(self, other: Answerer, exchanges: Exchanges, *, anew: bool = False):
+        self.provider = other.provider
+        self._other, self._exchanges, self._anew = other, exchanges, anew
+
+    def answer(self, question: Question) -> Reply:
+        """What was kept, or what the other says; raises as that."""
+        if not self._anew and (kept := self._exchanges.find(question, self.provider)) is not None:
+            return kept
+        start = time.perf_counter()
+        reply = self._other.answer(question)
+        self._exchanges.keep(question, reply, self.provider, time.perf_counter() - start)
+        return reply
+
+
+class Replayed:
+    """Implements :class:`vcage.models.exchange.Answerer`: what was answered before, and nothing else.
+
+    Args:
+        exchanges: where that lies.
+        provider: who answered.
+    """
+
+    def __init__(self, exchanges: Exchanges, provider: str):
+        self.provider = provider
+        self._exchanges = exchanges
+
+    def answer(self, question: Question) -> Reply:
+        """What was kept.
+
+        Raises:
+            MissingStage: this was not asked before, in these words and of these pictures.
+        """
+        kept = self._exchanges.find(question, self.provider)
+        if kept is None:
+            asked = f"{question.name}, round {question.round}"
+            raise MissingStage(
+                f"{self._exchanges.folder} holds no answer of {self.provider} to this question ({asked})",
+                hint="a replay asks what the run asked: same instruction, seed, options and version; else ask a model",
+                details={"role": question.role, "hash": question.hash},
+            )
+        return kept
+
+
+def who_answered(exchanges: Exchanges) -> dict[Asked, str]:
+    """By role who answered first."""
+    found: dict[Asked, str] = {}
+    for exchange in exchanges.all():
+        found.setdefault(exchange.role, exchange.provider)
+    return found

@@ -1,0 +1,68 @@
+"""The editor behind whatever answers with pictures; what is not an edit of the source is asked for again."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from vcage.base.errors import InputFileError, ModelRefused
+from vcage.models import prompts
+from vcage.models.exchange import Answerer, Message, Question
+from vcage.models.protocols import EditRequest
+from vcage.models.structured import ROUNDS
+from vcage.vision.colour import distance, smoothed, to_lab
+from vcage.vision.register import register
+
+LIKE, KEPT = 20.0, 0.5
+"""Colour distance of a pixel that still shows the table that was there, and the least share of such pixels.
+
+Image models recolour a little and objects come to stand elsewhere, but most of the picture is the table that it was."""
+
+
+class LlmEditor:
+    """Implements :class:`vcage.models.protocols.ImageEditor`."""
+
+    def __init__(self, who: Answerer):
+        self._who = who
+        self.provider = who.provider
+
+    def rearrange(self, request: EditRequest) -> np.ndarray:
+        """The edited picture, in whatever size it came.
+
+        Raises:
+            ModelRefused: the last round's picture is no edit of the source either.
+            AnswerNeeded, EndpointFailed, ConfigurationError: see :class:`vcage.models.exchange.Answerer`.
+        """
+        prompt = prompts.edit_prompt(request)
+        turn = Message("user", prompt.text, (request.picture,))
+        question = Question("editor", (turn,), None, prompt.name, ("the picture to edit",))
+        complaint = ""
+        for _ in range(ROUNDS):
+            reply = self._who.answer(question)
+            if reply.picture is None:
+                raise ModelRefused(f"{self.provider} gave no picture", hint="use --editor offline")
+            complaint = edit_complaint(reply.picture, request.picture, request.background)
+            if not complaint:
+                return reply.picture
+            said = f"That is not the picture that was asked for: {complaint}. Edit the first one."
+            question = question.again(reply, said)
+        raise ModelRefused(
+            f"{self.provider} drew no edit of the picture in {ROUNDS} rounds: {complaint}",
+            hint="try another model, or --editor offline",
+        )
+
+
+def edit_complaint(picture: np.ndarray, source: np.ndarray, background: np.ndarray) -> str:
+    """Why a picture is not an edit of another; empty where it is one.
+
+    Args:
+        picture: (h, w, 3) uint8 RGB of any size.
+        source: (H, W, 3), the picture that was to be edited.
+        background: (H, W, 3), the same view of the empty table.
+    """
+    try:
+        laid = register(picture, source, background)
+    except InputFileError as error:
+        return error.message
+    seen = distance(to_lab(smoothed(laid.picture)), to_lab(smoothed(background)))[laid.valid] < LIKE
+    kept = float(seen.mean()) if seen.size else 0.0
+    return "" if kept >= KEPT else f"only {100 * kept:.0f} % of it shows the table that was there"

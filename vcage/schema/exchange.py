@@ -1,0 +1,40 @@
+"""One exchange with a model, as it is kept under a run."""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar, Literal
+
+from pydantic import Field
+
+from vcage.schema.base import Document, Record
+
+Asked = Literal["reasoner", "editor", "critic"]
+"""The roles that answer questions."""
+
+
+class Turn(Record):
+    """What one side said."""
+
+    speaker: Literal["user", "model"]
+    text: str
+    pictures: list[str] = Field(default=[], description="names of files in pictures/, PNG")
+
+
+class Exchange(Document):
+    """A question, its answer, and what that took."""
+
+    SCHEMA: ClassVar[str] = "vcage.exchange/1"
+
+    role: Asked
+    prompt: str = Field(description="name of the file in prompts/")
+    hash: str = Field(description="SHA-256 of role, turns and answer schema")
+    turns: list[Turn]
+    answer_schema: dict[str, Any] | None = Field(description="JSON Schema of the answer; none where it is a picture")
+    provider: str = Field(description="who was asked")
+    model: str = Field(description="version, as the reply names it; empty where it does not")
+    answer: str
+    picture: str | None = Field(description="name of a file in pictures/, PNG, where the answer is one")
+    tokens_in: int | None
+    tokens_out: int | None
+    seconds: float = Field(description="that the answer took; 0 where it lay there already")
+    number: int = Field(description="counts the exchanges of a run, from 1")
