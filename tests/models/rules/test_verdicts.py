@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 
 from vcage.base.geometry import Pose
+from vcage.models.rules.evidence_of_parts import PartEvidence
 from vcage.models.rules.evidence_of_places import Handed
 from vcage.models.rules.evidence_of_placing import Placed
 from vcage.models.rules.standing import Standing
-from vcage.models.rules.verdicts import decide_handed, decide_others, decide_placed
+from vcage.models.rules.verdicts import decide_handed, decide_others, decide_part, decide_placed
 from vcage.schema.episodes import Failure
 from vcage.schema.goals import Goal
 
@@ -72,3 +73,13 @@ def test_a_no_about_what_was_put_somewhere_says_what_went_wrong(changed: dict[st
 )
 def test_what_was_moved_besides_is_told(area: float, vanished: list[str], failure: Failure | None):
     assert decide_others(area, vanished).failure == failure
+
+
+@pytest.mark.parametrize(
+    ("rest", "accepted"), [(8.0, True), (2.05, False)], ids=["others are unlike", "another is as like"]
+)
+def test_a_part_counts_as_open_only_where_the_picture_tells_it_from_a_part_that_is_not(rest: float, accepted: bool):
+    costs = np.array([rest, 9.0, 9.0, 9.0, 9.0, 8.0, 5.0, 3.0, 2.0])
+    evidence = PartEvidence(500, 0.0, 1.0, costs, 0.0, np.zeros((2, 2), bool))
+    told = decide_part(evidence, Goal(subject="laptop", relation="open", part="screen"), "laptop")
+    assert told.accepted is accepted

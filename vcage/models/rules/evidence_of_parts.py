@@ -31,6 +31,7 @@ class PartEvidence:
     Args:
         told_by: pixels in which the drawings differ.
         before, after: share of its range at which the part is likeliest.
+        costs: (9,) how unlike the picture afterwards the drawing at each of :data:`POSITIONS` is.
         touched: share of what is seen of the part that has changed in the picture of the moment; 0 without one.
         covered: (H, W) bool, where the object is with its part anywhere.
     """
@@ -38,6 +39,7 @@ class PartEvidence:
     told_by: int
     before: float
     after: float
+    costs: np.ndarray
     touched: float
     covered: np.ndarray
 
@@ -65,8 +67,8 @@ def gather_part(
     if moment is not None:
         part = sight.telling if sight.telling.any() else sight.covered
         touched = float(changed(*(to_lab(view.picture) for view in (after, moment)))[part].mean())
-    likeliest = sight.likeliest(before.picture), sight.likeliest(after.picture)
-    return PartEvidence(int(sight.telling.sum()), *likeliest, touched, sight.covered)
+    first, then = sight.costs(before.picture), sight.costs(after.picture)
+    return PartEvidence(int(sight.telling.sum()), likeliest(first), likeliest(then), then, touched, sight.covered)
 
 
 class _Sight:
@@ -88,19 +90,23 @@ class _Sight:
         differ = [distance(lab, self._labs[0]) > DIFFERENT for lab in self._labs[1:]]
         self.telling = self.covered & np.any(differ, axis=0)
 
-    def likeliest(self, picture: np.ndarray) -> float:
-        """The position whose drawing is most like the picture where drawings differ, refined between its neighbours."""
+    def costs(self, picture: np.ndarray) -> np.ndarray:
+        """(9,) mean colour distance of a picture (H, W, 3) uint8 RGB from each drawing where drawings differ."""
         if not self.telling.any():
-            return 0.0
+            return np.zeros(len(POSITIONS))
         lab = smoothed(picture)
-        costs = [np.minimum(distance(lab, drawn)[self.telling], CAP).mean() for drawn in self._labs]
-        k = int(np.argmin(costs))
-        if k in (0, len(costs) - 1):
-            return float(POSITIONS[k])
-        left, middle, right = costs[k - 1 : k + 2]
-        bend = left - 2 * middle + right
-        offset = 0.5 * (left - right) / bend if bend > 1e-6 else 0.0
-        return float(POSITIONS[k] + offset * (POSITIONS[1] - POSITIONS[0]))
+        return np.array([np.minimum(distance(lab, drawn)[self.telling], CAP).mean() for drawn in self._labs])
+
+
+def likeliest(costs: np.ndarray) -> float:
+    """The position of least cost, refined between its neighbours."""
+    k = int(np.argmin(costs))
+    if k in (0, len(costs) - 1):
+        return float(POSITIONS[k])
+    left, middle, right = costs[k - 1 : k + 2]
+    bend = left - 2 * middle + right
+    offset = 0.5 * (left - right) / bend if bend > 1e-6 else 0.0
+    return float(POSITIONS[k] + offset * (POSITIONS[1] - POSITIONS[0]))
 
 
 def _composed(drawing: Drawing, background: np.ndarray, picture: np.ndarray) -> np.ndarray:

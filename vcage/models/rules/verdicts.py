@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from vcage.models.rules import PROVIDER
-from vcage.models.rules.evidence_of_parts import PartEvidence
+from vcage.models.rules.evidence_of_parts import POSITIONS, PartEvidence
 from vcage.models.rules.evidence_of_places import LEFT, Handed, Moved, Returned, Shown
 from vcage.models.rules.evidence_of_placing import Placed
 from vcage.models.rules.standing import Standing
@@ -32,6 +32,9 @@ SEEN_OPEN, SEEN_CLOSED = 0.7, 0.15
 
 STIRRED = 0.2
 """Share of its range by which a part must be seen to have moved."""
+
+TOLD = 0.03
+"""Share of the range of costs by which the positions that a goal allows must beat all others."""
 
 FEWEST = 25
 """So many pixels must tell a part's positions apart."""
@@ -95,7 +98,15 @@ def decide_part(evidence: PartEvidence, goal: Goal, thing: str) -> Verdict:
     seen, limit = evidence.after, SEEN_CLOSED if goal.relation == "closed" else SEEN_OPEN
     accepted = seen <= limit if goal.relation == "closed" else seen >= limit
     looks = f"the {part} of the {thing} looks {100 * seen:.0f} % {'turned' if goal.relation == 'turned' else 'open'}"
+    if accepted and _margin(evidence.costs, goal) < TOLD:
+        return refuse(f"{looks}, but nearly as much as if it were not", 0.5)
     return _verdict(accepted, f"{looks}, {100 * evidence.before:.0f} % before", 0.5 + min(0.5, abs(seen - limit)))
+
+
+def _margin(costs: np.ndarray, goal: Goal) -> float:
+    """By how much the best of the positions that a goal allows beats the best of all others, over the costs' range."""
+    meant = POSITIONS <= SEEN_CLOSED if goal.relation == "closed" else POSITIONS >= SEEN_OPEN
+    return float((costs[~meant].min() - costs[meant].min()) / max(np.ptp(costs), 1e-6))
 
 
 def decide_placed(evidence: Placed | None, goal: Goal, thing: str, place: str) -> Verdict:
