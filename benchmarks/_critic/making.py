@@ -86,12 +86,16 @@ def part_of(scene: str, asset: str) -> Part:
 
 
 def outcomes(draw: Draw) -> list[Outcome]:
-    """Of every sub-task a success or two, where it succeeds, and as many failures."""
+    """Of every sub-task a success or two, where it succeeds, and as many failures; none where the objects do not fit."""
     if draw.part == "tuning" and draw.scene in UNTOUCHED_SCENES:
         return []
     context, rng = _context(), np.random.default_rng([draw.seed, list(SCENES).index(draw.scene)])
     with tempfile.TemporaryDirectory() as folder:
-        scene = _laid_out(draw, RunFolder(Path(folder) / "run"), context)
+        try:
+            scene = _laid_out(draw, RunFolder(Path(folder) / "run"), context)
+        except InfeasibleScene as error:
+            logger.warning("%s, draw %d, is left out: %s", draw.scene, draw.seed, error.message)
+            return []
         return list(_made(draw, scene, Path(folder), context, rng))
 
 
