@@ -8,7 +8,7 @@ import pytest
 
 from tests.standin import StandIn
 from vcage.models.keys import variables
-from vcage.models.registry import PROVIDERS
+from vcage.models.providers import PROVIDERS
 
 
 @pytest.fixture

@@ -8,7 +8,7 @@ from vcage.base.errors import ConfigurationError, MissingKey
 from vcage.models.gemini import GEMINI
 from vcage.models.keys import find_key, key_file, require_key
 from vcage.models.openai import OPENAI
-from vcage.models.registry import found_keys
+from vcage.models.providers import found_keys
 
 
 def test_the_projects_own_variable_comes_before_the_providers(monkeypatch: pytest.MonkeyPatch) -> None:

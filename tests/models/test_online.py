@@ -26,7 +26,7 @@ from vcage.base.errors import (
 from vcage.layout.capacities import size_complaints
 from vcage.models import pictures
 from vcage.models.protocols import CriticQuestion, EditRequest, Models
-from vcage.models.registry import build_models
+from vcage.models.registry import Choice, build_models
 from vcage.models.selection_check import validate_selection
 from vcage.plans.check import plan_complaints
 from vcage.schema.goals import Goal
@@ -41,7 +41,7 @@ TEXT_PROVIDERS = ("gemini", "openai")
 def build(provider: str, server: StandIn, monkeypatch: pytest.MonkeyPatch) -> Models:
     monkeypatch.setenv(f"VCAGE_{provider.upper()}_API_KEY", server.key)
     monkeypatch.setenv(f"VCAGE_{provider.upper()}_BASE_URL", server.url + ("" if provider == "gemini" else "/v1"))
-    return build_models(provider)
+    return build_models(Choice(provider))
 
 
 @pytest.fixture(params=TEXT_PROVIDERS)
@@ -286,18 +286,18 @@ def test_both_base64_alphabets_are_read() -> None:
 
 
 def test_auto_takes_the_provider_that_has_a_key_and_else_offline(monkeypatch: pytest.MonkeyPatch) -> None:
-    assert build_models("auto").reasoner.provider == "offline"
+    assert build_models(Choice("auto")).reasoner.provider == "offline"
     monkeypatch.setenv("OPENROUTER_API_KEY", "key-1")
-    assert build_models("auto").reasoner.provider.startswith("openrouter:")
+    assert build_models(Choice("auto")).reasoner.provider.startswith("openrouter:")
     monkeypatch.setenv("GEMINI_API_KEY", "key-2")
-    assert build_models("auto").reasoner.provider.startswith("gemini:")
+    assert build_models(Choice("auto")).reasoner.provider.startswith("gemini:")
 
 
 def test_an_online_choice_without_a_key_says_so() -> None:
     with pytest.raises(MissingKey, match="no key for gemini"):
-        build_models("gemini")
+        build_models(Choice("gemini"))
 
 
 def test_an_unknown_choice_is_named() -> None:
     with pytest.raises(UnknownName, match="clippy"):
-        build_models("clippy")
+        build_models(Choice("clippy"))

@@ -7,19 +7,19 @@ from pathlib import Path
 import pytest
 
 from vcage.base.errors import InputFileError, MissingDependency, UnknownName, UsageError
-from vcage.models.registry import build_detector, build_embedder, build_models, split_weights
+from vcage.models.registry import Choice, build_detector, build_embedder, build_models, split_weights
 from vcage.vision.detector import BackgroundDetector
 from vcage.vision.embedder import ClassicalEmbedder
 from vcage.vision.networks import loading
 
 
 def test_the_defaults_need_no_weights() -> None:
-    models = build_models("offline")
+    models = build_models(Choice("offline"))
     assert isinstance(models.detector, BackgroundDetector) and isinstance(models.embedder, ClassicalEmbedder)
 
 
 def test_keys_are_looked_for_where_opencv_is_not_installed() -> None:
-    asked = "import sys; sys.modules['cv2'] = None; from vcage.models.registry import found_keys; print(found_keys())"
+    asked = "import sys; sys.modules['cv2'] = None; from vcage.models.providers import found_keys; print(found_keys())"
     found = subprocess.run([sys.executable, "-c", asked], capture_output=True, text=True)
     assert found.stdout == "{}\n", found.stderr
 
@@ -39,9 +39,9 @@ def test_weights_stand_after_the_first_colon(spelled: str, parts: tuple) -> None
 
 def test_a_name_that_does_not_exist_is_refused_with_those_that_do() -> None:
     with pytest.raises(UnknownName, match="background, grounding-dino"):
-        build_models("offline", detector="yolo")
+        build_models(Choice("offline"), detector="yolo")
     with pytest.raises(UnknownName, match="classical, dinov2, efficientnet"):
-        build_models("offline", embedder="clip")
+        build_models(Choice("offline"), embedder="clip")
 
 
 def test_weights_for_what_has_none_are_refused() -> None:
@@ -83,7 +83,7 @@ def test_a_folder_without_a_model_is_refused_at_once(tmp_path: Path) -> None:
 
 def test_hub_weights_are_named_in_full_without_being_read() -> None:
     pytest.importorskip("transformers")
-    models = build_models("offline", "grounding-dino:someone/large", "dinov2")
+    models = build_models(Choice("offline"), "grounding-dino:someone/large", "dinov2")
     assert models.providers("detector", "embedder") == {
         "detector": "grounding-dino:someone/large",
         "embedder": "dinov2:facebook/dinov2-small",

@@ -1,12 +1,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import pytest
-from vcage.models.chat import Message
 
 from vcage.base.errors import ModelRefused
+from vcage.models.exchange import Message, Question, Reply
+from vcage.models.prompts import Prompt
 from vcage.models.structured import Answer, ask, flat_schema, json_of, one_of
 
 
@@ -15,7 +15,7 @@ class Colour(Answer):
 
 
 class Script:
-    """A chat that answers with the given texts, one after another, and keeps what it was sent."""
+    """Answers with the given texts, one after another, and keeps what it was sent."""
 
     provider = "script"
 
@@ -23,25 +23,28 @@ class Script:
         self.texts = list(texts)
         self.sent: list[Sequence[Message]] = []
 
-    def complete(self, messages: Sequence[Message], schema: dict[str, Any]) -> str:
-        self.sent.append(list(messages))
-        return self.texts.pop(0)
+    def answer(self, question: Question) -> Reply:
+        self.sent.append(question.messages)
+        return Reply(self.texts.pop(0))
+
+
+PROMPT = Prompt("choose", "colour?")
 
 
 def test_a_valid_answer_is_taken_at_once() -> None:
-    assert ask(Script('{"name": "red"}'), "colour?", Colour).name == "red"
+    assert ask(Script('{"name": "red"}'), "reasoner", PROMPT, Colour).name == "red"
 
 
 @pytest.mark.parametrize(
     "text", ['```json\n{"name": "red"}\n```', 'Sure: {"name": "red"} as you like', ' {"name":"red"}']
 )
 def test_json_is_found_in_fences_and_prose(text: str) -> None:
-    assert ask(Script(text), "colour?", Colour).name == "red"
+    assert ask(Script(text), "reasoner", PROMPT, Colour).name == "red"
 
 
 def test_what_breaks_the_schema_goes_back_with_the_exact_complaint() -> None:
     chat = Script('{"name": "green"}', '{"name": "blue"}')
-    assert ask(chat, "colour?", Colour).name == "blue"
+    assert ask(chat, "reasoner", PROMPT, Colour).name == "blue"
     first, answer, complaint = chat.sent[1]
     assert (first.text, answer.text) == ("colour?", '{"name": "green"}')
     assert "name: Input should be 'red' or 'blue'" in complaint.text
@@ -49,13 +52,13 @@ def test_what_breaks_the_schema_goes_back_with_the_exact_complaint() -> None:
 
 def test_what_the_caller_objects_to_goes_back_too() -> None:
     chat = Script('{"name": "red"}', '{"name": "blue"}')
-    found = ask(chat, "colour?", Colour, complaints=lambda a: ["not red, please"] if a.name == "red" else [])
+    found = ask(chat, "reasoner", PROMPT, Colour, complaints=lambda a: ["not red, please"] if a.name == "red" else [])
     assert found.name == "blue" and "not red, please" in chat.sent[1][-1].text
 
 
 def test_three_invalid_answers_are_a_refusal_that_holds_the_last_complaint() -> None:
     with pytest.raises(ModelRefused, match="not JSON"):
-        ask(Script("no", "no", "no"), "colour?", Colour)
+        ask(Script("no", "no", "no"), "reasoner", PROMPT, Colour)
 
 
 def test_the_schema_holds_the_names_and_nothing_that_providers_refuse() -> None:

@@ -174,7 +174,7 @@ def cvvdp() -> Finding:
 
 
 def keys() -> Finding:
-    from vcage.models.registry import found_keys
+    from vcage.models.providers import found_keys
 
     try:
         names = [f"{provider} in {source}" for provider, source in found_keys().items()]

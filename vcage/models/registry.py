@@ -17,21 +17,15 @@ from typing import get_args
 from vcage.base.errors import InputFileError, UnknownName, UsageError
 from vcage.models import agent
 from vcage.models.exchange import Answerer
-from vcage.models.gemini import GEMINI
 from vcage.models.kept import Exchanges, Keeping, Replayed, who_answered
-from vcage.models.keys import find_key, require_key
+from vcage.models.keys import require_key
 from vcage.models.llm_critic import LlmCritic
 from vcage.models.llm_editor import LlmEditor
 from vcage.models.llm_reasoner import LlmReasoner
-from vcage.models.openai import OPENAI
-from vcage.models.openrouter import OPENROUTER
 from vcage.models.protocols import Critic, ImageEditor, Models, Reasoner
-from vcage.models.provider import Provider
+from vcage.models.providers import PROVIDERS, found_keys
 from vcage.schema.exchange import Asked
 from vcage.vision.protocols import Detector, Embedder
-
-PROVIDERS: dict[str, Provider] = {provider.name: provider for provider in (GEMINI, OPENAI, OPENROUTER)}
-"""Online choices, in the order in which ``auto`` takes the first one that has a key."""
 
 CHOICES = ("auto", "offline", agent.PROVIDER, "replay", *PROVIDERS)
 
@@ -40,15 +34,6 @@ ROLES: tuple[Asked, ...] = get_args(Asked)
 DETECTORS = ("background", "grounding-dino")
 EMBEDDERS = ("classical", "efficientnet", "dinov2")
 """The first of each needs no weights and is the default."""
-
-
-def found_keys() -> dict[str, str]:
-    """Provider → the name of the variable or file that holds its key, for those that have one; never the key.
-
-    Raises:
-        ConfigurationError: the key file cannot be read.
-    """
-    return {name: found[1] for name, provider in PROVIDERS.items() if (found := find_key(provider)) is not None}
 
 
 @dataclass(frozen=True)

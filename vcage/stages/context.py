@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Collection, Mapping
 from dataclasses import replace
 from functools import cached_property
@@ -27,6 +28,8 @@ from vcage.sim.robots import load_robot
 from vcage.tasks.scene_objects import SceneObject
 from vcage.vision.protocols import Reference
 from vcage.vision.symmetry import rotational_symmetry
+
+logger = logging.getLogger(__name__)
 
 METRES_PER_PIXEL = 0.0015
 """Scale of the reference pictures of assets; the top camera's is about the same."""
@@ -66,8 +69,9 @@ class StageContext:
     @cached_property
     def at_once(self) -> StageContext:
         """The same with a critic that answers while the robot waits: rules, where an agent would be asked."""
-        if self._choice.of("critic") != AGENT:
+        if self.models.critic.provider != AGENT:
             return self
+        logger.info("the agent is not asked while the robot waits, but by verify: rules say whether a sub-task is done")
         return StageContext(replace(self._choice, critic="offline"), *self._networks)
 
     def kinematics(self, robot: str) -> Mapping[str, ArmKinematics]:

@@ -1,0 +1,97 @@
+"""Exchanges are kept, looked up and replayed."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from vcage.base.errors import DamagedFile, MissingStage
+from vcage.models.exchange import Message, Question, Reply
+from vcage.models.kept import Exchanges, Keeping, Replayed, who_answered
+
+PICTURE = np.arange(48, dtype=np.uint8).reshape(4, 4, 3)
+ASKED = Question("reasoner", (Message("user", "which?", (PICTURE,)),), {"type": "object"}, "select_assets")
+
+
+class Counting:
+    """Answers, and counts how often."""
+
+    provider = "counting:one"
+
+    def __init__(self, reply: Reply):
+        self.reply, self.times = reply, 0
+
+    def answer(self, question: Question) -> Reply:
+        self.times += 1
+        return self.reply
+
+
+@pytest.fixture
+def exchanges(tmp_path: Path) -> Exchanges:
+    return Exchanges(tmp_path / "exchanges")
+
+
+def test_what_was_answered_is_not_asked_again(exchanges: Exchanges) -> None:
+    other = Counting(Reply("yes", model="one-2026", tokens_in=7, tokens_out=2))
+    first = Keeping(other, exchanges).answer(ASKED)
+    assert Keeping(other, exchanges).answer(ASKED) == first == other.reply
+    assert other.times == 1
+
+
+def test_it_is_asked_again_where_that_is_wanted(exchanges: Exchanges) -> None:
+    other = Counting(Reply("yes"))
+    for _ in range(2):
+        Keeping(other, exchanges, anew=True).answer(ASKED)
+    assert other.times == 2
+
+
+def test_a_picture_comes_back_as_it_was(exchanges: Exchanges) -> None:
+    drawn = Question("editor", ASKED.messages, None, "rearrange")
+    Keeping(Counting(Reply(picture=PICTURE[::-1])), exchanges).answer(drawn)
+    found = exchanges.find(drawn, "counting:one")
+    assert found is not None and np.array_equal(found.picture, PICTURE[::-1])
+
+
+@pytest.mark.parametrize(
+    "changed",
+    [
+        Question("critic", ASKED.messages, ASKED.schema, ASKED.name),
+        Question("reasoner", (Message("user", "what?", (PICTURE,)),), ASKED.schema, ASKED.name),
+        Question("reasoner", (Message("user", "which?", (PICTURE + 1,)),), ASKED.schema, ASKED.name),
+        Question("reasoner", ASKED.messages, {"type": "array"}, ASKED.name),
+        ASKED.again(Reply("no"), "why not?"),
+    ],
+    ids=["role", "words", "picture", "schema", "round"],
+)
+def test_another_question_is_another_exchange(exchanges: Exchanges, changed: Question) -> None:
+    Keeping(Counting(Reply("yes")), exchanges).answer(ASKED)
+    assert exchanges.find(changed, "counting:one") is None
+
+
+def test_a_replay_answers_what_was_asked_and_names_what_was_not(exchanges: Exchanges) -> None:
+    Keeping(Counting(Reply("yes")), exchanges).answer(ASKED)
+    assert who_answered(exchanges) == {"reasoner": "counting:one"}
+    replayed = Replayed(exchanges, "counting:one")
+    assert replayed.answer(ASKED).text == "yes"
+    with pytest.raises(MissingStage, match="select_assets, round 2"):
+        replayed.answer(ASKED.again(Reply("no"), "why not?"))
+
+
+def test_all_that_was_said_is_in_the_record(exchanges: Exchanges) -> None:
+    Keeping(Counting(Reply("yes", model="one-2026", tokens_in=7)), exchanges).answer(ASKED.again(Reply("no"), "hm"))
+    (kept,) = exchanges.all()
+    assert [(turn.speaker, turn.text) for turn in kept.turns] == [("user", "which?"), ("model", "no"), ("user", "hm")]
+    assert (kept.provider, kept.model, kept.answer, kept.tokens_in, kept.tokens_out) == (
+        "counting:one", "one-2026", "yes", 7, None,
+    )  # fmt: skip
+    assert (exchanges.folder / "pictures" / kept.turns[0].pictures[0]).is_file()
+
+
+def test_a_damaged_record_is_named(exchanges: Exchanges) -> None:
+    Keeping(Counting(Reply("yes")), exchanges).answer(ASKED)
+    (path,) = exchanges.folder.glob("*.json")
+    path.write_text("{")
+    with pytest.raises(DamagedFile, match=path.name):
+        exchanges.find(ASKED, "counting:one")
