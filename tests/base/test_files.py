@@ -65,8 +65,8 @@ def test_an_output_folder_that_is_a_file_is_refused(tmp_path):
 
 def test_a_missing_file_names_the_way_out(tmp_path):
     with pytest.raises(MissingStage, match="does not exist") as caught:
-        files.read_json(tmp_path / "scene.json")
-    assert "run the stage" in caught.value.hint
+        files.read_json(tmp_path / "place" / "scene.json")
+    assert (caught.value.hint, caught.value.maker) == ("the stage that writes it comes first", "select_place")
 
 
 def test_broken_json_is_damaged(tmp_path):

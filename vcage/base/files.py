@@ -155,12 +155,10 @@ def read_json(path: Path) -> Any:
         return json.loads(path.read_text(encoding="utf-8"))
     except (FileNotFoundError, NotADirectoryError) as error:
         raise MissingStage(
-            f"{path} does not exist", hint="run the stage that writes it first, or check --out"
+            f"{path} does not exist", hint="the stage that writes it comes first", maker=maker_of(path)
         ) from error
     except (json.JSONDecodeError, UnicodeDecodeError) as error:
-        raise DamagedFile(
-            f"{path} is not valid JSON: {error}", hint="delete it and run its stage again with --force"
-        ) from error
+        raise DamagedFile(f"{path} is not valid JSON: {error}", hint="mend it", maker=maker_of(path)) from error
     except IsADirectoryError as error:
         raise DamagedFile(
             f"{path} is a folder, not a JSON file", hint="move it away and run the stage again"
@@ -225,6 +223,25 @@ def recover(path: Path) -> None:
 # --- run folders ---------------------------------------------------------------------------------------
 
 
+PRODUCERS = {
+    "place": "select_place",
+    "inpaint": "inpaint_plan",
+    "match": "match",
+    "optimize": "optimize",
+    "subtasks": "search_subtasks",
+    "episodes": "collect",
+    "verify": "verify",
+    "compress": "compress",
+    "export": "export",
+}
+"""Folder of the run → the stage that writes it, in the order of the chain."""
+
+
+def maker_of(path: Path) -> str:
+    """The stage that writes a file, by the folder that it lies in; empty where no stage does."""
+    return PRODUCERS.get(Path(path).parent.name, "")
+
+
 class RunFolder:
     """The folder of one run: where each stage's files lie (see ``docs/architecture.md``, "The chain").
 
@@ -252,6 +269,8 @@ class RunFolder:
     export = property(lambda self: self.root / "export" / "export.json")
     report = property(lambda self: self.root / "report.html")
     timings = property(lambda self: self.root / "timings.json")
+    options = property(lambda self: self.root / "options.json")
+    unfinished = property(lambda self: self.root / "unfinished.json")
 
     def relative(self, path: Path) -> str:
         """``path`` as written into records: relative to the run folder, with forward slashes."""

@@ -1,7 +1,8 @@
 """What a command owes its caller: diagnostics on stderr, results on stdout, and one JSON object as the last line.
 
 Success: ``{"ok": true, "schema": …, "output": …, "summary": {…}, "next": …}``.
-Failure: ``{"ok": false, "error": {"code", "message", "hint", "retryable", "details"}}``, and one line on stderr.
+Failure: ``{"ok": false, "error": {"code", "message", "hint", "retryable", "details"}, "next": …}``, and one line on
+stderr.
 """
 
 from __future__ import annotations
@@ -22,8 +23,9 @@ from pathlib import Path
 from types import FrameType
 from typing import Any, ParamSpec
 
-from vcage.base.errors import DiskFull, OutputFolderError, VcageError
-from vcage.base.files import NO_ROOM
+from vcage.base.commands import CALLED
+from vcage.base.errors import DiskFull, OutputFolderError, StaleStage, VcageError
+from vcage.base.files import NO_ROOM, RunFolder
 
 logger = logging.getLogger(__name__)
 
@@ -41,7 +43,7 @@ class Result:
         output: the file or folder that it wrote.
         summary: a few facts for the caller, JSON-serialisable.
         schema: id of the schema of ``output``.
-        next: the command that goes on from here.
+        next: the command that goes on from here, also after an error.
         text: what a person reads, printed before the JSON line.
         error: set when the command did its work and the finding is a failure.
         facts: results that stand at the top of the JSON line, beside ``ok``, in either case.
@@ -58,7 +60,8 @@ class Result:
     def as_record(self) -> dict[str, Any]:
         """The object of the last line of stdout."""
         if self.error is not None:
-            return {**self.facts, "ok": False, "error": self.error.as_record()}
+            goes_on = self.next or _goes_on(self.error) or None
+            return {**self.facts, "ok": False, "error": self.error.as_record(), "next": goes_on}
         return {
             **self.facts,
             "ok": True,
@@ -67,6 +70,11 @@ class Result:
             "summary": self.summary,
             "next": self.next or None,
         }
+
+
+def _goes_on(error: VcageError) -> str:
+    """The command that mends an error, or the same again where that may help."""
+    return error.command or (CALLED.get() if error.retryable else "")
 
 
 def run_cli(function: Callable[P, Result | None], *arguments: P.args, **options: P.kwargs) -> int:
@@ -97,6 +105,22 @@ def run_cli(function: Callable[P, Result | None], *arguments: P.args, **options:
     if result.error is not None:
         return _report(result.as_record(), result.error.exit_code, result.error.as_line())
     return _report(result.as_record(), 0)
+
+
+@contextlib.contextmanager
+def naming_stages(run: Path | None) -> Iterator[None]:
+    """An error inside that a stage of the run mends tells the command of that stage."""
+    try:
+        yield
+    except StaleStage as error:
+        error.offer(f"replace it: {CALLED.get()} --force")
+        raise
+    except VcageError as error:
+        if error.maker and run is not None:
+            from vcage.cli.going_on import name_stage  # imported late: `vcage setup` works where no stage does
+
+            name_stage(error, RunFolder(run))
+        raise
 
 
 def _of_the_disk(error: OSError) -> VcageError | None:
@@ -166,12 +190,12 @@ _interruptions: list[BaseException] = []
 def _report_interruption(error: BaseException) -> int:
     _interruptions.append(error)
     record = _error_record("interrupted", "interrupted", "run the same command again to go on", retryable=True)
-    return _report(record, INTERRUPTED, "interrupted")
+    return _report({**record, "next": CALLED.get() or None}, INTERRUPTED, "interrupted")
 
 
 def _report_bug(error: Exception) -> int:
     logger.error("this is a bug in vcage", exc_info=error)
-    message = f"{type(error).__name__}: {error}"
+    message = " ".join(f"{type(error).__name__}: {error}".split())
     record = _error_record("bug", message, "report it with the traceback on stderr", retryable=False)
     return _report(record, 1, message)
 
@@ -180,12 +204,13 @@ def _error_record(code: str, message: str, hint: str, *, retryable: bool) -> dic
     return {
         "ok": False,
         "error": {"code": code, "message": message, "hint": hint, "retryable": retryable, "details": {}},
+        "next": None,
     }
 
 
 def _report(record: dict[str, Any], code: int, complaint: str = "") -> int:
     if complaint:
-        sys.stderr.write(f"vcage: error: {' '.join(complaint.split())}\n")
+        sys.stderr.write(f"vcage: error: {complaint}\n")
         sys.stderr.flush()
     _print(json.dumps(record, ensure_ascii=not _can_print(json.dumps(record, ensure_ascii=False))))
     return code

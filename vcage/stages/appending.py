@@ -55,7 +55,7 @@ def append_to(root: Path, run: RunFolder, progress: Progress = silent) -> dict[s
     """
     export = Export.read(run.export)
     if export.provenance.inputs.get(run.relative(run.episodes)) != sha256_file(run.episodes):
-        raise StaleStage(f"{run.export} was made of other episodes", hint="run export with --force first")
+        raise StaleStage(f"{run.export} was made of other episodes")
     sets = {one.format: run.root / one.path for one in export.datasets if one.format in FORMATS}
     if not sets:
         raise UsageError("only LeRobot data sets can be added to", hint=f"give --formats {' '.join(FORMATS)}")
