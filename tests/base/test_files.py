@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import os
+import subprocess
 from pathlib import Path
 
 import pytest
@@ -99,3 +100,15 @@ def test_a_cache_that_cannot_be_made_names_its_variable(tmp_path, monkeypatch):
     with pytest.raises(OutputFolderError) as caught:
         files.cache_dir("assets")
     assert "VCAGE_CACHE" in caught.value.hint
+
+
+def test_what_a_process_that_is_still_there_writes_is_left_to_it(tmp_path):
+    other = subprocess.Popen(["sleep", "60"])
+    part = tmp_path / f"x{files.PARTIAL}{other.pid}"
+    part.mkdir()
+    files.recover(tmp_path / "x")
+    assert part.is_dir()
+    other.kill()
+    other.wait()
+    files.recover(tmp_path / "x")
+    assert not part.exists()

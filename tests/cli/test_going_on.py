@@ -143,7 +143,8 @@ def test_wrong_options_lead_to_the_help(capsys: pytest.CaptureFixture[str]) -> N
 
 
 def test_options_that_are_not_given_any_more_are_forgotten(tmp_path: Path) -> None:
-    run = RunFolder(tmp_path).make()
+    run = RunFolder(tmp_path)
+    run.scene.parent.mkdir()
     with remembered(run, Options(models="offline", threshold=0.7)):
         pass
     assert stage_command("collect", run) == vcage_command("collect", "--run", run, "--models", "offline")

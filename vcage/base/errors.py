@@ -226,7 +226,7 @@ class NoRenderer(ConfigurationError):
     code = "no_renderer"
 
 
-# --- 5, 6: model endpoints -----------------------------------------------------------------------------
+# --- 5, 6: what others do: model endpoints, another process ------------------------------------------
 
 
 class ModelRefused(VcageError):
@@ -240,6 +240,14 @@ class EndpointFailed(VcageError):
     """The endpoint did not answer, or answered with a passing fault (429, 5xx, time-out)."""
 
     code = "endpoint_failed"
+    exit_code = 6
+    retryable = True
+
+
+class FolderInUse(VcageError):
+    """Another process works in the folder; says which."""
+
+    code = "in_use"
     exit_code = 6
     retryable = True
 
@@ -261,6 +269,12 @@ class PartlyDone(VcageError):
     code = "partly_done"
     exit_code = 7
     retryable = True
+
+
+class StageInterrupted(PartlyDone):
+    """A stage that another one needs was interrupted; the command that goes on is told."""
+
+    code = "stage_interrupted"
 
 
 class DiskFull(PartlyDone):

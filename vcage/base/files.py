@@ -196,11 +196,25 @@ def whole(folder: Path) -> bool:
     return PARTIAL not in folder.name and REPLACED not in folder.name
 
 
+def _is_written(part: Path) -> bool:
+    """Whether another process of this machine, by the number in the name, is still at work on something partial."""
+    number = part.name.partition(PARTIAL)[2].partition(".")[0]
+    if not number.isdecimal() or int(number) == os.getpid():
+        return False
+    try:
+        os.kill(int(number), 0)
+    except ProcessLookupError:
+        return False
+    except PermissionError:  # another user's
+        return True
+    return True
+
+
 def recover(path: Path) -> None:
     """Mend what a killed :func:`atomic_folder` or :func:`atomic_path` left beside ``path``.
 
-    A folder that was moved away for a replacement that never came is moved back; partial work is deleted.
-    Only call this while no other process writes the same name.
+    A folder that was moved away for a replacement that never came is moved back; partial work is deleted, but for that
+    of a process that is still there.
     """
     path = Path(path)
     if not path.parent.is_dir():
@@ -214,6 +228,8 @@ def recover(path: Path) -> None:
         path.parent.glob(f"{path.stem}{PARTIAL}*{path.suffix}")
     )
     for part in leftovers:
+        if _is_written(part):
+            continue
         if part.is_dir():
             shutil.rmtree(part, ignore_errors=True)
         else:

@@ -10,7 +10,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterator, Sequence
 from dataclasses import MISSING, dataclass, fields, is_dataclass
 from pathlib import Path
-from typing import Annotated, Any, TypeVar, get_type_hints
+from typing import Annotated, Any, Literal, TypeVar, get_type_hints
 
 import tyro
 from tyro.conf import Positional, arg
@@ -29,6 +29,8 @@ class CommonOptions:
 
     verbose: Annotated[Flag, arg(aliases=("-v",))] = False
     """say more on stderr"""
+    progress: Literal["text", "json"] = "text"
+    """how work that takes long tells how far it is: for people on stderr, or as lines of JSON on stdout"""
 
 
 @dataclass(frozen=True, kw_only=True)

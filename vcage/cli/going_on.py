@@ -52,8 +52,8 @@ def remembered(run: RunFolder, options: StageOptions) -> Iterator[None]:
 
 def _remember(run: RunFolder, options: StageOptions, *, instead: bool = False) -> None:
     """Add options to those kept; or put all that the stage takes, said or not, in their place."""
-    if not run.root.is_dir():
-        return
+    if not any((run.root / folder).is_dir() for folder in PRODUCERS):
+        return  # it has not begun
     own = [option for option in options_of(options) if option.key != "force"]
     others = {option.key for option in own} if instead else set()
     kept = {key: words for key, words in _given(run).items() if key not in others}

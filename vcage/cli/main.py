@@ -15,7 +15,7 @@ from vcage.base.commands import CALLED, vcage_command
 from vcage.base.errors import UnknownName, UsageError
 from vcage.base.version import __version__
 from vcage.cli.output import Result, end_process, naming_stages, run_cli, stray_output_on_stderr
-from vcage.cli.progress import set_up_logging
+from vcage.cli.progress import set_up
 
 if TYPE_CHECKING:
     from vcage.cli.arguments import Command, CommonOptions
@@ -102,7 +102,7 @@ def _run(arguments: Sequence[str], prog: str = "") -> Result | None:
     if options is None:
         return None
     CALLED.set(vcage_command(*program, *words(options)))
-    set_up_logging(options.verbose)
+    set_up(options.verbose, options.progress)
     with stray_output_on_stderr(), naming_stages(getattr(options, "run", None)):
         return command.execute(options)
 

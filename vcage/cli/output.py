@@ -18,10 +18,11 @@ import signal
 import sys
 import threading
 from collections.abc import Callable, Iterator
+from contextvars import ContextVar
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import FrameType
-from typing import Any, ParamSpec
+from typing import Any, ParamSpec, TextIO
 
 from vcage.base.commands import CALLED
 from vcage.base.errors import DiskFull, OutputFolderError, StaleStage, VcageError
@@ -116,7 +117,7 @@ def naming_stages(run: Path | None) -> Iterator[None]:
         error.offer(f"replace it: {CALLED.get()} --force")
         raise
     except VcageError as error:
-        if error.maker and run is not None:
+        if error.maker and not error.command and run is not None:
             from vcage.cli.going_on import name_stage  # imported late: `vcage setup` works where no stage does
 
             name_stage(error, RunFolder(run))
@@ -212,13 +213,18 @@ def _report(record: dict[str, Any], code: int, complaint: str = "") -> int:
     if complaint:
         sys.stderr.write(f"vcage: error: {complaint}\n")
         sys.stderr.flush()
-    _print(json.dumps(record, ensure_ascii=not _can_print(json.dumps(record, ensure_ascii=False))))
+    print_record(record)
     return code
+
+
+def print_record(record: dict[str, Any]) -> None:
+    """Print a line of JSON to stdout, also inside :func:`stray_output_on_stderr`."""
+    _print(json.dumps(record, ensure_ascii=not _can_print(json.dumps(record, ensure_ascii=False))))
 
 
 def _can_print(text: str) -> bool:
     try:
-        text.encode(sys.stdout.encoding or "utf-8")
+        text.encode(_stdout().encoding or "utf-8")
     except UnicodeEncodeError:
         return False
     return True
@@ -227,11 +233,19 @@ def _can_print(text: str) -> bool:
 def _print(text: str) -> None:
     """Print to stdout; a reader that has gone away (``| head``) is no error."""
     try:
-        sys.stdout.write(text + "\n")
-        sys.stdout.flush()
+        _stdout().write(text + "\n")
+        _stdout().flush()
     except BrokenPipeError:
         # The interpreter flushes stdout once more at exit, which must not complain either.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        os.dup2(os.open(os.devnull, os.O_WRONLY), _stdout().fileno())
+
+
+_real_stdout: ContextVar[TextIO | None] = ContextVar("real_stdout", default=None)
+"""Where our lines go while stray output goes to stderr."""
+
+
+def _stdout() -> TextIO:
+    return _real_stdout.get() or sys.stdout
 
 
 @contextlib.contextmanager
@@ -240,19 +254,30 @@ def stray_output_on_stderr() -> Iterator[None]:
 
     Works on the file descriptor, since SAPIEN and others print from C++; those buffers are flushed at the end.
     """
-    with contextlib.redirect_stdout(sys.stderr):
-        if not _stdout_is_the_process_own():
+    if not _stdout_is_the_process_own():
+        with _printing_to(sys.stdout), contextlib.redirect_stdout(sys.stderr):
             yield
-            return
-        libc = ctypes.CDLL(None)
-        real = os.dup(1)
+        return
+    libc = ctypes.CDLL(None)
+    encoding, errors = sys.stdout.encoding, sys.stdout.errors
+    with os.fdopen(os.dup(1), "w", encoding=encoding, errors=errors) as real:
         os.dup2(2, 1)
         try:
-            yield
+            with _printing_to(real), contextlib.redirect_stdout(sys.stderr):
+                yield
         finally:
             libc.fflush(None)
-            os.dup2(real, 1)
-            os.close(real)
+            os.dup2(real.fileno(), 1)
+
+
+@contextlib.contextmanager
+def _printing_to(stream: TextIO) -> Iterator[None]:
+    """Let our own lines go to a stream."""
+    before = _real_stdout.set(stream)
+    try:
+        yield
+    finally:
+        _real_stdout.reset(before)
 
 
 def _stdout_is_the_process_own() -> bool:

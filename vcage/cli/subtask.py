@@ -15,7 +15,7 @@ from vcage.base.commands import CALLED
 from vcage.base.options import FOLDER
 from vcage.cli.arguments import parse, words
 from vcage.cli.output import Result, end_process, naming_stages, run_cli, stray_output_on_stderr
-from vcage.cli.progress import set_up_logging
+from vcage.cli.progress import set_up
 from vcage.cli.stage import StageCommand, execute_stage
 from vcage.stages import collect
 from vcage.stages.running import at_work
@@ -46,7 +46,7 @@ def _run(path: Path, arguments: Sequence[str]) -> Result | None:
     if command is None:
         return None
     CALLED.set(shlex.join([*program, *words(command)]))
-    set_up_logging(command.verbose)
+    set_up(command.verbose, command.progress)
     run = RunFolder(command.run)
     with stray_output_on_stderr(), naming_stages(None):  # its run has no stages before
         with at_work(run):
