@@ -41,7 +41,7 @@ OPTIONS = chain.ChainOptions(
 
 STAGES = list(chain.STAGES)
 FOLDERS = {stage: folder for folder, stage in PRODUCERS.items()}
-BY_PRODUCTS = {"timings.json", "options.json", "report.html"}
+BY_PRODUCTS = {"timings.json", "options.json", "unfinished.json", "report.html"}
 """Files of a run that hold wall times, or what else does not change what is made."""
 
 
@@ -73,7 +73,7 @@ def digests(root: Path) -> dict[str, str]:
     """Path → SHA-256 of every file but the by-products."""
     paths = sorted(path for path in root.rglob("*") if path.is_file() and "__pycache__" not in path.parts)
     names = {path.relative_to(root).as_posix(): path for path in paths}
-    return {name: sha256_file(path) for name, path in names.items() if name not in BY_PRODUCTS}
+    return {name: sha256_file(path) for name, path in names.items() if path.name not in BY_PRODUCTS}
 
 
 @dataclass(frozen=True)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shlex
 import sys
+from collections.abc import Iterable
 from contextvars import ContextVar
 from pathlib import Path
 
@@ -23,7 +24,12 @@ def vcage_command(*words: object) -> str:
     """
     beside = Path(sys.executable).with_name("vcage")
     program = [beside] if beside.exists() else [sys.executable, "-m", "vcage.cli.main"]
-    return shlex.join(map(str, [*program, *words]))
+    return joined([*program, *words])
+
+
+def joined(words: Iterable[object]) -> str:
+    """Words as a shell takes them; what is no text, as a file's name may be, cannot be told."""
+    return shlex.join(map(str, words)).encode(errors="replace").decode()
 
 
 def pip_command(*words: str) -> str:

@@ -263,7 +263,10 @@ def stray_output_on_stderr() -> Iterator[None]:
     with os.fdopen(os.dup(1), "w", encoding=encoding, errors=errors) as real:
         os.dup2(2, 1)
         try:
-            with _printing_to(real), contextlib.redirect_stdout(sys.stderr):
+            with (
+                _printing_to(real if sys.stdout is sys.__stdout__ else sys.stdout),
+                contextlib.redirect_stdout(sys.stderr),
+            ):
                 yield
         finally:
             libc.fflush(None)

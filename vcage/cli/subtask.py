@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shlex
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -11,7 +10,7 @@ from typing import Annotated
 
 from tyro.conf import arg
 
-from vcage.base.commands import CALLED
+from vcage.base.commands import CALLED, joined
 from vcage.base.options import FOLDER
 from vcage.cli.arguments import parse, words
 from vcage.cli.output import Result, end_process, naming_stages, run_cli, stray_output_on_stderr
@@ -42,10 +41,10 @@ def _run(path: Path, arguments: Sequence[str]) -> Result | None:
 
     text = f"{load_script(path).values['TEXT']}\n\n{(collect.__doc__ or '').splitlines()[0]}"
     program = [sys.executable, str(path)]
-    command = parse(ScriptCommand, arguments, prog=path.name, text=text, about=shlex.join([*program, "--help"]))
+    command = parse(ScriptCommand, arguments, prog=path.name, text=text, about=joined([*program, "--help"]))
     if command is None:
         return None
-    CALLED.set(shlex.join([*program, *words(command)]))
+    CALLED.set(joined([*program, *words(command)]))
     set_up(command.verbose, command.progress)
     run = RunFolder(command.run)
     with stray_output_on_stderr(), naming_stages(None):  # its run has no stages before
