@@ -1,4 +1,4 @@
-"""A model on this machine for agents' clients: it keeps what it is asked, and answers that all is done.
+"""A model on this machine for agents' clients: it keeps what it is asked, calls one tool, and says that all is done.
 
 It speaks, as server-sent events, what the clients do: ``/chat/completions``, ``/responses`` and ``/messages``.
 """
@@ -21,6 +21,8 @@ class ModelServer(ThreadingHTTPServer):
     def __init__(self) -> None:
         super().__init__(("127.0.0.1", 0), _Handler)
         self.asked: list[str] = []
+        self.call: tuple[str, dict[str, str]] | None = None
+        """The tool that is still to be called, and with what."""
 
     @property
     def url(self) -> str:
@@ -50,8 +52,14 @@ class _Handler(BaseHTTPRequestHandler):
 
     def do_POST(self) -> None:
         body = self.rfile.read(int(self.headers.get("Content-Length") or 0))
-        self.server.asked.append(body.decode(errors="replace"))
-        events = next(make for end, make in SPOKEN.items() if end in self.path)()
+        asked = body.decode(errors="replace")
+        self.server.asked.append(asked)
+        call = self.server.call
+        if call is not None and f'"{call[0]}"' in asked:  # not where only a title is asked for
+            self.server.call = None
+        else:
+            call = None
+        events = next(make for end, make in SPOKEN.items() if end in self.path)(call)
         self._answer("text/event-stream", "".join(_event(event) for event in events))
 
     def _answer(self, kind: str, text: str) -> None:
@@ -62,22 +70,32 @@ class _Handler(BaseHTTPRequestHandler):
         self.wfile.write(text.encode())
 
 
+Call = tuple[str, dict[str, str]] | None
+
+
 def _event(event: Any) -> str:
     name = f"event: {event['type']}\n" if isinstance(event, dict) and "type" in event else ""
     return f"{name}data: {event if isinstance(event, str) else json.dumps(event)}\n\n"
 
 
-def _chat() -> list[Any]:
+def _chat(call: Call) -> list[Any]:
     head = {"id": "1", "object": "chat.completion.chunk", "created": 1, "model": "mock"}
-    said = {"index": 0, "delta": {"role": "assistant", "content": TEXT}, "finish_reason": None}
+    delta: dict[str, Any] = {"role": "assistant", "content": TEXT}
+    if call is not None:
+        function = {"name": call[0], "arguments": json.dumps(call[1])}
+        delta = {"role": "assistant", "tool_calls": [{"index": 0, "id": "c", "type": "function", "function": function}]}
+    said = {"index": 0, "delta": delta, "finish_reason": None}
     usage = {"prompt_tokens": 1, "completion_tokens": 1, "total_tokens": 2}
-    end = {"index": 0, "delta": {}, "finish_reason": "stop"}
+    end = {"index": 0, "delta": {}, "finish_reason": "stop" if call is None else "tool_calls"}
     return [{**head, "choices": [said]}, {**head, "choices": [end], "usage": usage}, "[DONE]"]
 
 
-def _responses() -> list[Any]:
+def _responses(call: Call) -> list[Any]:
     content = [{"type": "output_text", "text": TEXT, "annotations": []}]
-    item = {"id": "2", "type": "message", "status": "completed", "role": "assistant", "content": content}
+    item: dict[str, Any] = {"type": "message", "role": "assistant", "content": content}
+    if call is not None:
+        item = {"type": "function_call", "call_id": "c", "name": call[0], "arguments": json.dumps(call[1])}
+    item |= {"id": "2", "status": "completed"}
     usage = {"input_tokens": 1, "output_tokens": 1, "total_tokens": 2}
     whole = {"id": "1", "object": "response", "created_at": 1, "model": "mock", "usage": usage}
     return [
@@ -87,15 +105,21 @@ def _responses() -> list[Any]:
     ]
 
 
-def _messages() -> list[Any]:
+def _messages(call: Call) -> list[Any]:
+    block: dict[str, Any] = {"type": "text", "text": ""}
+    delta = {"type": "text_delta", "text": TEXT}
+    if call is not None:
+        block = {"type": "tool_use", "id": "c", "name": call[0], "input": {}}
+        delta = {"type": "input_json_delta", "partial_json": json.dumps(call[1])}
+    end = "end_turn" if call is None else "tool_use"
     usage = {"input_tokens": 1, "output_tokens": 1}
     begun = {"id": "1", "type": "message", "role": "assistant", "model": "mock", "content": [], "usage": usage}
     return [
         {"type": "message_start", "message": {**begun, "stop_reason": None, "stop_sequence": None}},
-        {"type": "content_block_start", "index": 0, "content_block": {"type": "text", "text": ""}},
-        {"type": "content_block_delta", "index": 0, "delta": {"type": "text_delta", "text": TEXT}},
+        {"type": "content_block_start", "index": 0, "content_block": block},
+        {"type": "content_block_delta", "index": 0, "delta": delta},
         {"type": "content_block_stop", "index": 0},
-        {"type": "message_delta", "delta": {"stop_reason": "end_turn", "stop_sequence": None}, "usage": usage},
+        {"type": "message_delta", "delta": {"stop_reason": end, "stop_sequence": None}, "usage": usage},
         {"type": "message_stop"},
     ]
 

@@ -1,4 +1,7 @@
-"""The real clients of agents find all skills, in each way that the README tells; ``make test-clients`` fetches them."""
+"""The real clients of agents find all skills, and run a script of one, in each way that the README tells.
+
+``make test-clients`` fetches them.
+"""
 
 from __future__ import annotations
 
@@ -6,6 +9,7 @@ import json
 import os
 import shutil
 import subprocess
+import sys
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -33,7 +37,8 @@ class Desk:
     def call(self, client: str, *arguments: str | Path, **variables: str) -> None:
         """Run a client that must succeed."""
         path = os.pathsep.join([str(CLIENTS / "node" / "bin"), os.defpath])
-        environment = {"PATH": path, "HOME": str(self.home), "TERM": "dumb", "NO_PROXY": "*", **variables}
+        own = {"PATH": path, "HOME": str(self.home), "TERM": "dumb", "NO_PROXY": "*"}
+        environment = own | {"IS_SANDBOX": "1", "VCAGE_PYTHON": sys.executable} | variables
         program = [str(CLIENTS / "node_modules" / ".bin" / client), *map(str, arguments)]
         quiet = {"stdin": subprocess.DEVNULL, "capture_output": True}
         done = subprocess.run(program, cwd=self.work, env=environment, text=True, timeout=180, **quiet)
@@ -64,13 +69,15 @@ def copied(folder: Path) -> None:
 def claude(desk: Desk) -> None:
     endpoint = {"ANTHROPIC_BASE_URL": desk.server.url, "ANTHROPIC_API_KEY": "x"}
     quiet = {"CLAUDE_CODE_DISABLE_NONESSENTIAL_TRAFFIC": "1", "DISABLE_AUTOUPDATER": "1"}
-    desk.call("claude", "-p", "hello", "--model", "mock", **endpoint, **quiet)
+    desk.call("claude", "-p", "hello", "--model", "mock", "--dangerously-skip-permissions", **endpoint, **quiet)
 
 
 def codex(desk: Desk) -> None:
     provider = f'name = "loop"\nbase_url = "{desk.server.url}/v1"\nwire_api = "responses"\nenv_key = "LOOP_KEY"\n'
     desk.write(".codex/config.toml", f'model = "mock"\nmodel_provider = "loop"\n[model_providers.loop]\n{provider}')
-    desk.call("codex", "exec", "--skip-git-repo-check", "hello", LOOP_KEY="x")
+    desk.call(
+        "codex", "exec", "--dangerously-bypass-approvals-and-sandbox", "--skip-git-repo-check", "hello", LOOP_KEY="x"
+    )
 
 
 def pi(desk: Desk, *options: str | Path) -> None:
@@ -117,12 +124,26 @@ WAYS: dict[str, Callable[[Desk], None]] = {
 }
 
 
+SHELLS = {
+    "claude": ("Bash", "command"),
+    "codex": ("exec_command", "cmd"),
+    "pi": ("bash", "command"),
+    "openclaw": ("exec", "command"),
+}
+"""Client → its tool that runs a command, and the argument that holds it."""
+
+
 @pytest.mark.parametrize("way", WAYS)
-def test_a_client_tells_its_model_of_every_skill(way: str, desk: Desk) -> None:
+def test_a_client_tells_its_model_of_every_skill_and_runs_a_script_of_one(way: str, desk: Desk) -> None:
     client = way.partition(",")[0]
     if not (CLIENTS / "node_modules" / ".bin" / client).exists():
         pytest.skip(f"there is no {client} in {CLIENTS}: make test-clients")
+    tool, argument = SHELLS[client]
+    script = "$(ls -d {}/*/skills/vcage-objects {}/*/.*/skills/vcage-objects {}/vcage-objects 2>/dev/null | head -1)"
+    find = script.format(desk.home.parent, desk.home.parent, SKILLS)  # where this way has put it
+    asked = {argument: f"python3 {find}/scripts/assets_list.py --json", "description": "list the objects"}
+    desk.server.call = tool, asked
     WAYS[way](desk)
-    asked = "".join(desk.server.asked)
-    found = {name for name in NAMES if f"{name}/SKILL.md" in asked or f"- {name}:" in asked}
-    assert found == NAMES
+    told = "".join(desk.server.asked)
+    assert {name for name in NAMES if f"{name}/SKILL.md" in told or f"- {name}:" in told} == NAMES
+    assert "left_out" in desk.server.asked[-1], "what the script said last"

@@ -271,6 +271,12 @@ class PartlyDone(VcageError):
     retryable = True
 
 
+class TooFewVerified(PartlyDone):
+    """Fewer episodes than asked for were verified of all that may be tried: the same again would change nothing."""
+
+    retryable = False
+
+
 class StageInterrupted(PartlyDone):
     """A stage that another one needs was interrupted; the command that goes on is told."""
 
