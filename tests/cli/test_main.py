@@ -73,7 +73,7 @@ def test_help_imports_nothing_heavy() -> None:
         ("optimize", "missing: --run DIR (the run folder)"),
         ("optimize --run x --restarts abc", "--restarts: 'abc' is not a whole number"),
         ("optimize --run x --bogus 3", "there is no option --bogus"),
-        ("optimize --run x --margn 3", "there is no option --margn (did you mean --margin? "),
+        ("optimize --run x --margn 3", "there is no option --margn; did you mean --margin? "),
         ("optimize --run", "--run needs a value"),
         ("optimize --run x more", "one word too many: more"),
         ("compress --run x --codec gif", "--codec: there is no 'gif'; there are: hevc, h264, av1"),

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import json
 import logging
 
 import pytest
 
-from vcage.cli.progress import progress, time_left
+from vcage.cli.output import stray_output_on_stderr
+from vcage.cli.progress import progress, set_up, time_left
 
 
 @pytest.mark.parametrize(
@@ -45,3 +47,16 @@ def test_each_step_is_a_line_where_stderr_is_no_terminal(caplog):
         show("episode 0", 0, 2)
         show("episode 1", 1, 2)
     assert caplog.messages == ["collect: [1/2] episode 0", "collect: [2/2] episode 1"]
+
+
+def test_steps_are_lines_of_json_on_stdout_where_that_is_asked_for(capsys):
+    set_up(False, "json")
+    with stray_output_on_stderr(), progress("collect") as show:
+        print("stray")
+        show("2 episodes run", 2, 5)
+    set_up(False, "text")
+    out, err = capsys.readouterr()
+    assert [json.loads(line) for line in out.splitlines()] == [
+        {"stage": "collect", "step": "2 episodes run", "done": 2, "total": 5}
+    ]
+    assert err == "stray\n"

@@ -79,4 +79,4 @@ def test_an_environment_without_pip_is_told_how_to_get_it(tmp_path: Path, monkey
     monkeypatch.setattr(importlib.util, "find_spec", lambda name: None)
     with pytest.raises(MissingDependency, match="no pip") as caught:
         python_index.download("x", "1", "wheel", tmp_path)
-    assert "uv pip install" in caught.value.hint
+    assert caught.value.command.startswith("uv pip install")

@@ -60,7 +60,7 @@ def test_a_driver_that_the_user_names_is_taken_as_it_is(machine: Path, monkeypat
 def test_nothing_installed_is_an_error_that_names_the_command(machine: Path) -> None:
     with pytest.raises(NoRenderer, match="none is installed") as caught:
         vulkan.ensure_driver()
-    assert "vcage setup vulkan" in caught.value.hint
+    assert caught.value.command.endswith("vcage setup vulkan")
 
 
 def test_the_cached_driver_is_handed_to_this_process_and_its_children(

@@ -13,7 +13,8 @@ import pytest
 
 from vcage.base import files
 
-SCRIPT = files.resource("skills", "igsc", "scripts", "match.py")
+SCRIPT = files.resource("skills", "vcage-igsc", "scripts", "match.py")
+SKILLS = sorted(path.parent for path in files.resource("skills").glob("*/SKILL.md"))
 OTHER_PYTHON = Path(sys._base_executable).resolve()
 """The interpreter that the environment was made from: it cannot import vcage."""
 
@@ -32,7 +33,7 @@ def run(
 def copy_of_skills(folder: Path) -> Path:
     """The skills without a checkout around them; returns the script."""
     shutil.copytree(files.resource("skills"), folder / "skills")
-    return folder / "skills" / "igsc" / "scripts" / "match.py"
+    return folder / "skills" / "vcage-igsc" / "scripts" / "match.py"
 
 
 def fake_python(folder: Path) -> Path:
@@ -79,15 +80,56 @@ def test_the_command_on_the_path_is_the_last_resort(tmp_path: Path) -> None:
     assert str(script) in run(script, PATH=f"{command.parent}:{os.defpath}").stdout
 
 
-def test_without_an_environment_the_command_that_makes_it_is_named(tmp_path: Path) -> None:
-    script = copy_of_skills(tmp_path)
-    (tmp_path / "Makefile").touch()
+def test_a_skill_that_is_linked_finds_its_checkout(tmp_path: Path) -> None:
+    script = copy_of_skills(tmp_path / "a checkout")
+    fake_python(tmp_path / "a checkout")
+    (tmp_path / "client").symlink_to(script.parents[1])
+    done = run(tmp_path / "client" / "scripts" / "match.py", "--run", "x")
+    assert done.stdout.endswith("match.py --run x path: 1\n")
+
+
+def test_without_an_environment_the_command_that_makes_it_is_named_and_next(tmp_path: Path) -> None:
+    script = copy_of_skills(tmp_path / "a checkout")
+    (tmp_path / "a checkout" / "Makefile").touch()
+    (tmp_path / "a checkout" / "vcage").mkdir()
     done = run(script)
     assert done.returncode == 4
-    error = json.loads(done.stdout.splitlines()[-1])["error"]
-    assert error["code"] == "configuration"
-    assert error["hint"] == f"run: make -C {tmp_path} venv"
+    record = json.loads(done.stdout)
+    assert record["error"]["code"] == "configuration"
+    assert record["next"] == f"make -C '{tmp_path / 'a checkout'}' setup" and record["error"]["hint"].endswith(
+        record["next"]
+    )
     assert len(done.stderr.splitlines()) == 1
+
+
+@pytest.mark.parametrize("skill", SKILLS, ids=lambda path: path.name)
+def test_a_skill_that_is_installed_alone_says_how_to_get_the_project(skill: Path, tmp_path: Path) -> None:
+    alone = shutil.copytree(skill, tmp_path / skill.name, ignore=shutil.ignore_patterns("__pycache__"))
+    for script in sorted(alone.glob("scripts/*.py")):
+        if script.name == "vcage_environment.py":
+            continue
+        done = run(script, "--help", HOME=str(tmp_path))
+        record = json.loads(done.stdout)
+        assert (done.returncode, record["ok"], record["next"]) == (4, False, None), script
+        assert "VCAGE_HOME" in record["error"]["hint"] and "Traceback" not in done.stderr
+
+
+@pytest.mark.parametrize("skill", SKILLS, ids=lambda path: path.name)
+def test_a_skill_that_is_installed_alone_works_where_the_project_is_told(skill: Path, tmp_path: Path) -> None:
+    alone = shutil.copytree(skill, tmp_path / skill.name, ignore=shutil.ignore_patterns("__pycache__"))
+    fake_python(tmp_path / "home")
+    for script in sorted(alone.glob("scripts/*.py")):
+        if script.name != "vcage_environment.py":
+            assert str(script) in run(script, VCAGE_HOME=str(tmp_path / "home")).stdout
+
+
+def test_a_command_installed_for_the_user_is_found_off_the_path(tmp_path: Path) -> None:
+    script = copy_of_skills(tmp_path / "copied")
+    command = tmp_path / ".local" / "bin" / "vcage"
+    command.parent.mkdir(parents=True)
+    command.write_text(f"#!{fake_python(tmp_path / 'home')}\n")
+    command.chmod(0o755)
+    assert str(script) in run(script, HOME=str(tmp_path)).stdout
 
 
 def test_an_environment_that_was_never_finished_does_not_restart_for_ever(tmp_path: Path) -> None:

@@ -45,7 +45,9 @@ def python() -> str:
 
 
 def run_script(python: str, name: str, arguments: list[str], cwd: Path) -> Answer:
-    return process([python, REPOSITORY / "skills" / SCRIPTS[name] / "scripts" / f"{name}.py", *arguments], cwd)
+    return process(
+        [python, REPOSITORY / "skills" / f"vcage-{SCRIPTS[name]}" / "scripts" / f"{name}.py", *arguments], cwd
+    )
 
 
 @pytest.mark.slow

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import os
 import re
 from pathlib import Path
@@ -14,9 +15,8 @@ from vcage.base import files
 from vcage.cli.main import COMMANDS
 
 SKILLS = sorted(path.parent for path in files.resource("skills").glob("*/SKILL.md"))
-ROOT = Path(__file__).parents[2]
-PAGES = [*SKILLS, ROOT]
-SCRIPTS = sorted(files.resource("skills").glob("*/scripts/*.py"))
+BOOTSTRAPS = sorted(files.resource("skills").glob("*/scripts/vcage_environment.py"))
+SCRIPTS = sorted({*files.resource("skills").glob("*/scripts/*.py")} - {*BOOTSTRAPS})
 
 
 def front_matter(folder: Path) -> tuple[str, dict[str, Any]]:
@@ -31,33 +31,41 @@ def names(paths: list[Path]) -> list[str]:
 
 
 def test_all_skills_are_there() -> None:
-    assert names(SKILLS) == ["collect", "compress", "export", "igsc", "objects", "subtask-search", "vlm-verify"]
+    assert names(SKILLS) == [
+        "vcage",
+        *(
+            f"vcage-{part}"
+            for part in ("collect", "compress", "export", "igsc", "objects", "subtask-search", "vlm-verify")
+        ),
+    ]
 
 
-@pytest.mark.parametrize("folder", PAGES, ids=lambda path: path.name)
+@pytest.mark.parametrize("folder", SKILLS, ids=lambda path: path.name)
 def test_the_head_is_what_every_client_accepts(folder: Path) -> None:
     text, head = front_matter(folder)
     assert set(head) == {"name", "description", "license", "metadata"}
-    assert head["name"] == ("vcage" if folder == ROOT else folder.name)
+    assert head["name"] == folder.name
     assert re.fullmatch(r"[a-z0-9]+(-[a-z0-9]+)*", head["name"]) and len(head["name"]) <= 64
     assert len(head["description"]) <= 160 and not set("<>\n") & set(head["description"])
     assert {"version", "homepage"} <= set(head["metadata"])
     assert "{" not in text, "metadata must be block YAML"
 
 
-@pytest.mark.parametrize("folder", PAGES, ids=lambda path: path.name)
+@pytest.mark.parametrize("folder", SKILLS, ids=lambda path: path.name)
 def test_no_key_is_required(folder: Path) -> None:
     _, head = front_matter(folder)
     assert "env" not in head["metadata"]["openclaw"]["requires"]
 
 
-@pytest.mark.parametrize("folder", PAGES, ids=lambda path: path.name)
+@pytest.mark.parametrize("folder", SKILLS, ids=lambda path: path.name)
 def test_every_script_that_a_page_names_exists(folder: Path) -> None:
     text = (folder / "SKILL.md").read_text(encoding="utf-8")
     assert len(text.splitlines()) < 500
     assert "`{baseDir}` is the folder of this SKILL.md" in text
-    for path in re.findall(r"\{baseDir\}/((?:scripts|references)/[\w./-]+)", text):
+    for path in re.findall(r"(?:\{baseDir\}/|`)((?:scripts|references)/[\w./-]+)", text):
         assert (folder / path).is_file(), path
+    for other in re.findall(r"`(vcage-[\w-]+)`", text):
+        assert other in names(SKILLS), other
     for path in re.findall(r"\]\((?!http)([\w./-]+)\)", text):
         assert (folder / path).is_file(), path
     for options in re.findall(r"scripts/(\w+)\.py", text):
@@ -68,10 +76,20 @@ def test_every_script_that_a_page_names_exists(folder: Path) -> None:
 def test_a_script_is_executable_and_only_names_its_command(script: Path) -> None:
     assert os.access(script, os.X_OK)
     text = script.read_text()
-    (command,) = re.findall(r'script_main\("([\w -]+)"\)', text)
+    (command,) = re.findall(r'main\("([\w -]+)"\)', text)
     assert command in COMMANDS and re.sub("[- ]", "_", command) == script.stem
     assert len(text.splitlines()) < 15
 
 
-def test_the_nine_stages_decompression_and_four_actions_on_objects_have_a_script_each() -> None:
-    assert len(SCRIPTS) == 9 + 1 + 4
+def test_the_nine_stages_decompression_four_actions_on_objects_and_three_of_the_whole_have_a_script_each() -> None:
+    assert len(SCRIPTS) == 9 + 1 + 4 + 3
+
+
+def test_every_skill_carries_the_same_way_to_the_environment() -> None:
+    assert [path.parents[1] for path in BOOTSTRAPS] == SKILLS
+    assert len({path.read_bytes() for path in BOOTSTRAPS}) == 1
+
+
+def test_what_any_python_runs_is_syntax_that_3_6_reads() -> None:
+    for path in (BOOTSTRAPS[0], *SCRIPTS):
+        ast.parse(path.read_text(encoding="utf-8"), feature_version=(3, 6))

@@ -6,11 +6,13 @@ import os
 
 import pytest
 
-from vcage.base.errors import OutputFolderError
+from vcage.base.commands import CALLED
+from vcage.base.errors import EndpointFailed, FolderInUse, MissingStage, StageInterrupted
 from vcage.base.files import RunFolder
 from vcage.schema.export import Export
-from vcage.stages.running import at_work, note_seconds, read_timings
-from vcage.stages.stage import Job
+from vcage.stages.context import StageContext
+from vcage.stages.running import at_work, note_seconds, read_timings, run_stage, unfinished
+from vcage.stages.stage import Job, StageOptions
 
 
 @pytest.fixture
@@ -27,7 +29,7 @@ def test_a_stage_that_fails_leaves_no_empty_run_folder(run):
 def test_two_processes_do_not_work_on_one_run_and_the_second_is_told_of_the_first(run):
     with at_work(run):
         with (
-            pytest.raises(OutputFolderError, match=rf"in use by process {os.getpid()} on ") as refused,
+            pytest.raises(FolderInUse, match=rf"in use by process {os.getpid()} on ") as refused,
             at_work(run),
         ):
             pass
@@ -43,3 +45,51 @@ def test_seconds_of_a_stage_that_grew_are_added_and_of_one_made_again_replaced(r
     assert read_timings(run) == {"collect": 5.0}
     note_seconds(run, "collect", 1.0)
     assert read_timings(run) == {"collect": 1.0}
+
+
+class Fails:
+    """A stage that tells how far it is, and fails."""
+
+    Options, __name__ = StageOptions, "vcage.stages.collect"
+
+    def __init__(self, error: BaseException):
+        self.error = error
+
+    def execute(self, run, options, context, progress):
+        progress("2 episodes run", 2, 5)
+        raise self.error
+
+    job = summary = lambda *_: None
+
+
+def after_collecting_that_failed_by(error: BaseException, run: RunFolder) -> dict:
+    run.layout.parent.mkdir(parents=True, exist_ok=True)
+    CALLED.set("vcage collect --run 'it' --episodes 5")
+    with pytest.raises(type(error)):
+        run_stage(Fails(error), run, context=StageContext("offline"))
+    return unfinished(run)
+
+
+@pytest.mark.parametrize("error", [KeyboardInterrupt(), EndpointFailed("gone for now")], ids=repr)
+def test_what_needs_an_interrupted_stage_names_it_how_far_it_came_and_the_command_that_goes_on(run, error):
+    after_collecting_that_failed_by(error, run)
+    needing = Fails(MissingStage("verify needs episodes.json", maker="collect"))
+    needing.__name__ = "vcage.stages.verify"
+    with pytest.raises(StageInterrupted, match="collect was interrupted after 2 of 5 episodes") as told:
+        run_stage(needing, run, context=StageContext("offline"))
+    assert (told.value.command, told.value.exit_code) == ("vcage collect --run 'it' --episodes 5", 7)
+    assert list(unfinished(run)) == ["collect"]
+
+
+def test_a_stage_that_said_itself_why_it_ended_is_not_called_interrupted(run):
+    after_collecting_that_failed_by(EndpointFailed("gone for now"), run)
+    assert after_collecting_that_failed_by(MissingStage("no scene", maker="optimize"), run) == {}
+    assert not run.unfinished.exists()
+
+
+def test_the_second_is_told_how_far_the_first_is(run):
+    with at_work(run):
+        run.unfinished.write_text('{"collect": {"command": "", "done": 2, "total": 5}}')
+        with pytest.raises(FolderInUse) as refused, at_work(run):
+            pass
+    assert refused.value.details["done_so_far"]["collect"]["done"] == 2

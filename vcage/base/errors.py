@@ -5,8 +5,8 @@ A script turns a :class:`VcageError` into one line on stderr and one JSON line o
 of ours and exits with 1.
 
 Exit codes: 0 done, 1 a bug, 2 usage, 3 bad input file or schema, 4 key or configuration missing,
-5 the model refused (final), 6 the endpoint failed for now, 7 partly done (run again), 8 the agent that runs the command
-is to answer first.
+5 the model refused (final), 6 the endpoint failed for now or the folder is in use, 7 partly done (run again),
+8 the agent that runs the command is to answer first.
 """
 
 from __future__ import annotations
@@ -22,7 +22,9 @@ class VcageError(Exception):
 
     Args:
         message: what went wrong, naming the thing (file, object, option).
-        hint: what the user can do about it; a command where there is one.
+        hint: what the user can do about it, in words.
+        command: the one that mends it, as a shell takes it (:mod:`vcage.base.commands`); told after the hint.
+        maker: the stage that mends it when it is run (again); whoever knows the run makes a command of it.
         details: JSON-serialisable facts for a program that reads the error.
     """
 
@@ -30,35 +32,57 @@ class VcageError(Exception):
     exit_code: ClassVar[int] = 1
     retryable: ClassVar[bool] = False
 
-    def __init__(self, message: str, *, hint: str = "", details: dict[str, Any] | None = None):
+    def __init__(
+        self,
+        message: str,
+        *,
+        hint: str = "",
+        command: str = "",
+        maker: str = "",
+        details: dict[str, Any] | None = None,
+    ):
         super().__init__(message)
         self.message = message
         self.hint = hint
+        self.command = command
+        self.maker = maker
         self.details = details or {}
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Errors cross from worker processes whole, whatever their constructors take."""
-        return _restored, (type(self), self.message, self.hint, self.details)
+        way_out = {"hint": self.hint, "command": self.command, "maker": self.maker}
+        return _restored, (type(self), self.message, way_out, self.details)
+
+    @property
+    def way_out(self) -> str:
+        """The hint, and the command that mends it if there is one."""
+        return f"{self.hint or 'run'}: {self.command}" if self.command else self.hint
+
+    def offer(self, way_out: str) -> None:
+        """Add another way out, in words."""
+        self.hint = f"{self.hint}, or {way_out}" if self.hint else way_out
 
     def as_record(self) -> dict[str, Any]:
         """The ``error`` object of a script's last line of stdout."""
         return {
             "code": self.code,
             "message": self.message,
-            "hint": self.hint,
+            "hint": self.way_out,
             "retryable": self.retryable,
             "details": self.details,
         }
 
     def as_line(self) -> str:
-        """The one line for stderr: what happened, then the way out."""
-        text = f"{self.message} ({self.hint})" if self.hint else self.message
-        return " ".join(text.split())
+        """The one line for stderr: what happened, then the way out; a command stands last, as it is to be typed."""
+        message, hint = (" ".join(map(str.strip, text.splitlines())) for text in (self.message, self.hint))
+        if self.command:
+            return f"{message}; {hint or 'run'}: {self.command}"
+        return f"{message} ({hint})" if hint else message
 
 
-def _restored(kind: type[VcageError], message: str, hint: str, details: dict[str, Any]) -> VcageError:
+def _restored(kind: type[VcageError], message: str, way_out: dict[str, str], details: dict[str, Any]) -> VcageError:
     error = kind.__new__(kind)
-    VcageError.__init__(error, message, hint=hint, details=details)
+    VcageError.__init__(error, message, **way_out, details=details)
     return error
 
 
@@ -204,7 +228,7 @@ class NoRenderer(ConfigurationError):
     code = "no_renderer"
 
 
-# --- 5, 6: model endpoints -----------------------------------------------------------------------------
+# --- 5, 6: what others do: model endpoints, another process ------------------------------------------
 
 
 class ModelRefused(VcageError):
@@ -218,6 +242,14 @@ class EndpointFailed(VcageError):
     """The endpoint did not answer, or answered with a passing fault (429, 5xx, time-out)."""
 
     code = "endpoint_failed"
+    exit_code = 6
+    retryable = True
+
+
+class FolderInUse(VcageError):
+    """Another process works in the folder; says which."""
+
+    code = "in_use"
     exit_code = 6
     retryable = True
 
@@ -239,6 +271,18 @@ class PartlyDone(VcageError):
     code = "partly_done"
     exit_code = 7
     retryable = True
+
+
+class TooFewVerified(PartlyDone):
+    """Fewer episodes than asked for were verified of all that may be tried: the same again would change nothing."""
+
+    retryable = False
+
+
+class StageInterrupted(PartlyDone):
+    """A stage that another one needs was interrupted; the command that goes on is told."""
+
+    code = "stage_interrupted"
 
 
 class DiskFull(PartlyDone):

@@ -155,12 +155,10 @@ def read_json(path: Path) -> Any:
         return json.loads(path.read_text(encoding="utf-8"))
     except (FileNotFoundError, NotADirectoryError) as error:
         raise MissingStage(
-            f"{path} does not exist", hint="run the stage that writes it first, or check --out"
+            f"{path} does not exist", hint="the stage that writes it comes first", maker=maker_of(path)
         ) from error
     except (json.JSONDecodeError, UnicodeDecodeError) as error:
-        raise DamagedFile(
-            f"{path} is not valid JSON: {error}", hint="delete it and run its stage again with --force"
-        ) from error
+        raise DamagedFile(f"{path} is not valid JSON: {error}", hint="mend it", maker=maker_of(path)) from error
     except IsADirectoryError as error:
         raise DamagedFile(
             f"{path} is a folder, not a JSON file", hint="move it away and run the stage again"
@@ -198,11 +196,25 @@ def whole(folder: Path) -> bool:
     return PARTIAL not in folder.name and REPLACED not in folder.name
 
 
+def _is_written(part: Path) -> bool:
+    """Whether another process of this machine, by the number in the name, is still at work on something partial."""
+    number = part.name.partition(PARTIAL)[2].partition(".")[0]
+    if not number.isdecimal() or int(number) == os.getpid():
+        return False
+    try:
+        os.kill(int(number), 0)
+    except ProcessLookupError:
+        return False
+    except PermissionError:  # another user's
+        return True
+    return True
+
+
 def recover(path: Path) -> None:
     """Mend what a killed :func:`atomic_folder` or :func:`atomic_path` left beside ``path``.
 
-    A folder that was moved away for a replacement that never came is moved back; partial work is deleted.
-    Only call this while no other process writes the same name.
+    A folder that was moved away for a replacement that never came is moved back; partial work is deleted, but for that
+    of a process that is still there.
     """
     path = Path(path)
     if not path.parent.is_dir():
@@ -216,6 +228,8 @@ def recover(path: Path) -> None:
         path.parent.glob(f"{path.stem}{PARTIAL}*{path.suffix}")
     )
     for part in leftovers:
+        if _is_written(part):
+            continue
         if part.is_dir():
             shutil.rmtree(part, ignore_errors=True)
         else:
@@ -223,6 +237,25 @@ def recover(path: Path) -> None:
 
 
 # --- run folders ---------------------------------------------------------------------------------------
+
+
+PRODUCERS = {
+    "place": "select_place",
+    "inpaint": "inpaint_plan",
+    "match": "match",
+    "optimize": "optimize",
+    "subtasks": "search_subtasks",
+    "episodes": "collect",
+    "verify": "verify",
+    "compress": "compress",
+    "export": "export",
+}
+"""Folder of the run → the stage that writes it, in the order of the chain."""
+
+
+def maker_of(path: Path) -> str:
+    """The stage that writes a file, by the folder that it lies in; empty where no stage does."""
+    return PRODUCERS.get(Path(path).parent.name, "")
 
 
 class RunFolder:
@@ -252,6 +285,8 @@ class RunFolder:
     export = property(lambda self: self.root / "export" / "export.json")
     report = property(lambda self: self.root / "report.html")
     timings = property(lambda self: self.root / "timings.json")
+    options = property(lambda self: self.root / "options.json")
+    unfinished = property(lambda self: self.root / "unfinished.json")
 
     def relative(self, path: Path) -> str:
         """``path`` as written into records: relative to the run folder, with forward slashes."""

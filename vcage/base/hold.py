@@ -5,13 +5,15 @@ from __future__ import annotations
 import contextlib
 import os
 import platform
+import shlex
 import sys
 from collections.abc import Iterator
 from pathlib import Path
 
 from filelock import FileLock, Timeout
 
-from vcage.base.errors import OutputFolderError
+from vcage.base.commands import CALLED
+from vcage.base.errors import FolderInUse
 
 IN_USE = "in-use"
 """File in a folder in which a process works: says which."""
@@ -22,19 +24,18 @@ def held(folder: Path) -> Iterator[None]:
     """Keep a folder to work in for this process alone; the system lets go of it however the process ends.
 
     Raises:
-        OutputFolderError: another process holds it; says which.
+        FolderInUse: another process holds it; says which.
     """
     path = folder / IN_USE
     lock = FileLock(path)
     try:
         lock.acquire(timeout=0)
     except Timeout as error:
-        holder = " ".join(path.read_text(encoding="utf-8").split()) or "another process"
-        raise OutputFolderError(
-            f"{folder} is in use by {holder}", hint="wait for its end, or give another --out"
-        ) from error
+        holder = path.read_text(encoding="utf-8").strip() or "another process"
+        hint = "wait for its end, or work in another folder"
+        raise FolderInUse(f"{folder} is in use by {holder}", hint=hint, details={"holder": holder}) from error
     try:
-        command = " ".join([Path(sys.argv[0]).name, *sys.argv[1:]])
+        command = CALLED.get() or shlex.join(sys.argv)
         path.write_text(f"process {os.getpid()} on {platform.node()}: {command}\n", encoding="utf-8")
         yield
     finally:

@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 
 from vcage.base.errors import DamagedFile, MissingStage
-from vcage.base.files import write_bytes
+from vcage.base.files import maker_of, write_bytes
 
 
 def write_picture(path: Path, picture: np.ndarray) -> Path:
@@ -58,15 +58,15 @@ def read_labels(path: Path) -> np.ndarray:
     """Read a label image as (H, W) int32; raises as :func:`read_picture`."""
     labels = _decode(path)
     if labels.ndim != 2:
-        raise DamagedFile(f"{path} is a colour picture, not a label image", hint="run select_place --force")
+        raise DamagedFile(f"{path} is a colour picture, not a label image", maker="select_place")
     return labels.astype(np.int32)
 
 
 def _decode(path: Path) -> np.ndarray:
     if not path.is_file():
-        raise MissingStage(f"{path} does not exist", hint="run the stage that writes it first")
+        raise MissingStage(f"{path} does not exist", hint="the stage that writes it comes first", maker=maker_of(path))
     data = np.frombuffer(path.read_bytes(), np.uint8)
     picture = cv2.imdecode(data, cv2.IMREAD_UNCHANGED) if len(data) else None
     if picture is None:
-        raise DamagedFile(f"{path} is not a picture", hint="delete it and run its stage again with --force")
+        raise DamagedFile(f"{path} is not a picture", hint="mend it", maker=maker_of(path))
     return picture

@@ -32,7 +32,7 @@ LONG = 16
 KEPT = 8
 """Files whose tables of frames are kept; one of 100,000 frames takes 10 MB."""
 
-MEND = "make it again (run compress with --force), or fetch it again"
+MEND = "make it again (in a run, by its stage compress), or fetch it again"
 
 
 def decode(video: bytes | Path, indices: Sequence[int] | None = None) -> NDArray[np.uint8]:

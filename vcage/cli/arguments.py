@@ -7,12 +7,14 @@ import io
 import re
 import sys
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Annotated, TypeVar
+from collections.abc import Iterator, Sequence
+from dataclasses import MISSING, dataclass, fields, is_dataclass
+from pathlib import Path
+from typing import Annotated, Any, Literal, TypeVar, get_type_hints
 
 import tyro
-from tyro.conf import arg
+from tyro.conf import Positional, arg
+from tyro.constructors import PrimitiveConstructorSpec
 
 from vcage.base.errors import UsageError
 from vcage.base.options import Flag
@@ -27,6 +29,8 @@ class CommonOptions:
 
     verbose: Annotated[Flag, arg(aliases=("-v",))] = False
     """say more on stderr"""
+    progress: Literal["text", "json"] = "text"
+    """how work that takes long tells how far it is: for people on stderr, or as lines of JSON on stdout"""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -38,7 +42,7 @@ class Command(CommonOptions, ABC):
         """Do it."""
 
 
-def parse(options: type[T], arguments: Sequence[str], *, prog: str, text: str) -> T | None:
+def parse(options: type[T], arguments: Sequence[str], *, prog: str, text: str, about: str) -> T | None:
     """The options on a command line; None when help was asked for, which is printed.
 
     Args:
@@ -46,6 +50,7 @@ def parse(options: type[T], arguments: Sequence[str], *, prog: str, text: str) -
         arguments: the words after the command's name.
         prog: the command's name in the help.
         text: what the help says between usage and options, as it is written.
+        about: the command that shows the help.
 
     Raises:
         UsageError: the command line is not one of these options; says what is wrong with it.
@@ -57,10 +62,62 @@ def parse(options: type[T], arguments: Sequence[str], *, prog: str, text: str) -
     except SystemExit as end:
         if end.code:
             what, meant = _in_one_line(complaint.getvalue())
-            raise UsageError(f"{prog}: {what}", hint=f"{meant}see: {prog} --help") from None
+            raise UsageError(f"{prog}: {what}", hint=f"{meant}see", command=about) from None
     usage, _, boxes = printed.getvalue().partition("\n\n")
     sys.stdout.write(f"{usage}\n\n{text}\n\n{_without_frames(boxes)}\n")
     return None
+
+
+@dataclass(frozen=True)
+class _Option:
+    """A field that is an option: its name in Python (dotted inside another field), what it holds, how it is said."""
+
+    key: str
+    value: Any
+    default: Any
+    marks: tuple[Any, ...]
+
+    @property
+    def is_said(self) -> bool:
+        """Whether a command line must say it; a path always, as the default one may be of the current folder."""
+        return self.value != self.default or isinstance(self.value, Path)
+
+    @property
+    def is_positional(self) -> bool:
+        return any(mark is Positional for mark in self.marks)
+
+    def words(self) -> list[str]:
+        """As a command line says it."""
+        named = [name for mark in self.marks if (name := getattr(mark, "name", None))]
+        name = named[0] if named else self.key.rpartition(".")[2].replace("_", "-")
+        if isinstance(self.value, bool):
+            return [f"--{name}" if self.value else f"--no-{name}"]
+        return [*([] if self.is_positional else [f"--{name}"]), *self._values()]
+
+    def _values(self) -> list[str]:
+        if isinstance(self.value, Path):
+            return [str(self.value.expanduser().absolute())]
+        kinds = [mark for mark in self.marks if isinstance(mark, PrimitiveConstructorSpec)]
+        return [str(self.value)] if not kinds else list(kinds[0].str_from_instance(self.value))
+
+
+def options_of(record: Any, within: str = "") -> Iterator[_Option]:
+    """The options that a dataclass declares, also inside its fields, those that stand by their place first."""
+    hints = get_type_hints(type(record), include_extras=True)
+    found = []
+    for one in fields(record):
+        value, marks = getattr(record, one.name), getattr(hints[one.name], "__metadata__", ())
+        if is_dataclass(value) and not any(isinstance(mark, PrimitiveConstructorSpec) for mark in marks):
+            found += options_of(value, f"{within}{one.name}.")
+        else:
+            default = one.default if one.default_factory is MISSING else one.default_factory()
+            found.append(_Option(f"{within}{one.name}", value, default, marks))
+    yield from sorted(found, key=lambda option: not option.is_positional)
+
+
+def words(record: Any) -> list[str]:
+    """The command line of which :func:`parse` makes these options, with paths from the root of the file system."""
+    return [word for option in options_of(record) if option.is_said for word in option.words()]
 
 
 # tyro frames what it says; where stdout is no terminal (here it is a buffer), with rules of hyphens alone.

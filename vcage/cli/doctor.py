@@ -5,7 +5,6 @@ from __future__ import annotations
 import dataclasses
 import importlib.util
 import platform
-import shlex
 import shutil
 import sys
 from collections.abc import Callable
@@ -14,6 +13,7 @@ from importlib import metadata
 from pathlib import Path
 
 from vcage.base import files
+from vcage.base.commands import pip_command, vcage_command
 from vcage.base.errors import ConfigurationError, VcageError
 from vcage.base.options import Flag
 from vcage.cli.arguments import Command
@@ -67,7 +67,7 @@ class Doctor(Command):
             return Result(summary=record, schema="vcage.doctor/1", text=text)
         error = ConfigurationError(
             f"missing or unfit: {', '.join(finding.name for finding in missing)}",
-            hint=f"run: {missing[0].mend}",
+            command=missing[0].mend,
             details=record,
         )
         return Result(text=text, error=error)
@@ -90,14 +90,16 @@ def table(found: list[Finding]) -> str:
 
 def python() -> Finding:
     fit = (3, 11) <= sys.version_info[:2] < (3, 13)
-    mend = "" if fit else "make venv PYTHON=python3.11"
+    mend = "" if fit else "make the environment with Python 3.11 or 3.12"
     return Finding("Python", fit, f"{platform.python_version()} at {sys.executable}", mend=mend)
 
 
 def numpy() -> Finding:
     finding = _package("numpy", "numpy>=1.26,<2")
     if finding.ok and not finding.found.startswith("1."):
-        return Finding("numpy", False, f"{finding.found}, under which mplib crashes", mend=_pip("numpy>=1.26,<2"))
+        return Finding(
+            "numpy", False, f"{finding.found}, under which mplib crashes", mend=pip_command("numpy>=1.26,<2")
+        )
     return finding
 
 
@@ -110,7 +112,7 @@ def sapien() -> Finding:
         importlib.import_module("sapien")
     except (ImportError, OSError) as error:
         return Finding(
-            "sapien", False, f"{finding.found} does not load: {error}", mend=_vcage("setup", "vulkan", "--force")
+            "sapien", False, f"{finding.found} does not load: {error}", mend=vcage_command("setup", "vulkan", "--force")
         )
     return finding
 
@@ -135,11 +137,11 @@ def vulkan() -> Finding:
     try:
         driver = ensure_driver()
     except VcageError as error:
-        return Finding("Vulkan", False, error.message, mend=_vcage("setup", "vulkan"))
+        return Finding("Vulkan", False, error.message, mend=vcage_command("setup", "vulkan"))
     result = probe()
     source = f"{driver.kind} driver {driver.icd or 'found by the loader'}"
     if not result.ok:
-        mend = f"unset {ICD_VARIABLE}" if driver.kind == "given" else _vcage("setup", "vulkan", "--force")
+        mend = f"unset {ICD_VARIABLE}" if driver.kind == "given" else vcage_command("setup", "vulkan", "--force")
         return Finding("Vulkan", False, f"{source} draws nothing: {result.message}", mend=mend)
     return Finding("Vulkan", True, f"{result.device}, {source}; drew a picture in {result.seconds:.1f} s")
 
@@ -154,14 +156,16 @@ def video() -> Finding:
     version = ".".join(map(str, av.library_versions["libavcodec"]))
     found = f"{finding.found}, libavcodec {version}, encoders: {', '.join(encoders) or 'none'}"
     if "libx265" not in encoders:
-        return Finding("PyAV", False, f"{found}; libx265 is needed", mend=_pip("--force-reinstall", "--no-deps", "av"))
+        return Finding(
+            "PyAV", False, f"{found}; libx265 is needed", mend=pip_command("--force-reinstall", "--no-deps", "av")
+        )
     return Finding("PyAV", True, found)
 
 
 def opencv() -> Finding:
     finding = _package("cv2", OPENCV, name="OpenCV", distribution=OPENCV)
     if finding.ok and not opencv_loads():
-        return Finding("OpenCV", False, f"{finding.found} does not load", mend=_vcage("setup", "opencv"))
+        return Finding("OpenCV", False, f"{finding.found} does not load", mend=vcage_command("setup", "opencv"))
     return finding
 
 
@@ -170,7 +174,7 @@ def cvvdp() -> Finding:
     if version == CVVDP:
         return Finding("cvvdp", True, version)
     found = f"{version} (checked: {CVVDP})" if version else "not installed; compress needs it"
-    return Finding("cvvdp", False, found, mend=_vcage("setup", "cvvdp"))
+    return Finding("cvvdp", False, found, mend=vcage_command("setup", "cvvdp"))
 
 
 def keys() -> Finding:
@@ -201,7 +205,7 @@ def assets() -> Finding:
     total = sum(len(library.annotation(name).variants) for name in library.names)
     unbuilt = len(library.unbuilt())
     found = f"{total - unbuilt} of {total} models built in {files.cache_path('assets')}"
-    mend = _vcage("setup", "assets") if unbuilt else ""
+    mend = vcage_command("setup", "assets") if unbuilt else ""
     return Finding("assets", not unbuilt, found, required=False, mend=mend)
 
 
@@ -218,18 +222,8 @@ def _package(module: str, requirement: str, *, name: str = "", distribution: str
     except metadata.PackageNotFoundError:
         version = ""
     if not version or importlib.util.find_spec(module) is None:
-        return Finding(name or module, False, "not installed", mend=_pip(requirement))
+        return Finding(name or module, False, "not installed", mend=pip_command(requirement))
     return Finding(name or module, True, version)
-
-
-def _pip(*arguments: str) -> str:
-    return shlex.join([sys.executable, "-m", "pip", "install", *arguments])
-
-
-def _vcage(*arguments: str) -> str:
-    """A command of ours that works without the environment being activated."""
-    beside = Path(sys.executable).with_name("vcage")
-    return shlex.join([str(beside) if beside.exists() else "vcage", *arguments])
 
 
 def _existing(path: Path) -> Path:

@@ -11,10 +11,11 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from vcage.base.commands import CALLED, vcage_command
 from vcage.base.errors import UnknownName, UsageError
 from vcage.base.version import __version__
-from vcage.cli.output import Result, end_process, run_cli, stray_output_on_stderr
-from vcage.cli.progress import set_up_logging
+from vcage.cli.output import Result, end_process, naming_stages, run_cli, stray_output_on_stderr
+from vcage.cli.progress import set_up
 
 if TYPE_CHECKING:
     from vcage.cli.arguments import Command, CommonOptions
@@ -91,15 +92,18 @@ def _run(arguments: Sequence[str], prog: str = "") -> Result | None:
     if about:
         sys.stdout.write(about)
         return None
-    from vcage.cli.arguments import parse
+    from vcage.cli.arguments import parse, words
 
+    CALLED.set("")
     name, rest = _named(arguments)
-    command = load(name)
-    options = parse(command.options, rest, prog=prog or f"vcage {name}", text=command.text)
+    command, program = load(name), name.split()
+    about = vcage_command(*program, "--help")
+    options = parse(command.options, rest, prog=prog or f"vcage {name}", text=command.text, about=about)
     if options is None:
         return None
-    set_up_logging(options.verbose)
-    with stray_output_on_stderr():
+    CALLED.set(vcage_command(*program, *words(options)))
+    set_up(options.verbose, options.progress)
+    with stray_output_on_stderr(), naming_stages(getattr(options, "run", None)):
         return command.execute(options)
 
 
@@ -121,7 +125,7 @@ def _about(arguments: Sequence[str]) -> str:
 def _named(arguments: Sequence[str]) -> tuple[str, Sequence[str]]:
     """A command's name, of one word or two, and what comes after it."""
     if not arguments:
-        raise UsageError("no command given", hint="see: vcage --help")
+        raise UsageError("no command given", hint="see", command=vcage_command("--help"))
     words = 2 if _is_group(arguments[0]) else 1
     name = " ".join(arguments[:words])
     if name not in COMMANDS:

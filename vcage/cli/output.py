@@ -1,7 +1,8 @@
 """What a command owes its caller: diagnostics on stderr, results on stdout, and one JSON object as the last line.
 
 Success: ``{"ok": true, "schema": …, "output": …, "summary": {…}, "next": …}``.
-Failure: ``{"ok": false, "error": {"code", "message", "hint", "retryable", "details"}}``, and one line on stderr.
+Failure: ``{"ok": false, "error": {"code", "message", "hint", "retryable", "details"}, "next": …}``, and one line on
+stderr.
 """
 
 from __future__ import annotations
@@ -17,13 +18,15 @@ import signal
 import sys
 import threading
 from collections.abc import Callable, Iterator
+from contextvars import ContextVar
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import FrameType
-from typing import Any, ParamSpec
+from typing import Any, ParamSpec, TextIO
 
-from vcage.base.errors import DiskFull, OutputFolderError, VcageError
-from vcage.base.files import NO_ROOM
+from vcage.base.commands import CALLED
+from vcage.base.errors import DiskFull, OutputFolderError, StaleStage, VcageError
+from vcage.base.files import NO_ROOM, RunFolder
 
 logger = logging.getLogger(__name__)
 
@@ -41,7 +44,7 @@ class Result:
         output: the file or folder that it wrote.
         summary: a few facts for the caller, JSON-serialisable.
         schema: id of the schema of ``output``.
-        next: the command that goes on from here.
+        next: the command that goes on from here, also after an error.
         text: what a person reads, printed before the JSON line.
         error: set when the command did its work and the finding is a failure.
         facts: results that stand at the top of the JSON line, beside ``ok``, in either case.
@@ -58,7 +61,8 @@ class Result:
     def as_record(self) -> dict[str, Any]:
         """The object of the last line of stdout."""
         if self.error is not None:
-            return {**self.facts, "ok": False, "error": self.error.as_record()}
+            goes_on = self.next or _goes_on(self.error) or None
+            return {**self.facts, "ok": False, "error": self.error.as_record(), "next": goes_on}
         return {
             **self.facts,
             "ok": True,
@@ -67,6 +71,11 @@ class Result:
             "summary": self.summary,
             "next": self.next or None,
         }
+
+
+def _goes_on(error: VcageError) -> str:
+    """The command that mends an error, or the same again where that may help."""
+    return error.command or (CALLED.get() if error.retryable else "")
 
 
 def run_cli(function: Callable[P, Result | None], *arguments: P.args, **options: P.kwargs) -> int:
@@ -97,6 +106,22 @@ def run_cli(function: Callable[P, Result | None], *arguments: P.args, **options:
     if result.error is not None:
         return _report(result.as_record(), result.error.exit_code, result.error.as_line())
     return _report(result.as_record(), 0)
+
+
+@contextlib.contextmanager
+def naming_stages(run: Path | None) -> Iterator[None]:
+    """An error inside that a stage of the run mends tells the command of that stage."""
+    try:
+        yield
+    except StaleStage as error:
+        error.offer(f"replace it: {CALLED.get()} --force")
+        raise
+    except VcageError as error:
+        if error.maker and not error.command and run is not None:
+            from vcage.cli.going_on import name_stage  # imported late: `vcage setup` works where no stage does
+
+            name_stage(error, RunFolder(run))
+        raise
 
 
 def _of_the_disk(error: OSError) -> VcageError | None:
@@ -166,12 +191,12 @@ _interruptions: list[BaseException] = []
 def _report_interruption(error: BaseException) -> int:
     _interruptions.append(error)
     record = _error_record("interrupted", "interrupted", "run the same command again to go on", retryable=True)
-    return _report(record, INTERRUPTED, "interrupted")
+    return _report({**record, "next": CALLED.get() or None}, INTERRUPTED, "interrupted")
 
 
 def _report_bug(error: Exception) -> int:
     logger.error("this is a bug in vcage", exc_info=error)
-    message = f"{type(error).__name__}: {error}"
+    message = " ".join(f"{type(error).__name__}: {error}".split())
     record = _error_record("bug", message, "report it with the traceback on stderr", retryable=False)
     return _report(record, 1, message)
 
@@ -180,20 +205,26 @@ def _error_record(code: str, message: str, hint: str, *, retryable: bool) -> dic
     return {
         "ok": False,
         "error": {"code": code, "message": message, "hint": hint, "retryable": retryable, "details": {}},
+        "next": None,
     }
 
 
 def _report(record: dict[str, Any], code: int, complaint: str = "") -> int:
     if complaint:
-        sys.stderr.write(f"vcage: error: {' '.join(complaint.split())}\n")
+        sys.stderr.write(f"vcage: error: {complaint}\n")
         sys.stderr.flush()
-    _print(json.dumps(record, ensure_ascii=not _can_print(json.dumps(record, ensure_ascii=False))))
+    print_record(record)
     return code
+
+
+def print_record(record: dict[str, Any]) -> None:
+    """Print a line of JSON to stdout, also inside :func:`stray_output_on_stderr`."""
+    _print(json.dumps(record, ensure_ascii=not _can_print(json.dumps(record, ensure_ascii=False))))
 
 
 def _can_print(text: str) -> bool:
     try:
-        text.encode(sys.stdout.encoding or "utf-8")
+        text.encode(_stdout().encoding or "utf-8")
     except UnicodeEncodeError:
         return False
     return True
@@ -202,11 +233,19 @@ def _can_print(text: str) -> bool:
 def _print(text: str) -> None:
     """Print to stdout; a reader that has gone away (``| head``) is no error."""
     try:
-        sys.stdout.write(text + "\n")
-        sys.stdout.flush()
+        _stdout().write(text + "\n")
+        _stdout().flush()
     except BrokenPipeError:
         # The interpreter flushes stdout once more at exit, which must not complain either.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        os.dup2(os.open(os.devnull, os.O_WRONLY), _stdout().fileno())
+
+
+_real_stdout: ContextVar[TextIO | None] = ContextVar("real_stdout", default=None)
+"""Where our lines go while stray output goes to stderr."""
+
+
+def _stdout() -> TextIO:
+    return _real_stdout.get() or sys.stdout
 
 
 @contextlib.contextmanager
@@ -215,19 +254,33 @@ def stray_output_on_stderr() -> Iterator[None]:
 
     Works on the file descriptor, since SAPIEN and others print from C++; those buffers are flushed at the end.
     """
-    with contextlib.redirect_stdout(sys.stderr):
-        if not _stdout_is_the_process_own():
+    if not _stdout_is_the_process_own():
+        with _printing_to(sys.stdout), contextlib.redirect_stdout(sys.stderr):
             yield
-            return
-        libc = ctypes.CDLL(None)
-        real = os.dup(1)
+        return
+    libc = ctypes.CDLL(None)
+    encoding, errors = sys.stdout.encoding, sys.stdout.errors
+    with os.fdopen(os.dup(1), "w", encoding=encoding, errors=errors) as real:
         os.dup2(2, 1)
         try:
-            yield
+            with (
+                _printing_to(real if sys.stdout is sys.__stdout__ else sys.stdout),
+                contextlib.redirect_stdout(sys.stderr),
+            ):
+                yield
         finally:
             libc.fflush(None)
-            os.dup2(real, 1)
-            os.close(real)
+            os.dup2(real.fileno(), 1)
+
+
+@contextlib.contextmanager
+def _printing_to(stream: TextIO) -> Iterator[None]:
+    """Let our own lines go to a stream."""
+    before = _real_stdout.set(stream)
+    try:
+        yield
+    finally:
+        _real_stdout.reset(before)
 
 
 def _stdout_is_the_process_own() -> bool:

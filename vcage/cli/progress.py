@@ -8,8 +8,11 @@ import math
 import sys
 import time
 from collections.abc import Iterator
+from contextvars import ContextVar
+from typing import Literal
 
 from vcage.base.progress import Progress
+from vcage.cli.output import print_record
 
 logger = logging.getLogger(__name__)
 
@@ -33,8 +36,13 @@ class _Formatter(logging.Formatter):
         return text if record.levelno == logging.INFO else f"{record.levelname.lower()}: {text}"
 
 
-def set_up_logging(verbose: bool) -> None:
+_lines_of: ContextVar[Literal["text", "json"]] = ContextVar("lines_of", default="text")
+"""What the steps of work are told in."""
+
+
+def set_up(verbose: bool, lines_of: Literal["text", "json"]) -> None:
     """Log to stderr: our progress and everybody's warnings; with ``verbose`` our details and all progress."""
+    _lines_of.set(lines_of)
     handler = _Stderr()
     handler.setFormatter(_Formatter("%(message)s"))
     logging.basicConfig(level=logging.INFO if verbose else logging.WARNING, handlers=[handler], force=True)
@@ -43,8 +51,10 @@ def set_up_logging(verbose: bool) -> None:
 
 @contextlib.contextmanager
 def progress(title: str) -> Iterator[Progress]:
-    """Show the steps of one job: a bar on a terminal, otherwise a line for each."""
-    if sys.stderr.isatty():
+    """Show the steps of one job: a bar on a terminal, otherwise a line for each, of JSON where that is asked for."""
+    if _lines_of.get() == "json":
+        yield _records(title)
+    elif sys.stderr.isatty():
         with _bar(title) as show:
             yield show
     else:
@@ -61,6 +71,13 @@ def _lines(title: str) -> Progress:
         last = done
         left = time_left(time.monotonic() - begun, done - first, total - first)
         logger.info("%s: [%d/%d] %s%s", title, done + 1, total, step, f" ({left} left)" if left else "")
+
+    return show
+
+
+def _records(title: str) -> Progress:
+    def show(step: str, done: int, total: int) -> None:
+        print_record({"stage": title, "step": step, "done": done, "total": total})
 
     return show
 

@@ -26,7 +26,9 @@ INTRODUCTION = """\
 
 Progress and diagnostics go to stderr. The last line of stdout is one JSON object:
 `{{"ok": true, "schema", "output", "summary", "next"}}`, or
-`{{"ok": false, "error": {{"code", "message", "hint", "retryable", "details"}}}}`; an error is also one line on stderr.
+`{{"ok": false, "error": {{"code", "message", "hint", "retryable", "details"}}, "next"}}`; an error is also one line on
+stderr. `next` is a command that goes on, quoted for a shell and with the options that were given before; it runs in any
+folder. With `--progress json` each step of long work is a line of JSON on stdout before the last.
 
 | exit code | meaning |
 |---|---|
@@ -36,8 +38,8 @@ Progress and diagnostics go to stderr. The last line of stdout is one JSON objec
 | 3 | an input file is missing, damaged, stale, or of another schema |
 | 4 | a key, package or driver is missing |
 | 5 | the model refused, finally |
-| 6 | the endpoint failed for now; try again |
-| 7 | partly done, or the disk is full; the same command goes on |
+| 6 | the endpoint failed for now, or another process works on the folder; try again |
+| 7 | partly done, a stage before was interrupted, or the disk is full; `next` goes on |
 | 130 | interrupted; the same command goes on |
 """
 

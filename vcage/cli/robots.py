@@ -9,6 +9,7 @@ from typing import Annotated, Literal
 
 from tyro.conf import Positional, arg
 
+from vcage.base.commands import vcage_command
 from vcage.base.options import FOLDER, UNSAID, Flag, value
 from vcage.cli.arguments import Command
 from vcage.cli.output import Result
@@ -81,6 +82,6 @@ class ImportRobot(Command):
             output=robot.path,
             schema="vcage.robot/1",
             summary={"robot": robot.name, "warnings": len(robot.warnings)},
-            next="vcage robots list",
+            next=vcage_command("robots", "list"),
             text="\n".join(lines),
         )

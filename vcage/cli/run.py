@@ -13,6 +13,7 @@ from vcage.apps.report.page import report_shows, write_report
 from vcage.base.files import RunFolder
 from vcage.base.progress import Progress
 from vcage.cli.arguments import Command
+from vcage.cli.going_on import not_dry, remembered
 from vcage.cli.output import Result, stop_if_interrupted
 from vcage.cli.progress import progress
 from vcage.cli.stage import BeginCommand
@@ -45,8 +46,9 @@ class Run(BeginCommand[chain.ChainOptions], Command):
         if self.dry_run:
             options.require_a_task()
             select_place.job(run, options, context)
-            return Result(output=run.root, summary={"would_run": list(STAGES)})
-        done = chain.run_chain(run, options, context, _shown)
+            return Result(output=run.root, summary={"would_run": list(STAGES)}, next=not_dry())
+        with remembered(run, options):
+            done = chain.run_chain(run, options, context, _shown)
         page = run.report if report_shows(run) else _report(run)
         facts = {
             name: {"fresh": done[name].fresh, **STAGES[name].summary(done[name].record)}
@@ -55,7 +57,7 @@ class Run(BeginCommand[chain.ChainOptions], Command):
         summary = facts["collect"] | {"compress": facts["compress"]}
         if done["collect"].short is not None:
             return Result(error=done["collect"].short, facts={"output": str(page), "summary": summary})
-        return Result(output=page, summary=summary, next=f"open {page}")
+        return Result(output=page, summary=summary)
 
 
 def _report(run: RunFolder) -> Path:

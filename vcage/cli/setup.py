@@ -16,6 +16,7 @@ from typing import Annotated, Any, Literal
 from tyro.conf import Positional
 
 from vcage.base import files
+from vcage.base.commands import vcage_command
 from vcage.base.errors import ConfigurationError, FetchFailed, MissingDependency, NoRenderer
 from vcage.base.options import Flag
 from vcage.cli.arguments import Command
@@ -77,7 +78,7 @@ class Setup(Command):
         }
         chosen = parts if self.part == "all" else [self.part]
         summary = {part: parts[part]() for part in chosen}
-        return Result(output=files.cache_path(), summary=summary, next="vcage doctor")
+        return Result(output=files.cache_path(), summary=summary, next=vcage_command("doctor"))
 
 
 def _vulkan(force: bool) -> dict[str, Any]:
@@ -158,12 +159,13 @@ def _opencv(force: bool) -> dict[str, Any]:
 def _pip(part: str, *arguments: str) -> None:
     if importlib.util.find_spec("pip") is None:
         command = shlex.join(["uv", "pip", "install", "--python", sys.executable, *arguments])
-        raise MissingDependency(f"this environment has no pip to install {part} with", hint=f"run: {command}")
+        raise MissingDependency(f"this environment has no pip to install {part} with", command=command)
     command = [sys.executable, "-m", "pip", "install", "--quiet", "--disable-pip-version-check", *arguments]
     if subprocess.run(command, stdout=sys.stderr).returncode != 0:
         raise MissingDependency(
             f"pip could not install {part}; its complaint is above",
-            hint=f"check the package index that pip uses, then run: vcage setup {part}",
+            hint="check the package index that pip uses, then run",
+            command=vcage_command("setup", part),
         )
 
 

@@ -2,22 +2,20 @@
 
 from __future__ import annotations
 
-import importlib
-import shutil
-import sys
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Generic, TypeVar, cast
+from typing import Annotated, Generic, TypeVar
 
 from tyro.conf import OmitArgPrefixes, arg
 
 from vcage.base.files import RunFolder
 from vcage.base.options import FOLDER, Flag
 from vcage.cli import arguments
+from vcage.cli.going_on import following, not_dry, remembered, stage_of
 from vcage.cli.output import Result
 from vcage.cli.progress import progress
-from vcage.stages.running import Stage, run_stage
-from vcage.stages.stage import PRODUCERS, StageOptions
+from vcage.stages.running import run_stage
+from vcage.stages.stage import StageOptions
 
 StageO = TypeVar("StageO", bound=StageOptions)
 
@@ -41,11 +39,6 @@ class BeginCommand(StageCommand[StageO]):
     """the run folder to begin"""
 
 
-def stage_of(name: str) -> Stage:
-    """The module of a stage, alone: the others would double the time that its command takes to start."""
-    return cast(Stage, importlib.import_module(f"vcage.stages.{name}"))
-
-
 def options_of(name: str) -> type[StageCommand]:
     """What the command of a stage takes."""
     kind = BeginCommand if name == "select_place" else StageCommand
@@ -60,26 +53,16 @@ def execute_stage(name: str, command: StageCommand) -> Result:
     if command.dry_run:
         job = stage.job(run, options, context)
         would = "replace" if options.force and job.output.exists() else "write"
-        return Result(output=job.output, summary={"would": would, **job.provenance().model_dump()})
-    with progress(name) as show:
+        summary = {"would": would, **job.provenance().model_dump()}
+        return Result(output=job.output, summary=summary, next=not_dry())
+    with remembered(run, options), progress(name) as show:
         done = run_stage(stage, run, options, context, show)
     if done.short is not None:
-        return Result(error=done.short, facts={"output": str(done.path), "summary": stage.summary(done.record)})
+        facts = {"output": str(done.path), "summary": stage.summary(done.record)}
+        return Result(error=done.short, facts=facts, next=following(name, run))
     return Result(
         output=done.path,
         schema=done.record.SCHEMA,
         summary={"fresh": done.fresh, **stage.summary(done.record)},
         next=following(name, run),
     )
-
-
-def following(name: str, run: RunFolder) -> str:
-    """The command that goes on after a stage."""
-    stages = list(PRODUCERS.values())
-    later = stages[stages.index(name) + 1 :]
-    return f"{vcage_command()} {later[0].replace('_', '-') if later else 'report'} --run {run}"
-
-
-def vcage_command() -> str:
-    """How to call ``vcage`` from here: by name where it is on the PATH, else by the path of this environment's."""
-    return "vcage" if shutil.which("vcage") else str(Path(sys.executable).with_name("vcage"))

@@ -10,12 +10,14 @@ from typing import Annotated
 
 from tyro.conf import arg
 
+from vcage.base.commands import CALLED, joined
 from vcage.base.options import FOLDER
-from vcage.cli.arguments import parse
-from vcage.cli.output import Result, end_process, run_cli, stray_output_on_stderr
-from vcage.cli.progress import set_up_logging
+from vcage.cli.arguments import parse, words
+from vcage.cli.output import Result, end_process, naming_stages, run_cli, stray_output_on_stderr
+from vcage.cli.progress import set_up
 from vcage.cli.stage import StageCommand, execute_stage
 from vcage.stages import collect
+from vcage.stages.running import at_work
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -38,10 +40,14 @@ def _run(path: Path, arguments: Sequence[str]) -> Result | None:
     from vcage.tasks.synthesis import load_script
 
     text = f"{load_script(path).values['TEXT']}\n\n{(collect.__doc__ or '').splitlines()[0]}"
-    command = parse(ScriptCommand, arguments, prog=path.name, text=text)
+    program = [sys.executable, str(path)]
+    command = parse(ScriptCommand, arguments, prog=path.name, text=text, about=joined([*program, "--help"]))
     if command is None:
         return None
-    set_up_logging(command.verbose)
-    with stray_output_on_stderr():
-        prepare_run(RunFolder(command.run), path, seed=command.stage.seed or 0, force=command.stage.force)
+    CALLED.set(joined([*program, *words(command)]))
+    set_up(command.verbose, command.progress)
+    run = RunFolder(command.run)
+    with stray_output_on_stderr(), naming_stages(None):  # its run has no stages before
+        with at_work(run):
+            prepare_run(run, path, seed=command.stage.seed or 0, force=command.stage.force)
         return execute_stage("collect", command)

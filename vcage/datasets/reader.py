@@ -28,9 +28,7 @@ def _damage(path: Path) -> Iterator[None]:
     try:
         yield
     except (OSError, KeyError, ValueError, RuntimeError, TypeError) as error:
-        raise DamagedFile(
-            f"{path} is damaged or not an episode: {error}", hint="collect the episode again: run collect with --force"
-        ) from error
+        raise DamagedFile(f"{path} is damaged or not an episode: {error}", hint="mend it", maker="collect") from error
 
 
 class Pictures:
@@ -90,7 +88,7 @@ class EpisodeReader:
     def __init__(self, path: Path):
         self.path = Path(path)
         if not self.path.is_file():
-            raise MissingStage(f"{self.path} does not exist", hint="run collect first, or check the path")
+            raise MissingStage(f"{self.path} does not exist", hint="check the path, or collect first", maker="collect")
         with _damage(self.path):
             self._file = h5py.File(self.path, "r")
         try:

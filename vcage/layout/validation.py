@@ -78,7 +78,7 @@ def validate_items(items: Sequence[TableItem]) -> None:
         UsageError, UnknownName: see :func:`check_containers`.
     """
     if not items:
-        raise UsageError("there is nothing to lay out", hint="run the stages before with --force")
+        raise UsageError("there is nothing to lay out", hint="make the stages before again")
     for item in items:
         _validate_item(item)
     check_containers(items)
@@ -89,7 +89,7 @@ def _validate_item(item: TableItem) -> None:
     if not np.all(np.isfinite([*item.size, item.yaw, *item.target, *item.centre, *body])):
         raise UsageError(
             f"{item.id} has no finite pose or size: size {item.size}, yaw {item.yaw}, target {item.target}",
-            hint="run the stages before with --force",
+            hint="make the stages before again",
         )
     if min(item.size) <= 0:
         raise UsageError(f"{item.id} has the size {item.size}", hint="sizes are positive metres; check its mesh")

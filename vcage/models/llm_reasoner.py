@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
+from vcage.base.commands import vcage_command
 from vcage.base.errors import NoAssetFits, UnreadInstruction
 from vcage.models import prompts
 from vcage.models.exchange import Answerer
@@ -117,7 +118,8 @@ class LlmReasoner:
             listed = " and ".join(repr(name) for name in found.missing)
             raise NoAssetFits(
                 f"no asset of the catalogue matches {listed}",
-                hint="`vcage assets list` shows what there is",
+                hint="see what there is",
+                command=vcage_command("assets", "list"),
                 details={"unmatched": list(found.missing)},
             )
         return _selection(found)

@@ -94,6 +94,7 @@ class CriticQuestion:
         wrist: picture by camera name at that moment, or when what was held was let go, from the hand that did it.
         planned: where the layout put each object, which does not say what was done since.
         opened: parts that are open before and after, by the plan: by the object that they belong to.
+        parts: names of the moving parts, by the object that has them.
         rooms: for goals that something is in or on another: (n, 8, 3) corners of where it then is, in that's frame.
         table_height: z of the table top, metres (part of the calibration).
         tops: z of what things may stand on besides the table, by the objects that the scene has, metres.
@@ -116,6 +117,7 @@ class CriticQuestion:
     wrist: dict[str, np.ndarray] = field(default_factory=dict)
     planned: Mapping[str, Pose] = field(default_factory=dict)
     opened: Mapping[str, Sequence[str]] = field(default_factory=dict)
+    parts: Mapping[str, Sequence[str]] = field(default_factory=dict)
     rooms: Mapping[Goal, np.ndarray] = field(default_factory=dict)
     table_height: float = 0.74
     tops: Sequence[float] = ()

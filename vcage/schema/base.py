@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError
 
 from vcage.base.errors import SchemaMismatch
-from vcage.base.files import read_json, write_json
+from vcage.base.files import maker_of, read_json, write_json
 from vcage.base.geometry import Camera, Pose, world_aabb
 from vcage.base.version import __version__
 
@@ -126,7 +126,8 @@ class Document(Record):
         if found != cls.SCHEMA:
             raise SchemaMismatch(
                 f"{path} has the schema {found!r}, expected {cls.SCHEMA!r}",
-                hint="make it again with this version of vcage: run its stage with --force",
+                hint="make it again with this version of vcage",
+                maker=maker_of(path),
                 details={"path": str(path), "found": found, "expected": cls.SCHEMA},
             )
         try:
@@ -136,7 +137,8 @@ class Document(Record):
             field = ".".join(str(part) for part in first["loc"]) or "(whole file)"
             raise SchemaMismatch(
                 f"{path}: field {field}: {first['msg']}",
-                hint="mend the field, or run the file's stage with --force",
+                hint="mend the field",
+                maker=maker_of(path),
                 details={"path": str(path), "field": field, "errors": error.error_count()},
             ) from error
 

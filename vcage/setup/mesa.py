@@ -30,7 +30,7 @@ NEVER_FETCHED = ("libc6", "libvulkan1")
 
 BY_HAND = (
     "check that the mirror answers, or install your distribution's Mesa Vulkan drivers (24.3 or newer, with "
-    "lavapipe) and libX11; then run: vcage setup vulkan"
+    "lavapipe) and libX11; then set up the driver again"
 )
 _RELATION = re.compile(
     r"(?:^|\|)\s*(?P<name>[a-z0-9][a-z0-9.+-]+)(?::\w+)?\s*(?:\((?P<operator>[<>=]+)\s*(?P<version>[^)]+)\))?"

@@ -64,7 +64,7 @@ def download(name: str, version: str, kind: Kind, folder: Path) -> Path:
     wanted = f"{name}=={version}"
     if importlib.util.find_spec("pip") is None:
         command = shlex.join(["uv", "pip", "install", "--python", sys.executable, "pip"])
-        raise MissingDependency(f"this environment has no pip to download {name} with", hint=f"run: {command}")
+        raise MissingDependency(f"this environment has no pip to download {name} with", command=command)
     form = {"wheel": ["--only-binary=:all:"], "sdist": ["--no-binary=:all:", "--no-build-isolation", "--use-pep517"]}
     options = ["--no-deps", "--no-cache-dir", "--disable-pip-version-check", "--quiet", "--dest", str(folder)]
     with tempfile.TemporaryDirectory(prefix="vcage-pip-") as work:

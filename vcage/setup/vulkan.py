@@ -23,6 +23,7 @@ from pathlib import Path
 from typing import Literal
 
 from vcage.base import files
+from vcage.base.commands import vcage_command
 from vcage.base.errors import DamagedFile, NoRenderer, OutputFolderError
 from vcage.setup import mesa
 
@@ -32,8 +33,6 @@ ICD_VARIABLE = "VK_ICD_FILENAMES"
 ICD_FOLDERS = ("/etc/vulkan/icd.d", "/usr/local/share/vulkan/icd.d", "/usr/share/vulkan/icd.d")
 PROBE_TIMEOUT = 180.0
 """Seconds after which a driver that has not drawn is given up (the first picture takes 6 s of CPU)."""
-
-INSTALL_HINT = "run: vcage setup vulkan"
 
 
 @dataclass(frozen=True)
@@ -172,7 +171,7 @@ def _choose() -> Driver:
         complaints.append(f"{kind}: {result.message}")
     raise NoRenderer(
         f"no Vulkan driver draws a picture with SAPIEN ({'; '.join(complaints) or 'none is installed'})",
-        hint=INSTALL_HINT,
+        command=vcage_command("setup", "vulkan"),
         details={"tried": complaints},
     )
 

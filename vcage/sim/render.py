@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from vcage.base.commands import vcage_command
 from vcage.base.errors import NoRenderer
 from vcage.base.files import resource
 
@@ -38,7 +39,9 @@ def _first_system() -> sapien.render.RenderSystem:
     try:
         return sapien.render.RenderSystem()
     except RuntimeError as error:
-        raise NoRenderer(f"SAPIEN cannot draw: {error}", hint="run `vcage doctor`") from error
+        raise NoRenderer(
+            f"SAPIEN cannot draw: {error}", hint="see what is missing", command=vcage_command("doctor")
+        ) from error
 
 
 def new_render_system() -> sapien.render.RenderSystem:

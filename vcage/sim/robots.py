@@ -9,6 +9,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TypeVar
 
+from vcage.base.commands import pip_command
 from vcage.base.errors import DamagedFile, MissingDependency, UnknownName
 from vcage.base.files import data_path, resource
 from vcage.schema.base import Document
@@ -77,10 +78,10 @@ def package_file(name: str) -> Path:
         return Path(inside)
     spec = find_spec(package)
     if spec is None or not spec.submodule_search_locations:
-        raise MissingDependency(f"the robot needs the package {package!r}", hint=f"pip install {package}")
+        raise MissingDependency(f"the robot needs the package {package!r}", command=pip_command(package))
     path = Path(spec.submodule_search_locations[0]) / inside
     if not path.is_file():
         raise DamagedFile(
-            f"the package {package!r} has no file {inside}", hint=f"pip install --force-reinstall {package}"
+            f"the package {package!r} has no file {inside}", command=pip_command("--force-reinstall", package)
         )
     return path

@@ -11,6 +11,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from vcage.base.errors import DamagedFile, StaleStage, UsageError
 from vcage.base.files import RunFolder, read_json, recover, sha256_file, write_json
+from vcage.base.hold import held
 from vcage.base.progress import Progress, silent
 from vcage.datasets.lerobot.features import CAMERA, ENCODER
 from vcage.datasets.lerobot.formats import FORMATS, open_writer
@@ -51,17 +52,20 @@ def append_to(root: Path, run: RunFolder, progress: Progress = silent) -> dict[s
             what differs.
         MissingStage, StaleStage: the run is not exported, or has other episodes since.
         DamagedFile: an episode, a video or the data set cannot be read.
+        FolderInUse: another process adds to them.
         OutputFolderError, DiskFull: the folder cannot be written.
     """
     export = Export.read(run.export)
     if export.provenance.inputs.get(run.relative(run.episodes)) != sha256_file(run.episodes):
-        raise StaleStage(f"{run.export} was made of other episodes", hint="run export with --force first")
+        raise StaleStage(f"{run.export} was made of other episodes")
     sets = {one.format: run.root / one.path for one in export.datasets if one.format in FORMATS}
     if not sets:
         raise UsageError("only LeRobot data sets can be added to", hint=f"give --formats {' '.join(FORMATS)}")
     episodes = {str(record.file): export.provenance.inputs[str(record.file)] for record in accepted_episodes(run)}
-    for name, exported in sets.items():
-        _append(root, name, run, episodes, _footage_of(exported, list(episodes)), progress)
+    RunFolder(root).make()
+    with held(root):
+        for name, exported in sets.items():
+            _append(root, name, run, episodes, _footage_of(exported, list(episodes)), progress)
     return {name: root / name for name in sets}
 
 

@@ -103,7 +103,7 @@ def run_chain(
 
     Raises:
         UsageError: there is no instruction and not every sub-task is wanted, or both.
-        OutputFolderError: another process works on the run.
+        FolderInUse: another process works on the run.
         VcageError: what a stage raises; those before it are finished.
     """
     options.require_a_task()

@@ -19,7 +19,7 @@ from functools import cache, lru_cache, partial
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from vcage.base.errors import PartlyDone
+from vcage.base.errors import TooFewVerified
 from vcage.base.files import RunFolder
 from vcage.base.memory import free_memory
 from vcage.base.options import NATURAL, POSITIVE, UNSAID
@@ -101,7 +101,7 @@ def execute(
 
     Raises:
         MissingStage, StaleStage: see :class:`vcage.stages.stage.Job`.
-        PartlyDone: no episode was accepted.
+        TooFewVerified: no episode was accepted.
     """
     context = context.at_once
     stage = job(run, options, context)
@@ -115,14 +115,14 @@ def execute(
     _fill(store, wanted, options, context, progress)
     record = store.finish()
     if not any(episode.accepted for episode in record.episodes):
-        raise PartlyDone(
+        raise TooFewVerified(
             f"none of {len(record.episodes)} episodes was verified: {record.episodes[-1].reason}",
             hint=f"see {run.episodes.parent / 'log.jsonl'}; another --seed gives another layout",
         )
     return StageResult(record, run.episodes, fresh=True, grown=done is not None, short=_shortfall(record, wanted))
 
 
-def _shortfall(record: Episodes, wanted: _Wanted) -> PartlyDone | None:
+def _shortfall(record: Episodes, wanted: _Wanted) -> TooFewVerified | None:
     """The error of a collection that has fewer verified episodes than were asked for; what it has is whole."""
     missing, ran = wanted.missing(record.episodes), len(record.episodes)
     if missing == 0:
@@ -130,7 +130,7 @@ def _shortfall(record: Episodes, wanted: _Wanted) -> PartlyDone | None:
     reasons = Counter(episode.reason for episode in record.episodes if not episode.accepted)
     asked, never = wanted.total, _never_verified(record)
     without = f"; none of {len(never)} of {wanted.chains} sub-tasks" if never else ""
-    return PartlyDone(
+    return TooFewVerified(
         f"asked for {asked} episodes, verified {asked - missing} of the {ran} that were run{without}: "
         f"{reasons.most_common(1)[0][0]}",
         hint="those that were verified are kept; another --seed gives another layout",

@@ -133,7 +133,7 @@ def clips_of(run: RunFolder) -> tuple[list[Clip], dict[str, str]]:
     """
     files = {Path(str(episode.file)).stem: str(episode.file) for episode in accepted_episodes(run)}
     if not files:
-        raise MissingStage(f"{run.episodes} holds no accepted episode", hint="collect more: run collect --episodes N")
+        raise MissingStage(f"{run.episodes} holds no accepted episode", hint="collect more, with a larger --episodes")
     clips = []
     for name, file in files.items():
         if not holds_links(run.root / file):

@@ -92,7 +92,7 @@ class EpisodeRunner:
         unknown = sorted({name for chain in subtasks.chains for name in chain.subtasks} - kept.keys())
         if unknown:
             message = f"{run.subtasks} has chains of {', '.join(unknown)}, which it does not keep"
-            raise InputFileError(message, hint="mend it, or run search_subtasks --force")
+            raise InputFileError(message, hint="mend it", maker="search_subtasks")
         self._chains = [_Work.of(chain, kept, self._scene, run, context) for chain in subtasks.chains]
 
     def one(self, index: int, folder: Path) -> tuple[Episode, list[Attempt]]:

@@ -126,7 +126,7 @@ def read_log(folder: Path) -> list[Attempt]:
         lines = path.read_text(encoding="utf-8").splitlines() if path.is_file() else []
         return [Attempt.model_validate_json(line) for line in lines]
     except ValueError as error:
-        raise DamagedFile(f"{path} is damaged: {error}", hint="run collect --force") from error
+        raise DamagedFile(f"{path} is damaged: {error}", maker="collect") from error
 
 
 def acceptance(attempts: Sequence[Attempt]) -> dict[str, dict[str, int]]:

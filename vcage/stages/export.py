@@ -196,9 +196,7 @@ def _lerobot_episode(run: RunFolder, footage: Footage, file: str) -> LeRobotEpis
     cameras = [camera.name for camera in recording.cameras]
     missing = [camera for camera in cameras if (file, camera) not in footage.files]
     if missing:
-        raise MissingStage(
-            f"{file} has no compressed video of {', '.join(missing)}", hint="run compress with --force first"
-        )
+        raise MissingStage(f"{file} has no compressed video of {', '.join(missing)}", maker="compress")
     return lerobot_episode(recording, {camera: footage.files[file, camera] for camera in cameras}, OutputSpec())
 
 

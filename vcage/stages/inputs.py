@@ -34,7 +34,8 @@ def read_plan(run: RunFolder, scene: Scene, context: StageContext) -> Plan:
     if complaints:
         raise InputFileError(
             f"{run.plan} is not possible: {'; '.join(complaints)}",
-            hint="mend its relations, or run inpaint_plan again with --force",
+            hint="mend its relations",
+            maker="inpaint_plan",
             details={"problems": complaints},
         )
     return plan
@@ -57,14 +58,14 @@ def read_matches(run: RunFolder, scene: Scene) -> Matches:
         wrong = sorted(set(ids) ^ set(found)) or sorted({name for name in found if found.count(name) > 1})
         raise InputFileError(
             f"{run.matches} has not one match for each object of the scene: see {', '.join(wrong)}",
-            hint="run match again with --force",
+            maker="match",
         )
     lower, upper = scene.table.rectangle + np.array([[-FARTHEST], [FARTHEST]])
     far = [m.object for m in matches.matches if np.any(m.position < lower) or np.any(m.position > upper)]
     if far:
         raise InputFileError(
             f"{run.matches} has places that are nowhere near the table: {', '.join(far)}",
-            hint="run match again with --force",
+            maker="match",
         )
     return matches
 
@@ -84,6 +85,6 @@ def read_pictures(run: RunFolder, scene: Scene) -> ScenePictures:
             raise InputFileError(
                 f"{run.root / scene.pictures[name]} has {picture.shape[1]} x {picture.shape[0]} pixels, the scene's "
                 f"camera {expected[1]} x {expected[0]}",
-                hint="run select_place again with --force",
+                maker="select_place",
             )
     return ScenePictures(**pictures)

@@ -135,6 +135,7 @@ def _question(context: StageContext, scene: Scene, asking: Asking) -> CriticQues
         references={o.id: context.look(o, opened.get(o.id, ())) for o in scene.objects},
         planned={o.id: o.pose.pose() for o in scene.objects},
         opened=opened,
+        parts={o.id: [link.name for link in o.asset.model.links] for o in objects.values()},
         rooms={
             goal: _rooms(goal, objects, opened)
             for goal in goals

@@ -51,7 +51,8 @@ def require_raw(paths: Iterable[Path]) -> None:
         raise MissingStage(
             f"{gone[0]}{f' and {len(gone) - 1} more' if gone[1:] else ''} holds no raw pictures any more: they were "
             "compressed, and it refers to their videos",
-            hint="collect --force records the episodes again; compress --keep-raw then leaves their pictures in place",
+            hint="record the episodes again, and compress them with --keep-raw",
+            maker="collect",
             details={"episodes": [str(path) for path in gone]},
         )
 
@@ -105,7 +106,7 @@ def refer_to_videos(run: RunFolder, record: Compression, scratch: Path) -> None:
         if sha256_file(packed) != record.packed[file]:
             raise StaleStage(
                 f"{run.compression} was made with another version of HDF5, which stores {file} in other bytes",
-                hint="run compress with --force, or leave the raw pictures: --keep-raw",
+                hint="leave the raw pictures with --keep-raw",
             )
         os.replace(packed, path)
 
@@ -128,7 +129,7 @@ def _verify(run: RunFolder, stream: VideoStream) -> None:
         raise DamagedFile(
             f"{video} holds {frames} frames in {video.stat().st_size} bytes, {stream.frames} in {stream.bytes} were "
             "written",
-            hint="run compress with --force",
+            maker="compress",
         )
 
 

@@ -7,7 +7,8 @@ import time
 from collections.abc import Iterator
 from typing import Any, Protocol
 
-from vcage.base.errors import InputFileError
+from vcage.base.commands import CALLED
+from vcage.base.errors import FolderInUse, InputFileError, MissingStage, StageInterrupted, VcageError
 from vcage.base.files import RunFolder, read_json, recover, write_json
 from vcage.base.hold import held
 from vcage.base.progress import Progress, silent
@@ -57,12 +58,19 @@ def run_stage(
         progress: told of every step.
 
     Raises:
-        OutputFolderError: another process works on the run.
+        FolderInUse: another process works on the run.
+        StageInterrupted: a stage that comes before it was interrupted.
         VcageError: what the stage raises.
     """
     options = options or stage.Options()
     with at_work(run):
-        return timed(stage, run, options, context or options.context(run), progress)
+        try:
+            return timed(stage, run, options, context or options.context(run), progress)
+        except MissingStage as error:
+            note = unfinished(run).get(error.maker)
+            if note is None:
+                raise
+            raise _interrupted(error.maker, note) from error
 
 
 def timed(
@@ -80,10 +88,11 @@ def timed(
     Raises:
         VcageError: what the stage raises.
     """
-    start = time.perf_counter()
-    done = stage.execute(run, options, context, progress)
+    start, name = time.perf_counter(), stage.__name__.rpartition(".")[2]
+    with _noted(run, name, progress) as told:
+        done = stage.execute(run, options, context, told)
     if done.fresh:
-        note_seconds(run, stage.__name__.rpartition(".")[2], time.perf_counter() - start, grown=done.grown)
+        note_seconds(run, name, time.perf_counter() - start, grown=done.grown)
     return done
 
 
@@ -92,17 +101,71 @@ def at_work(run: RunFolder) -> Iterator[None]:
     """Keep the run folder for this process while it works there; a folder in which nothing came to be goes again.
 
     Raises:
-        OutputFolderError: another process works there (says which), or the folder cannot be written.
+        FolderInUse: another process works there; says which, and how far it is.
+        OutputFolderError: the folder cannot be written.
     """
     begun = run.root.exists()
     run.make()
     try:
         with held(run.root):
             yield
+    except FolderInUse as error:
+        error.details["done_so_far"] = unfinished(run)
+        raise
     finally:
         if not begun:
             with contextlib.suppress(OSError):  # not empty: something came to be
                 run.root.rmdir()
+
+
+@contextlib.contextmanager
+def _noted(run: RunFolder, stage: str, progress: Progress) -> Iterator[Progress]:
+    """Keep in ``unfinished.json``, by stage, which command makes it and how far it is, until it is made.
+
+    What is left there was interrupted: killed, or ended by an error after which the same command goes on.
+    """
+    note: dict[str, Any] = {"command": CALLED.get(), "done": 0, "total": 0}
+
+    def told(step: str, done: int, total: int) -> None:
+        note.update(done=done, total=total)
+        _note(run, stage, note)
+        progress(step, done, total)
+
+    _note(run, stage, note)
+    try:
+        yield told
+    except VcageError as error:
+        if not error.retryable:
+            _note(run, stage, None)
+        raise
+    _note(run, stage, None)
+
+
+def _note(run: RunFolder, stage: str, note: dict[str, Any] | None) -> None:
+    notes = {name: other for name, other in unfinished(run).items() if name != stage}
+    if note is not None:
+        write_json(run.unfinished, {**notes, stage: note})
+    elif notes:
+        write_json(run.unfinished, notes)
+    else:
+        run.unfinished.unlink(missing_ok=True)
+
+
+def unfinished(run: RunFolder) -> dict[str, dict[str, Any]]:
+    """Stages that were begun and not finished → the ``command`` that makes it, and how far it is: ``done`` of
+    ``total``; none when the file is damaged (it is a by-product)."""
+    with contextlib.suppress(InputFileError):
+        notes = read_json(run.unfinished)
+        return notes if isinstance(notes, dict) else {}
+    return {}
+
+
+def _interrupted(stage: str, note: dict[str, Any]) -> StageInterrupted:
+    steps = "episodes" if stage == "collect" else "steps"
+    far = f" after {note['done']} of {note['total']} {steps}" if note["total"] else ""
+    details = {"stage": stage, "done": note["done"], "total": note["total"]}
+    message = f"{stage} was interrupted{far}"
+    return StageInterrupted(message, hint="go on with it", command=note["command"], maker=stage, details=details)
 
 
 def note_seconds(run: RunFolder, stage: str, seconds: float, *, grown: bool = False) -> None:

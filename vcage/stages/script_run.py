@@ -18,7 +18,7 @@ from vcage.stages.stage import Job
 from vcage.tasks.synthesis import Script, load_script
 
 NEEDED = ("TEMPLATE", "ROBOT", "TEXT", "TEXTS", "SUBTASK", "SCENE", "GRASPS", "GOALS", "REQUIRES")
-HINT = "mend it, or run search_subtasks --force"
+HINT = "mend it, or search the sub-tasks of its run again"
 
 
 def prepare_run(run: RunFolder, path: Path, *, seed: int, force: bool) -> None:

@@ -17,7 +17,7 @@ from typing import Annotated, Any, Generic, TypeVar
 import numpy as np
 
 from vcage.base.errors import InputFileError, MissingStage, OutputFolderError, StaleStage, VcageError
-from vcage.base.files import RunFolder, atomic_folder, recover, sha256_file
+from vcage.base.files import PRODUCERS, RunFolder, atomic_folder, maker_of, recover, sha256_file
 from vcage.base.keeper import Keeper
 from vcage.base.options import FOLDER, NATURAL, UNSAID, Flag, choice
 from vcage.models.registry import CHOICES, Choice
@@ -28,19 +28,6 @@ from vcage.stages.context import StageContext
 logger = logging.getLogger(__name__)
 
 D = TypeVar("D", bound=StageDocument)
-
-PRODUCERS = {
-    "place": "select_place",
-    "inpaint": "inpaint_plan",
-    "match": "match",
-    "optimize": "optimize",
-    "subtasks": "search_subtasks",
-    "episodes": "collect",
-    "verify": "verify",
-    "compress": "compress",
-    "export": "export",
-}
-"""Folder of the run → the stage that writes it, in the order of the chain."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -142,6 +129,7 @@ class Job:
                 raise MissingStage(
                     f"{self.stage} needs {path}, which does not exist",
                     hint=f"run {stage} first on the same run folder",
+                    maker=maker_of(path),
                     details={"missing": str(path), "stage": stage},
                 )
             digest = sha256_file(path)
@@ -168,14 +156,14 @@ class Job:
             self._refuse_foreign_files()
             return None
         except InputFileError as error:
-            error.hint = "run the same command with --force to make it again"
+            error.maker = error.maker or self.stage
             raise
         if keeper.knows(record):
             return StageResult(record, self.output, fresh=False)
         changed = differences(record.provenance, keeper.made_from)
         raise StaleStage(
             f"{self.output} is finished, but was made with another {', '.join(changed)}",
-            hint="add --force to replace it, or give another run folder",
+            hint="give another run folder",
             details={"changed": changed},
         )
 
@@ -234,6 +222,7 @@ def stage_seed(run: RunFolder, seed: int | None) -> int:
         raise MissingStage(
             f"{run} holds no run: {run.scene} does not exist",
             hint="run select_place first, or check the folder",
+            maker="select_place",
             details={"missing": str(run.scene), "stage": "select_place"},
         )
     return Scene.read(scenes[0]).provenance.seed

@@ -208,7 +208,7 @@ class _Step:
             asked = self.script.verify(task)
             if not isinstance(asked, Asked):
                 message = f"{self.script.path}: verify(task) gives {asked!r}, not what task.ask(…) does"
-                raise DamagedFile(message, hint="mend it, or run search_subtasks --force")
+                raise DamagedFile(message, hint="mend it", maker="search_subtasks")
         except TaskFailed as error:
             record = self._attempt(task, attempt, error.stage, error.message, world.steps - start)
             return _Trial(record, slot=task.slot, exhausted=error.exhausted)

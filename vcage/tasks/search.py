@@ -135,7 +135,9 @@ def _fulfilling(
     """Ids of the sub-tasks that bring about all goals, in order."""
     if not scene.goals:
         raise InputFileError(
-            "the scene has an instruction but no goals that answer it", hint="run select_place --force, which reads it"
+            "the scene has an instruction but no goals that answer it",
+            hint="let the instruction be read",
+            maker="select_place",
         )
     task = Task(initial_state(objects), in_steps(scene.goals))
     actions = [action_of(s) for s in kept if s.object not in scene.untouched]

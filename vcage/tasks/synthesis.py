@@ -80,19 +80,22 @@ def load_script(path: Path) -> Script:
         DamagedFile: it does not parse, fails while it is loaded, or lacks ``play`` or ``verify``.
     """
     if not path.is_file():
-        raise MissingStage(f"{path} does not exist", hint="run search_subtasks first")
-    hint = "mend it, or run search_subtasks --force"
+        raise MissingStage(f"{path} does not exist", hint="make it first", maker="search_subtasks")
     try:
         names = runpy.run_path(str(path), run_name="vcage_subtask")
     except SyntaxError as error:
-        raise DamagedFile(f"{path}: line {error.lineno}: {error.msg}", hint=hint) from error
+        raise _damaged(f"{path}: line {error.lineno}: {error.msg}") from error
     except Exception as error:  # whatever the hand that edited it left there
-        raise DamagedFile(f"{path} cannot be loaded: {type(error).__name__}: {error}", hint=hint) from error
+        raise _damaged(f"{path} cannot be loaded: {type(error).__name__}: {error}") from error
     for name in ("play", "verify"):
         if not callable(names.get(name)):
-            raise DamagedFile(f"{path} defines no function {name}(task)", hint="run search_subtasks --force")
+            raise _damaged(f"{path} defines no function {name}(task)")
     values = {name: value for name, value in names.items() if name.isupper()}
     return Script(path, _naming_lines(path, names["play"]), _naming_lines(path, names["verify"]), values)
+
+
+def _damaged(message: str) -> DamagedFile:
+    return DamagedFile(message, hint="mend it", maker="search_subtasks")
 
 
 def _naming_lines(path: Path, function: Callable[[Any], Any]) -> Callable[[Any], Any]:
@@ -107,7 +110,7 @@ def _naming_lines(path: Path, function: Callable[[Any], Any]) -> Callable[[Any],
             if ours is None or (ours is not frames[-1] and not isinstance(error, UnknownName)):
                 raise  # not a mistake of the script
             message = f"{path}: line {ours.lineno}: {type(error).__name__}: {error}"
-            raise DamagedFile(message, hint="mend it, or run search_subtasks --force") from error
+            raise _damaged(message) from error
 
     return told
 

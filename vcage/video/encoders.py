@@ -15,6 +15,7 @@ from typing import cast
 import av
 import numpy as np
 
+from vcage.base.commands import pip_command
 from vcage.base.errors import MissingDependency
 from vcage.schema.compression import Effort
 
@@ -207,7 +208,8 @@ def require_encoder(codec: Codec) -> None:
     if codec.encoder not in av.codecs_available:
         raise MissingDependency(
             f"PyAV has no {codec.encoder}, which encodes {codec.name}",
-            hint="pip install --force-reinstall --only-binary av av, or take another --codec",
+            hint="take another --codec, or install PyAV again",
+            command=pip_command("--force-reinstall", "--only-binary", "av", "av"),
         )
 
 

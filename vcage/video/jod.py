@@ -20,6 +20,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from vcage.base.commands import vcage_command
 from vcage.base.errors import MissingDependency, UnknownName, UsageError
 
 DISPLAY = "standard_fhd"
@@ -36,7 +37,7 @@ DISPLAYS = "display_models.json"
 SRGB = "sRGB"
 """The colour space of recordings, and of display models that name none."""
 
-SET_UP = "run: vcage setup cvvdp"
+SET_UP = vcage_command("setup", "cvvdp")
 
 _LOCK = threading.Lock()
 
@@ -95,7 +96,7 @@ def _colorvideovdp() -> ModuleType:
         try:
             from vcage.video import colorvideovdp
         except ImportError as error:
-            raise MissingDependency(f"ColorVideoVDP cannot be imported: {error}", hint=SET_UP) from error
+            raise MissingDependency(f"ColorVideoVDP cannot be imported: {error}", command=SET_UP) from error
     return colorvideovdp
 
 
@@ -109,12 +110,12 @@ def require_display(name: str) -> None:
     """
     package = find_spec("pycvvdp")
     if package is None or package.origin is None:
-        raise MissingDependency("ColorVideoVDP is not installed", hint=SET_UP)
+        raise MissingDependency("ColorVideoVDP is not installed", command=SET_UP)
     own = Path(package.origin).parent / "vvdp_data"
     folders = [Path(os.environ.get("CVVDP_PATH", own)), own]
     found = next((folder / DISPLAYS for folder in folders if (folder / DISPLAYS).is_file()), None)
     if found is None:
-        raise MissingDependency(f"ColorVideoVDP has no {DISPLAYS}", hint=SET_UP)
+        raise MissingDependency(f"ColorVideoVDP has no {DISPLAYS}", command=SET_UP)
     displays = json.loads(found.read_text())
     if name not in displays:
         raise UnknownName("display", name, sorted(displays))

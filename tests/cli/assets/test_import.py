@@ -6,6 +6,7 @@ import pytest
 
 from tests.cli.command import run
 from tests.objects.importers.conftest import Rigid
+from vcage.base.commands import vcage_command
 
 pytestmark = pytest.mark.usefixtures("data")
 
@@ -16,7 +17,7 @@ def test_objects_are_imported_where_the_library_finds_them(tmp_path, data, capsy
     assert code == 0
     assert record["summary"] == {"imported": ["rt_tray"], "warnings": 1, "refused": []}
     assert "rt_tray: imported" in text and "warning: " in text
-    assert record["next"] == "vcage assets gallery rt_tray"
+    assert record["next"] == vcage_command("assets", "gallery", "rt_tray")
     assert (data / "objects" / "rt_tray" / "asset.json").is_file()
 
 

@@ -17,6 +17,7 @@ from tests.runs import digests
 from vcage.base.errors import (
     DamagedFile,
     DiskFull,
+    FolderInUse,
     InputFileError,
     MissingDependency,
     OutputFolderError,
@@ -213,7 +214,7 @@ def test_to_name_what_would_be_written_anyway_is_no_other_call(tmp_path, source)
 def test_two_calls_do_not_write_one_output_at_once(tmp_path, source):
     working = tmp_path / f"out{WORKING}"
     working.mkdir()
-    with held(working), pytest.raises(OutputFolderError, match="in use"):
+    with held(working), pytest.raises(FolderInUse, match="in use"):
         packed(source, tmp_path / "out")
     assert packed(source, tmp_path / "out").fresh
     assert beside(tmp_path / "out") == {"out"}

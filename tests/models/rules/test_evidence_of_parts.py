@@ -23,20 +23,23 @@ def context() -> StageContext:
     return StageContext("offline")
 
 
-def judged(context: StageContext, subject: SceneObject, word: str, before: float, after: float) -> Verdict:
-    """The verdict on pictures of an object with its part at two shares of its range."""
+def judged(
+    context: StageContext, subject: SceneObject, word: str, before: float, after: float, part: int = 0, moved: int = 0
+) -> Verdict:
+    """The verdict on pictures of an object with a part at two shares of its range, where the goal is about ``part``."""
     scene = scene_of([subject, thing("block", (0.3, -0.1))])
     models = context.physical_models(scene)
     world = World.of_scene(scene, models, appearance=context.appearance("grey_stone"), render=True)
-    link = subject.asset.model.links[0]
+    links = subject.asset.model.links
     pictures = []
     for share in (before, after):
-        world.set_object_joints(subject.id, [share * link.joint.far_end])
+        joints = [share * link.joint.far_end if n == moved else 0.0 for n, link in enumerate(links)]
+        world.set_object_joints(subject.id, joints)
         pictures.append(shoot(world, scene.top_camera))
     for name in world.object_ids:
         world.set_object_pose(name, Pose([0, 0, -9]))
     empty = shoot(world, scene.top_camera)
-    goal = Goal(subject=subject.id, relation=word, part=link.name)  # pyrefly: ignore
+    goal = Goal(subject=subject.id, relation=word, part=links[part].name)  # pyrefly: ignore
     seen = {when: {TOP: picture} for when, picture in zip(("before", "after"), pictures, strict=True)}
     return verdict(context, scene, Asking("x", [goal], seen, empty))
 
@@ -67,3 +70,16 @@ def test_what_is_seen_is_close_to_what_is(context: StageContext) -> None:
         reason = judged(context, cabinet, "open", 0.0, share).reason
         seen = float(reason.partition(" looks ")[2].partition(" %")[0]) / 100
         assert abs(seen - share) < 0.15, reason
+
+
+@pytest.mark.parametrize(("part", "moved"), [(0, 1), (1, 0), (2, 1), (1, 2)])
+def test_a_drawer_is_not_taken_for_the_one_above_or_below(context: StageContext, part: int, moved: int) -> None:
+    cabinet = thing("cabinet_three_drawers", (-0.05, 0.05), 0.1)
+    assert judged(context, cabinet, "open", 0.0, 1.0, moved, moved).accepted
+    assert not judged(context, cabinet, "open", 0.0, 1.0, part, moved).accepted
+
+
+def test_a_door_that_is_left_ajar_is_not_shut(context: StageContext) -> None:
+    cabinet = thing("hinged_cabinet", (-0.05, 0.05), 0.1)
+    assert judged(context, cabinet, "closed", 1.0, 0.0).accepted
+    assert not judged(context, cabinet, "closed", 1.0, 0.33).accepted

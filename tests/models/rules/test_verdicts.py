@@ -79,7 +79,7 @@ def test_what_was_moved_besides_is_told(area: float, vanished: list[str], failur
     ("rest", "accepted"), [(8.0, True), (2.05, False)], ids=["others are unlike", "another is as like"]
 )
 def test_a_part_counts_as_open_only_where_the_picture_tells_it_from_a_part_that_is_not(rest: float, accepted: bool):
-    costs = np.array([rest, 9.0, 9.0, 9.0, 9.0, 8.0, 5.0, 3.0, 2.0])
-    evidence = PartEvidence(500, 0.0, 1.0, costs, 0.0, np.zeros((2, 2), bool))
+    costs = np.array([rest, *[9.0] * 12, 6.0, 5.0, 3.0, 2.0])
+    evidence = PartEvidence(500, 0.0, 1.0, costs, np.inf, 0.0, np.zeros((2, 2), bool))
     told = decide_part(evidence, Goal(subject="laptop", relation="open", part="screen"), "laptop")
     assert told.accepted is accepted

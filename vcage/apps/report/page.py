@@ -50,7 +50,7 @@ def write_report(run: RunFolder) -> Path:
     """
     if not run.scene.exists():
         raise MissingStage(
-            f"{run} holds no run: {run.scene} does not exist", hint="run select_place first, or vcage run"
+            f"{run} holds no run: {run.scene} does not exist", hint="run select_place first", maker="select_place"
         )
     recover(run.report)
     return write_text(run.report, _template().render(**_context(run)))

@@ -49,7 +49,7 @@ def choose(found: dict[int, Path | Recording], number: int | None, path: Path) -
         UnknownName: there is none of that number.
     """
     if not found:
-        raise MissingStage(f"{path} holds no episode with a file", hint="collect more: run collect --episodes N")
+        raise MissingStage(f"{path} holds no episode with a file", hint="collect more, with a larger --episodes")
     if number is None:
         return min(found)
     if number not in found:

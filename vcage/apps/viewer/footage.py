@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vcage.apps.viewer.rerun_log import Clock, RerunLog, rr
+from vcage.base.commands import vcage_command
 from vcage.base.errors import DamagedFile, MissingStage
 from vcage.base.files import RunFolder
 from vcage.base.pictures import jpeg
@@ -70,10 +71,11 @@ def compressed_videos(episode: Path) -> dict[str, Path]:
     if not videos:
         raise MissingStage(
             f"{episode} has no compressed videos: looked in {record}",
-            hint="run compress first, or leave out --pictures compressed",
+            hint="leave out --pictures compressed, or compress first",
+            command=vcage_command("compress", "--run", run),
         )
     return videos
 
 
 def _bad_video(message: str) -> DamagedFile:
-    return DamagedFile(message, hint="make the videos again: run compress with --force")
+    return DamagedFile(message, hint="make the videos again, by the stage compress")

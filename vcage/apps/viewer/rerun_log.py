@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from vcage.base.commands import pip_command
 from vcage.base.errors import MissingDependency
 from vcage.base.geometry import Pose
 
@@ -15,7 +16,7 @@ try:
     import rerun as rr
     import rerun.blueprint as rrb
 except ImportError as error:
-    raise MissingDependency(f"Rerun cannot be imported: {error}", hint="pip install 'vcage[view]'") from error
+    raise MissingDependency(f"Rerun cannot be imported: {error}", command=pip_command("vcage[view]")) from error
 
 # Otherwise a mistake of ours would be a warning, and a hole in the recording.
 rr.set_strict_mode(True)

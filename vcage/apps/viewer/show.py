@@ -14,6 +14,7 @@ from vcage.apps.viewer.blueprint import Contents, blueprint
 from vcage.apps.viewer.episode import PictureSource, log_episode, log_recording
 from vcage.apps.viewer.finding import choose, find_episodes
 from vcage.apps.viewer.rerun_log import RerunLog, rr
+from vcage.base.commands import pip_command
 from vcage.base.errors import ConfigurationError, UsageError
 from vcage.base.files import RunFolder, write_bytes
 from vcage.base.progress import Progress, silent
@@ -148,7 +149,9 @@ def _spawn(stream: rr.RecordingStream) -> None:
         stream.spawn(port=PORT)
     except RuntimeError as error:
         raise ConfigurationError(
-            f"the viewer does not start: {error}", hint=f"pip install 'vcage[view]' again, or --save {FILE}"
+            f"the viewer does not start: {error}",
+            hint=f"--save {FILE}, or install it again",
+            command=pip_command("vcage[view]"),
         ) from error
     finally:
         os.environ["PATH"] = path

@@ -31,7 +31,7 @@ ENCODER = ("video.crf", "video.g", "video.lossless", "video.pix_fmt", "video.pre
 TIME_TOLERANCE = 1e-4
 """Seconds by which LeRobot lets a picture's time differ from its frame's, as its ``tolerance_s`` has it."""
 
-ENCODE_AGAIN = "encode it again (in a run: compress with --force)"
+ENCODE_AGAIN = "encode it again (in a run, by its stage compress)"
 
 
 def video_key(camera: str) -> str:

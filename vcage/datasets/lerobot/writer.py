@@ -90,9 +90,7 @@ class LeRobotWriter(ABC):
             UsageError: no episode was added.
         """
         if self.episodes == self._there:
-            raise UsageError(
-                "there is no accepted episode to export", hint="collect more: run collect with --episodes N"
-            )
+            raise UsageError("there is no accepted episode to export", hint="collect more, with a larger --episodes")
         self._write_meta()
         totals = {
             "total_episodes": self.episodes,

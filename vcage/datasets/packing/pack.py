@@ -13,7 +13,7 @@ from itertools import chain
 from pathlib import Path
 from typing import TypeVar
 
-from vcage.base.errors import DamagedFile, InputFileError, OutputFolderError, StaleStage
+from vcage.base.errors import DamagedFile, FolderInUse, InputFileError, OutputFolderError, StaleStage
 from vcage.base.files import RunFolder, atomic_folder
 from vcage.base.hold import held
 from vcage.base.keeper import Keeper
@@ -144,7 +144,8 @@ def pack(order: Order, *, workers: int | None = None, force: bool = False, progr
     Raises:
         InputFileError, UsageError, UnknownName, MissingDependency: see :func:`prepare`.
         StaleStage: the output is there, made from other recordings or with other settings, and ``force`` is not set.
-        OutputFolderError: the output is in the way, lies in the input, is being written, or cannot be.
+        FolderInUse: another process writes it.
+        OutputFolderError: the output is in the way, lies in the input, or cannot be written.
         DiskFull: see :mod:`vcage.base.files`; what is finished is kept beside the output.
     """
     out = order.out.expanduser().resolve()
@@ -183,7 +184,7 @@ def _move(whole: Path, out: Path) -> None:
 def _clear(working: Path) -> None:
     """Remove what a call left that was ended after the output appeared, unless another one works there."""
     if working.exists():
-        with suppress(OutputFolderError), held(working):
+        with suppress(FolderInUse), held(working):
             shutil.rmtree(working)
 
 

@@ -38,7 +38,7 @@ def _gop(text: str) -> int | str:
     return text if text == AUTO else positive(text)
 
 
-CRF = value(_crf, "N")
+CRF = value(_crf, "N", show=lambda crf: "lossless" if crf == LOSSLESS else str(crf))
 """A CRF, or "lossless"."""
 
 

@@ -42,11 +42,11 @@ def unpack_all(
     root, out = Path(root).expanduser().resolve(), Path(out).expanduser().resolve()
     require_apart(root, out)
     if not root.exists():
-        raise InputFileError(f"{root} does not exist", hint="give an HDF5 file that vcage compress wrote, or a folder")
+        raise InputFileError(f"{root} does not exist", hint="give an HDF5 file that compress wrote, or a folder")
     folder = root.parent if root.is_file() else root
     files = [root] if root.is_file() else hdf5_files(root)
     if not files:
-        raise InputFileError(f"{root} holds no HDF5 file", hint="give a folder that vcage compress wrote")
+        raise InputFileError(f"{root} holds no HDF5 file", hint="give a folder that compress wrote")
     names = [file.relative_to(folder) for file in files]
     _require_replaceable(out, names, force=force)
     with atomic_folder(out) as part:

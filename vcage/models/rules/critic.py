@@ -14,7 +14,7 @@ from vcage.models.protocols import CriticQuestion, DrawObject
 from vcage.models.rules import PROVIDER
 from vcage.models.rules.change import Change, displaced, grown
 from vcage.models.rules.evidence import CHANGED, salience
-from vcage.models.rules.evidence_of_parts import gather_part
+from vcage.models.rules.evidence_of_parts import DrawPart, gather_part
 from vcage.models.rules.evidence_of_places import (
     gather_handed,
     gather_moved,
@@ -131,13 +131,19 @@ class OfflineCritic:
                 hint="give pictures that lie in episodes/critic, as collect keeps them",
             )
         draw, look = question.draw, question.looks[goal.subject]
-        start = {str(goal.part): float(goal.relation == "closed")}
-        thing = replace(_sought(question, goal.subject), look=look, draw=partial(_drawn, draw, goal.subject, start))
+        part, start = str(goal.part), float(goal.relation == "closed")
+        stands = {**dict.fromkeys(question.opened.get(goal.subject, ()), 1.0), part: start}
+
+        def with_part(name: str) -> DrawPart:
+            return lambda pose, camera, window, share: draw(goal.subject, pose, camera, window, {**stands, name: share})
+
         evidence = gather_part(
             before,
             after,
-            thing,
-            lambda pose, camera, window, share: draw(goal.subject, pose, camera, window, {str(goal.part): share}),
+            replace(_sought(question, goal.subject), look=look, draw=partial(_drawn, draw, goal.subject, stands)),
+            start,
+            with_part(part),
+            [with_part(name) for name in question.parts.get(goal.subject, ()) if name != part],
             question.background,
             moment=moment,
         )

@@ -95,5 +95,5 @@ def _check_sizes(request: EditRequest) -> None:
             raise InputFileError(
                 f"the {name} is {array.shape[1]} x {array.shape[0]} pixels, the top camera's pictures are "
                 f"{camera.width} x {camera.height}",
-                hint="run select_place again with --force",
+                maker="select_place",
             )

@@ -9,13 +9,16 @@ import numpy as np
 
 from vcage.base.geometry import Camera, Pose
 from vcage.models.rules.evidence import changed
-from vcage.models.rules.standing import CAP, Sought, as_bright, drawn_whole
+from vcage.models.rules.standing import CAP, Sought, brightness, drawn_whole
 from vcage.sim.drawer import Drawing, Window
 from vcage.vision.colour import distance, smoothed, to_lab
 from vcage.vision.protocols import View
 
-POSITIONS = np.linspace(0.0, 1.0, 9)
+POSITIONS = np.linspace(0.0, 1.0, 17)
 """Positions of a joint that are drawn, as shares of its range."""
+
+INSTEAD = (0.0, 0.3, 0.65, 1.0)
+"""Positions, as shares of their ranges, that other parts are drawn at."""
 
 DIFFERENT = 10.0
 """Least colour distance between two of the drawings of a pixel that tells positions apart."""
@@ -31,7 +34,9 @@ class PartEvidence:
     Args:
         told_by: pixels in which the drawings differ.
         before, after: share of its range at which the part is likeliest.
-        costs: (9,) how unlike the picture afterwards the drawing at each of :data:`POSITIONS` is.
+        costs: (17,) how unlike the picture afterwards the drawing at each of :data:`POSITIONS` is.
+        rival: by how much less unlike the best of them is than the best drawing in which another part of the object
+            moved instead; inf where it has no other.
         touched: share of what is seen of the part that has changed in the picture of the moment; 0 without one.
         covered: (H, W) bool, where the object is with its part anywhere.
     """
@@ -40,19 +45,30 @@ class PartEvidence:
     before: float
     after: float
     costs: np.ndarray
+    rival: float
     touched: float
     covered: np.ndarray
 
 
 def gather_part(
-    before: View, after: View, thing: Sought, draw: DrawPart, background: np.ndarray, *, moment: View | None = None
+    before: View,
+    after: View,
+    thing: Sought,
+    start: float,
+    draw: DrawPart,
+    rivals: Sequence[DrawPart],
+    background: np.ndarray,
+    *,
+    moment: View | None = None,
 ) -> PartEvidence | None:
     """Measure one sub-task that moves a part; None where the object is not found before.
 
     Args:
         before, after: from above.
         thing: the object, its part as it is before, by the plan.
+        start: share of its range that the part is at before, by the plan.
         draw: draws it with its part anywhere.
+        rivals: draw it with another part anywhere, and the part as it is before.
         background: (H, W, 3) uint8 RGB, the empty table from above.
         moment: from above while the part was touched, where there is such a view.
     """
@@ -60,15 +76,20 @@ def gather_part(
     if stands is None:
         return None
 
-    def drawn(share: float) -> Drawing:
+    def drawn(share: float, draw: DrawPart = draw) -> Drawing:
         return drawn_whole(lambda pose, camera, window: draw(pose, camera, window, share), stands.pose, before.camera)
 
-    sight, touched = _Sight([drawn(share) for share in POSITIONS], before.picture, background), 0.0
+    gain, touched = brightness(drawn(start), before.picture), 0.0
+    sight = _Sight([drawn(share) for share in POSITIONS], gain, background)
+    others = _Sight([drawn(start), *(drawn(share, rival) for rival in rivals for share in INSTEAD)], gain, background)
     if moment is not None:
         part = sight.telling if sight.telling.any() else sight.covered
         touched = float(changed(*(to_lab(view.picture) for view in (after, moment)))[part].mean())
     first, then = sight.costs(before.picture), sight.costs(after.picture)
-    return PartEvidence(int(sight.telling.sum()), likeliest(first), likeliest(then), then, touched, sight.covered)
+    where = sight.telling | others.telling
+    rival = float(others.costs(after.picture, where)[1:].min(initial=np.inf) - sight.costs(after.picture, where).min())
+    moved = likeliest(first), likeliest(then)
+    return PartEvidence(int(sight.telling.sum()), *moved, then, rival, touched, sight.covered)
 
 
 class _Sight:
@@ -76,7 +97,7 @@ class _Sight:
 
     Args:
         drawings: in their order.
-        picture: as bright as this they are made.
+        gain: (3,) by which they are made as bright as the pictures are.
         background: the empty table.
 
     Attributes:
@@ -84,18 +105,20 @@ class _Sight:
         telling: (H, W) bool, where they differ.
     """
 
-    def __init__(self, drawings: Sequence[Drawing], picture: np.ndarray, background: np.ndarray):
-        self._labs = [to_lab(_composed(drawing, background, picture)) for drawing in drawings]
+    def __init__(self, drawings: Sequence[Drawing], gain: np.ndarray, background: np.ndarray):
+        self._labs = [to_lab(_composed(drawing, background, gain)) for drawing in drawings]
         self.covered = np.any([drawing.covered for drawing in drawings], axis=0)
         differ = [distance(lab, self._labs[0]) > DIFFERENT for lab in self._labs[1:]]
-        self.telling = self.covered & np.any(differ, axis=0)
+        self.telling = self.covered & np.any(differ, axis=0) if differ else np.zeros_like(self.covered)
 
-    def costs(self, picture: np.ndarray) -> np.ndarray:
-        """(9,) mean colour distance of a picture (H, W, 3) uint8 RGB from each drawing where drawings differ."""
-        if not self.telling.any():
-            return np.zeros(len(POSITIONS))
+    def costs(self, picture: np.ndarray, where: np.ndarray | None = None) -> np.ndarray:
+        """(n,) mean colour distance of a picture (H, W, 3) uint8 RGB from each drawing, where drawings differ or
+        ``where`` (H, W) bool says."""
+        where = self.telling if where is None else where
+        if not where.any():
+            return np.zeros(len(self._labs))
         lab = smoothed(picture)
-        return np.array([np.minimum(distance(lab, drawn)[self.telling], CAP).mean() for drawn in self._labs])
+        return np.array([np.minimum(distance(lab, drawn)[where], CAP).mean() for drawn in self._labs])
 
 
 def likeliest(costs: np.ndarray) -> float:
@@ -109,6 +132,7 @@ def likeliest(costs: np.ndarray) -> float:
     return float(POSITIONS[k] + offset * (POSITIONS[1] - POSITIONS[0]))
 
 
-def _composed(drawing: Drawing, background: np.ndarray, picture: np.ndarray) -> np.ndarray:
-    """The drawing on the empty table, as bright as the picture is there."""
-    return np.where(drawing.covered[..., None], as_bright(drawing, picture), background).astype(np.uint8)
+def _composed(drawing: Drawing, background: np.ndarray, gain: np.ndarray) -> np.ndarray:
+    """The drawing, brighter by a factor (3,), on the empty table."""
+    bright = np.clip(drawing.picture.astype(np.float32) * gain, 0, 255)
+    return np.where(drawing.covered[..., None], bright, background).astype(np.uint8)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
+from vcage.base.commands import vcage_command
 from vcage.base.errors import InfeasibleScene, NoAssetFits
 from vcage.models.rules.catalogue_match import MIN_SCORE, candidates, places, variants_of
 from vcage.models.rules.instruction import Request
@@ -70,6 +71,6 @@ def _no_asset(
     ]
     return NoAssetFits(
         f"no asset of the catalogue matches {listed}",
-        hint="; ".join(colours) or f"nearest in meaning: {nearest}; `vcage assets list` shows all",
+        hint="; ".join(colours) or f"nearest in meaning: {nearest}; see all: {vcage_command('assets', 'list')}",
         details={"unmatched": [p.text for p in phrases], "nearest": near, "words": tokens(instruction)},
     )

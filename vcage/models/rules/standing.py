@@ -250,15 +250,20 @@ def inside(picture: np.ndarray, window: Window) -> np.ndarray:
     return cut(np.ones(picture.shape[:2], bool), window)
 
 
+def brightness(drawing: Drawing, picture: np.ndarray) -> np.ndarray:
+    """(3,) by which a drawing is multiplied to be as bright as a picture is where it is covered."""
+    covered = drawing.covered
+    if not covered.any():
+        return np.ones(3, np.float32)
+    some = slice(None, None, 1 + int(covered.sum()) // ENOUGH)
+    gain = np.median((picture[covered][some] + 4.0) / (drawing.picture[covered][some] + np.float32(4.0)), axis=0)
+    level = float(np.median(gain))
+    return np.clip(level, *BRIGHTER) * np.clip(gain / max(level, 1e-3), *TINTED)
+
+
 def as_bright(drawing: Drawing, picture: np.ndarray) -> np.ndarray:
     """(side, side, 3) float32, a drawing as bright as a picture is where it is covered."""
-    drawn, covered = drawing.picture.astype(np.float32), drawing.covered
-    if covered.any():
-        some = slice(None, None, 1 + int(covered.sum()) // ENOUGH)
-        gain = np.median((picture[covered][some] + 4.0) / (drawn[covered][some] + 4.0), axis=0)
-        level = float(np.median(gain))
-        drawn = drawn * np.clip(level, *BRIGHTER) * np.clip(gain / max(level, 1e-3), *TINTED)
-    return np.clip(drawn, 0, 255)
+    return np.clip(drawing.picture.astype(np.float32) * brightness(drawing, picture), 0, 255)
 
 
 def refined(

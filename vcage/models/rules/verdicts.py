@@ -33,7 +33,7 @@ SEEN_OPEN, SEEN_CLOSED = 0.7, 0.15
 STIRRED = 0.2
 """Share of its range by which a part must be seen to have moved."""
 
-TOLD = 0.03
+TOLD = 0.08
 """Share of the range of costs by which the positions that a goal allows must beat all others."""
 
 FEWEST = 25
@@ -98,6 +98,8 @@ def decide_part(evidence: PartEvidence, goal: Goal, thing: str) -> Verdict:
     seen, limit = evidence.after, SEEN_CLOSED if goal.relation == "closed" else SEEN_OPEN
     accepted = seen <= limit if goal.relation == "closed" else seen >= limit
     looks = f"the {part} of the {thing} looks {100 * seen:.0f} % {'turned' if goal.relation == 'turned' else 'open'}"
+    if accepted and evidence.rival <= 0:
+        return refuse(f"it looks as if another part of the {thing} moved, not its {part}", 0.7)
     if accepted and _margin(evidence.costs, goal) < TOLD:
         return refuse(f"{looks}, but nearly as much as if it were not", 0.5)
     return _verdict(accepted, f"{looks}, {100 * evidence.before:.0f} % before", 0.5 + min(0.5, abs(seen - limit)))

@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from vcage.base import files
+from vcage.base.commands import vcage_command
 from vcage.base.errors import InputFileError
 from vcage.objects.hulls import convex_pieces
 from vcage.objects.modelling.parts import BuiltObject
@@ -82,7 +83,8 @@ class Package(ABC):
         if not self.holds(model.model):
             raise InputFileError(
                 f"the package {self.name} has no model {model.model!r} here",
-                hint="fetch it: vcage setup assets; or mend the field package.model of the annotation",
+                hint="mend the field package.model of the annotation, or fetch the package",
+                command=vcage_command("setup", "assets"),
                 details={"package": self.name, "model": model.model},
             )
         surfaces = turned(self._surfaces(model), euler_rotation(model.turn))

@@ -14,6 +14,7 @@ import numpy as np
 import trimesh
 from PIL import Image
 
+from vcage.base.commands import vcage_command
 from vcage.base.errors import DamagedFile
 from vcage.objects.modelling.parts import Part, paint
 
@@ -137,4 +138,4 @@ def welded(corners: np.ndarray) -> tuple[trimesh.Trimesh, np.ndarray]:
 
 def _fetched_again(path: Path) -> str:
     """The way out of a damaged file: what is not there is fetched."""
-    return f"delete {path}, then fetch it again: vcage setup assets"
+    return f"delete {path}, then fetch it again: {vcage_command('setup', 'assets')}"

@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from vcage.base.commands import vcage_command
 from vcage.base.errors import InputFileError
 from vcage.vision.networks.crops import turned_features
 from vcage.vision.networks.loading import device, require
@@ -40,9 +41,9 @@ class EfficientNetEmbedder:
     """
 
     def __init__(self, weights: str | None = None):
-        require(CODE, "the embedder efficientnet", "run: vcage setup efficientnet")
+        require(CODE, "the embedder efficientnet", vcage_command("setup", "efficientnet"))
         if weights is None:
-            require(WEIGHTS, "the embedder efficientnet", "run: vcage setup efficientnet")
+            require(WEIGHTS, "the embedder efficientnet", vcage_command("setup", "efficientnet"))
         elif not Path(weights).expanduser().is_file():
             raise InputFileError(f"there is no file {weights}", hint="give the file of EfficientNet-lite0's parameters")
         self._weights = Path(weights).expanduser() if weights else _packaged()

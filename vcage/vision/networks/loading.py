@@ -7,6 +7,7 @@ import re
 from pathlib import Path
 from typing import Any
 
+from vcage.base.commands import pip_command
 from vcage.base.errors import FetchFailed, InputFileError, MissingDependency, VcageError
 
 EXTRA = "vision"
@@ -79,14 +80,22 @@ class Weights:
         )
 
 
-def require(module: str, what: str, hint: str = f"pip install 'vcage[{EXTRA}]'") -> None:
+def require(module: str, what: str, command: str = "") -> None:
     """Check that an optional package is installed.
 
+    Args:
+        module: of the package.
+        what: needs it.
+        command: installs it; by default that of the extra.
+
     Raises:
-        MissingDependency: it is not; the hint says how to install it.
+        MissingDependency: it is not; names the command that installs it.
     """
     if importlib.util.find_spec(module) is None:
-        raise MissingDependency(f"{what} needs the package {module}, which is not installed", hint=hint)
+        raise MissingDependency(
+            f"{what} needs the package {module}, which is not installed",
+            command=command or pip_command(f"vcage[{EXTRA}]"),
+        )
 
 
 def device() -> str:

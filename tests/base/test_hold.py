@@ -1,0 +1,55 @@
+"""A folder is one process's, and no longer than that process lives."""
+
+from __future__ import annotations
+
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from vcage.base.errors import FolderInUse
+from vcage.base.hold import IN_USE, held
+
+HOLDER = """
+import sys, time
+from pathlib import Path
+from vcage.base.commands import CALLED
+from vcage.base.hold import held
+from vcage.base.workers import Processes
+
+if __name__ == "__main__":
+    CALLED.set("vcage collect --run 'a  run'")
+    with held(Path(sys.argv[1])), Processes(time.sleep, 2) as crew:
+        crew.submit(100)  # a worker must not keep what its parent held
+        print("at work", flush=True)
+        time.sleep(100)
+"""
+
+
+@pytest.fixture
+def holder(tmp_path: Path):
+    (tmp_path / "holder.py").write_text(HOLDER)
+    program = [sys.executable, str(tmp_path / "holder.py"), str(tmp_path)]
+    with subprocess.Popen(program, stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None and process.stdout.readline() == "at work\n"
+        yield process
+        process.kill()
+
+
+def test_the_second_process_is_told_which_command_is_at_work_and_may_try_again(holder, tmp_path: Path):
+    with pytest.raises(FolderInUse, match="vcage collect --run 'a  run'") as refused, held(tmp_path):
+        pass
+    assert f"process {holder.pid} on " in refused.value.message
+    assert (refused.value.exit_code, refused.value.retryable) == (6, True)
+    assert str(holder.pid) in (tmp_path / IN_USE).read_text()
+
+
+@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGTERM, signal.SIGHUP])
+def test_a_folder_is_free_as_soon_as_its_holder_was_killed(holder, tmp_path: Path, number: int):
+    holder.send_signal(number)
+    holder.wait()
+    with held(tmp_path):
+        pass
+    assert not (tmp_path / IN_USE).exists()

@@ -1,0 +1,62 @@
+"""Options become a command line again."""
+
+from __future__ import annotations
+
+import re
+import shlex
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from vcage.cli.arguments import parse, words
+from vcage.cli.main import COMMANDS, load
+
+
+def examples(name: str) -> list[list[str]]:
+    """The examples in a command's help, as the words after its name; those that a shell would change are left out."""
+    lines = re.findall(rf"^ +vcage {name}\b(.*)$", load(name).text, re.MULTILINE)
+    return [shlex.split(line) for line in lines if not set("|~") & set(line)]
+
+
+def parsed(name: str, line: list[str]) -> Any:
+    return parse(load(name).options, line, prog=name, text="", about="")
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_what_is_made_of_a_command_line_gives_the_same_command_line(name: str) -> None:
+    for line in examples(name):
+        again = words(parsed(name, line))
+        assert words(parsed(name, again)) == again, line
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "compress --run r --crf lossless --no-guard --gop auto --workers 2",
+        "optimize --run r --weights collision=3,displacement=0.5",
+        "collect --run r --on-failure abort --episode-limit 7 -v --force",
+        "export --run r --formats lerobot-v3.0 robotwin --crf 20 --append-to 'all sets'",
+        "compress data --cameras a b --task 'open the jar' --out small",
+        "assets import ycb mug bowl --into here",
+    ],
+)
+def test_every_kind_of_option_survives(line: str) -> None:
+    name, *rest = shlex.split(line)
+    name, rest = (f"{name} {rest[0]}", rest[1:]) if name == "assets" else (name, rest)
+    options = parsed(name, rest)
+    assert words(parsed(name, words(options))) == words(options)
+    assert str(words(options)).count("'--") == len(re.findall(r"(?<!\S)--?[a-z]", line))
+
+
+def test_paths_are_said_from_the_root_even_where_they_are_the_default(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert words(parsed("assets gallery", ["mug"])) == ["mug", "--out", str(tmp_path / "runs" / "gallery")]
+    assert words(parsed("report", ["--run", "a b"])) == ["--run", str(tmp_path / "a b")]
+
+
+def test_the_help_of_every_stage_has_examples_that_are_tried_here() -> None:
+    stages = [name for name, (place, _) in COMMANDS.items() if place.startswith("vcage.stages")]
+    assert stages and all(examples(name) for name in stages)

@@ -1,0 +1,82 @@
+"""The command that goes on from here: after a stage, and after an error that a stage mends."""
+
+from __future__ import annotations
+
+import contextlib
+import importlib
+import shlex
+from collections.abc import Iterator
+from typing import cast
+
+from vcage.base.commands import CALLED, vcage_command
+from vcage.base.errors import InputFileError, MissingStage, VcageError
+from vcage.base.files import PRODUCERS, RunFolder, read_json, write_json
+from vcage.cli.arguments import options_of
+from vcage.stages.running import Stage
+from vcage.stages.stage import StageOptions
+
+
+def stage_of(name: str) -> Stage:
+    """The module of a stage, alone: the others would double the time that its command takes to start."""
+    return cast(Stage, importlib.import_module(f"vcage.stages.{name}"))
+
+
+def following(name: str, run: RunFolder) -> str:
+    """The command that goes on after a stage."""
+    stages = list(PRODUCERS.values())
+    later = stages[stages.index(name) + 1 :]
+    return stage_command(later[0], run) if later else vcage_command("report", "--run", run)
+
+
+def stage_command(name: str, run: RunFolder) -> str:
+    """The command of a stage, with the options that were last given on this run to those that take them."""
+    takes = [option.key for option in options_of(stage_of(name).Options())]
+    given = _given(run)
+    words = [word for key in takes for word in given.get(key, [])]
+    return vcage_command(name.replace("_", "-"), "--out" if name == "select_place" else "--run", run, *words)
+
+
+@contextlib.contextmanager
+def remembered(run: RunFolder, options: StageOptions) -> Iterator[None]:
+    """Keep the options of a call that is made inside, for :func:`stage_command`, unless it fails by itself.
+
+    Between a stage that asks models and the next that does there is one that takes no ``--models``.
+    """
+    try:
+        yield
+    except MissingStage:  # it is called again after another stage
+        _remember(run, options)
+        raise
+    _remember(run, options, instead=True)
+
+
+def _remember(run: RunFolder, options: StageOptions, *, instead: bool = False) -> None:
+    """Add options to those kept; or put all that the stage takes, said or not, in their place."""
+    if not any((run.root / folder).is_dir() for folder in PRODUCERS):
+        return  # it has not begun
+    own = [option for option in options_of(options) if option.key != "force"]
+    others = {option.key for option in own} if instead else set()
+    kept = {key: words for key, words in _given(run).items() if key not in others}
+    write_json(run.options, kept | {option.key: option.words() for option in own if option.is_said})
+
+
+def _given(run: RunFolder) -> dict[str, list[str]]:
+    """Option → the words that gave it last; none where that is not known (it is a by-product)."""
+    with contextlib.suppress(InputFileError):
+        given = read_json(run.options)
+        return given if isinstance(given, dict) else {}
+    return {}
+
+
+def not_dry() -> str:
+    """The command that this process carries out, without ``--dry-run``."""
+    return shlex.join(word for word in shlex.split(CALLED.get()) if word != "--dry-run")
+
+
+def name_stage(error: VcageError, run: RunFolder) -> None:
+    """Give an error the command of the stage that mends it; where something would be lost by it, in words alone."""
+    folder = next(folder for folder, stage in PRODUCERS.items() if stage == error.maker)
+    if (run.root / folder).is_dir():
+        error.offer(f"make it again: {stage_command(error.maker, run)} --force")
+    elif error.maker != "select_place" or "instruction" in _given(run):  # which must be told what to do
+        error.command = stage_command(error.maker, run)
