@@ -26,7 +26,7 @@ def test_every_option_of_every_command_is_explained(capsys: pytest.CaptureFixtur
     for name in COMMANDS:
         main([name, "--help"])
         boxes = capsys.readouterr().out.split("\noptions:\n")[1]
-        explained = re.findall(r"^  (-\S.*?)(?:   *\S|\n {10,}\S)", boxes, re.MULTILINE)
+        explained = re.findall(r"^  (-\S.*?)(?:   *\S|\n {8,}\S)", boxes, re.MULTILINE)
         bare[name] = set(re.findall(r"^  (-\S+)", boxes, re.MULTILINE)) - {option.split()[0] for option in explained}
     assert {name: options for name, options in bare.items() if options} == {}
 

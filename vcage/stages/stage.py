@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Annotated, Any, Generic, TypeVar
 
 import numpy as np
+from tyro.conf import arg
 
 from vcage.base.errors import InputFileError, MissingStage, OutputFolderError, StaleStage, VcageError
 from vcage.base.files import PRODUCERS, RunFolder, atomic_folder, maker_of, recover, sha256_file
@@ -44,18 +45,22 @@ class StageOptions:
         return StageContext(Choice(run=run.root))
 
 
+WHO = arg(metavar="WHO", help_behavior_hint="")
+"""One of the choices that are spelled out elsewhere."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class ModelOptions(StageOptions):
     """Options of a stage that asks models."""
 
     models: Annotated[str, choice(CHOICES), UNSAID] = "auto"
     """who answers (default: auto, that is the first provider with a key, else offline: rules without a network)"""
-    reasoner: Annotated[str | None, choice(CHOICES), UNSAID] = None
-    """another one that selects, reads goals, plans and judges pairs"""
-    editor: Annotated[str | None, choice(CHOICES), UNSAID] = None
-    """another one that draws the target picture"""
-    critic: Annotated[str | None, choice(CHOICES), UNSAID] = None
-    """another one that verifies"""
+    reasoner: Annotated[str | None, choice(CHOICES), WHO] = None
+    """who selects, reads goals, plans and judges pairs, of the same choices"""
+    editor: Annotated[str | None, choice(CHOICES), WHO] = None
+    """who draws the target picture"""
+    critic: Annotated[str | None, choice(CHOICES), WHO] = None
+    """who verifies"""
     replay: Annotated[Path | None, FOLDER, UNSAID] = None
     """the run whose exchanges --models replay reads (default: this one)"""
 
