@@ -95,3 +95,10 @@ def test_a_damaged_record_is_named(exchanges: Exchanges) -> None:
     path.write_text("{")
     with pytest.raises(DamagedFile, match=path.name):
         exchanges.find(ASKED, "counting:one")
+
+
+def test_exchanges_are_in_the_order_in_which_they_were_first_kept(exchanges: Exchanges) -> None:
+    later = ASKED.again(Reply("no"), "why not?")
+    for question in (ASKED, later, ASKED):
+        Keeping(Counting(Reply("yes")), exchanges, anew=True).answer(question)
+    assert [exchange.round for exchange in exchanges.all()] == [1, 2]

@@ -47,7 +47,7 @@ class Question:
     @property
     def round(self) -> int:
         """1, and one more for each answer that came back with a complaint."""
-        return 1 + sum(message.speaker == "model" for message in self.messages)
+        return (len(self.messages) + 1) // 2
 
     @property
     def first(self) -> Question:

@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import re
 import time
@@ -13,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
-from vcage.base.errors import MissingStage
+from vcage.base.errors import InputFileError, MissingStage
 from vcage.base.pictures import read_picture, write_picture
 from vcage.models.exchange import Answerer, Question, Reply
 from vcage.schema.exchange import Asked, Exchange, Turn
@@ -55,6 +56,7 @@ class Exchanges:
         Raises:
             OutputFolderError: the folder cannot be written.
         """
+        path = self._path(question, provider)
         turns = [Turn(speaker=m.speaker, text=m.text, pictures=self._pictures(m.pictures)) for m in question.messages]
         Exchange(
             role=question.role,
@@ -69,8 +71,14 @@ class Exchanges:
             tokens_in=reply.tokens_in,
             tokens_out=reply.tokens_out,
             seconds=round(seconds, 3),
-            number=1 + len(list(self.folder.glob("*.json"))),
-        ).write(self._path(question, provider))
+            number=self._number(path),
+        ).write(path)
+
+    def _number(self, path: Path) -> int:
+        """That of an exchange in its place, or the next."""
+        with contextlib.suppress(InputFileError):
+            return Exchange.read(path).number
+        return 1 + len(list(self.folder.glob("*.json")))
 
     def _path(self, question: Question, provider: str) -> Path:
         who = re.sub(r"[^a-z0-9.]+", "-", provider.lower()).strip("-")

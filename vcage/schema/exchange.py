@@ -38,3 +38,8 @@ class Exchange(Document):
     tokens_out: int | None
     seconds: float = Field(description="that the answer took; 0 where it lay there already")
     number: int = Field(description="counts the exchanges of a run, from 1")
+
+    @property
+    def round(self) -> int:
+        """1, and one more for each answer before that came back with a complaint."""
+        return (len(self.turns) + 1) // 2

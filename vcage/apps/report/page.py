@@ -18,6 +18,7 @@ from vcage.apps.report.previews import previews
 from vcage.base.errors import MissingStage
 from vcage.base.files import RunFolder, recover, write_text
 from vcage.base.version import __version__
+from vcage.models.kept import Exchanges
 from vcage.plans.kept import relations_kept_in
 from vcage.schema.base import StageDocument
 from vcage.schema.compression import Compression
@@ -97,6 +98,7 @@ def _context(run: RunFolder) -> dict[str, Any]:
         "refused": [_verdict_card(run, a.verdict, a.subtask) for a in rejections if a.verdict],
         "differences": [_difference_card(run, found) for found in judged_again.differences] if judged_again else [],
         "timings": read_timings(run),
+        "exchanges": Exchanges(run.root / "exchanges").all(),
         "provenances": [d.provenance for d in documents.values() if d is not None],
         "refusals": Counter(r.reason for r in subtasks.refused).most_common() if subtasks else [],
     }
