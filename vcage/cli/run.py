@@ -50,9 +50,10 @@ class Run(BeginCommand[chain.ChainOptions], Command):
         page = run.report if report_shows(run) else _report(run)
         facts = {
             name: {"fresh": done[name].fresh, **STAGES[name].summary(done[name].record)}
-            for name in ("collect", "compress")
+            for name in ("collect", "verify", "compress")
         }
-        summary = facts["collect"] | {"compress": facts["compress"]}
+        looked_again = {name: facts["verify"][name] for name in ("verified", "refused")}
+        summary = facts["collect"] | looked_again | {"compress": facts["compress"]}
         if done["collect"].short is not None:
             return Result(error=done["collect"].short, facts={"output": str(page), "summary": summary})
         return Result(output=page, summary=summary, next=f"open {page}")

@@ -125,11 +125,12 @@ def _up_to_date(
     context: StageContext,
     progress: Progress,
 ) -> StageResult[Any]:
-    """Run a stage; what was made from fewer episodes than there are now is made again without being asked."""
+    """Run a stage; what was made from other episodes than count now is made again without being asked."""
     try:
         return timed(stage, run, options, context, progress)
     except StaleStage as error:
-        if name not in OF_THE_EPISODES or not all(what.startswith("input ") for what in error.details["changed"]):
+        changed = error.details.get("changed", ())
+        if name not in OF_THE_EPISODES or not changed or not all(what.startswith("input ") for what in changed):
             raise
-        logger.info("%s: made again, as the episodes are others than before", name)
+        logger.info("%s: made again, as other episodes count than before", name)
         return timed(stage, run, replace(options, force=True), context, progress)

@@ -32,7 +32,8 @@ from vcage.datasets.robotwin import export_robotwin
 from vcage.schema.base import Provenance
 from vcage.schema.compression import Compression
 from vcage.schema.export import Export, ExportedDataset
-from vcage.stages.compress import accepted_episodes, clips_of
+from vcage.stages.accepted import accepted_episodes, decided_by
+from vcage.stages.compress import clips_of
 from vcage.stages.context import StageContext
 from vcage.stages.raw_pictures import originals, require_raw
 from vcage.stages.stage import Job, StageOptions, StageResult, stage_seed
@@ -84,7 +85,7 @@ def job(run: RunFolder, options: Options, _context: StageContext) -> Job:
     return Job(
         run=run,
         output=run.export,
-        inputs=[run.episodes, run.compression, *episodes, *videos],
+        inputs=[*decided_by(run), run.compression, *episodes, *videos],
         seed=stage_seed(run, options.seed),
         options={"formats": list(options.formats), "codec": options.codec, "crf": options.crf},
         stand_for=originals(run),

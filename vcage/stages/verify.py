@@ -48,10 +48,10 @@ def job(run: RunFolder, options: Options, context: StageContext) -> Job:
 
 def summary(record: Verdicts) -> dict[str, Any]:
     """A few facts for whoever ran the stage."""
-    verified = sum(all(v.accepted for v in verdicts) for verdicts in record.episodes.values())
     return {
         "episodes": len(record.episodes),
-        "verified": verified,
+        "verified": len(record.episodes) - len(record.refused),
+        "refused": record.refused,
         "taken_over": record.taken_over,
         "critic": record.critic.model_dump(mode="json"),
         "earlier_critic": record.earlier_critic.model_dump(mode="json"),
