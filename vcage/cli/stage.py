@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import importlib
 import shutil
 import sys
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Generic, TypeVar, cast
+from typing import Annotated, Generic, TypeVar
 
 from tyro.conf import OmitArgPrefixes, arg
 
@@ -16,7 +15,7 @@ from vcage.base.options import FOLDER, Flag
 from vcage.cli import arguments
 from vcage.cli.output import Result
 from vcage.cli.progress import progress
-from vcage.stages.running import Stage, run_stage
+from vcage.stages.running import run_stage, stage_of
 from vcage.stages.stage import PRODUCERS, StageOptions
 
 StageO = TypeVar("StageO", bound=StageOptions)
@@ -39,11 +38,6 @@ class BeginCommand(StageCommand[StageO]):
 
     run: Annotated[Path, FOLDER, arg(name="out", aliases=("--run",))]
     """the run folder to begin"""
-
-
-def stage_of(name: str) -> Stage:
-    """The module of a stage, alone: the others would double the time that its command takes to start."""
-    return cast(Stage, importlib.import_module(f"vcage.stages.{name}"))
 
 
 def options_of(name: str) -> type[StageCommand]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import ClassVar, Literal
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from vcage.schema.base import Finite, Identifier, Record, StageDocument, Vec3
 from vcage.schema.goals import Goal
@@ -96,6 +96,17 @@ class Subtasks(StageDocument):
     chains: list[Chain] = Field(
         min_length=1, description="the one that fulfils the instruction; without one, a chain for each kept sub-task"
     )
+
+    @model_validator(mode="after")
+    def _chains_are_of_what_is_kept(self) -> Subtasks:
+        ids = [subtask.id for subtask in self.kept]
+        if len(set(ids)) != len(ids):
+            raise ValueError(f"kept: a sub-task id occurs twice in {ids}")
+        for number, chain in enumerate(self.chains):
+            for step, name in enumerate(chain.subtasks):
+                if name not in ids:
+                    raise ValueError(f"chains.{number}.subtasks.{step}: expected one of {', '.join(ids)}, got {name!r}")
+        return self
 
 
 class PairQuestion(Record):

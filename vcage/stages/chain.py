@@ -129,8 +129,9 @@ def _up_to_date(
     try:
         return timed(stage, run, options, context, progress)
     except StaleStage as error:
-        changed = error.details.get("changed", ())
-        if name not in OF_THE_EPISODES or not changed or not all(what.startswith("input ") for what in changed):
+        changed, edited = error.details.get("changed", ()), error.details.get("edited")
+        other_episodes = changed and all(what.startswith("input ") for what in changed)
+        if name not in OF_THE_EPISODES or edited or not other_episodes:  # what was decided by hand is not lost unasked
             raise
         logger.info("%s: made again, as other episodes count than before", name)
         return timed(stage, run, replace(options, force=True), context, progress)

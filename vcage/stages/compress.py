@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shutil
+from collections.abc import Collection
 from dataclasses import dataclass, field
 from itertools import chain
 from pathlib import Path
@@ -24,6 +25,7 @@ from vcage.schema.base import Provenance
 from vcage.schema.compression import Compression, SetAside, VideoStream
 from vcage.stages.accepted import accepted_episodes, decided_by, refusals
 from vcage.stages.context import StageContext
+from vcage.stages.edits import refuse
 from vcage.stages.raw_pictures import holds_links, originals, packed_hash, refer_to_videos, require_raw
 from vcage.stages.stage import Job, StageOptions, StageResult, differences, stage_seed
 
@@ -117,6 +119,15 @@ def execute(
         refer_to_videos(run, result.record, working)
     shutil.rmtree(working, ignore_errors=True)  # not before the stage is whole: a search takes long
     return result
+
+
+def take_over(run: RunFolder, folder: Path, edited: Collection[str], context: StageContext) -> Compression:
+    """Nothing: the record tells what was made, and there is nothing in it to decide.
+
+    Raises:
+        InputFileError: always.
+    """
+    refuse(run.compression, "(any)", f"{', '.join(edited)} was changed by hand", "what compress wrote there")
 
 
 def clips_of(run: RunFolder) -> tuple[list[Clip], dict[str, str]]:

@@ -48,6 +48,7 @@ from vcage.sim.cameras import observe, shoot
 from vcage.sim.robots import available, load_template
 from vcage.sim.world import World
 from vcage.stages.context import StageContext
+from vcage.stages.possible import possible_scene
 from vcage.stages.stability import moved_objects, settle_checks
 from vcage.stages.stage import Job, ModelOptions, StageResult
 
@@ -167,6 +168,20 @@ def execute(run: RunFolder, options: Options, context: StageContext, progress: P
         return photograph(noted, context, folder)
 
     return stage.do(Scene, make, force=options.force)
+
+
+def take_over(run: RunFolder, folder: Path, edited: Collection[str], context: StageContext) -> Scene:
+    """M as it was edited by hand: as it settles, with pictures of that.
+
+    Raises:
+        InputFileError: it is not possible.
+    """
+    scene = Scene.read(run.scene)
+    if run.scene.name not in edited:
+        return scene
+    settled = possible_scene(run.scene, scene, context)
+    notes = scene.checks.get("notes", [])
+    return photograph(settled.model_copy(update={"checks": {**settled.checks, "notes": notes}}), context, folder)
 
 
 def _selection(

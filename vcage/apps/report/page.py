@@ -59,11 +59,10 @@ def write_report(run: RunFolder) -> Path:
 
 def report_shows(run: RunFolder) -> bool:
     """Whether the page of a run is there and younger than all that it shows."""
-    shown = [run.scene, run.plan, run.matches, run.layout, run.subtasks, run.episodes, run.verdicts, run.compression]
     if not run.report.exists():
         return False
     made = run.report.stat().st_mtime_ns
-    return all(path.stat().st_mtime_ns < made for path in [*shown, run.export] if path.exists())
+    return all(path.stat().st_mtime_ns < made for path in run.documents if path.exists())
 
 
 def _context(run: RunFolder) -> dict[str, Any]:
@@ -100,7 +99,7 @@ def _context(run: RunFolder) -> dict[str, Any]:
         "refused": [_verdict_card(run, a.verdict, a.subtask) for a in rejections if a.verdict],
         "differences": [_difference_card(run, found) for found in judged_again.differences] if judged_again else [],
         "timings": read_timings(run),
-        "provenances": [d.provenance for d in documents.values() if d is not None],
+        "documents": [d for d in documents.values() if d is not None],
         "refusals": Counter(r.reason for r in subtasks.refused).most_common() if subtasks else [],
     }
 
