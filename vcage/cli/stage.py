@@ -6,7 +6,7 @@ import shutil
 import sys
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Generic, TypeVar
+from typing import Annotated, Any, Generic, TypeVar
 
 from tyro.conf import OmitArgPrefixes, arg
 
@@ -16,7 +16,10 @@ from vcage.cli import arguments
 from vcage.cli.output import Result
 from vcage.cli.progress import progress
 from vcage.stages.running import run_stage, stage_of
-from vcage.stages.stage import PRODUCERS, StageOptions
+from vcage.stages.stage import PRODUCERS, StageOptions, StageResult
+
+MOST_PICTURES = 12
+"""Of more pictures than these a result names the folders."""
 
 StageO = TypeVar("StageO", bound=StageOptions)
 
@@ -58,13 +61,26 @@ def execute_stage(name: str, command: StageCommand) -> Result:
     with progress(name) as show:
         done = run_stage(stage, run, options, context, show)
     if done.short is not None:
-        return Result(error=done.short, facts={"output": str(done.path), "summary": stage.summary(done.record)})
+        facts = {"output": str(done.path), "summary": stage.summary(done.record), **about(done)}
+        return Result(error=done.short, facts=facts)
     return Result(
         output=done.path,
         schema=done.record.SCHEMA,
         summary={"fresh": done.fresh, **stage.summary(done.record)},
         next=following(name, run),
+        facts=about(done),
     )
+
+
+def about(done: StageResult[Any]) -> dict[str, Any]:
+    """Who answered in a stage, by role; where its pictures are; and what was edited by hand of its files."""
+    found = sorted(done.path.parent.rglob("*.png"))
+    shown = found if len(found) <= MOST_PICTURES else sorted({picture.parent for picture in found})
+    return {
+        "answered_by": done.record.provenance.providers,
+        "pictures": [str(path) for path in shown],
+        "edited": done.record.edited,
+    }
 
 
 def following(name: str, run: RunFolder) -> str:
