@@ -19,8 +19,9 @@ def accepted_episodes(run: RunFolder) -> list[Episode]:
         StaleStage: verify judged other episodes than there are now.
         DamagedFile, SchemaMismatch: what was collected, or judged, cannot be read.
     """
+    collected = Episodes.read(run.episodes).episodes if run.episodes.exists() else []
     refused = refusals(run)
-    return [e for e in _collected(run) if e.accepted and e.file is not None and e.file not in refused]
+    return [e for e in collected if e.accepted and e.file is not None and e.file not in refused]
 
 
 def refusals(run: RunFolder) -> dict[str, str]:
@@ -44,7 +45,3 @@ def refusals(run: RunFolder) -> dict[str, str]:
 def decided_by(run: RunFolder) -> list[Path]:
     """The files that say which episodes count: inputs of whatever takes these."""
     return [run.episodes, *([run.verdicts] if run.verdicts.exists() else [])]
-
-
-def _collected(run: RunFolder) -> list[Episode]:
-    return Episodes.read(run.episodes).episodes if run.episodes.exists() else []

@@ -104,6 +104,12 @@ def _one_of(name: str, known: Collection[str]) -> str:
     return f"{', '.join(near)}{' or another of those that there are' if len(near) < len(known) else ''}"
 
 
+def _all_of(objects: Sequence[SceneObject]) -> str:
+    """What goals may be about."""
+    parts = [f"{o.id}/{link.name}" for o in objects for link in o.asset.model.links]
+    return f"what there is: {', '.join([*(o.id for o in objects), *parts])}"
+
+
 def _require_joints(path: Path, objects: Sequence[SceneObject]) -> None:
     for number, o in enumerate(objects):
         links = o.asset.model.links
@@ -122,7 +128,7 @@ def _require_goals(path: Path, scene: Scene, objects: Sequence[SceneObject]) -> 
     for number, asked in enumerate(scene.goals):
         unknown = strangers(asked.goal, by_id, load_robot(scene.robot).arms)
         if unknown:
-            refuse(path, f"goals.{number}.goal", f"there is no {unknown}", _one_of(unknown, by_id))
+            refuse(path, f"goals.{number}.goal", f"there is no {unknown}", _all_of(objects))
     for number, name in enumerate(scene.untouched):
         if name not in by_id:
             refuse(path, f"untouched.{number}", repr(name), _one_of(name, by_id))
@@ -199,4 +205,4 @@ def require_possible(path: Path, field: str, subtask: Subtask, scene: Scene, obj
         for number, goal in enumerate(getattr(subtask, what)):
             unknown = strangers(goal, by_id, arms)
             if unknown:
-                refuse(path, f"{field}.{what}.{number}", f"there is no {unknown}", _one_of(unknown, by_id))
+                refuse(path, f"{field}.{what}.{number}", f"there is no {unknown}", _all_of(objects))

@@ -39,7 +39,9 @@ def prepare_run(run: RunFolder, path: Path, *, seed: int, force: bool) -> None:
     layout = Job(run=run, output=run.layout, seed=seed, options=origin)
 
     def lay_out(_folder: Path, provenance: Provenance) -> Scene:
-        return possible_scene(path, _scene(script, provenance, context), context)
+        scene = _scene(script, provenance, context)
+        possible_scene(path, scene, context)
+        return scene  # where it stood when the script was made, to the last digit
 
     scene = layout.do(Scene, lay_out, force=force).record
     search = Job(run=run, output=run.subtasks, inputs=[run.layout], seed=seed, options=origin)

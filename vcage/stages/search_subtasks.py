@@ -31,7 +31,7 @@ from vcage.tasks.readiness import ready_for
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.search import action_of, compose, find_subtasks, initial_state
 from vcage.tasks.slots import slots_for_chain
-from vcage.tasks.synthesis import load_script, write_script
+from vcage.tasks.synthesis import load_script, note_python, write_script
 
 Options = ModelOptions
 """The stage has no options of its own."""
@@ -80,6 +80,7 @@ def execute(
         by_id = {subtask.id: subtask for subtask in found.kept}
         for chain in chains:
             slots_for_chain([by_id[i] for i in chain.subtasks], objects, load_robot(scene.robot), ground, rng)
+        note_python()
         for subtask in found.kept:
             write_script(subtask, ready_for(subtask, scene, objects), folder / f"{subtask.id}.py")
         return Subtasks(

@@ -51,6 +51,7 @@ from vcage.stages.context import StageContext
 from vcage.stages.possible import possible_scene
 from vcage.stages.stability import moved_objects, settle_checks
 from vcage.stages.stage import Job, ModelOptions, StageResult
+from vcage.tasks.search import require_way
 
 logger = logging.getLogger(__name__)
 
@@ -143,6 +144,7 @@ def execute(run: RunFolder, options: Options, context: StageContext, progress: P
         NoAssetFits: the catalogue has nothing that the instruction names, or too little of what belongs to the scene.
         UnknownName: it has nothing with a tag or name of what belongs to the scene.
         UnreadInstruction: words of the instruction answer to no goal.
+        NoFeasibleTask: the sizes of the objects rule out a goal, wherever they stand.
         ModelRefused: the reasoner was told what is wrong with its selection and found no better one in its rounds.
         InfeasibleScene: the objects have no place, or do not stay where they are put.
     """
@@ -164,6 +166,7 @@ def execute(run: RunFolder, options: Options, context: StageContext, progress: P
             reading = context.models.reasoner.read_goals(instruction, _kinds(objects, context), lying)
             scene |= {"goals": reading.goals, "untouched": reading.untouched}
         placed = place_until_stable(scene, objects, template, context, rng)
+        require_way(placed, context.objects(placed))
         noted = placed.model_copy(update={"checks": {**placed.checks, "notes": notes}})
         return photograph(noted, context, folder)
 
