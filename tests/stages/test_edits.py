@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import shutil
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from tests.runs import OPTIONS, Finished, command, copied, digests
 from vcage.base.errors import InputFileError, SchemaMismatch
 from vcage.base.files import RunFolder, read_json, sha256_file, write_json
 from vcage.base.pictures import read_picture, write_picture
+from vcage.models.protocols import EditRequest
 from vcage.schema.episodes import Episodes, Verdicts
 from vcage.schema.plan import Plan
 from vcage.schema.scene import Scene
@@ -103,13 +106,22 @@ def test_an_edited_scene_is_photographed_again(run, finished):
     assert Scene.read(run.scene).edited == ["scene.json"]
 
 
-def test_an_edited_plan_is_drawn_again(run, finished):
-    picture = run.plan.with_name("target.png")
-    before = sha256_file(picture)
-    edit(run.plan, lambda plan: plan["relations"][0].update(relation="near" if len(plan["relations"]) > 1 else "on"))
-    record = again(inpaint_plan, run, finished).record
-    assert record.edited == ["plan.json"] and "relations_solvable" in record.checks
-    assert sha256_file(picture) != before or record.relations != Plan.read(finished.run.plan).relations
+class Blackens:
+    """An editor whose pictures are black."""
+
+    provider = "blackener"
+
+    def rearrange(self, request: EditRequest) -> np.ndarray:
+        return np.zeros_like(request.picture)
+
+
+def test_an_edited_plan_is_drawn_again_and_who_drew_it_is_told(run, finished, monkeypatch):
+    monkeypatch.setattr(finished.context, "models", replace(finished.context.models, editor=Blackens()))
+    edit(run.plan, lambda plan: plan.update(text="Otherwise."))
+    again(match, run, finished, force=True)
+    plan = Plan.read(run.plan)
+    assert plan.edited == ["plan.json"] and plan.provenance.providers["editor"] == "blackener"
+    assert read_picture(run.plan.with_name("target.png")).max() == 0
 
 
 def test_an_edited_picture_is_not_drawn_over(run, finished):
@@ -163,7 +175,7 @@ def test_the_result_says_what_was_edited_who_answered_and_where_pictures_are(run
     edit(run.matches, lambda found: found["matches"][0].update(note="I looked"))
     answer = command(capsys, "match", "--run", run, "--models", "offline").record
     assert answer["edited"] == ["matches.json"]
-    assert answer["answered_by"] == {"detector": "background", "embedder": "classical"}
+    assert answer["answered_by"] == {"detector": "offline", "embedder": "offline"}
     assert answer["pictures"] == [str(run.matches.with_name("overlay.png"))]
 
 

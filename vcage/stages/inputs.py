@@ -35,7 +35,7 @@ def read_plan(run: RunFolder, scene: Scene, context: StageContext) -> Plan:
         raise InputFileError(
             f"{run.plan} is not possible: {'; '.join(complaints)}",
             hint="mend its relations, or run inpaint_plan again with --force",
-            details={"problems": complaints},
+            details={"path": str(run.plan), "field": "relations", "problems": complaints},
         )
     return plan
 
