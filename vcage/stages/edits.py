@@ -33,7 +33,7 @@ def sealed(record: D, path: Path, edited: list[str] | None = None) -> D:
     own = {path.name: _content(record.model_dump(mode="json", by_alias=True))}
     others = {
         file.name: sha256_file(file)
-        for file in sorted(path.parent.iterdir())
+        for file in sorted(path.parent.glob("*"))
         if file.suffix in EDITABLE and file != path and file.is_file()
     }
     return record.model_copy(update={"written": own | others})

@@ -151,6 +151,12 @@ def test_an_episode_that_verify_refuses_is_not_counted_and_tells_why(finished, t
     assert f"0 / {len(episodes)}" in page.text and page.of("video") == []
 
 
+def test_what_was_edited_by_hand_is_named(finished, tmp_path):
+    run = copied(finished.run, tmp_path / "run")
+    write_json(run.matches, {**read_json(run.matches), "edited": ["matches.json"]})
+    assert "matches.json" in write_report(run).read_text(encoding="utf-8").rpartition("edited by hand")[2]
+
+
 def test_critics_that_agree_are_said_to(page):
     assert "Judged again by offline" in page.text and "The two differ on none of them." in page.text
 
