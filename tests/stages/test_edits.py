@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from tests.runs import OPTIONS, Finished, command, copied, digests
-from vcage.base.errors import InputFileError, SchemaMismatch
+from vcage.base.errors import InputFileError, SchemaMismatch, StaleStage
 from vcage.base.files import RunFolder, read_json, sha256_file, write_json
 from vcage.base.pictures import read_picture, write_picture
 from vcage.models.protocols import EditRequest
@@ -20,7 +20,7 @@ from vcage.schema.episodes import Episodes, Verdicts
 from vcage.schema.plan import Plan
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Subtasks
-from vcage.stages import collect, compress, inpaint_plan, match, optimize, search_subtasks, verify
+from vcage.stages import chain, collect, compress, inpaint_plan, match, optimize, search_subtasks, verify
 from vcage.stages.edits import edits
 from vcage.stages.running import run_stage
 from vcage.stages.stage import StageOptions
@@ -163,6 +163,23 @@ def test_an_episode_may_be_refused_by_hand(run, finished):
     again(verify, run, finished, force=True)
     assert Episodes.read(run.episodes).edited == ["episodes.json"]
     assert Verdicts.read(run.verdicts).episodes == {}
+
+
+def test_a_whole_run_goes_on_from_an_edit_but_does_not_throw_episodes_away(run, finished):
+    edit(run.layout, moved(x=-0.01, y=-0.01))
+    with pytest.raises(StaleStage, match=r"episodes\.json") as caught:
+        chain.run_chain(run, OPTIONS, finished.context)
+    assert "run collect by itself with --force" in caught.value.hint
+    assert Scene.read(run.layout).edited == ["scene.json"]
+    assert Subtasks.read(run.subtasks).provenance.inputs == {"optimize/scene.json": sha256_file(run.layout)}
+
+
+def test_a_whole_run_does_not_throw_away_verdicts_that_were_edited(run, finished):
+    edit(run.verdicts, lambda found: next(iter(found["episodes"].values()))[0].update(accepted=False))
+    edit(run.episodes, lambda found: found["episodes"][0].update(reason="as I saw it"))
+    with pytest.raises(StaleStage, match=r"verdicts\.json") as caught:
+        chain.run_chain(run, OPTIONS, finished.context)
+    assert "run verify by itself" in caught.value.hint
 
 
 def test_an_edit_is_made_again_where_that_is_forced(run, finished):
