@@ -16,6 +16,7 @@ from vcage.datasets.hdf5 import write_episode
 from vcage.schema.base import Provenance
 from vcage.schema.episodes import CriticCounts, Episode, Episodes, Truth, Verdict
 from vcage.schema.subtasks import Chain
+from vcage.stages.edits import sealed
 
 CAMERAS = ("cam_high", "cam_left_wrist", "cam_right_wrist")
 WIDTH, HEIGHT, FPS = 64, 48, 10.0
@@ -109,7 +110,7 @@ def collected(root: Path, count: int = 2, frames: int = 12) -> RunFolder:
         written(run.root / file, frames, seed=10 * index)
         records.append(_record(index, True, file, frames))
     records.append(_record(count, False, None, 0))
-    Episodes(
+    record = Episodes(
         provenance=Provenance(producer="collect", seed=7),
         instruction=INSTRUCTION,
         chains=[Chain(text=INSTRUCTION, subtasks=["lift-block", "place-block"])],
@@ -117,7 +118,8 @@ def collected(root: Path, count: int = 2, frames: int = 12) -> RunFolder:
         attempts=count,
         acceptance={},
         critic=CriticCounts.of([]),
-    ).write(run.episodes)
+    )
+    sealed(record, run.episodes).write(run.episodes)
     return run
 
 

@@ -228,8 +228,9 @@ def test_an_asset_that_the_library_lost_is_named(finished, capsys, tmp_path):
     scene["objects"][0]["asset"] = "amphora"
     write_json(run.layout, scene)
     answer = command(capsys, "search-subtasks", "--run", run)
-    assert (answer.code, answer.error["code"]) == (2, "unknown_name")
-    assert "amphora" in answer.complaints[0]
+    assert (answer.code, answer.error["code"]) == (3, "bad_input_file")
+    assert str(run.layout) in answer.complaints[0] and "amphora" in answer.complaints[0]
+    assert answer.error["details"]["field"] == "objects.0.asset"
 
 
 @pytest.mark.parametrize("stage", ["compress", "export", "report"])

@@ -70,7 +70,7 @@ def test_a_script_that_lost_a_value_is_named(script, tmp_path, capsys):
 def test_a_script_edited_for_another_asset_names_what_is_missing(script, tmp_path, capsys):
     broken = tmp_path / script.name
     broken.write_text(script.read_text().replace("('plate', 'white'", "('platter', 'white'"))
-    assert run_script(str(broken), ["--out", str(tmp_path / "run")]) == 2
+    assert run_script(str(broken), ["--out", str(tmp_path / "run")]) == 3
     assert "platter" in error_of(capsys)["message"]
 
 

@@ -20,6 +20,7 @@ from vcage.datasets.reader import EpisodeReader
 from vcage.schema.compression import Compression
 from vcage.schema.episodes import Episodes
 from vcage.stages import compress, export, raw_pictures
+from vcage.stages.accepted import accepted_episodes
 from vcage.stages.context import StageContext
 from vcage.stages.raw_pictures import holds_links
 
@@ -36,7 +37,7 @@ def compressed(run: RunFolder, **changes: Any) -> Compression:
 
 
 def files_of(run: RunFolder) -> list[Path]:
-    return [run.root / str(episode.file) for episode in compress.accepted_episodes(run)]
+    return [run.root / str(episode.file) for episode in accepted_episodes(run)]
 
 
 @pytest.fixture(scope="module")

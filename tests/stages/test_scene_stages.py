@@ -171,7 +171,7 @@ def test_the_reasoner_hears_what_is_wrong_with_its_selection(finished, tmp_path,
 def test_what_is_too_large_for_where_it_starts_is_said_in_the_summary(finished, tmp_path, monkeypatch):
     context = finished.context
     variants = {name: context.library.entry(name).variants[0].id for name in ("plate", "mug")}
-    chooser = Chooser(("plate", variants["plate"], "mug"), ("mug", variants["mug"], None), notes=("a note",))
+    chooser = Chooser(("mug", variants["mug"], None), ("plate", variants["plate"], "mug"), notes=("a note",))
     scene = chosen(finished, tmp_path, chooser, monkeypatch)
     notes = select_place.summary(scene)["notes"]
     assert notes[0] == "a note" and "plate_white starts on the table" in notes[1]

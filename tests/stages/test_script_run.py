@@ -28,7 +28,7 @@ def handing() -> Subtask:
             "grasped": "hammer",
             "target": 0.1,
             "hand_to": "right",
-            "requires": [Goal(subject="packaging_box", relation="open", part="lid")],
+            "requires": [Goal(subject="hammer", relation="on", reference="table")],
         }
     )
 

@@ -12,7 +12,7 @@ from vcage.base.errors import NoFeasibleTask
 from vcage.schema.goals import AskedGoal, Goal
 from vcage.schema.subtasks import PairAnswer, PairQuestion
 from vcage.tasks.scene_objects import SceneObject
-from vcage.tasks.search import FoundSubtasks, compose, find_subtasks
+from vcage.tasks.search import FoundSubtasks, compose, find_subtasks, require_way
 from vcage.tasks.templates import TEMPLATES
 
 
@@ -142,6 +142,29 @@ def test_a_receptacle_that_is_full_already_is_refused():
 def test_the_same_seed_finds_the_same_sub_tasks():
     first, second = (found_in(stationery(), seed=3) for _ in range(2))
     assert first == second
+
+
+# --- what no layout makes possible ---------------------------------------------------------------------
+
+
+def wanting(goal: Goal, objects: Sequence[SceneObject]) -> None:
+    asked = AskedGoal(goal=goal, step=0, words="the words")
+    require_way(scene_of(objects).model_copy(update={"goals": [asked]}), objects)
+
+
+def test_what_sizes_rule_out_is_refused_wherever_things_stand_with_the_words_and_the_reason():
+    objects = [thing("ruler", (-0.2, 0.0), role="content"), thing("mug", (0.2, 0.0), role="receptacle")]
+    with pytest.raises(NoFeasibleTask, match=r"ruler inside mug \('the words'\): .*does not fit in") as caught:
+        wanting(Goal(subject="ruler", relation="inside", reference="mug"), objects)
+    assert "another --seed does not help" in caught.value.hint
+
+
+def test_what_no_arm_reaches_here_may_be_reached_elsewhere():
+    wanting(Goal(subject="marker", relation="inside", reference="packaging_box"), far_away(stationery()))
+
+
+def far_away(objects: Sequence[SceneObject]) -> list[SceneObject]:
+    return [thing(o.record.asset, (0.4 * number, 3.0)) for number, o in enumerate(objects)]
 
 
 # --- chain ---------------------------------------------------------------------------------------------

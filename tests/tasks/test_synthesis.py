@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from tests.scenes import block_and_plate, scene_of, subtask
 from vcage.base.errors import DamagedFile, MissingStage, UnknownName
-from vcage.tasks.synthesis import Script, load_script, render_script, write_script
+from vcage.tasks.synthesis import Script, load_script, note_python, render_script, write_script
 
 HOSTILE = [
     '"""; import os; os.system("touch owned")',
@@ -29,7 +29,7 @@ HOSTILE = [
     '"',
 ]
 texts = st.one_of(st.sampled_from(HOSTILE), st.text(min_size=1, max_size=60))
-PLAIN = {**os.environ, "VCAGE_PYTHON": ""}
+PLAIN = {**os.environ, "VCAGE_PYTHON": "", "VCAGE_HOME": "", "VCAGE_CACHE": "/nowhere", "PATH": "/usr/bin:/bin"}
 
 
 def written(path: Path, text: str = "Put the block on the plate.", instruction: str = "Blocks on the plate") -> Script:
@@ -165,7 +165,7 @@ def test_a_script_without_one_of_its_functions_is_damaged(tmp_path: Path, name: 
 def test_a_script_under_a_python_without_vcage_says_what_to_do(tmp_path: Path):
     done = run_without_vcage(written(tmp_path).path)
     assert done.returncode != 0
-    assert "make venv" in done.stderr and "VCAGE_PYTHON" in done.stderr
+    assert "export VCAGE_PYTHON=" in done.stderr
     assert "Traceback" not in done.stderr
 
 
@@ -178,11 +178,46 @@ def test_a_script_goes_on_under_the_python_that_the_environment_names(tmp_path: 
     assert done.stdout.split() == ["called", "with", str(script), "--episodes", "2"]
 
 
-def test_a_script_finds_the_environment_of_a_folder_above_it(tmp_path: Path):
-    python = tmp_path / ".venv" / "bin" / "python"
+def environment(folder: Path) -> Path:
+    """A python that says that it was found, in an environment of its own."""
+    python = folder / ".venv" / "bin" / "python"
     python.parent.mkdir(parents=True)
     python.write_text("#!/bin/sh\necho found\n")
     python.chmod(0o755)
+    return python
+
+
+def test_a_script_that_lies_anywhere_finds_the_python_that_generated_scripts_last(tmp_path: Path, monkeypatch):
+    python = environment(tmp_path / "project")
+    monkeypatch.setenv("VCAGE_CACHE", str(tmp_path / "cache"))
+    monkeypatch.setattr(sys, "executable", str(python))
+    note_python()
+    monkeypatch.undo()
+    (tmp_path / "elsewhere").mkdir()
+    script = written(tmp_path / "elsewhere").path
+    assert run_without_vcage(script, VCAGE_CACHE=str(tmp_path / "cache")).stdout == "found\n"
+
+
+def test_a_cache_that_cannot_be_written_is_no_reason_to_stop(monkeypatch):
+    monkeypatch.setenv("VCAGE_CACHE", "/proc/nowhere")
+    note_python()
+
+
+@pytest.mark.parametrize("way", ["home", "command"])
+def test_a_script_finds_the_environment_that_the_others_find(tmp_path: Path, way: str):
+    python = environment(tmp_path / "project")
+    command = python.with_name("vcage")
+    command.write_text("#!/bin/sh\n")
+    command.chmod(0o755)
+    (tmp_path / "bin").mkdir()
+    (tmp_path / "bin" / "vcage").symlink_to(command)
+    (tmp_path / "elsewhere").mkdir()
+    named = {"home": {"VCAGE_HOME": str(tmp_path / "project")}, "command": {"PATH": f"{tmp_path}/bin:/usr/bin:/bin"}}
+    assert run_without_vcage(written(tmp_path / "elsewhere").path, **named[way]).stdout == "found\n"
+
+
+def test_a_script_finds_the_environment_of_a_folder_above_it(tmp_path: Path):
+    environment(tmp_path)
     folder = tmp_path / "runs" / "subtasks"
     folder.mkdir(parents=True)
     assert run_without_vcage(written(folder).path).stdout == "found\n"

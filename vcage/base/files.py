@@ -283,6 +283,13 @@ class RunFolder:
     verdicts = property(lambda self: self.root / "verify" / "verdicts.json")
     compression = property(lambda self: self.root / "compress" / "compression.json")
     export = property(lambda self: self.root / "export" / "export.json")
+    documents = property(
+        lambda self: (
+            *(self.scene, self.plan, self.matches, self.layout, self.subtasks),
+            *(self.episodes, self.verdicts, self.compression, self.export),
+        ),
+        doc="The JSON of each stage, in the order of the chain.",
+    )
     report = property(lambda self: self.root / "report.html")
     timings = property(lambda self: self.root / "timings.json")
     options = property(lambda self: self.root / "options.json")

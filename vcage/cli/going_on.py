@@ -3,22 +3,15 @@
 from __future__ import annotations
 
 import contextlib
-import importlib
 import shlex
 from collections.abc import Iterator
-from typing import cast
 
 from vcage.base.commands import CALLED, vcage_command
 from vcage.base.errors import InputFileError, MissingStage, VcageError
 from vcage.base.files import PRODUCERS, RunFolder, read_json, write_json
 from vcage.cli.arguments import options_of
-from vcage.stages.running import Stage
+from vcage.stages.running import stage_of
 from vcage.stages.stage import StageOptions
-
-
-def stage_of(name: str) -> Stage:
-    """The module of a stage, alone: the others would double the time that its command takes to start."""
-    return cast(Stage, importlib.import_module(f"vcage.stages.{name}"))
 
 
 def following(name: str, run: RunFolder) -> str:

@@ -16,7 +16,7 @@ from vcage.cli.arguments import Command
 from vcage.cli.going_on import not_dry, remembered
 from vcage.cli.output import Result, stop_if_interrupted
 from vcage.cli.progress import progress
-from vcage.cli.stage import BeginCommand
+from vcage.cli.stage import BeginCommand, about
 from vcage.stages import chain, select_place
 from vcage.stages.chain import STAGES
 from vcage.stages.running import note_seconds
@@ -52,12 +52,15 @@ class Run(BeginCommand[chain.ChainOptions], Command):
         page = run.report if report_shows(run) else _report(run)
         facts = {
             name: {"fresh": done[name].fresh, **STAGES[name].summary(done[name].record)}
-            for name in ("collect", "compress")
+            for name in ("collect", "verify", "compress")
         }
-        summary = facts["collect"] | {"compress": facts["compress"]}
+        looked_again = {name: facts["verify"][name] for name in ("verified", "refused")}
+        summary = facts["collect"] | looked_again | {"compress": facts["compress"]}
+        told = {name: about(stage) for name, stage in done.items()}
+        more = {key: {name: one[key] for name, one in told.items() if one[key]} for key in told["collect"]}
         if done["collect"].short is not None:
-            return Result(error=done["collect"].short, facts={"output": str(page), "summary": summary})
-        return Result(output=page, summary=summary)
+            return Result(error=done["collect"].short, facts={"output": str(page), "summary": summary, **more})
+        return Result(output=page, summary=summary, facts=more)
 
 
 def _report(run: RunFolder) -> Path:

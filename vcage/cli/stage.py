@@ -4,18 +4,21 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Generic, TypeVar
+from typing import Annotated, Any, Generic, TypeVar
 
 from tyro.conf import OmitArgPrefixes, arg
 
 from vcage.base.files import RunFolder
 from vcage.base.options import FOLDER, Flag
 from vcage.cli import arguments
-from vcage.cli.going_on import following, not_dry, remembered, stage_of
+from vcage.cli.going_on import following, not_dry, remembered
 from vcage.cli.output import Result
 from vcage.cli.progress import progress
-from vcage.stages.running import run_stage
-from vcage.stages.stage import StageOptions
+from vcage.stages.running import run_stage, stage_of
+from vcage.stages.stage import StageOptions, StageResult
+
+MOST_PICTURES = 12
+"""Of more pictures than these a result names the folders."""
 
 StageO = TypeVar("StageO", bound=StageOptions)
 
@@ -58,11 +61,23 @@ def execute_stage(name: str, command: StageCommand) -> Result:
     with remembered(run, options), progress(name) as show:
         done = run_stage(stage, run, options, context, show)
     if done.short is not None:
-        facts = {"output": str(done.path), "summary": stage.summary(done.record)}
+        facts = {"output": str(done.path), "summary": stage.summary(done.record), **about(done)}
         return Result(error=done.short, facts=facts, next=following(name, run))
     return Result(
         output=done.path,
         schema=done.record.SCHEMA,
         summary={"fresh": done.fresh, **stage.summary(done.record)},
         next=following(name, run),
+        facts=about(done),
     )
+
+
+def about(done: StageResult[Any]) -> dict[str, Any]:
+    """Who answered in a stage, by role; where its pictures are; and what was edited by hand of its files."""
+    found = sorted(done.path.parent.rglob("*.png"))
+    shown = found if len(found) <= MOST_PICTURES else sorted({picture.parent for picture in found})
+    return {
+        "answered_by": done.record.provenance.providers,
+        "pictures": [str(path) for path in shown],
+        "edited": done.record.edited,
+    }

@@ -104,6 +104,14 @@ class CameraCompression(Record):
     held_out_max: Finite | None
 
 
+class SetAside(Record):
+    """An episode that was compressed and is refused since: its file refers to its videos, which lie beside it."""
+
+    original: str = Field(description="SHA-256 of its file with raw pictures")
+    packed: str = Field(description="of its file as it is now")
+    streams: list[VideoStream]
+
+
 class Compression(StageDocument):
     """``compress/compression.json``."""
 
@@ -118,6 +126,9 @@ class Compression(StageDocument):
     packed: dict[str, str] = Field(
         default_factory=dict,
         description="of a run: episode → SHA-256 of its file once it refers to its videos in place of raw pictures",
+    )
+    set_aside: dict[str, SetAside] = Field(
+        default_factory=dict, description="of a run: refused episode → what it takes to count it again; in no figure"
     )
     reduction_raw: Finite = Field(description="1 − bytes / raw bytes")
     reduction_jpeg: Finite

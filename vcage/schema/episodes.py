@@ -167,6 +167,12 @@ class Verdicts(StageDocument):
     not_kept: int = Field(ge=0, description="attempts judged while collecting that have no pictures or truth any more")
     differences: list[Difference] = Field(description="where the two say otherwise, in the order of the attempts")
 
+    @property
+    def refused(self) -> dict[str, str]:
+        """File of an episode that does not count any more → the first reason why."""
+        first = {file: next((v for v in said if not v.accepted), None) for file, said in self.episodes.items()}
+        return {file: verdict.reason for file, verdict in first.items() if verdict is not None}
+
 
 class SingleVerdict(Document):
     """The answer about one picture pair and one sub-task text."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import ClassVar, Literal
 
-from pydantic import Field
+from pydantic import Field, ValidationInfo, field_validator
 
 from vcage.schema.base import Finite, Identifier, Record, StageDocument, Vec3
 from vcage.schema.goals import Goal
@@ -96,6 +96,23 @@ class Subtasks(StageDocument):
     chains: list[Chain] = Field(
         min_length=1, description="the one that fulfils the instruction; without one, a chain for each kept sub-task"
     )
+
+    @field_validator("kept")
+    @classmethod
+    def _ids_are_unique(cls, kept: list[Subtask]) -> list[Subtask]:
+        ids = [subtask.id for subtask in kept]
+        if len(set(ids)) != len(ids):
+            raise ValueError(f"a sub-task id occurs twice in {ids}")
+        return kept
+
+    @field_validator("chains")
+    @classmethod
+    def _are_of_what_is_kept(cls, chains: list[Chain], info: ValidationInfo) -> list[Chain]:
+        ids = [subtask.id for subtask in info.data.get("kept", [])]
+        unknown = [name for chain in chains for name in chain.subtasks if name not in ids]
+        if unknown and ids:
+            raise ValueError(f"expected sub-tasks that are kept ({', '.join(ids)}), got {unknown[0]!r}")
+        return chains
 
 
 class PairQuestion(Record):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import itertools
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -187,6 +188,24 @@ class CollisionScene:
             if overlap(moving.object(i), moving.object(j)):
                 return Contact(moving.names[i], moving.names[j])
         return None
+
+
+def overlapping(bodies: Mapping[str, Body]) -> list[tuple[str, str]]:
+    """Pairs of objects that overlap where they stand by more than :data:`TOLERANCE`, in the order given.
+
+    Args:
+        bodies: objects by id.
+    """
+    solids = {}
+    for name, body in bodies.items():
+        pose = to_sapien(body.pose)
+        solids[name] = _Solids((name, shape, pose * local) for _, shape, local in model_shapes(body.model, body.joints))
+    found = []
+    for (first, a), (second, b) in itertools.combinations(solids.items(), 2):
+        near = np.argwhere(_spheres_meet(a, b)).tolist()
+        if any(overlap(a.object(i), b.object(j)) for i, j in near):
+            found.append((first, second))
+    return found
 
 
 def overlap(a: fcl.CollisionObject, b: fcl.CollisionObject) -> bool:

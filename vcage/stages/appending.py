@@ -17,7 +17,7 @@ from vcage.datasets.lerobot.features import CAMERA, ENCODER
 from vcage.datasets.lerobot.formats import FORMATS, open_writer
 from vcage.datasets.lerobot.meta import INFO, appendable_info
 from vcage.schema.export import Export
-from vcage.stages.compress import accepted_episodes
+from vcage.stages.accepted import accepted_episodes, decided_by
 from vcage.stages.export import Footage, lerobot_episodes
 
 logger = logging.getLogger(__name__)
@@ -56,7 +56,7 @@ def append_to(root: Path, run: RunFolder, progress: Progress = silent) -> dict[s
         OutputFolderError, DiskFull: the folder cannot be written.
     """
     export = Export.read(run.export)
-    if export.provenance.inputs.get(run.relative(run.episodes)) != sha256_file(run.episodes):
+    if any(export.provenance.inputs.get(run.relative(path)) != sha256_file(path) for path in decided_by(run)):
         raise StaleStage(f"{run.export} was made of other episodes")
     sets = {one.format: run.root / one.path for one in export.datasets if one.format in FORMATS}
     if not sets:

@@ -45,9 +45,6 @@ STAGES: dict[str, Stage] = {
 }
 """The nine stages, in the order in which they run."""
 
-OF_THE_EPISODES = ("verify", "compress", "export")
-"""Stages whose files can be had again from the episodes."""
-
 
 @dataclass(frozen=True, kw_only=True)
 class ChainOptions(
@@ -127,11 +124,18 @@ def _up_to_date(
     context: StageContext,
     progress: Progress,
 ) -> StageResult[Any]:
-    """Run a stage; what was made from fewer episodes than there are now is made again without being asked."""
+    """Run a stage; what was made from other files than there are now is made again without being asked.
+
+    Not so episodes, and what was edited by hand: that is lost only where the stage itself is told to.
+    """
     try:
         return timed(stage, run, options, context, progress)
     except StaleStage as error:
-        if name not in OF_THE_EPISODES or not all(what.startswith("input ") for what in error.details["changed"]):
+        changed = error.details.get("changed", ())
+        if not changed or not all(what.startswith("input ") for what in changed):
             raise
-        logger.info("%s: made again, as the episodes are others than before", name)
+        if name == "collect" or error.details.get("edited"):
+            error.hint = f"run {name} by itself with --force; with it, the whole run makes again what was edited, too"
+            raise
+        logger.info("%s: made again, from another %s", name, ", ".join(changed))
         return timed(stage, run, replace(options, force=True), context, progress)

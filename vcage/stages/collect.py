@@ -26,8 +26,9 @@ from vcage.base.options import NATURAL, POSITIVE, UNSAID
 from vcage.base.progress import Progress, silent
 from vcage.base.workers import Processes, ThisProcess, cores
 from vcage.schema.episodes import Attempt, Episode, Episodes
-from vcage.schema.subtasks import Subtasks
+from vcage.schema.subtasks import Chain, Subtasks
 from vcage.stages.context import StageContext
+from vcage.stages.edits import refuse
 from vcage.stages.episode_runner import EpisodeRunner
 from vcage.stages.episode_store import EpisodeStore
 from vcage.stages.stage import Job, ModelOptions, StageResult, stage_seed
@@ -120,6 +121,35 @@ def execute(
             hint=f"see {run.episodes.parent / 'log.jsonl'}; another --seed gives another layout",
         )
     return StageResult(record, run.episodes, fresh=True, grown=done is not None, short=_shortfall(record, wanted))
+
+
+def take_over(run: RunFolder, folder: Path, edited: Collection[str], context: StageContext) -> Episodes:
+    """The collection as it was edited by hand: an episode may be refused, and accepted again if all of it was verified.
+
+    Raises:
+        InputFileError: it is not possible.
+    """
+    record = Episodes.read(run.episodes)
+    chains = Subtasks.read(run.subtasks).chains
+    if record.chains != chains:
+        refuse(run.episodes, "chains", "others than before", f"those of {run.subtasks}")
+    for number, episode in enumerate(record.episodes):
+        if episode.chain >= len(chains):
+            refuse(run.episodes, f"episodes.{number}.chain", str(episode.chain), f"at most {len(chains) - 1}")
+        if len(episode.verdicts) != len(episode.subtasks):
+            found, wanted = f"{len(episode.verdicts)} verdicts", f"{len(episode.subtasks)}, one for each sub-task"
+            refuse(run.episodes, f"episodes.{number}.verdicts", found, wanted)
+        if episode.accepted and not _verified(run, episode, chains[episode.chain]):
+            wanted = "false, unless every sub-task of its chain was verified and its pictures were recorded"
+            refuse(run.episodes, f"episodes.{number}.accepted", "true", wanted)
+    return record
+
+
+def _verified(run: RunFolder, episode: Episode, chain: Chain) -> bool:
+    """Whether an episode has what an accepted one has."""
+    recorded = episode.file is not None and Path(episode.file).parent == Path(run.episodes.parent.name)
+    there = recorded and (run.root / str(episode.file)).is_file()
+    return there and episode.subtasks == chain.subtasks and all(v.accepted for v in episode.verdicts)
 
 
 def _shortfall(record: Episodes, wanted: _Wanted) -> TooFewVerified | None:

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import shutil
+from collections.abc import Collection
 from dataclasses import dataclass, field
+from itertools import chain
 from pathlib import Path
 from typing import Annotated, Any
 
 from tyro.conf import OmitArgPrefixes, arg
 
 from vcage.base.errors import MissingStage
-from vcage.base.files import RunFolder
+from vcage.base.files import RunFolder, sha256_file
 from vcage.base.options import POSITIVE, UNSAID, Flag
 from vcage.base.progress import Progress, silent
 from vcage.datasets.packing.agreement import agreed_by
@@ -20,21 +22,15 @@ from vcage.datasets.packing.records import compression_record
 from vcage.datasets.packing.settings import CompressionSettings
 from vcage.datasets.recordings.opening import open_hdf5
 from vcage.schema.base import Provenance
-from vcage.schema.compression import Compression, VideoStream
-from vcage.schema.episodes import Episode, Episodes
+from vcage.schema.compression import Compression, SetAside, VideoStream
+from vcage.stages.accepted import accepted_episodes, decided_by, refusals
 from vcage.stages.context import StageContext
+from vcage.stages.edits import refuse
 from vcage.stages.raw_pictures import holds_links, originals, packed_hash, refer_to_videos, require_raw
 from vcage.stages.stage import Job, StageOptions, StageResult, differences, stage_seed
 
 WORKING = "compress.working"
 """Folder of the run in which videos gather; an interrupted stage goes on there."""
-
-
-def accepted_episodes(run: RunFolder) -> list[Episode]:
-    """The accepted episodes that have a file; none when nothing was collected yet."""
-    if not run.episodes.exists():
-        return []
-    return [e for e in Episodes.read(run.episodes).episodes if e.accepted and e.file is not None]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -56,7 +52,7 @@ def job(run: RunFolder, options: Options, _context: StageContext) -> Job:
     return Job(
         run=run,
         output=run.compression,
-        inputs=[run.episodes, *(run.root / str(e.file) for e in accepted_episodes(run))],
+        inputs=[*decided_by(run), *(run.root / str(e.file) for e in accepted_episodes(run))],
         seed=stage_seed(run, options.seed),
         options=options.compression.options(),
         stand_for=originals(run),
@@ -114,13 +110,24 @@ def execute(
             file: packed_hash(run, [s for s in streams if s.episode == file], working)
             for file in dict.fromkeys(s.episode for s in streams)
         }
-        return compression_record(provenance, options.compression, streams, packed=packed)
+        return compression_record(
+            provenance, options.compression, streams, packed=packed, set_aside=_set_aside(run, provenance)
+        )
 
     result = stage.do(Compression, make, force=options.force)
     if not options.keep_raw:
         refer_to_videos(run, result.record, working)
     shutil.rmtree(working, ignore_errors=True)  # not before the stage is whole: a search takes long
     return result
+
+
+def take_over(run: RunFolder, folder: Path, edited: Collection[str], context: StageContext) -> Compression:
+    """Nothing: the record tells what was made, and there is nothing in it to decide.
+
+    Raises:
+        InputFileError: always.
+    """
+    refuse(run.compression, "(any)", f"{', '.join(edited)} was changed by hand", "what compress wrote there")
 
 
 def clips_of(run: RunFolder) -> tuple[list[Clip], dict[str, str]]:
@@ -133,7 +140,11 @@ def clips_of(run: RunFolder) -> tuple[list[Clip], dict[str, str]]:
     """
     files = {Path(str(episode.file)).stem: str(episode.file) for episode in accepted_episodes(run)}
     if not files:
-        raise MissingStage(f"{run.episodes} holds no accepted episode", hint="collect more, with a larger --episodes")
+        refused = "; ".join(f"verify refused {file}: {reason}" for file, reason in refusals(run).items())
+        raise MissingStage(
+            f"{run.episodes} holds no accepted episode{refused and f': {refused}'}",
+            hint="collect more, with a larger --episodes",
+        )
     clips = []
     for name, file in files.items():
         if not holds_links(run.root / file):
@@ -143,7 +154,7 @@ def clips_of(run: RunFolder) -> tuple[list[Clip], dict[str, str]]:
 
 
 def _earlier(run: RunFolder, provenance: Provenance) -> list[VideoStream]:
-    """The videos of episodes that have no raw pictures any more, which stay as they are while others join them.
+    """The videos of episodes that have no raw pictures any more, which stay as they are while others come or go.
 
     Raises:
         MissingStage: they would have to be made again, for it is not other episodes that are asked for.
@@ -152,9 +163,24 @@ def _earlier(run: RunFolder, provenance: Provenance) -> list[VideoStream]:
     if not gone:
         return []
     record = Compression.read(run.compression) if run.compression.exists() else None
-    streams = [stream for stream in record.streams if stream.episode in gone] if record else []
+    known = [*record.streams, *chain(*(one.streams for one in record.set_aside.values()))] if record else []
+    streams = [stream for stream in known if stream.episode in gone]
     changed = differences(record.provenance, provenance) if record else []
     others = changed and all(what.startswith("input ") for what in changed)
     if not others or {stream.episode for stream in streams} != gone.keys():
         require_raw(gone.values())
     return streams
+
+
+def _set_aside(run: RunFolder, provenance: Provenance) -> dict[str, SetAside]:
+    """What was compressed in this way and counts no more; without raw pictures, it takes its videos to count again."""
+    record = Compression.read(run.compression) if run.compression.exists() else None
+    if record is None or record.provenance.options != provenance.options:
+        return {}
+    known = dict(record.set_aside)
+    for file, packed in record.packed.items():
+        streams = [stream for stream in record.streams if stream.episode == file]
+        known[file] = SetAside(original=record.provenance.inputs[file], packed=packed, streams=streams)
+    left = known.keys() - {str(episode.file) for episode in accepted_episodes(run)}
+    there = [file for file in sorted(left) if (run.root / file).is_file()]
+    return {file: known[file] for file in there if sha256_file(run.root / file) == known[file].packed}

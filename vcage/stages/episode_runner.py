@@ -13,7 +13,6 @@ from typing import Any
 
 import numpy as np
 
-from vcage.base.errors import InputFileError
 from vcage.base.files import RunFolder
 from vcage.base.pictures import write_picture
 from vcage.base.time_limit import TimeIsUp, time_limit
@@ -89,10 +88,6 @@ class EpisodeRunner:
         self._models = context.physical_models(self._scene)
         subtasks = Subtasks.read(run.subtasks)
         kept = {s.id: s for s in subtasks.kept}
-        unknown = sorted({name for chain in subtasks.chains for name in chain.subtasks} - kept.keys())
-        if unknown:
-            message = f"{run.subtasks} has chains of {', '.join(unknown)}, which it does not keep"
-            raise InputFileError(message, hint="mend it", maker="search_subtasks")
         self._chains = [_Work.of(chain, kept, self._scene, run, context) for chain in subtasks.chains]
 
     def one(self, index: int, folder: Path) -> tuple[Episode, list[Attempt]]:

@@ -14,6 +14,7 @@ from vcage.base.keeper import Keeper
 from vcage.schema.episodes import Attempt, CriticCounts, Episode, Episodes
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Subtasks
+from vcage.stages.edits import sealed
 from vcage.stages.stage import Job, StageResult
 
 logger = logging.getLogger(__name__)
@@ -79,7 +80,7 @@ class EpisodeStore:
         self._attempts = sorted([*self._attempts, *attempts], key=lambda one: one.episode)
         lines = [attempt.model_dump_json() + "\n" for attempt in self._attempts]
         write_text(log_path(self.folder), "".join(lines))
-        self._record().write(self._index)
+        sealed(self._record(), self._index).write(self._index)
 
     def finish(self) -> Episodes:
         """Make the folder the stage's output."""

@@ -6,7 +6,7 @@ LeRobot gets the compressed videos as they are; another codec is encoded from th
 from __future__ import annotations
 
 import shutil
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
@@ -32,8 +32,10 @@ from vcage.datasets.robotwin import export_robotwin
 from vcage.schema.base import Provenance
 from vcage.schema.compression import Compression
 from vcage.schema.export import Export, ExportedDataset
-from vcage.stages.compress import accepted_episodes, clips_of
+from vcage.stages.accepted import accepted_episodes, decided_by
+from vcage.stages.compress import clips_of
 from vcage.stages.context import StageContext
+from vcage.stages.edits import refuse
 from vcage.stages.raw_pictures import originals, require_raw
 from vcage.stages.stage import Job, StageOptions, StageResult, stage_seed
 from vcage.video.choices import LOSSLESS
@@ -84,7 +86,7 @@ def job(run: RunFolder, options: Options, _context: StageContext) -> Job:
     return Job(
         run=run,
         output=run.export,
-        inputs=[run.episodes, run.compression, *episodes, *videos],
+        inputs=[*decided_by(run), run.compression, *episodes, *videos],
         seed=stage_seed(run, options.seed),
         options={"formats": list(options.formats), "codec": options.codec, "crf": options.crf},
         stand_for=originals(run),
@@ -120,6 +122,15 @@ def execute(
     result = stage.do(Export, make, force=options.force)
     shutil.rmtree(run.root / WORKING, ignore_errors=True)  # not before the stage is whole: a search takes long
     return result
+
+
+def take_over(run: RunFolder, folder: Path, edited: Collection[str], context: StageContext) -> Export:
+    """Nothing: the record tells what was made, and there is nothing in it to decide.
+
+    Raises:
+        InputFileError: always.
+    """
+    refuse(run.export, "(any)", f"{', '.join(edited)} was changed by hand", "what export wrote there")
 
 
 def find_footage(run: RunFolder, options: Options, progress: Progress = silent) -> Footage:

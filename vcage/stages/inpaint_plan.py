@@ -10,6 +10,7 @@ examples:
 
 from __future__ import annotations
 
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
@@ -22,14 +23,20 @@ from vcage.base.files import RunFolder, sha256_file
 from vcage.base.options import UNSAID
 from vcage.base.pictures import read_picture, write_picture
 from vcage.base.progress import Progress, silent
+from vcage.layout.items import TableItem
+from vcage.matching.match import ScenePictures
 from vcage.models.llm_editor import edit_complaint
 from vcage.models.protocols import EditRequest
 from vcage.schema.base import Provenance
-from vcage.schema.plan import Plan
+from vcage.schema.plan import LayoutPlan, Plan
 from vcage.schema.scene import Scene
 from vcage.stages.context import StageContext
-from vcage.stages.inputs import plan_check, read_pictures
+from vcage.stages.edits import refuse
+from vcage.stages.inputs import plan_check, read_pictures, read_plan
 from vcage.stages.stage import Job, ModelOptions, StageResult, stage_seed
+
+TARGET = "target.png"
+"""The picture, beside the plan."""
 
 GIVEN = "file"
 """Provider of a picture that was edited elsewhere."""
@@ -90,22 +97,15 @@ def execute(run: RunFolder, options: Options, context: StageContext, progress: P
         items = context.capacities(scene)
         check = plan_check(scene, items)
         plan = context.models.reasoner.plan_layout(scene, context.catalogue, stage.rng(), check)
-        request = EditRequest(
-            picture=pictures.source,
-            background=pictures.background,
-            segmentation=pictures.segmentation,
-            scene=scene,
-            plan=plan,
-            items=items,
-        )
+        request = _request(scene, pictures, plan, items)
         target = context.models.editor.rearrange(request) if options.target is None else _given(options.target, request)
-        write_picture(folder / "target.png", target)
+        write_picture(folder / TARGET, target)
         return Plan(
             provenance=provenance,
             instruction=scene.instruction,
             text=plan.text,
             relations=plan.relations,
-            target=stage.inside("target.png"),
+            target=stage.inside(TARGET),
             checks=_solvable(request),
             notes=_notes(request),
         )
@@ -124,6 +124,44 @@ def _given(path: Path, request: EditRequest) -> np.ndarray:
     if complaint:
         raise InputFileError(f"{path} is no edit of place/source.png: {complaint}", hint="edit that picture")
     return picture
+
+
+def take_over(run: RunFolder, folder: Path, edited: Collection[str], context: StageContext) -> Plan:
+    """L as it was edited by hand; its picture is drawn again unless that was edited too.
+
+    Raises:
+        InputFileError: the plan is not possible, or the picture is none.
+        ModelRefused: the editor refuses.
+        InfeasibleScene: the offline editor cannot show every object in the planned layout.
+    """
+    scene = Scene.read(run.scene)
+    plan = read_plan(run, scene, context)
+    there = run.relative(run.plan.parent / TARGET)
+    if plan.target != there:
+        refuse(run.plan, "target", repr(plan.target), f"{there!r}, where the picture can be edited")
+    if TARGET in edited:
+        read_picture(run.root / there)
+    if run.plan.name not in edited:
+        return plan
+    said = LayoutPlan(text=plan.text, relations=plan.relations)
+    request = _request(scene, read_pictures(run, scene), said, context.capacities(scene))
+    found: dict[str, Any] = {"checks": _solvable(request), "notes": _notes(request)}
+    if TARGET not in edited:
+        write_picture(folder / TARGET, context.models.editor.rearrange(request))
+        drawn_by = plan.provenance.providers | context.models.providers("editor")
+        found["provenance"] = plan.provenance.model_copy(update={"providers": drawn_by})
+    return plan.model_copy(update=found)
+
+
+def _request(scene: Scene, pictures: ScenePictures, plan: LayoutPlan, items: Mapping[str, TableItem]) -> EditRequest:
+    return EditRequest(
+        picture=pictures.source,
+        background=pictures.background,
+        segmentation=pictures.segmentation,
+        scene=scene,
+        plan=plan,
+        items=items,
+    )
 
 
 def _solvable(request: EditRequest) -> dict[str, Any]:

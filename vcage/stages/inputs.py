@@ -36,7 +36,7 @@ def read_plan(run: RunFolder, scene: Scene, context: StageContext) -> Plan:
             f"{run.plan} is not possible: {'; '.join(complaints)}",
             hint="mend its relations",
             maker="inpaint_plan",
-            details={"problems": complaints},
+            details={"path": str(run.plan), "field": "relations", "problems": complaints},
         )
     return plan
 

@@ -11,7 +11,7 @@ examples:
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
@@ -29,10 +29,11 @@ from vcage.models.registry import DETECTORS, EMBEDDERS, split_weights
 from vcage.plans.kept import Kept, relations_kept
 from vcage.schema.base import Box, Provenance, box_record
 from vcage.schema.matches import Match, Matches
+from vcage.schema.plan import Plan
 from vcage.schema.scene import Scene
 from vcage.sim.drawer import ModelDrawer
 from vcage.stages.context import StageContext
-from vcage.stages.inputs import read_pictures, read_plan
+from vcage.stages.inputs import read_matches, read_pictures, read_plan
 from vcage.stages.stage import Job, ModelOptions, StageResult, stage_seed
 
 logger = logging.getLogger(__name__)
@@ -119,7 +120,7 @@ def execute(
             Recogniser(context.models.detector, context.models.embedder, options.threshold),
             Looks({o.id: context.symmetry(o) for o in scene.objects}, ModelDrawer(context.physical_models(scene))),
         )
-        shown = relations_kept(plan.relations, _boxes(scene, found.matches, context), scene.table)
+        shown = _shown(scene, plan, found.matches, context)
         notes = found.notes + _doubts(found.matches, shown)
         for note in notes:
             logger.warning("%s", note)
@@ -131,10 +132,31 @@ def execute(
             unclaimed=found.unclaimed,
             overlay=stage.inside("overlay.png"),
             notes=notes,
-            checks={"relations_shown": round(shown.share, 4), "relations_not_shown": shown.sentences},
+            checks=_checks(shown),
         )
 
     return stage.do(Matches, make, force=options.force)
+
+
+def take_over(run: RunFolder, folder: Path, edited: Collection[str], context: StageContext) -> Matches:
+    """The matches as they were edited by hand. The overlay shows what was found, not what was made of it.
+
+    Raises:
+        InputFileError: they are not possible.
+    """
+    scene = Scene.read(run.scene)
+    matches = read_matches(run, scene)
+    shown = _shown(scene, read_plan(run, scene, context), matches.matches, context)
+    return matches.model_copy(update={"checks": _checks(shown)})
+
+
+def _shown(scene: Scene, plan: Plan, matches: list[Match], context: StageContext) -> Kept:
+    """How much of the plan the objects keep where they were matched."""
+    return relations_kept(plan.relations, _boxes(scene, matches, context), scene.table)
+
+
+def _checks(shown: Kept) -> dict[str, Any]:
+    return {"relations_shown": round(shown.share, 4), "relations_not_shown": shown.sentences}
 
 
 def _boxes(scene: Scene, matches: list[Match], context: StageContext) -> dict[str, Box]:

@@ -11,7 +11,7 @@ examples:
 from __future__ import annotations
 
 import logging
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Annotated, Any
@@ -32,7 +32,7 @@ from vcage.layout.optimize import LayoutOptions, LayoutResult, displacement_summ
 from vcage.layout.picture import draw_layout
 from vcage.layout.placement.reach import reach_for
 from vcage.plans.kept import Kept, relations_kept_in
-from vcage.schema.base import PoseRecord, Provenance, box_record
+from vcage.schema.base import Provenance
 from vcage.schema.matches import Matches
 from vcage.schema.plan import TABLE, Plan
 from vcage.schema.scene import ObjectRecord, Scene
@@ -41,6 +41,7 @@ from vcage.sim.robots import load_robot
 from vcage.sim.world import World
 from vcage.stages.context import StageContext
 from vcage.stages.inputs import read_matches, read_plan
+from vcage.stages.possible import possible_scene, settled_record
 from vcage.stages.stability import moved_objects, settle_checks
 from vcage.stages.stage import Job, StageOptions, StageResult, stage_seed
 from vcage.tasks.scene_objects import SceneObject
@@ -126,7 +127,7 @@ def execute(run: RunFolder, options: Options, context: StageContext, progress: P
             LayoutOptions(options.weights, options.margin, options.restarts),
         )
         poses = {key: Pose.from_yaw(position, yaws[key]) for key, position in result.positions.items()}
-        targets = {m.object: Pose.from_yaw([*m.position, scene.table.height], m.yaw) for m in matches.matches}
+        targets = _targets(scene, matches)
         write_picture(folder / "layout.png", _drawing(scene, context, targets, poses))
         settled, picture = _rebuild(_with_poses(scene, context, poses, result), context)
         write_picture(folder / "top.png", picture)
@@ -141,11 +142,42 @@ def execute(run: RunFolder, options: Options, context: StageContext, progress: P
     return stage.do(Scene, make, force=options.force)
 
 
+def take_over(run: RunFolder, folder: Path, edited: Collection[str], context: StageContext) -> Scene:
+    """S* as it was edited by hand: as it settles, with pictures and figures of that. What the optimisation found is not
+    said of it any more.
+
+    Raises:
+        InputFileError: it is not possible.
+    """
+    scene = Scene.read(run.layout)
+    if run.layout.name not in edited:
+        return scene
+    settled = possible_scene(run.layout, scene, context)
+    look = context.appearance(scene.table.texture)
+    world = World.of_scene(settled, context.physical_models(settled), appearance=look, render=True)
+    write_picture(folder / "top.png", shoot(world, scene.top_camera))
+    if not run.matches.exists():  # a sub-task that is run by itself has no plan
+        return settled
+    targets = _targets(scene, read_matches(run, scene))
+    poses = {o.id: o.pose.pose() for o in settled.objects}
+    write_picture(folder / "layout.png", _drawing(settled, context, targets, poses))
+    kept = relations_kept_in(settled, read_plan(run, scene, context).relations)
+    return settled.model_copy(update={"checks": {**settled.checks, **_kept(kept)}})
+
+
+def _targets(scene: Scene, matches: Matches) -> dict[str, Pose]:
+    """Where the objects were matched, by id."""
+    return {m.object: Pose.from_yaw([*m.position, scene.table.height], m.yaw) for m in matches.matches}
+
+
+def _kept(kept: Kept) -> dict[str, Any]:
+    return {"relations_kept": round(kept.share, 4), "relations_broken": kept.sentences}
+
+
 def _checks(kept: Kept, result: LayoutResult) -> dict[str, Any]:
     """What the optimisation found, for whoever reads the scene."""
     return {
-        "relations_kept": round(kept.share, 4),
-        "relations_broken": kept.sentences,
+        **_kept(kept),
         "displacement": displacement_summary(result.displaced),
         "cost_before": result.cost_before.total,
         "cost_after": result.cost_after.total,
@@ -201,14 +233,10 @@ def _with_poses(
     scene: Scene, context: StageContext, poses: dict[str, Pose], result: LayoutResult | None = None
 ) -> Scene:
     """The scene with its objects at other poses, and in the containers that the optimisation found."""
-    records = [_moved(o, context, poses[o.id]) for o in scene.objects]
+    records = [settled_record(o, poses[o.id], context) for o in scene.objects]
     if result is not None:
         records = [o.model_copy(update={"container": result.containers[o.id]}) for o in records]
     return scene.model_copy(update={"objects": records, "segmentation_ids": {}, "checks": {}})
-
-
-def _moved(o: ObjectRecord, context: StageContext, pose: Pose) -> ObjectRecord:
-    return o.model_copy(update={"pose": PoseRecord.of(pose), "aabb": box_record(context.asset(o).bounds, pose)})
 
 
 def _rebuild(scene: Scene, context: StageContext) -> tuple[Scene, np.ndarray]:

@@ -62,7 +62,8 @@ def originals(run: RunFolder) -> dict[str, str]:
     made from; none where the run was not compressed."""
     with suppress(InputFileError):
         record = Compression.read(run.compression)
-        return {now: record.provenance.inputs[file] for file, now in record.packed.items()}
+        counted = {now: record.provenance.inputs[file] for file, now in record.packed.items()}
+        return counted | {one.packed: one.original for one in record.set_aside.values()}
     return {}
 
 

@@ -4,16 +4,17 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from vcage.base.errors import DamagedFile
+from vcage.base.errors import DamagedFile, UnknownName
 from vcage.base.files import RunFolder, sha256_file, write_bytes
 from vcage.base.geometry import Pose
 from vcage.objects.library import Library
 from vcage.schema.base import PoseRecord, Provenance, box_record
 from vcage.schema.goals import goal_of
-from vcage.schema.plan import TABLE
 from vcage.schema.scene import ObjectRecord, Scene
 from vcage.schema.subtasks import Chain, Grasp, Subtask, Subtasks
-from vcage.sim.robots import load_robot, load_template
+from vcage.sim.robots import load_template
+from vcage.stages.context import StageContext
+from vcage.stages.possible import possible_scene, require_possible
 from vcage.stages.stage import Job
 from vcage.tasks.synthesis import Script, load_script
 
@@ -27,22 +28,28 @@ def prepare_run(run: RunFolder, path: Path, *, seed: int, force: bool) -> None:
     Raises:
         StaleStage: the folder holds another scene or sub-task, and ``force`` is not set.
         DamagedFile: the script lacks a value that a generated one has.
-        UnknownName: it names an asset that the library does not have.
+        InputFileError: what it says is not possible, see :mod:`vcage.stages.possible`.
     """
-    script = load_script(path)
+    script, context = load_script(path), StageContext()
     values = script.values
     missing = [name for name in NEEDED if name not in values]
     if missing:
         raise DamagedFile(f"{path} defines no {', '.join(missing)}", hint=HINT)
     origin = {"script": sha256_file(path)}
     layout = Job(run=run, output=run.layout, seed=seed, options=origin)
-    scene = layout.do(Scene, lambda _folder, provenance: _scene(script, provenance), force=force).record
+
+    def lay_out(_folder: Path, provenance: Provenance) -> Scene:
+        scene = _scene(script, provenance, context)
+        possible_scene(path, scene, context)
+        return scene  # where it stood when the script was made, to the last digit
+
+    scene = layout.do(Scene, lay_out, force=force).record
     search = Job(run=run, output=run.subtasks, inputs=[run.layout], seed=seed, options=origin)
 
     def make(folder: Path, provenance: Provenance) -> Subtasks:
         write_bytes(folder / path.name, path.read_bytes())
         subtask = _subtask(script, search.inside(path.name))
-        _require_names(subtask, scene, path)
+        require_possible(path, "SUBTASK", subtask, scene, context.objects(scene))
         return Subtasks(
             provenance=provenance,
             instruction=subtask.text,
@@ -55,25 +62,10 @@ def prepare_run(run: RunFolder, path: Path, *, seed: int, force: bool) -> None:
     search.do(Subtasks, make, force=force)
 
 
-def _require_names(subtask: Subtask, scene: Scene, path: Path) -> None:
-    """That the scene has what a sub-task names, and the robot its arms.
-
-    Raises:
-        DamagedFile: names what there is none of.
-    """
-    ids = {o.id for o in scene.objects} | {TABLE, *load_robot(scene.robot).arms}
-    named = [subtask.object, subtask.receptacle, subtask.tool, subtask.grasped, subtask.hand_to]
-    named += [name for goal in (*subtask.goals, *subtask.requires) for name in (goal.subject, goal.reference)]
-    unknown = [name for name in dict.fromkeys([*named, *(g.arm for g in subtask.grasps)]) if name and name not in ids]
-    if unknown:
-        there = ", ".join(sorted(ids))
-        raise DamagedFile(f"{path} names {', '.join(map(repr, unknown))}; there are {there}", hint=HINT)
-
-
-def _scene(script: Script, provenance: Provenance) -> Scene:
+def _scene(script: Script, provenance: Provenance, context: StageContext) -> Scene:
     values = script.values
-    template, library = load_template(values["TEMPLATE"], values["ROBOT"]), Library.load()
     try:
+        template = load_template(values["TEMPLATE"], values["ROBOT"])
         return Scene(
             provenance=provenance,
             instruction=values["TEXT"],
@@ -82,9 +74,9 @@ def _scene(script: Script, provenance: Provenance) -> Scene:
             table=template.table,
             workspace=template.workspace,
             top_camera=template.top_camera,
-            objects=[_object(key, fields, library) for key, fields in values["SCENE"].items()],
+            objects=[_object(key, fields, context.library) for key, fields in values["SCENE"].items()],
         )
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, UnknownName) as error:
         raise _impossible(script, "scene", error) from error
 
 

@@ -10,22 +10,28 @@ examples:
 
 from __future__ import annotations
 
+from collections.abc import Collection, Sequence
 from pathlib import Path
 from typing import Any
 
 from vcage.base.files import RunFolder
 from vcage.base.progress import Progress, silent
+from vcage.plans.planner import Task, complaints
 from vcage.schema.base import Provenance
+from vcage.schema.goals import in_steps
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Subtasks
 from vcage.sim.robots import load_robot
 from vcage.stages.context import StageContext
+from vcage.stages.edits import refuse
+from vcage.stages.possible import require_possible
 from vcage.stages.stage import Job, ModelOptions, StageResult, stage_seed
 from vcage.tasks.ground import Ground
 from vcage.tasks.readiness import ready_for
-from vcage.tasks.search import compose, find_subtasks
+from vcage.tasks.scene_objects import SceneObject
+from vcage.tasks.search import action_of, compose, find_subtasks, initial_state
 from vcage.tasks.slots import slots_for_chain
-from vcage.tasks.synthesis import write_script
+from vcage.tasks.synthesis import load_script, note_python, write_script
 
 Options = ModelOptions
 """The stage has no options of its own."""
@@ -74,6 +80,7 @@ def execute(
         by_id = {subtask.id: subtask for subtask in found.kept}
         for chain in chains:
             slots_for_chain([by_id[i] for i in chain.subtasks], objects, load_robot(scene.robot), ground, rng)
+        note_python()
         for subtask in found.kept:
             write_script(subtask, ready_for(subtask, scene, objects), folder / f"{subtask.id}.py")
         return Subtasks(
@@ -86,3 +93,44 @@ def execute(
         )
 
     return stage.do(Subtasks, make, force=options.force)
+
+
+def take_over(run: RunFolder, folder: Path, edited: Collection[str], context: StageContext) -> Subtasks:
+    """Sub-tasks and chains as they were edited by hand, with new scripts but for those that were edited too.
+
+    Raises:
+        InputFileError: a sub-task is about what there is not, or a chain does not bring about what is asked for.
+        DamagedFile: a script cannot be loaded.
+    """
+    record, scene = Subtasks.read(run.subtasks), Scene.read(run.layout)
+    objects = context.objects(scene)
+    for number, subtask in enumerate(record.kept):
+        require_possible(run.subtasks, f"kept.{number}", subtask, scene, objects)
+        script = f"{subtask.id}.py"
+        if subtask.script != run.relative(run.subtasks.with_name(script)):
+            refuse(run.subtasks, f"kept.{number}.script", repr(subtask.script), repr(f"subtasks/{script}"))
+        if script in edited:
+            load_script(run.root / subtask.script)
+        elif run.subtasks.name in edited:
+            write_script(subtask, ready_for(subtask, scene, objects), folder / script)
+    if record.instruction != scene.instruction:
+        refuse(run.subtasks, "instruction", repr(record.instruction), repr(scene.instruction))
+    _require_proven(run.subtasks, record, scene, objects)
+    return record
+
+
+def _require_proven(path: Path, record: Subtasks, scene: Scene, objects: Sequence[SceneObject]) -> None:
+    """That each chain brings about the goals of the scene, or without any those of its own steps."""
+    kept = {subtask.id: subtask for subtask in record.kept}
+    for number, chain in enumerate(record.chains):
+        steps = [kept[name] for name in chain.subtasks]
+        if scene.goals:
+            task = Task(initial_state(objects), in_steps(scene.goals))
+        else:
+            joints = {o.id: o.joints for o in ready_for(steps[0], scene, objects).objects}
+            ready = [o.moved(o.pose, joints[o.id]) for o in objects]
+            task = Task(initial_state(ready), tuple(frozenset(step.goals) for step in steps))
+        unproven = complaints(task, [action_of(step) for step in steps])
+        unproven += [f"{s.object} is to be left alone" for s in steps if s.object in scene.untouched]
+        if unproven:
+            refuse(path, f"chains.{number}.subtasks", "; ".join(unproven), "a chain that does what is asked, in order")

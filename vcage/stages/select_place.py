@@ -48,8 +48,10 @@ from vcage.sim.cameras import observe, shoot
 from vcage.sim.robots import available, load_template
 from vcage.sim.world import World
 from vcage.stages.context import StageContext
+from vcage.stages.possible import possible_scene
 from vcage.stages.stability import moved_objects, settle_checks
 from vcage.stages.stage import Job, ModelOptions, StageResult
+from vcage.tasks.search import require_way
 
 logger = logging.getLogger(__name__)
 
@@ -142,6 +144,7 @@ def execute(run: RunFolder, options: Options, context: StageContext, progress: P
         NoAssetFits: the catalogue has nothing that the instruction names, or too little of what belongs to the scene.
         UnknownName: it has nothing with a tag or name of what belongs to the scene.
         UnreadInstruction: words of the instruction answer to no goal.
+        NoFeasibleTask: the sizes of the objects rule out a goal, wherever they stand.
         ModelRefused: the reasoner was told what is wrong with its selection and found no better one in its rounds.
         InfeasibleScene: the objects have no place, or do not stay where they are put.
     """
@@ -163,10 +166,25 @@ def execute(run: RunFolder, options: Options, context: StageContext, progress: P
             reading = context.models.reasoner.read_goals(instruction, _kinds(objects, context), lying)
             scene |= {"goals": reading.goals, "untouched": reading.untouched}
         placed = place_until_stable(scene, objects, template, context, rng)
+        require_way(placed, context.objects(placed))
         noted = placed.model_copy(update={"checks": {**placed.checks, "notes": notes}})
         return photograph(noted, context, folder)
 
     return stage.do(Scene, make, force=options.force)
+
+
+def take_over(run: RunFolder, folder: Path, edited: Collection[str], context: StageContext) -> Scene:
+    """M as it was edited by hand: as it settles, with pictures of that.
+
+    Raises:
+        InputFileError: it is not possible.
+    """
+    scene = Scene.read(run.scene)
+    if run.scene.name not in edited:
+        return scene
+    settled = possible_scene(run.scene, scene, context)
+    notes = scene.checks.get("notes", [])
+    return photograph(settled.model_copy(update={"checks": {**settled.checks, "notes": notes}}), context, folder)
 
 
 def _selection(

@@ -25,6 +25,7 @@ from vcage.models.registry import CHOICES, Choice
 from vcage.schema.base import Provenance, StageDocument
 from vcage.schema.scene import Scene
 from vcage.stages.context import StageContext
+from vcage.stages.edits import sealed
 
 logger = logging.getLogger(__name__)
 
@@ -169,7 +170,7 @@ class Job:
         raise StaleStage(
             f"{self.output} is finished, but was made with another {', '.join(changed)}",
             hint="give another run folder",
-            details={"changed": changed},
+            details={"changed": changed, "edited": record.edited},
         )
 
     def _refuse_foreign_files(self) -> None:
@@ -190,8 +191,9 @@ class Job:
             return done
         self.run.make()
         with atomic_folder(self.output.parent) as folder:
-            record = make(folder, provenance)
-            record.write(folder / self.output.name)
+            path = folder / self.output.name
+            record = sealed(make(folder, provenance), path)
+            record.write(path)
         return StageResult(record, self.output, fresh=True)
 
     def inside(self, name: str) -> str:

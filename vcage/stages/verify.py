@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 import re
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -16,11 +16,12 @@ from vcage.base.files import RunFolder
 from vcage.base.pictures import read_picture, write_picture
 from vcage.base.progress import Progress, silent
 from vcage.schema.base import Provenance
-from vcage.schema.episodes import Attempt, Difference, Episodes, SingleVerdict, Verdict, Verdicts
+from vcage.schema.episodes import Attempt, Difference, Episode, Episodes, SingleVerdict, Verdict, Verdicts
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Subtask, Subtasks
 from vcage.stages.context import StageContext
 from vcage.stages.differences import draw_difference
+from vcage.stages.edits import refuse
 from vcage.stages.episode_store import background_name, confusion, log_path, read_log
 from vcage.stages.question import TOP, Asking, verdict
 from vcage.stages.stage import Job, ModelOptions, StageResult, stage_seed
@@ -48,10 +49,10 @@ def job(run: RunFolder, options: Options, context: StageContext) -> Job:
 
 def summary(record: Verdicts) -> dict[str, Any]:
     """A few facts for whoever ran the stage."""
-    verified = sum(all(v.accepted for v in verdicts) for verdicts in record.episodes.values())
     return {
         "episodes": len(record.episodes),
-        "verified": verified,
+        "verified": len(record.episodes) - len(record.refused),
+        "refused": record.refused,
         "taken_over": record.taken_over,
         "critic": record.critic.model_dump(mode="json"),
         "earlier_critic": record.earlier_critic.model_dump(mode="json"),
@@ -82,6 +83,29 @@ def execute(
     return stage.do(Verdicts, make, force=options.force)
 
 
+def take_over(run: RunFolder, folder: Path, edited: Collection[str], context: StageContext) -> Verdicts:
+    """The verdicts as they were edited by hand.
+
+    Raises:
+        InputFileError: they are not one for each sub-task of each accepted episode.
+    """
+    record = Verdicts.read(run.verdicts)
+    accepted = {_named(e): len(e.subtasks) for e in Episodes.read(run.episodes).episodes if e.accepted}
+    if record.episodes.keys() != accepted.keys():
+        refuse(run.verdicts, "episodes", f"{', '.join(record.episodes) or 'none'}", f"{', '.join(accepted) or 'none'}")
+    for name, said in record.episodes.items():
+        if len(said) != accepted[name]:
+            refuse(
+                run.verdicts, f"episodes.{name}", f"{len(said)} verdicts", f"{accepted[name]}, one for each sub-task"
+            )
+    return record
+
+
+def _named(episode: Episode) -> str:
+    """What the verdicts call an episode."""
+    return episode.file or f"episode {episode.index}"
+
+
 def _judged(run: RunFolder, judge: _Judge, folder: Path, provenance: Provenance, progress: Progress) -> Verdicts:
     """Judge every verified sub-task, without whose pictures there is an error, and every other attempt that can be."""
     accepted = [episode for episode in Episodes.read(run.episodes).episodes if episode.accepted]
@@ -106,7 +130,7 @@ def _judged(run: RunFolder, judge: _Judge, folder: Path, provenance: Provenance,
     again = [attempt.model_copy(update={"verdict": said[question.pictures]}) for attempt, question in kept]
     return Verdicts(
         provenance=provenance,
-        episodes={e.file or f"episode {e.index}": [said[tuple(v.pictures)] for v in e.verdicts] for e in accepted},
+        episodes={_named(e): [said[tuple(v.pictures)] for v in e.verdicts] for e in accepted},
         taken_over=judge.taken_over,
         critic=confusion(again),
         earlier_critic=confusion([attempt for attempt, _ in kept]),

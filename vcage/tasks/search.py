@@ -104,6 +104,38 @@ def sensible(
     return accepted, refused, sum(proposal.candidates for proposal in proposals)
 
 
+def require_way(scene: Scene, objects: Sequence[SceneObject]) -> None:
+    """Nothing, unless sizes rule out a goal of the scene wherever its objects stand.
+
+    Args:
+        scene: with its goals.
+        objects: of the scene.
+
+    Raises:
+        NoFeasibleTask: names each such goal with its words, and why.
+    """
+    asked = [one.goal for one in scene.goals]
+    found, refused, _ = sensible(objects, _all_sensible, asked)
+    able = {goal for proposal in found for goal in proposal.goals}
+    ruled_out = {}
+    for one in scene.goals:
+        reasons = list(dict.fromkeys(refusal.reason for refusal in refused if _is_about(refusal, one.goal)))
+        if one.goal not in able and reasons:
+            ruled_out[str(one.goal)] = (one.words, reasons)
+    if ruled_out:
+        told = [f"{goal} ({words!r}): {', '.join(reasons[:3])}" for goal, (words, reasons) in ruled_out.items()]
+        raise NoFeasibleTask(
+            f"wherever the objects stand, nothing can bring about {'; '.join(told)}",
+            hint="ask for a smaller thing, or for a place with more room; another --seed does not help",
+            details={"missing": list(ruled_out), "reasons": [r for _, reasons in ruled_out.values() for r in reasons]},
+        )
+
+
+def _all_sensible(questions: Sequence[PairQuestion]) -> list[PairAnswer]:
+    """A judge that leaves it to the one who is asked later."""
+    return [PairAnswer(object=q.object, receptacle=q.receptacle, sensible=True, reason="not asked") for q in questions]
+
+
 def compose(
     scene: Scene, objects: Sequence[SceneObject], kept: Sequence[Subtask], refused: Sequence[Refusal]
 ) -> list[Chain]:

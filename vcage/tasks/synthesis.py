@@ -7,8 +7,10 @@ are rendered into the template.
 from __future__ import annotations
 
 import ast
+import contextlib
 import functools
 import runpy
+import sys
 import traceback
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -17,8 +19,8 @@ from typing import Any
 
 import jinja2
 
-from vcage.base.errors import DamagedFile, MissingStage, UnknownName
-from vcage.base.files import write_text
+from vcage.base.errors import DamagedFile, MissingStage, UnknownName, VcageError
+from vcage.base.files import cache_path, write_text
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Subtask
 from vcage.tasks.templates import TEMPLATES
@@ -53,6 +55,12 @@ def write_script(subtask: Subtask, scene: Scene, path: Path) -> Path:
     write_text(path, render_script(subtask, scene))
     path.chmod(0o755)
     return path
+
+
+def note_python() -> None:
+    """Note in the user's cache by which Python scripts are run: one that lies anywhere finds it there, by any other."""
+    with contextlib.suppress(VcageError, OSError):  # a cache that cannot be written
+        write_text(cache_path("python"), f"{sys.executable}\n")
 
 
 @dataclass(frozen=True)

@@ -139,6 +139,24 @@ def test_what_two_critics_differ_about_is_shown_with_both_counted(finished, tmp_
         assert words in page.text
 
 
+def test_an_episode_that_verify_refuses_is_not_counted_and_tells_why(finished, tmp_path):
+    run = copied(finished.run, tmp_path / "run")
+    verdicts = read_json(run.verdicts)
+    for said in verdicts["episodes"].values():
+        said[0] |= {"accepted": False, "reason": "it lies on the rim"}
+    write_json(run.verdicts, verdicts)
+    page = Page(write_report(run).read_text(encoding="utf-8"))
+    episodes = Episodes.read(run.episodes).episodes
+    assert "refused by verify" in page.text and "it lies on the rim" in page.text
+    assert f"0 / {len(episodes)}" in page.text and page.of("video") == []
+
+
+def test_what_was_edited_by_hand_is_named(finished, tmp_path):
+    run = copied(finished.run, tmp_path / "run")
+    write_json(run.matches, {**read_json(run.matches), "edited": ["matches.json"]})
+    assert "matches.json" in write_report(run).read_text(encoding="utf-8").rpartition("edited by hand")[2]
+
+
 def test_critics_that_agree_are_said_to(page):
     assert "Judged again by offline" in page.text and "The two differ on none of them." in page.text
 

@@ -15,7 +15,7 @@ import cv2
 import jinja2
 
 from vcage.apps.report.previews import previews
-from vcage.base.errors import MissingStage
+from vcage.base.errors import MissingStage, StaleStage
 from vcage.base.files import RunFolder, recover, write_text
 from vcage.base.version import __version__
 from vcage.models.kept import Exchanges
@@ -28,6 +28,7 @@ from vcage.schema.matches import Matches
 from vcage.schema.plan import Plan
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Subtasks
+from vcage.stages.accepted import refusals
 from vcage.stages.episode_store import read_log
 from vcage.stages.running import read_timings
 
@@ -59,11 +60,10 @@ def write_report(run: RunFolder) -> Path:
 
 def report_shows(run: RunFolder) -> bool:
     """Whether the page of a run is there and younger than all that it shows."""
-    shown = [run.scene, run.plan, run.matches, run.layout, run.subtasks, run.episodes, run.verdicts, run.compression]
     if not run.report.exists():
         return False
     made = run.report.stat().st_mtime_ns
-    return all(path.stat().st_mtime_ns < made for path in [*shown, run.export] if path.exists())
+    return all(path.stat().st_mtime_ns < made for path in run.documents if path.exists())
 
 
 def _context(run: RunFolder) -> dict[str, Any]:
@@ -84,6 +84,7 @@ def _context(run: RunFolder) -> dict[str, Any]:
         "export": _read(run.export, Export),
     }
     rejections = [a for a in read_log(run.episodes.parent) if not a.accepted] if episodes else []
+    cards = _episode_cards(run, episodes)
     return {
         **documents,
         "kept": relations_kept_in(layout, plan.relations) if plan and layout else None,
@@ -92,14 +93,15 @@ def _context(run: RunFolder) -> dict[str, Any]:
         "title": scene.instruction or f"Every sub-task of {scene.template}",
         "name": run.root.name,
         "pictures": _stage_pictures(run),
-        "cards": _episode_cards(run, episodes),
+        "cards": cards,
+        "counted": [card for card in cards if card["accepted"]],
         "previewed": PREVIEWED,
         "rejections": rejections,
         "refused": [_verdict_card(run, a.verdict, a.subtask) for a in rejections if a.verdict],
         "differences": [_difference_card(run, found) for found in judged_again.differences] if judged_again else [],
         "timings": read_timings(run),
         "exchanges": Exchanges(run.root / "exchanges").all(),
-        "provenances": [d.provenance for d in documents.values() if d is not None],
+        "documents": [d for d in documents.values() if d is not None],
         "refusals": Counter(r.reason for r in subtasks.refused).most_common() if subtasks else [],
     }
 
@@ -128,15 +130,31 @@ def _stage_pictures(run: RunFolder) -> list[dict[str, str]]:
 
 def _episode_cards(run: RunFolder, episodes: Episodes | None) -> list[dict[str, Any]]:
     shown = episodes.episodes if episodes else []
-    seen = [e for e in shown if e.accepted and e.file and (run.root / e.file).is_file()][:PREVIEWED]
+    refused = _refused_by_verify(run)
+    seen = [e for e in shown if e.accepted and e.file and e.file not in refused and (run.root / e.file).is_file()]
+    seen = seen[:PREVIEWED]
     videos = previews([(run.root / str(e.file), e.fps) for e in seen])
     by_index = {e.index: video for e, video in zip(seen, videos, strict=True)}
-    return [_episode_card(run, episode, by_index.get(episode.index)) for episode in shown]
+    return [_episode_card(run, e, by_index.get(e.index), refused.get(e.file or "")) for e in shown]
 
 
-def _episode_card(run: RunFolder, episode: Episode, video: str | None) -> dict[str, Any]:
+def _refused_by_verify(run: RunFolder) -> dict[str, str]:
+    """File → why the episode does not count; what verify says of other episodes than there are now is of no use."""
+    try:
+        return refusals(run)
+    except StaleStage:
+        return {}
+
+
+def _episode_card(run: RunFolder, episode: Episode, video: str | None, refused: str | None) -> dict[str, Any]:
     judged = zip(episode.verdicts, episode.subtasks, strict=True)
-    return {"episode": episode, "video": video, "verdicts": [_verdict_card(run, v, s) for v, s in judged]}
+    return {
+        "episode": episode,
+        "accepted": episode.accepted and refused is None,
+        "why_not": refused if episode.accepted else episode.reason,
+        "video": video,
+        "verdicts": [_verdict_card(run, v, s) for v, s in judged],
+    }
 
 
 def _verdict_card(run: RunFolder, verdict: Verdict, subtask: str) -> dict[str, Any]:

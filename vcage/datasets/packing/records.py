@@ -7,7 +7,7 @@ from typing import TypeVar
 
 from vcage.datasets.packing.settings import CompressionSettings
 from vcage.schema.base import Provenance
-from vcage.schema.compression import CameraCompression, Compression, Encoding, VideoStream
+from vcage.schema.compression import CameraCompression, Compression, Encoding, SetAside, VideoStream
 from vcage.video.codec import is_rgb
 from vcage.video.encoders import CODECS, encoder_version
 from vcage.video.jod import metric_version
@@ -21,6 +21,7 @@ def compression_record(
     streams: Sequence[VideoStream],
     notes: Mapping[str, Sequence[str]] | None = None,
     packed: Mapping[str, str] | None = None,
+    set_aside: Mapping[str, SetAside] | None = None,
 ) -> Compression:
     """The record of streams that were all made with the same settings.
 
@@ -29,7 +30,7 @@ def compression_record(
         settings: how the streams were made.
         streams: at least one.
         notes: recording → what a user must know of it.
-        packed: of a run, see :class:`Compression`.
+        packed, set_aside: of a run, see :class:`Compression`.
     """
     cameras = sorted({stream.camera for stream in streams})
     return Compression(
@@ -39,6 +40,7 @@ def compression_record(
         streams=list(streams),
         notes={name: list(texts) for name, texts in (notes or {}).items() if texts},
         packed=dict(packed or {}),
+        set_aside=dict(set_aside or {}),
         reduction_raw=_reduction(streams, "raw_bytes"),
         reduction_jpeg=_reduction(streams, "jpeg_bytes"),
         reduction_stored=_reduction(streams, "stored_bytes"),

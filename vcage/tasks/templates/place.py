@@ -124,7 +124,7 @@ class Pair(Proposal):
         """The receptacle as it must be before something is put there: the drawer or lid that keeps it in is open."""
         return opened_for(self.receptacle, self.point.id)
 
-    @cached_property
+    @property
     def goals(self) -> list[Goal]:
         """What it would bring about, what it is for first."""
         return list(dict.fromkeys([self.goal, lying(self.thing, self.receptacle, self.point)]))

@@ -37,6 +37,11 @@ class Proposal(ABC):
         """How many ways there are to try it: one for each contact point that the object is carried by."""
         return len(self.thing.asset.annotation.carrying_points)
 
+    @property
+    def goals(self) -> list[Goal]:
+        """What it would bring about, what it is for first."""
+        return [self.goal]
+
     def impossible(self) -> Refusal | None:
         """The refusal of what can be ruled out without asking anyone; None for what cannot."""
         return None

@@ -1,0 +1,47 @@
+"""Which episodes of a run count: what collect accepted, and verify has not refused since.
+
+A refused episode stays on disk where it is, and is left out of all that follows.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from vcage.base.errors import StaleStage
+from vcage.base.files import RunFolder, sha256_file
+from vcage.schema.episodes import Episode, Episodes, Verdicts
+
+
+def accepted_episodes(run: RunFolder) -> list[Episode]:
+    """The episodes that count, which have a file; none when nothing was collected yet.
+
+    Raises:
+        StaleStage: verify judged other episodes than there are now.
+        DamagedFile, SchemaMismatch: what was collected, or judged, cannot be read.
+    """
+    collected = Episodes.read(run.episodes).episodes if run.episodes.exists() else []
+    refused = refusals(run)
+    return [e for e in collected if e.accepted and e.file is not None and e.file not in refused]
+
+
+def refusals(run: RunFolder) -> dict[str, str]:
+    """File of an episode that collect accepted → why verify refuses it; none where verify has not looked.
+
+    Raises:
+        StaleStage, DamagedFile, SchemaMismatch: see :func:`accepted_episodes`.
+    """
+    if not run.verdicts.exists() or not run.episodes.exists():
+        return {}
+    verdicts, judged = Verdicts.read(run.verdicts), run.relative(run.episodes)
+    if verdicts.provenance.inputs.get(judged) != sha256_file(run.episodes):
+        raise StaleStage(
+            f"{run.verdicts} judges other episodes than {run.episodes} has now",
+            hint="run verify with --force first",
+            details={"changed": [f"input {judged}"]},
+        )
+    return verdicts.refused
+
+
+def decided_by(run: RunFolder) -> list[Path]:
+    """The files that say which episodes count: inputs of whatever takes these."""
+    return [run.episodes, *([run.verdicts] if run.verdicts.exists() else [])]

@@ -1,0 +1,208 @@
+"""Whether a scene that was written or edited by hand is possible: as strict as the stages are with their own."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Collection, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from vcage.base.errors import UnknownName
+from vcage.base.geometry import Pose
+from vcage.schema.base import PoseRecord, box_record
+from vcage.schema.goals import Goal
+from vcage.schema.plan import TABLE
+from vcage.schema.scene import ObjectRecord, Scene
+from vcage.schema.subtasks import Subtask
+from vcage.sim.bodies import Body
+from vcage.sim.collision import TOLERANCE, overlapping
+from vcage.sim.robots import load_robot, load_template
+from vcage.sim.world import World
+from vcage.stages.context import StageContext
+from vcage.stages.edits import refuse
+from vcage.stages.stability import MAX_DRIFT, MAX_TILT, moved_objects, settle_checks
+from vcage.tasks.pushing import HEADINGS
+from vcage.tasks.scene_objects import SceneObject
+from vcage.tasks.truth import resting_point
+
+ROUNDING = 1e-6
+"""Metres by which a joint may be outside its range, and an object beyond the table's edge."""
+
+
+def possible_scene(path: Path, scene: Scene, context: StageContext) -> Scene:
+    """The scene as it settles in the simulator, with boxes and checks of that.
+
+    Args:
+        path: the file that it was read from.
+        scene: what it says.
+        context: the library.
+
+    Raises:
+        InputFileError: an asset, robot or object that there is not; a part beyond its range; objects that overlap, are
+            not on the table, do not stay where they are put, or lie in other things than is said. Names the file, the
+            field, and what was expected.
+    """
+    _require_known(path, scene, context)
+    objects = context.objects(scene)
+    _require_joints(path, objects)
+    _require_goals(path, scene, objects)
+    _require_on_table(path, scene, objects)
+    numbers = {o.id: number for number, o in enumerate(objects)}
+    for first, second in overlapping({o.id: Body(o.asset.model, o.pose, o.joints) for o in objects}):
+        refuse(
+            path,
+            f"objects.{numbers[second]}.pose",
+            f"{second} overlaps {first} by more than {1000 * TOLERANCE:.0f} mm",
+            "a pose that is free",
+        )
+    world = World.of_scene(scene, context.physical_models(scene))
+    report = world.settle()
+    for name in [*moved_objects(report), *report.fallen]:
+        drift, tilt = 1000 * report.drift_m[name], np.degrees(report.tilt_rad[name])
+        refuse(
+            path,
+            f"objects.{numbers[name]}.pose",
+            f"{name} does not stay there: it moves by {drift:.0f} mm and {tilt:.0f}° when it is let go",
+            f"a pose in which it moves by less than {1000 * MAX_DRIFT:.0f} mm and {np.degrees(MAX_TILT):.0f}°",
+        )
+    if not report.settled:
+        refuse(path, "objects", "they do not come to rest", "poses in which they do")
+    poses = world.object_poses()
+    records = [settled_record(o, poses[o.id], context) for o in scene.objects]
+    settled = scene.model_copy(update={"objects": records, "checks": settle_checks(report)})
+    _require_containers(path, context.objects(settled))
+    return settled
+
+
+def settled_record(o: ObjectRecord, pose: Pose, context: StageContext) -> ObjectRecord:
+    """An object at another pose, with the box that it has there."""
+    return o.model_copy(update={"pose": PoseRecord.of(pose), "aabb": box_record(context.asset(o).bounds, pose)})
+
+
+def _require_known(path: Path, scene: Scene, context: StageContext) -> None:
+    """That there are the template, the robot, and every asset and variant."""
+    try:
+        load_template(scene.template)
+    except UnknownName as error:
+        refuse(path, "template", repr(scene.template), _one_of(scene.template, error.details["available"]))
+    try:
+        load_robot(scene.robot)
+    except UnknownName as error:
+        refuse(path, "robot", repr(scene.robot), _one_of(scene.robot, error.details["available"]))
+    for number, o in enumerate(scene.objects):
+        try:
+            context.asset(o)
+        except UnknownName as error:
+            name, known = error.details["name"], error.details["available"]
+            field = "asset" if error.details["what"] == "asset" else "variant"
+            refuse(path, f"objects.{number}.{field}", repr(name), _one_of(name, known))
+
+
+def _one_of(name: str, known: Collection[str]) -> str:
+    near = difflib.get_close_matches(name, known, n=3) or sorted(known)[:12]
+    return f"{', '.join(near)}{' or another of those that there are' if len(near) < len(known) else ''}"
+
+
+def _all_of(objects: Sequence[SceneObject]) -> str:
+    """What goals may be about."""
+    parts = [f"{o.id}/{link.name}" for o in objects for link in o.asset.model.links]
+    return f"what there is: {', '.join([*(o.id for o in objects), *parts])}"
+
+
+def _require_joints(path: Path, objects: Sequence[SceneObject]) -> None:
+    for number, o in enumerate(objects):
+        links = o.asset.model.links
+        if o.joints and len(o.joints) != len(links):
+            refuse(path, f"objects.{number}.joints", f"{len(o.joints)} positions", f"{len(links)}, one for each part")
+        for link, position in zip(links, o.joints, strict=False):
+            lower, upper = link.joint.lower, link.joint.upper
+            if not lower - ROUNDING <= position <= upper + ROUNDING:
+                range_of = f"one from {lower:g} to {upper:g} of its {link.name}"
+                refuse(path, f"objects.{number}.joints", f"{position:g}", range_of)
+
+
+def _require_goals(path: Path, scene: Scene, objects: Sequence[SceneObject]) -> None:
+    """That goals, and what is to be left alone, are about what there is."""
+    by_id = {o.id: o for o in objects}
+    for number, asked in enumerate(scene.goals):
+        unknown = strangers(asked.goal, by_id, load_robot(scene.robot).arms)
+        if unknown:
+            refuse(path, f"goals.{number}.goal", f"there is no {unknown}", _all_of(objects))
+    for number, name in enumerate(scene.untouched):
+        if name not in by_id:
+            refuse(path, f"untouched.{number}", repr(name), _one_of(name, by_id))
+
+
+def strangers(goal: Goal, objects: dict[str, SceneObject], arms: Collection[str]) -> str | None:
+    """The first thing or part that a goal names and the scene does not have; None where it has all."""
+    if goal.subject not in objects:
+        return goal.subject
+    if goal.reference is not None and goal.reference not in {*objects, TABLE, *arms}:
+        return goal.reference
+    owner = objects.get(goal.reference or "", objects[goal.subject])
+    parts = {link.name for thing in (owner, objects[goal.subject]) for link in thing.asset.model.links}
+    return goal.part if goal.part is not None and goal.part not in parts else None
+
+
+def _require_on_table(path: Path, scene: Scene, objects: Sequence[SceneObject]) -> None:
+    lower, upper = scene.table.rectangle
+    for number, o in enumerate(objects):
+        low, high = o.aabb[:, :2]
+        beyond = float(np.max([lower - low, high - upper]))
+        if beyond > ROUNDING:
+            refuse(
+                path,
+                f"objects.{number}.pose",
+                f"{o.id} reaches {100 * beyond:.1f} cm beyond the table's edge",
+                f"all of it from {tuple(lower.tolist())} to {tuple(upper.tolist())}",
+            )
+
+
+def _require_containers(path: Path, objects: Sequence[SceneObject]) -> None:
+    """That ``container`` names what each object lies in or on, which is what goals and plans start from."""
+    for number, o in enumerate(objects):
+        bearers = [other.id for other in objects if other is not o and resting_point(o, other) is not None]
+        named = o.record.container
+        if (named is None and bearers) or (named is not None and named not in bearers):
+            found = f"{named!r}, but {o.id} lies in or on {' or '.join(bearers) or 'no object'}"
+            refuse(path, f"objects.{number}.container", found, " or ".join(map(repr, bearers)) or "null")
+
+
+def require_possible(path: Path, field: str, subtask: Subtask, scene: Scene, objects: Sequence[SceneObject]) -> None:
+    """That a sub-task is about what the scene, its assets and the robot have. Whether it is feasible is tried out.
+
+    Args:
+        path: the file that it was read from.
+        field: where it is there.
+        subtask: what it says.
+        scene: of the run.
+        objects: of the scene.
+
+    Raises:
+        InputFileError: an object, arm, contact or functional point that there is not, or a part beyond its range.
+    """
+    by_id, arms = {o.id: o for o in objects}, load_robot(scene.robot).arms
+    for name in ("object", "receptacle", "tool", "grasped"):
+        value, known = getattr(subtask, name), {*by_id, *([TABLE] if name == "receptacle" else [])}
+        if value is not None and value not in known:
+            refuse(path, f"{field}.{name}", repr(value), _one_of(value, known))
+    if subtask.hand_to is not None and subtask.hand_to not in arms:
+        refuse(path, f"{field}.hand_to", repr(subtask.hand_to), _one_of(subtask.hand_to, arms))
+    held = by_id[subtask.grasped or subtask.object].asset.annotation
+    contacts = range(len(HEADINGS)) if subtask.template == "push" else [point.id for point in held.contact_points]
+    for number, grasp in enumerate(subtask.grasps):
+        if grasp.arm not in arms:
+            refuse(path, f"{field}.grasps.{number}.arm", repr(grasp.arm), _one_of(grasp.arm, arms))
+        if grasp.contact not in contacts:
+            refuse(path, f"{field}.grasps.{number}.contact", str(grasp.contact), f"one of {list(contacts)}")
+    if subtask.functional_point is not None:
+        holder = by_id.get(subtask.receptacle or "")
+        places = [point.id for point in holder.asset.annotation.functional_points] if holder else []
+        if subtask.functional_point not in places:
+            refuse(path, f"{field}.functional_point", str(subtask.functional_point), f"one of {places}")
+    for what in ("goals", "requires"):
+        for number, goal in enumerate(getattr(subtask, what)):
+            unknown = strangers(goal, by_id, arms)
+            if unknown:
+                refuse(path, f"{field}.{what}.{number}", f"there is no {unknown}", _all_of(objects))
