@@ -15,7 +15,7 @@ class Client:
 
     Args:
         model: its id, as the endpoint spells it.
-        provider: what records call it: ``openai:gpt-5``.
+        provider: what records call it: ``openai:gpt-6.1-terra``.
     """
 
     def __init__(self, transport: Transport, model: str, provider: str):
