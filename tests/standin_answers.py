@@ -10,6 +10,7 @@ import numpy as np
 from vcage.base.errors import NoAssetFits, UnreadInstruction
 from vcage.models.rules.goals import read_goals
 from vcage.models.rules.selection import select_assets
+from vcage.models.structured import NONE
 from vcage.schema.asset import CatalogueEntry, ContactPoint, FunctionalPoint, Variant, Words
 
 _HOLDERS = ("box", "plate", "tray", "bowl", "basket")
@@ -58,7 +59,7 @@ def _select(looks: list[str], instruction: str) -> dict[str, Any]:
     return {
         "missing": [],
         "objects": [
-            {"look": f"{o.asset}/{o.variant}", "role": o.role, "starts_in": o.starts_in or "", "reason": o.reason}
+            {"look": f"{o.asset}/{o.variant}", "role": o.role, "starts_in": o.starts_in or NONE, "reason": o.reason}
             for o in chosen
         ],
     }
@@ -79,8 +80,8 @@ def _read(instruction: str, prompt: str) -> dict[str, Any]:
         {
             "relation": asked.goal.relation,
             "subject": asked.goal.subject,
-            "reference": asked.goal.reference or "",
-            "part": asked.goal.part or "",
+            "reference": asked.goal.reference or NONE,
+            "part": asked.goal.part or NONE,
             "step": asked.step,
             "words": asked.words,
         }

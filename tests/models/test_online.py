@@ -144,7 +144,7 @@ def test_a_layout_that_never_becomes_possible_is_a_refusal_with_the_complaints(m
 
 def test_a_selection_says_what_things_start_in(models: Models, server: StandIn) -> None:
     apple = {"look": "apple/red", "role": "content", "starts_in": "bowl", "reason": "x"}
-    bowl = {"look": "bowl/white", "role": "context", "starts_in": "", "reason": "x"}
+    bowl = {"look": "bowl/white", "role": "context", "starts_in": "none", "reason": "x"}
     server.queue(text_answer(json.dumps({"missing": [], "objects": [apple, bowl]})))
     chosen = models.reasoner.select_assets("Take the apple out of the bowl", CATALOGUE, RNG, unchecked)
     assert [(o.asset, o.starts_in) for o in chosen.objects] == [("apple", "bowl"), ("bowl", None)]
@@ -169,8 +169,8 @@ def test_starts_that_run_in_a_circle_go_back(models: Models, server: StandIn) ->
 
 
 def test_what_the_check_says_of_a_selection_goes_back(models: Models, server: StandIn) -> None:
-    wrong = chosen_answer(("apple/red", "content", "stapler"), ("stapler/black", "context", ""))
-    right = chosen_answer(("apple/red", "content", "bowl"), ("bowl/white", "context", ""))
+    wrong = chosen_answer(("apple/red", "content", "stapler"), ("stapler/black", "context", "none"))
+    right = chosen_answer(("apple/red", "content", "bowl"), ("bowl/white", "context", "none"))
     server.queue(wrong, right)
     check = partial(validate_selection, entries=CATALOGUE)
     chosen = models.reasoner.select_assets("Take the apple out of the bowl", CATALOGUE, RNG, check)
@@ -210,7 +210,7 @@ def test_what_a_model_could_not_read_is_refused_by_its_words(models: Models) -> 
 
 
 def test_a_goal_in_words_that_the_instruction_has_not_goes_back_to_the_model(models: Models, server: StandIn) -> None:
-    goal = {"relation": "on", "subject": "block", "reference": "plate", "part": "", "step": 1, "words": "block up"}
+    goal = {"relation": "on", "subject": "block", "reference": "plate", "part": "none", "step": 1, "words": "block up"}
     wrong = text_answer(json.dumps({"unread": [], "goals": [goal], "untouched": []}))
     server.queue(wrong)
     models.reasoner.read_goals("Put the red block on the plate", THINGS, {})

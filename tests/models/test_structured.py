@@ -7,7 +7,7 @@ import pytest
 from vcage.base.errors import ModelRefused
 from vcage.models.exchange import Message, Question, Reply
 from vcage.models.prompts import Prompt
-from vcage.models.structured import Answer, ask, flat_schema, json_of, one_of
+from vcage.models.structured import Answer, ask, flat_schema, json_of, one_of, one_or_none
 
 
 class Colour(Answer):
@@ -72,3 +72,11 @@ def test_the_schema_holds_the_names_and_nothing_that_providers_refuse() -> None:
 
 def test_json_with_braces_inside_strings_is_kept_whole() -> None:
     assert json_of('{"a": "}{"}') == '{"a": "}{"}'
+
+
+def test_no_name_is_a_word_in_the_schema_and_nothing_in_the_answer() -> None:
+    class Place(Answer):
+        where: one_or_none(["left", "right"])
+
+    assert flat_schema(Place)["properties"]["where"]["enum"] == ["none", "left", "right"]
+    assert ask(Script('{"where": "none"}'), "reasoner", PROMPT, Place).where == ""

@@ -59,7 +59,10 @@ class Fails:
         progress("2 episodes run", 2, 5)
         raise self.error
 
-    job = summary = lambda *_: None
+    def job(self, run, options, context):
+        return Job(run=run, output=run.episodes)
+
+    def summary(self, record): ...
 
 
 def after_collecting_that_failed_by(error: BaseException, run: RunFolder) -> dict:

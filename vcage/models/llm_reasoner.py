@@ -11,7 +11,7 @@ from vcage.base.errors import NoAssetFits, UnreadInstruction
 from vcage.models import prompts
 from vcage.models.exchange import Answerer
 from vcage.models.search import Search, best_search, narrow
-from vcage.models.structured import Answer, AnswerType, ask, narrowed, one_of
+from vcage.models.structured import Answer, AnswerType, ask, narrowed, one_of, one_or_none
 from vcage.objects.catalogue import LEGEND, catalogue_text
 from vcage.plans.check import PlanCheck
 from vcage.schema.asset import CatalogueEntry
@@ -107,8 +107,8 @@ class LlmReasoner:
         """The model's choice among ``asset/variant`` names of the catalogue, narrowed where it is large."""
         catalogue = narrow(instruction, catalogue, self._search)
         looks = [f"{entry.name}/{variant.id}" for entry in catalogue for variant in entry.variants]
-        starts = ["", *(entry.name for entry in catalogue)]
-        item = narrowed(_ChosenObject, look=one_of(looks), starts_in=one_of(starts))
+        starts = [entry.name for entry in catalogue]
+        item = narrowed(_ChosenObject, look=one_of(looks), starts_in=one_or_none(starts))
         answer = narrowed(_SelectionAnswer, objects=list[item])
         prompt = prompts.fill(
             "select_assets", instruction=instruction, catalogue=catalogue_text(catalogue), legend=LEGEND
@@ -160,8 +160,8 @@ class LlmReasoner:
         item = narrowed(
             _ReadGoal,
             subject=one_of(list(things)),
-            reference=one_of(["", TABLE, "left", "right", *things]),
-            part=one_of(["", *parts]),
+            reference=one_or_none([TABLE, "left", "right", *things]),
+            part=one_or_none(parts),
         )
         answer = narrowed(_GoalsAnswer, goals=list[item], untouched=list[one_of(list(things))])  # pyrefly: ignore
         prompt = prompts.fill("read_goals", instruction=instruction, things=dict(things), lying=dict(lying))

@@ -5,10 +5,10 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Callable, Sequence
-from typing import Any, Literal, TypeVar
+from typing import Annotated, Any, Literal, TypeVar
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, ValidationError, create_model
+from pydantic import AfterValidator, BaseModel, ConfigDict, ValidationError, create_model
 
 from vcage.base.errors import ModelRefused
 from vcage.models.exchange import Answerer, Message, Question
@@ -33,6 +33,16 @@ AnswerType = TypeVar("AnswerType", bound=Answer)
 def one_of(names: Sequence[str]) -> Any:
     """The type of a field that takes one of the names: an enumeration in the schema."""
     return Literal[tuple(names)]  # pyrefly: ignore[invalid-literal]  # known when the question is asked
+
+
+NONE = "none"
+"""What an answer says for no name: Gemini refuses enumerations that hold an empty text."""
+
+
+def one_or_none(names: Sequence[str]) -> Any:
+    """The type of a field that takes one of the names or :data:`NONE`, which becomes an empty text."""
+    kind = one_of([NONE, *names])
+    return Annotated[kind, AfterValidator(lambda name: "" if name == NONE else name)]
 
 
 def narrowed(answer: type[AnswerType], **fields: Any) -> type[AnswerType]:

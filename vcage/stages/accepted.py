@@ -36,7 +36,7 @@ def refusals(run: RunFolder) -> dict[str, str]:
     if verdicts.provenance.inputs.get(judged) != sha256_file(run.episodes):
         raise StaleStage(
             f"{run.verdicts} judges other episodes than {run.episodes} has now",
-            hint="run verify with --force first",
+            maker="verify",
             details={"changed": [f"input {judged}"]},
         )
     return verdicts.refused

@@ -235,7 +235,7 @@ WORDS = (
 )
 
 
-@settings(max_examples=150)
+@settings(max_examples=150, deadline=None)
 @given(st.lists(st.sampled_from(WORDS.split()) | st.text(max_size=6), max_size=24).map(" ".join))
 def test_any_text_is_read_or_refused(text: str) -> None:
     with contextlib.suppress(UnreadInstruction):
