@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import json
 from functools import partial
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -25,6 +26,8 @@ from vcage.base.errors import (
 )
 from vcage.layout.capacities import size_complaints
 from vcage.models import pictures
+from vcage.models.kept import Exchanges
+from vcage.models.pictures import encode_base64
 from vcage.models.protocols import CriticQuestion, EditRequest, Models
 from vcage.models.registry import Choice, build_models
 from vcage.models.selection_check import validate_selection
@@ -301,3 +304,39 @@ def test_an_online_choice_without_a_key_says_so() -> None:
 def test_an_unknown_choice_is_named() -> None:
     with pytest.raises(UnknownName, match="clippy"):
         build_models(Choice("clippy"))
+
+
+# --- kept in a run -------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def kept(editing: Models, tmp_path: Path) -> Models:
+    """The same provider, in a run."""
+    return build_models(Choice(editing.editor.provider.partition(":")[0], run=tmp_path))
+
+
+def test_what_a_run_keeps_of_exchanges_holds_no_key(kept: Models, server: StandIn, tmp_path: Path) -> None:
+    kept.reasoner.select_assets("Put the blocks on the plate", CATALOGUE, RNG, unchecked)
+    kept.editor.rearrange(edit_request())
+    kept.critic.judge(critic_question(moved=True))
+    files = [path for path in tmp_path.rglob("*") if path.is_file()]
+    assert {path.suffix for path in files} == {".json", ".png"}
+    assert not any(server.key.encode() in path.read_bytes() for path in files)
+
+
+def test_a_run_that_asks_the_same_again_sends_nothing(kept: Models, server: StandIn, tmp_path: Path) -> None:
+    first = kept.editor.rearrange(edit_request())
+    sent = len(server.requests)
+    assert np.array_equal(kept.editor.rearrange(edit_request()), first)
+    assert len(server.requests) == sent
+
+
+def test_a_picture_that_is_no_edit_of_the_source_is_asked_for_again_with_the_reason(
+    kept: Models, server: StandIn, tmp_path: Path
+) -> None:
+    other = np.random.default_rng(1).integers(0, 255, edit_request().picture.shape, np.uint8)
+    server.queue(Special(picture=encode_base64(other)))
+    kept.editor.rearrange(edit_request())
+    asked = Exchanges(tmp_path / "exchanges").all()
+    assert [exchange.round for exchange in asked] == [1, 2]
+    assert "shows the table that was there" in asked[1].turns[-1].text

@@ -9,7 +9,7 @@ from vcage.models import prompts
 from vcage.models.exchange import Answerer, Message, Question
 from vcage.models.protocols import EditRequest
 from vcage.models.structured import ROUNDS
-from vcage.vision.colour import distance, smoothed, to_lab
+from vcage.vision.colour import distance, to_lab
 from vcage.vision.register import register
 
 LIKE, KEPT = 20.0, 0.5
@@ -63,6 +63,6 @@ def edit_complaint(picture: np.ndarray, source: np.ndarray, background: np.ndarr
         laid = register(picture, source, background)
     except InputFileError as error:
         return error.message
-    seen = distance(to_lab(smoothed(laid.picture)), to_lab(smoothed(background)))[laid.valid] < LIKE
+    seen = distance(to_lab(laid.picture), to_lab(background))[laid.valid] < LIKE
     kept = float(seen.mean()) if seen.size else 0.0
     return "" if kept >= KEPT else f"only {100 * kept:.0f} % of it shows the table that was there"
