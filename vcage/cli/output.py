@@ -47,7 +47,7 @@ class Result:
         next: the command that goes on from here, also after an error.
         text: what a person reads, printed before the JSON line.
         error: set when the command did its work and the finding is a failure.
-        facts: results that stand beside ``ok`` in the JSON line, in either case.
+        facts: results that stand at the top of the JSON line, beside ``ok``, in either case.
     """
 
     output: Path | None = None
@@ -62,10 +62,10 @@ class Result:
         """The object of the last line of stdout."""
         if self.error is not None:
             goes_on = self.next or _goes_on(self.error) or None
-            return {"ok": False, **self.facts, "error": self.error.as_record(), "next": goes_on}
+            return {**self.facts, "ok": False, "error": self.error.as_record(), "next": goes_on}
         return {
-            "ok": True,
             **self.facts,
+            "ok": True,
             "schema": self.schema or None,
             "output": str(self.output) if self.output is not None else None,
             "summary": self.summary,
