@@ -28,6 +28,9 @@ import numpy as np
 
 from tests.standin_answers import answer_question
 
+GEMINI_USAGE = {"promptTokenCount": 70, "candidatesTokenCount": 5, "thoughtsTokenCount": 2, "totalTokenCount": 77}
+OPENAI_USAGE = {"prompt_tokens": 70, "completion_tokens": 7, "total_tokens": 77}
+
 
 @dataclass(frozen=True)
 class Special:
@@ -201,7 +204,7 @@ def _gemini(request: dict[str, Any], special: Special) -> dict[str, Any]:
         _require("responseJsonSchema" in config, "responseJsonSchema: missing")
         parts = [{"text": _text(special, config["responseJsonSchema"], text, pictures)}]
     candidate = {"content": {"role": "model", "parts": parts}, "finishReason": special.finish, "index": 0}
-    return {"candidates": [candidate], "usageMetadata": {"totalTokenCount": 1}}
+    return {"candidates": [candidate], "modelVersion": "standin-2026", "usageMetadata": GEMINI_USAGE}
 
 
 def _text(special: Special, schema: dict[str, Any], prompt: str, pictures: list[np.ndarray]) -> str:
@@ -228,7 +231,8 @@ def _chat(request: dict[str, Any], special: Special) -> dict[str, Any]:
         )
         message["content"] = _text(special, form["json_schema"]["schema"], parts[0]["text"], pictures)
     finish = {"STOP": "stop", "MAX_TOKENS": "length"}.get(special.finish, special.finish)
-    return {"object": "chat.completion", "choices": [{"index": 0, "message": message, "finish_reason": finish}]}
+    told = {"object": "chat.completion", "model": "standin-2026", "usage": OPENAI_USAGE}
+    return told | {"choices": [{"index": 0, "message": message, "finish_reason": finish}]}
 
 
 def _chat_parts(messages: list[dict[str, Any]]) -> Iterator[dict[str, Any]]:

@@ -340,3 +340,11 @@ def test_a_picture_that_is_no_edit_of_the_source_is_asked_for_again_with_the_rea
     asked = Exchanges(tmp_path / "exchanges").all()
     assert [exchange.round for exchange in asked] == [1, 2]
     assert "shows the table that was there" in asked[1].turns[-1].text
+
+
+def test_an_exchange_names_the_version_and_the_tokens_of_the_reply(
+    kept: Models, server: StandIn, tmp_path: Path
+) -> None:
+    kept.critic.judge(critic_question(moved=True))
+    (asked,) = Exchanges(tmp_path / "exchanges").all()
+    assert (asked.model, asked.tokens_in, asked.tokens_out) == ("standin-2026", 70, 7)

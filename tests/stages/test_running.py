@@ -7,7 +7,7 @@ import os
 import pytest
 
 from vcage.base.commands import CALLED
-from vcage.base.errors import EndpointFailed, FolderInUse, MissingStage, StageInterrupted
+from vcage.base.errors import AnswerNeeded, EndpointFailed, FolderInUse, MissingStage, StageInterrupted
 from vcage.base.files import RunFolder
 from vcage.schema.export import Export
 from vcage.stages.context import StageContext
@@ -88,6 +88,10 @@ def test_a_stage_that_said_itself_why_it_ended_is_not_called_interrupted(run):
     after_collecting_that_failed_by(EndpointFailed("gone for now"), run)
     assert after_collecting_that_failed_by(MissingStage("no scene", maker="optimize"), run) == {}
     assert not run.unfinished.exists()
+
+
+def test_a_stage_that_waits_for_an_answer_was_not_interrupted(run, tmp_path):
+    assert after_collecting_that_failed_by(AnswerNeeded.of(tmp_path, "critic", 1, "", []), run) == {}
 
 
 def test_the_second_is_told_how_far_the_first_is(run):

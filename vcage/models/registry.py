@@ -12,7 +12,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import get_args
 
 from vcage.base.errors import InputFileError, UnknownName, UsageError
 from vcage.models import agent
@@ -28,8 +27,6 @@ from vcage.schema.exchange import Asked
 from vcage.vision.protocols import Detector, Embedder
 
 CHOICES = ("auto", "offline", agent.PROVIDER, "replay", *PROVIDERS)
-
-ROLES: tuple[Asked, ...] = get_args(Asked)
 
 DETECTORS = ("background", "grounding-dino")
 EMBEDDERS = ("classical", "efficientnet", "dinov2")

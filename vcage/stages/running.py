@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any, Protocol, cast
 
 from vcage.base.commands import CALLED
-from vcage.base.errors import FolderInUse, InputFileError, MissingStage, StageInterrupted, VcageError
+from vcage.base.errors import AnswerNeeded, FolderInUse, InputFileError, MissingStage, StageInterrupted, VcageError
 from vcage.base.files import RunFolder, atomic_folder, read_json, recover, write_json
 from vcage.base.hold import held
 from vcage.base.progress import Progress, silent
@@ -191,7 +191,7 @@ def _noted(run: RunFolder, stage: str, progress: Progress) -> Iterator[Progress]
     try:
         yield told
     except VcageError as error:
-        if not error.retryable:
+        if not error.retryable or isinstance(error, AnswerNeeded):  # that waits, and was not interrupted
             _note(run, stage, None)
         raise
     _note(run, stage, None)

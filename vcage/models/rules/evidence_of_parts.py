@@ -66,7 +66,7 @@ def gather_part(
     Args:
         before, after: from above.
         thing: the object, its part as it is before, by the plan.
-        start: share of its range that the part is at before, by the plan.
+        start: share of its range that the part is at before, by the plan: 0 or 1.
         draw: draws it with its part anywhere.
         rivals: draw it with another part anywhere, and the part as it is before.
         background: (H, W, 3) uint8 RGB, the empty table from above.
@@ -79,9 +79,11 @@ def gather_part(
     def drawn(share: float, draw: DrawPart = draw) -> Drawing:
         return drawn_whole(lambda pose, camera, window: draw(pose, camera, window, share), stands.pose, before.camera)
 
-    gain, touched = brightness(drawn(start), before.picture), 0.0
-    sight = _Sight([drawn(share) for share in POSITIONS], gain, background)
-    others = _Sight([drawn(start), *(drawn(share, rival) for rival in rivals for share in INSTEAD)], gain, background)
+    own = [drawn(share) for share in POSITIONS]
+    begun = own[-1] if start else own[0]
+    gain, touched = brightness(begun, before.picture), 0.0
+    sight = _Sight(own, gain, background)
+    others = _Sight([begun, *(drawn(share, rival) for rival in rivals for share in INSTEAD)], gain, background)
     if moment is not None:
         part = sight.telling if sight.telling.any() else sight.covered
         touched = float(changed(*(to_lab(view.picture) for view in (after, moment)))[part].mean())
@@ -93,7 +95,7 @@ def gather_part(
 
 
 class _Sight:
-    """Drawings of an object at one pose with its part at every one of :data:`POSITIONS`.
+    """Drawings of an object at one pose with a part at one position after another.
 
     Args:
         drawings: in their order.

@@ -79,6 +79,7 @@ class Operation:
         self._riding = _riding(cell, thing, contact.link)
         along = [name for key in self._riding for name in cell.parts(key)]
         self._own += along
+        # What counts as closed; of what is opened or pressed the truth allows more to be missing.
         self._tolerance = CLOSED * (joint.upper - joint.lower)
         width = thing.asset.grasp_width(contact)
         self._handle = Handle(contact, model, thing.pose, world.object_joints(thing.id), width)
