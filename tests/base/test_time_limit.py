@@ -37,3 +37,26 @@ def test_a_time_that_was_up_is_not_held_against_the_next():
         time.sleep(0.1)
     with time_limit(5.0), undisturbed():
         pass
+
+
+def test_an_error_that_the_interruption_was_taken_for_is_the_time_being_up():
+    with pytest.raises(TimeIsUp), time_limit(0.05):
+        try:
+            time.sleep(1.0)
+        except TimeIsUp:
+            raise TypeError("incompatible arguments") from None  # as a binding does while it converts them
+
+
+def test_an_error_before_the_time_is_up_is_itself():
+    with pytest.raises(TypeError), time_limit(5.0):
+        raise TypeError("incompatible arguments")
+
+
+def test_an_interruption_that_was_swallowed_is_followed_by_another():
+    with pytest.raises(TimeIsUp), time_limit(0.05):
+        while True:
+            try:
+                time.sleep(5.0)
+            except TimeIsUp:
+                break
+        time.sleep(5.0)

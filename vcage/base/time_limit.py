@@ -7,6 +7,9 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 
+RINGS_AGAIN_S = 1.0
+"""Longer than what is cleaned up on the way out takes, which the bell must not disturb."""
+
 
 class TimeIsUp(BaseException):
     """Raised inside :func:`time_limit`; no handler of errors stops it on its way."""
@@ -24,17 +27,26 @@ def time_limit(seconds: float) -> Iterator[None]:
     """Raise :class:`TimeIsUp` in the block when it takes longer; in the main thread of a process alone.
 
     Code outside Python is not interrupted, nor is what is :func:`undisturbed`: the block ends when that returns.
+    A binding that was just converting its arguments takes the interruption for a wrong type: it may raise another
+    error, which counts as the time being up, or go on, so the bell rings again.
     """
+    over = False
 
     def ring(_number: int, _frame: object) -> None:
+        nonlocal over
+        over = True
         if not _Held.depth:
             raise TimeIsUp
         _Held.rung = True
 
     before = signal.signal(signal.SIGALRM, ring)
-    signal.setitimer(signal.ITIMER_REAL, seconds)
+    signal.setitimer(signal.ITIMER_REAL, seconds, RINGS_AGAIN_S)
     try:
         yield
+    except Exception as error:
+        if over:
+            raise TimeIsUp from error
+        raise
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0)
         signal.signal(signal.SIGALRM, before)
