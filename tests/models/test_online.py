@@ -226,7 +226,7 @@ def test_the_critic_looks_at_the_pictures(models: Models, moved: bool) -> None:
 
 
 def test_a_fenced_answer_is_read(models: Models, server: StandIn) -> None:
-    answer = '{"observations": "", "accepted": true, "failure": "none", "reason": "in", "confidence": 1}'
+    answer = '{"observations": "", "done": "yes", "failure": "none", "reason": "in", "confidence": 1}'
     server.queue(text_answer(f"```json\n{answer}\n```"))
     assert models.critic.judge(critic_question(True)).reason == "in"
 

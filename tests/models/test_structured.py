@@ -1,8 +1,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Annotated
 
 import pytest
+from pydantic import Field
 
 from vcage.base.errors import ModelRefused
 from vcage.models.exchange import Message, Question, Reply
@@ -80,3 +82,20 @@ def test_no_name_is_a_word_in_the_schema_and_nothing_in_the_answer() -> None:
 
     assert flat_schema(Place)["properties"]["where"]["enum"] == ["none", "left", "right"]
     assert ask(Script('{"where": "none"}'), "reasoner", PROMPT, Place).where == ""
+
+
+MANY = [f"block_{number}" for number in range(200)]
+
+
+class Many(Answer):
+    name: one_of(MANY)
+    why: Annotated[str, Field(min_length=1)]
+
+
+def test_a_long_enumeration_and_bounds_are_not_sent_but_checked_all_the_same() -> None:
+    assert flat_schema(Many)["properties"] == {"name": {"type": "string"}, "why": {"type": "string"}}
+    chat = Script('{"name": "blok_7", "why": ""}', '{"name": "block_7", "why": "x"}')
+    assert ask(chat, "reasoner", PROMPT, Many).name == "block_7"
+    complaint = chat.sent[1][-1].text
+    assert "'blok_7' is not among the 200 names; near are block_7" in complaint
+    assert "why: String should have at least 1 character" in complaint and len(complaint) < 500

@@ -216,6 +216,18 @@ class MissingKey(ConfigurationError):
     code = "missing_key"
 
 
+class ModelNotServed(ConfigurationError):
+    """An endpoint has no such model; names those that it has."""
+
+    code = "model_not_served"
+
+
+class SpendingCap(ConfigurationError):
+    """A run has asked models as often, or for as much money, as it may."""
+
+    code = "spending_cap"
+
+
 class MissingDependency(ConfigurationError):
     """An optional package is not installed; the hint names the extra."""
 

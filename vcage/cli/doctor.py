@@ -9,8 +9,10 @@ import shutil
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass
+from datetime import date
 from importlib import metadata
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from vcage.base import files
 from vcage.base.commands import pip_command, vcage_command
@@ -19,6 +21,9 @@ from vcage.base.options import Flag
 from vcage.cli.arguments import Command
 from vcage.cli.output import Result
 from vcage.cli.setup import CVVDP, OPENCV, cvvdp_version, opencv_loads
+
+if TYPE_CHECKING:
+    from vcage.models.provider import Provider
 
 MIN_FREE_GB = 2.0
 """Free space under which a run with a few episodes may not fit."""
@@ -47,7 +52,8 @@ class Finding:
 class Doctor(Command):
     """Say what this machine has for vcage, and for each thing missing the one command that mends it.
 
-    Draws a real picture with the Vulkan driver, which takes some seconds. Keys are shown by name only.
+    Draws a real picture with the Vulkan driver, which takes some seconds. Keys are shown by name only; where there is
+    one, its endpoint is asked whether it serves the models that are set, and for how long.
 
     examples:
       vcage doctor
@@ -187,6 +193,35 @@ def keys() -> Finding:
     return Finding("keys", True, ", ".join(names) or "none (the offline stand-ins are used)", required=False)
 
 
+def models() -> Finding:
+    """Whether the endpoints that there are keys for serve the models that are set, and for how long."""
+    from vcage.models.keys import require_key
+    from vcage.models.providers import PROVIDERS, found_keys
+
+    try:
+        found = [_served(PROVIDERS[name], require_key(PROVIDERS[name])) for name in found_keys()]
+    except VcageError as error:
+        return Finding("models", False, error.message, required=False, mend=error.hint)
+    told, mend = "; ".join(words for words, _ in found), [way for _, ways in found for way in ways]
+    return Finding("models", not mend, told or "offline rules", required=False, mend="; ".join(mend))
+
+
+def _served(provider: Provider, key: str) -> tuple[str, list[str]]:
+    """What is to be said of a provider's models, and what mends it."""
+    try:
+        served = provider.served(key)
+    except VcageError as error:
+        return f"{provider.name}: {error.message}", []
+    told, mend = [], []
+    for what, model in zip(("TEXT_MODEL", "IMAGE_MODEL"), provider.models):
+        ends = served.ends(model, date.today())
+        told.append(f"{model} ends on {ends}" if ends else f"{model}{'' if served.has(model) else ' is not served'}")
+        if ends or not served.has(model):
+            names = [name for name in served.nearest(model) if name != model]
+            mend.append(f"set VCAGE_{provider.name.upper()}_{what} to one that is served: {', '.join(names)}")
+    return f"{provider.name}: {', '.join(told)}", mend
+
+
 def disk() -> Finding:
     places = {"here": Path.cwd(), "cache": _existing(files.cache_path())}
     free = {name: shutil.disk_usage(path).free / 1e9 for name, path in places.items()}
@@ -210,7 +245,7 @@ def assets() -> Finding:
 
 
 CHECKS: tuple[Callable[[], Finding], ...] = (
-    python, numpy, sapien, mani_skill, torch, opencv, gpu, vulkan, video, cvvdp, keys, disk, assets,
+    python, numpy, sapien, mani_skill, torch, opencv, gpu, vulkan, video, cvvdp, keys, models, disk, assets,
 )  # fmt: skip
 """In the order of the table."""
 

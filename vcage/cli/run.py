@@ -16,7 +16,7 @@ from vcage.cli.arguments import Command
 from vcage.cli.going_on import not_dry, remembered
 from vcage.cli.output import Result, stop_if_interrupted
 from vcage.cli.progress import progress
-from vcage.cli.stage import BeginCommand, about
+from vcage.cli.stage import BeginCommand, about, context_of
 from vcage.stages import chain, select_place
 from vcage.stages.chain import STAGES
 from vcage.stages.running import note_seconds
@@ -42,7 +42,7 @@ class Run(BeginCommand[chain.ChainOptions], Command):
     def execute(self) -> Result:
         """Run the chain."""
         run, options = RunFolder(self.run), self.stage
-        context = options.context(run)
+        context = context_of(options, run)
         if self.dry_run:
             options.require_a_task()
             select_place.job(run, options, context)

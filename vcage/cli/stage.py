@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, Generic, TypeVar
@@ -14,8 +15,11 @@ from vcage.cli import arguments
 from vcage.cli.going_on import following, not_dry, remembered
 from vcage.cli.output import Result
 from vcage.cli.progress import progress
+from vcage.stages.context import StageContext
 from vcage.stages.running import run_stage, stage_of
-from vcage.stages.stage import StageOptions, StageResult
+from vcage.stages.stage import ModelOptions, StageOptions, StageResult
+
+logger = logging.getLogger(__name__)
 
 MOST_PICTURES = 12
 """Of more pictures than these a result names the folders."""
@@ -49,10 +53,17 @@ def options_of(name: str) -> type[StageCommand]:
     return kind[stage.Options]
 
 
+def context_of(options: StageOptions, run: RunFolder) -> StageContext:
+    """What a stage needs beyond its files, once it is told who answers where nobody was named."""
+    if isinstance(options, ModelOptions) and (told := options.who(run).told()):
+        logger.info("%s", told)
+    return options.context(run)
+
+
 def execute_stage(name: str, command: StageCommand) -> Result:
     """Run one stage on a run folder, or with ``--dry-run`` say what it would do."""
     stage, run, options = stage_of(name), RunFolder(command.run), command.stage
-    context = options.context(run)
+    context = context_of(options, run)
     if command.dry_run:
         job = stage.job(run, options, context)
         would = "replace" if options.force and job.output.exists() else "write"

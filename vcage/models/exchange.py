@@ -36,6 +36,7 @@ class Question:
         schema: JSON Schema of the answer; None asks for a picture.
         name: of the prompt, ``prompts/<name>.md``.
         captions: what each picture of the first turn shows.
+        vote: counts how often the same is asked, from 1.
     """
 
     role: Asked
@@ -43,6 +44,7 @@ class Question:
     schema: dict[str, Any] | None
     name: str
     captions: tuple[str, ...] = ()
+    vote: int = 1
 
     @property
     def round(self) -> int:
@@ -62,8 +64,9 @@ class Question:
 
     @cached_property
     def hash(self) -> str:
-        """Hex SHA-256 of role, turns and schema."""
-        digest = hashlib.sha256(json.dumps([self.role, self.schema], sort_keys=True).encode())
+        """Hex SHA-256 of role, turns and schema, and of the vote after the first."""
+        votes = [self.vote] if self.vote > 1 else []
+        digest = hashlib.sha256(json.dumps([self.role, self.schema, *votes], sort_keys=True).encode())
         for message in self.messages:
             digest.update(json.dumps([message.speaker, message.text]).encode())
             for picture in message.pictures:
@@ -80,6 +83,7 @@ class Reply:
         picture: (H, W, 3) uint8 RGB, in whatever size it came.
         model: version, as the reply names it.
         tokens_in, tokens_out: as the reply counts them.
+        usd: what it cost, where the reply says so.
     """
 
     text: str = ""
@@ -87,6 +91,7 @@ class Reply:
     model: str = ""
     tokens_in: int | None = None
     tokens_out: int | None = None
+    usd: float | None = None
 
 
 class Answerer(Protocol):

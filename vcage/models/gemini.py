@@ -25,7 +25,7 @@ _RATIOS = ("1:1", "2:3", "3:2", "3:4", "4:3", "4:5", "5:4", "9:16", "16:9", "21:
 
 
 class GeminiText(Client):
-    """Implements :class:`vcage.models.exchange.Answerer` for answers in JSON."""
+    """Answers in JSON."""
 
     def answer(self, question: Question) -> Reply:
         """See :class:`vcage.models.exchange.Answerer`."""
@@ -34,16 +34,12 @@ class GeminiText(Client):
         parts, reason = _first_candidate(data, self.provider)
         text = "".join(part["text"] for part in parts if isinstance(part.get("text"), str) and not part.get("thought"))
         if not text or reason not in ("STOP", ""):
-            raise ModelRefused(
-                f"{self.provider} gave no whole answer: {reason or 'no text'}",
-                hint="change the instruction or the model",
-                details={"finish_reason": reason},
-            )
+            raise self.cut_off(reason)
         return _reply(data, text)
 
 
 class GeminiPicture(Client):
-    """Implements :class:`vcage.models.exchange.Answerer` for edited pictures (the paper's Nano Banana)."""
+    """Edited pictures (the paper's Nano Banana)."""
 
     def answer(self, question: Question) -> Reply:
         """The edited picture, in whatever size the model gives.
@@ -81,8 +77,7 @@ def _parts(text: str, pictures: Sequence[np.ndarray]) -> list[dict[str, Any]]:
 
 
 def _generate(client: Client, body: Mapping[str, Any]) -> dict[str, Any]:
-    version = "" if client.transport.base_url.endswith(("/v1", "/v1beta")) else "v1beta/"
-    return client.transport.post_json(f"{version}models/{client.model}:generateContent", body)
+    return client.post(f"models/{client.model}:generateContent", body)
 
 
 def _reply(data: dict[str, Any], text: str = "", picture: np.ndarray | None = None) -> Reply:
@@ -123,6 +118,8 @@ GEMINI = Provider(
     key_variables=("GEMINI_API_KEY", "GOOGLE_API_KEY"),
     headers=lambda key: {"x-goog-api-key": key},
     base_url="https://generativelanguage.googleapis.com",
+    version="v1beta",
+    lists=("models?pageSize=1000",),
     text_model="gemini-pro-latest",
     image_model="gemini-nano-banana-2.1",
     text=GeminiText,

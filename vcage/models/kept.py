@@ -17,6 +17,7 @@ import numpy as np
 from vcage.base.errors import InputFileError, MissingStage
 from vcage.base.pictures import read_picture, write_picture
 from vcage.models.exchange import Answerer, Question, Reply
+from vcage.models.spending import Spending, cost
 from vcage.schema.exchange import Asked, Exchange, Turn
 
 SHORT = 12
@@ -48,10 +49,10 @@ class Exchanges:
             return None
         kept = Exchange.read(path)
         picture = None if kept.picture is None else read_picture(self.folder / "pictures" / kept.picture)
-        return Reply(kept.answer, picture, kept.model, kept.tokens_in, kept.tokens_out)
+        return Reply(kept.answer, picture, kept.model, kept.tokens_in, kept.tokens_out, kept.usd)
 
-    def keep(self, question: Question, reply: Reply, provider: str, seconds: float) -> None:
-        """Write an exchange.
+    def keep(self, question: Question, reply: Reply, provider: str, seconds: float, usd: float | None) -> None:
+        """Write an exchange, with what it took.
 
         Raises:
             OutputFolderError: the folder cannot be written.
@@ -70,6 +71,7 @@ class Exchanges:
             picture=None if reply.picture is None else self._pictures([reply.picture])[0],
             tokens_in=reply.tokens_in,
             tokens_out=reply.tokens_out,
+            usd=usd,
             seconds=round(seconds, 3),
             number=self._number(path),
         ).write(path)
@@ -102,19 +104,29 @@ class Keeping:
         other: who is asked.
         exchanges: what was answered before is not asked again.
         anew: it is, all the same.
+        spending: what may be spent on the other one, where it is paid.
     """
 
-    def __init__(self, other: Answerer, exchanges: Exchanges, *, anew: bool = False):
+    def __init__(self, other: Answerer, exchanges: Exchanges, *, anew: bool = False, spending: Spending | None = None):
         self.provider = other.provider
-        self._other, self._exchanges, self._anew = other, exchanges, anew
+        self._other, self._exchanges, self._anew, self._spending = other, exchanges, anew, spending
 
     def answer(self, question: Question) -> Reply:
-        """What was kept, or what the other says; raises as that."""
+        """What was kept, or what the other says.
+
+        Raises:
+            SpendingCap: nothing more may be spent.
+            VcageError: as the other one.
+        """
         if not self._anew and (kept := self._exchanges.find(question, self.provider)) is not None:
             return kept
+        if self._spending is not None:
+            self._spending.check()
         start = time.perf_counter()
         reply = self._other.answer(question)
-        self._exchanges.keep(question, reply, self.provider, time.perf_counter() - start)
+        seconds = time.perf_counter() - start
+        usd = reply.usd if self._spending is None else cost(reply, self._spending.price)
+        self._exchanges.keep(question, reply, self.provider, seconds, usd)
         return reply
 
 

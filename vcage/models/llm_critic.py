@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Annotated, Literal
 
 import numpy as np
@@ -21,18 +21,23 @@ class Judgement(Answer):
     """What the model answers: what it sees first, then the verdict."""
 
     observations: str
-    accepted: bool
+    done: Literal["yes", "no", "unsure"]
     failure: Literal["none", "lost", "astray", "disturbed", "other"]
     reason: Annotated[str, Field(min_length=1)]
     confidence: float
 
 
 class LlmCritic:
-    """Implements :class:`vcage.models.protocols.Critic`: the paper's φ(I, T), with pictures before and after."""
+    """Implements :class:`vcage.models.protocols.Critic`: the paper's φ(I, T), with pictures before and after.
 
-    def __init__(self, who: Answerer):
-        self._who = who
-        self.provider = who.provider
+    Args:
+        who: is asked.
+        votes: how often; more than half of the answers must be a yes, and what is unsure is none.
+    """
+
+    def __init__(self, who: Answerer, votes: int = 1):
+        self._who, self._votes = who, votes
+        self.provider = who.provider if votes == 1 else f"{who.provider}, {votes} votes"
 
     def judge(self, question: CriticQuestion) -> Verdict:
         """The model's verdict.
@@ -57,17 +62,33 @@ class LlmCritic:
             phrases=phrases,
             pictures=[name for name, _ in named],
         )
-        found = ask(self._who, "critic", prompt, Judgement, pictures=named, complaints=_complaints)
-        return _verdict(found, self.provider)
+        said: list[Judgement] = []
+        while not _decided(said, self._votes):
+            vote = {"pictures": named, "complaints": _complaints, "vote": len(said) + 1}
+            said.append(ask(self._who, "critic", prompt, Judgement, **vote))
+        return _verdict(said, self.provider)
 
 
-def _verdict(found: Judgement, provider: str) -> Verdict:
+def _decided(said: Sequence[Judgement], votes: int) -> bool:
+    """Whether the votes that are left could change nothing."""
+    yes = sum(judgement.done == "yes" for judgement in said)
+    return 2 * yes > votes or 2 * (yes + votes - len(said)) <= votes
+
+
+def _verdict(said: Sequence[Judgement], provider: str) -> Verdict:
+    """What the votes come to, in the words of the first one on the side that won."""
+    yes = [judgement for judgement in said if judgement.done == "yes"]
+    accepted = 2 * len(yes) > len(said)
+    won = yes if accepted else [judgement for judgement in said if judgement.done != "yes"]
+    told = f"{len(yes)} of {len(said)} votes are a yes: " if len(said) > 1 else ""
+    unsure = "unsure, which is a no: " if won[0].done == "unsure" else ""
+    failures = [] if accepted else [judgement.failure for judgement in won]
     return Verdict(
-        accepted=found.accepted,
-        reason=found.reason,
-        confidence=found.confidence,
+        accepted=accepted,
+        reason=f"{told}{unsure}{won[0].reason}",
+        confidence=sum(judgement.confidence for judgement in won) / len(said),
         provider=provider,
-        failure=None if found.accepted or found.failure in ("none", "other") else found.failure,
+        failure=next((failure for failure in failures if failure not in ("none", "other")), None),
     )
 
 

@@ -11,12 +11,12 @@ import numpy as np
 
 from vcage.base.errors import EndpointFailed, ModelRefused
 from vcage.models.exchange import Message, Question, Reply
-from vcage.models.pictures import decode_base64, encode_base64, encode_png
+from vcage.models.pictures import data_url, decode_base64, encode_png
 from vcage.models.provider import Client, Provider, bearer, count
 
 
 class OpenAiText(Client):
-    """Implements :class:`vcage.models.exchange.Answerer` for answers in JSON over ``chat/completions``."""
+    """Answers in JSON over ``chat/completions``."""
 
     def answer(self, question: Question) -> Reply:
         """See :class:`vcage.models.exchange.Answerer`; servers without ``response_format`` may answer in a fence."""
@@ -28,21 +28,16 @@ class OpenAiText(Client):
                 "json_schema": {"name": "answer", "strict": True, "schema": question.schema},
             },
         }
-        data = self.transport.post_json("chat/completions", body)
+        data = self.post("chat/completions", body)
         message, reason = first_choice(data, self.provider)
         text = _text(message.get("content"))
         if message.get("refusal") or reason in ("length", "content_filter") or not text:
-            why = message.get("refusal") or reason or "no text"
-            raise ModelRefused(
-                f"{self.provider} gave no whole answer: {why}",
-                hint="change the instruction or the model",
-                details={"finish_reason": reason},
-            )
+            raise self.cut_off(str(message.get("refusal") or reason))
         return reply(data, text)
 
 
 class OpenAiPicture(Client):
-    """Implements :class:`vcage.models.exchange.Answerer` for edited pictures over ``images/edits``."""
+    """Edited pictures over ``images/edits``."""
 
     def answer(self, question: Question) -> Reply:
         """The edited picture, in whatever size the model gives.
@@ -51,30 +46,44 @@ class OpenAiPicture(Client):
             ModelRefused: an answer without a picture.
             EndpointFailed: a picture that cannot be decoded, and see the transport.
         """
-        # There are no turns here: what was wrong with the last picture is said with the first request.
-        said = [message.text for message in question.messages if message.speaker == "user"]
-        fields = {"model": self.model, "prompt": "\n\n".join(said)}
+        fields = {"model": self.model, "prompt": said_at_once(question)}
         source = question.messages[0].pictures[0]
         files = [("image[]", ("source.png", encode_png(source), "image/png"))]
-        data = self.transport.post_multipart("images/edits", fields, files)
-        items = data.get("data")
-        first = items[0] if isinstance(items, list) and items and isinstance(items[0], dict) else {}
-        if not first.get("b64_json"):
-            raise ModelRefused(
-                f"{self.provider} drew no picture", hint="change the instruction, or use --models offline"
-            )
-        return reply(data, picture=decode_base64(first["b64_json"], self.provider))
+        data = self.post("images/edits", fields, files)
+        return drawn(data, self.provider)
+
+
+def said_at_once(question: Question) -> str:
+    """A question for an endpoint without turns: what was wrong with the last picture comes with the first request."""
+    return "\n\n".join(message.text for message in question.messages if message.speaker == "user")
+
+
+def drawn(data: dict[str, Any], provider: str) -> Reply:
+    """The reply with the first picture of an answer's ``data``.
+
+    Raises:
+        ModelRefused: there is none.
+        EndpointFailed: it cannot be decoded.
+    """
+    items = data.get("data")
+    first = items[0] if isinstance(items, list) and items and isinstance(items[0], dict) else {}
+    encoded = first.get("b64_json")
+    if not isinstance(encoded, str) or not encoded:
+        raise ModelRefused(f"{provider} drew no picture", hint="change the instruction, or use --editor offline")
+    return reply(data, picture=decode_base64(encoded, provider))
 
 
 def reply(data: dict[str, Any], text: str = "", picture: np.ndarray | None = None) -> Reply:
-    """With the model and the tokens that the answer names; chat and pictures count them by other names."""
+    """With the model, tokens and cost that the answer names; chat and pictures count tokens by other names."""
     used = data.get("usage")
     used = used if isinstance(used, dict) else {}
     tokens_in, tokens_out = (
         next((n for name in names if (n := count(used, name)) is not None), None)
         for names in (("prompt_tokens", "input_tokens"), ("completion_tokens", "output_tokens"))
     )
-    return Reply(text, picture, str(data.get("model") or ""), tokens_in, tokens_out)
+    cost = used.get("cost")
+    usd = float(cost) if isinstance(cost, int | float) else None
+    return Reply(text, picture, str(data.get("model") or ""), tokens_in, tokens_out, usd)
 
 
 def wire_message(message: Message) -> dict[str, Any]:
@@ -84,7 +93,7 @@ def wire_message(message: Message) -> dict[str, Any]:
         return {"role": role, "content": message.text}
     parts: list[dict[str, Any]] = [{"type": "text", "text": message.text}]
     for picture in message.pictures:
-        parts.append({"type": "image_url", "image_url": {"url": f"data:image/png;base64,{encode_base64(picture)}"}})
+        parts.append({"type": "image_url", "image_url": {"url": data_url(picture)}})
     return {"role": role, "content": parts}
 
 
@@ -113,6 +122,7 @@ OPENAI = Provider(
     base_url="https://api.openai.com/v1",
     text_model="gpt-6.1-terra",
     image_model="gpt-image-2",
+    lists=("models",),
     text=OpenAiText,
     picture=OpenAiPicture,
 )

@@ -26,6 +26,11 @@ def encode_base64(picture: np.ndarray) -> str:
     return base64.b64encode(encode_png(picture)).decode()
 
 
+def data_url(picture: np.ndarray) -> str:
+    """The picture as a ``data:`` URL."""
+    return f"data:image/png;base64,{encode_base64(picture)}"
+
+
 def decode_base64(text: str, source: str) -> np.ndarray:
     """(H, W, 3) RGB of a base64 picture in either alphabet, with or without padding or a ``data:`` head.
 

@@ -1,27 +1,74 @@
-"""What is particular to a provider of models online; one file each says it (``gemini``, ``openai``, ``openrouter``)."""
+"""What is particular to a provider of models online; one file each says it (``gemini``, ``openai``…)."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
-from vcage.models.exchange import Answerer
-from vcage.models.transport import Transport
+from vcage.base.errors import ConfigurationError, ModelNotServed, ModelRefused
+from vcage.models.exchange import Question, Reply
+from vcage.models.served import Served, not_served
+from vcage.models.transport import FilePart, Transport
 
 
-class Client:
-    """One model behind an endpoint.
+class Client(ABC):
+    """Implements :class:`vcage.models.exchange.Answerer`: one model behind an endpoint.
 
     Args:
         model: its id, as the endpoint spells it.
         provider: what records call it: ``openai:gpt-6.1-terra``.
+        lists: paths at which the endpoint says what it serves.
     """
 
-    def __init__(self, transport: Transport, model: str, provider: str):
+    def __init__(self, transport: Transport, model: str, provider: str, lists: Sequence[str] = ()):
         self.transport = transport
         self.model = model
         self.provider = provider
+        self._lists = lists
+
+    @abstractmethod
+    def answer(self, question: Question) -> Reply:
+        """See :class:`vcage.models.exchange.Answerer`."""
+
+    def post(self, path: str, body: Mapping[str, Any], files: Sequence[FilePart] = ()) -> dict[str, Any]:
+        """The JSON object that answers a JSON body, or a form with files; raises as the transport.
+
+        Raises:
+            ModelNotServed: the endpoint answers that there is no such model; names those that it serves.
+        """
+        try:
+            if files:
+                return self.transport.post_multipart(path, body, files)
+            return self.transport.post_json(path, body)
+        except ConfigurationError as error:
+            if error.details.get("status") in (400, 404) and (reason := self.not_served()):
+                raise reason from error
+            raise
+
+    def cut_off(self, reason: str) -> ModelRefused:
+        """The error about an answer that is none, or not whole.
+
+        Args:
+            reason: as the endpoint says it.
+        """
+        return ModelRefused(
+            f"{self.provider} gave no whole answer: {reason or 'no text'}",
+            hint="change the instruction or the model",
+            details={"finish_reason": reason},
+        )
+
+    def not_served(self) -> ModelNotServed | None:
+        """The error about the model where the endpoint says what it serves, and this is not among it."""
+        return not_served(self.provider, self.model, self.transport, self._lists)
+
+
+MadeBy = Callable[[Transport, str, str, Sequence[str]], Client]
+
+QUICK = (5.0, 10.0)
+"""Seconds to connect and to wait, where only a look is taken at what is served."""
 
 
 @dataclass(frozen=True)
@@ -34,7 +81,10 @@ class Provider:
         headers: what carries a key in a request.
         base_url, text_model, image_model: where ``VCAGE_<NAME>_BASE_URL``, ``…_TEXT_MODEL`` and ``…_IMAGE_MODEL`` do
             not name others.
-        text, picture: made from transport, model and the name for records.
+        version: path of the API, for a base URL that ends with none.
+        lists: paths at which it says what it serves.
+        tells_cost: its replies say what they cost.
+        text, picture: made from transport, model, the name for records, and the lists; None where it draws no pictures.
     """
 
     name: str
@@ -43,18 +93,37 @@ class Provider:
     base_url: str
     text_model: str
     image_model: str
-    text: Callable[[Transport, str, str], Answerer]
-    picture: Callable[[Transport, str, str], Answerer]
+    lists: tuple[str, ...]
+    text: MadeBy
+    picture: MadeBy | None
+    version: str = ""
+    tells_cost: bool = False
 
-    def connect(self, key: str) -> tuple[Answerer, Answerer]:
-        """What answers in text, and what answers in pictures; nothing is sent yet.
+    def connect(self, key: str, *, picture: bool = False) -> Client:
+        """What answers in text, or in pictures; nothing is sent yet.
 
         Raises:
             ConfigurationError: the base URL that was set is none.
         """
-        transport = Transport(self._setting("BASE_URL", self.base_url), self.headers(key))
-        text, image = self._setting("TEXT_MODEL", self.text_model), self._setting("IMAGE_MODEL", self.image_model)
-        return self.text(transport, text, f"{self.name}:{text}"), self.picture(transport, image, f"{self.name}:{image}")
+        make, model = (self.picture, self.models[-1]) if picture else (self.text, self.models[0])
+        assert make is not None, self.name
+        return make(self._transport(key), model, f"{self.name}:{model}", self.lists)
+
+    @property
+    def models(self) -> list[str]:
+        """The ids of the model that answers in text, and of the one that draws if there is one."""
+        text = self._setting("TEXT_MODEL", self.text_model)
+        return [text] if self.picture is None else [text, self._setting("IMAGE_MODEL", self.image_model)]
+
+    def served(self, key: str) -> Served:
+        """What the endpoint serves; raises as :meth:`vcage.models.served.Served.at`."""
+        return Served.at(self._transport(key, timeout=QUICK), self.lists)
+
+    def _transport(self, key: str, **options: Any) -> Transport:
+        url = self._setting("BASE_URL", self.base_url).rstrip("/")
+        if self.version and not url.endswith(("/v1", "/v1beta")):
+            url = f"{url}/{self.version}"
+        return Transport(url, self.headers(key), **options)
 
     def _setting(self, what: str, default: str) -> str:
         return os.environ.get(f"VCAGE_{self.name.upper()}_{what}") or default

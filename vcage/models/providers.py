@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from vcage.models.anthropic import ANTHROPIC
 from vcage.models.gemini import GEMINI
 from vcage.models.keys import find_key
 from vcage.models.openai import OPENAI
 from vcage.models.openrouter import OPENROUTER
 from vcage.models.provider import Provider
 
-PROVIDERS: dict[str, Provider] = {provider.name: provider for provider in (GEMINI, OPENAI, OPENROUTER)}
+PROVIDERS: dict[str, Provider] = {provider.name: provider for provider in (GEMINI, OPENAI, OPENROUTER, ANTHROPIC)}
 """Online choices, in the order in which ``auto`` takes the first one that has a key."""
 
 

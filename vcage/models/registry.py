@@ -1,6 +1,6 @@
 """Which implementation plays which role.
 
-``--models auto|offline|agent|replay|gemini|openai|openrouter`` chooses reasoner, editor and critic by one word, and
+``--models`` chooses reasoner, editor and critic by one word of :data:`CHOICES`, and
 ``--reasoner``, ``--editor`` and ``--critic`` one of them alone. What answers questions in words and pictures (all but
 ``offline``) is asked through :class:`vcage.models.kept.Keeping`, so every exchange is kept under the run. Detector and
 embedder run on this machine in every choice, and are chosen by a name of their own, with weights after a colon where
@@ -10,21 +10,26 @@ it has a choice of them: ``background``, ``grounding-dino``, ``grounding-dino:ID
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import logging
+from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Literal
 
 from vcage.base.errors import InputFileError, UnknownName, UsageError
 from vcage.models import agent
 from vcage.models.exchange import Answerer
 from vcage.models.kept import Exchanges, Keeping, Replayed, who_answered
-from vcage.models.keys import require_key
+from vcage.models.keys import require_key, variables
 from vcage.models.llm_critic import LlmCritic
 from vcage.models.llm_editor import LlmEditor
 from vcage.models.llm_reasoner import LlmReasoner
 from vcage.models.protocols import Critic, ImageEditor, Models, Reasoner
 from vcage.models.providers import PROVIDERS, found_keys
+from vcage.models.spending import Cap, Spending
 from vcage.schema.exchange import Asked
 from vcage.vision.protocols import Detector, Embedder
+
+logger = logging.getLogger(__name__)
 
 CHOICES = ("auto", "offline", agent.PROVIDER, "replay", *PROVIDERS)
 
@@ -43,6 +48,9 @@ class Choice:
         run: folder of the run: exchanges are kept in its ``exchanges/``, questions to an agent lie in its ``ask/``.
         replayed: folder of the run whose exchanges ``replay`` reads; ``run`` when left out.
         anew: ask again what was answered before.
+        fallback: who plays a role whose endpoint does not serve its model; an error where nobody does.
+        votes: how often the critic asks a model; see :class:`vcage.models.llm_critic.LlmCritic`.
+        cap: what the run may spend on models online.
     """
 
     models: str = "auto"
@@ -52,24 +60,44 @@ class Choice:
     run: Path | None = None
     replayed: Path | None = None
     anew: bool = False
+    fallback: Literal["offline"] | None = None
+    votes: int = 1
+    cap: Cap = field(default_factory=Cap)
 
     def of(self, role: Asked) -> str:
         """Who plays a role: ``offline``, ``agent``, ``replay`` or a provider.
 
         Raises:
             UnknownName: there is no such choice.
-            UsageError: an agent is to draw.
+            UsageError: who does not draw is named as editor.
         """
         chosen = getattr(self, role) or self.models
         if chosen not in CHOICES:
             raise UnknownName(f"choice of the {role}", chosen, CHOICES)
         if chosen == "auto":
             return next(iter(found_keys()), "offline")
-        if chosen == agent.PROVIDER and role == "editor":
+        if role == "editor" and (chosen == agent.PROVIDER or (chosen in PROVIDERS and not PROVIDERS[chosen].picture)):
             if self.editor is None:
                 return "offline"
-            raise UsageError("an agent does not draw", hint="give a picture with: inpaint-plan --target FILE")
+            raise UsageError(f"{chosen} does not draw", hint="give a picture with: inpaint-plan --target FILE")
         return chosen
+
+    def told(self) -> str:
+        """What ``auto`` takes, and why, in words; empty where nothing is left to it.
+
+        Raises:
+            ConfigurationError: the key file cannot be read.
+        """
+        roles: tuple[Asked, ...] = ("reasoner", "editor", "critic")
+        left = [role for role in roles if (getattr(self, role) or self.models) == "auto"]
+        if not left:
+            return ""
+        found = found_keys()
+        for name, place in found.items():
+            others = f"; {' and '.join(rest)} too" if (rest := [other for other in found if other != name]) else ""
+            return f"models: {name} for {', '.join(left)}, since its key is in {place}{others}; --models names another"
+        names = ", ".join(variables(provider)[0] for provider in PROVIDERS.values())
+        return f"models: rules (offline) for {', '.join(left)}, since there is no key of a provider in {names}"
 
     @property
     def exchanges(self) -> Exchanges:
@@ -85,6 +113,7 @@ class Choice:
 
         Raises:
             MissingKey: the provider's key is nowhere to be found.
+            ConfigurationError: money is capped, and what the provider takes is not known.
             UsageError: there is no run in which an agent could be asked, or to replay.
             InputFileError: what is to be replayed holds no exchange.
         """
@@ -97,9 +126,14 @@ class Choice:
             # It keeps its answers itself, beside the questions.
             return Keeping(agent.Agent(self._run() / "ask"), self.exchanges, anew=True)
         provider = PROVIDERS[chosen]
-        text, picture = provider.connect(require_key(provider))
-        who = picture if role == "editor" else text
-        return who if self.run is None else Keeping(who, self.exchanges, anew=self.anew)
+        who = provider.connect(require_key(provider), picture=role == "editor")
+        if self.fallback is not None and (reason := who.not_served()):
+            logger.warning("%s: rules (offline) play the %s", reason.message, role)
+            return None
+        if self.run is None:
+            return who
+        spending = Spending(self.exchanges.folder, self.cap, who.provider, tells=provider.tells_cost)
+        return Keeping(who, self.exchanges, anew=self.anew, spending=spending)
 
     def _replayed(self, role: Asked) -> Replayed | None:
         """What was answered in the role; None where nobody was asked, as rules answer alike each time."""
@@ -155,7 +189,7 @@ def _editor(choice: Choice) -> ImageEditor:
 
 def _critic(choice: Choice) -> Critic:
     if who := choice.answerer("critic"):
-        return LlmCritic(who)
+        return LlmCritic(who, choice.votes)
     from vcage.models.rules.critic import OfflineCritic
 
     return OfflineCritic()

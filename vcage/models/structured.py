@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 import json
 import re
 from collections.abc import Callable, Sequence
@@ -9,6 +10,7 @@ from typing import Annotated, Any, Literal, TypeVar
 
 import numpy as np
 from pydantic import AfterValidator, BaseModel, ConfigDict, ValidationError, create_model
+from pydantic_core import ErrorDetails
 
 from vcage.base.errors import ModelRefused
 from vcage.models.exchange import Answerer, Message, Question
@@ -59,6 +61,7 @@ def ask(
     *,
     pictures: Sequence[tuple[str, np.ndarray]] = (),
     complaints: Callable[[AnswerType], Sequence[str]] = lambda _: (),
+    vote: int = 1,
 ) -> AnswerType:
     """Ask until the answer is valid, at most :data:`ROUNDS` times.
 
@@ -68,6 +71,7 @@ def ask(
         answer: the type of the answer; its JSON Schema is sent along.
         pictures: (what it shows, (H, W, 3) uint8 RGB).
         complaints: what is wrong with an answer of the right type; empty when nothing is.
+        vote: see :class:`vcage.models.exchange.Question`.
 
     Raises:
         ModelRefused: no answer was valid; the message holds the last complaint.
@@ -75,7 +79,7 @@ def ask(
     """
     turn = Message("user", prompt.text, tuple(picture for _, picture in pictures))
     captions = tuple(what for what, _ in pictures)
-    question = Question(role, (turn,), flat_schema(answer), prompt.name, captions)
+    question = Question(role, (turn,), flat_schema(answer), prompt.name, captions, vote)
     problems: Sequence[str] = ()
     text = ""
     for _ in range(ROUNDS):
@@ -102,7 +106,16 @@ def _read(text: str, answer: type[AnswerType]) -> tuple[AnswerType | None, Seque
     try:
         return answer.model_validate(data), ()
     except ValidationError as error:
-        return None, [f"{'.'.join(map(str, e['loc'])) or 'the answer'}: {e['msg']}" for e in error.errors()[:8]]
+        return None, [f"{'.'.join(map(str, e['loc'])) or 'the answer'}: {_wrong(e)}" for e in error.errors()[:8]]
+
+
+def _wrong(error: ErrorDetails) -> str:
+    """What is wrong with a field; of many names that it may take those that are spelled alike."""
+    names = re.findall(r"'([^']*)'", error.get("ctx", {}).get("expected", ""))
+    if error["type"] != "literal_error" or len(names) <= MOST_NAMES:
+        return error["msg"]
+    near = difflib.get_close_matches(str(error["input"]), names, n=5, cutoff=0.4) or names[:5]
+    return f"{error['input']!r} is not among the {len(names)} names; near are {', '.join(near)}"
 
 
 def json_of(text: str) -> str:
@@ -121,8 +134,15 @@ def _complaint(problems: Sequence[str]) -> str:
     return f"That answer cannot be used:\n{listed}\nAnswer again with the whole corrected JSON object and nothing else."
 
 
+_SENT = ("type", "items", "required", "additionalProperties", "enum", "anyOf")
+"""Keywords that all providers take; bounds of texts and numbers, which Anthropic refuses, are checked here alone."""
+
+MOST_NAMES = 60
+"""Of an enumeration that is sent: Gemini refuses long ones. A longer one goes out as any text, and is checked here."""
+
+
 def flat_schema(answer: type[BaseModel]) -> dict[str, Any]:
-    """The type's JSON Schema in the subset that all providers accept: no references, no titles, no ``const``."""
+    """The type's JSON Schema in the subset that all providers accept; what comes back is held against all of it."""
     schema = answer.model_json_schema()
     return _flatten(schema, schema.get("$defs", {}))
 
@@ -140,6 +160,8 @@ def _flatten(node: Any, definitions: dict[str, Any]) -> Any:
             flat[key] = {name: _flatten(inner, definitions) for name, inner in value.items()}
         elif key == "const":
             flat["enum"] = [value]
-        elif key not in ("title", "$defs", "description", "default"):
+        elif key in _SENT:
             flat[key] = _flatten(value, definitions)
+    if len(flat.get("enum", ())) > MOST_NAMES:
+        del flat["enum"]
     return flat

@@ -36,7 +36,7 @@ _CONFIGURATION = {
 
 
 class Transport:
-    """POST with time-outs, bounded retries, and errors that say what to do; keys never show.
+    """Requests with time-outs, bounded retries, and errors that say what to do; keys never show.
 
     Args:
         base_url: scheme, host and path prefix, e.g. ``https://generativelanguage.googleapis.com``.
@@ -64,6 +64,10 @@ class Transport:
         self._session = requests.Session()
         self._session.headers.update(headers)
 
+    def get_json(self, path: str) -> dict[str, Any]:
+        """GET the JSON object at a path, once: whoever looks can go on without; raises as :meth:`post_json`."""
+        return self._send("GET", path, 1)
+
     def post_json(self, path: str, body: Mapping[str, Any]) -> dict[str, Any]:
         """POST a JSON body and return the JSON object of the answer.
 
@@ -72,7 +76,7 @@ class Transport:
             ConfigurationError: the endpoint says that key, model or request are wrong.
             ModelRefused: it declines for another reason (other 4xx).
         """
-        return self._post(path, json=body)
+        return self._send("POST", path, self._attempts, json=body)
 
     def post_multipart(self, path: str, fields: Mapping[str, str], files: Sequence[FilePart]) -> dict[str, Any]:
         """POST a form with files and return the JSON object of the answer; raises as :meth:`post_json`.
@@ -82,18 +86,18 @@ class Transport:
             fields: name → text.
             files: the parts that are files.
         """
-        return self._post(path, data=dict(fields), files=list(files))
+        return self._send("POST", path, self._attempts, data=dict(fields), files=list(files))
 
-    def _post(self, path: str, **content: Any) -> dict[str, Any]:
+    def _send(self, method: str, path: str, attempts: int, **content: Any) -> dict[str, Any]:
         url = f"{self.base_url}/{path.lstrip('/')}"
         problem, wait = "", 0.0
-        for attempt in range(self._attempts):
+        for attempt in range(attempts):
             if attempt:
                 LOG.warning("%s; trying again in %.0f s", problem, wait)
                 self._sleep(wait)
             wait = min(2.0**attempt, LONGEST_WAIT)
             try:
-                response = self._session.post(url, timeout=self._timeout, allow_redirects=False, **content)
+                response = self._session.request(method, url, timeout=self._timeout, allow_redirects=False, **content)
             except (requests.ConnectionError, requests.Timeout, requests.exceptions.ChunkedEncodingError) as error:
                 problem = f"{url} does not answer: {type(error).__name__}"
                 continue

@@ -36,8 +36,16 @@ class Exchange(Document):
     picture: str | None = Field(description="name of a file in pictures/, PNG, where the answer is one")
     tokens_in: int | None
     tokens_out: int | None
+    usd: float | None = Field(
+        default=None, description="US dollars, as the reply says or estimated from tokens and known prices"
+    )
     seconds: float = Field(description="that the answer took; 0 where it lay there already")
     number: int = Field(description="counts the exchanges of a run, from 1")
+
+    @property
+    def online(self) -> bool:
+        """Whether an endpoint answered, and not an agent."""
+        return ":" in self.provider
 
     @property
     def round(self) -> int:

@@ -1,0 +1,98 @@
+"""What a run has spent, and what it may."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from vcage.base.errors import ConfigurationError, SpendingCap
+from vcage.models.exchange import Message, Question, Reply
+from vcage.models.kept import Exchanges, Keeping
+from vcage.models.spending import Cap, Price, Spending, cost, price_of
+
+
+class Paid:
+    """Answers, and says what that cost if it is told so."""
+
+    def __init__(self, usd: float | None = None, provider: str = "gemini:some"):
+        self.provider, self.usd = provider, usd
+
+    def answer(self, question: Question) -> Reply:
+        return Reply("yes", tokens_in=1_000_000, tokens_out=500_000, usd=self.usd)
+
+
+def question(number: int) -> Question:
+    return Question("critic", (Message("user", f"question {number}"),), {"type": "object"}, "judge_subtask")
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    return tmp_path / "exchanges"
+
+
+@pytest.fixture
+def prices(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    path = tmp_path / "prices.json"
+    path.write_text(json.dumps({"gemini:some": {"input": 2.0, "output": 12.0}}))
+    monkeypatch.setenv("VCAGE_PRICE_FILE", str(path))
+    return path
+
+
+@pytest.fixture(autouse=True)
+def no_prices(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("VCAGE_PRICE_FILE", str(tmp_path / "none.json"))
+
+
+def keeping(folder: Path, cap: Cap, who: Paid, *, tells: bool = False) -> Keeping:
+    return Keeping(who, Exchanges(folder), spending=Spending(folder, cap, who.provider, tells=tells))
+
+
+def test_what_a_reply_costs_is_what_it_says_or_else_tokens_by_price():
+    price = Price(input=2, output=12)
+    assert cost(Reply(tokens_in=1_000_000, tokens_out=500_000), price) == 8.0
+    assert cost(Reply(tokens_in=1_000_000, tokens_out=500_000, usd=0.5), price) == 0.5
+    assert cost(Reply(), price) is None
+    assert cost(Reply(tokens_in=1), None) is None
+
+
+def test_an_exchange_keeps_what_it_cost(folder: Path, prices: Path):
+    keeping(folder, Cap(), Paid()).answer(question(1))
+    assert Exchanges(folder).all()[0].usd == 8.0
+
+
+def test_a_run_holds_no_more_answers_than_it_may_whoever_asked_before(folder: Path):
+    for number in range(2):
+        keeping(folder, Cap(calls=2), Paid()).answer(question(number))
+    with pytest.raises(SpendingCap, match="holds 2 answers of models online"):
+        keeping(folder, Cap(calls=2), Paid()).answer(question(2))
+    assert keeping(folder, Cap(calls=2), Paid()).answer(question(1)).text == "yes", "what is kept costs nothing"
+
+
+def test_answers_of_an_agent_are_not_paid(folder: Path):
+    for number in range(3):
+        Keeping(Paid(provider="agent"), Exchanges(folder)).answer(question(number))
+    keeping(folder, Cap(calls=1), Paid()).answer(question(3))
+
+
+def test_a_run_asks_no_more_once_the_money_is_spent(folder: Path):
+    who = keeping(folder, Cap(usd=0.02), Paid(usd=0.015), tells=True)
+    who.answer(question(1))
+    who.answer(question(2))
+    with pytest.raises(SpendingCap, match=r"0\.0300 USD") as caught:
+        who.answer(question(3))
+    assert caught.value.exit_code == 4 and "--most-usd" in caught.value.hint
+
+
+def test_money_is_not_capped_where_nobody_knows_the_price(folder: Path):
+    with pytest.raises(ConfigurationError, match="what gemini:some costs is not known"):
+        Spending(folder, Cap(usd=1.0), "gemini:some")
+
+
+@pytest.mark.parametrize("text", ["{", "[]", '{"gemini:some": 3}', '{"gemini:some": {"input": -1, "output": 2}}'])
+def test_a_price_file_that_holds_no_prices_is_named(prices: Path, text: str, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setenv("VCAGE_PRICE_FILE", str(prices))
+    prices.write_text(text)
+    with pytest.raises(ConfigurationError, match=r"prices\.json holds no prices"):
+        price_of("gemini:some")

@@ -1,0 +1,94 @@
+"""Which models an endpoint serves, as it says itself: ids age, and a wrong one is answered with those there are."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable
+from dataclasses import dataclass
+from datetime import date, timedelta
+from typing import Any
+
+from vcage.base.errors import ConfigurationError, ModelNotServed, VcageError
+from vcage.models.transport import Transport
+
+SOON = timedelta(days=60)
+"""A model that ends within this is told of."""
+
+ALIAS = "~"
+"""What ids of OpenRouter begin with that it resolves itself, and does not list."""
+
+MOST_NAMED = 12
+
+_ENDS = ("shutdown_date", "expiration_date", "retires_at")
+"""What OpenAI, OpenRouter and Anthropic call the day after which a model is gone; Gemini does not say."""
+
+
+@dataclass(frozen=True)
+class Served:
+    """The models of an endpoint.
+
+    Args:
+        models: id → the day on which it ends; None where none is told.
+    """
+
+    models: dict[str, date | None]
+
+    @classmethod
+    def at(cls, transport: Transport, paths: Iterable[str]) -> Served:
+        """What an endpoint lists below some paths.
+
+        Raises:
+            VcageError: it does not answer, or answers with no list.
+        """
+        found: dict[str, date | None] = {}
+        for path in paths:
+            data = transport.get_json(path)
+            items = data.get("data", data.get("models"))
+            if not isinstance(items, list):
+                raise ConfigurationError(f"{transport.base_url}/{path} lists no models", hint="check the base URL")
+            found |= dict(_entry(item) for item in items if isinstance(item, dict) and _is_served(item))
+        return cls(found)
+
+    def has(self, model: str) -> bool:
+        """Whether a model is served, or an alias that only the endpoint knows."""
+        return model.startswith(ALIAS) or model in self.models
+
+    def ends(self, model: str, today: date) -> date | None:
+        """The day on which a model ends, where that is soon."""
+        day = self.models.get(model)
+        return day if day is not None and day - today <= SOON else None
+
+    def nearest(self, model: str) -> list[str]:
+        """Ids that are served, those first that are spelled alike."""
+        alike = difflib.get_close_matches(model, self.models, n=MOST_NAMED, cutoff=0.3)
+        return [*alike, *sorted(self.models.keys() - set(alike))][:MOST_NAMED]
+
+
+def not_served(provider: str, model: str, transport: Transport, paths: Iterable[str]) -> ModelNotServed | None:
+    """The error about a model that an endpoint does not list; None where it does, or lists none."""
+    try:
+        served = Served.at(transport, paths)
+    except VcageError:
+        return None
+    if served.has(model):
+        return None
+    names = served.nearest(model)
+    return ModelNotServed(
+        f"{provider.partition(':')[0]} does not serve {model}; it serves {', '.join(names) or 'none'}"
+        + (f", … ({len(served.models)} in all)" if len(served.models) > len(names) else ""),
+        hint="name one of them, or let rules answer where the model is not there with --fallback offline",
+        details={"model": model, "served": sorted(served.models)},
+    )
+
+
+def _is_served(item: dict[str, Any]) -> bool:
+    return isinstance(item.get("id", item.get("name")), str) and item.get("lifecycle") != "retired"
+
+
+def _entry(item: dict[str, Any]) -> tuple[str, date | None]:
+    name = str(item.get("id", item.get("name"))).removeprefix("models/")
+    told = next((item[key] for key in _ENDS if isinstance(item.get(key), str)), "")
+    try:
+        return name, date.fromisoformat(told[:10])
+    except ValueError:
+        return name, None
