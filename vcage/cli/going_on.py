@@ -23,10 +23,15 @@ def following(name: str, run: RunFolder) -> str:
 
 def stage_command(name: str, run: RunFolder) -> str:
     """The command of a stage, with the options that were last given on this run to those that take them."""
+    return vcage_command(name.replace("_", "-"), *words_of(name, run))
+
+
+def words_of(name: str, run: RunFolder) -> list[str]:
+    """What comes after a stage's name in :func:`stage_command`."""
     takes = [option.key for option in options_of(stage_of(name).Options())]
     given = _given(run)
     words = [word for key in takes for word in given.get(key, [])]
-    return vcage_command(name.replace("_", "-"), "--out" if name == "select_place" else "--run", run, *words)
+    return ["--out" if name == "select_place" else "--run", str(run), *words]
 
 
 @contextlib.contextmanager

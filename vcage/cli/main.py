@@ -34,6 +34,7 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "decompress": ("vcage.cli.decompress.Decompress", "put the pictures of compressed recordings back"),
     "report": ("vcage.cli.report.Report", "write the HTML page of a run"),
     "view": ("vcage.cli.view.ViewEpisode", "look at an episode in the viewer Rerun"),
+    "prompts show": ("vcage.cli.prompts.ShowPrompt", "print what a model would be asked in a run"),
     "assets list": ("vcage.cli.assets.ListAssets", "list the objects of the library"),
     "assets search": ("vcage.cli.assets.SearchAssets", "find objects by what they are called or mean"),
     "assets validate": ("vcage.cli.assets.ValidateAssets", "prove the objects by use: stand, grasp, fill, open"),

@@ -1,0 +1,55 @@
+"""``vcage prompts show`` prints what a stage asks, and asks nobody."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from tests.runs import command, digests
+
+TASK = "Put the red block and the green block into the box"
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A run that rules have planned, in a folder with a space in its name."""
+    return tmp_path_factory.mktemp("with space") / "run"
+
+
+@pytest.fixture
+def planned(run: Path, capsys: pytest.CaptureFixture[str]) -> Path:
+    if not run.exists():
+        assert command(capsys, "select-place", TASK, "--models", "offline", "--out", str(run)).code == 0
+    return run
+
+
+@pytest.mark.parametrize(
+    ("name", "stage"),
+    [("select_assets", ("select-place", TASK, "--out")), ("plan_layout", ("inpaint-plan", "--run"))],
+)
+def test_what_is_shown_is_what_an_agent_is_asked(
+    planned: Path, name: str, stage: tuple[str, ...], tmp_path: Path, capsys
+) -> None:
+    shown = command(capsys, "prompts", "show", name, "--run", str(planned))
+    asked = command(capsys, *stage, str(planned), "--models", "agent", "--force").error["details"]["asked"][0]
+    assert Path(asked["folder"]).name == f"reasoner-{shown.record['summary']['hash'][:12]}"
+    prompt = (Path(asked["folder"]) / "prompt.md").read_text()
+    assert len(prompt) >= shown.record["summary"]["characters"]
+
+
+def test_showing_changes_nothing_in_the_run(planned: Path, capsys) -> None:
+    before = digests(planned)
+    shown = command(capsys, "prompts", "show", "rearrange", "--run", str(planned))
+    assert (shown.code, shown.record["summary"]["pictures"]) == (0, ["the picture to edit"])
+    assert digests(planned) == before
+
+
+def test_what_is_missing_is_told_with_its_own_path_and_the_command_that_makes_it(planned: Path, capsys) -> None:
+    ended = command(capsys, "prompts", "show", "judge_pairs", "--run", str(planned))
+    assert (ended.code, ended.error["details"]["missing"]) == (3, str(planned / "optimize" / "scene.json"))
+
+
+def test_a_folder_without_a_run_is_named(tmp_path: Path, capsys) -> None:
+    ended = command(capsys, "prompts", "show", "plan_layout", "--run", str(tmp_path / "none"))
+    assert ended.code == 3 and "none" in ended.error["message"]

@@ -1,0 +1,64 @@
+"""``vcage prompts``: what models are asked."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+from tyro.conf import Positional, arg
+
+from vcage.base.errors import MissingStage
+from vcage.base.files import RunFolder
+from vcage.base.options import FOLDER, choice
+from vcage.cli.arguments import Command, parse
+from vcage.cli.going_on import words_of
+from vcage.cli.output import Result
+from vcage.cli.stage import options_of
+from vcage.models.exchange import Question
+from vcage.stages.asking import ASKED_BY, question_of
+
+
+@dataclass(frozen=True, kw_only=True)
+class ShowPrompt(Command):
+    """Print what a model would be asked in a run: the prompt filled in, the pictures, the schema of the answer.
+
+    Nothing is sent, and the run is not changed. The stage that asks it is taken with the options that it was last
+    given; what it asks before is answered as the run's models did, or by rules.
+
+    examples:
+      vcage prompts show plan_layout --run runs/stationery
+      vcage prompts show judge_subtask --run runs/stationery
+    """
+
+    name: Annotated[str, Positional, choice(list(ASKED_BY)), arg(metavar="NAME")]
+    """the prompt"""
+    run: Annotated[Path, FOLDER]
+    """the run folder"""
+
+    def execute(self) -> Result:
+        """Print it."""
+        run, stage = RunFolder(self.run), ASKED_BY[self.name]
+        if not run.root.is_dir():
+            raise MissingStage(f"there is no run in {run}", hint="begin one", maker="select_place")
+        command = parse(options_of(stage), words_of(stage, run), prog=stage, text="", about="")
+        assert command is not None  # no help is asked for
+        question = question_of(self.name, run, command.stage)
+        summary = {
+            "role": question.role,
+            "hash": question.hash,
+            "characters": len(question.messages[0].text),
+            "pictures": list(question.captions),
+        }
+        return Result(summary=summary, text=_text(question))
+
+
+def _text(question: Question) -> str:
+    parts = [question.messages[0].text]
+    if question.captions:
+        shown = zip(question.captions, question.messages[0].pictures, strict=True)
+        parts.append("\n".join(f"[picture {p.shape[1]} x {p.shape[0]}: {caption}]" for caption, p in shown))
+    if question.schema is not None:
+        parts.append(json.dumps(question.schema))
+    return "\n\n".join(parts)

@@ -1,0 +1,102 @@
+"""What a stage would ask a model in a run, without asking it."""
+
+from __future__ import annotations
+
+import shutil
+import tempfile
+from dataclasses import replace
+from pathlib import Path
+
+from vcage.base.errors import UsageError
+from vcage.base.files import RunFolder
+from vcage.models.exchange import Answerer, Question, Reply
+from vcage.models.kept import Exchanges, Replayed, who_answered
+from vcage.models.llm_critic import LlmCritic
+from vcage.models.llm_editor import LlmEditor
+from vcage.models.llm_reasoner import LlmReasoner
+from vcage.models.protocols import Models
+from vcage.models.registry import Choice, build_models
+from vcage.stages.context import StageContext
+from vcage.stages.running import stage_of
+from vcage.stages.stage import StageOptions
+
+ASKED_BY = {
+    "select_assets": "select_place",
+    "read_goals": "select_place",
+    "plan_layout": "inpaint_plan",
+    "rearrange": "inpaint_plan",
+    "judge_pairs": "search_subtasks",
+    "judge_subtask": "verify",
+}
+"""Prompt → the stage that asks it (collecting asks the last one, too)."""
+
+_HEAVY = ("*.hdf5", "*.mp4", "*.mkv", "exchanges", "ask", "export")
+"""What no stage that asks reads."""
+
+
+class _Asked(Exception):
+    """The question was reached."""
+
+    def __init__(self, question: Question):
+        super().__init__(question.name)
+        self.question = question
+
+
+class _Showing:
+    """Implements :class:`vcage.models.exchange.Answerer`: stops at a prompt, and answers others as was kept."""
+
+    provider = "nobody"
+
+    def __init__(self, name: str, kept: Answerer | None):
+        self._name, self._kept = name, kept
+
+    def answer(self, question: Question) -> Reply:
+        if question.name == self._name or self._kept is None:
+            raise _Asked(question)
+        return self._kept.answer(question)
+
+
+def question_of(name: str, run: RunFolder, options: StageOptions) -> Question:
+    """The first question with a prompt that a stage would ask, its first round.
+
+    What comes before it in the stage is answered as the run's models did, or by rules where these answered.
+
+    Args:
+        name: of the prompt, one of :data:`ASKED_BY`.
+        run: with what the stages before wrote; nothing in it is changed.
+        options: of the stage.
+
+    Raises:
+        UsageError: the stage does not ask it here.
+        VcageError: what the stage raises before it asks, for one :class:`vcage.base.errors.MissingStage`.
+    """
+    stage = stage_of(ASKED_BY[name])
+    context = StageContext(Choice("offline"))
+    context.__dict__["models"] = _models(name, run)
+    stage.job(run, options, context).provenance()  # what is missing is told by its own path
+    with tempfile.TemporaryDirectory() as folder:
+        copy = RunFolder(Path(folder) / run.root.name)
+        shutil.copytree(run.root, copy.root, ignore=shutil.ignore_patterns(*_HEAVY))
+        output = stage.job(copy, options, context).output.parent
+        shutil.rmtree(output, ignore_errors=True)
+        try:
+            stage.execute(copy, options, context, lambda *_: None)
+        except _Asked as asked:
+            return asked.question
+    raise UsageError(f"{ASKED_BY[name]} does not ask {name} in {run}", hint="see what it asked in the report")
+
+
+def _models(name: str, run: RunFolder) -> Models:
+    exchanges = Exchanges(run.root / "exchanges")
+    answered = who_answered(exchanges)
+    kept = Replayed(exchanges, answered["reasoner"]) if "reasoner" in answered else None
+    showing, rules = _Showing(name, kept), build_models(Choice("offline"))
+    reasoner = LlmReasoner(showing)
+    if kept is None and hasattr(rules.reasoner, name):  # its prompts are called as its methods
+        setattr(rules.reasoner, name, getattr(reasoner, name))
+    return replace(
+        rules,
+        reasoner=rules.reasoner if kept is None else reasoner,
+        editor=LlmEditor(showing) if name == "rearrange" else rules.editor,
+        critic=LlmCritic(showing) if name == "judge_subtask" else rules.critic,
+    )
