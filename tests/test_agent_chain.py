@@ -8,8 +8,8 @@ from typing import Any
 
 import pytest
 
+from tests.model_server.answers import answer_question
 from tests.runs import Answer, command, digests
-from tests.standin_answers import answer_question
 from vcage.base.files import RunFolder
 from vcage.base.pictures import read_picture
 from vcage.models.kept import Exchanges

@@ -6,14 +6,14 @@ from collections.abc import Iterator
 
 import pytest
 
-from tests.standin import StandIn
+from tests.model_server import ModelServer
 from vcage.models.keys import variables
 from vcage.models.providers import PROVIDERS
 
 
 @pytest.fixture
-def server() -> Iterator[StandIn]:
-    with StandIn() as running:
+def server() -> Iterator[ModelServer]:
+    with ModelServer() as running:
         yield running
 
 

@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 
 from tests.layout.items import capacity
+from tests.model_server import ModelServer, Special, no_picture, text_answer
 from tests.models.catalogue import CATALOGUE, unchecked
 from tests.models.tabletop import BLOCKS, BOX, MARKERS, PLATE, draw, scene_of, table_picture
 from tests.models.tabletop import critic_question as asked
-from tests.standin import Special, StandIn, no_picture, text_answer
 from vcage.base.errors import (
     ConfigurationError,
     EndpointFailed,
@@ -38,22 +38,22 @@ from vcage.schema.subtasks import PairQuestion
 
 RNG = np.random.default_rng(0)
 PROVIDERS = ("gemini", "openai", "openrouter")
-TEXT_PROVIDERS = ("gemini", "openai")
+TEXT_PROVIDERS = ("gemini", "openai", "anthropic")
 
 
-def build(provider: str, server: StandIn, monkeypatch: pytest.MonkeyPatch) -> Models:
+def build(provider: str, server: ModelServer, monkeypatch: pytest.MonkeyPatch) -> Models:
     monkeypatch.setenv(f"VCAGE_{provider.upper()}_API_KEY", server.key)
-    monkeypatch.setenv(f"VCAGE_{provider.upper()}_BASE_URL", server.url + ("" if provider == "gemini" else "/v1"))
+    monkeypatch.setenv(f"VCAGE_{provider.upper()}_BASE_URL", server.base_urls[provider])
     return build_models(Choice(provider))
 
 
 @pytest.fixture(params=TEXT_PROVIDERS)
-def models(request: pytest.FixtureRequest, server: StandIn, monkeypatch: pytest.MonkeyPatch) -> Models:
+def models(request: pytest.FixtureRequest, server: ModelServer, monkeypatch: pytest.MonkeyPatch) -> Models:
     return build(request.param, server, monkeypatch)
 
 
 @pytest.fixture(params=PROVIDERS)
-def editing(request: pytest.FixtureRequest, server: StandIn, monkeypatch: pytest.MonkeyPatch) -> Models:
+def editing(request: pytest.FixtureRequest, server: ModelServer, monkeypatch: pytest.MonkeyPatch) -> Models:
     return build(request.param, server, monkeypatch)
 
 
@@ -117,7 +117,7 @@ RED_AROUND = [("plate", "center", "table"), ("green-block", "left_of", "plate"),
     ],
 )
 def test_a_contradictory_layout_goes_back_with_the_complaint(
-    models: Models, server: StandIn, triples: list[tuple[str, str, str]], complaint: str
+    models: Models, server: ModelServer, triples: list[tuple[str, str, str]], complaint: str
 ) -> None:
     right = [*RED_AROUND, ("red-block", "in_front_of", "plate")]
     server.queue(layout_answer(*triples), layout_answer(*right))
@@ -126,7 +126,7 @@ def test_a_contradictory_layout_goes_back_with_the_complaint(
     assert len(server.requests) == 2 and complaint in str(server.requests[1])
 
 
-def test_what_does_not_fit_goes_back_with_both_sizes(models: Models, server: StandIn) -> None:
+def test_what_does_not_fit_goes_back_with_both_sizes(models: Models, server: ModelServer) -> None:
     scene = scene_of([PLATE, *BLOCKS])
     rooms = {"plate": capacity(PLATE.size, "on", (0.03, 0.03)), "red-block": capacity(BLOCKS[0].size)}
     server.queue(layout_answer(*RED_AROUND, ("red-block", "on", "plate")))
@@ -137,7 +137,9 @@ def test_what_does_not_fit_goes_back_with_both_sizes(models: Models, server: Sta
     assert len(server.requests) == 2 and complaint in str(server.requests[1])
 
 
-def test_a_layout_that_never_becomes_possible_is_a_refusal_with_the_complaints(models: Models, server: StandIn) -> None:
+def test_a_layout_that_never_becomes_possible_is_a_refusal_with_the_complaints(
+    models: Models, server: ModelServer
+) -> None:
     wrong = layout_answer(*RED_AROUND, ("red-block", "inside", "green-block"), ("green-block", "inside", "red-block"))
     server.queue(wrong, wrong, wrong)
     with pytest.raises(ModelRefused, match="green-block inside or on red-block inside or on green-block") as caught:
@@ -145,7 +147,7 @@ def test_a_layout_that_never_becomes_possible_is_a_refusal_with_the_complaints(m
     assert len(server.requests) == 3 and caught.value.details["problems"]
 
 
-def test_a_selection_says_what_things_start_in(models: Models, server: StandIn) -> None:
+def test_a_selection_says_what_things_start_in(models: Models, server: ModelServer) -> None:
     apple = {"look": "apple/red", "role": "content", "starts_in": "bowl", "reason": "x"}
     bowl = {"look": "bowl/white", "role": "context", "starts_in": "none", "reason": "x"}
     server.queue(text_answer(json.dumps({"missing": [], "objects": [apple, bowl]})))
@@ -153,7 +155,7 @@ def test_a_selection_says_what_things_start_in(models: Models, server: StandIn) 
     assert [(o.asset, o.starts_in) for o in chosen.objects] == [("apple", "bowl"), ("bowl", None)]
 
 
-def test_a_start_in_what_was_not_chosen_goes_back(models: Models, server: StandIn) -> None:
+def test_a_start_in_what_was_not_chosen_goes_back(models: Models, server: ModelServer) -> None:
     apple = {"look": "apple/red", "role": "content", "starts_in": "bowl", "reason": "x"}
     server.queue(text_answer(json.dumps({"missing": [], "objects": [apple]})))
     models.reasoner.select_assets("Put the blocks on the plate", CATALOGUE, RNG, unchecked)
@@ -165,13 +167,13 @@ def chosen_answer(*chosen: tuple[str, str, str]) -> Special:
     return text_answer(json.dumps({"missing": [], "objects": objects}))
 
 
-def test_starts_that_run_in_a_circle_go_back(models: Models, server: StandIn) -> None:
+def test_starts_that_run_in_a_circle_go_back(models: Models, server: ModelServer) -> None:
     server.queue(chosen_answer(("bowl/white", "content", "mug"), ("mug/red", "context", "bowl")))
     models.reasoner.select_assets("Put the blocks on the plate", CATALOGUE, RNG, unchecked)
     assert "bowl starts in mug starts in bowl: that is a circle" in str(server.requests[1])
 
 
-def test_what_the_check_says_of_a_selection_goes_back(models: Models, server: StandIn) -> None:
+def test_what_the_check_says_of_a_selection_goes_back(models: Models, server: ModelServer) -> None:
     wrong = chosen_answer(("apple/red", "content", "stapler"), ("stapler/black", "context", "none"))
     right = chosen_answer(("apple/red", "content", "bowl"), ("bowl/white", "context", "none"))
     server.queue(wrong, right)
@@ -212,7 +214,9 @@ def test_what_a_model_could_not_read_is_refused_by_its_words(models: Models) -> 
         models.reasoner.read_goals("Put the block on the plate and stir the soup", THINGS, {})
 
 
-def test_a_goal_in_words_that_the_instruction_has_not_goes_back_to_the_model(models: Models, server: StandIn) -> None:
+def test_a_goal_in_words_that_the_instruction_has_not_goes_back_to_the_model(
+    models: Models, server: ModelServer
+) -> None:
     goal = {"relation": "on", "subject": "block", "reference": "plate", "part": "none", "step": 1, "words": "block up"}
     wrong = text_answer(json.dumps({"unread": [], "goals": [goal], "untouched": []}))
     server.queue(wrong)
@@ -225,26 +229,26 @@ def test_the_critic_looks_at_the_pictures(models: Models, moved: bool) -> None:
     assert models.critic.judge(critic_question(moved)).accepted is moved
 
 
-def test_a_fenced_answer_is_read(models: Models, server: StandIn) -> None:
+def test_a_fenced_answer_is_read(models: Models, server: ModelServer) -> None:
     answer = '{"observations": "", "done": "yes", "failure": "none", "reason": "in", "confidence": 1}'
     server.queue(text_answer(f"```json\n{answer}\n```"))
     assert models.critic.judge(critic_question(True)).reason == "in"
 
 
 @pytest.mark.parametrize("finish", ["MAX_TOKENS", "SAFETY", "content_filter"])
-def test_an_answer_that_was_cut_off_is_a_refusal(models: Models, server: StandIn, finish: str) -> None:
+def test_an_answer_that_was_cut_off_is_a_refusal(models: Models, server: ModelServer, finish: str) -> None:
     server.queue(text_answer("" if finish == "SAFETY" else '{"obs', finish))
     with pytest.raises(ModelRefused):
         models.critic.judge(critic_question(True))
 
 
-def test_a_refusal_of_openai_is_a_refusal(server: StandIn, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_refusal_of_openai_is_a_refusal(server: ModelServer, monkeypatch: pytest.MonkeyPatch) -> None:
     server.queue(Special(refusal="I will not."))
     with pytest.raises(ModelRefused, match="I will not"):
         build("openai", server, monkeypatch).critic.judge(critic_question(True))
 
 
-def test_a_wrong_key_is_a_configuration_error(server: StandIn, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_wrong_key_is_a_configuration_error(server: ModelServer, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(server, "key", "another-key-entirely")
     models = build("gemini", server, monkeypatch)
     monkeypatch.setattr(server, "key", "the-right-key-now")
@@ -256,27 +260,31 @@ def test_the_edited_picture_may_have_another_size(editing: Models) -> None:
     assert editing.editor.rearrange(edit_request()).shape == (600, 800, 3)
 
 
-def test_an_answer_without_a_picture_is_asked_again_by_gemini(server: StandIn, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_answer_without_a_picture_is_asked_again_by_gemini(
+    server: ModelServer, monkeypatch: pytest.MonkeyPatch
+) -> None:
     server.queue(no_picture())
     assert build("gemini", server, monkeypatch).editor.rearrange(edit_request()).shape == (600, 800, 3)
     assert len(server.requests) == 2
 
 
-def test_a_safety_block_is_final(server: StandIn, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_safety_block_is_final(server: ModelServer, monkeypatch: pytest.MonkeyPatch) -> None:
     server.queue(no_picture("IMAGE_SAFETY"))
     with pytest.raises(ModelRefused, match="IMAGE_SAFETY"):
         build("gemini", server, monkeypatch).editor.rearrange(edit_request())
     assert len(server.requests) == 1
 
 
-def test_no_picture_at_all_is_a_refusal(editing: Models, server: StandIn) -> None:
+def test_no_picture_at_all_is_a_refusal(editing: Models, server: ModelServer) -> None:
     server.queue(*[no_picture()] * 3)
     with pytest.raises(ModelRefused, match="drew no picture"):
         editing.editor.rearrange(edit_request())
 
 
 @pytest.mark.parametrize("data", ["AAAA", "%%%", base64.b64encode(b"no picture").decode()])
-def test_a_picture_that_cannot_be_decoded_is_an_endpoint_failure(editing: Models, server: StandIn, data: str) -> None:
+def test_a_picture_that_cannot_be_decoded_is_an_endpoint_failure(
+    editing: Models, server: ModelServer, data: str
+) -> None:
     server.queue(Special(picture=data))
     with pytest.raises(EndpointFailed, match="picture"):
         editing.editor.rearrange(edit_request())
@@ -315,7 +323,7 @@ def kept(editing: Models, tmp_path: Path) -> Models:
     return build_models(Choice(editing.editor.provider.partition(":")[0], run=tmp_path))
 
 
-def test_what_a_run_keeps_of_exchanges_holds_no_key(kept: Models, server: StandIn, tmp_path: Path) -> None:
+def test_what_a_run_keeps_of_exchanges_holds_no_key(kept: Models, server: ModelServer, tmp_path: Path) -> None:
     kept.reasoner.select_assets("Put the blocks on the plate", CATALOGUE, RNG, unchecked)
     kept.editor.rearrange(edit_request())
     kept.critic.judge(critic_question(moved=True))
@@ -324,7 +332,7 @@ def test_what_a_run_keeps_of_exchanges_holds_no_key(kept: Models, server: StandI
     assert not any(server.key.encode() in path.read_bytes() for path in files)
 
 
-def test_a_run_that_asks_the_same_again_sends_nothing(kept: Models, server: StandIn, tmp_path: Path) -> None:
+def test_a_run_that_asks_the_same_again_sends_nothing(kept: Models, server: ModelServer, tmp_path: Path) -> None:
     first = kept.editor.rearrange(edit_request())
     sent = len(server.requests)
     assert np.array_equal(kept.editor.rearrange(edit_request()), first)
@@ -332,7 +340,7 @@ def test_a_run_that_asks_the_same_again_sends_nothing(kept: Models, server: Stan
 
 
 def test_a_picture_that_is_no_edit_of_the_source_is_asked_for_again_with_the_reason(
-    kept: Models, server: StandIn, tmp_path: Path
+    kept: Models, server: ModelServer, tmp_path: Path
 ) -> None:
     other = np.random.default_rng(1).integers(0, 255, edit_request().picture.shape, np.uint8)
     server.queue(Special(picture=encode_base64(other)))
@@ -342,9 +350,17 @@ def test_a_picture_that_is_no_edit_of_the_source_is_asked_for_again_with_the_rea
     assert "shows the table that was there" in asked[1].turns[-1].text
 
 
+VERSIONS = {
+    "gemini:gemini-pro-latest": "gemini-4-argon",
+    "openai:gpt-6.1-terra": "gpt-6.1-terra-2026-10-01",
+    "openrouter:~google/gemini-pro-latest": "google/gemini-4-argon",
+}
+
+
 def test_an_exchange_names_the_version_and_the_tokens_of_the_reply(
-    kept: Models, server: StandIn, tmp_path: Path
+    kept: Models, server: ModelServer, tmp_path: Path
 ) -> None:
     kept.critic.judge(critic_question(moved=True))
     (asked,) = Exchanges(tmp_path / "exchanges").all()
-    assert (asked.model, asked.tokens_in, asked.tokens_out) == ("standin-2026", 70, 7)
+    assert asked.model == VERSIONS[kept.critic.provider]
+    assert (asked.tokens_in, asked.tokens_out) == (70, 7)

@@ -4,45 +4,50 @@ import logging
 
 import pytest
 
-from tests.standin import StandIn, rate_limited, raw_answer, server_error
+from tests.model_server import ModelServer, Special, raw_answer
 from vcage.base.errors import ConfigurationError, EndpointFailed
+from vcage.models.llm_critic import Judgement
+from vcage.models.structured import flat_schema
 from vcage.models.transport import Transport
 
 PATH = "v1/chat/completions"
 BODY = {
-    "model": "m",
+    "model": "gpt-6.1-terra",
     "messages": [{"role": "user", "content": "hi"}],
-    "response_format": {"type": "json_schema", "json_schema": {"schema": {"properties": {}}}},
+    "response_format": {
+        "type": "json_schema",
+        "json_schema": {"name": "answer", "strict": True, "schema": flat_schema(Judgement)},
+    },
 }
 
 
-def client(server: StandIn, waits: list[float] | None = None, key: str | None = None) -> Transport:
+def client(server: ModelServer, waits: list[float] | None = None) -> Transport:
     waits = [] if waits is None else waits
-    return Transport(server.url, {"Authorization": f"Bearer {key or server.key}"}, sleep=waits.append)
+    return Transport(server.url, {"Authorization": f"Bearer {server.key}"}, sleep=waits.append)
 
 
-def test_an_answer_comes_back_as_an_object(server: StandIn) -> None:
+def test_an_answer_comes_back_as_an_object(server: ModelServer) -> None:
     assert client(server).post_json(PATH, BODY)["choices"]
 
 
-def test_a_rate_limit_is_waited_for_as_long_as_asked(server: StandIn) -> None:
+def test_a_rate_limit_is_waited_for_as_long_as_asked(server: ModelServer) -> None:
     waits: list[float] = []
-    server.queue(rate_limited(7))
+    server.queue(Special(status=429, headers={"Retry-After": "7"}))
     assert client(server, waits).post_json(PATH, BODY)["choices"]
     assert waits == [7]
 
 
-def test_a_rate_limit_longer_than_a_minute_is_reported_at_once(server: StandIn) -> None:
+def test_a_rate_limit_longer_than_a_minute_is_reported_at_once(server: ModelServer) -> None:
     waits: list[float] = []
-    server.queue(rate_limited(3600))
+    server.queue(Special(status=429, headers={"Retry-After": "3600"}))
     with pytest.raises(EndpointFailed, match="429"):
         client(server, waits).post_json(PATH, BODY)
     assert waits == []
 
 
-def test_server_errors_are_retried_with_growing_waits_and_then_reported(server: StandIn) -> None:
+def test_server_errors_are_retried_with_growing_waits_and_then_reported(server: ModelServer) -> None:
     waits: list[float] = []
-    server.queue(*[server_error(503)] * 4)
+    server.queue(*[Special(status=503)] * 4)
     with pytest.raises(EndpointFailed, match="503"):
         client(server, waits).post_json(PATH, BODY)
     assert waits == [1, 2, 4]
@@ -54,7 +59,7 @@ def test_a_closed_port_is_an_endpoint_failure() -> None:
 
 
 @pytest.mark.parametrize("status", [400, 401, 402, 403, 404])
-def test_what_the_user_must_mend_is_a_configuration_error_and_not_retried(server: StandIn, status: int) -> None:
+def test_what_the_user_must_mend_is_a_configuration_error_and_not_retried(server: ModelServer, status: int) -> None:
     server.queue(raw_answer(b'{"error": {"message": "no"}}', status))
     with pytest.raises(ConfigurationError) as caught:
         client(server).post_json(PATH, BODY)
@@ -62,16 +67,18 @@ def test_what_the_user_must_mend_is_a_configuration_error_and_not_retried(server
     assert len(server.requests) == 1
 
 
-def test_an_answer_that_is_not_json_is_an_endpoint_failure(server: StandIn) -> None:
+def test_an_answer_that_is_not_json_is_an_endpoint_failure(server: ModelServer) -> None:
     server.queue(raw_answer(b"<html>hello</html>"))
     with pytest.raises(EndpointFailed, match="without a JSON object"):
         client(server).post_json(PATH, BODY)
 
 
-def test_a_key_that_the_server_echoes_never_shows(server: StandIn, caplog: pytest.LogCaptureFixture) -> None:
+def test_a_key_that_the_server_echoes_never_shows(server: ModelServer, caplog: pytest.LogCaptureFixture) -> None:
     caplog.set_level(logging.DEBUG)
+    server.queue(raw_answer(b'{"error": {"message": "wrong key: Bearer very-secret-key-1"}}', 401))
+    server.key = "very-secret-key-1"
     with pytest.raises(ConfigurationError) as caught:
-        client(server, key="very-secret-key-1").post_json(PATH, BODY)
+        client(server).post_json(PATH, BODY)
     shown = f"{caught.value} {caught.value.as_record()} {caplog.text}"
     assert "very-secret-key-1" not in shown and "***" in shown
 

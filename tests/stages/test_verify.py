@@ -9,8 +9,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from tests.model_server import ModelServer, text_answer
 from tests.runs import OPTIONS, Finished, command, copied
-from tests.standin import StandIn, text_answer
 from vcage.base.errors import DamagedFile, InputFileError, MissingStage, StaleStage, UnknownName
 from vcage.base.files import RunFolder, read_json, write_json, write_text
 from vcage.base.pictures import read_picture, write_picture
@@ -176,8 +176,8 @@ def test_where_nothing_is_kept_that_is_said(run, finished, monkeypatch, caplog):
 
 def test_a_model_behind_an_endpoint_is_compared_by_the_command(run, monkeypatch, capsys):
     attempts = read_log(run.episodes.parent)
-    no = {"observations": "none", "accepted": False, "reason": "I see no block", "failure": "lost", "confidence": 0.7}
-    with StandIn() as server:
+    no = {"observations": "none", "done": "no", "reason": "I see no block", "failure": "lost", "confidence": 0.7}
+    with ModelServer() as server:
         monkeypatch.setenv("VCAGE_GEMINI_API_KEY", server.key)
         monkeypatch.setenv("VCAGE_GEMINI_BASE_URL", server.url)
         server.queue(*[text_answer(json.dumps(no))] * len(attempts))

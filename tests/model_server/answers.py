@@ -20,7 +20,7 @@ def answer_question(schema: dict[str, Any], prompt: str, pictures: list[np.ndarr
     """A valid answer; which question it is shows in the schema's fields."""
     fields = schema["properties"]
     if "objects" in fields:
-        return _select(fields["objects"]["items"]["properties"]["look"]["enum"], _section(prompt, "The task"))
+        return _select(_section(prompt, "The catalogue"), _section(prompt, "The task"))
     if "relations" in fields:
         return _arrange(fields["relations"]["items"]["properties"]["subject"]["enum"], prompt)
     if "pairs" in fields:
@@ -36,6 +36,7 @@ def answer_question(schema: dict[str, Any], prompt: str, pictures: list[np.ndarr
 
 _PAIR = re.compile(r"^(\d+)\. Put the (.+?) \([^()]*\) (?:in|on) the (.+?) \(free", re.MULTILINE)
 _THING = re.compile(r"^- `([\w-]+)`: (.+?)(?: \(also: (.+?)\))?(?:; .*?things go (in|on) it.*)?$", re.MULTILINE)
+_KIND = re.compile(r"^- ([\w-]+) = .*; ([^;]+)$", re.MULTILINE)
 _OBJECT = re.compile(r"^- `([\w-]+)`: .*?, role (\w+),", re.MULTILINE)
 
 
@@ -43,11 +44,11 @@ def _section(prompt: str, title: str) -> str:
     return prompt.partition(f"# {title}\n")[2].partition("\n#")[0].strip()
 
 
-def _select(looks: list[str], instruction: str) -> dict[str, Any]:
+def _select(listed: str, instruction: str) -> dict[str, Any]:
     variants: dict[str, list[Variant]] = {}
-    for look in looks:
-        asset, _, variant = look.partition("/")
-        variants.setdefault(asset, []).append(Variant(id=variant, colour=variant))
+    for asset, looks in _KIND.findall(listed):
+        names = [look.partition(" (")[0] for look in looks.split(", ")]
+        variants[asset] = [Variant(id=name, colour=name) for name in names]
     catalogue = [
         CatalogueEntry(name=asset, words=_words(asset.replace("_", " ")), variants=found, size=(0.05, 0.05, 0.05))
         for asset, found in variants.items()
