@@ -55,9 +55,10 @@ class Anthropic(Service):
     base = ""
 
     def check_key(self, headers: Mapping[str, str], key: str) -> None:
-        sent = headers.get("x-api-key")
-        if sent != key:
-            raise Refused(401, "invalid x-api-key" if sent else "x-api-key header is required")
+        # Its pages show the first; its own client sends the second.
+        sent = [headers.get("x-api-key"), headers.get("Authorization", "").removeprefix("Bearer ")]
+        if key not in sent:
+            raise Refused(401, "invalid x-api-key" if any(sent) else "x-api-key header is required")
         require(re.fullmatch(r"\d{4}-\d\d-\d\d", headers.get("anthropic-version", "")), "anthropic-version: missing")
 
     def answer(self, call: Call, special: Special) -> dict[str, Any]:
