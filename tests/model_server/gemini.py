@@ -131,9 +131,10 @@ def _pictures(contents: Iterable[Mapping[str, Any]]) -> Iterable[np.ndarray]:
     for part in (part for content in contents for part in content["parts"]):
         require(part.keys() in ({"text"}, {"inlineData"}), "parts: each one is text or inlineData")
         if "inlineData" in part:
-            # Google's own client sends the alphabet that is safe in URLs.
-            data = str(part["inlineData"].get("data")).replace("-", "+").replace("_", "/")
-            yield picture_of_base64(data, part["inlineData"].get("mimeType"))
+            # Google's own client sends the alphabet that is safe in URLs, and the type under the name of the protocol.
+            sent = part["inlineData"]
+            data = str(sent.get("data")).replace("-", "+").replace("_", "/")
+            yield picture_of_base64(data, sent.get("mimeType", sent.get("mime_type")))
 
 
 def _picture(
