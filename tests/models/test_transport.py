@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import logging
+import time
 
 import pytest
 
@@ -86,3 +87,33 @@ def test_a_key_that_the_server_echoes_never_shows(server: ModelServer, caplog: p
 def test_a_base_url_without_a_scheme_is_refused() -> None:
     with pytest.raises(ConfigurationError, match="not a base URL"):
         Transport("api.example", {})
+
+
+def test_an_answer_that_never_ends_is_given_up_in_time(server: ModelServer) -> None:
+    server.queue(*[Special(manner="drip")] * 4)
+    start = time.monotonic()
+    patient = Transport(server.url, {"Authorization": f"Bearer {server.key}"}, timeout=(1, 1), most_seconds=0.4)
+    with pytest.raises(EndpointFailed, match="no whole answer"):
+        patient.post_json(PATH, BODY)
+    assert time.monotonic() - start < 1
+
+
+def test_a_wait_that_leaves_no_time_ends_it(server: ModelServer) -> None:
+    server.queue(*[Special(manner="hang")] * 4)
+    start = time.monotonic()
+    hurried = Transport(server.url, {"Authorization": f"Bearer {server.key}"}, timeout=(1, 0.2), most_seconds=0.5)
+    with pytest.raises(EndpointFailed, match="does not answer"):
+        hurried.post_json(PATH, BODY)
+    assert time.monotonic() - start < 1 and len(server.requests) == 1
+
+
+def test_an_account_without_credit_is_not_asked_again(server: ModelServer) -> None:
+    server.queue(raw_answer(b'{"error": {"message": "You exceeded your quota", "code": "insufficient_quota"}}', 429))
+    with pytest.raises(ConfigurationError, match="no credit"):
+        client(server).post_json(PATH, BODY)
+
+
+def test_a_key_that_is_wrong_with_status_400_is_called_a_wrong_key(server: ModelServer) -> None:
+    wrong = Transport(server.url, {"x-goog-api-key": "another-key"})
+    with pytest.raises(ConfigurationError, match="does not accept the key"):
+        wrong.get_json("v1beta/models")

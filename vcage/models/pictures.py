@@ -7,10 +7,18 @@ from __future__ import annotations
 
 import base64
 import binascii
+import io
+import warnings
 
 import numpy as np
 
 from vcage.base.errors import EndpointFailed
+
+MOST_PIXELS = 50_000_000
+"""Of a picture that comes; models draw up to 4096 x 4096."""
+
+TYPES = ("PNG", "JPEG", "WEBP")
+"""What models send, as Pillow calls it."""
 
 
 def encode_png(picture: np.ndarray) -> bytes:
@@ -37,9 +45,9 @@ def decode_base64(text: str, source: str) -> np.ndarray:
     The type is found from the bytes: servers do not always name it truly.
 
     Raises:
-        EndpointFailed: it is not base64, or no whole picture; names ``source``.
+        EndpointFailed: it is not base64, or no whole picture, or says that it is too large; names ``source``.
     """
-    import cv2
+    from PIL import Image, ImageOps
 
     if text.startswith("data:"):
         text = text.partition(",")[2]
@@ -48,7 +56,19 @@ def decode_base64(text: str, source: str) -> np.ndarray:
         data = base64.b64decode(text + "=" * (-len(text) % 4), validate=True)
     except binascii.Error as error:
         raise EndpointFailed(f"{source} sent a picture that is not base64: {error}", hint="run it again") from error
-    decoded = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_COLOR) if data else None
-    if decoded is None:
-        raise EndpointFailed(f"{source} sent {len(data)} bytes that are no picture", hint="run it again")
-    return cv2.cvtColor(decoded, cv2.COLOR_BGR2RGB)
+    try:
+        with warnings.catch_warnings():
+            # Of a size that is refused here.
+            warnings.simplefilter("ignore", Image.DecompressionBombWarning)
+            opened = Image.open(io.BytesIO(data), formats=TYPES)
+        if opened.width * opened.height > MOST_PIXELS:
+            raise Image.DecompressionBombError(f"{opened.width} x {opened.height} pixels")
+        return np.array(ImageOps.exif_transpose(opened).convert("RGB"))
+    except Image.DecompressionBombError as error:
+        raise EndpointFailed(
+            f"{source} sent a picture that is too large: {error}", hint="run it again, or take another model"
+        ) from error
+    except (OSError, SyntaxError, ValueError) as error:
+        raise EndpointFailed(
+            f"{source} sent {len(data)} bytes that are no whole picture: {error}", hint="run it again"
+        ) from error

@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import json
 import logging
+import threading
 import time
 from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import Future
+from dataclasses import dataclass
 from email.utils import parsedate_to_datetime
+from functools import cached_property
 from typing import Any
 
 import requests
@@ -16,6 +21,12 @@ LOG = logging.getLogger(__name__)
 
 TIMEOUT = (10.0, 180.0)
 """Seconds to connect, and to wait for bytes of the answer."""
+
+MOST_SECONDS = 300.0
+"""For one answer with all attempts: the wait for bytes begins anew with each of them."""
+
+MOST_BYTES = 48_000_000
+"""Of an answer; the largest pictures that models draw have 4096 x 4096 pixels."""
 
 ATTEMPTS = 4
 LONGEST_WAIT = 60.0
@@ -34,6 +45,23 @@ _CONFIGURATION = {
     422: ("the endpoint does not accept the request", "check the model id"),
 }
 
+WRONG_KEY = "API_KEY_INVALID"
+"""Gemini says this of a key, with status 400."""
+
+NO_CREDIT = "insufficient_quota"
+"""OpenAI says this of an account, with status 429."""
+
+BLOCKED = ("moderation_blocked", "content_policy_violation", "content_filter")
+"""OpenAI and others say one of these of what was asked, with status 400."""
+
+_PASSING = (
+    requests.ConnectionError,
+    requests.Timeout,
+    requests.exceptions.ChunkedEncodingError,
+    requests.exceptions.ContentDecodingError,
+)
+"""Errors that may be gone the next time."""
+
 
 class Transport:
     """Requests with time-outs, bounded retries, and errors that say what to do; keys never show.
@@ -42,6 +70,7 @@ class Transport:
         base_url: scheme, host and path prefix, e.g. ``https://generativelanguage.googleapis.com``.
         headers: sent with every request; their values count as secrets.
         attempts: how often a passing fault is tried in all.
+        timeout, most_seconds: see :data:`TIMEOUT`, :data:`MOST_SECONDS`.
         sleep: waits between attempts; tests pass their own.
     """
 
@@ -52,13 +81,14 @@ class Transport:
         *,
         attempts: int = ATTEMPTS,
         timeout: tuple[float, float] = TIMEOUT,
+        most_seconds: float = MOST_SECONDS,
         sleep: Callable[[float], None] = time.sleep,
     ):
         if not base_url.startswith(("http://", "https://")):
             raise ConfigurationError(f"{base_url!r} is not a base URL", hint="it starts with http:// or https://")
         self.base_url = base_url.rstrip("/")
         self._attempts = attempts
-        self._timeout = timeout
+        self._timeout, self._most_seconds = timeout, most_seconds
         self._sleep = sleep
         self._secrets = [part for value in headers.values() for part in value.split() if len(part) > 7]
         self._session = requests.Session()
@@ -90,56 +120,62 @@ class Transport:
 
     def _send(self, method: str, path: str, attempts: int, **content: Any) -> dict[str, Any]:
         url = f"{self.base_url}/{path.lstrip('/')}"
+        deadline = time.monotonic() + self._most_seconds
         problem, wait = "", 0.0
         for attempt in range(attempts):
             if attempt:
+                if wait > deadline - time.monotonic():
+                    break
                 LOG.warning("%s; trying again in %.0f s", problem, wait)
                 self._sleep(wait)
             wait = min(2.0**attempt, LONGEST_WAIT)
             try:
-                response = self._session.request(method, url, timeout=self._timeout, allow_redirects=False, **content)
-            except (requests.ConnectionError, requests.Timeout, requests.exceptions.ChunkedEncodingError) as error:
+                answer = _within(deadline - time.monotonic(), lambda: self._once(method, url, content))
+            except TimeoutError:
+                problem = f"{url} gave no whole answer within {self._most_seconds:.0f} s"
+                break
+            except _PASSING as error:
                 problem = f"{url} does not answer: {type(error).__name__}"
                 continue
             except requests.RequestException as error:
                 raise ConfigurationError(self._redact(f"{url}: {error}"), hint="check the base URL") from None
-            if response.status_code < 300:
-                return self._json(url, response)
-            problem = self._problem(url, response)
-            if not (response.status_code in (408, 429) or response.status_code >= 500):
-                raise self._final(response.status_code, problem)
-            asked = _retry_after(response)
+            if answer.status < 300 and answer.body:
+                return self._json(url, answer)
+            problem = self._problem(url, answer)
+            passing = answer.status < 300 or answer.status in (408, 429) or answer.status >= 500
+            if not passing or answer.error.get("code") == NO_CREDIT:
+                raise _final(answer, problem)
+            asked = _retry_after(answer.headers.get("Retry-After"))
             if asked is not None and asked > LONGEST_WAIT:
                 break
             wait = wait if asked is None else asked
         raise EndpointFailed(problem, hint="run the same command again later", details={"url": url})
 
-    def _json(self, url: str, response: requests.Response) -> dict[str, Any]:
-        try:
-            data = response.json()
-        except ValueError:
-            data = None
-        if not isinstance(data, dict):
+    def _once(self, method: str, url: str, content: Mapping[str, Any]) -> _Answer:
+        """One attempt."""
+        options: dict[str, Any] = {"timeout": self._timeout, "allow_redirects": False, "stream": True, **content}
+        with self._session.request(method, url, **options) as response:
+            body = bytearray()
+            for piece in response.iter_content(1 << 16):
+                body += piece
+                if len(body) > MOST_BYTES:
+                    raise EndpointFailed(
+                        f"{url} answered with more than {MOST_BYTES:,} bytes",
+                        hint="check that the base URL is that of the API, or take another model",
+                    )
+            return _Answer(response.status_code, response.headers, bytes(body))
+
+    def _json(self, url: str, answer: _Answer) -> dict[str, Any]:
+        if not isinstance(answer.data, dict):
             raise EndpointFailed(
-                f"{url} answered without a JSON object: {self._redact(response.text[:120])!r}",
+                f"{url} answered without a JSON object: {self._redact(answer.text[:120])!r}",
                 hint="check that the base URL is that of the API",
             )
-        return data
+        return answer.data
 
-    def _problem(self, url: str, response: requests.Response) -> str:
-        try:
-            error = response.json()["error"]
-            detail = str(error["message"] if isinstance(error, dict) else error)
-        except (ValueError, KeyError, TypeError):
-            detail = response.text
-        return self._redact(f"{url} answered {response.status_code}: {' '.join(detail.split())[:300]}")
-
-    def _final(self, status: int, problem: str) -> ConfigurationError | ModelRefused:
-        details = {"status": status}
-        if status in _CONFIGURATION or 300 <= status < 400:
-            what, hint = _CONFIGURATION.get(status, ("the endpoint redirects", "check the base URL"))
-            return ConfigurationError(f"{what}: {problem}", hint=hint, details=details)
-        return ModelRefused(problem, hint="change the instruction or the model", details=details)
+    def _problem(self, url: str, answer: _Answer) -> str:
+        detail = str(answer.error.get("message") or answer.text or "nothing")
+        return self._redact(f"{url} answered {answer.status}: {' '.join(detail.split())[:300]}")
 
     def _redact(self, text: str) -> str:
         for secret in self._secrets:
@@ -147,9 +183,77 @@ class Transport:
         return text
 
 
-def _retry_after(response: requests.Response) -> float | None:
+@dataclass(frozen=True)
+class _Answer:
+    """What an endpoint sent."""
+
+    status: int
+    headers: Mapping[str, str]
+    body: bytes
+
+    @property
+    def text(self) -> str:
+        """The beginning of it, for a person."""
+        return self.body[:1000].decode(errors="replace")
+
+    @cached_property
+    def data(self) -> object:
+        """The JSON; None where it is none."""
+        try:
+            return json.loads(self.body)
+        except (ValueError, RecursionError):
+            return None
+
+    @property
+    def error(self) -> dict[str, Any]:
+        """What is said of an error."""
+        error = self.data.get("error") if isinstance(self.data, dict) else None
+        return error if isinstance(error, dict) else {"message": error}
+
+    @property
+    def blocked(self) -> bool:
+        """OpenAI's way, or OpenRouter's, to say that the content is not allowed."""
+        metadata = self.error.get("metadata")
+        return self.error.get("code") in BLOCKED or (isinstance(metadata, dict) and bool(metadata.get("reasons")))
+
+
+def _within(seconds: float, work: Callable[[], _Answer]) -> _Answer:
+    """What comes of some work.
+
+    Raises:
+        TimeoutError: it takes longer. It goes on in a thread that the end of the process does not wait for: nothing
+            else ends what comes byte by byte, and neither head nor body of an answer need ever end.
+    """
+    done: Future[_Answer] = Future()
+
+    def run() -> None:
+        try:
+            done.set_result(work())
+        except BaseException as error:
+            done.set_exception(error)
+
+    threading.Thread(target=run, daemon=True).start()
+    return done.result(timeout=max(seconds, 0.0))
+
+
+def _final(answer: _Answer, problem: str) -> ConfigurationError | ModelRefused:
+    """The error about an answer that asking again does not change."""
+    details = {"status": answer.status}
+    status = answer.status
+    if answer.blocked:
+        return ModelRefused(f"the request is blocked: {problem}", hint="change the instruction", details=details)
+    if answer.error.get("code") == NO_CREDIT:
+        status = 402
+    elif WRONG_KEY in str(answer.error.get("details")):
+        status = 401
+    if status in _CONFIGURATION or 300 <= status < 400:
+        what, hint = _CONFIGURATION.get(status, ("the endpoint redirects", "check the base URL"))
+        return ConfigurationError(f"{what}: {problem}", hint=hint, details=details)
+    return ModelRefused(problem, hint="change the instruction or the model", details=details)
+
+
+def _retry_after(value: str | None) -> float | None:
     """Seconds that the endpoint asks to wait; it says so as a number or as a date."""
-    value = response.headers.get("Retry-After")
     if value is None:
         return None
     try:
