@@ -78,6 +78,12 @@ class ModelServer:
         with self._lock:
             self._specials += answers
 
+    def forget(self) -> None:
+        """Begin anew: nothing is queued, and nothing was asked."""
+        with self._lock:
+            self._specials.clear()
+            self.requests.clear()
+
     def special(self, path: str, body: dict[str, Any]) -> Special:
         """What to answer to a question of a model."""
         with self._lock:
@@ -132,7 +138,7 @@ def _handler(server: ModelServer) -> type[BaseHTTPRequestHandler]:
                 body = self._body(data)
                 special = server.special(path, body) if self.command == "POST" else special
                 if special.status != 200 and special.body is None:
-                    raise Refused(special.status, "the stand-in was told to fail")
+                    raise Refused(special.status, f"the stand-in was told to fail, whatever the key {server.key}")
                 reply = {} if special.body is not None else service.answer(self._call(path, body), special)
                 status, sent = special.status, json.dumps(reply).encode() if special.body is None else special.body
             except Refused as refused:

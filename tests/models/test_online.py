@@ -291,7 +291,7 @@ def test_a_picture_that_cannot_be_decoded_is_an_endpoint_failure(
 
 
 def test_both_base64_alphabets_are_read() -> None:
-    picture = np.random.default_rng(0).integers(0, 255, (9, 7, 3), dtype=np.uint8)
+    picture = np.random.default_rng(0).integers(0, 255, (91, 77, 3), dtype=np.uint8)
     url_safe = base64.urlsafe_b64encode(pictures.encode_png(picture)).decode().rstrip("=")
     assert np.array_equal(pictures.decode_base64(url_safe, "x"), picture)
 

@@ -17,6 +17,9 @@ from vcage.base.errors import EndpointFailed
 MOST_PIXELS = 50_000_000
 """Of a picture that comes; models draw up to 4096 x 4096."""
 
+LEAST_EDGE = 64
+"""Pixels; less is a place kept for a picture."""
+
 TYPES = ("PNG", "JPEG", "WEBP")
 """What models send, as Pillow calls it."""
 
@@ -45,7 +48,7 @@ def decode_base64(text: str, source: str) -> np.ndarray:
     The type is found from the bytes: servers do not always name it truly.
 
     Raises:
-        EndpointFailed: it is not base64, or no whole picture, or says that it is too large; names ``source``.
+        EndpointFailed: it is not base64, or no whole picture of a size that can be used; names ``source``.
     """
     from PIL import Image, ImageOps
 
@@ -63,6 +66,8 @@ def decode_base64(text: str, source: str) -> np.ndarray:
             opened = Image.open(io.BytesIO(data), formats=TYPES)
         if opened.width * opened.height > MOST_PIXELS:
             raise Image.DecompressionBombError(f"{opened.width} x {opened.height} pixels")
+        if min(opened.size) < LEAST_EDGE:
+            raise ValueError(f"{opened.width} x {opened.height} pixels")
         return np.array(ImageOps.exif_transpose(opened).convert("RGB"))
     except Image.DecompressionBombError as error:
         raise EndpointFailed(
