@@ -95,13 +95,14 @@ def test_hub_weights_are_named_in_full_without_being_read() -> None:
 
 
 def test_auto_tells_which_provider_it_took_and_why(monkeypatch: pytest.MonkeyPatch) -> None:
-    assert "rules (offline) for reasoner, editor, critic, since there is no key" in Choice("auto").told()
+    roles = ("reasoner", "editor", "critic")
+    assert "rules (offline) for reasoner, editor, critic, since there is no key" in Choice("auto").told(roles)
     monkeypatch.setenv("OPENROUTER_API_KEY", "key-1")
     monkeypatch.setenv("ANTHROPIC_API_KEY", "key-2")
-    told = Choice("auto", critic="offline").told()
+    told = Choice("auto", critic="offline").told(roles)
     assert "openrouter for reasoner, editor, since its key is in OPENROUTER_API_KEY; anthropic too" in told
     assert "key-" not in told
-    assert Choice("offline").told() == Choice("gemini", critic="agent").told() == ""
+    assert Choice("offline").told(roles) == Choice("gemini").told(roles) == Choice("auto").told(()) == ""
 
 
 def test_who_does_not_draw_leaves_the_drawing_to_rules_unless_named(monkeypatch: pytest.MonkeyPatch) -> None:

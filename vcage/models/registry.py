@@ -11,6 +11,7 @@ it has a choice of them: ``background``, ``grounding-dino``, ``grounding-dino:ID
 from __future__ import annotations
 
 import logging
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -82,13 +83,12 @@ class Choice:
             raise UsageError(f"{chosen} does not draw", hint="give a picture with: inpaint-plan --target FILE")
         return chosen
 
-    def told(self) -> str:
-        """What ``auto`` takes, and why, in words; empty where nothing is left to it.
+    def told(self, roles: Sequence[Asked]) -> str:
+        """What ``auto`` takes for these roles, and why, in words; empty where nothing is left to it.
 
         Raises:
             ConfigurationError: the key file cannot be read.
         """
-        roles: tuple[Asked, ...] = ("reasoner", "editor", "critic")
         left = [role for role in roles if (getattr(self, role) or self.models) == "auto"]
         if not left:
             return ""

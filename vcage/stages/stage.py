@@ -24,6 +24,7 @@ from vcage.base.options import FOLDER, NATURAL, POSITIVE, UNSAID, Flag, between,
 from vcage.models.registry import CHOICES, OFFLINE, Choice
 from vcage.models.spending import Cap
 from vcage.schema.base import Provenance, StageDocument
+from vcage.schema.exchange import Asked
 from vcage.schema.scene import Scene
 from vcage.stages.context import StageContext
 from vcage.stages.edits import sealed
@@ -31,6 +32,15 @@ from vcage.stages.edits import sealed
 logger = logging.getLogger(__name__)
 
 D = TypeVar("D", bound=StageDocument)
+
+ASKS: dict[str, tuple[Asked, ...]] = {
+    "select_place": ("reasoner",),
+    "inpaint_plan": ("reasoner", "editor"),
+    "search_subtasks": ("reasoner",),
+    "collect": ("critic",),
+    "verify": ("critic",),
+}
+"""Stage → the roles that it asks; the others ask nobody."""
 
 
 @dataclass(frozen=True, kw_only=True)
