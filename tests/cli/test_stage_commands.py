@@ -97,8 +97,13 @@ def test_a_dry_run_says_what_would_be_made_and_writes_nothing(finished, tmp_path
 
 def test_a_pair_of_pictures_is_judged(finished, capsys):
     episode = Episodes.read(finished.run.episodes).episodes[0]
-    pictures = [str(finished.run.episodes.parent / name) for name in episode.verdicts[0].pictures]
-    pair = ["--subtask", episode.subtasks[0], "--before", pictures[0], "--after", pictures[1]]
+    before, after = (
+        next(
+            str(finished.run.episodes.parent / name) for name in episode.verdicts[0].pictures if f"-{when}-top" in name
+        )
+        for when in ("before", "after")
+    )
+    pair = ["--subtask", episode.subtasks[0], "--before", before, "--after", after]
     answer = command(capsys, "verify", "--run", finished.run, "--models", "offline", *pair)
     assert answer.record["schema"] == "vcage.verdict/1"
     assert answer.record["summary"]["verdict"]["accepted"] is True

@@ -8,7 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from vcage.base.drawing import CAPTION, EDGE, VIEW
 from vcage.base.errors import AnswerNeeded, InputFileError, ModelRefused
+from vcage.base.pictures import read_picture
 from vcage.models.agent import Agent
 from vcage.models.exchange import Message, Question
 from vcage.models.prompts import Prompt
@@ -92,3 +94,15 @@ def test_two_questions_lie_apart(agent: Agent) -> None:
     with pytest.raises(AnswerNeeded) as caught:
         agent.answer(Question("critic", (Message("user", "Another?"),), {}, "choose"))
     assert caught.value.details["asked"][0]["folder"] != first
+
+
+def test_several_pictures_lie_on_one_sheet_too(agent: Agent) -> None:
+    shown = [(when, np.full((30, 40, 3), grey, np.uint8)) for when, grey in (("before", 60), ("after", 200))]
+    with pytest.raises(AnswerNeeded) as caught:
+        ask(agent, "critic", PROMPT, Colour, pictures=shown)
+    (question,) = caught.value.details["asked"]
+    assert question["files"][2] == "pictures.png"
+    sheet = read_picture(Path(question["folder"]) / "pictures.png")
+    middle = EDGE + CAPTION + VIEW * 3 // 8
+    assert [int(sheet[middle, u, 0]) for u in (EDGE + VIEW // 2, 2 * EDGE + VIEW * 3 // 2)] == [60, 200]
+    assert "pictures.png shows them all" in (Path(question["folder"]) / "prompt.md").read_text()

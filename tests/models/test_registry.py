@@ -8,6 +8,7 @@ import pytest
 
 from vcage.base.errors import InputFileError, MissingDependency, UnknownName, UsageError
 from vcage.models.registry import Choice, build_detector, build_embedder, build_models, split_weights
+from vcage.models.transport import Transport
 from vcage.vision.detector import BackgroundDetector
 from vcage.vision.embedder import ClassicalEmbedder
 from vcage.vision.networks import loading
@@ -88,3 +89,46 @@ def test_hub_weights_are_named_in_full_without_being_read() -> None:
         "detector": "grounding-dino:someone/large",
         "embedder": "dinov2:facebook/dinov2-small",
     }
+
+
+# --- who plays which role ----------------------------------------------------------------------------------
+
+
+def test_auto_tells_which_provider_it_took_and_why(monkeypatch: pytest.MonkeyPatch) -> None:
+    roles = ("reasoner", "editor", "critic")
+    assert "rules (offline) for reasoner, editor, critic, since there is no key" in Choice("auto").told(roles)
+    monkeypatch.setenv("OPENROUTER_API_KEY", "key-1")
+    monkeypatch.setenv("ANTHROPIC_API_KEY", "key-2")
+    told = Choice("auto", critic="offline").told(roles)
+    assert "openrouter for reasoner, editor, since its key is in OPENROUTER_API_KEY; anthropic too" in told
+    assert "key-" not in told
+    assert Choice("offline").told(roles) == Choice("gemini").told(roles) == Choice("auto").told(()) == ""
+
+
+def test_who_does_not_draw_leaves_the_drawing_to_rules_unless_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert Choice("anthropic").of("editor") == Choice("agent").of("editor") == "offline"
+    for name in ("anthropic", "agent"):
+        with pytest.raises(UsageError, match=f"{name} does not draw"):
+            Choice(editor=name).of("editor")
+
+
+@pytest.fixture
+def lists(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """The ids that a Gemini endpoint lists; nothing is sent."""
+    ids: list[str] = []
+    monkeypatch.setenv("GEMINI_API_KEY", "key-1")
+    monkeypatch.setattr(Transport, "get_json", lambda *_: {"models": [{"name": f"models/{name}"} for name in ids]})
+    return ids
+
+
+def test_a_role_whose_model_is_not_served_falls_back_on_rules_only_where_that_is_said(
+    lists: list[str], caplog: pytest.LogCaptureFixture
+) -> None:
+    lists.append("gemini-pro-latest")
+    assert build_models(Choice("gemini")).editor.provider == "gemini:gemini-nano-banana-2.1"
+    models = build_models(Choice("gemini", fallback="offline"))
+    assert models.providers("reasoner", "editor", "critic") == {
+        "reasoner": "gemini:gemini-pro-latest", "editor": "offline", "critic": "gemini:gemini-pro-latest"
+    }  # fmt: skip
+    assert "gemini does not serve gemini-nano-banana-2.1; it serves gemini-pro-latest" in caplog.text
+    assert "rules (offline) play the editor" in caplog.text

@@ -120,7 +120,7 @@ def test_acceptance_and_the_critic_s_confusion_follow_from_the_log(finished):
 def test_the_pictures_of_every_verdict_are_kept(finished):
     (episode,) = Episodes.read(finished.run.episodes).episodes
     pictures = [name for verdict in episode.verdicts for name in verdict.pictures]
-    assert len(pictures) == 3 * len(episode.subtasks)  # before, after, and from the wrist when it was let go
+    assert len(pictures) == 7 * len(episode.subtasks)  # before and after, from above and both wrists, and one let go
     assert all((finished.run.episodes.parent / name).is_file() for name in pictures)
 
 

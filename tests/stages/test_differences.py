@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from vcage.base.drawing import WARNING
+from vcage.base.drawing import CAPTION, EDGE, VIEW, WARNING
 from vcage.schema.episodes import Difference, Truth, Verdict
-from vcage.stages.differences import CAPTION, EDGE, VIEW, draw_difference
+from vcage.stages.differences import draw_difference
 
 RED, GREEN, BLUE, GREY = (200, 0, 0), (0, 200, 0), (0, 0, 200), (120, 120, 120)
 

@@ -11,12 +11,12 @@ import pytest
 
 from tests.model_server import ModelServer, text_answer
 from tests.runs import OPTIONS, Finished, command, copied
+from vcage.base.drawing import EDGE, VIEW
 from vcage.base.errors import DamagedFile, InputFileError, MissingStage, StaleStage, UnknownName
 from vcage.base.files import RunFolder, read_json, write_json, write_text
 from vcage.base.pictures import read_picture, write_picture
 from vcage.schema.episodes import Attempt, CriticCounts, Episodes, SingleVerdict, Truth, Verdict, Verdicts
 from vcage.stages import verify
-from vcage.stages.differences import EDGE, VIEW
 from vcage.stages.episode_store import log_path, read_log
 
 

@@ -1,4 +1,4 @@
-"""What the overlay and the layout picture share: colours, text, labels that do not cover each other, arrows."""
+"""What drawn pictures share: colours, text, labels that do not cover each other, arrows, contact sheets."""
 
 from __future__ import annotations
 
@@ -23,6 +23,37 @@ def distinct_colours(count: int) -> list[Colour]:
         red, green, blue = colorsys.hsv_to_rgb((0.58 + k * _GOLDEN) % 1.0, 0.78, (0.72, 0.55)[k % 2])
         colours.append((round(255 * red), round(255 * green), round(255 * blue)))
     return colours
+
+
+VIEW, EDGE, CAPTION = 640, 16, 30
+"""Of a contact sheet: width of a view, space around it, and height of the line above it, pixels."""
+
+WORDS = 20
+"""Height of its words, pixels."""
+
+
+def contact_sheet(views: Sequence[tuple[str, np.ndarray]]) -> np.ndarray:
+    """Captions and pictures, (H, W, 3) uint8, two to a row at one width.
+
+    Returns:
+        (H', 2 VIEW + 3 EDGE, 3) uint8.
+    """
+    scaled = [(caption, _at_width(picture)) for caption, picture in views]
+    rows = [scaled[k : k + 2] for k in range(0, len(scaled), 2)]
+    heights = [CAPTION + max(len(picture) for _, picture in row) + EDGE for row in rows]
+    paper = np.full((EDGE + sum(heights), 2 * VIEW + 3 * EDGE, 3), PAPER, dtype=np.uint8)
+    canvas = Canvas(paper, text_size=WORDS)
+    for row, top in zip(rows, EDGE + np.cumsum([0, *heights]), strict=False):
+        for left, (caption, picture) in zip((EDGE, VIEW + 2 * EDGE), row, strict=False):
+            canvas.text((left, top), caption)
+            canvas.paste((left, top + CAPTION), picture)
+    return canvas.picture()
+
+
+def _at_width(picture: np.ndarray) -> np.ndarray:
+    height, width = picture.shape[:2]
+    kind = Image.Resampling.BOX if width > VIEW else Image.Resampling.BICUBIC
+    return np.asarray(Image.fromarray(picture).resize((VIEW, max(1, round(height * VIEW / width))), kind))
 
 
 class Canvas:

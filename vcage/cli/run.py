@@ -42,7 +42,7 @@ class Run(BeginCommand[chain.ChainOptions], Command):
     def execute(self) -> Result:
         """Run the chain."""
         run, options = RunFolder(self.run), self.stage
-        context = context_of(options, run)
+        context = context_of(options, run, *STAGES)
         if self.dry_run:
             options.require_a_task()
             select_place.job(run, options, context)

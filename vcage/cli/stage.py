@@ -17,7 +17,7 @@ from vcage.cli.output import Result
 from vcage.cli.progress import progress
 from vcage.stages.context import StageContext
 from vcage.stages.running import run_stage, stage_of
-from vcage.stages.stage import ModelOptions, StageOptions, StageResult
+from vcage.stages.stage import ASKS, ModelOptions, StageOptions, StageResult
 
 logger = logging.getLogger(__name__)
 
@@ -53,9 +53,10 @@ def options_of(name: str) -> type[StageCommand]:
     return kind[stage.Options]
 
 
-def context_of(options: StageOptions, run: RunFolder) -> StageContext:
-    """What a stage needs beyond its files, once it is told who answers where nobody was named."""
-    if isinstance(options, ModelOptions) and (told := options.who(run).told()):
+def context_of(options: StageOptions, run: RunFolder, *stages: str) -> StageContext:
+    """What stages need beyond their files, once it is told who answers them where nobody was named."""
+    roles = list(dict.fromkeys(role for stage in stages for role in ASKS.get(stage, ())))
+    if isinstance(options, ModelOptions) and (told := options.who(run).told(roles)):
         logger.info("%s", told)
     return options.context(run)
 
@@ -63,7 +64,7 @@ def context_of(options: StageOptions, run: RunFolder) -> StageContext:
 def execute_stage(name: str, command: StageCommand) -> Result:
     """Run one stage on a run folder, or with ``--dry-run`` say what it would do."""
     stage, run, options = stage_of(name), RunFolder(command.run), command.stage
-    context = context_of(options, run)
+    context = context_of(options, run, name)
     if command.dry_run:
         job = stage.job(run, options, context)
         would = "replace" if options.force and job.output.exists() else "write"

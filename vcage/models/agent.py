@@ -10,6 +10,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
+from vcage.base.drawing import contact_sheet
 from vcage.base.errors import AnswerNeeded, InputFileError
 from vcage.base.files import write_json, write_text
 from vcage.base.pictures import write_picture
@@ -17,6 +18,9 @@ from vcage.models.exchange import Question, Reply
 from vcage.models.kept import SHORT
 
 PROVIDER = "agent"
+
+SHEET = "pictures.png"
+"""All pictures of a question at one look."""
 
 MOST_BYTES = 1_000_000
 """An answer that is longer was not meant."""
@@ -60,6 +64,9 @@ class Agent:
         write_json(folder / "schema.json", question.schema)
         for name, picture in zip(names, first.pictures, strict=True):
             write_picture(folder / name, picture)
+        if len(names) > 1:
+            names = [SHEET, *names]
+            write_picture(folder / SHEET, contact_sheet(list(zip(question.captions, first.pictures, strict=True))))
         complaint = question.messages[-1].text if question.round > 1 else ""
         return AnswerNeeded.of(folder, question.role, question.round, complaint, ["prompt.md", "schema.json", *names])
 
@@ -70,6 +77,8 @@ def _prompt(question: Question, names: list[str]) -> str:
     if names:
         listed = zip(names, question.captions, strict=True)
         parts.append("\n".join(["The pictures lie beside this file:", *(f"- {name}: {what}" for name, what in listed)]))
+        if len(names) > 1:
+            parts.append(f"{SHEET} shows them all, two to a row.")
     parts.append("Write the JSON object that schema.json describes to answer.json in this folder.")
     if question.round > 1:
         parts.append(f"Your answer of round {question.round - 1}:\n{question.messages[-2].text.strip()}")

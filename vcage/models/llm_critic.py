@@ -45,12 +45,11 @@ class LlmCritic:
         Raises:
             ModelRefused, AnswerNeeded, EndpointFailed, ConfigurationError: see :func:`vcage.models.structured.ask`.
         """
-        named = [
-            (f"{when}, camera {name}", view.picture)
-            for when in ("start", "before", "moment", "after")
-            for name, view in sorted(getattr(question, when).items())
-        ]
-        named += [(f"moment, camera {name}", picture) for name, picture in sorted(question.wrist.items())]
+        named = []
+        for when in ("start", "before", "moment", "after"):
+            shown = {name: view.picture for name, view in getattr(question, when).items()}
+            for by_camera in (shown, question.wrist.get(when, {})):
+                named += [(f"{when}, camera {name}", by_camera[name]) for name in sorted(by_camera)]
         concerned = dict.fromkeys(name for goal in question.goals for name in (goal.subject, goal.reference))
         shown = [question.references[name] for name in concerned if name in question.references]
         named += [(f"the {look.phrase} alone, from above", _on_white(look)) for look in shown]

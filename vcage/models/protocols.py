@@ -91,7 +91,8 @@ class CriticQuestion:
         moment: view by camera name while a part was touched, a code was before a scanner, two hands held a thing, or a
             thing came to lie on a scale.
         start: view by camera name at the start of the episode; only where something is put back.
-        wrist: picture by camera name at that moment, or when what was held was let go, from the hand that did it.
+        wrist: pictures by camera name of the hands, by when: before and after of both, at the moment, or when what was
+            held was let go, of the one that did it.
         planned: where the layout put each object, which does not say what was done since.
         opened: parts that are open before and after, by the plan: by the object that they belong to.
         parts: names of the moving parts, by the object that has them.
@@ -114,7 +115,7 @@ class CriticQuestion:
     grasped: str | None = None
     moment: dict[str, View] = field(default_factory=dict)
     start: dict[str, View] = field(default_factory=dict)
-    wrist: dict[str, np.ndarray] = field(default_factory=dict)
+    wrist: dict[str, dict[str, np.ndarray]] = field(default_factory=dict)
     planned: Mapping[str, Pose] = field(default_factory=dict)
     opened: Mapping[str, Sequence[str]] = field(default_factory=dict)
     parts: Mapping[str, Sequence[str]] = field(default_factory=dict)

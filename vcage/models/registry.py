@@ -11,9 +11,9 @@ it has a choice of them: ``background``, ``grounding-dino``, ``grounding-dino:ID
 from __future__ import annotations
 
 import logging
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Literal
 
 from vcage.base.errors import InputFileError, UnknownName, UsageError
 from vcage.models import agent
@@ -25,13 +25,14 @@ from vcage.models.llm_editor import LlmEditor
 from vcage.models.llm_reasoner import LlmReasoner
 from vcage.models.protocols import Critic, ImageEditor, Models, Reasoner
 from vcage.models.providers import PROVIDERS, found_keys
+from vcage.models.rules import PROVIDER as OFFLINE
 from vcage.models.spending import Cap, Spending
 from vcage.schema.exchange import Asked
 from vcage.vision.protocols import Detector, Embedder
 
 logger = logging.getLogger(__name__)
 
-CHOICES = ("auto", "offline", agent.PROVIDER, "replay", *PROVIDERS)
+CHOICES = ("auto", OFFLINE, agent.PROVIDER, "replay", *PROVIDERS)
 
 DETECTORS = ("background", "grounding-dino")
 EMBEDDERS = ("classical", "efficientnet", "dinov2")
@@ -48,7 +49,7 @@ class Choice:
         run: folder of the run: exchanges are kept in its ``exchanges/``, questions to an agent lie in its ``ask/``.
         replayed: folder of the run whose exchanges ``replay`` reads; ``run`` when left out.
         anew: ask again what was answered before.
-        fallback: who plays a role whose endpoint does not serve its model; an error where nobody does.
+        fallback: :data:`OFFLINE`, if rules play a role whose endpoint does not serve its model; else that is an error.
         votes: how often the critic asks a model; see :class:`vcage.models.llm_critic.LlmCritic`.
         cap: what the run may spend on models online.
     """
@@ -60,7 +61,7 @@ class Choice:
     run: Path | None = None
     replayed: Path | None = None
     anew: bool = False
-    fallback: Literal["offline"] | None = None
+    fallback: str | None = None
     votes: int = 1
     cap: Cap = field(default_factory=Cap)
 
@@ -75,20 +76,19 @@ class Choice:
         if chosen not in CHOICES:
             raise UnknownName(f"choice of the {role}", chosen, CHOICES)
         if chosen == "auto":
-            return next(iter(found_keys()), "offline")
+            return next(iter(found_keys()), OFFLINE)
         if role == "editor" and (chosen == agent.PROVIDER or (chosen in PROVIDERS and not PROVIDERS[chosen].picture)):
             if self.editor is None:
-                return "offline"
+                return OFFLINE
             raise UsageError(f"{chosen} does not draw", hint="give a picture with: inpaint-plan --target FILE")
         return chosen
 
-    def told(self) -> str:
-        """What ``auto`` takes, and why, in words; empty where nothing is left to it.
+    def told(self, roles: Sequence[Asked]) -> str:
+        """What ``auto`` takes for these roles, and why, in words; empty where nothing is left to it.
 
         Raises:
             ConfigurationError: the key file cannot be read.
         """
-        roles: tuple[Asked, ...] = ("reasoner", "editor", "critic")
         left = [role for role in roles if (getattr(self, role) or self.models) == "auto"]
         if not left:
             return ""
@@ -118,7 +118,7 @@ class Choice:
             InputFileError: what is to be replayed holds no exchange.
         """
         chosen = self.of(role)
-        if chosen == "offline":
+        if chosen == OFFLINE:
             return None
         if chosen == "replay":
             return self._replayed(role)

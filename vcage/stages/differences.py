@@ -5,18 +5,14 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Iterator, Sequence
 
-import cv2
 import numpy as np
 
-from vcage.base.drawing import INK, PAPER, WARNING, Canvas, Colour
+from vcage.base.drawing import EDGE, INK, PAPER, WARNING, WORDS, Canvas, Colour, contact_sheet
 from vcage.schema.episodes import Difference, Truth, Verdict
 from vcage.tasks.loop import Seen
 
-VIEW, EDGE, CAPTION = 640, 16, 30
-"""Width of a view, space around it, and height of the line above it, pixels."""
-
-WORDS, LINE = 20, 28
-"""Height of the words and of a line of them, pixels."""
+LINE = 28
+"""Height of a line of words, pixels."""
 
 LETTERS = 120
 """That fit into a line, as wide as the words of a verdict are on average."""
@@ -32,19 +28,12 @@ def draw_difference(found: Difference, seen: Seen) -> np.ndarray:
     Returns:
         (H', W', 3) uint8, two views wide.
     """
-    views = _views(seen)
-    rows = [views[k : k + 2] for k in range(0, len(views), 2)]
-    heights = [CAPTION + max(len(picture) for _, picture in row) + EDGE for row in rows]
-    lines = list(_lines(found))
-    height = EDGE + sum(heights) + len(lines) * LINE + EDGE
-    canvas = Canvas(np.full((height, 2 * VIEW + 3 * EDGE, 3), PAPER, dtype=np.uint8), text_size=WORDS)
-    for row, top in zip(rows, EDGE + np.cumsum([0, *heights]), strict=False):
-        for left, (caption, picture) in zip((EDGE, VIEW + 2 * EDGE), row, strict=False):
-            canvas.text((left, top), caption)
-            canvas.paste((left, top + CAPTION), picture)
+    sheet, lines = contact_sheet(_views(seen)), list(_lines(found))
+    below = np.full((len(lines) * LINE + EDGE, sheet.shape[1], 3), PAPER, dtype=np.uint8)
+    canvas = Canvas(below, text_size=WORDS)
     for number, (line, colour) in enumerate(lines):
-        canvas.text((EDGE, EDGE + sum(heights) + number * LINE), line, fill=colour)
-    return canvas.picture()
+        canvas.text((EDGE, number * LINE), line, fill=colour)
+    return np.vstack([sheet, canvas.picture()])
 
 
 def _views(seen: Seen) -> Sequence[tuple[str, np.ndarray]]:
@@ -53,15 +42,7 @@ def _views(seen: Seen) -> Sequence[tuple[str, np.ndarray]]:
     cameras = dict.fromkeys(camera for pictures in seen.values() for camera in pictures)
     order = [(when, camera) for camera in cameras for when in ("before", "after")]
     order += [(when, camera) for when in seen if when not in ("before", "after") for camera in cameras]
-    return [
-        (f"{when}, {camera}", _scaled(seen[when][camera])) for when, camera in order if camera in seen.get(when, {})
-    ]
-
-
-def _scaled(picture: np.ndarray) -> np.ndarray:
-    height, width = picture.shape[:2]
-    size = (VIEW, round(height * VIEW / width))
-    return cv2.resize(picture, size, interpolation=cv2.INTER_AREA if width > VIEW else cv2.INTER_CUBIC)
+    return [(f"{when}, {camera}", seen[when][camera]) for when, camera in order if camera in seen.get(when, {})]
 
 
 def _lines(found: Difference) -> Iterator[tuple[str, Colour]]:

@@ -43,19 +43,19 @@ class Photographer:
         self._scene, self._robot = scene, robot
 
     def shots(self, state: WorldState, goals: Sequence[Goal] = (), arm: str | None = None) -> dict[str, np.ndarray]:
-        """(H, W, 3) uint8 RGB pictures by camera: those that tell some goals.
+        """(H, W, 3) uint8 RGB pictures by camera: those that tell some goals, and wrist cameras.
 
         Args:
             state: that is shown.
             goals: of the sub-task.
-            arm: whose wrist camera looks on at the moment that tells most; none before and after.
+            arm: whose wrist camera looks on, and the others only where the moment needs them; without one all look.
         """
         self.world.set_state(state)
-        taken_by = cameras(self._scene, goals)
-        if arm is not None:
-            taken_by = taken_by if any(goal.relation in AT_THE_MOMENT for goal in goals) else {}
-            of_robot = robot_cameras(self.world)
-            taken_by |= {name: c for name, c in of_robot.items() if self._robot.cameras[name].arm == arm}
+        wanted = arm is None or any(goal.relation in AT_THE_MOMENT for goal in goals)
+        taken_by = cameras(self._scene, goals) if wanted else {}
+        of_robot = robot_cameras(self.world)
+        arms = {name: self._robot.cameras[name].arm for name in of_robot}
+        taken_by |= {name: c for name, c in of_robot.items() if arms[name] and arm in (None, arms[name])}
         return {name: shoot(self.world, camera) for name, camera in taken_by.items()}
 
     def empty_table(self) -> np.ndarray:

@@ -12,7 +12,7 @@ import zlib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Annotated, Any, Generic, Literal, TypeVar
+from typing import Annotated, Any, Generic, TypeVar
 
 import numpy as np
 from tyro.conf import arg
@@ -20,10 +20,11 @@ from tyro.conf import arg
 from vcage.base.errors import InputFileError, MissingStage, OutputFolderError, StaleStage, VcageError
 from vcage.base.files import PRODUCERS, RunFolder, atomic_folder, maker_of, recover, sha256_file
 from vcage.base.keeper import Keeper
-from vcage.base.options import FOLDER, NATURAL, POSITIVE, UNSAID, Flag, choice
-from vcage.models.registry import CHOICES, Choice
+from vcage.base.options import FOLDER, NATURAL, POSITIVE, UNSAID, Flag, between, choice
+from vcage.models.registry import CHOICES, OFFLINE, Choice
 from vcage.models.spending import Cap
 from vcage.schema.base import Provenance, StageDocument
+from vcage.schema.exchange import Asked
 from vcage.schema.scene import Scene
 from vcage.stages.context import StageContext
 from vcage.stages.edits import sealed
@@ -31,6 +32,15 @@ from vcage.stages.edits import sealed
 logger = logging.getLogger(__name__)
 
 D = TypeVar("D", bound=StageDocument)
+
+ASKS: dict[str, tuple[Asked, ...]] = {
+    "select_place": ("reasoner",),
+    "inpaint_plan": ("reasoner", "editor"),
+    "search_subtasks": ("reasoner",),
+    "collect": ("critic",),
+    "verify": ("critic",),
+}
+"""Stage → the roles that it asks; the others ask nobody."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -65,13 +75,13 @@ class ModelOptions(StageOptions):
     """who verifies"""
     replay: Annotated[Path | None, FOLDER, UNSAID] = None
     """the run whose exchanges --models replay reads (default: this one)"""
-    fallback: Annotated[Literal["offline"] | None, UNSAID] = None
+    fallback: Annotated[str | None, choice((OFFLINE,)), UNSAID] = None
     """who plays a role whose endpoint does not serve its model (default: nobody, that is an error)"""
     votes: Annotated[int, POSITIVE] = 1
     """how often a critic that is a model is asked; more than half must say yes"""
     most_calls: Annotated[int, POSITIVE] = 2000
     """answers of models online that a run may hold; no more are asked for"""
-    most_usd: Annotated[float | None, arg(metavar="USD"), UNSAID] = None
+    most_usd: Annotated[float | None, between(0, 1e6, "USD"), UNSAID] = None
     """what these may cost in all, US dollars (default: whatever it takes)"""
 
     def who(self, run: RunFolder) -> Choice:

@@ -29,6 +29,7 @@ from vcage.schema.plan import Plan
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Subtasks
 from vcage.stages.accepted import refusals
+from vcage.stages.asking import ASKED_BY
 from vcage.stages.episode_store import read_log
 from vcage.stages.running import read_timings
 
@@ -101,6 +102,7 @@ def _context(run: RunFolder) -> dict[str, Any]:
         "differences": [_difference_card(run, found) for found in judged_again.differences] if judged_again else [],
         "timings": read_timings(run),
         "exchanges": Exchanges(run.root / "exchanges").all(),
+        "asked_by": ASKED_BY,
         "documents": [d for d in documents.values() if d is not None],
         "refusals": Counter(r.reason for r in subtasks.refused).most_common() if subtasks else [],
     }
