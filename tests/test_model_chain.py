@@ -1,0 +1,101 @@
+"""The whole chain with models that are asked over a network: the services' stand-in, with and without faults."""
+
+from __future__ import annotations
+
+import logging
+import shlex
+from collections import Counter
+from pathlib import Path
+
+import pytest
+
+from tests.model_server import ModelServer
+from tests.model_server.special import Faults
+from tests.runs import QUICK_VIDEOS, Answer, command
+from vcage.base.files import RunFolder, read_json
+from vcage.models.kept import Exchanges
+
+TASK = "Put the red block and the green block into the box"
+
+STAGES = ("select-place", "inpaint-plan", "match", "optimize", "search-subtasks", "collect", "verify")
+
+OPTIONS = {"collect": ("--episodes", "1", "--workers", "1", "--fps", "5"), "compress": QUICK_VIDEOS}
+
+PASSING = (6, 7)
+"""Exit codes after which an agent runs ``next``, which is the same command."""
+
+MOST_TRIES = 4
+
+
+class Driven:
+    """An agent that runs each stage with the models that it wants, and follows ``next``."""
+
+    def __init__(self, capsys: pytest.CaptureFixture[str], run: Path, models: tuple[str, ...]):
+        self.capsys, self.run, self.models = capsys, run, models
+        self.shown: list[str] = []
+        self.codes: Counter[int] = Counter()
+
+    def chain(self) -> None:
+        line = ["select-place", TASK, "--out", str(self.run), *self.models]
+        done: list[str] = []
+        while line[0] != "report":
+            answer = self._ended(line)
+            done.append(line[0])
+            line = shlex.split(answer.record["next"])[1:]
+            line += OPTIONS.get(line[0], ())
+        self._ended(line)
+        assert done == [*STAGES, "compress", "export"]
+
+    def _ended(self, line: list[str]) -> Answer:
+        """The stage's answer, once it went well."""
+        for _ in range(MOST_TRIES):
+            answer = command(self.capsys, *line)
+            self.shown += [str(answer.record), answer.stderr]
+            self.codes[answer.code] += 1
+            if answer.code not in PASSING:
+                break
+            line = [*shlex.split(answer.record["next"])[1:], *OPTIONS.get(line[0], ())]
+        assert answer.code == 0, (line, answer.record, answer.stderr)
+        return answer
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("models", "faults", "who"),
+    [
+        (("--models", "gemini"), None, {"gemini"}),
+        (("--models", "openai", "--editor", "openrouter"), None, {"openai", "openrouter"}),
+        (
+            ("--models", "anthropic", "--editor", "openrouter", "--critic", "gemini"),
+            Faults(0.2, seed=5),
+            {"anthropic", "openrouter", "gemini"},
+        ),
+    ],
+    ids=("gemini", "openai with pictures of openrouter", "mixed with faults"),
+)
+def test_the_chain_runs_with_models_behind_endpoints(
+    models: tuple[str, ...],
+    faults: Faults | None,
+    who: set[str],
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    caplog: pytest.LogCaptureFixture,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    caplog.set_level(logging.DEBUG)
+    run = tmp_path / "run"
+    with ModelServer(faults=faults) as server:
+        for name, value in server.environment.items():
+            monkeypatch.setenv(name, value)
+        driven = Driven(capsys, run, models)
+        driven.chain()
+    exchanges = Exchanges(run / "exchanges").all()
+    assert {exchange.provider.partition(":")[0] for exchange in exchanges} == who
+    assert {exchange.role for exchange in exchanges} == {"reasoner", "editor", "critic"}
+    assert (server.failed > 0) == (faults is not None)
+    verdicts = read_json(RunFolder(run).verdicts)
+    assert verdicts["provenance"]["providers"]["critic"].partition(":")[0] in who
+    kept = [path for path in run.rglob("*") if path.is_file()]
+    assert (run / "report.html") in kept
+    assert not any(server.key.encode() in path.read_bytes() for path in kept)
+    assert server.key not in "".join(driven.shown) + caplog.text
