@@ -155,7 +155,7 @@ ANYWHERE = [
     Fault("safety block", always(Special(blocked=True)), ModelRefused, asked=1),
     Fault(
         "50 MB",
-        lambda _: [Special(body=b'{"a": "' + b"a" * 50_000_000 + b'"}', manner="unsized")],
+        always(Special(body=b'{"a": "' + b"a" * 50_000_000 + b'"}', manner="unsized")),
         EndpointFailed,
         f"more than {MOST_BYTES:,} bytes",
         asked=1,
