@@ -2,20 +2,25 @@
 
 from __future__ import annotations
 
+import json
 import logging
 import shlex
+import subprocess
+import sys
 from collections import Counter
 from pathlib import Path
 
 import pytest
 
-from tests.model_server import ModelServer
+from tests.model_server import ModelServer, Special, text_answer
 from tests.model_server.special import Faults
-from tests.runs import QUICK_VIDEOS, Answer, command
+from tests.runs import QUICK_VIDEOS, REPOSITORY, Answer, command
 from vcage.base.files import RunFolder, read_json
 from vcage.models.kept import Exchanges
 
 TASK = "Put the red block and the green block into the box"
+
+SCRIPTS = REPOSITORY / "skills" / "vcage-igsc" / "scripts"
 
 STAGES = ("select-place", "inpaint-plan", "match", "optimize", "search-subtasks", "collect", "verify")
 
@@ -31,35 +36,37 @@ SEED = 11930
 
 
 class Driven:
-    """An agent that runs each stage with the models that it wants, and follows ``next``."""
+    """An agent that starts the chain with the models that it wants, and runs what each stage says is ``next``."""
 
-    def __init__(self, capsys: pytest.CaptureFixture[str], run: Path, models: tuple[str, ...]):
-        self.capsys, self.run, self.models = capsys, run, models
+    def __init__(self, capsys: pytest.CaptureFixture[str]):
+        self._capsys = capsys
         self.shown: list[str] = []
         self.codes: Counter[int] = Counter()
 
-    def chain(self) -> None:
-        line = ["select-place", TASK, "--out", str(self.run), *self.models]
+    def chain(self, line: list[str]) -> None:
         done: list[str] = []
-        while line[0] != "report":
-            answer = self._ended(line)
-            done.append(line[0])
-            line = shlex.split(answer.record["next"])[1:]
-            line += OPTIONS.get(line[0], ())
+        while line[1] != "report":
+            done.append(line[1])
+            line = _following(self._ended(line))
         self._ended(line)
         assert done == [*STAGES, "compress", "export"]
 
     def _ended(self, line: list[str]) -> Answer:
         """The stage's answer, once it went well."""
         for _ in range(MOST_TRIES):
-            answer = command(self.capsys, *line)
+            answer = command(self._capsys, *line[1:])
             self.shown += [str(answer.record), answer.stderr]
             self.codes[answer.code] += 1
             if answer.code not in PASSING:
                 break
-            line = [*shlex.split(answer.record["next"])[1:], *OPTIONS.get(line[0], ())]
+            line = _following(answer)
         assert answer.code == 0, (line, answer.record, answer.stderr)
         return answer
+
+
+def _following(answer: Answer) -> list[str]:
+    line = shlex.split(answer.record["next"])
+    return [*line, *OPTIONS.get(line[1], ())]
 
 
 @pytest.mark.slow
@@ -90,8 +97,8 @@ def test_the_chain_runs_with_models_behind_endpoints(
     with ModelServer(faults=faults) as server:
         for name, value in server.environment.items():
             monkeypatch.setenv(name, value)
-        driven = Driven(capsys, run, models)
-        driven.chain()
+        driven = Driven(capsys)
+        driven.chain(["vcage", "select-place", TASK, "--out", str(run), *models])
     exchanges = Exchanges(run / "exchanges").all()
     assert {exchange.provider.partition(":")[0] for exchange in exchanges} == who
     assert {exchange.role for exchange in exchanges} == {"reasoner", "editor", "critic"}
@@ -102,3 +109,26 @@ def test_the_chain_runs_with_models_behind_endpoints(
     assert (run / "report.html") in kept
     assert not any(server.key.encode() in path.read_bytes() for path in kept)
     assert server.key not in "".join(driven.shown) + caplog.text
+
+
+@pytest.mark.slow
+def test_a_stage_script_that_meets_a_fault_says_how_to_go_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    run = str(tmp_path / "run")
+    with ModelServer() as server:
+        for name, value in server.environment.items():
+            monkeypatch.setenv(name, value)
+        script = [sys.executable, str(SCRIPTS / "select_place.py")]
+        chosen = as_process([*script, TASK, "--out", run, "--models", "anthropic", "--editor", "openrouter"])
+        server.queue(text_answer("I would rather not say."), Special(), Special(picture="AAAA"))
+        failed = as_process(shlex.split(chosen.record["next"]))
+        assert (failed.code, failed.error["code"], failed.error["retryable"]) == (6, "endpoint_failed", True)
+        again = as_process(shlex.split(failed.record["next"]))
+        assert (again.code, len(server.requests)) == (0, 6), "what was answered is not asked again"
+    assert server.key not in str([chosen, failed, again])
+
+
+def as_process(line: list[str]) -> Answer:
+    done = subprocess.run(line, capture_output=True, text=True)
+    lines = done.stdout.splitlines()
+    assert lines, done.stderr
+    return Answer(done.returncode, json.loads(lines[-1]), done.stdout + done.stderr)
