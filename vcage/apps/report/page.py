@@ -31,6 +31,7 @@ from vcage.schema.subtasks import Subtasks
 from vcage.stages.accepted import refusals
 from vcage.stages.asking import ASKED_BY
 from vcage.stages.episode_store import read_log
+from vcage.stages.question import CUSTOMER, TOP
 from vcage.stages.running import read_timings
 
 D = TypeVar("D", bound=StageDocument)
@@ -57,6 +58,10 @@ def write_report(run: RunFolder) -> Path:
         )
     recover(run.report)
     return write_text(run.report, _template().render(**_context(run)))
+
+
+_OVERVIEWS = (f"-{TOP}.png", f"-{CUSTOMER}.png")
+"""Ends of the names of pictures that a verdict's card shows besides those of the moment."""
 
 
 def report_shows(run: RunFolder) -> bool:
@@ -160,7 +165,8 @@ def _episode_card(run: RunFolder, episode: Episode, video: str | None, refused: 
 
 
 def _verdict_card(run: RunFolder, verdict: Verdict, subtask: str) -> dict[str, Any]:
-    urls = [_picture_url(run.episodes.parent / picture, max_width=480) for picture in verdict.pictures]
+    shown = [name for name in verdict.pictures if "-moment-" in name or name.endswith(_OVERVIEWS)]
+    urls = [_picture_url(run.episodes.parent / picture, max_width=480) for picture in shown]
     return {"verdict": verdict, "subtask": subtask, "pictures": [url for url in urls if url]}
 
 
