@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from vcage.base.drawing import CAPTION, EDGE, VIEW
+from vcage.base.drawing import CAPTION, EDGE
 from vcage.base.errors import AnswerNeeded, InputFileError, ModelRefused
 from vcage.base.pictures import read_picture
-from vcage.models.agent import Agent
+from vcage.models.agent import VIEW, Agent
 from vcage.models.exchange import Message, Question
 from vcage.models.prompts import Prompt
 from vcage.models.structured import Answer, ask, one_of
@@ -103,6 +103,7 @@ def test_several_pictures_lie_on_one_sheet_too(agent: Agent) -> None:
     (question,) = caught.value.details["asked"]
     assert question["files"][2] == "pictures.png"
     sheet = read_picture(Path(question["folder"]) / "pictures.png")
+    assert max(sheet.shape) <= 2000, "clients shrink what is larger"
     middle = EDGE + CAPTION + VIEW * 3 // 8
     assert [int(sheet[middle, u, 0]) for u in (EDGE + VIEW // 2, 2 * EDGE + VIEW * 3 // 2)] == [60, 200]
     assert "pictures.png shows them all" in (Path(question["folder"]) / "prompt.md").read_text()

@@ -26,34 +26,39 @@ def distinct_colours(count: int) -> list[Colour]:
 
 
 VIEW, EDGE, CAPTION = 640, 16, 30
-"""Of a contact sheet: width of a view, space around it, and height of the line above it, pixels."""
+"""Of a contact sheet: usual width of a view, space around it, and height of the line above it, pixels."""
 
 WORDS = 20
 """Height of its words, pixels."""
 
 
-def contact_sheet(views: Sequence[tuple[str, np.ndarray]]) -> np.ndarray:
-    """Captions and pictures, (H, W, 3) uint8, two to a row at one width.
+def contact_sheet(views: Sequence[tuple[str, np.ndarray]], columns: int = 2, view: int = VIEW) -> np.ndarray:
+    """Captions and pictures, (H, W, 3) uint8, side by side at one width.
+
+    Args:
+        views: what they are called, and they.
+        columns: how many to a row.
+        view: width of each, pixels.
 
     Returns:
-        (H', 2 VIEW + 3 EDGE, 3) uint8.
+        (H', columns (view + EDGE) + EDGE, 3) uint8.
     """
-    scaled = [(caption, _at_width(picture)) for caption, picture in views]
-    rows = [scaled[k : k + 2] for k in range(0, len(scaled), 2)]
+    scaled = [(caption, _at_width(picture, view)) for caption, picture in views]
+    rows = [scaled[k : k + columns] for k in range(0, len(scaled), columns)]
     heights = [CAPTION + max(len(picture) for _, picture in row) + EDGE for row in rows]
-    paper = np.full((EDGE + sum(heights), 2 * VIEW + 3 * EDGE, 3), PAPER, dtype=np.uint8)
+    paper = np.full((EDGE + sum(heights), EDGE + columns * (view + EDGE), 3), PAPER, dtype=np.uint8)
     canvas = Canvas(paper, text_size=WORDS)
     for row, top in zip(rows, EDGE + np.cumsum([0, *heights]), strict=False):
-        for left, (caption, picture) in zip((EDGE, VIEW + 2 * EDGE), row, strict=False):
+        for left, (caption, picture) in zip(range(EDGE, paper.shape[1], view + EDGE), row, strict=False):
             canvas.text((left, top), caption)
             canvas.paste((left, top + CAPTION), picture)
     return canvas.picture()
 
 
-def _at_width(picture: np.ndarray) -> np.ndarray:
+def _at_width(picture: np.ndarray, view: int) -> np.ndarray:
     height, width = picture.shape[:2]
-    kind = Image.Resampling.BOX if width > VIEW else Image.Resampling.BICUBIC
-    return np.asarray(Image.fromarray(picture).resize((VIEW, max(1, round(height * VIEW / width))), kind))
+    kind = Image.Resampling.BOX if width > view else Image.Resampling.BICUBIC
+    return np.asarray(Image.fromarray(picture).resize((view, max(1, round(height * view / width))), kind))
 
 
 class Canvas:

@@ -7,6 +7,7 @@ is kept as ``answer-<round>.json``, and read again by whatever asks the same; th
 
 from __future__ import annotations
 
+import math
 import re
 from pathlib import Path
 
@@ -15,12 +16,13 @@ from vcage.base.errors import AnswerNeeded, InputFileError
 from vcage.base.files import write_json, write_text
 from vcage.base.pictures import write_picture
 from vcage.models.exchange import Question, Reply
-from vcage.models.kept import SHORT
 
 PROVIDER = "agent"
 
-SHEET = "pictures.png"
-"""All pictures of a question at one look."""
+SHEET, COLUMNS, VIEW = "pictures.png", 4, 475
+"""All pictures of a question at one look: how many to a row at most, and their width, pixels.
+
+Clients shrink what is larger than 2000 pixels."""
 
 MOST_BYTES = 1_000_000
 """An answer that is longer was not meant."""
@@ -46,7 +48,7 @@ class Agent:
             InputFileError: it is no text, or too long.
             OutputFolderError: the question cannot be written.
         """
-        folder = self._folder / f"{question.role}-{question.first.hash[:SHORT]}"
+        folder = self._folder / question.label
         kept, written = folder / f"answer-{question.round}.json", folder / "answer.json"
         if kept.exists():
             return Reply(_read(kept))
@@ -66,7 +68,8 @@ class Agent:
             write_picture(folder / name, picture)
         if len(names) > 1:
             names = [SHEET, *names]
-            write_picture(folder / SHEET, contact_sheet(list(zip(question.captions, first.pictures, strict=True))))
+            views = list(zip(question.captions, first.pictures, strict=True))
+            write_picture(folder / SHEET, contact_sheet(views, min(COLUMNS, math.ceil(math.sqrt(len(views)))), VIEW))
         complaint = question.messages[-1].text if question.round > 1 else ""
         return AnswerNeeded.of(folder, question.role, question.round, complaint, ["prompt.md", "schema.json", *names])
 
@@ -78,7 +81,7 @@ def _prompt(question: Question, names: list[str]) -> str:
         listed = zip(names, question.captions, strict=True)
         parts.append("\n".join(["The pictures lie beside this file:", *(f"- {name}: {what}" for name, what in listed)]))
         if len(names) > 1:
-            parts.append(f"{SHEET} shows them all, two to a row.")
+            parts.append(f"{SHEET} shows them all.")
     parts.append("Write the JSON object that schema.json describes to answer.json in this folder.")
     if question.round > 1:
         parts.append(f"Your answer of round {question.round - 1}:\n{question.messages[-2].text.strip()}")

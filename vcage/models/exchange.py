@@ -16,6 +16,9 @@ import numpy as np
 
 from vcage.schema.exchange import Asked
 
+SHORT = 12
+"""Digits of a hash in a file's name."""
+
 
 @dataclass(frozen=True)
 class Message:
@@ -61,6 +64,11 @@ class Question:
         pictures = () if reply.picture is None else (reply.picture,)
         turns = Message("model", reply.text, pictures), Message("user", complaint)
         return replace(self, messages=(*self.messages, *turns))
+
+    @property
+    def label(self) -> str:
+        """What files call it: the role, and the beginning of the first round's hash."""
+        return f"{self.role}-{self.first.hash[:SHORT]}"
 
     @cached_property
     def hash(self) -> str:

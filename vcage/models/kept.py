@@ -16,12 +16,9 @@ import numpy as np
 
 from vcage.base.errors import InputFileError, MissingStage
 from vcage.base.pictures import read_picture, write_picture
-from vcage.models.exchange import Answerer, Question, Reply
+from vcage.models.exchange import SHORT, Answerer, Question, Reply
 from vcage.models.spending import Spending, cost
 from vcage.schema.exchange import Asked, Exchange, Turn
-
-SHORT = 12
-"""Digits of a hash in a file's name."""
 
 
 class Exchanges:

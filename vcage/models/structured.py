@@ -93,8 +93,8 @@ def ask(
         question = question.again(reply, _complaint(problems))
     raise ModelRefused(
         f"{who.provider} gave no valid answer in {ROUNDS} rounds: {'; '.join(problems)}",
-        hint="try another model, or --models offline; an agent answers anew once its folder in ask/ is removed",
-        details={"role": role, "problems": list(problems), "answer": text[:2000]},
+        hint=f"try another model, or --models offline; an agent answers anew once ask/{question.label} is removed",
+        details={"role": role, "question": question.label, "problems": list(problems), "answer": text[:2000]},
     )
 
 

@@ -69,7 +69,7 @@ class StageContext:
     @cached_property
     def at_once(self) -> StageContext:
         """The same with a critic that answers while the robot waits: rules, where an agent would be asked."""
-        if self._choice.of("critic") != AGENT:
+        if not self.models.critic.provider.startswith(AGENT):  # or is replayed
             return self
         logger.info("the agent is not asked while the robot waits, but by verify: rules say whether a sub-task is done")
         return StageContext(replace(self._choice, critic="offline"), *self._networks)
