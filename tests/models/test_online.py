@@ -296,6 +296,11 @@ def test_both_base64_alphabets_are_read() -> None:
     assert np.array_equal(pictures.decode_base64(url_safe, "x"), picture)
 
 
+def test_what_is_no_text_is_no_picture() -> None:
+    with pytest.raises(EndpointFailed, match="sent dict for a picture"):
+        pictures.decode_base64({"b64_json": ""}, "x")
+
+
 def test_auto_takes_the_provider_that_has_a_key_and_else_offline(monkeypatch: pytest.MonkeyPatch) -> None:
     assert build_models(Choice("auto")).reasoner.provider == "offline"
     monkeypatch.setenv("OPENROUTER_API_KEY", "key-1")

@@ -42,7 +42,7 @@ def data_url(picture: np.ndarray) -> str:
     return f"data:image/png;base64,{encode_base64(picture)}"
 
 
-def decode_base64(text: str, source: str) -> np.ndarray:
+def decode_base64(text: object, source: str) -> np.ndarray:
     """(H, W, 3) RGB of a base64 picture in either alphabet, with or without padding or a ``data:`` head.
 
     The type is found from the bytes: servers do not always name it truly.
@@ -52,6 +52,8 @@ def decode_base64(text: str, source: str) -> np.ndarray:
     """
     from PIL import Image, ImageOps
 
+    if not isinstance(text, str):
+        raise EndpointFailed(f"{source} sent {type(text).__name__} for a picture", hint="check the base URL")
     if text.startswith("data:"):
         text = text.partition(",")[2]
     text = "".join(text.split()).rstrip("=").replace("-", "+").replace("_", "/")
