@@ -96,9 +96,10 @@ class Spending:
             DamagedFile, SchemaMismatch: an exchange cannot be read.
         """
         if self._cap.usd is not None and self.price is None and not self._tells:
+            wanted = f'{{"{self._provider}": {{"input": …, "output": …}}}}'
             raise ConfigurationError(
                 f"what {self._provider} costs is not known, so --most-usd cannot be kept",
-                hint=f'write {{"{self._provider}": {{"input": …, "output": …}}}}, per million tokens, to {price_file()}',
+                hint=f"write {wanted}, in USD per million tokens, to {price_file()}",
             )
         for path in self._folder.glob("*.json"):
             if path.name not in self._seen:
