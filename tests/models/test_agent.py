@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from pathlib import Path
 
 import numpy as np
@@ -77,6 +78,17 @@ def test_the_third_wrong_answer_is_a_refusal_until_the_folder_is_removed(agent: 
     for path in Path(question["folder"]).iterdir():
         path.unlink()
     assert needed(agent)["round"] == 1
+
+
+def test_what_nests_too_deep_is_complained_about(agent: Agent) -> None:
+    Path(needed(agent)["answer"]).write_text("{" + '"a":[' * 100_000)
+    assert "the answer is not JSON" in needed(agent)["complaint"]
+
+
+def test_what_is_no_file_is_named(agent: Agent) -> None:
+    os.mkfifo(needed(agent)["answer"])
+    with pytest.raises(InputFileError, match=r"answer\.json is no file"):
+        asked(agent)
 
 
 @pytest.mark.parametrize("written", [b"\xff\xfe\x00", b" " * 2_000_000], ids=["no text", "too long"])

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from vcage.base.errors import DamagedFile, MissingStage
+from vcage.base.errors import DamagedFile, InputFileError, MissingStage
 from vcage.models.exchange import Message, Question, Reply
 from vcage.models.kept import Exchanges, Keeping, Replayed, who_answered
 
@@ -102,3 +103,13 @@ def test_exchanges_are_in_the_order_in_which_they_were_first_kept(exchanges: Exc
     for question in (ASKED, later, ASKED):
         Keeping(Counting(Reply("yes")), exchanges, anew=True).answer(question)
     assert [exchange.round for exchange in exchanges.all()] == [1, 2]
+
+
+@pytest.mark.parametrize(("field", "value"), [("answer", "no"), ("hash", "0" * 64), ("provider", "somebody:else")])
+def test_an_exchange_that_was_edited_is_not_repeated(exchanges: Exchanges, field: str, value: str) -> None:
+    Keeping(Counting(Reply("yes")), exchanges).answer(ASKED)
+    (path,) = exchanges.folder.glob("*.json")
+    record = json.loads(path.read_text())
+    path.write_text(json.dumps(record | {field: value}))
+    with pytest.raises(InputFileError, match="was edited"):
+        Replayed(exchanges, "counting:one").answer(ASKED)

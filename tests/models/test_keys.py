@@ -38,8 +38,23 @@ def test_a_missing_key_says_where_to_put_it() -> None:
     assert "VCAGE_OPENAI_API_KEY" in caught.value.hint and str(key_file()) in caught.value.hint
 
 
-@pytest.mark.parametrize("text", ["{", "[]", '{"openai": 3}'])
+@pytest.mark.parametrize("text", ["{", "[]", '{"openai": 3}', "[" * 200_000])
 def test_a_damaged_key_file_is_named(text: str) -> None:
     key_file().write_text(text)
     with pytest.raises(ConfigurationError, match=str(key_file())):
         find_key(OPENAI)
+
+
+@pytest.mark.parametrize("key", ["SEKR\u00c9T-\u2192", "two\nlines", "two words"])
+def test_what_can_be_no_key_is_refused_by_the_name_of_its_place(key: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("VCAGE_OPENAI_API_KEY", key)
+    with pytest.raises(ConfigurationError, match="the key for openai in VCAGE_OPENAI_API_KEY") as caught:
+        require_key(OPENAI)
+    assert not any(part in str(caught.value.as_record()) for part in key.split())
+
+
+def test_a_base_url_with_a_password_is_refused_without_showing_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("VCAGE_OPENAI_BASE_URL", "http://user:pass-word@127.0.0.1:9/v1")
+    with pytest.raises(ConfigurationError, match="VCAGE_OPENAI_BASE_URL holds a user or password") as caught:
+        OPENAI.connect("key")
+    assert "pass-word" not in str(caught.value.as_record())

@@ -87,7 +87,7 @@ def test_a_run_asks_no_more_once_the_money_is_spent(folder: Path):
 
 def test_money_is_not_capped_where_nobody_knows_the_price(folder: Path):
     with pytest.raises(ConfigurationError, match="what gemini:some costs is not known"):
-        Spending(folder, Cap(usd=1.0), "gemini:some")
+        Spending(folder, Cap(usd=1.0), "gemini:some").check()
 
 
 @pytest.mark.parametrize("text", ["{", "[]", '{"gemini:some": 3}', '{"gemini:some": {"input": -1, "output": 2}}'])

@@ -157,7 +157,7 @@ def read_json(path: Path) -> Any:
         raise MissingStage(
             f"{path} does not exist", hint="the stage that writes it comes first", maker=maker_of(path)
         ) from error
-    except (json.JSONDecodeError, UnicodeDecodeError) as error:
+    except (json.JSONDecodeError, UnicodeDecodeError, RecursionError) as error:
         raise DamagedFile(f"{path} is not valid JSON: {error}", hint="mend it", maker=maker_of(path)) from error
     except IsADirectoryError as error:
         raise DamagedFile(

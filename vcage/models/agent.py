@@ -90,6 +90,8 @@ def _prompt(question: Question, names: list[str]) -> str:
 
 
 def _read(path: Path) -> str:
+    if not path.is_file():
+        raise InputFileError(f"{path} is no file", hint="write the JSON object into one")
     if path.stat().st_size > MOST_BYTES:
         raise InputFileError(f"{path} is {path.stat().st_size:,} bytes long", hint="write the JSON object alone")
     try:

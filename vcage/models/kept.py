@@ -40,11 +40,19 @@ class Exchanges:
 
         Raises:
             DamagedFile, SchemaMismatch: it was, and cannot be read.
+            InputFileError: it was edited since.
         """
         path = self._path(question, provider)
         if not path.exists():
             return None
         kept = Exchange.read(path)
+        said = (question.hash, provider, kept.answer, kept.picture)
+        if (kept.hash, kept.provider) != said[:2] or kept.seal != Exchange.seal_of(*said):
+            raise InputFileError(
+                f"{path} was edited: it does not hold what was asked and answered",
+                hint="put it back as it was, or remove it and ask again",
+                details={"path": str(path)},
+            )
         picture = None if kept.picture is None else read_picture(self.folder / "pictures" / kept.picture)
         return Reply(kept.answer, picture, kept.model, kept.tokens_in, kept.tokens_out, kept.usd)
 
@@ -56,6 +64,7 @@ class Exchanges:
         """
         path = self._path(question, provider)
         turns = [Turn(speaker=m.speaker, text=m.text, pictures=self._pictures(m.pictures)) for m in question.messages]
+        shown = None if reply.picture is None else self._pictures([reply.picture])[0]
         Exchange(
             role=question.role,
             prompt=question.name,
@@ -65,12 +74,13 @@ class Exchanges:
             provider=provider,
             model=reply.model,
             answer=reply.text,
-            picture=None if reply.picture is None else self._pictures([reply.picture])[0],
+            picture=shown,
             tokens_in=reply.tokens_in,
             tokens_out=reply.tokens_out,
             usd=usd,
             seconds=round(seconds, 3),
             number=self._number(path),
+            seal=Exchange.seal_of(question.hash, provider, reply.text, shown),
         ).write(path)
 
     def _number(self, path: Path) -> int:

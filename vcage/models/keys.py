@@ -42,8 +42,14 @@ def require_key(provider: Provider) -> str:
 
     Raises:
         MissingKey: it is nowhere; the hint names the places.
+        ConfigurationError: it can be no key.
     """
     found = find_key(provider)
+    if found is not None and not (found[0].isascii() and found[0].isprintable() and " " not in found[0]):
+        raise ConfigurationError(
+            f"the key for {provider.name} in {found[1]} holds characters that no key has",
+            hint="copy it again: letters, digits and signs, in one line",
+        )
     if found is None:
         names = " or ".join(variables(provider))
         raise MissingKey(
@@ -60,7 +66,7 @@ def _read_key_file() -> dict[str, str]:
         data = json.loads(path.read_text(encoding="utf-8"))
     except FileNotFoundError:
         return {}
-    except (OSError, ValueError) as error:
+    except (OSError, ValueError, RecursionError) as error:
         raise ConfigurationError(
             f"the key file {path} cannot be read: {type(error).__name__}", hint='it holds JSON like {"gemini": "<key>"}'
         ) from None

@@ -114,4 +114,7 @@ def _on_white(look: Reference) -> np.ndarray:
 
 
 def _complaints(answer: Judgement) -> list[str]:
-    return [] if 0 <= answer.confidence <= 1 else [f"confidence: {answer.confidence} is not between 0 and 1"]
+    found = [] if 0 <= answer.confidence <= 1 else [f"confidence: {answer.confidence} is not between 0 and 1"]
+    if answer.done == "yes" and answer.failure != "none":
+        found.append(f"failure: {answer.failure!r} belongs to a no, and done says yes")
+    return found

@@ -121,6 +121,11 @@ class Provider:
 
     def _transport(self, key: str, **options: Any) -> Transport:
         url = self._setting("BASE_URL", self.base_url).rstrip("/")
+        if "@" in url.partition("://")[2].partition("/")[0]:
+            raise ConfigurationError(
+                f"VCAGE_{self.name.upper()}_BASE_URL holds a user or password, which errors would show",
+                hint="leave it out; a key has a place of its own",
+            )
         if self.version and not url.endswith(("/v1", "/v1beta")):
             url = f"{url}/{self.version}"
         return Transport(url, self.headers(key), **options)

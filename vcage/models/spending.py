@@ -42,7 +42,7 @@ def price_of(provider: str) -> Price | None:
         text = path.read_text(encoding="utf-8")
     except FileNotFoundError:
         return None
-    except OSError as error:
+    except (OSError, UnicodeDecodeError) as error:
         raise ConfigurationError(f"{path} cannot be read: {error}", hint="mend or remove it") from error
     try:
         return TypeAdapter(dict[str, Price]).validate_json(text).get(provider)
@@ -78,26 +78,29 @@ class Spending:
         tells: its replies say what they cost.
 
     Raises:
-        ConfigurationError: money is capped, and what the provider takes is not known.
+        ConfigurationError: the file of prices holds none.
     """
 
     def __init__(self, folder: Path, cap: Cap, provider: str, *, tells: bool = False):
         self.price = price_of(provider)
         self._folder, self._cap = folder, cap
         self._seen: dict[str, Exchange] = {}
-        if cap.usd is not None and self.price is None and not tells:
-            raise ConfigurationError(
-                f"what {provider} costs is not known, so --most-usd cannot be kept",
-                hint=f'write {{"{provider}": {{"input": …, "output": …}}}}, USD per million tokens, to {price_file()}',
-            )
+        self._provider, self._tells = provider, tells
 
     def check(self) -> None:
         """Make sure that there is something left.
 
         Raises:
+            ConfigurationError: money is capped, and what the provider takes is not known.
             SpendingCap: there is not; says what was spent.
             DamagedFile, SchemaMismatch: an exchange cannot be read.
         """
+        if self._cap.usd is not None and self.price is None and not self._tells:
+            wanted = f'{{"{self._provider}": {{"input": …, "output": …}}}}'
+            raise ConfigurationError(
+                f"what {self._provider} costs is not known, so --most-usd cannot be kept",
+                hint=f"write {wanted}, in USD per million tokens, to {price_file()}",
+            )
         for path in self._folder.glob("*.json"):
             if path.name not in self._seen:
                 self._seen[path.name] = Exchange.read(path)

@@ -101,7 +101,7 @@ def ask(
 def _read(text: str, answer: type[AnswerType]) -> tuple[AnswerType | None, Sequence[str]]:
     try:
         data = json.loads(json_of(text))
-    except ValueError as error:
+    except (ValueError, RecursionError) as error:
         return None, [f"the answer is not JSON: {error}"]
     try:
         return answer.model_validate(data), ()

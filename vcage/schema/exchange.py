@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import hashlib
+import json
 from typing import Any, ClassVar, Literal
 
 from pydantic import Field
@@ -41,6 +43,12 @@ class Exchange(Document):
     )
     seconds: float = Field(description="that the answer took; 0 where it lay there already")
     number: int = Field(description="counts the exchanges of a run, from 1")
+    seal: str = Field(description="SHA-256 of hash, provider, answer and picture: no other answer is repeated")
+
+    @staticmethod
+    def seal_of(asked: str, provider: str, answer: str, picture: str | None) -> str:
+        """What :attr:`seal` must be; ``asked`` is :attr:`hash`."""
+        return hashlib.sha256(json.dumps([asked, provider, answer, picture]).encode()).hexdigest()
 
     @property
     def online(self) -> bool:
