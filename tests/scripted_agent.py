@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from tests.standin_answers import answer_question
+from vcage.base.files import RunFolder
 
 MOST_CHARACTERS = 50_000
 """What clients let a model read of one file."""
@@ -58,6 +59,13 @@ class ScriptedAgent:
     erred: dict[str, str] = field(default_factory=dict)
     """The fields of a kind of question → the complaint about its first answer, which was wrong."""
     batches: list[int] = field(default_factory=list)
+
+    def assert_it_mended_everything(self, run: Path) -> None:
+        """It erred once in each kind of question, was told why, and its verdicts count."""
+        assert len(self.erred) == 5, "selection, goals, plan, pairs, verdicts"
+        assert all("Field required" in complaint for complaint in self.erred.values())
+        verdicts = json.loads(RunFolder(run).verdicts.read_text())
+        assert verdicts["provenance"]["providers"] == {"critic": "agent"}
 
     def run(self, command: str) -> Generator[Act, Any, dict[str, Any]]:
         """Run a command to its end, answering what it asks; its record is returned."""

@@ -72,7 +72,10 @@ def claude(desk: Desk) -> None:
 
 def codex(desk: Desk) -> None:
     provider = f'name = "loop"\nbase_url = "{desk.server.url}/v1"\nwire_api = "responses"\nenv_key = "LOOP_KEY"\n'
-    desk.write(".codex/config.toml", f'model = "mock"\nmodel_provider = "loop"\n[model_providers.loop]\n{provider}')
+    limit = "tool_output_token_limit = 20000\n"  # a model that it does not know is shown 10 kB
+    desk.write(
+        ".codex/config.toml", f'{limit}model = "mock"\nmodel_provider = "loop"\n[model_providers.loop]\n{provider}'
+    )
     desk.call(
         "codex", "exec", "--dangerously-bypass-approvals-and-sandbox", "--skip-git-repo-check", "hello", LOOP_KEY="x"
     )

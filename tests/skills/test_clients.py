@@ -61,6 +61,9 @@ CHAINS = {
 }
 """Way → where it puts the skills, of the working folder."""
 
+POLLING = {"codex": "write_stdin", "openclaw": "process"}
+"""Client → its tool that waits for what it put into the background."""
+
 OWN = {"collect": ["--episodes", "1", "--workers", "1", "--fps", str(FPS)], "compress": QUICK_VIDEOS}
 """Options that the agent adds to the command of a stage."""
 
@@ -81,7 +84,11 @@ def chain(agent: ScriptedAgent, skill: Path, run: Path) -> Generator[Act, Any, N
 def test_an_agent_in_a_client_runs_the_chain_as_its_model_errs_in_each_role_mends_it_and_finishes(
     way: str, desk: Desk
 ) -> None:
+    client = client_of(way)
     agent, run = ScriptedAgent(), desk.work / "runs" / "two blocks"
-    desk.server.play(TOOLS[client_of(way)].carry_out(chain(agent, desk.work / CHAINS[way] / "vcage-igsc", run)))
+    desk.server.play(TOOLS[client].carry_out(chain(agent, desk.work / CHAINS[way] / "vcage-igsc", run)))
     WAYS[way](desk)
-    assert (run / "report.html").exists()
+    agent.assert_it_mended_everything(run)
+    assert (run / "export" / "lerobot-v3.0").is_dir() and (run / "report.html").exists()
+    called = {call.tool for call in desk.server.transcript if isinstance(call, Call)}
+    assert POLLING.get(client) in {None, *called}, "what goes to the background is waited for"

@@ -8,8 +8,11 @@ from collections.abc import Callable, Generator
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
+import numpy as np
+
 from tests.scripted_agent import Act, Look, Read, Run
 from tests.skills.scripted_model import Call, Seen
+from vcage.base.pictures import read_picture
 
 T = TypeVar("T")
 
@@ -22,8 +25,8 @@ class Tools:
     read: Callable[[str], Call]
     look: Callable[[str], Call]
     write: Callable[[str, str], Call]
-    poll: Callable[[str], Call | None] = lambda _: None
-    """What a command has printed → the call that waits for it, where it is still at work."""
+    poll: Callable[[list[str]], Call | None] = lambda printed: None
+    """What a command has printed call by call → the call that waits for it, where it is still at work."""
     plain: Callable[[str], str] = lambda text: text
     """What reading shows → the text of the file."""
 
@@ -40,26 +43,31 @@ class Tools:
     def _do(self, act: Act) -> Generator[Call, Seen, Any]:
         if isinstance(act, Run):
             printed = [(yield self.run(act.command)).text]
-            while (waits := self.poll(printed[-1])) is not None:
+            while (waits := self.poll(printed)) is not None:
                 printed.append((yield waits).text)
             return "\n".join(printed)
         if isinstance(act, Read):
-            return self.plain((yield self.read(str(act.path))).text)
+            text = self.plain((yield self.read(str(act.path))).text)
+            assert text.strip() == act.path.read_text().strip(), "a client shows the whole of it"
+            return text
         if isinstance(act, Look):
             shown = yield self.look(str(act.path))
             assert len(shown.pictures) == 1, shown.text
+            assert np.array_equal(shown.pictures[0], read_picture(act.path)), "a client shows it as it is"
             return shown.pictures[0]
         yield self.write(str(act.path), act.text)
         return None
 
 
-def _poll_openclaw(printed: str) -> Call | None:
-    running = re.search(r"still running \(session ([\w-]+)", printed)
-    return running and Call("process", {"action": "poll", "sessionId": running[1], "timeout": 30_000})
+def _poll_openclaw(printed: list[str]) -> Call | None:
+    if not re.search(r"^(Command|Process) still running", printed[-1], re.MULTILINE):
+        return None
+    session = printed[0].partition("(session ")[2].partition(",")[0]
+    return Call("process", {"action": "poll", "sessionId": session, "timeout": 30_000})
 
 
-def _poll_codex(printed: str) -> Call | None:
-    running = re.search(r"running with session ID (\d+)", printed)
+def _poll_codex(printed: list[str]) -> Call | None:
+    running = re.search(r"^Process running with session ID (\d+)", printed[-1], re.MULTILINE)
     return running and Call("write_stdin", {"session_id": int(running[1]), "yield_time_ms": 30_000})
 
 
@@ -76,7 +84,7 @@ CLAUDE = Tools(
 )
 
 CODEX = Tools(
-    run=lambda command: Call("exec_command", {"cmd": command, "yield_time_ms": 30_000}),
+    run=lambda command: Call("exec_command", {"cmd": command, "yield_time_ms": 2_000}),
     read=lambda path: Call("exec_command", {"cmd": f"cat {shlex.quote(path)}", "max_output_tokens": 20_000}),
     look=lambda path: Call("view_image", {"path": path}),
     write=_by_shell,
@@ -92,7 +100,7 @@ PI = Tools(
 )
 
 OPENCLAW = Tools(
-    run=lambda command: Call("exec", {"command": command}),
+    run=lambda command: Call("exec", {"command": command, "yieldMs": 2_000}),
     read=lambda path: Call("read", {"path": path}),
     look=lambda path: Call("read", {"path": path}),
     write=lambda path, text: Call("write", {"path": path, "content": text}),
