@@ -91,7 +91,7 @@ class ScriptedAgent:
         self.erred[kind] = self.erred[kind] or question["complaint"]
         pictures: list[np.ndarray] = []
         for name in question["files"]:
-            if name.endswith(".png"):
+            if name.startswith("picture-"):
                 pictures.append((yield Look(folder / name)))
         yield Write(answer, json.dumps(answer_question(schema, prompt, pictures)))
 
