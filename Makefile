@@ -7,7 +7,8 @@
 #
 #   make test-lerobot   the real lerobot, in an environment of its own, loads what export writes; DATASET=PATH proves a
 #                       run folder or a LeRobot folder of yours instead of a small run made for it
-#   make test-clients   the clients of agents, fetched into the user's cache (1.6 GB), find the skills
+#   make test-clients   the clients of agents, fetched into the user's cache (1.8 GB), find the skills
+#                       and carry an agent that is its own model through the chain
 #
 # Variables: PYTHON       the interpreter to start from (3.11 or 3.12), default python3
 #            TORCH_INDEX  address of a package index that has the build of torch you want

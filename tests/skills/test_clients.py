@@ -1,149 +1,94 @@
-"""The real clients of agents find all skills, and run a script of one, in each way that the README tells.
-
-``make test-clients`` fetches them.
-"""
+"""The real clients of agents find all skills in each way that the README tells; in them an agent runs the chain."""
 
 from __future__ import annotations
 
-import json
-import os
-import shutil
-import subprocess
-import sys
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+import re
+import shlex
+from collections.abc import Generator, Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 
-from tests.skills.model_server import ModelServer, model_server
-from vcage.base import files
+from tests.runs import FPS, QUICK_VIDEOS
+from tests.scripted_agent import Act, Read, ScriptedAgent
+from tests.skills.clients import CLIENTS, NAMES, SKILLS, WAYS, Desk, is_here
+from tests.skills.scripted_model import Call, Script, scripted_model
+from tests.skills.tools import TOOLS
 
-SKILLS = files.resource("skills").resolve()
-NAMES = {path.parent.name for path in SKILLS.glob("*/SKILL.md")}
-CLIENTS = files.cache_path("clients")
+TASK = "Put the red block and the green block into the box"
 
 pytestmark = pytest.mark.slow
-
-
-@dataclass(frozen=True)
-class Desk:
-    """A client's own home and working folder, and the model that it asks."""
-
-    home: Path
-    work: Path
-    server: ModelServer
-
-    def call(self, client: str, *arguments: str | Path, **variables: str) -> None:
-        """Run a client that must succeed."""
-        path = os.pathsep.join([str(CLIENTS / "node" / "bin"), os.defpath])
-        own = {"PATH": path, "HOME": str(self.home), "TERM": "dumb", "NO_PROXY": "*"}
-        environment = own | {"IS_SANDBOX": "1", "VCAGE_PYTHON": sys.executable} | variables
-        program = [str(CLIENTS / "node_modules" / ".bin" / client), *map(str, arguments)]
-        quiet = {"stdin": subprocess.DEVNULL, "capture_output": True}
-        done = subprocess.run(program, cwd=self.work, env=environment, text=True, timeout=180, **quiet)
-        assert done.returncode == 0, done.stdout + done.stderr
-
-    def write(self, name: str, text: str) -> Path:
-        return files.write_text(self.home / name, text)
 
 
 @pytest.fixture
 def desk(tmp_path: Path) -> Iterator[Desk]:
     (tmp_path / "home").mkdir()
     (tmp_path / "work").mkdir()
-    with model_server() as server:
+    with scripted_model() as server:
         yield Desk(tmp_path / "home", tmp_path / "work", server)
 
 
-def linked(folder: Path) -> None:
-    folder.mkdir(parents=True)
-    for name in NAMES:
-        (folder / name).symlink_to(SKILLS / name)
+def client_of(way: str) -> str:
+    """The client of a way; the test is skipped where it is not here."""
+    client = way.partition(",")[0]
+    if not is_here(client):
+        pytest.skip(f"there is no {client} in {CLIENTS}: make test-clients")
+    return client
 
 
-def copied(folder: Path) -> None:
-    shutil.copytree(SKILLS, folder)
-
-
-def claude(desk: Desk) -> None:
-    endpoint = {"ANTHROPIC_BASE_URL": desk.server.url, "ANTHROPIC_API_KEY": "x"}
-    quiet = {"CLAUDE_CODE_DISABLE_NONESSENTIAL_TRAFFIC": "1", "DISABLE_AUTOUPDATER": "1"}
-    desk.call("claude", "-p", "hello", "--model", "mock", "--dangerously-skip-permissions", **endpoint, **quiet)
-
-
-def codex(desk: Desk) -> None:
-    provider = f'name = "loop"\nbase_url = "{desk.server.url}/v1"\nwire_api = "responses"\nenv_key = "LOOP_KEY"\n'
-    desk.write(".codex/config.toml", f'model = "mock"\nmodel_provider = "loop"\n[model_providers.loop]\n{provider}')
-    desk.call(
-        "codex", "exec", "--dangerously-bypass-approvals-and-sandbox", "--skip-git-repo-check", "hello", LOOP_KEY="x"
-    )
-
-
-def pi(desk: Desk, *options: str | Path) -> None:
-    loop = {"baseUrl": f"{desk.server.url}/v1", "api": "openai-completions", "apiKey": "x", "models": [{"id": "mock"}]}
-    desk.write(".pi/agent/models.json", json.dumps({"providers": {"loop": loop}}))
-    desk.call("pi", "-p", "hello", "--provider", "loop", "--model", "mock", *options)
-
-
-def openclaw(desk: Desk, *, extra: bool = False, installed: bool = False) -> None:
-    model = {"id": "mock", "name": "mock", "contextWindow": 200000, "maxTokens": 8192}
-    loop = {"baseUrl": f"{desk.server.url}/v1", "apiKey": "x", "api": "openai-completions", "models": [model]}
-    configuration = {
-        "agents": {"defaults": {"model": {"primary": "loop/mock"}, "workspace": str(desk.work)}},
-        "models": {"mode": "merge", "providers": {"loop": loop}},
-        "skills": {"load": {"extraDirs": [str(SKILLS)] if extra else []}},
-    }
-    path = desk.write("openclaw.json", json.dumps(configuration))
-    for name in NAMES if installed else ():
-        desk.call("openclaw", "skills", "install", SKILLS / name, OPENCLAW_CONFIG_PATH=str(path))
-    desk.call("openclaw", "agent", "exec", "hello", "--config", path, "--cwd", desk.work, "--json")
-
-
-def put(how: Callable[[Path], None], where: str, folder: str, client: Callable[[Desk], None]) -> Callable[[Desk], None]:
-    """The skills are put into a folder of the project or the user, and the client is called."""
-
-    def way(desk: Desk) -> None:
-        how(getattr(desk, where) / folder)
-        client(desk)
-
-    return way
-
-
-WAYS: dict[str, Callable[[Desk], None]] = {
-    "claude, linked into the project": put(linked, "work", ".claude/skills", claude),
-    "claude, copied for the user": put(copied, "home", ".claude/skills", claude),
-    "codex, linked into the project": put(linked, "work", ".agents/skills", codex),
-    "codex, copied for the user": put(copied, "home", ".agents/skills", codex),
-    "pi, named in the call": lambda desk: pi(desk, "--skill", SKILLS),
-    "pi, linked into the project": put(linked, "work", ".agents/skills", pi),
-    "pi, copied for the user": put(copied, "home", ".agents/skills", pi),
-    "openclaw, named in extraDirs": lambda desk: openclaw(desk, extra=True),
-    "openclaw, installed one by one": lambda desk: openclaw(desk, installed=True),
-    "openclaw, copied into the workspace": put(copied, "work", "skills", openclaw),
-}
-
-
-SHELLS = {
-    "claude": ("Bash", "command"),
-    "codex": ("exec_command", "cmd"),
-    "pi": ("bash", "command"),
-    "openclaw": ("exec", "command"),
-}
-"""Client → its tool that runs a command, and the argument that holds it."""
+def once(call: Call) -> Script:
+    yield call
 
 
 @pytest.mark.parametrize("way", WAYS)
 def test_a_client_tells_its_model_of_every_skill_and_runs_a_script_of_one(way: str, desk: Desk) -> None:
-    client = way.partition(",")[0]
-    if not (CLIENTS / "node_modules" / ".bin" / client).exists():
-        pytest.skip(f"there is no {client} in {CLIENTS}: make test-clients")
-    tool, argument = SHELLS[client]
+    tools = TOOLS[client_of(way)]
     script = "$(ls -d {}/*/skills/vcage-objects {}/*/.*/skills/vcage-objects {}/vcage-objects 2>/dev/null | head -1)"
     find = script.format(desk.home.parent, desk.home.parent, SKILLS)  # where this way has put it
-    asked = {argument: f"python3 {find}/scripts/assets_list.py --json", "description": "list the objects"}
-    desk.server.call = tool, asked
+    desk.server.play(once(tools.run(f"python3 {find}/scripts/assets_list.py --json")))
     WAYS[way](desk)
     told = "".join(desk.server.asked)
     assert {name for name in NAMES if f"{name}/SKILL.md" in told or f"- {name}:" in told} == NAMES
     assert "left_out" in desk.server.asked[-1], "what the script said last"
+
+
+CHAINS = {
+    "claude, linked into the project": ".claude/skills",
+    "codex, linked into the project": ".agents/skills",
+    "pi, linked into the project": ".agents/skills",
+    "openclaw, copied into the workspace": "skills",
+}
+"""Way → where it puts the skills, of the working folder."""
+
+POLLING = {"codex": "write_stdin", "openclaw": "process"}
+"""Client → its tool that waits for what it put into the background."""
+
+OWN = {"collect": ["--episodes", "1", "--workers", "1", "--fps", str(FPS)], "compress": QUICK_VIDEOS}
+"""Options that the agent adds to the command of a stage."""
+
+
+def chain(agent: ScriptedAgent, skill: Path, run: Path) -> Generator[Act, Any, None]:
+    """From what the skill says to the report, command by command."""
+    said = re.search(r'^(python3 \S+/select_place\.py) ".+" --out \S+$', (yield Read(skill / "SKILL.md")), re.MULTILINE)
+    assert said is not None
+    begin = said[1].replace("{baseDir}", shlex.quote(str(skill)))
+    record = yield from agent.run(f"{begin} {shlex.quote(TASK)} --out {shlex.quote(str(run))} --models agent")
+    while record["ok"] and record["next"]:
+        stage = shlex.split(record["next"])[1]
+        record = yield from agent.run(" ".join([record["next"], *OWN.get(stage, [])]))
+    assert record["ok"], record
+
+
+@pytest.mark.parametrize("way", CHAINS)
+def test_an_agent_in_a_client_runs_the_chain_as_its_model_errs_in_each_role_mends_it_and_finishes(
+    way: str, desk: Desk
+) -> None:
+    client = client_of(way)
+    agent, run = ScriptedAgent(), desk.work / "runs" / "two blocks"
+    desk.server.play(TOOLS[client].carry_out(chain(agent, desk.work / CHAINS[way] / "vcage-igsc", run)))
+    WAYS[way](desk)
+    agent.assert_it_mended_everything(run)
+    assert (run / "export" / "lerobot-v3.0").is_dir() and (run / "report.html").exists()
+    called = {call.tool for call in desk.server.transcript if isinstance(call, Call)}
+    assert POLLING.get(client) in {None, *called}, "what goes to the background is waited for"
