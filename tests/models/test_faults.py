@@ -170,6 +170,8 @@ IN_TEXT = [
     Fault("fenced JSON", lambda role: [said(RIGHT[role], "Sure:\n```json\n", "\n```")], asked=1),
     Fault("wrong shape", always(said({"surprise": True})), asked=2),
     Fault("a list", always(text_answer("[1, 2]")), asked=2),
+    Fault("JSON without an end in a text", always(text_answer('{"a":' * 100_000)), asked=2),
+    Fault("half a character", always(text_answer("\ud800")), asked=2),
     Fault("unknown names", lambda role: [said(UNKNOWN[role])], asked=2),
     Fault("hidden instructions", lambda role: [said(RIGHT[role], HIDDEN, HIDDEN)], asked=1),
 ]
@@ -224,6 +226,7 @@ IN_PICTURES = [
     ),
     Fault("wrong type", lambda _: [Special(picture=encode_base64(edited()), mime="text/plain")], asked=1),
     Fault("wrong size", lambda _: [drawn(encode_png(cv2.resize(edited(), (500, 300))))], asked=1),
+    Fault("the table without the objects", lambda _: [drawn(encode_png(to_edit().background))], asked=2),
     Fault("next to no size", lambda _: [drawn(encode_png(edited()[:2, :2]))], EndpointFailed, "2 x 2", asked=1),
     Fault(
         "a claimed 20,000 x 20,000",

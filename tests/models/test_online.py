@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from tests.layout.items import capacity
-from tests.model_server import ModelServer, Special, no_picture, text_answer
+from tests.model_server import ModelServer, Special, no_picture, raw_answer, text_answer
 from tests.models.catalogue import CATALOGUE, unchecked
 from tests.models.tabletop import BLOCKS, BOX, MARKERS, PLATE, draw, scene_of, table_picture
 from tests.models.tabletop import critic_question as asked
@@ -369,3 +369,12 @@ def test_an_exchange_names_the_version_and_the_tokens_of_the_reply(
     (asked,) = Exchanges(tmp_path / "exchanges").all()
     assert asked.model == VERSIONS[kept.critic.provider]
     assert (asked.tokens_in, asked.tokens_out) == (70, 7)
+
+
+@pytest.mark.parametrize("feedback", [1, "blocked", [1], True])
+def test_an_answer_of_gemini_in_another_shape_is_an_endpoint_failure(
+    server: ModelServer, monkeypatch: pytest.MonkeyPatch, feedback: object
+) -> None:
+    server.queue(raw_answer(json.dumps({"promptFeedback": feedback}).encode()))
+    with pytest.raises(EndpointFailed, match="unknown shape"):
+        build("gemini", server, monkeypatch).critic.judge(critic_question(True))

@@ -20,6 +20,10 @@ SHORT = 12
 """Digits of a hash in a file's name."""
 
 
+MOST_SENT_BACK = 20_000
+"""Characters of a wrong answer that go back with the complaint."""
+
+
 @dataclass(frozen=True)
 class Message:
     """One turn: text, then pictures (H, W, 3) uint8 RGB."""
@@ -62,7 +66,7 @@ class Question:
     def again(self, reply: Reply, complaint: str) -> Question:
         """The next round."""
         pictures = () if reply.picture is None else (reply.picture,)
-        turns = Message("model", reply.text, pictures), Message("user", complaint)
+        turns = Message("model", reply.text[:MOST_SENT_BACK], pictures), Message("user", complaint)
         return replace(self, messages=(*self.messages, *turns))
 
     @property
@@ -100,6 +104,10 @@ class Reply:
     tokens_in: int | None = None
     tokens_out: int | None = None
     usd: float | None = None
+
+    def __post_init__(self) -> None:
+        """JSON can hold halves of characters, which no file can."""
+        object.__setattr__(self, "text", self.text.encode(errors="replace").decode())
 
 
 class Answerer(Protocol):

@@ -96,11 +96,10 @@ def _first_candidate(data: dict[str, Any], provider: str) -> tuple[list[dict[str
         ModelRefused: the prompt itself was blocked.
         EndpointFailed: the answer is of another shape.
     """
-    feedback = data.get("promptFeedback") or {}
-    candidates = data.get("candidates") or []
-    if feedback.get("blockReason") and not candidates:
-        raise ModelRefused(f"{provider} blocked the request: {feedback['blockReason']}", hint="change the instruction")
+    feedback, candidates = data.get("promptFeedback") or {}, data.get("candidates") or []
     try:
+        if not candidates and (blocked := feedback.get("blockReason")):
+            raise ModelRefused(f"{provider} blocked the request: {blocked}", hint="change the instruction")
         candidate = candidates[0] if candidates else {}
         parts = (candidate.get("content") or {}).get("parts") or []
         return [part for part in parts if isinstance(part, dict)], str(candidate.get("finishReason") or "")

@@ -12,8 +12,9 @@ from vcage.models.structured import ROUNDS
 from vcage.vision.colour import distance, to_lab
 from vcage.vision.register import register
 
-LIKE, KEPT = 20.0, 0.5
-"""Colour distance of a pixel that still shows the table that was there, and the least share of such pixels.
+LIKE, KEPT, SHOWN = 20.0, 0.5, 0.3
+"""Colour distance of a pixel that still shows the table that was there, the least share of such pixels, and of what the
+objects took of the source that something takes of the edit.
 
 Image models recolour a little and objects come to stand elsewhere, but most of the picture is the table that it was."""
 
@@ -63,6 +64,12 @@ def edit_complaint(picture: np.ndarray, source: np.ndarray, background: np.ndarr
         laid = register(picture, source, background)
     except InputFileError as error:
         return error.message
-    seen = distance(to_lab(laid.picture), to_lab(background))[laid.valid] < LIKE
+    empty = to_lab(background)
+    seen = distance(to_lab(laid.picture), empty)[laid.valid] < LIKE
     kept = float(seen.mean()) if seen.size else 0.0
-    return "" if kept >= KEPT else f"only {100 * kept:.0f} % of it shows the table that was there"
+    if kept < KEPT:
+        return f"only {100 * kept:.0f} % of it shows the table that was there"
+    before = int((distance(to_lab(source), empty) >= LIKE).sum())
+    if (~seen).sum() < SHOWN * before:
+        return "it shows the table without the objects"
+    return ""

@@ -175,7 +175,8 @@ class Transport:
 
     def _problem(self, url: str, answer: _Answer) -> str:
         detail = str(answer.error.get("message") or answer.text or "nothing")
-        return self._redact(f"{url} answered {answer.status}: {' '.join(detail.split())[:300]}")
+        shown = "".join(c if c.isprintable() else " " for c in detail)
+        return self._redact(f"{url} answered {answer.status}: {' '.join(shown.split())[:300]}")
 
     def _redact(self, text: str) -> str:
         for secret in self._secrets:
