@@ -8,7 +8,8 @@ from typing import ClassVar, Literal, Self
 from pydantic import Field
 
 from vcage.base.proportions import wilson
-from vcage.schema.base import Document, Finite, Identifier, Record, StageDocument
+from vcage.schema.base import Document, Finite, Identifier, PoseRecord, Record, StageDocument
+from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Chain
 
 AttemptStage = Literal["plan", "grasp", "place", "verify", "done"]
@@ -72,12 +73,24 @@ class Episode(Record):
     file: str | None = Field(default=None, description="HDF5 in the run folder; none when nothing was recorded")
     frames: int = Field(default=0, ge=0)
     fps: Finite
+    layout: Literal["varied", "fixed"] = Field(
+        default="fixed", description="drawn for this episode, or the run's with small shifts"
+    )
+    layouts_refused: dict[str, int] = Field(
+        default={}, description="why layouts that were drawn before were not taken: reason → how many"
+    )
+    poses: dict[Identifier, PoseRecord] = Field(default={}, description="where it started, by object")
     subtasks: list[Identifier] = []
     verdicts: list[Verdict] = []
     attempts: int = Field(default=0, ge=0)
     goals_hold: Truth | None = Field(
         default=None, description="whether all goals of the chain are true at the end, by the simulator's state"
     )
+
+    def scene(self, scene: Scene) -> Scene:
+        """A scene of the run with the objects where the episode started."""
+        records = [o.model_copy(update={"pose": self.poses[o.id]}) if o.id in self.poses else o for o in scene.objects]
+        return scene.model_copy(update={"objects": records})
 
 
 class CountedShare(Record):
