@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import ClassVar, Literal, Self
 
+import numpy as np
 from pydantic import Field
 
 from vcage.base.proportions import wilson
-from vcage.schema.base import Document, Finite, Identifier, PoseRecord, Record, StageDocument
+from vcage.schema.base import Document, Finite, Identifier, PoseRecord, Record, StageDocument, Vec2
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Chain
 
@@ -150,6 +151,29 @@ class Episodes(StageDocument):
     attempts: int = Field(ge=0, description="lines of log.jsonl")
     acceptance: dict[str, dict[str, int]] = Field(description="asset/variant → {accepted, attempts}")
     critic: CriticCounts
+
+    def spread(self) -> dict[str, Spread]:
+        """By object, over the accepted episodes; nothing where there are none."""
+        found = {}
+        started = [episode.poses for episode in self.episodes if episode.accepted]
+        for name in started[0] if started else ():
+            at = np.array([poses[name].position[:2] for poses in started if name in poses])
+            lower, upper, deviation = (tuple(v.round(4).tolist()) for v in (at.min(0), at.max(0), at.std(0)))
+            found[name] = Spread(lower=lower, upper=upper, deviation=deviation)
+        return found
+
+    def layouts(self) -> dict[str, int]:
+        """How many were drawn for the episodes, and how many of these were not taken."""
+        refused = sum(sum(episode.layouts_refused.values()) for episode in self.episodes)
+        return {"drawn": refused + sum(e.layout == "varied" for e in self.episodes), "refused": refused}
+
+
+class Spread(Record):
+    """Where one object started over the episodes of a run, metres."""
+
+    lower: Vec2
+    upper: Vec2
+    deviation: Vec2 = Field(description="standard deviation along x and y")
 
 
 class Difference(Record):

@@ -95,6 +95,7 @@ def summary(record: Episodes) -> dict[str, Any]:
         "attempts": record.attempts,
         "silent_failures": sum(not e.goals_hold.success for e in record.episodes if e.accepted and e.goals_hold),
         "critic": record.critic.model_dump(mode="json"),
+        "layouts": record.layouts(),
     }
 
 
