@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import ClassVar, Literal, Self
 
+import numpy as np
 from pydantic import Field
 
 from vcage.base.proportions import wilson
-from vcage.schema.base import Document, Finite, Identifier, Record, StageDocument
+from vcage.schema.base import Document, Finite, Identifier, PoseRecord, Record, StageDocument, Vec2
+from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Chain
 
 AttemptStage = Literal["plan", "grasp", "place", "verify", "done"]
@@ -72,12 +74,24 @@ class Episode(Record):
     file: str | None = Field(default=None, description="HDF5 in the run folder; none when nothing was recorded")
     frames: int = Field(default=0, ge=0)
     fps: Finite
+    layout: Literal["varied", "fixed"] = Field(
+        default="fixed", description="drawn for this episode, or the run's with small shifts"
+    )
+    layouts_refused: dict[str, int] = Field(
+        default={}, description="why layouts that were drawn before were not taken: reason → how many"
+    )
+    poses: dict[Identifier, PoseRecord] = Field(default={}, description="where it started, by object")
     subtasks: list[Identifier] = []
     verdicts: list[Verdict] = []
     attempts: int = Field(default=0, ge=0)
     goals_hold: Truth | None = Field(
         default=None, description="whether all goals of the chain are true at the end, by the simulator's state"
     )
+
+    def scene(self, scene: Scene) -> Scene:
+        """A scene of the run with the objects where the episode started."""
+        records = [o.model_copy(update={"pose": self.poses[o.id]}) if o.id in self.poses else o for o in scene.objects]
+        return scene.model_copy(update={"objects": records})
 
 
 class CountedShare(Record):
@@ -137,6 +151,29 @@ class Episodes(StageDocument):
     attempts: int = Field(ge=0, description="lines of log.jsonl")
     acceptance: dict[str, dict[str, int]] = Field(description="asset/variant → {accepted, attempts}")
     critic: CriticCounts
+
+    def spread(self) -> dict[str, Spread]:
+        """By object, over the accepted episodes; nothing where there are none."""
+        found = {}
+        started = [episode.poses for episode in self.episodes if episode.accepted]
+        for name in started[0] if started else ():
+            at = np.array([poses[name].position[:2] for poses in started if name in poses])
+            lower, upper, deviation = (tuple(v.round(4).tolist()) for v in (at.min(0), at.max(0), at.std(0)))
+            found[name] = Spread(lower=lower, upper=upper, deviation=deviation)
+        return found
+
+    def layouts(self) -> dict[str, int]:
+        """How many were drawn for the episodes, and how many of these were not taken."""
+        refused = sum(sum(episode.layouts_refused.values()) for episode in self.episodes)
+        return {"drawn": refused + sum(e.layout == "varied" for e in self.episodes), "refused": refused}
+
+
+class Spread(Record):
+    """Where one object started over the episodes of a run, metres."""
+
+    lower: Vec2
+    upper: Vec2
+    deviation: Vec2 = Field(description="standard deviation along x and y")
 
 
 class Difference(Record):

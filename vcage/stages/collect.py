@@ -57,6 +57,8 @@ class Options(ModelOptions):
     """after a failed sub-task: try it again from the verified state before it, or give the episode up"""
     retries: Annotated[int, NATURAL] = 3
     """further attempts per sub-task, when resampling"""
+    layout: Annotated[Literal["varied", "fixed"], UNSAID] = "varied"
+    """where objects start: drawn anew for every episode, as the plan allows, or as optimised with small shifts"""
     fps: Literal[5, 10, 25, 50] = 10
     """frames per second of the recording"""
     workers: Annotated[int | None, POSITIVE, UNSAID] = None
@@ -78,7 +80,8 @@ def job(run: RunFolder, options: Options, context: StageContext) -> Job:
         output=run.episodes,
         inputs=[run.layout, run.subtasks, *scripts],
         seed=stage_seed(run, options.seed),
-        options={"on_failure": options.on_failure, "retries": options.retries, "fps": options.fps},
+        options={"on_failure": options.on_failure, "retries": options.retries, "layout": options.layout}
+        | {"fps": options.fps},
         providers=context.at_once.models.providers("critic"),
     )
 
@@ -92,6 +95,7 @@ def summary(record: Episodes) -> dict[str, Any]:
         "attempts": record.attempts,
         "silent_failures": sum(not e.goals_hold.success for e in record.episodes if e.accepted and e.goals_hold),
         "critic": record.critic.model_dump(mode="json"),
+        "layouts": record.layouts(),
     }
 
 

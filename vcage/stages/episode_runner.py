@@ -5,7 +5,7 @@ from __future__ import annotations
 import gc
 import logging
 import platform
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from importlib import metadata
 from pathlib import Path
@@ -19,9 +19,9 @@ from vcage.base.time_limit import TimeIsUp, time_limit
 from vcage.base.version import __version__
 from vcage.datasets.hdf5 import write_episode
 from vcage.plans.actions import lasting
-from vcage.schema.base import PoseRecord
 from vcage.schema.episodes import Attempt, Episode, Verdict
 from vcage.schema.goals import Goal, in_steps
+from vcage.schema.plan import Relation
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Chain, Subtask, Subtasks
 from vcage.sim.replay import camera_paths, render_log
@@ -29,14 +29,18 @@ from vcage.sim.robots import load_robot
 from vcage.sim.world import World
 from vcage.stages.context import StageContext
 from vcage.stages.episode_store import background_name
+from vcage.stages.inputs import read_plan
+from vcage.stages.layouts import Layout, Layouts, NoLayout
 from vcage.stages.photographs import Photographer, episode_light
+from vcage.stages.possible import settled_record
 from vcage.stages.question import Asking, verdict
 from vcage.stages.stage import Job
 from vcage.tasks.assemble import episode_data
 from vcage.tasks.ground import Ground
 from vcage.tasks.loop import EpisodeRun, Seen, Setting, run_episode
 from vcage.tasks.readiness import ready_for
-from vcage.tasks.slots import slots_for_chain
+from vcage.tasks.scene_objects import SceneObject
+from vcage.tasks.slots import Slot, slots_for_chain
 from vcage.tasks.synthesis import Script, load_script
 from vcage.tasks.task import Asked
 from vcage.tasks.variation import shifted_poses
@@ -53,22 +57,53 @@ class _Work:
         steps: sub-tasks with their scripts, in order.
         scene: as it must be before the first.
         goals: what must be true at the end.
+        layouts: draws where things start.
     """
 
     text: str
     steps: list[tuple[Subtask, Script]]
     scene: Scene
     goals: list[Goal]
+    layouts: Layouts | None
 
     @classmethod
     def of(
-        cls, chain: Chain, kept: Mapping[str, Subtask], scene: Scene, run: RunFolder, context: StageContext
+        cls,
+        chain: Chain,
+        kept: Mapping[str, Subtask],
+        scene: Scene,
+        relations: Sequence[Relation] | None,
+        run: RunFolder,
+        context: StageContext,
     ) -> _Work:
-        """The scripts of a chain, and where it starts: an instruction's where the scene is, as its plan has proven."""
+        """The scripts of a chain, and where it starts: an instruction's where the scene is, as its plan has proven.
+
+        ``relations`` are those of the plan that layouts keep which are drawn; None where none are.
+        """
         steps = [(kept[name], load_script(run.root / kept[name].script)) for name in chain.subtasks]
         start = ready_for(steps[0][0], scene, context.objects(scene))
         goals = lasting(in_steps(scene.goals) or [subtask.goals for subtask, _ in steps])
-        return cls(chain.text, steps, start, goals)
+        layouts = None if relations is None else Layouts(start, relations, [subtask for subtask, _ in steps], context)
+        return cls(chain.text, steps, start, goals, layouts)
+
+
+@dataclass(frozen=True)
+class _Start:
+    """Where an episode begins.
+
+    Args:
+        scene: with its objects there.
+        objects: of the scene.
+        slots: where each sub-task puts its object, by its id.
+        layout: what was drawn; None where it is the run's with small shifts.
+        refused: why layouts that were drawn were not taken: reason → how many.
+    """
+
+    scene: Scene
+    objects: dict[str, SceneObject]
+    slots: dict[str, Slot]
+    layout: Layout | None
+    refused: dict[str, int]
 
 
 class EpisodeRunner:
@@ -88,7 +123,10 @@ class EpisodeRunner:
         self._models = context.physical_models(self._scene)
         subtasks = Subtasks.read(run.subtasks)
         kept = {s.id: s for s in subtasks.kept}
-        self._chains = [_Work.of(chain, kept, self._scene, run, context) for chain in subtasks.chains]
+        self._edited = subtasks.edited
+        varied = stage.options["layout"] == "varied" and run.plan.exists()  # a script that runs alone has no plan
+        relations = read_plan(run, Scene.read(run.scene), context).relations if varied else None
+        self._chains = [_Work.of(chain, kept, self._scene, relations, run, context) for chain in subtasks.chains]
 
     def one(self, index: int, folder: Path) -> tuple[Episode, list[Attempt]]:
         """Run an episode and write its files; one that takes too long is rejected, and nothing of it is kept."""
@@ -107,21 +145,16 @@ class EpisodeRunner:
     def _run(self, index: int, folder: Path) -> tuple[Episode, list[Attempt]]:
         work = self._chains[index % len(self._chains)]
         rng = np.random.default_rng([self._stage.seed, index])
-        objects = self._context.objects(work.scene)
-        objects = [o.moved(pose) for o, pose in zip(objects, shifted_poses(objects, rng).values(), strict=True)]
-        look = episode_light(rng)
-        scene = work.scene.model_copy(
-            update={"objects": [o.record.model_copy(update={"pose": PoseRecord.of(o.pose)}) for o in objects]}
-        )
-        photographer = Photographer(scene, self._models, self._robot, look)
+        start = self._start(work, rng)
+        photographer = Photographer(start.scene, self._models, self._robot, episode_light(rng))
         background = photographer.empty_table()
         write_picture(folder / background_name(index), background)
         setting = Setting(
-            build=lambda: World.of_scene(scene, self._models, self._robot),
-            objects={o.id: o for o in objects},
-            slots=slots_for_chain([subtask for subtask, _ in work.steps], objects, self._robot, Ground.of(scene), rng),
+            build=lambda: World.of_scene(start.scene, self._models, self._robot),
+            objects=start.objects,
+            slots=start.slots,
             photograph=photographer.shots,
-            judge=lambda asked, subtask, seen: self._judge(asked, subtask, seen, background),
+            judge=lambda asked, subtask, seen: self._judge(start.scene, asked, subtask, seen, background),
             on_failure=self._stage.options["on_failure"],
             retries=self._stage.options["retries"],
             fps=self._stage.options["fps"],
@@ -129,19 +162,43 @@ class EpisodeRunner:
         done = run_episode(setting, work.steps, index, work.goals)
         for name, picture in done.pictures.items():
             write_picture(folder / name, picture)
-        return self._write(done, index, work, photographer.world, folder), done.attempts
+        return self._write(done, index, work, start, photographer.world, folder), done.attempts
 
-    def _judge(self, asked: Asked, subtask: Subtask, seen: Seen, background: np.ndarray) -> Verdict:
+    def _start(self, work: _Work, rng: np.random.Generator) -> _Start:
+        """A layout that is drawn, with the grasps and slots that are feasible there; or the run's."""
+        objects = {o.id: o for o in self._context.objects(work.scene)}
+        layout, refused = None, {}
+        if work.layouts is not None:
+            try:
+                layout = work.layouts.draw(rng)
+                refused = layout.refused
+            except NoLayout as error:
+                logger.warning("%s: objects stand as optimised, with small shifts", error.message)
+                refused = error.details["refused"]
+        poses = shifted_poses(list(objects.values()), rng) if layout is None else layout.poses
+        objects = {name: o.moved(poses[name]) for name, o in objects.items()}
+        records = [settled_record(o.record, o.pose, self._context) for o in objects.values()]
+        scene = work.scene.model_copy(update={"objects": records})
+        for subtask, script in work.steps:
+            if script.path.name not in self._edited:
+                script.try_grasps(subtask.grasps if layout is None else layout.grasps[subtask.id])
+        if layout is not None:
+            return _Start(scene, objects, layout.slots, layout, refused)
+        chain = [subtask for subtask, _ in work.steps]
+        slots = slots_for_chain(chain, list(objects.values()), self._robot, Ground.of(scene), rng)
+        return _Start(scene, objects, slots, None, refused)
+
+    def _judge(self, scene: Scene, asked: Asked, subtask: Subtask, seen: Seen, background: np.ndarray) -> Verdict:
         told = (seen, background, subtask.requires, subtask.grasped)
-        return verdict(self._context, self._scene, Asking(asked.text, asked.goals, *told))
+        return verdict(self._context, scene, Asking(asked.text, asked.goals, *told))
 
-    def _write(self, done: EpisodeRun, index: int, work: _Work, drawn: World, folder: Path) -> Episode:
+    def _write(self, done: EpisodeRun, index: int, work: _Work, start: _Start, drawn: World, folder: Path) -> Episode:
         """Write the HDF5: with pictures when accepted, states alone when not."""
         name = f"episode_{index:06d}.hdf5" if done.accepted else f"rejected/episode_{index:06d}.hdf5"
         frames = len(done.log)
         if frames:
             cameras = camera_paths(drawn, done.log) if done.accepted else {}
-            data = episode_data(done.log, done.segments, cameras, self._facts(index, work, done))
+            data = episode_data(done.log, done.segments, cameras, self._facts(index, work, start, done))
             pictures: Iterator[Mapping[str, np.ndarray]] = iter([{}] * frames)
             if done.accepted:
                 pictures = (frame.pictures for frame in render_log(drawn, done.log))
@@ -159,9 +216,12 @@ class EpisodeRunner:
             verdicts=[segment.verdict for segment in done.segments],
             attempts=len(done.attempts),
             goals_hold=done.goals_hold,
+            layout="fixed" if start.layout is None else "varied",
+            layouts_refused=start.refused,
+            poses={o.id: o.pose for o in start.scene.objects},
         )
 
-    def _facts(self, index: int, work: _Work, done: EpisodeRun) -> dict[str, Any]:
+    def _facts(self, index: int, work: _Work, start: _Start, done: EpisodeRun) -> dict[str, Any]:
         """What travels inside the episode."""
         return {
             "instruction": work.text,
@@ -170,7 +230,7 @@ class EpisodeRunner:
             "accepted": done.accepted,
             "reason": done.reason,
             "robot": self._scene.robot,
-            "scene": work.scene.model_dump(mode="json", by_alias=True),
+            "scene": start.scene.model_dump(mode="json", by_alias=True),
             "wordings": {subtask.id: [subtask.text, *subtask.texts] for subtask, _ in work.steps},
             "providers": self._context.models.providers("reasoner", "editor", "detector", "embedder", "critic"),
             "versions": versions(),

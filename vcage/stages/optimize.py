@@ -11,7 +11,7 @@ examples:
 from __future__ import annotations
 
 import logging
-from collections.abc import Collection, Mapping
+from collections.abc import Collection
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Annotated, Any
@@ -24,23 +24,21 @@ from vcage.base.geometry import Pose, wrap_angle
 from vcage.base.options import NATURAL, between, number_between, value
 from vcage.base.pictures import write_picture
 from vcage.base.progress import Progress, silent
-from vcage.layout.capacities import opening_for
 from vcage.layout.cost import CostWeights
-from vcage.layout.hands import hand_clearance
-from vcage.layout.items import FRONT_YAWS, TableItem, table_item
+from vcage.layout.items import FRONT_YAWS, TableItem
 from vcage.layout.optimize import LayoutOptions, LayoutResult, displacement_summary, optimize_layout
 from vcage.layout.picture import draw_layout
-from vcage.layout.placement.reach import reach_for
+from vcage.plans.actions import HOLDING
 from vcage.plans.kept import Kept, relations_kept_in
 from vcage.schema.base import Provenance
 from vcage.schema.matches import Matches
-from vcage.schema.plan import TABLE, Plan
+from vcage.schema.plan import TABLE
 from vcage.schema.scene import ObjectRecord, Scene
 from vcage.sim.cameras import shoot
-from vcage.sim.robots import load_robot
 from vcage.sim.world import World
 from vcage.stages.context import StageContext
 from vcage.stages.inputs import read_matches, read_plan
+from vcage.stages.layout_items import layout_items
 from vcage.stages.possible import possible_scene, settled_record
 from vcage.stages.stability import moved_objects, settle_checks
 from vcage.stages.stage import Job, StageOptions, StageResult, stage_seed
@@ -118,8 +116,10 @@ def execute(run: RunFolder, options: Options, context: StageContext, progress: P
         scene = Scene.read(run.scene)
         plan, matches = read_plan(run, scene, context), read_matches(run, scene)
         yaws = {m.object: _heading(scene.object(m.object), m.yaw, context) for m in matches.matches}
+        targets = _targets(scene, matches)
+        inside = {r.subject: r.reference for r in plan.relations if r.relation in HOLDING and r.reference != TABLE}
         result = optimize_layout(
-            _items(scene, matches, yaws, plan, context),
+            layout_items(scene, targets, yaws, inside, context),
             np.array([scene.workspace.lower, scene.workspace.upper]),
             scene.table,
             stage.rng(),
@@ -127,7 +127,6 @@ def execute(run: RunFolder, options: Options, context: StageContext, progress: P
             LayoutOptions(options.weights, options.margin, options.restarts),
         )
         poses = {key: Pose.from_yaw(position, yaws[key]) for key, position in result.positions.items()}
-        targets = _targets(scene, matches)
         write_picture(folder / "layout.png", _drawing(scene, context, targets, poses))
         settled, picture = _rebuild(_with_poses(scene, context, poses, result), context)
         write_picture(folder / "top.png", picture)
@@ -198,35 +197,6 @@ def _heading(record: ObjectRecord, yaw: float, context: StageContext) -> float:
     if abs(wrap_angle(turned - yaw)) > 1e-6:
         logger.warning("%s is turned by %.0f°, so that its front faces the robot", record.id, np.degrees(turned - yaw))
     return turned
-
-
-def _items(
-    scene: Scene, matches: Matches, yaws: Mapping[str, float], plan: Plan, context: StageContext
-) -> list[TableItem]:
-    """What the optimisation needs of each object."""
-    objects = context.objects(scene)
-    reach = context.reach(scene.robot, scene.workspace, scene.table)
-    # Without an instruction each receptacle receives what either arm brings, and a scanner reads what either arm has.
-    common = context.reach(scene.robot, scene.workspace, scene.table, every=scene.instruction is None)
-    hand = hand_clearance(load_robot(scene.robot))
-    places = {m.object: m.position for m in matches.matches}
-    inside = {r.subject: r.reference for r in plan.relations if r.relation in ("inside", "on") and r.reference != TABLE}
-    items = []
-    for o in objects:
-        contents = [other.asset for other in objects if inside.get(other.id) == o.id]
-        shared = o.record.role == "receptacle" or bool(o.asset.annotation.faces_of("reader"))
-        items.append(
-            replace(
-                table_item(o.id, o.asset),
-                yaws=(yaws[o.id],),
-                target=places[o.id],
-                opening=opening_for(o.asset, contents),
-                inside=inside.get(o.id),
-                allowed=reach_for(o.asset, o.record.role, common if shared else reach),
-                hand=hand if o.record.role == "content" else None,
-            )
-        )
-    return items
 
 
 def _with_poses(

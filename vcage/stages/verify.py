@@ -192,6 +192,7 @@ class _Judge:
     def __init__(self, run: RunFolder, context: StageContext, *, take_over: bool):
         self._folder, self._context, self._take_over = run.episodes.parent, context, take_over
         self._scene = Scene.read(run.layout)
+        self._episodes = {episode.index: episode for episode in Episodes.read(run.episodes).episodes}
         self._subtasks = {s.id: s for s in Subtasks.read(run.subtasks).kept}
         self.taken_over = 0
 
@@ -218,7 +219,8 @@ class _Judge:
         asking = Asking.of(self.subtask(question), self.seen(question), empty)
         known = self._take_over and question.earlier.question == asking.hash
         self.taken_over += known
-        said = question.earlier if known else verdict(self._context, self._scene, asking)
+        scene = self._episodes[question.episode].scene(self._scene)
+        said = question.earlier if known else verdict(self._context, scene, asking)
         return said.model_copy(update={"pictures": self.from_verify(question)})
 
 
@@ -239,7 +241,7 @@ def judge_pair(run: RunFolder, context: StageContext, subtask_id: str, before: P
     kept = {s.id: s for s in Subtasks.read(run.subtasks).kept}
     if subtask_id not in kept:
         raise UnknownName("sub-task", subtask_id, kept)
-    subtask, scene = kept[subtask_id], Scene.read(run.layout)
+    subtask, scene = kept[subtask_id], _scene_of(before, run)
     seen = _seen(_beside(after), scene)
     seen |= {when: seen.get(when, {}) | {TOP: _view(p, scene)} for when, p in (("before", before), ("after", after))}
     said = verdict(context, scene, Asking.of(subtask, seen, _empty_beside(before, scene)))
@@ -260,6 +262,14 @@ def _beside(picture: Path) -> list[Path]:
     """All pictures of the same attempt, where one lies as collect keeps it."""
     named = _NAMED.search(picture.name)
     return sorted(picture.parent.glob(f"{picture.name[: named.start()]}-*.png")) if named else []
+
+
+def _scene_of(picture: Path, run: RunFolder) -> Scene:
+    """Where things stood in the episode of a picture that lies as collect keeps it (``e000002-s0-…``), or the run's."""
+    scene, named = Scene.read(run.layout), re.match(r"e(\d+)-", picture.name)
+    if named is None or not run.episodes.exists():
+        return scene
+    return next((e.scene(scene) for e in Episodes.read(run.episodes).episodes if e.index == int(named[1])), scene)
 
 
 def _empty_beside(picture: Path, scene: Scene) -> np.ndarray | None:

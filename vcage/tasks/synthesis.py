@@ -12,7 +12,7 @@ import functools
 import runpy
 import sys
 import traceback
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -22,7 +22,7 @@ import jinja2
 from vcage.base.errors import DamagedFile, MissingStage, UnknownName, VcageError
 from vcage.base.files import cache_path, write_text
 from vcage.schema.scene import Scene
-from vcage.schema.subtasks import Subtask
+from vcage.schema.subtasks import Grasp, Subtask
 from vcage.tasks.templates import TEMPLATES
 
 SAID_ELSEWHERE = {"id", "text", "texts", "grasps", "requires", "goals", "script", "checks"}
@@ -35,7 +35,7 @@ def render_script(subtask: Subtask, scene: Scene) -> str:
         subtask=subtask,
         scene=scene,
         fields=subtask.model_dump(exclude=SAID_ELSEWHERE, exclude_none=True),
-        grasps=[(g.contact, g.arm, g.score) for g in subtask.grasps],
+        grasps=_told(subtask.grasps),
         goals=[(g.subject, g.relation, g.reference, g.part) for g in subtask.goals],
         requires=[(g.subject, g.relation, g.reference, g.part) for g in subtask.requires],
         calls=TEMPLATES[subtask.template].calls(subtask),
@@ -78,6 +78,14 @@ class Script:
     play: Callable[[Any], None]
     verify: Callable[[Any], Any]
     values: dict[str, Any]
+
+    def try_grasps(self, grasps: Sequence[Grasp]) -> None:
+        """Let the script try these, best first, in place of those that it was written with."""
+        self.values["GRASPS"][:] = _told(grasps)
+
+
+def _told(grasps: Sequence[Grasp]) -> list[tuple[int, str, float]]:
+    return [(grasp.contact, grasp.arm, grasp.score) for grasp in grasps]
 
 
 def load_script(path: Path) -> Script:

@@ -15,6 +15,7 @@ import cv2
 import jinja2
 
 from vcage.apps.report.previews import previews
+from vcage.base.drawing import distinct_colours
 from vcage.base.errors import MissingStage, StaleStage
 from vcage.base.files import RunFolder, recover, write_text
 from vcage.base.version import __version__
@@ -106,10 +107,25 @@ def _context(run: RunFolder) -> dict[str, Any]:
         "refused": [_verdict_card(run, a.verdict, a.subtask) for a in rejections if a.verdict],
         "differences": [_difference_card(run, found) for found in judged_again.differences] if judged_again else [],
         "timings": read_timings(run),
+        **_starts(scene, episodes),
         "exchanges": Exchanges(run.root / "exchanges").all(),
         "asked_by": ASKED_BY,
         "documents": [d for d in documents.values() if d is not None],
         "refusals": Counter(r.reason for r in subtasks.refused).most_common() if subtasks else [],
+    }
+
+
+def _starts(scene: Scene, episodes: Episodes | None) -> dict[str, Any]:
+    """Where the objects started in the accepted episodes, if there are any."""
+    spread = episodes.spread() if episodes else {}
+    colours = zip(spread, distinct_colours(len(spread)), strict=True)
+    lower, upper = scene.table.rectangle.tolist()
+    refused = sum((Counter(e.layouts_refused) for e in episodes.episodes), Counter()) if episodes else Counter()
+    return {
+        "spread": spread,
+        "colours": {name: "rgb({}, {}, {})".format(*colour) for name, colour in colours},
+        "tabletop": (*lower, *upper),
+        "refused_layouts": dict(refused.most_common()),
     }
 
 

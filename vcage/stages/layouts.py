@@ -1,0 +1,179 @@
+"""A layout of its own for every episode: relations are kept, places and headings drawn anew, and the chain is proven.
+
+Objects are placed at random where the robot reaches (:mod:`vcage.layout.placement`); from there the optimisation
+(:mod:`vcage.layout.optimize`) takes them to the nearest layout that keeps the plan and its margins.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from typing import get_args
+
+import numpy as np
+
+from vcage.base.errors import InfeasibleScene
+from vcage.base.geometry import Pose, world_aabb
+from vcage.layout.items import ANY_YAW, FRONT_YAWS, TableItem
+from vcage.layout.optimize import LayoutOptions, optimize_layout
+from vcage.layout.placement.place import place
+from vcage.plans.kept import relations_kept, relations_kept_in
+from vcage.plans.relations import holds
+from vcage.schema.plan import Relation, RelationWord
+from vcage.schema.scene import Scene
+from vcage.schema.subtasks import Grasp, Subtask
+from vcage.sim.robots import load_robot
+from vcage.stages.context import StageContext
+from vcage.stages.layout_items import layout_items
+from vcage.tasks.ground import Ground
+from vcage.tasks.scene_objects import SceneObject
+from vcage.tasks.slots import Slot, slots_for_chain
+from vcage.tasks.templates import TEMPLATES
+
+TURNS = tuple(float(turn) for turn in np.radians((-20, -10, 0, 10, 20)))
+"""How what receives things is turned from its heading in the run's layout: its front stays towards the robot."""
+
+DRAWS = 30
+"""Layouts that are drawn for an episode before it is given up to find one."""
+
+RESTARTS = 2
+"""Of the optimisation of a layout: another draw is a better start."""
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Where an episode starts.
+
+    Args:
+        poses: of every object in the world, by id.
+        grasps: of each sub-task of the chain, by its id, best first.
+        slots: where each sub-task puts its object, by its id.
+        refused: why layouts that were drawn before it were not taken: reason → how many.
+    """
+
+    poses: dict[str, Pose]
+    grasps: dict[str, list[Grasp]]
+    slots: dict[str, Slot]
+    refused: dict[str, int] = field(default_factory=dict)
+
+
+class NoLayout(InfeasibleScene):
+    """None of the layouts that were drawn was taken; ``details["refused"]`` counts the reasons."""
+
+    code = "no_layout"
+
+
+class _Refused(Exception):
+    """One layout is not taken; says why."""
+
+
+class Layouts:
+    """Draws layouts of a scene in which a chain can be carried out.
+
+    Args:
+        scene: as it is before the chain begins, where its layout was optimised.
+        relations: of the plan; those that this layout keeps are kept.
+        chain: the sub-tasks, in order.
+        context: the library, the robots' reach and kinematics.
+    """
+
+    def __init__(self, scene: Scene, relations: Sequence[Relation], chain: Sequence[Subtask], context: StageContext):
+        self._scene, self._chain, self._context = scene, chain, context
+        broken = relations_kept_in(scene, relations).broken
+        self._relations = [r for r in relations if r not in broken]
+        self._objects = {o.id: o for o in context.objects(scene)}
+        self._inside = {o.id: o.record.container for o in self._objects.values() if o.record.container is not None}
+        self._workspace = np.array([scene.workspace.lower, scene.workspace.upper])
+        self._margin = float(scene.provenance.options.get("margin", LayoutOptions.margin))
+        self._ground, self._robot = Ground.of(scene), load_robot(scene.robot)
+        now = {name: o.pose for name, o in self._objects.items()}
+        self._standing = [
+            replace(item, yaws=self._headings(self._objects[item.id]))
+            for item in self._items(now)
+            if item.id not in self._inside
+        ]
+
+    def draw(self, rng: np.random.Generator) -> Layout:
+        """A layout that is drawn at random.
+
+        Raises:
+            NoLayout: none of :data:`DRAWS` was taken.
+        """
+        refused: Counter[str] = Counter()
+        for _ in range(DRAWS):
+            try:
+                return replace(self._one(rng), refused=dict(refused))
+            except _Refused as why:
+                refused[str(why)] += 1
+        reason, count = refused.most_common(1)[0]
+        raise NoLayout(
+            f"none of {DRAWS} layouts that were drawn was taken, {count} as {reason}",
+            hint="take the one that there is: --layout fixed",
+            details={"refused": dict(refused)},
+        )
+
+    def _one(self, rng: np.random.Generator) -> Layout:
+        try:
+            poses = self._solved(rng)
+        except InfeasibleScene:
+            raise _Refused("there is no room") from None
+        boxes = {name: world_aabb(o.asset.bounds, poses[name]) for name, o in self._objects.items()}
+        if broken := relations_kept(self._relations, boxes, self._scene.table).sentences:
+            raise _Refused(f"not {broken[0]}")
+        for goal in (goal for subtask in self._chain for goal in subtask.goals):
+            if goal.reference is None or goal.reference not in boxes or goal.part is not None:
+                continue
+            word = next((word for word in get_args(RelationWord) if word == goal.relation), None)
+            if word is not None and holds(word, boxes[goal.subject], boxes[goal.reference]):
+                raise _Refused(f"{goal} already")
+        objects = [o.moved(poses[name]) for name, o in self._objects.items()]
+        chain = [self._examined(subtask, objects, rng) for subtask in self._chain]
+        try:
+            slots = slots_for_chain(chain, objects, self._robot, self._ground, rng)
+        except InfeasibleScene:
+            raise _Refused("things do not go side by side where they are put") from None
+        return Layout(poses, {subtask.id: subtask.grasps for subtask in chain}, slots)
+
+    def _solved(self, rng: np.random.Generator) -> dict[str, Pose]:
+        """The layout that keeps the plan and is nearest to one that is drawn at random."""
+        drawn = place(self._standing, self._workspace, rng, self._margin)
+        upright = {item.id: item.pose(drawn[item.id], self._objects[item.id].pose.p[2]) for item in self._standing}
+        items = self._items(self._with_contents(upright))
+        options = LayoutOptions(margin=self._margin, restarts=RESTARTS)
+        positions = optimize_layout(items, self._workspace, self._scene.table, rng, self._relations, options).positions
+        solved = {name: Pose([*positions[name][:2], pose.p[2]], pose.q) for name, pose in upright.items()}
+        return self._with_contents(solved)
+
+    def _with_contents(self, upright: dict[str, Pose]) -> dict[str, Pose]:
+        """Poses of all objects where these are of what stands on the table; all lie as they had settled there."""
+        found = {}
+        for name, o in self._objects.items():
+            root = self._root(name)
+            stood = self._objects[root].pose
+            found[name] = upright[root] * Pose.from_yaw(stood.p, stood.yaw).inverse() * o.pose
+        return found
+
+    def _root(self, name: str) -> str:
+        return self._root(self._inside[name]) if name in self._inside else name
+
+    def _items(self, poses: dict[str, Pose]) -> list[TableItem]:
+        yaws = {name: pose.yaw for name, pose in poses.items()}
+        return layout_items(self._scene, poses, yaws, self._inside, self._context)
+
+    def _headings(self, o: SceneObject) -> tuple[float, ...]:
+        """Those that may be drawn: any, but for what has a front, or receives things."""
+        if o.asset.articulated:
+            return FRONT_YAWS
+        return tuple(o.pose.yaw + turn for turn in TURNS) if o.record.role == "receptacle" else ANY_YAW
+
+    def _examined(self, subtask: Subtask, objects: Sequence[SceneObject], rng: np.random.Generator) -> Subtask:
+        """The sub-task as it is feasible among these objects."""
+        proposals, _ = TEMPLATES[subtask.template].proposals(objects, subtask.goals)
+        kinematics = self._context.kinematics(self._scene.robot)
+        for proposal in proposals:
+            if proposal.thing.id == subtask.object and proposal.goal in subtask.goals:
+                found, _ = proposal.examine(objects, kinematics, self._ground, rng)
+                if found is not None and found.id == subtask.id:
+                    return found
+        raise _Refused(f"{subtask.id} is not feasible")
