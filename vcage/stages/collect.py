@@ -1,7 +1,7 @@
 """Let the robot do the task, check every sub-task by looking, keep what is verified, record it.
 
-Reads optimize/ and subtasks/. Writes episodes/*.hdf5, episodes/log.jsonl (every attempt) and episodes/rejected/.
-Takes about 10 s per episode without a GPU; goes on where it stopped when run again.
+Reads inpaint/plan.json, optimize/ and subtasks/. Writes episodes/*.hdf5, episodes/log.jsonl (every attempt) and
+episodes/rejected/. Takes about 10 s per episode without a GPU; goes on where it stopped when run again.
 
 examples:
   vcage collect --run runs/stationery --episodes 10
@@ -75,10 +75,11 @@ def job(run: RunFolder, options: Options, context: StageContext) -> Job:
     if run.subtasks.exists():
         record = Subtasks.read(run.subtasks)
         scripts = [run.root / s.script for s in record.kept if any(s.id in chain.subtasks for chain in record.chains)]
+    planned = [run.plan] if options.layout == "varied" and run.plan.exists() else []
     return Job(
         run=run,
         output=run.episodes,
-        inputs=[run.layout, run.subtasks, *scripts],
+        inputs=[run.layout, run.subtasks, *planned, *scripts],
         seed=stage_seed(run, options.seed),
         options={"on_failure": options.on_failure, "retries": options.retries, "layout": options.layout}
         | {"fps": options.fps},
