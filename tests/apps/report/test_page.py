@@ -75,8 +75,8 @@ def test_every_tag_is_closed(page):
 
 def test_it_has_every_section_of_a_whole_run(page):
     assert page.headings == [
-        "Scene construction", "Layout plan", "Sub-tasks", "Episodes", "Acceptance", "Compression", "Data sets",
-        "Timings", "Provenance",
+        "Scene construction", "Layout plan", "Sub-tasks", "Episodes", "Where things start", "Acceptance",
+        "Compression", "Data sets", "Timings", "Provenance",
     ]  # fmt: skip
 
 
