@@ -109,7 +109,7 @@ def _context(run: RunFolder) -> dict[str, Any]:
         "timings": read_timings(run),
         **_starts(scene, episodes),
         "exchanges": Exchanges(run.root / "exchanges").all(),
-        "asked_by": ASKED_BY,
+        "asked_by": ASKED_BY | {"judge_subtask": "collect, verify"},
         "documents": [d for d in documents.values() if d is not None],
         "refusals": Counter(r.reason for r in subtasks.refused).most_common() if subtasks else [],
     }
