@@ -17,6 +17,7 @@ from vcage.base.files import RunFolder, read_json, write_json, write_text
 from vcage.base.pictures import read_picture, write_picture
 from vcage.schema.episodes import Attempt, CriticCounts, Episodes, SingleVerdict, Truth, Verdict, Verdicts
 from vcage.stages import verify
+from vcage.stages.edits import seal
 from vcage.stages.episode_store import log_path, read_log
 
 
@@ -108,6 +109,7 @@ def refused(run: RunFolder, done: Attempt, number: int, truth: Truth) -> Attempt
 
 def write_log(run: RunFolder, attempts: Sequence[Attempt]) -> None:
     write_text(log_path(run.episodes.parent), "".join(a.model_dump_json() + "\n" for a in attempts))
+    seal(Episodes.read(run.episodes), run.episodes)
 
 
 def judged_by(critic: Says, run: RunFolder, finished: Finished, monkeypatch: pytest.MonkeyPatch) -> Verdicts:

@@ -162,12 +162,8 @@ class StageDocument(Document):
     """The JSON that a stage leaves in the run folder."""
 
     provenance: Provenance
-    written: dict[str, str] = Field(
-        default_factory=dict,
-        description="file beside this one → SHA-256 as its stage left it; of this one without this field",
-    )
     edited: list[str] = Field(
-        default=[], description="those that were changed by hand since, and were found to be possible"
+        default=[], description="files of the stage that were changed by hand, and were found to be possible"
     )
 
     @property

@@ -21,7 +21,7 @@ from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Subtask, Subtasks
 from vcage.stages.context import StageContext
 from vcage.stages.differences import draw_difference
-from vcage.stages.edits import refuse
+from vcage.stages.edits import by_hand, require_evidence, require_only, written_record
 from vcage.stages.episode_store import background_name, confusion, log_path, read_log
 from vcage.stages.question import TOP, Asking, verdict
 from vcage.stages.stage import Job, ModelOptions, StageResult, stage_seed
@@ -31,6 +31,9 @@ logger = logging.getLogger(__name__)
 
 _NAMED = re.compile(r"-(before|after|moment|start)-(\w+)\.png$")
 """How collect names what a verdict looked at: when, and by which camera."""
+
+DECIDED = tuple(("episodes", "*", "*", said) for said in ("accepted", "reason", "confidence"))
+"""What a hand may say of verdicts; all else was seen, or counted."""
 
 Options = ModelOptions
 """The stage has no options of its own."""
@@ -87,18 +90,16 @@ def take_over(run: RunFolder, folder: Path, edited: Collection[str], context: St
     """The verdicts as they were edited by hand.
 
     Raises:
-        InputFileError: they are not one for each sub-task of each accepted episode.
+        InputFileError: something was changed that is no decision.
     """
-    record = Verdicts.read(run.verdicts)
-    accepted = {_named(e): len(e.subtasks) for e in Episodes.read(run.episodes).episodes if e.accepted}
-    if record.episodes.keys() != accepted.keys():
-        refuse(run.verdicts, "episodes", f"{', '.join(record.episodes) or 'none'}", f"{', '.join(accepted) or 'none'}")
-    for name, said in record.episodes.items():
-        if len(said) != accepted[name]:
-            refuse(
-                run.verdicts, f"episodes.{name}", f"{len(said)} verdicts", f"{accepted[name]}, one for each sub-task"
-            )
-    return record
+    require_evidence(run.verdicts, edited)
+    require_only(run.verdicts, *DECIDED)
+    record, was = Verdicts.read(run.verdicts), written_record(run.verdicts, Verdicts)
+    episodes = {
+        name: [by_hand(*pair) for pair in zip(was.episodes[name], said, strict=True)]
+        for name, said in record.episodes.items()
+    }
+    return record.model_copy(update={"episodes": episodes})
 
 
 def _named(episode: Episode) -> str:
