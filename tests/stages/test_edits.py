@@ -260,6 +260,29 @@ IMPOSSIBLE = {
         r"objects\.0\.joints: 1 positions; expected 0",
     ),
     "a goal of nobody": (lambda s: s["goals"][0]["goal"].update(subject="cat"), r"goals\.0\.goal: there is no cat"),
+    "a goal of itself": (
+        lambda s: s["goals"][0]["goal"].update(reference=s["goals"][0]["goal"]["subject"]),
+        r"goals\.0\.goal\.subject: '\w+'; expected not its own reference",
+    ),
+    "what is inside the table": (
+        lambda s: s["goals"][0]["goal"].update(relation="inside", reference="table"),
+        r"goals\.0\.goal\.reference: 'table'; expected",
+    ),
+    "words that nobody said": (
+        lambda s: s["goals"][0].update(words="Cook"),
+        r"goals\.0\.words: 'Cook'; expected words of",
+    ),
+    "no goals": (lambda s: s.update(goals=[]), "goals: none; expected those of the instruction"),
+    "another instruction": (
+        lambda s: s.update(instruction="Cook the soup"),
+        'instruction: "Cook the soup"; expected "Put the blocks on the plate"',
+    ),
+    "a camera that looks elsewhere": (
+        lambda s: s["top_camera"].update(fovy=0.1),
+        r"top_camera\.fovy: 0\.1; expected 0\.51",
+    ),
+    "another table": (lambda s: s["table"].update(texture="nope"), r'table\.texture: "nope"; expected "grey_stone"'),
+    "another workspace": (lambda s: s["workspace"].update(lower=[-0.1, -0.1]), r"workspace\.lower\.0: -0\.1; expected"),
     "nobody to leave alone": (lambda s: s.update(untouched=["cat"]), r"untouched\.0: 'cat'"),
     "a container it is not in": (
         lambda s: s["objects"][0].update(container=s["objects"][1]["id"]),
@@ -311,6 +334,14 @@ SUBTASKS = {
     ),
     "a script elsewhere": (lambda found: found["kept"][0].update(script="/etc/x.py"), r"kept\.0\.script"),
     "another instruction": (lambda found: found.update(instruction="Fly"), "instruction: 'Fly'; expected"),
+    "another name of a chain": (
+        lambda found: found["chains"][0].update(text="Fly"),
+        r"chains\.0\.text: 'Fly'; expected 'Put the blocks on the plate'",
+    ),
+    "the same chain twice": (
+        lambda found: found["chains"].append(found["chains"][0]),
+        r"chains\.1: the same as another; expected each chain once",
+    ),
 }
 
 

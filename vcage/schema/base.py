@@ -77,11 +77,15 @@ def box_record(bounds: np.ndarray, pose: Pose) -> Box:
     return (x0, y0, z0), (x1, y1, z1)
 
 
+MOST_PIXELS = 8192
+"""Of a camera's picture along one side: beyond it a renderer ends its process."""
+
+
 class CameraRecord(Record):
     """A pinhole camera (see :class:`vcage.base.geometry.Camera`)."""
 
-    width: int = Field(gt=0)
-    height: int = Field(gt=0)
+    width: int = Field(gt=0, le=MOST_PIXELS)
+    height: int = Field(gt=0, le=MOST_PIXELS)
     fovy: float = Field(gt=0, lt=np.pi, description="vertical field of view, radians")
     pose: PoseRecord = Field(description="camera frame (x forward, y left, z up) in the world")
 

@@ -86,9 +86,9 @@ def require_only(path: Path, *decided: Place) -> None:
     _refuse_changes(path, lambda place: place != ("edited",) and not any(_matches(place, one) for one in decided))
 
 
-def require_origin(path: Path) -> None:
-    """That the JSON of a stage still says truly how it was made; raises as :func:`require_only`."""
-    _refuse_changes(path, lambda place: place[:1] in ((), ("schema",), ("provenance",)))
+def require_same(path: Path, *fields: str) -> None:
+    """That none of these fields of a stage's JSON was changed by hand; raises as :func:`require_only`."""
+    _refuse_changes(path, lambda place: not place or place[0] in fields)
 
 
 def _refuse_changes(path: Path, fixed: Callable[[Place], bool]) -> None:
