@@ -327,6 +327,22 @@ SUBTASKS = {
     "an unknown arm": (lambda found: found["kept"][0]["grasps"][0].update(arm="third"), r"kept\.0\.grasps\.0\.arm"),
     "an unknown contact": (lambda found: found["kept"][0]["grasps"][0].update(contact=99), r"grasps\.0\.contact: 99"),
     "an unknown object": (lambda found: found["kept"][0].update(object="cat"), r"kept\.0\.object: 'cat'; expected"),
+    "into itself": (
+        lambda found: found["kept"][0].update(receptacle=found["kept"][0]["object"]),
+        r"kept\.0\.\w+: '?\w+'?; expected",
+    ),
+    "a placing that pushes": (
+        lambda found: found["kept"][0].update(template="push"),
+        r"kept\.0\.template: push does not do that with \w+: \w+ on plate_white; expected place",
+    ),
+    "a placing that opens": (
+        lambda found: found["kept"][0].update(template="open"),
+        r"kept\.0\.template: open does not do that",
+    ),
+    "another goal than it has": (
+        lambda found: found["kept"][0]["goals"][0].update(relation="beside"),
+        r"kept\.0: place does not do that with \w+: \w+ beside plate_white; expected what place can do",
+    ),
     "an unknown place": (lambda found: found["kept"][0].update(functional_point=9), r"functional_point: 9; expected"),
     "a goal of nobody": (
         lambda found: found["kept"][0]["goals"][0].update(subject="cat"),

@@ -24,6 +24,7 @@ from vcage.stages.edits import refuse, require_same, written_record
 from vcage.stages.stability import MAX_DRIFT, MAX_TILT, moved_objects, settle_checks
 from vcage.tasks.pushing import HEADINGS
 from vcage.tasks.scene_objects import SceneObject
+from vcage.tasks.templates import TEMPLATES
 from vcage.tasks.truth import resting_point
 
 ROUNDING = 1e-6
@@ -236,3 +237,24 @@ def require_possible(path: Path, field: str, subtask: Subtask, scene: Scene, obj
             unknown = strangers(goal, by_id, arms)
             if unknown:
                 refuse(path, f"{field}.{what}.{number}", f"there is no {unknown}", _all_of(objects))
+    _require_offered(path, field, subtask, scene, objects)
+
+
+def _require_offered(path: Path, field: str, subtask: Subtask, scene: Scene, objects: Sequence[SceneObject]) -> None:
+    """That its template, looked for anew, offers just this: its object, where that goes, and what it brings about."""
+    if subtask.receptacle == subtask.object:
+        refuse(path, f"{field}.receptacle", repr(subtask.receptacle), "another than the object itself")
+    if subtask.template == "hand_over" and subtask.hand_to is None:
+        refuse(path, f"{field}.hand_to", "null", "the arm that it is handed to")
+    asked = {*subtask.goals, *(one.goal for one in scene.goals)}
+    offered = [p for template in TEMPLATES.values() for p in template.proposals(objects, asked)[0] if p.offers(subtask)]
+    mine = [proposal for proposal in offered if subtask.template in proposal.templates]
+    if not mine:
+        goals = " and ".join(map(str, subtask.goals))
+        names = dict.fromkeys(name for proposal in offered for name in proposal.templates)
+        wanted = " or ".join(names) or f"what {subtask.template} can do in this scene"
+        found = f"{subtask.template} does not do that with {subtask.object}: {goals}"
+        refuse(path, f"{field}.template" if offered else field, found, wanted)
+    refusals = [proposal.impossible() for proposal in mine]
+    if all(refusals):
+        refuse(path, field, str(refusals[0] and refusals[0].reason), "what is possible by size")
