@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.runs import OPTIONS, Finished, command, copied, digests
+from tests.runs import INSTRUCTION, OPTIONS, QUICK_VIDEOS, Finished, command, copied, digests
 from vcage.base.errors import InputFileError, MissingStage, SchemaMismatch, StaleStage
 from vcage.base.files import RunFolder, read_json, sha256_file, write_json
 from vcage.base.pictures import read_picture, write_picture
@@ -213,17 +213,41 @@ def test_a_whole_run_goes_on_from_an_edit_but_does_not_throw_episodes_away(run, 
     edit(run.layout, moved(x=-0.01, y=-0.01))
     with pytest.raises(StaleStage, match=r"episodes\.json") as caught:
         chain.run_chain(run, OPTIONS, finished.context)
-    assert "run collect by itself with --force" in caught.value.hint
+    assert caught.value.maker == "collect" and "by itself" in caught.value.hint
     assert Scene.read(run.layout).edited == ["scene.json"]
     assert Subtasks.read(run.subtasks).provenance.inputs == {"optimize/scene.json": sha256_file(run.layout)}
 
 
-def test_a_whole_run_does_not_throw_away_verdicts_that_were_edited(run, finished):
+def test_a_whole_run_names_the_command_that_keeps_the_edit(run, capsys):
+    edit(run.layout, moved(x=-0.01, y=-0.01))
+    words = ("--models", "offline", "--episodes", "1", "--fps", "5", "--workers", "1")
+    answer = command(capsys, "run", INSTRUCTION, "--out", run, *words)
+    assert answer.code == 3 and " collect --run " in answer.record["next"]
+    assert answer.record["next"].endswith(" --force") and " run " not in answer.error["hint"].partition(": ")[2]
+
+
+def test_verdicts_that_were_changed_by_hand_are_kept_when_episodes_come(run, finished):
+    edit(run.verdicts, lambda found: _first(found).update(accepted=False))
+    done = chain.run_chain(run, replace(OPTIONS, episodes=2), finished.context)
+    record = done["verify"].record
+    assert record.edited == ["verdicts.json"]
+    assert record.refused == {"episodes/episode_000000.hdf5": "refused by hand"} and len(record.episodes) == 2
+    assert [dataset.episodes for dataset in done["export"].record.datasets] == [1, 1, 1]
+
+
+def test_verdicts_that_were_changed_by_hand_are_kept_when_an_episode_is_edited(run, finished):
     edit(run.verdicts, lambda found: _first(found).update(accepted=False))
     edit(run.episodes, lambda found: found["episodes"][0].update(reason="as I saw it"))
-    with pytest.raises(StaleStage, match=r"verdicts\.json") as caught:
-        chain.run_chain(run, OPTIONS, finished.context)
-    assert "run verify by itself" in caught.value.hint
+    record = again(verify, run, finished).record
+    assert list(record.refused.values()) == ["refused by hand"]
+
+
+def test_verdicts_of_other_episodes_lead_to_verify_and_not_to_force(run, capsys):
+    edit(run.verdicts, lambda found: _first(found).update(accepted=False))
+    edit(run.episodes, lambda found: found["episodes"][0].update(reason="as I saw it"))
+    answer = command(capsys, "compress", "--run", run, *QUICK_VIDEOS)
+    assert answer.code == 3 and answer.error["code"] == "stale_stage"
+    assert answer.record["next"].split()[-3:] == ["verify", "--run", str(run)] and "--force" not in answer.error["hint"]
 
 
 def test_an_edit_is_made_again_where_that_is_forced(run, finished):

@@ -7,7 +7,7 @@ import shlex
 from collections.abc import Iterator
 
 from vcage.base.commands import CALLED, vcage_command
-from vcage.base.errors import InputFileError, MissingStage, VcageError
+from vcage.base.errors import InputFileError, MissingStage, NotJudged, StaleStage, VcageError
 from vcage.base.files import PRODUCERS, RunFolder, read_json, write_json
 from vcage.cli.arguments import options_of
 from vcage.stages.running import stage_of
@@ -73,6 +73,10 @@ def not_dry() -> str:
 
 def name_stage(error: VcageError, run: RunFolder) -> None:
     """Give an error the command of the stage that mends it; where something would be lost by it, in words alone."""
+    if isinstance(error, StaleStage):
+        again = stage_command(error.maker, run)
+        error.command = again if isinstance(error, NotJudged) else f"{again} --force"
+        return
     folder = next(folder for folder, stage in PRODUCERS.items() if stage == error.maker)
     if (run.root / folder).is_dir():
         error.offer(f"make it again: {stage_command(error.maker, run)} --force")

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from vcage.base.errors import StaleStage
+from vcage.base.errors import NotJudged
 from vcage.base.files import RunFolder, sha256_file
 from vcage.schema.episodes import Episode, Episodes, Verdicts
 
@@ -16,7 +16,7 @@ def accepted_episodes(run: RunFolder) -> list[Episode]:
     """The episodes that count, which have a file; none when nothing was collected yet.
 
     Raises:
-        StaleStage: verify judged other episodes than there are now.
+        NotJudged: verify judged other episodes than there are now.
         DamagedFile, SchemaMismatch: what was collected, or judged, cannot be read.
     """
     collected = Episodes.read(run.episodes).episodes if run.episodes.exists() else []
@@ -28,13 +28,13 @@ def refusals(run: RunFolder) -> dict[str, str]:
     """File of an episode that collect accepted → why verify refuses it; none where verify has not looked.
 
     Raises:
-        StaleStage, DamagedFile, SchemaMismatch: see :func:`accepted_episodes`.
+        NotJudged, DamagedFile, SchemaMismatch: see :func:`accepted_episodes`.
     """
     if not run.verdicts.exists() or not run.episodes.exists():
         return {}
     verdicts, judged = Verdicts.read(run.verdicts), run.relative(run.episodes)
     if verdicts.provenance.inputs.get(judged) != sha256_file(run.episodes):
-        raise StaleStage(
+        raise NotJudged(
             f"{run.verdicts} judges other episodes than {run.episodes} has now",
             maker="verify",
             details={"changed": [f"input {judged}"]},

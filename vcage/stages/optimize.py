@@ -135,7 +135,8 @@ def execute(run: RunFolder, options: Options, context: StageContext, progress: P
             logger.warning("the layout keeps %.0f %% of the plan: not %s", 100 * kept.share, ", ".join(kept.sentences))
         checks = {**settled.checks, **_checks(kept, result)}
         return settled.model_copy(
-            update={"provenance": provenance, "checks": checks, "pictures": {"top": stage.inside("top.png")}}
+            update={"provenance": provenance, "edited": [], "checks": checks}
+            | {"pictures": {"top": stage.inside("top.png")}}
         )
 
     return stage.do(Scene, make, force=options.force)

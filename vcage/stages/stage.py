@@ -222,7 +222,7 @@ class Job:
         self.run.make()
         with atomic_folder(self.output.parent) as folder:
             path = folder / self.output.name
-            record = seal(make(folder, provenance).model_copy(update={"edited": []}), path)
+            record = seal(make(folder, provenance), path)
         return StageResult(record, self.output, fresh=True)
 
     def inside(self, name: str) -> str:
