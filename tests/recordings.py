@@ -16,7 +16,7 @@ from vcage.datasets.hdf5 import write_episode
 from vcage.schema.base import Provenance
 from vcage.schema.episodes import CriticCounts, Episode, Episodes, Truth, Verdict
 from vcage.schema.subtasks import Chain
-from vcage.stages.edits import sealed
+from vcage.stages.edits import seal
 
 CAMERAS = ("cam_high", "cam_left_wrist", "cam_right_wrist")
 WIDTH, HEIGHT, FPS = 64, 48, 10.0
@@ -119,7 +119,7 @@ def collected(root: Path, count: int = 2, frames: int = 12) -> RunFolder:
         acceptance={},
         critic=CriticCounts.of([]),
     )
-    sealed(record, run.episodes).write(run.episodes)
+    seal(record, run.episodes)
     return run
 
 

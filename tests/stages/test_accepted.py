@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from tests.recordings import collected
+from tests.runs import command
 from vcage.base.errors import MissingStage, StaleStage
 from vcage.base.files import RunFolder, sha256_file, write_text
 from vcage.datasets.packing.settings import CompressionSettings
@@ -18,6 +19,7 @@ from vcage.stages import compress, export
 from vcage.stages.accepted import accepted_episodes, decided_by, refusals
 from vcage.stages.appending import append_to
 from vcage.stages.context import StageContext
+from vcage.stages.edits import seal
 from vcage.stages.stage import StageOptions
 
 FIRST, SECOND = "episodes/episode_000000.hdf5", "episodes/episode_000001.hdf5"
@@ -40,14 +42,15 @@ def judged(run: RunFolder, *refused: str) -> None:
     }
     inputs = {"episodes/episodes.json": sha256_file(run.episodes)}
     none = CriticCounts.of([])
-    Verdicts(
+    record = Verdicts(
         provenance=Provenance(producer="verify", seed=7, inputs=inputs),
         episodes=verdicts,
         critic=none,
         earlier_critic=none,
         not_kept=0,
         differences=[],
-    ).write(run.verdicts)
+    )
+    seal(record, run.verdicts)
 
 
 def counted(run: RunFolder) -> list[str | None]:
@@ -129,6 +132,30 @@ def test_where_all_are_refused_the_reasons_are_told(run):
     judged(run, FIRST, SECOND)
     with pytest.raises(MissingStage, match=f"verify refused {FIRST}: {WHY}"):
         compress.execute(run, COMPRESS, StageContext("offline"))
+
+
+def test_where_all_are_refused_none_is_left_as_if_it_counted(run):
+    before, _ = done(run)
+    judged(run, FIRST, SECOND)
+    with pytest.raises(MissingStage, match="no episode counts"):
+        compress.execute(run, COMPRESS, StageContext("offline"))
+    left = Compression.read(run.compression)
+    assert (left.streams, list(left.set_aside), left.reduction_raw) == ([], [FIRST, SECOND], 0.0)
+    assert [file.suffix for file in run.compression.parent.iterdir()] == [".json", ".json"]
+    assert not run.export.parent.exists()
+    judged(run)
+    again, exported = done(run)
+    assert again.streams == before.streams and [one.episodes for one in exported.datasets] == [2, 2]
+
+
+@pytest.mark.parametrize("stage", ["compress", "export"])
+def test_where_all_are_refused_the_ways_out_are_told(run, capsys, stage):
+    done(run)
+    judged(run, FIRST, SECOND)
+    answer = command(capsys, stage, "--run", run, "--seed", "7")
+    assert answer.code == 3 and answer.error["code"] == "missing_stage"
+    assert str(run.verdicts) in answer.error["hint"]
+    assert f" collect --run {run.root} " in answer.record["next"] and " --episodes=4" in answer.record["next"]
 
 
 def test_an_export_from_before_a_verdict_is_not_added_to_a_data_set(run, tmp_path):

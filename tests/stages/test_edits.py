@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.runs import OPTIONS, Finished, command, copied, digests
-from vcage.base.errors import InputFileError, SchemaMismatch, StaleStage
+from tests.runs import INSTRUCTION, OPTIONS, QUICK_VIDEOS, Finished, command, copied, digests
+from vcage.base.errors import InputFileError, MissingStage, SchemaMismatch, StaleStage
 from vcage.base.files import RunFolder, read_json, sha256_file, write_json
 from vcage.base.pictures import read_picture, write_picture
 from vcage.models.protocols import EditRequest
@@ -20,9 +20,20 @@ from vcage.schema.episodes import Episodes, Verdicts
 from vcage.schema.plan import Plan
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Subtasks
-from vcage.stages import chain, collect, compress, inpaint_plan, match, optimize, search_subtasks, verify
-from vcage.stages.edits import edits
-from vcage.stages.running import run_stage
+from vcage.stages import (
+    chain,
+    collect,
+    compress,
+    inpaint_plan,
+    match,
+    optimize,
+    search_subtasks,
+    select_place,
+    verify,
+)
+from vcage.stages.edits import BY_HAND, SEAL, edits
+from vcage.stages.episode_store import log_path
+from vcage.stages.running import run_stage, take_over_edits
 from vcage.stages.stage import StageOptions
 
 
@@ -40,6 +51,11 @@ def edit(path: Path, change: Callable[[Any], Any]) -> None:
 def again(stage: Any, run: RunFolder, finished: Finished, **changes: Any) -> Any:
     options: StageOptions = stage.Options(**{name: getattr(OPTIONS, name) for name in vars(stage.Options())} | changes)
     return run_stage(stage, run, options, finished.context)
+
+
+def _first(found: Any) -> Any:
+    """The first verdict on the first episode."""
+    return next(iter(found["episodes"].values()))[0]
 
 
 def moved(number: int = 0, x: float = 0.0, y: float = 0.0, z: float = 0.0) -> Callable[[Any], None]:
@@ -71,9 +87,27 @@ def test_an_edit_of_the_json_or_of_a_picture_is_noticed(run):
     assert edits(run.plan) == ["plan.json", "target.png"]
 
 
-def test_json_that_does_not_say_what_was_written_counts_as_edited(run):
-    edit(run.layout, lambda scene: scene.pop("written"))
-    assert edits(run.layout) == ["scene.json"]
+def test_where_nothing_says_what_was_written_the_stage_is_named(run):
+    run.layout.with_name(SEAL).unlink()
+    with pytest.raises(MissingStage, match=r"written\.json") as caught:
+        edits(run.layout)
+    assert caught.value.maker == "optimize"
+
+
+@pytest.mark.parametrize(("stage", "picture"), [(select_place, "source.png"), (optimize, "top.png")])
+def test_an_edit_that_is_undone_from_a_copy_edits_the_json_alone_and_draws_its_pictures_again(
+    run, finished, stage, picture
+):
+    job = stage.job(run, OPTIONS, finished.context)
+    shown, copy = job.output.with_name(picture), job.output.read_bytes()
+    before = read_picture(shown).astype(float)
+    edit(job.output, moved(x=-0.01, y=-0.01))
+    take_over_edits(job, finished.context, force=False)
+    assert np.abs(read_picture(shown) - before).max() > 50
+    job.output.write_bytes(copy)
+    assert edits(job.output) == ["scene.json"]
+    take_over_edits(job, finished.context, force=False)
+    assert np.abs(read_picture(shown) - before).max() < 10
 
 
 # --- carried on ----------------------------------------------------------------------------------------
@@ -153,15 +187,25 @@ def test_an_edited_script_is_recorded_and_kept(run, finished):
 
 
 def test_a_verdict_that_was_changed_by_hand_counts(run, finished):
-    edit(run.verdicts, lambda found: next(iter(found["episodes"].values()))[0].update(accepted=False))
+    edit(run.verdicts, lambda found: _first(found).update(accepted=False))
+    before = Verdicts.read(run.verdicts)
     record = again(verify, run, finished).record
-    assert record.edited == ["verdicts.json"] and len(record.refused) == 1
+    assert record.edited == ["verdicts.json"] and list(record.refused.values()) == ["refused by hand"]
+    assert next(iter(record.episodes.values()))[0].provider == BY_HAND
+    assert record.critic == before.critic, "which is what the critic said"
+
+
+def test_a_reason_that_is_given_by_hand_is_kept(run, finished):
+    said = {"accepted": False, "reason": "it is upside down"}
+    edit(run.verdicts, lambda found: _first(found).update(said))
+    assert list(again(verify, run, finished).record.refused.values()) == ["it is upside down"]
 
 
 def test_an_episode_may_be_refused_by_hand(run, finished):
     edit(run.episodes, lambda found: found["episodes"][0].update(accepted=False, reason="it looks odd"))
     again(verify, run, finished, force=True)
     assert Episodes.read(run.episodes).edited == ["episodes.json"]
+    assert Episodes.read(run.episodes).episodes[0].reason == "it looks odd"
     assert Verdicts.read(run.verdicts).episodes == {}
 
 
@@ -169,17 +213,41 @@ def test_a_whole_run_goes_on_from_an_edit_but_does_not_throw_episodes_away(run, 
     edit(run.layout, moved(x=-0.01, y=-0.01))
     with pytest.raises(StaleStage, match=r"episodes\.json") as caught:
         chain.run_chain(run, OPTIONS, finished.context)
-    assert "run collect by itself with --force" in caught.value.hint
+    assert caught.value.maker == "collect" and "by itself" in caught.value.hint
     assert Scene.read(run.layout).edited == ["scene.json"]
     assert Subtasks.read(run.subtasks).provenance.inputs == {"optimize/scene.json": sha256_file(run.layout)}
 
 
-def test_a_whole_run_does_not_throw_away_verdicts_that_were_edited(run, finished):
-    edit(run.verdicts, lambda found: next(iter(found["episodes"].values()))[0].update(accepted=False))
+def test_a_whole_run_names_the_command_that_keeps_the_edit(run, capsys):
+    edit(run.layout, moved(x=-0.01, y=-0.01))
+    words = ("--models", "offline", "--episodes", "1", "--fps", "5", "--workers", "1")
+    answer = command(capsys, "run", INSTRUCTION, "--out", run, *words)
+    assert answer.code == 3 and " collect --run " in answer.record["next"]
+    assert answer.record["next"].endswith(" --force") and " run " not in answer.error["hint"].partition(": ")[2]
+
+
+def test_verdicts_that_were_changed_by_hand_are_kept_when_episodes_come(run, finished):
+    edit(run.verdicts, lambda found: _first(found).update(accepted=False))
+    done = chain.run_chain(run, replace(OPTIONS, episodes=2), finished.context)
+    record = done["verify"].record
+    assert record.edited == ["verdicts.json"]
+    assert record.refused == {"episodes/episode_000000.hdf5": "refused by hand"} and len(record.episodes) == 2
+    assert [dataset.episodes for dataset in done["export"].record.datasets] == [1, 1, 1]
+
+
+def test_verdicts_that_were_changed_by_hand_are_kept_when_an_episode_is_edited(run, finished):
+    edit(run.verdicts, lambda found: _first(found).update(accepted=False))
     edit(run.episodes, lambda found: found["episodes"][0].update(reason="as I saw it"))
-    with pytest.raises(StaleStage, match=r"verdicts\.json") as caught:
-        chain.run_chain(run, OPTIONS, finished.context)
-    assert "run verify by itself" in caught.value.hint
+    record = again(verify, run, finished).record
+    assert list(record.refused.values()) == ["refused by hand"]
+
+
+def test_verdicts_of_other_episodes_lead_to_verify_and_not_to_force(run, capsys):
+    edit(run.verdicts, lambda found: _first(found).update(accepted=False))
+    edit(run.episodes, lambda found: found["episodes"][0].update(reason="as I saw it"))
+    answer = command(capsys, "compress", "--run", run, *QUICK_VIDEOS)
+    assert answer.code == 3 and answer.error["code"] == "stale_stage"
+    assert answer.record["next"].split()[-3:] == ["verify", "--run", str(run)] and "--force" not in answer.error["hint"]
 
 
 def test_an_edit_is_made_again_where_that_is_forced(run, finished):
@@ -216,6 +284,29 @@ IMPOSSIBLE = {
         r"objects\.0\.joints: 1 positions; expected 0",
     ),
     "a goal of nobody": (lambda s: s["goals"][0]["goal"].update(subject="cat"), r"goals\.0\.goal: there is no cat"),
+    "a goal of itself": (
+        lambda s: s["goals"][0]["goal"].update(reference=s["goals"][0]["goal"]["subject"]),
+        r"goals\.0\.goal\.subject: '\w+'; expected not its own reference",
+    ),
+    "what is inside the table": (
+        lambda s: s["goals"][0]["goal"].update(relation="inside", reference="table"),
+        r"goals\.0\.goal\.reference: 'table'; expected",
+    ),
+    "words that nobody said": (
+        lambda s: s["goals"][0].update(words="Cook"),
+        r"goals\.0\.words: 'Cook'; expected words of",
+    ),
+    "no goals": (lambda s: s.update(goals=[]), "goals: none; expected those of the instruction"),
+    "another instruction": (
+        lambda s: s.update(instruction="Cook the soup"),
+        'instruction: "Cook the soup"; expected "Put the blocks on the plate"',
+    ),
+    "a camera that looks elsewhere": (
+        lambda s: s["top_camera"].update(fovy=0.1),
+        r"top_camera\.fovy: 0\.1; expected 0\.51",
+    ),
+    "another table": (lambda s: s["table"].update(texture="nope"), r'table\.texture: "nope"; expected "grey_stone"'),
+    "another workspace": (lambda s: s["workspace"].update(lower=[-0.1, -0.1]), r"workspace\.lower\.0: -0\.1; expected"),
     "nobody to leave alone": (lambda s: s.update(untouched=["cat"]), r"untouched\.0: 'cat'"),
     "a container it is not in": (
         lambda s: s["objects"][0].update(container=s["objects"][1]["id"]),
@@ -260,6 +351,22 @@ SUBTASKS = {
     "an unknown arm": (lambda found: found["kept"][0]["grasps"][0].update(arm="third"), r"kept\.0\.grasps\.0\.arm"),
     "an unknown contact": (lambda found: found["kept"][0]["grasps"][0].update(contact=99), r"grasps\.0\.contact: 99"),
     "an unknown object": (lambda found: found["kept"][0].update(object="cat"), r"kept\.0\.object: 'cat'; expected"),
+    "into itself": (
+        lambda found: found["kept"][0].update(receptacle=found["kept"][0]["object"]),
+        r"kept\.0\.\w+: '?\w+'?; expected",
+    ),
+    "a placing that pushes": (
+        lambda found: found["kept"][0].update(template="push"),
+        r"kept\.0\.template: push does not do that with \w+: \w+ on plate_white; expected place",
+    ),
+    "a placing that opens": (
+        lambda found: found["kept"][0].update(template="open"),
+        r"kept\.0\.template: open does not do that",
+    ),
+    "another goal than it has": (
+        lambda found: found["kept"][0]["goals"][0].update(relation="beside"),
+        r"kept\.0: place does not do that with \w+: \w+ beside plate_white; expected what place can do",
+    ),
     "an unknown place": (lambda found: found["kept"][0].update(functional_point=9), r"functional_point: 9; expected"),
     "a goal of nobody": (
         lambda found: found["kept"][0]["goals"][0].update(subject="cat"),
@@ -267,6 +374,14 @@ SUBTASKS = {
     ),
     "a script elsewhere": (lambda found: found["kept"][0].update(script="/etc/x.py"), r"kept\.0\.script"),
     "another instruction": (lambda found: found.update(instruction="Fly"), "instruction: 'Fly'; expected"),
+    "another name of a chain": (
+        lambda found: found["chains"][0].update(text="Fly"),
+        r"chains\.0\.text: 'Fly'; expected 'Put the blocks on the plate'",
+    ),
+    "the same chain twice": (
+        lambda found: found["chains"].append(found["chains"][0]),
+        r"chains\.1: the same as another; expected each chain once",
+    ),
 }
 
 
@@ -289,22 +404,79 @@ def test_a_plan_that_points_to_a_picture_elsewhere_is_refused(run, finished):
 @pytest.mark.parametrize(
     ("change", "complaint"),
     [
-        (lambda e: e["verdicts"].pop(), "verdicts"),
         (lambda e: e["verdicts"][0].update(accepted=False), "accepted: true; expected false"),
-        (lambda e: e.update(file=None), "accepted: true; expected false"),
-        (lambda e: e.update(chain=4), "chain: 4; expected at most 0"),
+        (lambda e: e["verdicts"].pop(), "verdicts: 2 of them; expected 3, as it was written"),
+        (lambda e: e.update(file=None), "file: null; expected "),
+        (lambda e: e.update(file="episodes/episode_000001.hdf5"), "file: "),
+        (lambda e: e.update(chain=4), "chain: 4; expected 0"),
+        (lambda e: e.update(index=1), "index: 1; expected 0"),
+        (lambda e: e.update(frames=0), "frames: 0; expected "),
+        (lambda e: e.update(seed=99), "seed: 99; expected 0"),
+        (lambda e: e.update(attempts=70), "attempts: 70; expected "),
+        (lambda e: e["goals_hold"].update(success=False), r"goals_hold\.success: false; expected true"),
     ],
 )
-def test_an_episode_cannot_be_accepted_without_all_that_makes_one(run, finished, change, complaint):
+def test_of_an_episode_a_hand_decides_whether_it_counts_and_nothing_else(run, finished, change, complaint):
     edit(run.episodes, lambda found: change(found["episodes"][0]))
     with pytest.raises(InputFileError, match=rf"episodes\.json: field episodes\.0\.{complaint}"):
         again(verify, run, finished, force=True)
 
 
-def test_verdicts_of_other_episodes_are_refused(run, finished):
-    edit(run.verdicts, lambda found: found.update(episodes={}))
-    with pytest.raises(InputFileError, match=r"verdicts\.json: field episodes"):
+@pytest.mark.parametrize(
+    ("change", "complaint"),
+    [
+        (lambda found: found["episodes"].append(found["episodes"][0]), "episodes: 2 of them; expected 1"),
+        (lambda found: found.update(attempts=1000), "attempts: 1000; expected "),
+        (lambda found: found.update(acceptance={}), r"acceptance\.\S+: nothing; expected "),
+        (lambda found: found["critic"].update(judged=1000), r"critic\.judged: 1000; expected "),
+    ],
+)
+def test_figures_of_a_collection_are_not_to_be_edited(run, finished, change, complaint):
+    edit(run.episodes, change)
+    with pytest.raises(InputFileError, match=rf"episodes\.json: field {complaint}"):
+        again(verify, run, finished, force=True)
+
+
+@pytest.mark.parametrize(
+    ("change", "complaint"),
+    [
+        (lambda found: found.update(episodes={}), "episodes\\.episodes/episode_000000\\.hdf5: nothing; expected "),
+        (lambda found: found["critic"].update(judged=1000), r"critic\.judged: 1000; expected "),
+        (
+            lambda found: _first(found).update(provider="me"),
+            r'episodes\.\S+\.0\.provider: "me"',
+        ),
+    ],
+)
+def test_of_verdicts_a_hand_decides_what_is_accepted_and_nothing_else(run, finished, change, complaint):
+    edit(run.verdicts, change)
+    with pytest.raises(InputFileError, match=rf"verdicts\.json: field {complaint}"):
         again(verify, run, finished)
+
+
+@pytest.mark.parametrize("name", ["scene", "plan", "matches", "layout", "subtasks", "episodes", "verdicts"])
+def test_where_a_file_comes_from_is_not_to_be_edited(run, finished, name):
+    edit(getattr(run, name), lambda found: found["provenance"].update(seed=99))
+    files = digests(run.root)
+    with pytest.raises(InputFileError, match=rf"{getattr(run, name).name}: field provenance\.seed: 99; expected 0"):
+        chain.run_chain(run, OPTIONS, finished.context)
+    assert digests(run.root) == files
+
+
+@pytest.mark.parametrize("kind", ["*-after-top.png", "*-background-top.png"])
+def test_a_picture_that_was_recorded_is_evidence_and_not_to_be_edited(run, finished, kind):
+    picture = next((run.episodes.parent / "critic").glob(kind))
+    write_picture(picture, read_picture(picture) // 4)
+    with pytest.raises(InputFileError, match=rf"{picture.name}: field \(whole file\): changed by hand") as caught:
+        again(verify, run, finished, force=True)
+    assert caught.value.maker == "collect"
+
+
+def test_the_log_of_all_attempts_is_evidence_too(run, finished):
+    log = log_path(run.episodes.parent)
+    log.write_text(log.read_text().replace('"accepted":true', '"accepted":false'))
+    with pytest.raises(InputFileError, match=r"log\.jsonl: field"):
+        again(verify, run, finished, force=True)
 
 
 def test_figures_of_the_compression_are_not_to_be_edited(run, finished):

@@ -79,6 +79,8 @@ def test_a_picture_of_another_size_than_the_camera_s_is_refused(run):
         (lambda o, _scene: o.update(aabb=o["aabb"][::-1]), "lower and an upper corner"),
         (lambda o, _scene: o.update(aabb=[[-5, -5, 0.74], [5, 5, 1]]), "the table"),
         (lambda _o, scene: scene["table"].update(size=[0, 0]), "table with an area"),
+        (lambda _o, scene: scene["top_camera"].update(height=10**9), r"top_camera\.height: .*8192"),
+        (lambda _o, scene: scene["workspace"].update(lower=[-1e9, -1]), "workspace within 10 m"),
         (lambda _o, scene: [o.update(container=c["id"]) for o, c in _ring(scene)], "circle"),
     ],
 )

@@ -15,20 +15,20 @@ from vcage.schema.subtasks import Subtask, Subtasks
 from vcage.stages.script_run import NEEDED, prepare_run
 from vcage.tasks.synthesis import write_script
 
-OBJECTS = [thing("hammer", (-0.2, 0.0)), thing("packaging_box", (0.3, 0.05))]
+OBJECTS = [thing("block", (-0.2, 0.0)), thing("packaging_box", (0.3, 0.05))]
 
 
 def handing() -> Subtask:
     """A sub-task with something in every field but the checks."""
-    return subtask("hammer", "packaging_box", "inside").model_copy(
+    return subtask("block", "packaging_box", "inside").model_copy(
         update={
             "template": "hand_over",
             "texts": [f"In other words, number {number}." for number in range(10)],
-            "tool": "hammer",
-            "grasped": "hammer",
+            "tool": "block",
+            "grasped": "block",
             "target": 0.1,
             "hand_to": "right",
-            "requires": [Goal(subject="hammer", relation="on", reference="table")],
+            "requires": [Goal(subject="block", relation="on", reference="table")],
         }
     )
 

@@ -17,6 +17,7 @@ from vcage.base.files import RunFolder, read_json, write_json, write_text
 from vcage.base.pictures import read_picture, write_picture
 from vcage.schema.episodes import Attempt, CriticCounts, Episodes, SingleVerdict, Truth, Verdict, Verdicts
 from vcage.stages import verify
+from vcage.stages.edits import seal
 from vcage.stages.episode_store import log_path, read_log
 
 
@@ -108,6 +109,7 @@ def refused(run: RunFolder, done: Attempt, number: int, truth: Truth) -> Attempt
 
 def write_log(run: RunFolder, attempts: Sequence[Attempt]) -> None:
     write_text(log_path(run.episodes.parent), "".join(a.model_dump_json() + "\n" for a in attempts))
+    seal(Episodes.read(run.episodes), run.episodes)
 
 
 def judged_by(critic: Says, run: RunFolder, finished: Finished, monkeypatch: pytest.MonkeyPatch) -> Verdicts:
@@ -191,11 +193,11 @@ def test_a_model_behind_an_endpoint_is_compared_by_the_command(run, monkeypatch,
     assert {d.verdict.reason for d in Verdicts.read(run.verdicts).differences} == {"I see no block"}
 
 
-def test_another_log_makes_the_verdicts_stale(finished, tmp_path):
+def test_another_log_is_judged_again(finished, tmp_path):
     run = copied(finished.run, tmp_path / "run")
     write_log(run, read_log(run.episodes.parent)[:-1])
-    with pytest.raises(StaleStage, match=r"episodes/log\.jsonl"):
-        verify.execute(run, OPTIONS, finished.context)
+    done = verify.execute(run, OPTIONS, finished.context)
+    assert done.fresh and done.record.critic.judged == Verdicts.read(finished.run.verdicts).critic.judged - 1
 
 
 # --- one pair ------------------------------------------------------------------------------------------
@@ -235,8 +237,8 @@ def test_pictures_of_another_camera_s_size_are_refused(finished, tmp_path):
         verify.judge_pair(finished.run, finished.context, subtask, before, small)
 
 
-def test_other_episodes_make_the_verdicts_stale(finished, tmp_path):
+def test_verdicts_of_another_layout_are_stale(finished, tmp_path):
     run = copied(finished.run, tmp_path / "run")
-    write_json(run.episodes, {**read_json(run.episodes), "instruction": "something else"})
-    with pytest.raises(StaleStage, match=r"episodes/episodes\.json"):
+    write_json(run.layout, {**read_json(run.layout), "checks": {}})
+    with pytest.raises(StaleStage, match=r"optimize/scene\.json"):
         verify.execute(run, OPTIONS, finished.context)

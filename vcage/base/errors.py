@@ -200,6 +200,10 @@ class StaleStage(InputFileError):
     code = "stale_stage"
 
 
+class NotJudged(StaleStage):
+    """Verify has looked at other episodes than there are: run again it judges what is new, and keeps the rest."""
+
+
 # --- 4: the machine or its configuration ---------------------------------------------------------------
 
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import contextlib
 import shlex
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 from vcage.base.commands import CALLED, vcage_command
-from vcage.base.errors import InputFileError, MissingStage, VcageError
+from vcage.base.errors import InputFileError, MissingStage, NotJudged, StaleStage, VcageError
 from vcage.base.files import PRODUCERS, RunFolder, read_json, write_json
 from vcage.cli.arguments import options_of
 from vcage.stages.running import stage_of
@@ -21,15 +21,15 @@ def following(name: str, run: RunFolder) -> str:
     return stage_command(later[0], run) if later else vcage_command("report", "--run", run)
 
 
-def stage_command(name: str, run: RunFolder) -> str:
+def stage_command(name: str, run: RunFolder, instead: Mapping[str, list[str]] | None = None) -> str:
     """The command of a stage, with the options that were last given on this run to those that take them."""
-    return vcage_command(name.replace("_", "-"), *words_of(name, run))
+    return vcage_command(name.replace("_", "-"), *words_of(name, run, instead))
 
 
-def words_of(name: str, run: RunFolder) -> list[str]:
-    """What comes after a stage's name in :func:`stage_command`."""
+def words_of(name: str, run: RunFolder, instead: Mapping[str, list[str]] | None = None) -> list[str]:
+    """What comes after a stage's name in :func:`stage_command`; ``instead`` stands for options given before."""
     takes = [option.key for option in options_of(stage_of(name).Options())]
-    given = _given(run)
+    given = _given(run) | dict(instead or {})
     words = [word for key in takes for word in given.get(key, [])]
     return ["--out" if name == "select_place" else "--run", str(run), *words]
 
@@ -73,6 +73,13 @@ def not_dry() -> str:
 
 def name_stage(error: VcageError, run: RunFolder) -> None:
     """Give an error the command of the stage that mends it; where something would be lost by it, in words alone."""
+    if "more" in error.details:
+        error.command = stage_command(error.maker, run, error.details["more"])
+        return
+    if isinstance(error, StaleStage):
+        again = stage_command(error.maker, run)
+        error.command = again if isinstance(error, NotJudged) else f"{again} --force"
+        return
     folder = next(folder for folder, stage in PRODUCERS.items() if stage == error.maker)
     if (run.root / folder).is_dir():
         error.offer(f"make it again: {stage_command(error.maker, run)} --force")

@@ -113,11 +113,11 @@ def naming_stages(run: Path | None) -> Iterator[None]:
     """An error inside that a stage of the run mends tells the command of that stage."""
     try:
         yield
-    except StaleStage as error:
-        error.offer(f"replace it: {CALLED.get()} --force")
-        raise
     except VcageError as error:
-        if error.maker and not error.command and run is not None:
+        if isinstance(error, StaleStage) and not error.maker:
+            called = CALLED.get()
+            error.offer(f"replace it: {called if '--force' in called.split() else f'{called} --force'}")
+        elif error.maker and not error.command and run is not None:
             from vcage.cli.going_on import name_stage  # imported late: `vcage setup` works where no stage does
 
             name_stage(error, RunFolder(run))

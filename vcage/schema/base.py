@@ -77,11 +77,15 @@ def box_record(bounds: np.ndarray, pose: Pose) -> Box:
     return (x0, y0, z0), (x1, y1, z1)
 
 
+MOST_PIXELS = 8192
+"""Of a camera's picture along one side: beyond it a renderer ends its process."""
+
+
 class CameraRecord(Record):
     """A pinhole camera (see :class:`vcage.base.geometry.Camera`)."""
 
-    width: int = Field(gt=0)
-    height: int = Field(gt=0)
+    width: int = Field(gt=0, le=MOST_PIXELS)
+    height: int = Field(gt=0, le=MOST_PIXELS)
     fovy: float = Field(gt=0, lt=np.pi, description="vertical field of view, radians")
     pose: PoseRecord = Field(description="camera frame (x forward, y left, z up) in the world")
 
@@ -162,12 +166,8 @@ class StageDocument(Document):
     """The JSON that a stage leaves in the run folder."""
 
     provenance: Provenance
-    written: dict[str, str] = Field(
-        default_factory=dict,
-        description="file beside this one → SHA-256 as its stage left it; of this one without this field",
-    )
     edited: list[str] = Field(
-        default=[], description="those that were changed by hand since, and were found to be possible"
+        default=[], description="files of the stage that were changed by hand, and were found to be possible"
     )
 
     @property

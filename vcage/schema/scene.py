@@ -29,6 +29,10 @@ MOST_OF_A_KIND = 40
 """Objects that one record of a template may ask for: more have no place on any table."""
 
 
+FARTHEST = 10.0
+"""Metres from the origin that a workspace reaches: what it is searched in has memory in proportion."""
+
+
 class Table(Record):
     """The table top: an axis-aligned rectangle."""
 
@@ -60,6 +64,8 @@ class Workspace(Record):
     def _is_not_empty(self) -> Workspace:
         if not (self.lower[0] < self.upper[0] and self.lower[1] < self.upper[1]):
             raise ValueError(f"empty workspace: {self.lower} … {self.upper}")
+        if max(map(abs, (*self.lower, *self.upper))) > FARTHEST:
+            raise ValueError(f"expected a workspace within {FARTHEST:g} m, got {self.lower} … {self.upper}")
         return self
 
 

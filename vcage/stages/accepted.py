@@ -5,18 +5,22 @@ A refused episode stays on disk where it is, and is left out of all that follows
 
 from __future__ import annotations
 
+import logging
+import shutil
 from pathlib import Path
 
-from vcage.base.errors import StaleStage
+from vcage.base.errors import MissingStage, NotJudged
 from vcage.base.files import RunFolder, sha256_file
 from vcage.schema.episodes import Episode, Episodes, Verdicts
+
+logger = logging.getLogger(__name__)
 
 
 def accepted_episodes(run: RunFolder) -> list[Episode]:
     """The episodes that count, which have a file; none when nothing was collected yet.
 
     Raises:
-        StaleStage: verify judged other episodes than there are now.
+        NotJudged: verify judged other episodes than there are now.
         DamagedFile, SchemaMismatch: what was collected, or judged, cannot be read.
     """
     collected = Episodes.read(run.episodes).episodes if run.episodes.exists() else []
@@ -28,18 +32,41 @@ def refusals(run: RunFolder) -> dict[str, str]:
     """File of an episode that collect accepted → why verify refuses it; none where verify has not looked.
 
     Raises:
-        StaleStage, DamagedFile, SchemaMismatch: see :func:`accepted_episodes`.
+        NotJudged, DamagedFile, SchemaMismatch: see :func:`accepted_episodes`.
     """
     if not run.verdicts.exists() or not run.episodes.exists():
         return {}
     verdicts, judged = Verdicts.read(run.verdicts), run.relative(run.episodes)
     if verdicts.provenance.inputs.get(judged) != sha256_file(run.episodes):
-        raise StaleStage(
+        raise NotJudged(
             f"{run.verdicts} judges other episodes than {run.episodes} has now",
             maker="verify",
             details={"changed": [f"input {judged}"]},
         )
     return verdicts.refused
+
+
+def none_counts(run: RunFolder) -> MissingStage:
+    """The error of a run in which no episode counts: says why, and how there may be some."""
+    refused = refusals(run)
+    if not refused:
+        hint = "collect others: another --seed gives another layout"
+        return MissingStage(f"{run.episodes} holds no accepted episode", hint=hint, maker="collect")
+    record = Episodes.read(run.episodes)
+    most = 2 * -(-sum(episode.accepted for episode in record.episodes) // len(record.chains))
+    return MissingStage(
+        f"no episode counts: {'; '.join(f'verify refused {file}: {reason}' for file, reason in refused.items())}",
+        hint=f"accept in {run.verdicts} what is wrongly refused there, or collect more",
+        maker="collect",
+        details={"refused": refused, "more": {"episodes": [f"--episodes={most}"]}},
+    )
+
+
+def withdraw(data_sets: Path) -> None:
+    """Remove exported data sets of which no episode counts any more; they can be exported again when some do."""
+    if data_sets.exists():
+        logger.warning("%s is removed, as none of its episodes counts any more", data_sets)
+        shutil.rmtree(data_sets)
 
 
 def decided_by(run: RunFolder) -> list[Path]:

@@ -135,7 +135,8 @@ def _up_to_date(
         if not changed or not all(what.startswith("input ") for what in changed):
             raise
         if name == "collect" or error.details.get("edited"):
-            error.hint = f"run {name} by itself with --force; with it, the whole run makes again what was edited, too"
+            error.maker = name
+            error.hint = "make it again by itself, as --force of the whole run loses what was edited"
             raise
         logger.info("%s: made again, from another %s", name, ", ".join(changed))
         return timed(stage, run, replace(options, force=True), context, progress)

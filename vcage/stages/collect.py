@@ -28,7 +28,7 @@ from vcage.base.workers import Processes, ThisProcess, cores
 from vcage.schema.episodes import Attempt, Episode, Episodes
 from vcage.schema.subtasks import Chain, Subtasks
 from vcage.stages.context import StageContext
-from vcage.stages.edits import refuse
+from vcage.stages.edits import by_hand, reason_by_hand, refuse, require_evidence, require_only, written_record
 from vcage.stages.episode_runner import EpisodeRunner
 from vcage.stages.episode_store import EpisodeStore
 from vcage.stages.stage import Job, ModelOptions, StageResult, stage_seed
@@ -45,6 +45,14 @@ OF_A_PROCESS = 1_000_000_000
 SILENT, START = 1.5, 60.0
 """A process is taken to hang, and is ended, after this many times the limit of an episode and so many seconds for its
 start: an episode that is merely slow ends itself before."""
+
+
+DECIDED = (
+    ("episodes", "*", "accepted"),
+    ("episodes", "*", "reason"),
+    *(("episodes", "*", "verdicts", "*", said) for said in ("accepted", "reason", "confidence")),
+)
+"""What a hand may say of episodes; all else was recorded."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -132,22 +140,24 @@ def take_over(run: RunFolder, folder: Path, edited: Collection[str], context: St
     """The collection as it was edited by hand: an episode may be refused, and accepted again if all of it was verified.
 
     Raises:
-        InputFileError: it is not possible.
+        InputFileError: it is not possible, or something was changed that is no decision.
     """
-    record = Episodes.read(run.episodes)
-    chains = Subtasks.read(run.subtasks).chains
-    if record.chains != chains:
-        refuse(run.episodes, "chains", "others than before", f"those of {run.subtasks}")
-    for number, episode in enumerate(record.episodes):
-        if episode.chain >= len(chains):
-            refuse(run.episodes, f"episodes.{number}.chain", str(episode.chain), f"at most {len(chains) - 1}")
-        if len(episode.verdicts) != len(episode.subtasks):
-            found, wanted = f"{len(episode.verdicts)} verdicts", f"{len(episode.subtasks)}, one for each sub-task"
-            refuse(run.episodes, f"episodes.{number}.verdicts", found, wanted)
-        if episode.accepted and not _verified(run, episode, chains[episode.chain]):
+    require_evidence(run.episodes, edited)
+    require_only(run.episodes, *DECIDED)
+    record, was = Episodes.read(run.episodes), written_record(run.episodes, Episodes)
+    episodes = [_by_hand(*pair) for pair in zip(was.episodes, record.episodes, strict=True)]
+    for number, episode in enumerate(episodes):
+        if episode.accepted and not _verified(run, episode, record.chains[episode.chain]):
             wanted = "false, unless every sub-task of its chain was verified and its pictures were recorded"
             refuse(run.episodes, f"episodes.{number}.accepted", "true", wanted)
-    return record
+    return record.model_copy(update={"episodes": episodes})
+
+
+def _by_hand(was: Episode, now: Episode) -> Episode:
+    """An episode of which something may have been decided by hand."""
+    reason = reason_by_hand((was.accepted, was.reason), (now.accepted, now.reason))
+    verdicts = [by_hand(*pair) for pair in zip(was.verdicts, now.verdicts, strict=True)]
+    return now.model_copy(update={"reason": reason, "verdicts": verdicts})
 
 
 def _verified(run: RunFolder, episode: Episode, chain: Chain) -> bool:

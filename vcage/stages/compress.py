@@ -11,7 +11,6 @@ from typing import Annotated, Any
 
 from tyro.conf import OmitArgPrefixes, arg
 
-from vcage.base.errors import MissingStage
 from vcage.base.files import RunFolder, sha256_file
 from vcage.base.options import POSITIVE, UNSAID, Flag
 from vcage.base.progress import Progress, silent
@@ -23,7 +22,7 @@ from vcage.datasets.packing.settings import CompressionSettings
 from vcage.datasets.recordings.opening import open_hdf5
 from vcage.schema.base import Provenance
 from vcage.schema.compression import Compression, SetAside, VideoStream
-from vcage.stages.accepted import accepted_episodes, decided_by, refusals
+from vcage.stages.accepted import accepted_episodes, decided_by, none_counts, withdraw
 from vcage.stages.context import StageContext
 from vcage.stages.edits import refuse
 from vcage.stages.raw_pictures import holds_links, originals, packed_hash, refer_to_videos, require_raw
@@ -80,15 +79,20 @@ def execute(
     Unless raw pictures are to be kept, the episodes' files refer to the videos from then on, which lie beside them too.
 
     Raises:
-        MissingStage, StaleStage: see :class:`vcage.stages.stage.Job`; also when no episode was accepted, or the raw
-            pictures that it takes are gone.
+        MissingStage, StaleStage: see :class:`vcage.stages.stage.Job`; also when no episode counts, and all are set
+            aside then, or the raw pictures that it takes are gone.
         DamagedFile, SchemaMismatch: an episode cannot be read.
         MissingDependency: ColorVideoVDP or the encoder is missing.
     """
     stage = job(run, options, context)
-    working = run.root / WORKING
+    working, counts = run.root / WORKING, bool(accepted_episodes(run))
+    if not counts and not _made_so(run, stage.options):
+        raise none_counts(run)
 
     def make(folder: Path, provenance: Provenance) -> Compression:
+        aside = _set_aside(run, provenance)
+        if not counts:
+            return compression_record(provenance, options.compression, [], set_aside=aside)
         earlier = _earlier(run, provenance)
         clips, files = clips_of(run)
         videos = search_data_set(
@@ -110,11 +114,12 @@ def execute(
             file: packed_hash(run, [s for s in streams if s.episode == file], working)
             for file in dict.fromkeys(s.episode for s in streams)
         }
-        return compression_record(
-            provenance, options.compression, streams, packed=packed, set_aside=_set_aside(run, provenance)
-        )
+        return compression_record(provenance, options.compression, streams, packed=packed, set_aside=aside)
 
-    result = stage.do(Compression, make, force=options.force)
+    result = stage.do(Compression, make, force=options.force or not counts)
+    if not counts:
+        withdraw(run.export.parent)
+        raise none_counts(run)
     if not options.keep_raw:
         refer_to_videos(run, result.record, working)
     shutil.rmtree(working, ignore_errors=True)  # not before the stage is whole: a search takes long
@@ -135,16 +140,9 @@ def clips_of(run: RunFolder) -> tuple[list[Clip], dict[str, str]]:
     folder.
 
     Raises:
-        MissingStage: none was accepted.
         DamagedFile: an episode cannot be read.
     """
     files = {Path(str(episode.file)).stem: str(episode.file) for episode in accepted_episodes(run)}
-    if not files:
-        refused = "; ".join(f"verify refused {file}: {reason}" for file, reason in refusals(run).items())
-        raise MissingStage(
-            f"{run.episodes} holds no accepted episode{refused and f': {refused}'}",
-            hint="collect more, with a larger --episodes",
-        )
     clips = []
     for name, file in files.items():
         if not holds_links(run.root / file):
@@ -172,11 +170,16 @@ def _earlier(run: RunFolder, provenance: Provenance) -> list[VideoStream]:
     return streams
 
 
+def _made_so(run: RunFolder, options: dict[str, Any]) -> bool:
+    """Whether there is a compression with these options."""
+    return run.compression.exists() and Compression.read(run.compression).provenance.options == options
+
+
 def _set_aside(run: RunFolder, provenance: Provenance) -> dict[str, SetAside]:
     """What was compressed in this way and counts no more; without raw pictures, it takes its videos to count again."""
-    record = Compression.read(run.compression) if run.compression.exists() else None
-    if record is None or record.provenance.options != provenance.options:
+    if not _made_so(run, provenance.options):
         return {}
+    record = Compression.read(run.compression)
     known = dict(record.set_aside)
     for file, packed in record.packed.items():
         streams = [stream for stream in record.streams if stream.episode == file]

@@ -14,7 +14,7 @@ from vcage.base.keeper import Keeper
 from vcage.schema.episodes import Attempt, CriticCounts, Episode, Episodes
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Subtasks
-from vcage.stages.edits import sealed
+from vcage.stages.edits import seal
 from vcage.stages.stage import Job, StageResult
 
 logger = logging.getLogger(__name__)
@@ -32,6 +32,7 @@ class EpisodeStore:
         self.folder, self.run = folder, stage.run
         self.episodes: list[Episode] = []
         self._attempts: list[Attempt] = []
+        self._edited: list[str] = []
         self._stage = stage
 
     @property
@@ -69,9 +70,9 @@ class EpisodeStore:
         return True
 
     def _load(self) -> None:
-        episodes, attempts = Episodes.read(self._index).episodes, read_log(self.folder)
-        self.episodes = list(episodes)
-        known = {episode.index for episode in episodes}
+        record, attempts = Episodes.read(self._index), read_log(self.folder)
+        self.episodes, self._edited = list(record.episodes), record.edited
+        known = {episode.index for episode in self.episodes}
         self._attempts = [a for a in attempts if a.episode in known]
 
     def add(self, episode: Episode, attempts: Sequence[Attempt]) -> None:
@@ -80,12 +81,12 @@ class EpisodeStore:
         self._attempts = sorted([*self._attempts, *attempts], key=lambda one: one.episode)
         lines = [attempt.model_dump_json() + "\n" for attempt in self._attempts]
         write_text(log_path(self.folder), "".join(lines))
-        sealed(self._record(), self._index).write(self._index)
+        self._record().write(self._index)
 
     def finish(self) -> Episodes:
         """Make the folder the stage's output."""
         final = self._stage.output.parent
-        record = self._record()
+        record = seal(self._record(), self._index)
         old = final.with_name(f"{final.name}{REPLACED}{os.getpid()}")
         if final.exists():
             os.replace(final, old)
@@ -97,6 +98,7 @@ class EpisodeStore:
         scene = Scene.read(self.run.layout)
         return Episodes(
             provenance=self._stage.provenance(),
+            edited=self._edited,
             instruction=scene.instruction,
             chains=Subtasks.read(self.run.subtasks).chains,
             episodes=self.episodes,

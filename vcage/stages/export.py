@@ -32,7 +32,7 @@ from vcage.datasets.robotwin import export_robotwin
 from vcage.schema.base import Provenance
 from vcage.schema.compression import Compression
 from vcage.schema.export import Export, ExportedDataset
-from vcage.stages.accepted import accepted_episodes, decided_by
+from vcage.stages.accepted import accepted_episodes, decided_by, none_counts, withdraw
 from vcage.stages.compress import clips_of
 from vcage.stages.context import StageContext
 from vcage.stages.edits import refuse
@@ -104,10 +104,14 @@ def execute(
     """Write a folder for each format into ``export/``, and ``export/export.json``.
 
     Raises:
-        MissingStage, StaleStage: see :class:`vcage.stages.stage.Job`; also when a video was not compressed yet.
+        MissingStage, StaleStage: see :class:`vcage.stages.stage.Job`; also when a video was not compressed yet, or no
+            episode counts.
         DamagedFile, SchemaMismatch: an episode or a video cannot be read.
         UsageError: the codec asked for cannot stay under the loss that the compression allowed, or needs a CRF.
     """
+    if not accepted_episodes(run):
+        withdraw(run.export.parent)
+        raise none_counts(run)
     stage = job(run, options, context)
 
     def make(folder: Path, provenance: Provenance) -> Export:

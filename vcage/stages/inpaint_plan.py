@@ -31,7 +31,7 @@ from vcage.schema.base import Provenance
 from vcage.schema.plan import LayoutPlan, Plan
 from vcage.schema.scene import Scene
 from vcage.stages.context import StageContext
-from vcage.stages.edits import refuse
+from vcage.stages.edits import refuse, require_same
 from vcage.stages.inputs import plan_check, read_pictures, read_plan
 from vcage.stages.stage import Job, ModelOptions, StageResult, stage_seed
 
@@ -134,6 +134,7 @@ def take_over(run: RunFolder, folder: Path, edited: Collection[str], context: St
         ModelRefused: the editor refuses.
         InfeasibleScene: the offline editor cannot show every object in the planned layout.
     """
+    require_same(run.plan, "instruction")
     scene = Scene.read(run.scene)
     plan = read_plan(run, scene, context)
     there = run.relative(run.plan.parent / TARGET)

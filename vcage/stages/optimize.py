@@ -39,7 +39,7 @@ from vcage.sim.world import World
 from vcage.stages.context import StageContext
 from vcage.stages.inputs import read_matches, read_plan
 from vcage.stages.layout_items import layout_items
-from vcage.stages.possible import possible_scene, settled_record
+from vcage.stages.possible import edited_scene, settled_record
 from vcage.stages.stability import moved_objects, settle_checks
 from vcage.stages.stage import Job, StageOptions, StageResult, stage_seed
 from vcage.tasks.scene_objects import SceneObject
@@ -135,7 +135,8 @@ def execute(run: RunFolder, options: Options, context: StageContext, progress: P
             logger.warning("the layout keeps %.0f %% of the plan: not %s", 100 * kept.share, ", ".join(kept.sentences))
         checks = {**settled.checks, **_checks(kept, result)}
         return settled.model_copy(
-            update={"provenance": provenance, "checks": checks, "pictures": {"top": stage.inside("top.png")}}
+            update={"provenance": provenance, "edited": [], "checks": checks}
+            | {"pictures": {"top": stage.inside("top.png")}}
         )
 
     return stage.do(Scene, make, force=options.force)
@@ -151,7 +152,7 @@ def take_over(run: RunFolder, folder: Path, edited: Collection[str], context: St
     scene = Scene.read(run.layout)
     if run.layout.name not in edited:
         return scene
-    settled = possible_scene(run.layout, scene, context)
+    settled = edited_scene(run.layout, context)
     look = context.appearance(scene.table.texture)
     world = World.of_scene(settled, context.physical_models(settled), appearance=look, render=True)
     write_picture(folder / "top.png", shoot(world, scene.top_camera))

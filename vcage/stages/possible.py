@@ -20,14 +20,37 @@ from vcage.sim.collision import TOLERANCE, overlapping
 from vcage.sim.robots import load_robot, load_template
 from vcage.sim.world import World
 from vcage.stages.context import StageContext
-from vcage.stages.edits import refuse
+from vcage.stages.edits import refuse, require_same, written_record
 from vcage.stages.stability import MAX_DRIFT, MAX_TILT, moved_objects, settle_checks
 from vcage.tasks.pushing import HEADINGS
 from vcage.tasks.scene_objects import SceneObject
+from vcage.tasks.templates import TEMPLATES
 from vcage.tasks.truth import resting_point
 
 ROUNDING = 1e-6
 """Metres by which a joint may be outside its range, and an object beyond the table's edge."""
+
+
+GIVEN = ("instruction", "template", "table", "workspace", "top_camera", "pictures", "segmentation_ids")
+"""What a scene has from its instruction and its template, and what is drawn of it: not to be edited."""
+
+
+def edited_scene(path: Path, context: StageContext) -> Scene:
+    """The scene of a file that was edited by hand, as it settles.
+
+    Args:
+        path: its file.
+        context: the library.
+
+    Raises:
+        InputFileError: it is not possible, see :func:`possible_scene`; or it is another place or instruction than
+            before, or has no goals any more.
+    """
+    require_same(path, *GIVEN)
+    scene = Scene.read(path)
+    if written_record(path, Scene).goals and not scene.goals:
+        refuse(path, "goals", "none", f"those of the instruction {scene.instruction!r}")
+    return possible_scene(path, scene, context)
 
 
 def possible_scene(path: Path, scene: Scene, context: StageContext) -> Scene:
@@ -123,12 +146,20 @@ def _require_joints(path: Path, objects: Sequence[SceneObject]) -> None:
 
 
 def _require_goals(path: Path, scene: Scene, objects: Sequence[SceneObject]) -> None:
-    """That goals, and what is to be left alone, are about what there is."""
-    by_id = {o.id: o for o in objects}
+    """That goals, and what is to be left alone, are about what there is, and goals are what the instruction asks."""
+    by_id, arms = {o.id: o for o in objects}, load_robot(scene.robot).arms
     for number, asked in enumerate(scene.goals):
-        unknown = strangers(asked.goal, by_id, load_robot(scene.robot).arms)
+        goal, field = asked.goal, f"goals.{number}.goal"
+        unknown = strangers(goal, by_id, arms)
         if unknown:
-            refuse(path, f"goals.{number}.goal", f"there is no {unknown}", _all_of(objects))
+            refuse(path, field, f"there is no {unknown}", _all_of(objects))
+        if goal.subject == goal.reference or goal.subject in scene.untouched:
+            refuse(path, f"{field}.subject", repr(goal.subject), "not its own reference, nor what is left alone")
+        places = arms if goal.relation == "handed" else [*by_id, *([] if goal.relation == "inside" else [TABLE])]
+        if goal.reference is not None and goal.reference not in places:
+            refuse(path, f"{field}.reference", repr(goal.reference), _one_of(goal.reference, places))
+        if asked.words not in (scene.instruction or ""):
+            refuse(path, f"goals.{number}.words", repr(asked.words), f"words of the instruction {scene.instruction!r}")
     for number, name in enumerate(scene.untouched):
         if name not in by_id:
             refuse(path, f"untouched.{number}", repr(name), _one_of(name, by_id))
@@ -206,3 +237,24 @@ def require_possible(path: Path, field: str, subtask: Subtask, scene: Scene, obj
             unknown = strangers(goal, by_id, arms)
             if unknown:
                 refuse(path, f"{field}.{what}.{number}", f"there is no {unknown}", _all_of(objects))
+    _require_offered(path, field, subtask, scene, objects)
+
+
+def _require_offered(path: Path, field: str, subtask: Subtask, scene: Scene, objects: Sequence[SceneObject]) -> None:
+    """That its template, looked for anew, offers just this: its object, where that goes, and what it brings about."""
+    if subtask.receptacle == subtask.object:
+        refuse(path, f"{field}.receptacle", repr(subtask.receptacle), "another than the object itself")
+    if subtask.template == "hand_over" and subtask.hand_to is None:
+        refuse(path, f"{field}.hand_to", "null", "the arm that it is handed to")
+    asked = {*subtask.goals, *(one.goal for one in scene.goals)}
+    offered = [p for template in TEMPLATES.values() for p in template.proposals(objects, asked)[0] if p.offers(subtask)]
+    mine = [proposal for proposal in offered if subtask.template in proposal.templates]
+    if not mine:
+        goals = " and ".join(map(str, subtask.goals))
+        names = dict.fromkeys(name for proposal in offered for name in proposal.templates)
+        wanted = " or ".join(names) or f"what {subtask.template} can do in this scene"
+        found = f"{subtask.template} does not do that with {subtask.object}: {goals}"
+        refuse(path, f"{field}.template" if offered else field, found, wanted)
+    refusals = [proposal.impossible() for proposal in mine]
+    if all(refusals):
+        refuse(path, field, str(refusals[0] and refusals[0].reason), "what is possible by size")

@@ -19,7 +19,7 @@ from vcage.base.hold import held
 from vcage.base.progress import Progress, silent
 from vcage.schema.base import StageDocument
 from vcage.stages.context import StageContext
-from vcage.stages.edits import edits, sealed
+from vcage.stages.edits import edits, require_same, seal, written_record
 from vcage.stages.stage import PRODUCERS, Job, StageOptions, StageResult
 
 logger = logging.getLogger(__name__)
@@ -139,9 +139,10 @@ def take_over_edits(job: Job, context: StageContext, *, force: bool) -> None:
         logger.warning("%s of %s was edited by hand: checking it", ", ".join(changed), stage)
         with atomic_folder(path.parent) as folder:
             shutil.copytree(path.parent, folder, copy_function=_link, dirs_exist_ok=True)
+            require_same(path, "schema", "provenance")
             record = stage_of(stage).take_over(job.run, folder, changed, context)
-            edited = sorted({*record.edited, *changed})
-            sealed(record, folder / path.name, edited).write(folder / path.name)
+            edited = sorted({*written_record(path, type(record)).edited, *changed})
+            seal(record.model_copy(update={"edited": edited}), folder / path.name)
 
 
 def _link(source: str, target: str) -> None:

@@ -20,10 +20,10 @@ from vcage.plans.planner import Task, complaints
 from vcage.schema.base import Provenance
 from vcage.schema.goals import in_steps
 from vcage.schema.scene import Scene
-from vcage.schema.subtasks import Subtasks
+from vcage.schema.subtasks import Chain, Subtasks
 from vcage.sim.robots import load_robot
 from vcage.stages.context import StageContext
-from vcage.stages.edits import refuse
+from vcage.stages.edits import refuse, written_record
 from vcage.stages.possible import require_possible
 from vcage.stages.stage import Job, ModelOptions, StageResult, stage_seed
 from vcage.tasks.ground import Ground
@@ -116,13 +116,28 @@ def take_over(run: RunFolder, folder: Path, edited: Collection[str], context: St
     if record.instruction != scene.instruction:
         refuse(run.subtasks, "instruction", repr(record.instruction), repr(scene.instruction))
     _require_proven(run.subtasks, record, scene, objects)
-    return record
+    return record.model_copy(update={"chains": _named(run.subtasks, record)})
+
+
+def _named(path: Path, record: Subtasks) -> list[Chain]:
+    """The chains with what they are called: the instruction, or the words of their steps, which may be new."""
+    words = {subtask.id: subtask.text for subtask in record.kept}
+    before = {chain.text for chain in written_record(path, Subtasks).chains}
+    named = []
+    for number, chain in enumerate(record.chains):
+        text = record.instruction or ", then ".join(words[name] for name in chain.subtasks)
+        if chain.text not in {text, *before}:
+            refuse(path, f"chains.{number}.text", repr(chain.text), repr(text))
+        named.append(chain.model_copy(update={"text": text}))
+    return named
 
 
 def _require_proven(path: Path, record: Subtasks, scene: Scene, objects: Sequence[SceneObject]) -> None:
     """That each chain brings about the goals of the scene, or without any those of its own steps."""
     kept = {subtask.id: subtask for subtask in record.kept}
     for number, chain in enumerate(record.chains):
+        if chain in record.chains[:number]:
+            refuse(path, f"chains.{number}", "the same as another", "each chain once")
         steps = [kept[name] for name in chain.subtasks]
         if scene.goals:
             task = Task(initial_state(objects), in_steps(scene.goals))

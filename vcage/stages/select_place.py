@@ -48,7 +48,8 @@ from vcage.sim.cameras import observe, shoot
 from vcage.sim.robots import available, load_template
 from vcage.sim.world import World
 from vcage.stages.context import StageContext
-from vcage.stages.possible import possible_scene
+from vcage.stages.edits import written_record
+from vcage.stages.possible import edited_scene
 from vcage.stages.stability import moved_objects, settle_checks
 from vcage.stages.stage import Job, ModelOptions, StageResult
 from vcage.tasks.search import require_way
@@ -179,11 +180,10 @@ def take_over(run: RunFolder, folder: Path, edited: Collection[str], context: St
     Raises:
         InputFileError: it is not possible.
     """
-    scene = Scene.read(run.scene)
     if run.scene.name not in edited:
-        return scene
-    settled = possible_scene(run.scene, scene, context)
-    notes = scene.checks.get("notes", [])
+        return Scene.read(run.scene)
+    settled = edited_scene(run.scene, context)
+    notes = written_record(run.scene, Scene).checks.get("notes", [])
     return photograph(settled.model_copy(update={"checks": {**settled.checks, "notes": notes}}), context, folder)
 
 

@@ -27,7 +27,7 @@ from vcage.schema.base import Provenance, StageDocument
 from vcage.schema.exchange import Asked
 from vcage.schema.scene import Scene
 from vcage.stages.context import StageContext
-from vcage.stages.edits import sealed
+from vcage.stages.edits import seal
 
 logger = logging.getLogger(__name__)
 
@@ -222,8 +222,7 @@ class Job:
         self.run.make()
         with atomic_folder(self.output.parent) as folder:
             path = folder / self.output.name
-            record = sealed(make(folder, provenance), path)
-            record.write(path)
+            record = seal(make(folder, provenance), path)
         return StageResult(record, self.output, fresh=True)
 
     def inside(self, name: str) -> str:

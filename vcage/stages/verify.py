@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from vcage.base.errors import AnswerNeeded, InputFileError, MissingStage, UnknownName
+from vcage.base.errors import AnswerNeeded, InputFileError, MissingStage, StaleStage, UnknownName
 from vcage.base.files import RunFolder
 from vcage.base.pictures import read_picture, write_picture
 from vcage.base.progress import Progress, silent
@@ -21,7 +21,7 @@ from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Subtask, Subtasks
 from vcage.stages.context import StageContext
 from vcage.stages.differences import draw_difference
-from vcage.stages.edits import refuse
+from vcage.stages.edits import BY_HAND, by_hand, require_evidence, require_only, written_record
 from vcage.stages.episode_store import background_name, confusion, log_path, read_log
 from vcage.stages.question import TOP, Asking, verdict
 from vcage.stages.stage import Job, ModelOptions, StageResult, stage_seed
@@ -31,6 +31,9 @@ logger = logging.getLogger(__name__)
 
 _NAMED = re.compile(r"-(before|after|moment|start)-(\w+)\.png$")
 """How collect names what a verdict looked at: when, and by which camera."""
+
+DECIDED = tuple(("episodes", "*", "*", said) for said in ("accepted", "reason", "confidence"))
+"""What a hand may say of verdicts; all else was seen, or counted."""
 
 Options = ModelOptions
 """The stage has no options of its own."""
@@ -67,9 +70,11 @@ def execute(
     """Write ``verify/verdicts.json``: a verdict on every attempt of which pictures are kept, and both critics counted.
 
     What the same critic said of the same pictures while they were collected is taken over, unless ``force`` asks for it
-    to look again. Where the two critics differ, a picture in ``verify/differences`` shows what they looked at.
+    to look again; and what was decided by hand stays decided where there are other episodes by now. Where the two
+    critics differ, a picture in ``verify/differences`` shows what they looked at.
     """
     stage = job(run, options, context)
+    earlier = None if options.force else _of_other_episodes(stage)
 
     def make(folder: Path, provenance: Provenance) -> Verdicts:
         then = Episodes.read(run.episodes).provenance
@@ -78,27 +83,47 @@ def execute(
             then.providers.get("critic"),
         )
         judge = _Judge(run, context, take_over=same_critic and not options.force)
-        return _judged(run, judge, folder, provenance, progress)
+        return _decided(earlier, _judged(run, judge, folder, provenance, progress))
 
-    return stage.do(Verdicts, make, force=options.force)
+    return stage.do(Verdicts, make, force=options.force or earlier is not None)
+
+
+def _of_other_episodes(stage: Job) -> Verdicts | None:
+    """Earlier verdicts that nothing is wrong with but that there are other episodes by now, more or fewer."""
+    try:
+        stage.finished(Verdicts, force=False)
+    except StaleStage as error:
+        run = stage.run
+        grown = {f"input {run.relative(path)}" for path in (run.episodes, log_path(run.episodes.parent))}
+        if {*error.details["changed"]} <= grown:
+            return Verdicts.read(run.verdicts)
+        raise
+    return None
+
+
+def _decided(earlier: Verdicts | None, record: Verdicts) -> Verdicts:
+    """Verdicts with what was decided by hand of the same episodes before."""
+    if earlier is None:
+        return record
+    known = {v.question: v for said in earlier.episodes.values() for v in said if v.provider == BY_HAND}
+    episodes = {name: [known.get(v.question, v) for v in said] for name, said in record.episodes.items()}
+    return record.model_copy(update={"episodes": episodes, "edited": earlier.edited})
 
 
 def take_over(run: RunFolder, folder: Path, edited: Collection[str], context: StageContext) -> Verdicts:
     """The verdicts as they were edited by hand.
 
     Raises:
-        InputFileError: they are not one for each sub-task of each accepted episode.
+        InputFileError: something was changed that is no decision.
     """
-    record = Verdicts.read(run.verdicts)
-    accepted = {_named(e): len(e.subtasks) for e in Episodes.read(run.episodes).episodes if e.accepted}
-    if record.episodes.keys() != accepted.keys():
-        refuse(run.verdicts, "episodes", f"{', '.join(record.episodes) or 'none'}", f"{', '.join(accepted) or 'none'}")
-    for name, said in record.episodes.items():
-        if len(said) != accepted[name]:
-            refuse(
-                run.verdicts, f"episodes.{name}", f"{len(said)} verdicts", f"{accepted[name]}, one for each sub-task"
-            )
-    return record
+    require_evidence(run.verdicts, edited)
+    require_only(run.verdicts, *DECIDED)
+    record, was = Verdicts.read(run.verdicts), written_record(run.verdicts, Verdicts)
+    episodes = {
+        name: [by_hand(*pair) for pair in zip(was.episodes[name], said, strict=True)]
+        for name, said in record.episodes.items()
+    }
+    return record.model_copy(update={"episodes": episodes})
 
 
 def _named(episode: Episode) -> str:

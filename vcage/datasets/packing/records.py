@@ -28,7 +28,7 @@ def compression_record(
     Args:
         provenance: of the record.
         settings: how the streams were made.
-        streams: at least one.
+        streams: none where nothing is left that counts.
         notes: recording → what a user must know of it.
         packed, set_aside: of a run, see :class:`Compression`.
     """
@@ -83,5 +83,7 @@ def _common(values: Sequence[T]) -> T | None:
 
 
 def _reduction(streams: Sequence[VideoStream], baseline: str) -> float:
+    if not streams:
+        return 0.0
     before = sum(getattr(stream, baseline) for stream in streams)
     return round(1 - sum(stream.bytes for stream in streams) / max(before, 1), 5)

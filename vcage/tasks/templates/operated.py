@@ -70,6 +70,11 @@ class Operable(Proposal):
         """One: a contact point."""
         return 1
 
+    def offers(self, subtask: Subtask) -> bool:
+        """Whether a sub-task brings the part there."""
+        target = round(self.template.target(self.thing.asset.model.link(self.part).joint), 4)
+        return super().offers(subtask) and subtask.target == target
+
     def examine(
         self,
         objects: Sequence[SceneObject],

@@ -129,6 +129,16 @@ class Pair(Proposal):
         """What it would bring about, what it is for first."""
         return list(dict.fromkeys([self.goal, lying(self.thing, self.receptacle, self.point)]))
 
+    @property
+    def templates(self) -> tuple[TemplateName, ...]:
+        """Its own; or where it changes hands on its way, that."""
+        return (self.name, "hand_over") if self.name == "place" else (self.name,)
+
+    def offers(self, subtask: Subtask) -> bool:
+        """Whether a sub-task puts the object there."""
+        here = (subtask.object, subtask.receptacle, subtask.functional_point)
+        return here == (self.thing.id, self.receptacle.id, self.point.id) and {*subtask.goals} == {*self.goals}
+
     def impossible(self) -> Refusal | None:
         """A place that is not open to above, or too small."""
         check = access(self._opened, self.point)

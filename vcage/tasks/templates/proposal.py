@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from vcage.schema.goals import Goal
+from vcage.schema.plan import TABLE
 from vcage.schema.subtasks import Check, PairQuestion, Refusal, Subtask, TemplateName
 from vcage.sim.kinematics import ArmKinematics
 from vcage.tasks.feasibility import Feasibility
@@ -49,6 +50,17 @@ class Proposal(ABC):
     def question(self) -> PairQuestion | None:
         """What the reasoner is asked about it; None where nobody needs to be asked."""
         return None
+
+    @property
+    def templates(self) -> tuple[TemplateName, ...]:
+        """What the sub-task that comes of it may be called."""
+        return (self.name,)
+
+    def offers(self, subtask: Subtask) -> bool:
+        """Whether a sub-task is this with a way to do it: what is put down besides stands on the table."""
+        besides = Goal(subject=self.thing.id, relation="on", reference=TABLE)
+        told = {*self.goals} <= {*subtask.goals} <= {*self.goals, besides}
+        return told and subtask.object == self.thing.id and subtask.receptacle in (None, TABLE)
 
     @abstractmethod
     def examine(

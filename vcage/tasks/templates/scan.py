@@ -65,6 +65,11 @@ class Reading(Proposal):
         """How many contact points there are on what can be moved."""
         return sum(len(mover.asset.annotation.carrying_points) for mover, _ in self._ways)
 
+    def offers(self, subtask: Subtask) -> bool:
+        """Whether a sub-task shows the one to the other."""
+        carried = [mover.id for mover, _ in self._ways]
+        return super().offers(subtask) and subtask.tool == self.scanner.id and subtask.grasped in carried
+
     def impossible(self) -> Refusal | None:
         """One of the two must be one that can be carried."""
         if self._ways:
