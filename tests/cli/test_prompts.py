@@ -6,7 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.runs import command, digests
+from tests.runs import command, copied, digests
+from vcage.base.files import RunFolder, write_json
 
 TASK = "Put the red block and the green block into the box"
 
@@ -53,3 +54,11 @@ def test_what_is_missing_is_told_with_its_own_path_and_the_command_that_makes_it
 def test_a_folder_without_a_run_is_named(tmp_path: Path, capsys) -> None:
     ended = command(capsys, "prompts", "show", "plan_layout", "--run", str(tmp_path / "none"))
     assert ended.code == 3 and "none" in ended.error["message"]
+
+
+def test_options_that_were_damaged_are_named_with_their_file(planned: Path, tmp_path: Path, capsys) -> None:
+    run = copied(RunFolder(planned), tmp_path / "run", before="inpaint_plan")
+    write_json(run.options, {"models": ["--models", "nobody"]})
+    answer = command(capsys, "prompts", "show", "plan_layout", "--run", run)
+    assert answer.code == 3 and str(run.options) in answer.error["message"] and "nobody" in answer.error["message"]
+    assert answer.error["hint"].startswith("mend it")

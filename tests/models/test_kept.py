@@ -96,6 +96,9 @@ def test_a_damaged_record_is_named(exchanges: Exchanges) -> None:
     path.write_text("{")
     with pytest.raises(DamagedFile, match=path.name):
         exchanges.find(ASKED, "counting:one")
+    with pytest.raises(DamagedFile, match=path.name) as caught:
+        exchanges.all()
+    assert "remove it" in caught.value.hint
 
 
 def test_exchanges_are_in_the_order_in_which_they_were_first_kept(exchanges: Exchanges) -> None:

@@ -108,8 +108,9 @@ def test_auto_tells_which_provider_it_took_and_why(monkeypatch: pytest.MonkeyPat
 def test_who_does_not_draw_leaves_the_drawing_to_rules_unless_named(monkeypatch: pytest.MonkeyPatch) -> None:
     assert Choice("anthropic").of("editor") == Choice("agent").of("editor") == "offline"
     for name in ("anthropic", "agent"):
-        with pytest.raises(UsageError, match=f"{name} does not draw"):
+        with pytest.raises(UsageError, match=f"{name} does not draw") as caught:
             Choice(editor=name).of("editor")
+        assert caught.value.command.endswith("vcage inpaint-plan --help")
 
 
 @pytest.fixture

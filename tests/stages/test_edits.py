@@ -264,6 +264,35 @@ def test_the_result_says_what_was_edited_who_answered_and_where_pictures_are(run
     assert answer["pictures"] == [str(run.matches.with_name("overlay.png"))]
 
 
+# --- lost ----------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("stage", "name"),
+    [(inpaint_plan, "target.png"), (optimize, "top.png"), (select_place, "source.png"), (match, "overlay.png")],
+)
+def test_a_finished_stage_that_lost_a_file_makes_it_again(run, finished, stage, name):
+    path = stage.job(run, OPTIONS, finished.context).output.with_name(name)
+    path.unlink()
+    assert again(stage, run, finished).fresh
+    assert sha256_file(path) == sha256_file(finished.run.root / run.relative(path))
+
+
+def test_where_an_edit_would_be_lost_the_missing_file_is_named(run, finished):
+    edit(run.layout, moved(x=-0.01, y=-0.01))
+    again(optimize, run, finished)
+    run.layout.with_name("top.png").unlink()
+    with pytest.raises(InputFileError, match=r"top\.png is gone, which optimize had written") as caught:
+        again(optimize, run, finished)
+    assert caught.value.maker == "optimize" and Scene.read(run.layout).edited == ["scene.json"]
+
+
+def test_episodes_are_not_collected_again_because_their_log_is_gone(run, finished):
+    log_path(run.episodes.parent).unlink()
+    with pytest.raises(InputFileError, match=r"log\.jsonl is gone, which collect had written"):
+        again(collect, run, finished)
+
+
 # --- refused -------------------------------------------------------------------------------------------
 
 

@@ -200,6 +200,23 @@ def test_another_log_is_judged_again(finished, tmp_path):
     assert done.fresh and done.record.critic.judged == Verdicts.read(finished.run.verdicts).critic.judged - 1
 
 
+def test_a_damaged_line_of_the_log_is_told_in_one_line(finished, tmp_path):
+    run = copied(finished.run, tmp_path / "run")
+    log = log_path(run.episodes.parent)
+    write_text(log, log.read_text() + '{"episode": -1}\n')
+    with pytest.raises(DamagedFile, match=r"log\.jsonl, line \d+: field \w+: ") as caught:
+        read_log(run.episodes.parent)
+    assert "\n" not in caught.value.message and "http" not in caught.value.message
+
+
+def test_without_the_picture_of_the_empty_table_the_stage_that_takes_it_is_named(finished, tmp_path):
+    run = copied(finished.run, tmp_path / "run", before="verify")
+    next((run.episodes.parent / "critic").glob("*-background-top.png")).unlink()
+    with pytest.raises(MissingStage, match=r"background-top\.png") as caught:
+        verify.execute(run, OPTIONS, finished.context)
+    assert caught.value.maker == "collect"
+
+
 # --- one pair ------------------------------------------------------------------------------------------
 
 

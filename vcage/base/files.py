@@ -254,8 +254,9 @@ PRODUCERS = {
 
 
 def maker_of(path: Path) -> str:
-    """The stage that writes a file, by the folder that it lies in; empty where no stage does."""
-    return PRODUCERS.get(Path(path).parent.name, "")
+    """The stage that writes a file, by the folder that it lies in or the one above; empty where no stage does."""
+    folder = Path(path).parent
+    return PRODUCERS.get(folder.name) or PRODUCERS.get(folder.parent.name, "")
 
 
 class RunFolder:

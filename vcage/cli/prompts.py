@@ -9,7 +9,7 @@ from typing import Annotated
 
 from tyro.conf import Positional, arg
 
-from vcage.base.errors import MissingStage
+from vcage.base.errors import InputFileError, MissingStage, UsageError
 from vcage.base.files import RunFolder
 from vcage.base.options import FOLDER, choice
 from vcage.cli.arguments import Command, parse
@@ -42,7 +42,11 @@ class ShowPrompt(Command):
         run, stage = RunFolder(self.run), ASKED_BY[self.name]
         if not run.root.is_dir():
             raise MissingStage(f"there is no run in {run}", hint="begin one", maker="select_place")
-        command = parse(options_of(stage), words_of(stage, run), prog=stage, text="", about="")
+        try:
+            command = parse(options_of(stage), words_of(stage, run), prog=stage, text="", about="")
+        except UsageError as error:
+            hint = "mend it, or remove it: it holds no results"
+            raise InputFileError(f"{run.options}, of {stage}: {error.message}", hint=hint) from error
         assert command is not None  # no help is asked for
         question = question_of(self.name, run, command.stage)
         summary = {

@@ -33,7 +33,11 @@ class Exchanges:
         Raises:
             DamagedFile, SchemaMismatch: one cannot be read.
         """
-        return sorted(map(Exchange.read, self.folder.glob("*.json")), key=lambda exchange: exchange.number)
+        try:
+            return sorted(map(Exchange.read, self.folder.glob("*.json")), key=lambda exchange: exchange.number)
+        except InputFileError as error:
+            error.hint = "put it back as it was, or remove it: what it answered is asked again where it is needed"
+            raise
 
     def find(self, question: Question, provider: str) -> Reply | None:
         """What somebody answered to a question; None where that was not kept.

@@ -15,6 +15,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from vcage.base.commands import vcage_command
 from vcage.base.errors import InputFileError, UnknownName, UsageError
 from vcage.models import agent
 from vcage.models.exchange import Answerer
@@ -80,7 +81,8 @@ class Choice:
         if role == "editor" and (chosen == agent.PROVIDER or (chosen in PROVIDERS and not PROVIDERS[chosen].picture)):
             if self.editor is None:
                 return OFFLINE
-            raise UsageError(f"{chosen} does not draw", hint="give a picture with: inpaint-plan --target FILE")
+            hint = f"let {OFFLINE} be the --editor, or give a picture as --target of"
+            raise UsageError(f"{chosen} does not draw", hint=hint, command=vcage_command("inpaint-plan", "--help"))
         return chosen
 
     def told(self, roles: Sequence[Asked]) -> str:

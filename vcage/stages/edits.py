@@ -150,7 +150,7 @@ def refuse(path: Path, field: str, found: str, expected: str) -> NoReturn:
     raise InputFileError(
         f"{path}: field {field}: {found}; expected {expected}",
         hint="mend the field",
-        maker=maker_of(path) or maker_of(path.parent),
+        maker=maker_of(path),
         details={"path": str(path), "field": field, "expected": expected},
     )
 

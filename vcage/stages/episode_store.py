@@ -8,6 +8,8 @@ import shutil
 from collections.abc import Sequence
 from pathlib import Path
 
+from pydantic import ValidationError
+
 from vcage.base.errors import DamagedFile, InputFileError, MissingStage
 from vcage.base.files import PARTIAL, REPLACED, atomic_folder, recover, write_text
 from vcage.base.keeper import Keeper
@@ -127,9 +129,18 @@ def read_log(folder: Path) -> list[Attempt]:
     path = log_path(folder)
     try:
         lines = path.read_text(encoding="utf-8").splitlines() if path.is_file() else []
-        return [Attempt.model_validate_json(line) for line in lines]
     except ValueError as error:
-        raise DamagedFile(f"{path} is damaged: {error}", maker="collect") from error
+        raise DamagedFile(f"{path} is no text: {error}", maker="collect") from error
+    return [_attempt(line, f"{path}, line {number}") for number, line in enumerate(lines, start=1)]
+
+
+def _attempt(line: str, where: str) -> Attempt:
+    try:
+        return Attempt.model_validate_json(line)
+    except ValidationError as error:
+        first = error.errors()[0]
+        field = ".".join(map(str, first["loc"])) or "(whole line)"
+        raise DamagedFile(f"{where}: field {field}: {first['msg']}", hint="mend it", maker="collect") from error
 
 
 def acceptance(attempts: Sequence[Attempt]) -> dict[str, dict[str, int]]:

@@ -27,7 +27,7 @@ from vcage.schema.base import Provenance, StageDocument
 from vcage.schema.exchange import Asked
 from vcage.schema.scene import Scene
 from vcage.stages.context import StageContext
-from vcage.stages.edits import seal
+from vcage.stages.edits import lost, seal
 
 logger = logging.getLogger(__name__)
 
@@ -175,11 +175,13 @@ class Job:
         )
 
     def finished(self, document: type[D], *, force: bool) -> StageResult[D] | None:
-        """The result of an earlier run with the same provenance, or None when there is work to do.
+        """The result of an earlier run with the same provenance, or None when there is work to do: nothing was done, or
+        a file of it is gone.
 
         Raises:
             StaleStage: the stage is finished, but from other inputs or options, and ``force`` is not set.
-            InputFileError: what it left cannot be read, and ``force`` is not set.
+            InputFileError: what it left cannot be read, or lacks a file and making it again would lose episodes or an
+                edit, and ``force`` is not set.
             OutputFolderError: its folder holds files, but no stage made it, and ``force`` is not set.
         """
         recover(self.output.parent)
@@ -194,6 +196,16 @@ class Job:
         except InputFileError as error:
             error.maker = error.maker or self.stage
             raise
+        if gone := lost(self.output):
+            if record.edited or self.stage == "collect":
+                raise InputFileError(
+                    f"{self.output.parent / gone[0]} is gone, which {self.stage} had written",
+                    hint="put it back",
+                    maker=self.stage,
+                    details={"missing": gone, "edited": record.edited},
+                )
+            logger.warning("%s: made again, as %s is gone", self.stage, ", ".join(gone))
+            return None
         if keeper.knows(record):
             return StageResult(record, self.output, fresh=False)
         changed = differences(record.provenance, keeper.made_from)
