@@ -46,8 +46,13 @@ def refusals(run: RunFolder) -> dict[str, str]:
     return verdicts.refused
 
 
-def none_counts(run: RunFolder) -> MissingStage:
-    """The error of a run in which no episode counts: says why, and how there may be some."""
+def none_counts(run: RunFolder) -> MissingStage | None:
+    """The error of a run in which no episode counts: says why, and how there may be some.
+
+    None where some do, or nothing was collected yet.
+    """
+    if not run.episodes.exists() or accepted_episodes(run):
+        return None
     refused = refusals(run)
     if not refused:
         hint = "collect others: another --seed gives another layout"

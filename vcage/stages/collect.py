@@ -143,8 +143,8 @@ def take_over(run: RunFolder, folder: Path, edited: Collection[str], context: St
         InputFileError: it is not possible, or something was changed that is no decision.
     """
     require_evidence(run.episodes, edited)
-    require_only(run.episodes, *DECIDED)
     record, was = Episodes.read(run.episodes), written_record(run.episodes, Episodes)
+    require_only(run.episodes, *DECIDED)
     episodes = [_by_hand(*pair) for pair in zip(was.episodes, record.episodes, strict=True)]
     for number, episode in enumerate(episodes):
         if episode.accepted and not _verified(run, episode, record.chains[episode.chain]):

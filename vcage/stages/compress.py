@@ -85,13 +85,13 @@ def execute(
         MissingDependency: ColorVideoVDP or the encoder is missing.
     """
     stage = job(run, options, context)
-    working, counts = run.root / WORKING, bool(accepted_episodes(run))
-    if not counts and not _made_so(run, stage.options):
-        raise none_counts(run)
+    working, none = run.root / WORKING, none_counts(run)
+    if none and not _made_so(run, stage.options):
+        raise none
 
     def make(folder: Path, provenance: Provenance) -> Compression:
         aside = _set_aside(run, provenance)
-        if not counts:
+        if none:
             return compression_record(provenance, options.compression, [], set_aside=aside)
         earlier = _earlier(run, provenance)
         clips, files = clips_of(run)
@@ -116,10 +116,10 @@ def execute(
         }
         return compression_record(provenance, options.compression, streams, packed=packed, set_aside=aside)
 
-    result = stage.do(Compression, make, force=options.force or not counts)
-    if not counts:
+    result = stage.do(Compression, make, force=options.force or none is not None)
+    if none:
         withdraw(run.export.parent)
-        raise none_counts(run)
+        raise none
     if not options.keep_raw:
         refer_to_videos(run, result.record, working)
     shutil.rmtree(working, ignore_errors=True)  # not before the stage is whole: a search takes long

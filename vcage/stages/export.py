@@ -109,9 +109,9 @@ def execute(
         DamagedFile, SchemaMismatch: an episode or a video cannot be read.
         UsageError: the codec asked for cannot stay under the loss that the compression allowed, or needs a CRF.
     """
-    if not accepted_episodes(run):
+    if none := none_counts(run):
         withdraw(run.export.parent)
-        raise none_counts(run)
+        raise none
     stage = job(run, options, context)
 
     def make(folder: Path, provenance: Provenance) -> Export:

@@ -139,7 +139,7 @@ def take_over_edits(job: Job, context: StageContext, *, force: bool) -> None:
         logger.warning("%s of %s was edited by hand: checking it", ", ".join(changed), stage)
         with atomic_folder(path.parent) as folder:
             shutil.copytree(path.parent, folder, copy_function=_link, dirs_exist_ok=True)
-            require_same(path, "schema", "provenance")
+            require_same(path, "provenance")
             record = stage_of(stage).take_over(job.run, folder, changed, context)
             edited = sorted({*written_record(path, type(record)).edited, *changed})
             seal(record.model_copy(update={"edited": edited}), folder / path.name)

@@ -117,8 +117,8 @@ def take_over(run: RunFolder, folder: Path, edited: Collection[str], context: St
         InputFileError: something was changed that is no decision.
     """
     require_evidence(run.verdicts, edited)
-    require_only(run.verdicts, *DECIDED)
     record, was = Verdicts.read(run.verdicts), written_record(run.verdicts, Verdicts)
+    require_only(run.verdicts, *DECIDED)
     episodes = {
         name: [by_hand(*pair) for pair in zip(was.episodes[name], said, strict=True)]
         for name, said in record.episodes.items()
