@@ -105,9 +105,18 @@ def test_a_layout_in_which_a_goal_is_fulfilled_already_is_refused(finished, scen
     told = next(r for r in relations if r.relation == "left_of")
     goal = chain[0].goals[0].model_copy(update=told.model_dump())
     begun = [chain[0].model_copy(update={"goals": [goal]})]
+    source = Layouts(scene, relations, begun, finished.context)
+    source._fulfilled_before = set()
     with pytest.raises(NoLayout) as caught:
-        Layouts(scene, relations, begun, finished.context).draw(np.random.default_rng(0))
+        source.draw(np.random.default_rng(0))
     assert f"{goal} already" in caught.value.details["refused"]
+
+
+def test_a_goal_that_the_runs_own_layout_fulfils_too_is_no_reason_to_refuse(finished, scene, chain, relations):
+    told = next(r for r in relations if r.relation == "left_of")
+    goals = [*chain[0].goals, chain[0].goals[0].model_copy(update=told.model_dump())]
+    source = Layouts(scene, relations, [chain[0].model_copy(update={"goals": goals})], finished.context)
+    assert source.draw(np.random.default_rng(0)).refused == {}
 
 
 def test_where_no_layout_is_found_the_runs_own_is_taken_and_that_is_recorded(finished: Finished, tmp_path, monkeypatch):

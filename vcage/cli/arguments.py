@@ -148,7 +148,7 @@ def _in_one_line(complaint: str) -> tuple[str, str]:
         what = f"there is no option {' or '.join(options)}" if options else f"one word too many: {' '.join(words)}"
         return what, f"did you mean {' or '.join(near)}? " if near else ""
     if choice := re.fullmatch(r"invalid choice (.*) for argument '(.*)'\. Expected one of \((.*?),?\)\.", line):
-        return f"{choice[2]}: there is no {choice[1]}; there are: {choice[3].replace(chr(39), '')}", ""
+        return f"{choice[2]}: there is no {choice[1]}; there are: {choice[3].replace(chr(39), '').rstrip(', ')}", ""
     if bare := re.match("Missing value for argument '(.*?)'", line):
         return f"{bare[1]} needs a value", ""
     return line.removeprefix("Error parsing "), ""

@@ -7,7 +7,7 @@ Objects are placed at random where the robot reaches (:mod:`vcage.layout.placeme
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import get_args
 
@@ -20,6 +20,7 @@ from vcage.layout.optimize import LayoutOptions, optimize_layout
 from vcage.layout.placement.place import place
 from vcage.plans.kept import relations_kept, relations_kept_in
 from vcage.plans.relations import holds
+from vcage.schema.goals import Goal
 from vcage.schema.plan import Relation, RelationWord
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Grasp, Subtask
@@ -88,6 +89,8 @@ class Layouts:
         self._margin = float(scene.provenance.options.get("margin", LayoutOptions.margin))
         self._ground, self._robot = Ground.of(scene), load_robot(scene.robot)
         now = {name: o.pose for name, o in self._objects.items()}
+        # A chain may bring a thing back to where it is at the start.
+        self._fulfilled_before = self._fulfilled({o.id: np.array(o.aabb) for o in scene.objects})
         self._standing = [
             replace(item, yaws=self._headings(self._objects[item.id]))
             for item in self._items(now)
@@ -121,12 +124,8 @@ class Layouts:
         boxes = {name: world_aabb(o.asset.bounds, poses[name]) for name, o in self._objects.items()}
         if broken := relations_kept(self._relations, boxes, self._scene.table).sentences:
             raise _Refused(f"not {broken[0]}")
-        for goal in (goal for subtask in self._chain for goal in subtask.goals):
-            if goal.reference is None or goal.reference not in boxes or goal.part is not None:
-                continue
-            word = next((word for word in get_args(RelationWord) if word == goal.relation), None)
-            if word is not None and holds(word, boxes[goal.subject], boxes[goal.reference]):
-                raise _Refused(f"{goal} already")
+        if fulfilled := self._fulfilled(boxes) - self._fulfilled_before:
+            raise _Refused(f"{min(map(str, fulfilled))} already")
         objects = [o.moved(poses[name]) for name, o in self._objects.items()]
         chain = [self._examined(subtask, objects, rng) for subtask in self._chain]
         try:
@@ -134,6 +133,15 @@ class Layouts:
         except InfeasibleScene:
             raise _Refused("things do not go side by side where they are put") from None
         return Layout(poses, {subtask.id: subtask.grasps for subtask in chain}, slots)
+
+    def _fulfilled(self, boxes: Mapping[str, np.ndarray]) -> set[Goal]:
+        """Goals of the chain about where things stand that are true where objects have these boxes (2, 3)."""
+        found = set()
+        for goal in (goal for subtask in self._chain for goal in subtask.goals if goal.part is None):
+            word = next((word for word in get_args(RelationWord) if word == goal.relation), None)
+            if word is not None and goal.reference in boxes:
+                found |= {goal} if holds(word, boxes[goal.subject], boxes[str(goal.reference)]) else set()
+        return found
 
     def _solved(self, rng: np.random.Generator) -> dict[str, Pose]:
         """The layout that keeps the plan and is nearest to one that is drawn at random."""
