@@ -52,18 +52,20 @@ Outcome = dict[str, str]
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """What can be chosen."""
     parser.add_argument("--scenes", nargs="+", choices=SCENES, default=SCENES, help="which ones")
+    parser.add_argument("--robot", default="dual_panda", help="which one")
     parser.add_argument("--workers", type=int, default=cores(), help="processes")
 
 
-def run(quick: bool, scenes: Sequence[str] = SCENES, workers: int = 1) -> dict[str, Any]:
+def run(quick: bool, scenes: Sequence[str] = SCENES, robot: str = "dual_panda", workers: int = 1) -> dict[str, Any]:
     """Two rows for each scene: from random places, and laid out.
 
     Args:
         quick: two sub-tasks of a scene, with one seed.
         scenes: names of scene templates.
+        robot: by name.
         workers: processes.
     """
-    tasks = [_Task(scene, seed, quick) for scene in scenes for seed in range(1 if quick else SEEDS)]
+    tasks = [_Task(scene, seed, robot, quick) for scene in scenes for seed in range(1 if quick else SEEDS)]
     tallies = {(scene, layout): Tally() for scene in scenes for layout in LAYOUTS}
     for task, outcomes in in_processes(_outcomes, tasks, workers):
         for layout, outcome in outcomes.items():
@@ -73,7 +75,11 @@ def run(quick: bool, scenes: Sequence[str] = SCENES, workers: int = 1) -> dict[s
     for (scene, layout), tally in tallies.items():
         for reason, count in tally.reasons().most_common(SHOWN):
             logger.info("%s, %s: %d × %s", scene, layout, count, reason[:200])
-    return {"rows": [{"scene": s, "layout": layout, **tally.row()} for (s, layout), tally in tallies.items()]}
+    return {
+        "rows": [
+            {"scene": s, "robot": robot, "layout": layout, **tally.row()} for (s, layout), tally in tallies.items()
+        ]
+    }
 
 
 @dataclass
@@ -113,6 +119,7 @@ class _Task:
 
     scene: str
     seed: int
+    robot: str
     quick: bool
 
 
@@ -126,7 +133,8 @@ def _outcomes(task: _Task) -> tuple[_Task, dict[str, Outcome]]:
     context = _context()
     with tempfile.TemporaryDirectory() as folder:
         first = RunFolder(Path(folder) / "first")
-        select_place.execute(first, select_place.Options(template=task.scene, models="offline", seed=0), context)
+        drawing = select_place.Options(template=task.scene, robot=task.robot, models="offline", seed=0)
+        select_place.execute(first, drawing, context)
         drawn = Scene.read(first.scene)
         found = found_subtasks(drawn, context)
         names = [found[0], found[-1]] if task.quick else found
@@ -157,7 +165,7 @@ def _lay_out(run: RunFolder, drawn: Scene, seed: int, layout: str, context: Stag
     """Write ``place/`` and ``optimize/`` of a run: the objects of a scene at other places, and where they end."""
     kept = {name: getattr(drawn, name) for name in Scene.model_fields if name not in ("objects", "checks", "schema_id")}
     objects = [NamedObject(o.id, o.asset, o.variant, o.phrase, o.role, o.container) for o in drawn.objects]
-    rng, template = np.random.default_rng([seed, 1]), load_template(drawn.template)
+    rng, template = np.random.default_rng([seed, 1]), load_template(drawn.template, drawn.robot)
     placed = select_place.place_until_stable(kept, objects, template, context, rng)
     run.scene.parent.mkdir(parents=True)
     if layout == "random":

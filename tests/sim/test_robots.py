@@ -34,13 +34,14 @@ def test_a_file_that_a_package_lacks_is_named():
         package_file("mani_skill:arms/none.urdf")
 
 
-def test_the_arms_at_home_leave_the_workspace_free_in_the_top_view(template, robot):
+@pytest.mark.parametrize("name", available("robots"))
+def test_the_arms_at_home_leave_the_workspace_free_in_the_top_view(template, name):
     from vcage.sim.kinematics import kinematics_of
 
     camera = template.top_camera.camera()
     x0, y0 = template.workspace.lower
     edge = camera.project([x0, y0, template.table.height])[1]
-    for arm in robot.arms.values():
+    for arm in load_robot(name).arms.values():
         kinematics = kinematics_of(arm)
         base, poses = arm.base.pose(), kinematics.base_poses(kinematics.home, 1.0)
         for link, shape in kinematics.link_shapes:

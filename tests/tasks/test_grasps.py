@@ -26,10 +26,20 @@ poses = st.builds(
 
 
 @given(contacts, poses)
-def test_finger_tips_are_never_below_the_support(contact: ContactPoint, pose: Pose):
+def test_neither_finger_tips_nor_palm_are_ever_below_the_support(contact: ContactPoint, pose: Pose):
     for grasp in grasp_poses(pose, contact, GRIPPER, TABLE_TOP):
+        for part in hand_boxes(GRIPPER, GRIPPER.max_width):
+            assert SolidBox(part, grasp.pose).bottom > TABLE_TOP
+
+
+@given(st.sampled_from([c for c in CONTACTS if c.link is None]), poses)
+def test_no_tilted_finger_comes_deeper_than_a_straight_one(contact: ContactPoint, pose: Pose):
+    """There the object may be wider than where it is to be held."""
+    straight, *others = grasp_poses(pose, contact, GRIPPER, TABLE_TOP)
+    deepest = min(SolidBox(finger, straight.pose).bottom for finger in hand_boxes(GRIPPER, GRIPPER.max_width)[:2])
+    for grasp in others:
         for finger in hand_boxes(GRIPPER, GRIPPER.max_width)[:2]:
-            assert SolidBox(finger, grasp.pose).bottom > TABLE_TOP
+            assert SolidBox(finger, grasp.pose).bottom > deepest - 1e-6
 
 
 @given(contacts, poses)

@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 import itertools
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tests.scenes import GROUND, thing
+from tests.scenes import GROUND, TABLE_TOP, thing
 from vcage.base.geometry import Pose, boxes_overlap
 from vcage.plans.relations import holds
 from vcage.schema.goals import Goal
 from vcage.schema.plan import TABLE
+from vcage.sim.kinematics import kinematics_of
+from vcage.sim.robots import load_robot
+from vcage.tasks.grasps import grasp_poses
 from vcage.tasks.ground import faces_customer, on_customers_half
 
 PLATE = thing("plate", (0.0, 0.05))
@@ -40,6 +44,18 @@ def test_what_stands_at_its_place_moves_it_elsewhere() -> None:
     full = [np.array([[-0.45, -0.25], [0.0, 0.3]])]
     poses = GROUND.poses(block, goal("on", TABLE), [], np.random.default_rng(0), full)
     assert all(pose.p[0] > 0 for pose in itertools.islice(poses, 5))
+
+
+def test_what_is_put_down_stands_where_an_arm_reaches_it() -> None:
+    left = kinematics_of(load_robot("aloha_agilex").arms["left"])
+    block, reached = thing("block", (-0.3, -0.1)), replace(GROUND, arms=(left,))
+    found = list(reached.poses(block, goal("on", TABLE), [], np.random.default_rng(0)))
+    anywhere = list(GROUND.poses(block, goal("on", TABLE), [], np.random.default_rng(0)))
+    assert 0 < len(found) < len(anywhere)
+    assert {pose.p.tobytes() for pose in found} < {pose.p.tobytes() for pose in anywhere}
+    for pose in found:
+        grasps = [grasp_poses(pose, c, left.arm.gripper, TABLE_TOP) for c in block.asset.annotation.carrying_points]
+        assert any(left.reachable(grasp.pose) for some in grasps for grasp in some)
 
 
 def test_a_full_table_has_no_place() -> None:

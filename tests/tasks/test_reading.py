@@ -67,3 +67,13 @@ def test_a_scanner_that_is_turned_away_reads_nothing() -> None:
 
 def test_two_boxes_read_nothing() -> None:
     assert not list(reading_poses(thing("cookie_box"), thing("cereal_box", (0.2, 0)), TABLE_TOP))
+
+
+def test_what_faces_each_other_comes_first_and_some_turned_aside_after_it() -> None:
+    box = thing("chocolate_bar", (0.1, 0.05))
+    poses = list(reading_poses(SCANNER, box, TABLE_TOP))
+    off = [abs((4 * (pose.yaw - poses[0].yaw) + np.pi) % (2 * np.pi) - np.pi) / 4 for pose in poses]
+    straight = [angle < 1e-6 for angle in off]
+    assert straight == sorted(straight, reverse=True)
+    assert any(angle > np.radians(15) for angle in off)
+    assert all(reads(SCANNER.moved(pose), box) for pose in poses)

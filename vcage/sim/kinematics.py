@@ -29,6 +29,10 @@ DISTINCT = 0.1
 ITERATIONS = 100
 """Steps of the solver from one seed; a seed that needs more is worth less than the next seed."""
 
+TILTS = tuple(np.radians(degrees) for degrees in (0.0, 20.0, -20.0, 40.0, -40.0, 60.0, -60.0, 80.0, -80.0))
+"""Turns about the closing axis that a hand may take, straight first: arms with short wrists need them far from their
+base, and high above the table."""
+
 REMEMBERED = 2**16
 """Answers that an arm keeps: a search asks again for the same grasp with every place that the object may go to."""
 
@@ -207,6 +211,27 @@ class ArmKinematics:
         rng = np.random.default_rng(0)
         spread = rng.uniform(-1.0, 1.0, size=(_SEEDS, len(self.home)))
         return [self.home] + [np.clip(self.home + s, self.lower + 0.05, self.upper - 0.05) for s in spread]
+
+
+def leaning(pose: Pose, tilts: Sequence[float] = TILTS) -> Iterator[Pose]:
+    """The gripper poses that close about the same axis as ``pose``, in the order of ``tilts``.
+
+    Each turn about the closing axis comes twice, with the gripper flipped by 180° about its approach.
+    """
+    for tilt in tilts:
+        for flip in (0.0, np.pi):
+            yield pose * Pose(q=[np.cos(tilt / 2), 0, np.sin(tilt / 2), 0]) * Pose.from_yaw([0, 0, 0], flip)
+
+
+def follow(kinematics: ArmKinematics, poses: Sequence[Pose], start: np.ndarray) -> list[np.ndarray] | None:
+    """Joint positions (n,) of the poses in order, each solved from the one before; None when one is out of reach."""
+    path, q = [], start
+    for pose in poses:
+        q = kinematics.ik(pose, seed_q=q)
+        if q is None:
+            return None
+        path.append(q)
+    return path
 
 
 @functools.cache

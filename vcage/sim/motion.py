@@ -115,6 +115,16 @@ class MotionPlanner:
         why = "; ".join(dict.fromkeys(reasons)) or "no joint angles reach it"
         raise MotionFailed(f"the {self.kinematics.arm.tool_link} cannot move {where}: {why}")
 
+    def continues(self, q: np.ndarray, poses: Sequence[Pose]) -> bool:
+        """Whether straight lines lead from ``q`` through ``poses``, obstacles aside."""
+        for pose in poses:
+            for step in _poses_between(self.kinematics.fk(q), pose):
+                solution = self.kinematics.ik(step, q, attempts=0)
+                if solution is None or np.abs(solution - q).max() > MAX_JUMP:
+                    return False
+                q = solution
+        return True
+
     # --- ways ---
 
     def _ways(
@@ -123,11 +133,11 @@ class MotionPlanner:
         """Ways to try, the plainest first."""
         if isinstance(goal, Pose):
             near = self.kinematics.ik(goal, q, attempts=0)
-            if near is not None and self._continues(near, then):
+            if near is not None and self.continues(near, then):
                 yield lambda: _path(self._straight(q, near, load), load)
             yield lambda: _path(self._line(q, goal, load, then), load)
             goals = sorted(self.kinematics.ik_all(goal, q), key=lambda g: float(np.abs(g - q).max()))
-            goals = [g for g in goals if self._continues(g, then)]
+            goals = [g for g in goals if self.continues(g, then)]
             goals = [g for g in goals if self._touches(g, load) is None] or goals
         else:
             goals = [np.asarray(goal, dtype=np.float64)]
@@ -183,19 +193,9 @@ class MotionPlanner:
                 raise MotionFailed(f"the arm cannot follow the straight line to its end (joint limit at {share})")
             self.check(solution, load)
             path.append(solution)
-        if not self._continues(path[-1], then):
+        if not self.continues(path[-1], then):
             raise MotionFailed("the arm gets there, but could not go on from there")
         return np.array(path)
-
-    def _continues(self, q: np.ndarray, poses: Sequence[Pose]) -> bool:
-        """Whether straight lines lead from ``q`` through ``poses``, obstacles aside."""
-        for pose in poses:
-            for step in _poses_between(self.kinematics.fk(q), pose):
-                solution = self.kinematics.ik(step, q, attempts=0)
-                if solution is None or np.abs(solution - q).max() > MAX_JUMP:
-                    return False
-                q = solution
-        return True
 
     # --- checks ---
 

@@ -65,13 +65,16 @@ def _load(kind: type[AnyDocument], what: str, folder: str, name: str) -> AnyDocu
 
 
 def package_file(name: str) -> Path:
-    """The file that ``package:path`` names, inside an installed Python package, or ``file:/path``, anywhere.
+    """The file that ``package:path`` names, inside an installed Python package, ``assets:path``, among our own, or
+    ``file:/path``, anywhere.
 
     Raises:
         MissingDependency: the package is not installed.
         DamagedFile: it has no such file.
     """
     package, _, inside = name.partition(":")
+    if package == "assets":
+        return resource("assets", *inside.split("/"))
     if package == "file":
         if not Path(inside).is_file():
             raise DamagedFile(f"the robot's file {inside} is missing", hint="import the robot again")

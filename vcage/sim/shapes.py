@@ -56,18 +56,28 @@ def box_shape(size: Iterable[float]) -> ConvexShape:
 
 
 def physics_shape(shape: sapien.physx.PhysxCollisionShape) -> ConvexShape:
-    """A SAPIEN box or convex mesh.
+    """A SAPIEN box, cylinder, capsule, sphere or convex mesh.
 
     Raises:
         ValueError: the shape is of another kind.
     """
     import sapien
     from mplib.pymp.collision_detection import fcl
+    from sapien import physx
 
-    if isinstance(shape, sapien.physx.PhysxCollisionShapeBox):
+    if isinstance(shape, physx.PhysxCollisionShapeBox):
         box = box_shape(2 * np.asarray(shape.half_size))
         return ConvexShape(box.geometry, shape.local_pose, box.centre, box.radius)
-    if not isinstance(shape, sapien.physx.PhysxCollisionShapeConvexMesh):
+    if isinstance(shape, physx.PhysxCollisionShapeSphere):
+        return ConvexShape(fcl.Sphere(shape.radius), shape.local_pose, np.zeros(3), shape.radius)
+    if isinstance(shape, physx.PhysxCollisionShapeCylinder | physx.PhysxCollisionShapeCapsule):
+        round_ends = isinstance(shape, physx.PhysxCollisionShapeCapsule)
+        kind = fcl.Capsule if round_ends else fcl.Cylinder
+        reach = shape.half_length + shape.radius if round_ends else float(np.hypot(shape.half_length, shape.radius))
+        # SAPIEN's lie along x, FCL's along z.
+        turned = shape.local_pose * sapien.Pose(q=[np.sqrt(0.5), 0, np.sqrt(0.5), 0])
+        return ConvexShape(kind(shape.radius, 2 * shape.half_length), turned, np.zeros(3), reach)
+    if not isinstance(shape, physx.PhysxCollisionShapeConvexMesh):
         raise ValueError(f"cannot plan around a {type(shape).__name__}")
     vertices = np.asarray(shape.vertices, dtype=np.float64) * shape.scale
     geometry = fcl.Convex(vertices, np.asarray(shape.triangles, dtype=np.int32))

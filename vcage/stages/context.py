@@ -12,7 +12,7 @@ import numpy as np
 from vcage.base.geometry import Camera, Pose
 from vcage.layout.capacities import capacity_of
 from vcage.layout.items import TableItem
-from vcage.layout.placement.reach import GRASP_HEIGHTS, robot_reach
+from vcage.layout.placement.reach import GRASP_HEIGHTS, Tilted, reach_for, robot_reach
 from vcage.models.agent import PROVIDER as AGENT
 from vcage.models.protocols import Models
 from vcage.models.registry import DETECTORS, EMBEDDERS, Choice, build_models
@@ -20,7 +20,7 @@ from vcage.objects.asset import Asset
 from vcage.objects.library import Library
 from vcage.objects.table_tops import table_texture
 from vcage.schema.asset import CatalogueEntry, PhysicalModel
-from vcage.schema.scene import ObjectRecord, Scene, Table, Workspace
+from vcage.schema.scene import ObjectRecord, Role, Scene, SceneTemplate, Table, Workspace
 from vcage.sim.appearance import Appearance
 from vcage.sim.drawer import Drawing, ModelDrawer, Window, reference_view
 from vcage.sim.kinematics import ArmKinematics, kinematics_of
@@ -52,7 +52,7 @@ class StageContext:
         self._references: dict[tuple[str, str, tuple[float, ...]], np.ndarray] = {}
         self._symmetries: dict[tuple[str, str], int] = {}
         self._drawers: dict[tuple[str, str], ModelDrawer] = {}
-        self._reach: dict[tuple[str, Workspace, Table, bool], np.ndarray] = {}
+        self._reach: dict[tuple[str, Workspace, Table, bool, str | None, Tilted], np.ndarray] = {}
 
     @cached_property
     def library(self) -> Library:
@@ -78,14 +78,32 @@ class StageContext:
         """The kinematics of a robot's arms, by arm."""
         return {name: kinematics_of(arm) for name, arm in load_robot(robot).arms.items()}
 
-    def reach(self, robot: str, workspace: Workspace, table: Table, every: bool = False) -> np.ndarray:
-        """Rectangles (m, 2, 2) of the table where some arm, or every arm, reaches what stands there."""
-        key = (robot, workspace, table, every)
+    def within_reach(
+        self,
+        asset: Asset,
+        role: Role,
+        setup: Scene | SceneTemplate,
+        yaw: float | None = None,
+        every: bool = False,
+        arm: str | None = None,
+    ) -> np.ndarray | None:
+        """Rectangles (m, 2, 2) of the table where an asset may stand (:func:`~vcage.layout.placement.reach.reach_for`).
+
+        Args:
+            asset, role: what stands there.
+            setup: robot, table and workspace.
+            yaw: its heading, where that is known.
+            every: what every arm reaches, not some arm.
+            arm: what this one reaches.
+        """
+        tilted = Tilted.of(asset, role, yaw)
+        key = (setup.robot, setup.workspace, setup.table, every, arm, tilted)
         if key not in self._reach:
-            bounds = np.array([workspace.lower, workspace.upper])
-            heights = tuple(table.height + h for h in GRASP_HEIGHTS)
-            self._reach[key] = robot_reach(load_robot(robot), bounds, heights, every=every)
-        return self._reach[key]
+            bounds, robot = np.array([setup.workspace.lower, setup.workspace.upper]), load_robot(setup.robot)
+            heights = tuple(setup.table.height + h for h in GRASP_HEIGHTS)
+            asked = robot if arm is None else robot.model_copy(update={"arms": {arm: robot.arms[arm]}})
+            self._reach[key] = robot_reach(asked, bounds, heights, every=every, tilted=tilted)
+        return reach_for(asset, role, self._reach[key])
 
     def asset(self, record: ObjectRecord) -> Asset:
         """The asset of an object of a scene.

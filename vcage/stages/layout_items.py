@@ -1,54 +1,125 @@
-"""What the optimisation of a layout needs of each object of a scene."""
+"""What the optimisation of a layout needs of each object of a scene, and the nearest layout to where they should be."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import logging
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
+import numpy as np
+
+from vcage.base.errors import InfeasibleScene
 from vcage.base.geometry import Pose
 from vcage.layout.capacities import opening_for
 from vcage.layout.hands import hand_clearance
 from vcage.layout.items import TableItem, table_item
-from vcage.layout.placement.reach import reach_for
-from vcage.schema.scene import Scene
+from vcage.layout.optimize import LayoutOptions, LayoutResult, optimize_layout
+from vcage.schema.plan import Relation
+from vcage.schema.scene import Role, Scene
 from vcage.sim.robots import load_robot
 from vcage.stages.context import StageContext
+from vcage.tasks.one_arm import for_one_arm
+from vcage.tasks.scene_objects import SceneObject
+
+logger = logging.getLogger(__name__)
+
+
+def nearest_layout(
+    scene: Scene,
+    targets: Mapping[str, Pose],
+    inside: Mapping[str, str],
+    relations: Sequence[Relation],
+    rng: Callable[[], np.random.Generator],
+    options: LayoutOptions,
+    context: StageContext,
+) -> LayoutResult:
+    """The nearest layout without collisions (:func:`~vcage.layout.optimize.optimize_layout`) in which arms reach all.
+
+    What one arm must reach (:mod:`~vcage.tasks.one_arm`) it does where there is room for that. Where there is none,
+    some arm reaches each object however it is turned, or else as it is turned.
+
+    Args:
+        scene, targets, inside, context: as :func:`layout_items` takes them.
+        relations: of the plan.
+        rng: makes the random numbers of one try.
+        options: of the optimisation.
+
+    Raises:
+        InfeasibleScene: there is none.
+    """
+    items = layout_items(scene, targets, inside, context)
+    workspace = np.array([scene.workspace.lower, scene.workspace.upper])
+    for asked in (_in_reach_of_one_arm(items, scene, context), items):
+        try:
+            return optimize_layout(asked, workspace, scene.table, rng(), relations, options)
+        except InfeasibleScene as error:
+            logger.debug("less is asked of the arms: %s", error.message)
+    items = layout_items(scene, targets, inside, context, headed=True)
+    return optimize_layout(items, workspace, scene.table, rng(), relations, options)
 
 
 def layout_items(
     scene: Scene,
     targets: Mapping[str, Pose],
-    yaws: Mapping[str, float],
     inside: Mapping[str, str],
     context: StageContext,
+    headed: bool = False,
 ) -> list[TableItem]:
     """Every object at its heading, with where it should be and may be.
 
     Args:
         scene: with its robot.
-        targets: where the objects should be, by id.
-        yaws: their headings, by id, radians.
+        targets: where the objects should be, at their headings, by id.
         inside: what an object lies in or on, by id.
         context: the library, and what the robots reach.
+        headed: whether an object is within reach at its own heading alone, not at any.
     """
     objects = context.objects(scene)
-    reach = context.reach(scene.robot, scene.workspace, scene.table)
-    # Without an instruction each receptacle receives what either arm brings, and a scanner reads what either arm has.
-    common = context.reach(scene.robot, scene.workspace, scene.table, every=scene.instruction is None)
     hand = hand_clearance(load_robot(scene.robot))
     items = []
     for o in objects:
         contents = [other.asset for other in objects if inside.get(other.id) == o.id]
+        # Without an instruction a receptacle receives what either arm brings, and a scanner reads what either has.
         shared = o.record.role == "receptacle" or bool(o.asset.annotation.faces_of("reader"))
+        yaw, every = targets[o.id].yaw, shared and scene.instruction is None
         items.append(
             replace(
                 table_item(o.id, o.asset),
-                yaws=(yaws[o.id],),
+                yaws=(yaw,),
                 target=(float(targets[o.id].p[0]), float(targets[o.id].p[1])),
                 opening=opening_for(o.asset, contents),
                 inside=inside.get(o.id),
-                allowed=reach_for(o.asset, o.record.role, common if shared else reach),
+                allowed=context.within_reach(o.asset, o.record.role, scene, yaw if headed else None, every=every),
                 hand=hand if o.record.role == "content" else None,
             )
         )
     return items
+
+
+def _in_reach_of_one_arm(items: Sequence[TableItem], scene: Scene, context: StageContext) -> list[TableItem]:
+    """The items, those that one arm must reach where one does: the nearest that way."""
+    found, by_id = {item.id: item for item in items}, {o.id: o for o in context.objects(scene)}
+    for group in for_one_arm(list(by_id.values()), [asked.goal for asked in scene.goals]):
+        moved = [found[name] for name in sorted(group) if not by_id[name].asset.articulated]
+        choices: list[tuple[float, list[TableItem]]] = []
+        for arm in load_robot(scene.robot).arms:
+            things = [by_id[item.id] for item in moved]
+            reach = {o.id: context.within_reach(o.asset, _part_of(o), scene, arm=arm) for o in things}
+            if all(rectangles is not None and len(rectangles) for rectangles in reach.values()):
+                own = [replace(item, allowed=reach[item.id]) for item in moved]
+                choices.append((sum(map(_way_to_reach, own)), own))
+        if choices:
+            found |= {item.id: item for item in min(choices, key=lambda choice: choice[0])[1]}
+    return list(found.values())
+
+
+def _part_of(thing: SceneObject) -> Role:
+    """What an arm does with a thing that a goal needs, whatever the layout calls it: a scale may be context."""
+    return "receptacle" if thing.asset.annotation.functional_points else "content"
+
+
+def _way_to_reach(item: TableItem) -> float:
+    """How far an item's target is from where it may stand, metres."""
+    lower, upper = np.moveaxis(np.asarray(item.allowed), 1, 0)
+    target = np.asarray(item.target)
+    return float(np.linalg.norm(target - np.clip(target, lower, upper), axis=1).min())

@@ -15,8 +15,8 @@ import numpy as np
 
 from vcage.base.errors import InfeasibleScene
 from vcage.base.geometry import Pose, world_aabb
-from vcage.layout.items import ANY_YAW, FRONT_YAWS, TableItem
-from vcage.layout.optimize import LayoutOptions, optimize_layout
+from vcage.layout.items import ANY_YAW, FRONT_YAWS
+from vcage.layout.optimize import LayoutOptions
 from vcage.layout.placement.place import place
 from vcage.plans.kept import relations_kept, relations_kept_in
 from vcage.plans.relations import holds
@@ -26,7 +26,7 @@ from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Grasp, Subtask
 from vcage.sim.robots import load_robot
 from vcage.stages.context import StageContext
-from vcage.stages.layout_items import layout_items
+from vcage.stages.layout_items import layout_items, nearest_layout
 from vcage.tasks.ground import Ground
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.slots import Slot, slots_for_chain
@@ -93,7 +93,7 @@ class Layouts:
         self._fulfilled_before = self._fulfilled({o.id: np.array(o.aabb) for o in scene.objects})
         self._standing = [
             replace(item, yaws=self._headings(self._objects[item.id]))
-            for item in self._items(now)
+            for item in layout_items(scene, now, self._inside, context)
             if item.id not in self._inside
         ]
 
@@ -147,10 +147,9 @@ class Layouts:
         """The layout that keeps the plan and is nearest to one that is drawn at random."""
         drawn = place(self._standing, self._workspace, rng, self._margin)
         upright = {item.id: item.pose(drawn[item.id], self._objects[item.id].pose.p[2]) for item in self._standing}
-        items = self._items(self._with_contents(upright))
-        options = LayoutOptions(margin=self._margin, restarts=RESTARTS)
-        positions = optimize_layout(items, self._workspace, self._scene.table, rng, self._relations, options).positions
-        solved = {name: Pose([*positions[name][:2], pose.p[2]], pose.q) for name, pose in upright.items()}
+        poses, options = self._with_contents(upright), LayoutOptions(margin=self._margin, restarts=RESTARTS)
+        found = nearest_layout(self._scene, poses, self._inside, self._relations, lambda: rng, options, self._context)
+        solved = {name: Pose([*found.positions[name][:2], pose.p[2]], pose.q) for name, pose in upright.items()}
         return self._with_contents(solved)
 
     def _with_contents(self, upright: dict[str, Pose]) -> dict[str, Pose]:
@@ -164,10 +163,6 @@ class Layouts:
 
     def _root(self, name: str) -> str:
         return self._root(self._inside[name]) if name in self._inside else name
-
-    def _items(self, poses: dict[str, Pose]) -> list[TableItem]:
-        yaws = {name: pose.yaw for name, pose in poses.items()}
-        return layout_items(self._scene, poses, yaws, self._inside, self._context)
 
     def _headings(self, o: SceneObject) -> tuple[float, ...]:
         """Those that may be drawn: any, but for what has a front, or receives things."""

@@ -26,7 +26,7 @@ from vcage.base.pictures import write_picture
 from vcage.base.progress import Progress, silent
 from vcage.layout.cost import CostWeights
 from vcage.layout.items import FRONT_YAWS, TableItem
-from vcage.layout.optimize import LayoutOptions, LayoutResult, displacement_summary, optimize_layout
+from vcage.layout.optimize import LayoutOptions, LayoutResult, displacement_summary
 from vcage.layout.picture import draw_layout
 from vcage.plans.actions import HOLDING
 from vcage.plans.kept import Kept, relations_kept_in
@@ -38,7 +38,7 @@ from vcage.sim.cameras import shoot
 from vcage.sim.world import World
 from vcage.stages.context import StageContext
 from vcage.stages.inputs import read_matches, read_plan
-from vcage.stages.layout_items import layout_items
+from vcage.stages.layout_items import nearest_layout
 from vcage.stages.possible import edited_scene, settled_record
 from vcage.stages.stability import moved_objects, settle_checks
 from vcage.stages.stage import Job, StageOptions, StageResult, stage_seed
@@ -118,14 +118,9 @@ def execute(run: RunFolder, options: Options, context: StageContext, progress: P
         yaws = {m.object: _heading(scene.object(m.object), m.yaw, context) for m in matches.matches}
         targets = _targets(scene, matches)
         inside = {r.subject: r.reference for r in plan.relations if r.relation in HOLDING and r.reference != TABLE}
-        result = optimize_layout(
-            layout_items(scene, targets, yaws, inside, context),
-            np.array([scene.workspace.lower, scene.workspace.upper]),
-            scene.table,
-            stage.rng(),
-            plan.relations,
-            LayoutOptions(options.weights, options.margin, options.restarts),
-        )
+        how = LayoutOptions(options.weights, options.margin, options.restarts)
+        turned = {key: Pose.from_yaw(target.p, yaws[key]) for key, target in targets.items()}
+        result = nearest_layout(scene, turned, inside, plan.relations, stage.rng, how, context)
         poses = {key: Pose.from_yaw(position, yaws[key]) for key, position in result.positions.items()}
         write_picture(folder / "layout.png", _drawing(scene, context, targets, poses))
         settled, picture = _rebuild(_with_poses(scene, context, poses, result), context)

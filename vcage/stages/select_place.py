@@ -32,7 +32,6 @@ from vcage.base.progress import Progress, silent
 from vcage.layout.capacities import capacity_of, opening_for
 from vcage.layout.items import TableItem, table_item
 from vcage.layout.placement.place import place
-from vcage.layout.placement.reach import reach_for
 from vcage.layout.placement.view import view_rectangles
 from vcage.models.scene_contents import draw_contents
 from vcage.models.selection_check import NamedObject, name_objects, validate_selection, with_room
@@ -268,9 +267,8 @@ def place_until_stable(
 
 def _place_items(objects: list[NamedObject], template: SceneTemplate, context: StageContext) -> list[TableItem]:
     """What the placement needs of each object; what a task carries or fills must be where an arm reaches."""
-    reach = context.reach(template.robot, template.workspace, template.table)
     openings = _openings(objects, context)
-    return [_place_item(o, objects, openings, template, reach, context) for o in objects]
+    return [_place_item(o, objects, openings, template, context) for o in objects]
 
 
 def _openings(objects: list[NamedObject], context: StageContext) -> dict[str, Opening]:
@@ -294,7 +292,6 @@ def _place_item(
     objects: list[NamedObject],
     openings: Mapping[str, Opening],
     template: SceneTemplate,
-    reach: np.ndarray,
     context: StageContext,
 ) -> TableItem:
     asset = _asset(o, context)
@@ -303,7 +300,7 @@ def _place_item(
     seen = view_rectangles(template.top_camera.camera(), support, float(asset.size[2]), bounds, BORDER)
     return replace(
         table_item(o.id, asset),
-        allowed=reach_for(asset, o.role, reach),
+        allowed=context.within_reach(asset, o.role, template),
         within=seen,
         inside=o.starts_in,
         opening=openings.get(o.id),

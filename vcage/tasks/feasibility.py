@@ -10,7 +10,7 @@ import functools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import pairwise
+from itertools import pairwise, product
 from typing import Literal
 
 import numpy as np
@@ -21,12 +21,12 @@ from vcage.schema.goals import part_words
 from vcage.schema.robot import Gripper
 from vcage.schema.subtasks import Check, Grasp
 from vcage.sim.joints import carried_by, joint_positions
-from vcage.sim.kinematics import ArmKinematics
+from vcage.sim.kinematics import ArmKinematics, follow
 from vcage.tasks.access import headroom
 from vcage.tasks.grasps import GRIP_ROOM, GraspPose, approach_opening, grasp_poses, hand_boxes
 from vcage.tasks.primitives.handles import Handle, operating_ways
-from vcage.tasks.primitives.pick import pick_way, transfer_height
-from vcage.tasks.primitives.place import MAX_DROP, place_way
+from vcage.tasks.primitives.pick import lift_heights, reached_lift, transfer_heights
+from vcage.tasks.primitives.place import MAX_DROP, place_way, reached_place
 from vcage.tasks.scene_objects import REMEMBERED, Obstacles, SceneObject, SolidBox, first_met
 from vcage.tasks.truth import resting_point
 
@@ -40,6 +40,7 @@ class Transfer:
         where: the place in words.
         poses: of the object at the place, in the world: any of them does.
         around: what the hand may meet there.
+        over: what the object must be above when it is brought there.
         others: all other objects, those with parts that must be open as they are then.
     """
 
@@ -48,6 +49,7 @@ class Transfer:
     where: str
     poses: Sequence[Pose]
     around: Sequence[SolidBox]
+    over: Sequence[SolidBox]
     others: tuple[SceneObject, ...]
 
     @classmethod
@@ -69,7 +71,8 @@ class Transfer:
         """
         neighbours = [box for o in others if o.id != receptacle.id for box in o.boxes]
         around = [*receptacle.around(point.id), *neighbours]
-        return cls(target, contact, f"{point.name!r} of {receptacle.record.phrase}", poses, around, tuple(others))
+        where, over = f"{point.name!r} of {receptacle.record.phrase}", receptacle.walls(point.id)
+        return cls(target, contact, where, poses, around, over, tuple(others))
 
     @classmethod
     def onto_table(
@@ -81,7 +84,11 @@ class Transfer:
             target, contact, poses, others: as of the transfer.
         """
         around = [box for o in others for box in o.boxes]
-        return cls(target, contact, "its place on the table", poses, around, tuple(others))
+        return cls(target, contact, "its place on the table", poses, around, (), tuple(others))
+
+    def heights(self, table_height: float) -> tuple[float, ...]:
+        """z's that the object's bottom may keep on its way to the place, the highest first, metres."""
+        return transfer_heights(self.others, table_height, self.over)
 
     @cached_property
     def obstacles(self) -> Obstacles:
@@ -270,11 +277,11 @@ def _examine_arm(transfer: Transfer, arm: str, kinematics: ArmKinematics, table_
         table_height: z of the table top, metres.
     """
     found: dict[str, Check] = {}
-    height = transfer_height(transfer.others, table_height)
-    for pick in picks(transfer.target, transfer.contact.id, transfer.others, arm, kinematics, height):
-        checks, score = _examine_place(transfer, arm, kinematics, pick, height)
+    heights = transfer.heights(table_height)
+    for pick in picks(transfer.target, transfer.contact.id, transfer.others, arm, kinematics, table_height):
+        checks, score = _examine_place(transfer, arm, kinematics, pick, heights)
         if score is not None:
-            return checks, score  # the straightest pose that works: later ones only tilt more
+            return checks, score  # the straightest pose that works: later ones only tilt more, or lift less
         for check in checks:
             if check.name not in found or check.passed:
                 found[check.name] = check
@@ -297,22 +304,24 @@ def picks(
     others: tuple[SceneObject, ...],
     arm: str,
     kinematics: ArmKinematics,
-    height: float,
+    table_height: float,
 ) -> list[Pick]:
-    """The ways of an arm to take an object by a contact point, the straightest first, wherever it then goes."""
+    """The ways of an arm to take an object by a contact point, the straightest first, wherever it then goes; those come
+    last with which the arm does not lift it above all others."""
     gripper = kinematics.arm.gripper
+    heights = lift_heights(target, others, table_height)
     where = f"{target.asset.annotation.contact_point(contact_id).name!r} of {target.record.phrase}"
-    found = []
+    found: dict[float, list[Pick]] = {height: [] for height in heights}
     for grasp, blocked in _hands(target, contact_id, others, gripper):
         free = f"the hand has room around {where}"
         message = free if blocked is None else f"{blocked} is in the way of the hand at {where}"
-        checks, path = [Check(name="way_free", passed=blocked is None, message=message)], None
+        checks = [Check(name="way_free", passed=blocked is None, message=message)]
+        height, path = heights[0], None
         if blocked is None:
-            way = pick_way(target, grasp, gripper, height)
-            path = follow(kinematics, [way.before, way.grasp, way.lifted], kinematics.home)
+            height, path = reached_lift(kinematics, target, grasp, heights)
             checks.append(reach_check("reach_grasp", where, path is not None, arm))
-        found.append(Pick(grasp, checks, path))
-    return found
+        found[height].append(Pick(grasp, checks, path))
+    return [pick for some in found.values() for pick in some]
 
 
 @functools.lru_cache(REMEMBERED)
@@ -341,15 +350,17 @@ def _walls_around(thing: SceneObject, holder: SceneObject) -> list[SolidBox]:
     return holder.boxes if where is None else holder.around(where.id)
 
 
-def _examine_place(transfer: Transfer, arm: str, kinematics: ArmKinematics, pick: Pick, height: float) -> Report:
+def _examine_place(
+    transfer: Transfer, arm: str, kinematics: ArmKinematics, pick: Pick, heights: Sequence[float]
+) -> Report:
     """The checks of a grasp and of the way on from there, and the score of the whole; None when it cannot be done."""
     if pick.path is None:
         return pick.checks, None
     held = pick.grasp.in_object
-    goals = [g for g in transfer.poses if not kinematics.too_far(Pose([*g.p[:2], height], g.q) * held)]
+    goals = [g for g in transfer.poses if not kinematics.too_far(Pose([*g.p[:2], heights[-1]], g.q) * held)]
     if not goals:
         return [*pick.checks, reach_check("reach_place", transfer.where, False, arm)], None
-    drop, path = _best_place(transfer, kinematics, held, goals, height, pick.path[-1])
+    drop, path = _best_place(transfer, kinematics, held, goals, heights, pick.path[-1])
     checks = [*pick.checks, _drop_check(transfer.target.record.phrase, transfer.where, drop)]
     if drop > MAX_DROP:
         return checks, None
@@ -364,20 +375,19 @@ def _best_place(
     kinematics: ArmKinematics,
     held: Pose,
     goals: Sequence[Pose],
-    height: float,
+    heights: Sequence[float],
     start: np.ndarray,
 ) -> tuple[float, list[np.ndarray] | None]:
-    """The drop and joint path of the first of some poses that the arm can bring the object to; else the least drop and
-    None."""
+    """The drop and joint path of the first of some poses that the arm can bring the object to, from as high as it
+    reaches; else the least drop and None."""
     width = transfer.target.asset.grasp_width(transfer.contact)
     drops = []
-    for goal in goals:
+    for height, goal in product(heights, goals):
         way = place_way(held, goal, transfer.obstacles, kinematics.arm.gripper, width, height)
         drops.append(way.drop)
-        poses = [way.above, way.release, way.after]
-        path = follow(kinematics, poses, start) if way.drop <= MAX_DROP else None
-        if path is not None:
-            return way.drop, path
+        reached = reached_place(kinematics, way, start) if way.drop <= MAX_DROP else None
+        if reached is not None:
+            return way.drop, reached[1]
     return min(drops), None
 
 
@@ -396,17 +406,6 @@ def _part_meets(thing: SceneObject, link: str, others: Sequence[SceneObject]) ->
     parts = [thing.part_box(name) for name in carried_by(thing.asset.model, link)]
     met = first_met(parts, [o for o in others if o.record.container != thing.id])
     return None if met is None else met.record.phrase
-
-
-def follow(kinematics: ArmKinematics, poses: Sequence[Pose], start: np.ndarray) -> list[np.ndarray] | None:
-    """Joint positions (n,) of the poses in order, each solved from the one before; None when one is out of reach."""
-    path, q = [], start
-    for pose in poses:
-        q = kinematics.ik(pose, seed_q=q)
-        if q is None:
-            return None
-        path.append(q)
-    return path
 
 
 def travel(path: Sequence[np.ndarray]) -> float:

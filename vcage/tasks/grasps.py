@@ -13,9 +13,7 @@ import numpy as np
 from vcage.base.geometry import Pose, frame_from_axes
 from vcage.schema.asset import ContactPoint
 from vcage.schema.robot import Gripper
-
-TILTS = tuple(np.radians(degrees) for degrees in (0.0, 20.0, -20.0, 40.0, -40.0))
-"""Turns about the closing axis, straight first: arms with short wrists need them far from their base."""
+from vcage.sim.kinematics import TILTS, leaning
 
 TIP_CLEARANCE = 0.002
 """Metres between the finger tips and what lies under them."""
@@ -45,8 +43,9 @@ def grasp_poses(
 ) -> Iterator[GraspPose]:
     """The gripper poses to try for a contact point, the straightest first.
 
-    Each turn about the closing axis comes twice, with the gripper flipped by 180° about its approach. A pose
-    whose finger tips would touch the support is raised until they clear it.
+    They turn about the closing axis and are flipped (:func:`~vcage.sim.kinematics.leaning`). A pose whose finger tips
+    or palm would touch the support is raised until they clear it, and one whose tips would come deeper than those of a
+    straight hand.
 
     Args:
         object_pose: object frame in the world.
@@ -54,19 +53,29 @@ def grasp_poses(
         tilts: turns about the closing axis to try, in this order, radians.
     """
     frame = object_pose * frame_from_axes(contact.position, contact.approach, contact.closing)
-    for tilt in tilts:
-        for flip in (0.0, np.pi):
-            turn = Pose(q=[np.cos(tilt / 2), 0, np.sin(tilt / 2), 0]) * Pose.from_yaw([0, 0, 0], flip)
-            pose = _above_support(frame * turn, gripper, support)
-            yield GraspPose(pose, object_pose.inverse() * pose)
+    # Deeper than the tips of a straight hand an object may be wider than where it is to be held.
+    deepest = frame.p[2] - _tips_below(frame, gripper) if contact.link is None else -np.inf
+    for turned in leaning(frame, tilts):
+        pose = _raised_above(turned, gripper, support + TIP_CLEARANCE, deepest)
+        yield GraspPose(pose, object_pose.inverse() * pose)
 
 
-def _above_support(pose: Pose, gripper: Gripper, support: float) -> Pose:
-    down = -pose.rotation()[2, 2]  # how much of the approach points down
-    sideways = np.abs(pose.rotation()[2, 0]) * gripper.finger_width / 2  # a tilted finger's corner hangs lower
-    lowest = pose.p[2] - max(down, 0.0) * gripper.tip_depth - sideways
-    rise = max(0.0, support + TIP_CLEARANCE - lowest)
-    return Pose(pose.p + [0, 0, rise], pose.q)
+def _raised_above(pose: Pose, gripper: Gripper, support: float, deepest: float) -> Pose:
+    """The pose so high that tips and palm are above ``support`` and the tips above ``deepest``, too (z, metres)."""
+    tips, palm = _tips_below(pose, gripper), _palm_below(pose, gripper)
+    lowest = pose.p[2] - np.array([tips, palm, tips])
+    return Pose(pose.p + [0, 0, max(0.0, *(np.array([support, support, deepest]) - lowest))], pose.q)
+
+
+def _tips_below(pose: Pose, gripper: Gripper) -> float:
+    """How far the finger tips are below the gripper frame, metres: corners of what is tilted hang lower."""
+    down, sideways = -pose.rotation()[2, 2], abs(pose.rotation()[2, 0]) / 2
+    return float(max(down, 0.0) * gripper.tip_depth + sideways * gripper.finger_width)
+
+
+def _palm_below(pose: Pose, gripper: Gripper) -> float:
+    down, sideways = -pose.rotation()[2, 2], abs(pose.rotation()[2, 0]) / 2
+    return float(sideways * gripper.palm_size[0] - down * gripper.finger_length)
 
 
 def approach_opening(width: float, gripper: Gripper) -> float:

@@ -14,6 +14,9 @@ from vcage.layout.placement.place import place
 from vcage.plans.relations import BESIDE_GAP, DIRECTIONS, NEAR_GAP, holds
 from vcage.schema.goals import Goal
 from vcage.schema.scene import Scene
+from vcage.sim.kinematics import ArmKinematics, kinematics_of
+from vcage.sim.robots import load_robot
+from vcage.tasks.grasps import grasp_poses
 from vcage.tasks.scene_objects import SceneObject
 
 GAP = 0.02
@@ -51,16 +54,19 @@ class Ground:
     Args:
         lower, upper: (2,) its corners, metres.
         height: z of the table top, metres.
+        arms: of which one must reach what is put down; where none is given, it may stand anywhere.
     """
 
     lower: np.ndarray
     upper: np.ndarray
     height: float
+    arms: tuple[ArmKinematics, ...] = ()
 
     @classmethod
     def of(cls, scene: Scene) -> Ground:
-        """That of a scene."""
-        return cls(np.array(scene.workspace.lower), np.array(scene.workspace.upper), scene.table.height)
+        """That of a scene, and what its robot reaches of it."""
+        arms = tuple(kinematics_of(arm) for arm in load_robot(scene.robot).arms.values())
+        return cls(np.array(scene.workspace.lower), np.array(scene.workspace.upper), scene.table.height, arms)
 
     def poses(
         self,
@@ -85,17 +91,28 @@ class Ground:
             return
         rectangles = [*(_footprint(o) for o in others), *taken]
         near = next((o for o in others if o.id == goal.reference), None)
-        yaws = _yaws(thing, goal)
-        item = replace(table_item(thing.id, thing.asset), yaws=yaws)
-        for lower, upper in self._zones(goal, near, max(item.size[:2]), rng):
-            for _ in range(DRAWS):
-                try:
-                    found = place([item], np.stack([lower, upper]), rng, margin=GAP, obstacles=rectangles)
-                except InfeasibleScene:
-                    break
-                pose = item.pose(found[thing.id], self.height)
-                if near is None or holds(goal.relation, world_aabb(thing.asset.bounds, pose), near.aabb):  # pyrefly: ignore
-                    yield pose
+        for yaws in _yaws(thing, goal):
+            item = replace(table_item(thing.id, thing.asset), yaws=yaws)
+            for lower, upper in self._zones(goal, near, max(item.size[:2]), rng):
+                for _ in range(DRAWS):
+                    try:
+                        found = place([item], np.stack([lower, upper]), rng, margin=GAP, obstacles=rectangles)
+                    except InfeasibleScene:
+                        break
+                    pose = item.pose(found[thing.id], self.height)
+                    box = world_aabb(thing.asset.bounds, pose)
+                    wanted = near is None or holds(goal.relation, box, near.aabb)  # pyrefly: ignore
+                    if wanted and self._reached(thing, pose):
+                        yield pose
+
+    def _reached(self, thing: SceneObject, pose: Pose) -> bool:
+        """Whether an arm gets to what stands at a pose, and up again."""
+        return not self.arms or any(
+            all(arm.reachable(Pose(grasp.pose.p + [0, 0, up], grasp.pose.q)) for up in (0, arm.arm.gripper.approach))
+            for arm in self.arms
+            for contact in thing.asset.annotation.carrying_points
+            for grasp in grasp_poses(pose, contact, arm.arm.gripper, self.height)
+        )
 
     def _zones(
         self, goal: Goal, near: SceneObject | None, size: float, rng: np.random.Generator
@@ -133,10 +150,11 @@ def faces_customer(pose: Pose, most: float = SHOWN) -> bool:
     return bool(shown >= np.cos(most) and pose.rotation()[2, 2] >= np.cos(most))
 
 
-def _yaws(thing: SceneObject, goal: Goal) -> tuple[float, ...]:
+def _yaws(thing: SceneObject, goal: Goal) -> list[tuple[float, ...]]:
+    """Headings that do, and others for where no arm reaches it with those."""
     if goal.relation == "presented":
-        return tuple(np.pi + np.radians([0, -10, 10]))
-    return tuple(thing.pose.yaw + np.radians([0, 90, 180, 270]))
+        return [tuple(np.pi + np.radians(off)) for off in ([0, -10, 10], [-20, 20])]
+    return [tuple(thing.pose.yaw + np.radians([0, 90, 180, 270]))]
 
 
 def _side(box: np.ndarray, direction: np.ndarray, depth: float) -> np.ndarray:

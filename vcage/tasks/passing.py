@@ -6,10 +6,8 @@ from collections.abc import Mapping, Sequence
 
 from vcage.schema.subtasks import Check
 from vcage.sim.kinematics import ArmKinematics
-from vcage.sim.motion import MotionFailed
-from vcage.tasks.feasibility import Feasibility, Report, Transfer, follow, opens_wide_enough, picks, reach_check, travel
+from vcage.tasks.feasibility import Feasibility, Report, Transfer, opens_wide_enough, picks, reach_check, travel
 from vcage.tasks.meeting import Hold, NoMeeting, Suits, meeting_height, meetings
-from vcage.tasks.primitives.pick import transfer_height
 from vcage.tasks.primitives.place import Surroundings
 
 
@@ -59,10 +57,10 @@ def _examine_giver(
 ) -> Report:
     """The checks of the grasp that came furthest, and the score of the first that does."""
     target, giver, taker = transfer.target, kinematics[arm], kinematics[to]
-    width, height = target.asset.grasp_width(transfer.contact), transfer_height(transfer.others, table_height)
+    width = target.asset.grasp_width(transfer.contact)
     meet_at = meeting_height(target, transfer.others, table_height)
-    suits, furthest = _brings(transfer, taker, height), list[Check]()
-    for pick in picks(target, transfer.contact.id, tuple(transfer.others), arm, giver, height):
+    suits, furthest = _brings(transfer, taker, transfer.heights(table_height)), list[Check]()
+    for pick in picks(target, transfer.contact.id, tuple(transfer.others), arm, giver, table_height):
         checks, picked = list(pick.checks), pick.path
         if picked is not None:
             try:
@@ -80,17 +78,15 @@ def _examine_giver(
     return furthest, None
 
 
-def _brings(transfer: Transfer, taker: ArmKinematics, height: float) -> Suits:
+def _brings(transfer: Transfer, taker: ArmKinematics, heights: tuple[float, ...]) -> Suits:
     """Whether the taking arm can bring what it holds to the transfer's place.
 
     Args:
-        height: z that the object's bottom keeps on the way, metres.
+        heights: z's that the object's bottom may keep on the way, the highest first, metres.
     """
 
     def suits(hold: Hold) -> None:
-        around, home = Surroundings(transfer.where, transfer.obstacles, height), taker.home
-        ways = around.ways(taker, hold.in_object, hold.width, transfer.poses, home)
-        if not any(follow(taker, [way.above, way.release, way.after], home) for way in ways):
-            raise MotionFailed("its place is out of reach")
+        around, home = Surroundings(transfer.where, transfer.obstacles, heights), taker.home
+        around.ways(taker, hold.in_object, hold.width, transfer.poses, home)
 
     return suits

@@ -11,8 +11,8 @@ from vcage.base.geometry import Pose
 from vcage.plans.relations import holds
 from vcage.schema.goals import Goal
 from vcage.schema.subtasks import Check
-from vcage.sim.kinematics import ArmKinematics
-from vcage.tasks.feasibility import Feasibility, Report, follow, reach_check, travel
+from vcage.sim.kinematics import ArmKinematics, follow
+from vcage.tasks.feasibility import Feasibility, Report, reach_check, travel
 from vcage.tasks.grasps import hand_boxes
 from vcage.tasks.ground import Ground
 from vcage.tasks.primitives.push import PushWay, push_ways

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import product
 
 import numpy as np
 
@@ -18,6 +19,9 @@ FARTHEST, ASIDE, SLANT = 0.07, 0.03, np.radians(30)
 
 SURELY = 0.025
 """Farther beside its axis than this nothing is held on purpose, metres: a hand comes some millimetres beside."""
+
+TURNS = tuple(np.radians(degrees) for degrees in (0.0, 20.0, -20.0))
+"""How far a code and a window are turned from facing each other, in the order to try them."""
 
 OVER_TABLE = 0.006
 """What is held keeps so far off the table, metres."""
@@ -38,12 +42,12 @@ def reading_poses(mover: SceneObject, still: SceneObject, support: float) -> Ite
         still: what stays; codes and windows that look up or down are left out.
         support: z of the table top, metres.
     """
-    for mine, theirs in _pairs(mover, still):
+    for aside, (mine, theirs) in product(TURNS, list(_pairs(mover, still))):
         normal = still.pose.rotation() @ np.asarray(theirs.axis)
         outward = mover.pose.rotation() @ np.asarray(mine.axis)
         if abs(normal[2]) > np.sin(SLANT) or abs(outward[2]) > np.sin(SLANT):
             continue
-        turn = np.arctan2(-normal[1], -normal[0]) - np.arctan2(outward[1], outward[0])
+        turn = aside + np.arctan2(-normal[1], -normal[0]) - np.arctan2(outward[1], outward[0])
         rotation = Pose.from_yaw([0, 0, 0], turn) * Pose(q=mover.pose.q)
         offset = rotation.apply(mine.position)
         low = float(mover.moved(rotation).aabb[0, 2])

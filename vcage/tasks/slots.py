@@ -40,6 +40,9 @@ FLUSH = 1e-4
 DRAWS = 8
 """Ways to put the contents of a receptacle side by side that are compared."""
 
+UNREACHED = 1.0
+"""Metres: more than anything falls."""
+
 OTHERS = 6
 """Other slots that are drawn for an object that cannot be brought to its own."""
 
@@ -271,6 +274,8 @@ def _drop(
 ) -> float:
     """How far the objects fall in all when each is let go as low as the hand can, metres: one after the other.
 
+    What no arm that can take it reaches its place with counts as falling :data:`UNREACHED`.
+
     Args:
         subtasks: that bring them to one functional point, in order.
         poses: in the receptacle's frame, by id.
@@ -290,9 +295,24 @@ def _drop(
             width = target.asset.grasp_width(contact)
             held = next(grasp_poses(target.pose, contact, gripper, target.box.bottom)).in_object
             drops += [place_way(held, goal, around, gripper, width, goal.p[2]).drop for goal in goals]
-        total += min(drops, default=0.0)
+        total += min(drops, default=0.0) + UNREACHED * (not _reached(subtask, target, goals, robot))
         obstacles.append(target.moved(goals[0]).box)
     return total
+
+
+def _reached(subtask: Subtask, target: SceneObject, goals: Sequence[Pose], robot: Robot) -> bool:
+    """Whether an arm that can take an object reaches one of its poses with it, however it holds it."""
+    return subtask.hand_to is not None or any(
+        kinematics_of(robot.arms[grasp.arm]).reachable(goal * held.in_object)
+        for grasp in subtask.grasps
+        for held in grasp_poses(
+            target.pose,
+            target.asset.annotation.contact_point(grasp.contact),
+            robot.arms[grasp.arm].gripper,
+            target.box.bottom,
+        )
+        for goal in goals
+    )
 
 
 def other_slots(slots: Mapping[str, Slot], object_id: str, objects: Mapping[str, SceneObject]) -> list[Slot]:

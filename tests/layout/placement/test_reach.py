@@ -8,10 +8,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from tests.scenes import library
 from vcage.base.errors import UsageError
 from vcage.base.geometry import Pose
 from vcage.layout.placement import reach
-from vcage.layout.placement.reach import CELL, reach_for, robot_reach
+from vcage.layout.placement.reach import CELL, EITHER, YAWS, Tilted, reach_for, robot_reach
 from vcage.sim.robots import load_robot
 
 WORKSPACE = np.array([[-0.3, -0.2], [0.3, 0.2]])
@@ -52,6 +53,60 @@ def test_no_point_of_a_rectangle_is_out_of_reach_and_few_within_reach_are_missin
     distance = np.linalg.norm(points, axis=1)
     assert not np.any(covered & (distance > disc.radius))
     assert covered[distance < disc.radius - 1.5 * CELL].all()
+
+
+class Tilting(Disc):
+    """An arm that reaches farther with its hand tilted, but not higher than 0.9 m."""
+
+    def reachable(self, pose: Pose) -> bool:
+        tilted = -pose.rotation()[2, 2] < 0.9
+        far = np.linalg.norm(pose.p[:2] - self.centre) <= self.radius + 0.15 * tilted
+        return bool(far and (pose.p[2] < 0.9 or not tilted))
+
+
+def test_the_hand_tilts_where_no_arm_reaches_straight_down(robot, monkeypatch, tmp_path):
+    monkeypatch.setattr(reach, "kinematics_of", lambda _arm: Tilting())
+    points = np.random.default_rng(0).uniform(*WORKSPACE, (2000, 2))
+    covered = inside(points, robot_reach(robot, WORKSPACE, HEIGHTS, tmp_path))
+    distance = np.linalg.norm(points, axis=1)
+    assert not np.any(covered & (distance > 0.32))
+    assert covered[distance < 0.32 - 1.5 * CELL].all()
+    high = robot_reach(robot, WORKSPACE, HEIGHTS, tmp_path, tilted=Tilted(higher=0.09))
+    assert not np.any(inside(points, high) & (distance > 0.17)), "0.95 m is too high for a tilted hand"
+
+
+class Facing(Disc):
+    """An arm that reaches any point with the fingers closing about along one direction, the hand tilted."""
+
+    def reachable(self, pose: Pose) -> bool:
+        rotation = pose.rotation()
+        return bool(-rotation[2, 2] < 0.99 and abs(rotation[0, 1]) > 0.7)
+
+
+def test_of_two_headings_a_quarter_turn_apart_one_is_enough_where_a_hand_may_choose(robot, monkeypatch, tmp_path):
+    monkeypatch.setattr(reach, "kinematics_of", lambda _arm: Facing())
+    assert robot_reach(robot, WORKSPACE, HEIGHTS, tmp_path).shape == (0, 2, 2)
+    chosen = robot_reach(robot, WORKSPACE, HEIGHTS, tmp_path, tilted=Tilted(EITHER))
+    np.testing.assert_allclose(chosen, [WORKSPACE])
+
+
+def test_a_hand_chooses_its_heading_at_a_block_and_where_it_puts_something_but_not_at_a_bar():
+    assert Tilted.of(library().asset("block"), "content") == Tilted(EITHER)
+    assert Tilted.of(library().asset("chocolate_bar"), "content") == Tilted()
+    box = library().asset("packaging_box")
+    asked = Tilted.of(box, "receptacle")
+    assert asked.headings == EITHER
+    assert asked.higher >= box.opening(box.annotation.functional_points[0]).rim
+
+
+@pytest.mark.parametrize("yaw", np.radians([0, 30, 90, 100, -45]))
+def test_what_has_a_known_heading_is_reached_with_hands_that_close_to_both_sides_of_it(yaw):
+    """A chocolate bar is held across: the fingers close along its own y, as those of a hand at heading 0 do."""
+    (numbers,) = Tilted.of(library().asset("chocolate_bar"), "content", yaw).headings
+    off = [(YAWS[number] - yaw + np.pi / 2) % np.pi - np.pi / 2 for number in numbers]
+    assert max(map(abs, off)) < np.radians(45) + 1e-6
+    assert min(off) <= 1e-6
+    assert max(off) >= -1e-6
 
 
 def test_the_arms_share_the_table(robot, monkeypatch, tmp_path):
@@ -128,8 +183,8 @@ def test_other_heights_and_other_arms_have_maps_of_their_own(robot, disc, tmp_pa
     robot_reach(robot, WORKSPACE, (0.8,), tmp_path)
     moved = robot.arms["left"].model_copy(update={"base": robot.arms["right"].base})
     robot_reach(robot.model_copy(update={"arms": {"left": moved}}), WORKSPACE, HEIGHTS, tmp_path)
-    # The moved left arm is the right one in all that matters, so it shares that one's map.
-    assert len(list(tmp_path.iterdir())) == 4
+    # The moved left arm is the right one in all that matters, so it shares that one's maps: straight down and tilted.
+    assert len(list(tmp_path.iterdir())) == 8
 
 
 @pytest.mark.parametrize("content", ["", "{", "[]", '{"nodes": 3}', '{"nodes": [[1, 2]]}'])

@@ -9,10 +9,20 @@ from hypothesis import strategies as st
 
 from tests.scenes import TABLE_TOP, robot, thing, world_of
 from vcage.base.geometry import Pose
+from vcage.sim.kinematics import kinematics_of
 from vcage.sim.motion import MotionFailed, MotionPlanner
 from vcage.sim.paths import JointPath, Load
+from vcage.sim.robots import load_robot
 from vcage.tasks.grasps import GraspPose, grasp_poses
-from vcage.tasks.primitives.pick import CLEARANCE, pick_way, plan_pick, transfer_height
+from vcage.tasks.primitives.pick import (
+    CLEARANCE,
+    lift_heights,
+    pick_way,
+    plan_pick,
+    reached_lift,
+    transfer_height,
+    transfer_heights,
+)
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.workcell import Workcell
 
@@ -31,6 +41,35 @@ def test_an_object_is_carried_over_the_highest_thing_on_the_table():
 
 def test_an_empty_table_asks_for_the_clearance_alone():
     assert transfer_height([], TABLE_TOP) == TABLE_TOP + CLEARANCE
+
+
+def test_where_an_arm_is_too_short_an_object_is_carried_lower_but_over_what_it_goes_into():
+    bottle, box = thing("lotion_bottle", (0.2, 0.1)), thing("packaging_box", (-0.2, 0.1))
+    highest, middle, least = transfer_heights([bottle, box], TABLE_TOP, box.walls(0))
+    rim = max(wall.top for wall in box.walls(0))
+    assert (highest, least) == pytest.approx((bottle.box.top + CLEARANCE, rim + CLEARANCE))
+    assert least < middle < highest
+
+
+def test_an_object_is_lifted_out_of_what_it_lies_in():
+    box = thing("packaging_box")
+    inside = thing("block", height=TABLE_TOP + box.asset.opening(box.asset.annotation.functional_points[0]).floor)
+    rim = max(wall.top for wall in box.walls(0))
+    assert lift_heights(inside, [box, thing("thermos", (0.3, 0.1))], TABLE_TOP)[-1] == pytest.approx(rim + CLEARANCE)
+    assert lift_heights(thing("block", (0.3, 0.0)), [box], TABLE_TOP)[-1] == pytest.approx(TABLE_TOP + CLEARANCE)
+
+
+def test_a_short_arm_lifts_as_high_as_it_reaches():
+    arm = kinematics_of(load_robot("aloha_agilex").arms["left"])
+    block = thing("block", (-0.3, -0.1))
+    grasp = next(grasp_poses(block.pose, block.asset.annotation.contact_point(1), arm.arm.gripper, TABLE_TOP))
+    heights = (TABLE_TOP + 0.4, TABLE_TOP + 0.08, TABLE_TOP + 0.05)
+    height, path = reached_lift(arm, block, grasp, heights)
+    assert height == heights[1]
+    assert path is not None
+    lifted = pick_way(block, grasp, arm.arm.gripper, height).lifted
+    np.testing.assert_allclose(arm.fk(path[-1]).p, lifted.p, atol=1e-3)
+    assert reached_lift(arm, block, grasp, heights[:1]) == (heights[0], None)
 
 
 @given(st.integers(0, 9))

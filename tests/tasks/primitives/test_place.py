@@ -8,9 +8,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.scenes import TABLE_TOP, robot, thing
-from vcage.base.geometry import Pose, oriented_boxes_overlap
+from vcage.base.geometry import Pose, frame_from_axes, oriented_boxes_overlap
+from vcage.sim.kinematics import kinematics_of
+from vcage.sim.robots import load_robot
 from vcage.tasks.grasps import GraspPose, approach_opening, grasp_poses, hand_boxes
-from vcage.tasks.primitives.place import SET_DOWN, PlaceWay, place_way
+from vcage.tasks.primitives.place import SET_DOWN, PlaceWay, place_way, reached_place
 from vcage.tasks.scene_objects import Obstacles, SceneObject, SolidBox
 
 GRIPPER = robot().arms["left"].gripper
@@ -67,6 +69,18 @@ def test_the_hand_comes_from_above_and_leaves_upwards(obstacles: list[SolidBox],
     for other in (way.above, way.after):
         np.testing.assert_allclose(other.p[:2], way.release.p[:2], atol=1e-9)
         assert other.p[2] > way.release.p[2]
+
+
+def test_a_hand_draws_back_no_higher_than_its_arm_reaches():
+    """As with a tilted hand far from the base: it comes from low, and cannot go up by its whole approach."""
+    arm = kinematics_of(load_robot("aloha_agilex").arms["left"])
+    release = frame_from_axes([-0.3, -0.1, TABLE_TOP + 0.06], [0, 0, -1], [-1, 0, 0])
+    above, after = (Pose(release.p + [0, 0, up], release.q) for up in (0.03, 0.6))
+    reached = reached_place(arm, PlaceWay(above, release, after, drop=0.0), arm.home)
+    assert reached is not None
+    assert reached[0].after == above
+    assert len(reached[1]) == 3
+    assert reached_place(arm, PlaceWay(after, release, after, drop=0.0), arm.home) is None
 
 
 def test_without_obstacles_an_object_is_set_down_gently():

@@ -6,10 +6,13 @@ the user's cache and serves every workspace that it lies in.
 
 from __future__ import annotations
 
+import functools
 import hashlib
+import itertools
 import json
 import logging
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
 
@@ -23,7 +26,7 @@ from vcage.layout.validation import as_workspace
 from vcage.objects.asset import Asset
 from vcage.schema.robot import Arm, Robot
 from vcage.schema.scene import Role
-from vcage.sim.kinematics import kinematics_of
+from vcage.sim.kinematics import TILTS, kinematics_of, leaning
 from vcage.sim.robots import package_file
 
 logger = logging.getLogger(__name__)
@@ -32,12 +35,22 @@ CELL = 0.05
 """Grid of the reach map, metres; its nodes are the world's multiples of it."""
 
 GRASP_HEIGHTS = (0.03, 0.22)
-"""Heights above the table at which an arm must reach an object that is moved, metres."""
+"""Heights above the table at which an arm must reach an object that is moved, metres; where no arm does straight down,
+the lowest, and as much higher as the hand comes straight to a grasp, tilted."""
 
 YAWS = tuple(np.radians(degrees) for degrees in (0.0, 45.0, 90.0, 135.0))
 """Headings of the gripper that one arm must reach at a point; half a turn on is the same grasp."""
 
-VERSION = 1
+EITHER = ((0, 1), (0, 3), (2, 1), (2, 3))
+"""Sets of them, by number, of which one is enough for a hand that may also turn by a quarter."""
+
+HEIGHT_STEP = 0.03
+"""Between the heights of maps of tilted hands, metres."""
+
+CROSSWISE = 0.3
+"""Cosine between two directions that are about a quarter turn apart."""
+
+VERSION = 2
 """Of what a node's answer means; raised when kinematics or the question change, so that older maps are not used."""
 
 Node = tuple[int, int]
@@ -50,12 +63,60 @@ class Reaching(Protocol):
     def reachable(self, pose: Pose) -> bool: ...
 
 
+@dataclass(frozen=True)
+class Tilted:
+    """What a tilted hand must reach where something stands.
+
+    Args:
+        headings: sets of numbers of :data:`YAWS`; all headings of one of the sets.
+        higher: how much higher than the lowest grasp it lets go of what it brings, metres.
+    """
+
+    headings: tuple[tuple[int, ...], ...] = (tuple(range(len(YAWS))),)
+    higher: float = 0.0
+
+    @classmethod
+    def of(cls, asset: Asset, role: Role, yaw: float | None = None) -> Tilted:
+        """What it takes to move something, or to put something into it.
+
+        A hand may choose its heading where it puts something down, and where it takes what it can close on in two
+        directions, such as a block.
+
+        Args:
+            asset, role: what it is.
+            yaw: its heading, where that is known.
+        """
+        kind = asset.annotation
+        if role == "receptacle":
+            rims = [asset.opening(point).rim for point in kind.functional_points if point.link is None]
+            # Rounded up, so that things of about one height share a map.
+            return cls(EITHER, float(np.ceil(max(rims, default=0.0) / HEIGHT_STEP - 1e-9)) * HEIGHT_STEP)
+        closings = [np.array(point.closing[:2]) for point in kind.carrying_points]
+        if yaw is not None and closings:
+            return cls(tuple(sorted({_beside(yaw + float(np.arctan2(y, x))) for x, y in closings})))
+        crosswise = any(abs(float(a @ b)) < CROSSWISE for a, b in itertools.combinations(closings, 2))
+        return cls(EITHER) if crosswise else cls()
+
+
+def _beside(heading: float) -> tuple[int, ...]:
+    """Numbers of the :data:`YAWS` to both sides of where the fingers close along, or of the one that it is."""
+    turns = (heading - np.pi / 2) % np.pi / (np.pi / len(YAWS))  # at heading 0 they close along y
+    sides = {int(np.floor(turns + 1e-6)), int(np.ceil(turns - 1e-6))}
+    return tuple(sorted(side % len(YAWS) for side in sides))
+
+
 def robot_reach(
-    robot: Robot, workspace: ArrayLike, heights: Sequence[float], folder: Path | None = None, every: bool = False
+    robot: Robot,
+    workspace: ArrayLike,
+    heights: Sequence[float],
+    folder: Path | None = None,
+    every: bool = False,
+    tilted: Tilted | None = None,
 ) -> np.ndarray:
     """Rectangles (m, 2, 2) of the plane in which some arm reaches straight down at all heights and headings.
 
-    A cell of the grid counts when one arm reaches all of its corners, so no point of a rectangle is a guess
+    Where none does, arms that can reach a grasp with the hand tilted, and lift what it holds clear of the table, do as
+    well. A cell of the grid counts when one arm reaches all of its corners, so no point of a rectangle is a guess
     between two that work. They are cut to the workspace.
 
     The kinematics are not even built when the whole workspace is known from the cache. A damaged map is made again; one
@@ -66,16 +127,28 @@ def robot_reach(
         heights: z of the gripper frame's origin that must be reached, metres.
         folder: where maps are kept, the user's cache if None.
         every: what all arms reach instead, each by itself.
+        tilted: what a tilted hand must reach; a grasp at the lowest height, at all headings, if None.
 
     Raises:
         UsageError: the workspace has no inside.
     """
     bounds = as_workspace(workspace)
-    maps = {name: _ReachMap(arm, heights, folder) for name, arm in robot.arms.items()}
-    found = _rectangles({name: known.reaches for name, known in maps.items()}, bounds, every)
-    for known in maps.values():
+    hand = tilted or Tilted()
+    low = min(heights) + hand.higher
+    straight = [_ReachMap(arm, _Question(tuple(heights)), folder) for arm in robot.arms.values()]
+    leaning = [
+        _ReachMap(arm, _Question((low, low + arm.gripper.approach), TILTS, hand.headings), folder)
+        for arm in robot.arms.values()
+    ]
+    columns, rows = (_axis(*bounds[:, k]) for k in range(2))
+    everywhere = np.ones((len(columns) - 1, len(rows) - 1), dtype=bool)
+    reached = _cells(straight, columns, rows, everywhere, every=False)
+    cells = _cells(leaning, columns, rows, ~reached, every)
+    cells |= _cells(straight, columns, rows, reached, every=True) if every else reached
+    for known in (*straight, *leaning):
         known.save()
-    return found
+    xs, ys = (np.clip(CELL * np.array(axis), *bounds[:, k]) for k, axis in enumerate((columns, rows)))
+    return _merge(cells, xs, ys)
 
 
 def reach_for(asset: Asset, role: Role, reach: np.ndarray) -> np.ndarray | None:
@@ -107,33 +180,57 @@ def reach_for(asset: Asset, role: Role, reach: np.ndarray) -> np.ndarray | None:
 # --- what is asked of inverse kinematics ---------------------------------------------------------------
 
 
-def _reaches(arm: Reaching, node: Node, heights: Sequence[float]) -> bool:
-    """Whether an arm reaches straight down at a node, at all heights and headings."""
+@dataclass(frozen=True)
+class _Question:
+    """What an arm must reach at a node.
+
+    Args:
+        heights: z of the gripper frame, metres.
+        tilts: of the hand about its closing axis, radians; one of them must do at all heights.
+        headings: as of :class:`Tilted`.
+    """
+
+    heights: tuple[float, ...]
+    tilts: tuple[float, ...] = (0.0,)
+    headings: tuple[tuple[int, ...], ...] = Tilted().headings
+
+
+def _reaches(arm: Reaching, node: Node, asked: _Question) -> bool:
+    """Whether an arm reaches a node at all headings that it must."""
     x, y = CELL * node[0], CELL * node[1]
+
+    @functools.cache
+    def lifts(number: int) -> bool:
+        return any(_lifts(arm, x, y, asked.heights, YAWS[number], tilt) for tilt in asked.tilts)
+
+    return any(all(map(lifts, some)) for some in asked.headings)
+
+
+def _lifts(arm: Reaching, x: float, y: float, heights: Sequence[float], yaw: float, tilt: float) -> bool:
+    """Whether an arm reaches a point at all heights with one heading and tilt of the hand."""
     for height in heights:
-        for yaw in YAWS:
-            down = Pose.from_yaw([x, y, height], yaw) * Pose(q=[0, 1, 0, 0])
-            if not (arm.reachable(down) or arm.reachable(down * Pose(q=[0, 0, 0, 1]))):
-                return False
+        down = Pose.from_yaw([x, y, height], yaw) * Pose(q=[0, 1, 0, 0])
+        if not any(arm.reachable(pose) for pose in leaning(down, (tilt,))):
+            return False
     return True
 
 
 class _ReachMap:
     """What is known of one arm's reach, kept as ``reach/<key>.json``: for each node that was asked, the answer.
 
-    The key is of all that an answer depends on, the arm's record, its URDF, the heights and the grid; not of the
+    The key is of all that an answer depends on, the arm's record, its URDF, the question and the grid; not of the
     workspace.
     """
 
-    def __init__(self, arm: Arm, heights: Sequence[float], folder: Path | None):
-        self._arm, self._heights = arm, heights
-        self._path = (folder or cache_dir("reach")) / f"{_key(arm, heights)}.json"
+    def __init__(self, arm: Arm, asked: _Question, folder: Path | None):
+        self._arm, self._asked = arm, asked
+        self._path = (folder or cache_dir("reach")) / f"{_key(arm, asked)}.json"
         self._known = _read(self._path)
         self._changed = False
 
     def reaches(self, node: Node) -> bool:
         if node not in self._known:
-            self._known[node] = _reaches(kinematics_of(self._arm), node, self._heights)
+            self._known[node] = _reaches(kinematics_of(self._arm), node, self._asked)
             self._changed = True
         return self._known[node]
 
@@ -147,13 +244,15 @@ class _ReachMap:
             logger.warning("the reach map is not kept: %s", error.message)
 
 
-def _key(arm: Arm, heights: Sequence[float]) -> str:
+def _key(arm: Arm, asked: _Question) -> str:
     question = {
         "version": VERSION,
         "arm": arm.model_dump(mode="json", exclude={"urdf", "srdf"}),
         "urdf": sha256_file(package_file(arm.urdf)),
-        "heights": [round(float(height), 6) for height in heights],
+        "heights": [round(float(height), 6) for height in asked.heights],
         "yaws": YAWS,
+        "tilts": asked.tilts,
+        "headings": asked.headings,
         "cell": CELL,
     }
     return hashlib.sha256(json.dumps(question, sort_keys=True).encode()).hexdigest()[:32]
@@ -174,21 +273,23 @@ def _read(path: Path) -> dict[Node, bool]:
 # --- rectangles ----------------------------------------------------------------------------------------
 
 
-def _rectangles(reaches: Mapping[str, Callable[[Node], bool]], bounds: np.ndarray, every: bool = False) -> np.ndarray:
-    """Maximal rectangles (m, 2, 2) of the cells that some arm, or every arm, reaches, cut to the bounds."""
-    first = np.floor(bounds[0] / CELL + 1e-9).astype(int)
-    last = np.maximum(np.ceil(bounds[1] / CELL - 1e-9).astype(int), first + 1)
-    columns, rows = (range(int(a), int(b) + 1) for a, b in zip(first, last, strict=True))
-    cells = np.full((len(columns) - 1, len(rows) - 1), every)
-    for ask in reaches.values():
+def _axis(lower: float, upper: float) -> range:
+    """The nodes along one axis that the cells between two bounds lie between."""
+    first = int(np.floor(lower / CELL + 1e-9))
+    return range(first, max(int(np.ceil(upper / CELL - 1e-9)), first + 1) + 1)
+
+
+def _cells(maps: Sequence[_ReachMap], columns: range, rows: range, among: np.ndarray, every: bool) -> np.ndarray:
+    """(nx, ny) bool: the cells ``among`` some that some arm, or every arm, reaches."""
+    cells = among.copy() if every else np.zeros_like(among)
+    for known in maps:
         # A pose out of reach costs the most, so cells that another arm has decided are not asked about again.
         nodes = np.zeros((len(columns), len(rows)), dtype=bool)
-        for i, j in np.argwhere(_corners(cells if every else ~cells)):
-            nodes[i, j] = ask((columns[i], rows[j]))
+        for i, j in np.argwhere(_corners(cells if every else among & ~cells)):
+            nodes[i, j] = known.reaches((columns[i], rows[j]))
         reached = nodes[:-1, :-1] & nodes[1:, :-1] & nodes[:-1, 1:] & nodes[1:, 1:]
-        cells = cells & reached if every else cells | reached
-    xs, ys = (np.clip(CELL * np.array(axis), *bounds[:, k]) for k, axis in enumerate((columns, rows)))
-    return _merge(cells, xs, ys)
+        cells = cells & reached if every else cells | (among & reached)
+    return cells
 
 
 def _corners(cells: np.ndarray) -> np.ndarray:

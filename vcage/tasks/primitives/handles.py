@@ -15,7 +15,8 @@ from vcage.base.geometry import Pose
 from vcage.schema.asset import ContactPoint, MovingLink, PhysicalModel
 from vcage.schema.robot import Gripper
 from vcage.sim.joints import joint_index, joint_motion, link_poses
-from vcage.tasks.grasps import TILTS, approach_opening, grasp_poses
+from vcage.sim.kinematics import TILTS
+from vcage.tasks.grasps import approach_opening, grasp_poses
 
 STEP, STEP_TURN = 0.01, np.radians(4.0)
 """Largest distance between neighbouring poses along a joint's motion: metres, radians."""

@@ -2,24 +2,32 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
 
 from vcage.base.errors import UnknownName
 from vcage.base.geometry import Pose
 from vcage.schema.asset import ContactPoint
 from vcage.schema.robot import Gripper
 from vcage.sim.collision import Held
+from vcage.sim.kinematics import ArmKinematics, follow
 from vcage.sim.motion import MotionFailed, MotionPlanner
 from vcage.sim.paths import JointPath, Load
 from vcage.sim.world import World
 from vcage.tasks.grasps import GraspPose, approach_opening, command_of, grasp_poses
-from vcage.tasks.scene_objects import SceneObject
+from vcage.tasks.scene_objects import SceneObject, SolidBox
+from vcage.tasks.truth import resting_point
 from vcage.tasks.workcell import CAREFUL, TaskFailed, Workcell, failing_at, first_reasons
 
 CLEARANCE = 0.03
 """Metres between what is carried and the highest thing on the table."""
+
+LIFTS = 3
+"""Heights of a lift that are tried, from above everything to just above what the object comes out of or goes into."""
 
 EVERY = 10
 """Physics steps between two looks at whether the fingers still hold what is carried."""
@@ -70,7 +78,31 @@ LeadsOn = Callable[[MotionPlanner, PickWay, ContactPoint], None]
 
 def transfer_height(others: Sequence[SceneObject], table_height: float) -> float:
     """z that the bottom of a carried object must keep, metres."""
-    return max([table_height, *(o.box.top for o in others)]) + CLEARANCE
+    return transfer_heights(others, table_height)[0]
+
+
+def transfer_heights(
+    others: Sequence[SceneObject], table_height: float, over: Iterable[SolidBox] = ()
+) -> tuple[float, ...]:
+    """z's that the bottom of a carried object may keep, the highest first, metres.
+
+    It is above all others; where an arm does not reach so high, it is lower, and its way goes around them.
+
+    Args:
+        others: on the table.
+        table_height: z of the table top, metres.
+        over: what it must be above in any case.
+    """
+    top = max([table_height, *(o.box.top for o in others)])
+    least = max([table_height, *(box.top for box in over)])
+    return tuple(dict.fromkeys((np.linspace(top, min(least, top), LIFTS) + CLEARANCE).tolist()))
+
+
+def lift_heights(target: SceneObject, others: Sequence[SceneObject], table_height: float) -> tuple[float, ...]:
+    """:func:`transfer_heights` of an object that is lifted out of what it lies in."""
+    held_in = ((o, resting_point(target, o)) for o in others)
+    walls = [wall for o, point in held_in if point is not None for wall in o.walls(point.id)]
+    return transfer_heights(others, table_height, walls)
 
 
 def pick_way(target: SceneObject, grasp: GraspPose, gripper: Gripper, height: float) -> PickWay:
@@ -88,6 +120,25 @@ def pick_way(target: SceneObject, grasp: GraspPose, gripper: Gripper, height: fl
         grasp=grasp.pose,
         lifted=Pose(grasp.pose.p + [0, 0, rise], grasp.pose.q),
     )
+
+
+def reached_lift(
+    kinematics: ArmKinematics, target: SceneObject, grasp: GraspPose, heights: Sequence[float]
+) -> tuple[float, list[np.ndarray] | None]:
+    """The highest of some heights that an arm lifts an object to with a grasp, and its joints on the way there; the
+    first and None where it does not grasp or lift it.
+
+    Args:
+        kinematics: of the arm.
+        target, grasp: as of :func:`pick_way`.
+        heights: z of the object's bottom, the highest first, metres.
+    """
+    for height in heights:
+        way = pick_way(target, grasp, kinematics.arm.gripper, height)
+        path = follow(kinematics, [way.before, way.grasp, way.lifted], kinematics.home)
+        if path is not None:
+            return height, path
+    return heights[0], None
 
 
 def plan_pick(
@@ -126,15 +177,17 @@ def _plans(
         yield f"{contact.name!r} is on a moving part: {target.record.phrase} is not carried by it"
         return
     gripper = cell.world.arms[arm].arm.gripper
-    height = transfer_height(cell.objects_but(target.id), cell.world.table.height)
+    heights = lift_heights(target, cell.objects_but(target.id), cell.world.table.height)
     planner = cell.planner(arm)
     opening = command_of(approach_opening(target.asset.grasp_width(contact), gripper), gripper)
     closing = Load(opening, ignore=cell.parts(target.id), speed=CAREFUL)
     lifting = _lifting(cell, target.id, command_of(target.asset.grasp_width(contact), gripper))
     begun = cell.begun(arm)
-    ways = [pick_way(target, g, gripper, height) for g in grasp_poses(target.pose, contact, gripper, target.box.bottom)]
-    for flips in zip(ways[::2], ways[1::2], strict=True):
-        for way in sorted(flips, key=lambda way: planner.kinematics.distance(begun.end, way.before)):
+    grasps = list(grasp_poses(target.pose, contact, gripper, target.box.bottom))
+    for height, flips in product(heights, zip(grasps[::2], grasps[1::2], strict=True)):
+        lifted = [g for g in flips if reached_lift(planner.kinematics, target, g, heights)[0] == height]
+        ways = [pick_way(target, g, gripper, height) for g in lifted]
+        for way in sorted(ways, key=lambda way: planner.kinematics.distance(begun.end, way.before)):
             try:
                 if leads_on is not None:
                     leads_on(planner, way, contact)

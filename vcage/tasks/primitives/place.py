@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TypeVar
 
 import numpy as np
@@ -12,11 +12,11 @@ from vcage.base.geometry import Pose
 from vcage.schema.plan import TABLE
 from vcage.schema.robot import Gripper
 from vcage.sim.collision import Held
-from vcage.sim.kinematics import ArmKinematics
+from vcage.sim.kinematics import ArmKinematics, follow
 from vcage.sim.motion import MotionFailed, MotionPlanner
 from vcage.sim.paths import JointPath, Load
 from vcage.tasks.grasps import approach_opening, command_of, hand_boxes
-from vcage.tasks.primitives.pick import Grip, feel, minding, transfer_height
+from vcage.tasks.primitives.pick import Grip, feel, minding, transfer_heights
 from vcage.tasks.scene_objects import Obstacles, SolidBox
 from vcage.tasks.workcell import CAREFUL, TaskFailed, Workcell, failing_at, first_reasons
 
@@ -83,6 +83,23 @@ def place_way(held: Pose, goal: Pose, obstacles: Obstacles, gripper: Gripper, wi
     return PlaceWay(above=above, release=release, after=after, drop=rise + SET_DOWN)
 
 
+def reached_place(
+    kinematics: ArmKinematics, way: PlaceWay, start: np.ndarray
+) -> tuple[PlaceWay, list[np.ndarray]] | None:
+    """The way, at its end no higher than the arm reaches, and the joints on it; None where the arm cannot follow it.
+
+    Args:
+        kinematics: of the arm.
+        way: which may end where it begins, if it does not reach higher.
+        start: (n,) joints before, rad.
+    """
+    for after in (way.after, way.above):
+        path = follow(kinematics, [way.above, way.release, after], start)
+        if path is not None:
+            return replace(way, after=after), path
+    return None
+
+
 def _rise_to_clear(pose: Pose, obstacles: Obstacles, hand: Sequence[np.ndarray]) -> float:
     """How far the hand must go up so that none of its boxes touches an obstacle below it."""
     rise = 0.0
@@ -139,12 +156,12 @@ class Surroundings:
     Args:
         receptacle: id of what receives the object, or ``table``.
         obstacles: its walls and contents, and the neighbours.
-        height: z that the object's bottom keeps on the way, metres.
+        heights: z's that the object's bottom may keep on the way, the highest first, metres.
     """
 
     receptacle: str
     obstacles: Obstacles
-    height: float
+    heights: tuple[float, ...]
 
     @classmethod
     def of(cls, cell: Workcell, object_id: str, receptacle: str, point: int | None) -> Surroundings:
@@ -157,17 +174,19 @@ class Surroundings:
             point: id of the receptacle's functional point; None on the table.
         """
         others = cell.objects_but(object_id, receptacle)
-        boxes = [box for o in others for box in o.boxes]
+        boxes, walls = [box for o in others for box in o.boxes], list[SolidBox]()
         if point is not None:
             holder = cell.object(receptacle)
-            boxes = [*holder.around(point), *boxes]
+            boxes, walls = [*holder.around(point), *boxes], holder.walls(point)
             others.append(holder)
-        return cls(receptacle, Obstacles(boxes), transfer_height(others, cell.world.table.height))
+        return cls(receptacle, Obstacles(boxes), transfer_heights(others, cell.world.table.height, walls))
 
     def ways(
         self, kinematics: ArmKinematics, held: Pose, width: float, poses: Sequence[Pose], start: np.ndarray
     ) -> list[PlaceWay]:
         """Ways within reach to let go of an object at one of some poses: each as low as it can be, then higher.
+
+        Each begins as high as the arm reaches.
 
         Args:
             kinematics: of the arm that holds it.
@@ -180,18 +199,23 @@ class Surroundings:
             MotionFailed: there is none.
         """
         gripper = kinematics.arm.gripper
-        ways = [place_way(held, pose, self.obstacles, gripper, width, self.height) for pose in poses]
-        least = min(way.drop for way in ways)
+        near: list[PlaceWay] = []
+        least = np.inf
+        for height in self.heights:
+            ways = [place_way(held, pose, self.obstacles, gripper, width, height) for pose in poses]
+            least = min(least, *(way.drop for way in ways))
+            new = [w for w in ways if w.drop <= MAX_DROP and all(w.release != there.release for there in near)]
+            found = [reached[0] for way in new if (reached := reached_place(kinematics, way, start))]
+            near += sorted(found, key=lambda way: kinematics.distance(start, way.above))
         if least > MAX_DROP:
             raise MotionFailed(f"it would fall {least * 100:.1f} cm")
-        far = {way: kinematics.distance(start, way.above) for way in ways if way.drop <= MAX_DROP}
-        near = sorted((way for way in far if np.isfinite(far[way])), key=far.__getitem__)
         if not near:
             raise MotionFailed("its place is out of reach")
         return [*near, *(way.raised(x) for way in near for x in RAISES if way.drop + x <= MAX_DROP)]
 
     def check(self, planner: MotionPlanner, lifted: Pose, held: Held, width: float, poses: Sequence[Pose]) -> None:
-        """That a hold leads to a place: the arm comes down to it with the object, and the fingers can open.
+        """That a hold leads to a place: the arm comes down to it with the object, the fingers can open, and the hand
+        gets away from there.
 
         Args:
             planner: of the arm.
@@ -215,7 +239,10 @@ class Surroundings:
                 above = planner.kinematics.ik(way.above, start)
                 if above is None:  # the ways that let go higher begin higher too
                     raise MotionFailed("its place is out of reach")
-                planner.check(planner.line(above, way.release, carrying).end, leaving)
+                released = planner.line(above, way.release, carrying).end
+                planner.check(released, leaving)
+                if not planner.continues(released, [way.after]):
+                    raise MotionFailed("the hand could not be drawn back")
                 return
             except MotionFailed as error:
                 reasons.append(error.message)

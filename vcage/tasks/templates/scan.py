@@ -116,5 +116,5 @@ class Reading(Proposal):
             return [], [self.refusal(reason)]
         where = f"its place before {still.record.phrase}"
         contacts = mover.asset.annotation.carrying_points
-        transfers = {c.id: Transfer(mover, c, where, poses, [], others) for c in contacts}
+        transfers = {c.id: Transfer(mover, c, where, poses, [], (), others) for c in contacts}
         return self.judged({c: examine(t, kinematics, ground.height) for c, t in transfers.items()})

@@ -1,0 +1,43 @@
+"""What one arm must reach all of: things that it brings to each other, and that do not change hands on the way."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+
+from vcage.schema.goals import Goal
+from vcage.tasks.scene_objects import SceneObject
+from vcage.tasks.templates.place import stands_flush
+
+
+def for_one_arm(objects: Sequence[SceneObject], goals: Collection[Goal]) -> list[set[str]]:
+    """Groups of ids, each of things that one arm must reach for the goals to be brought about.
+
+    What is put in or on another is in none: where no arm reaches both, it is handed over. What is stacked is.
+
+    Args:
+        objects: of the scene.
+        goals: that are asked for.
+    """
+    by_id = {o.id: o for o in objects}
+    groups: list[set[str]] = []
+    for goal in sorted(goals, key=str):
+        needed = {goal.subject, *_met(goal, by_id)}
+        if len(needed) > 1:
+            meeting = [group for group in groups if group & needed]
+            groups = [group for group in groups if group not in meeting] + [needed.union(*meeting)]
+    return groups
+
+
+def _met(goal: Goal, objects: dict[str, SceneObject]) -> set[str]:
+    """What the subject of a goal is brought to by the arm that takes it."""
+    kinds = [(o, o.asset.annotation) for o in objects.values()]
+    if goal.relation == "weighed":
+        return {o.id for o, kind in kinds if any(point.weighs for point in kind.functional_points)}
+    if goal.relation == "scanned":
+        return {o.id for o, kind in kinds if kind.faces_of("reader")}
+    below = objects.get(goal.reference or "")
+    if goal.relation == "on" and below is not None:
+        points = [point for point in below.asset.annotation.functional_points if point.link == goal.part]
+        if points and all(stands_flush(objects[goal.subject], below, point) for point in points):
+            return {below.id}
+    return set()
