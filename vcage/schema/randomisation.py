@@ -1,0 +1,166 @@
+"""What differs from episode to episode: the ranges of one file, and what was drawn from them for one episode.
+
+``look`` is only seen, so recorded states can be drawn again under another one; ``world`` is part of the simulation.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, ClassVar, Literal
+
+from pydantic import AfterValidator, Field
+
+from vcage.schema.base import Document, Finite, Identifier, Record, UnitVec3, Vec3
+
+
+def _in_order(ends: tuple[float, float]) -> tuple[float, float]:
+    if ends[0] > ends[1]:
+        raise ValueError(f"expected the lower end first, got {ends[0]:g} … {ends[1]:g}")
+    return ends
+
+
+Range = Annotated[tuple[Finite, Finite], AfterValidator(_in_order)]
+"""Drawn uniformly between both ends."""
+
+Factor = Annotated[tuple[Annotated[Finite, Field(gt=0)], Annotated[Finite, Field(gt=0)]], AfterValidator(_in_order)]
+Count = Annotated[tuple[Annotated[int, Field(ge=0)], Annotated[int, Field(ge=0)]], AfterValidator(_in_order)]
+Share = Annotated[Finite, Field(ge=0, le=1)]
+
+MOST_LIGHTS = 3
+"""The key light and two more."""
+
+MOST_CLUTTER = 10
+
+
+# --- the file: assets/randomisation/<name>.yml ---------------------------------------------------------------
+
+
+class LightRanges(Record):
+    """Of the lights of an episode: the first is the key light."""
+
+    number: Count = Field(default=(1, 1), description=f"of lights, at most {MOST_LIGHTS}")
+    heading_deg: Range = Field(default=(-58.0, -58.0), description="in which they shine, from +x over +y, degrees")
+    slant: Range = Field(default=(0.47, 0.47), description="tangent of the angle between a light and straight down")
+    strength: Range = Field(default=(1.55, 1.55), description="of the key light; others have their share of it")
+    others: Range = Field(default=(0.2, 0.5), description="strength of each further light, share of the key light's")
+    warmth: Range = Field(default=(0.03, 0.03), description="by which share red is stronger, and blue weaker")
+    ambient: Range = Field(default=(0.45, 0.45), description="light from everywhere")
+    shadows: Share = Field(default=1.0, description="how often the key light throws shadows")
+
+
+class SurfaceRanges(Record):
+    """Of table, wall and floor."""
+
+    table: list[Identifier] = Field(default=[], description="painted textures to choose from; the scene's own if none")
+    wall: list[Identifier] = Field(default=[], description="the same; plain if none")
+    floor: list[Identifier] = Field(default=[], description="the same; plain if none")
+    tint: Factor = Field(default=(1.0, 1.0), description="factor of each colour channel of wall and floor")
+
+
+class CameraRanges(Record):
+    """Of the cameras of the recording, about where the robot's file puts them."""
+
+    shift: Finite = Field(default=0.0, ge=0, description="largest along each axis, metres")
+    turn_deg: Finite = Field(default=0.0, ge=0, description="largest about each axis, degrees")
+    fovy: Factor = Field(default=(1.0, 1.0), description="factor of the field of view")
+
+
+class ColourRanges(Record):
+    """Of the colours of objects: what an object is called stays true, whatever is drawn."""
+
+    hue_deg: Finite = Field(default=0.0, ge=0, le=180, description="largest turn of the hue, degrees")
+    saturation: Factor = (1.0, 1.0)
+    lightness: Factor = (1.0, 1.0)
+
+
+class LookRanges(Record):
+    """Of what is only seen."""
+
+    light: LightRanges = LightRanges()
+    surfaces: SurfaceRanges = SurfaceRanges()
+    cameras: CameraRanges = CameraRanges()
+    colours: ColourRanges = ColourRanges()
+
+
+class WorldRanges(Record):
+    """Of what is simulated."""
+
+    variants: bool = Field(default=False, description="whether an object may be another variant that its words fit")
+    clutter: Count = Field(default=(0, 0), description=f"objects that the task does not touch, at most {MOST_CLUTTER}")
+    table_height: Range = Field(default=(0.0, 0.0), description="added to the table's, metres")
+    mass: Factor = Field(default=(1.0, 1.0), description="factor of each object's mass")
+    friction: Factor = Field(default=(1.0, 1.0), description="factor of each object's friction")
+    start: Finite = Field(default=0.0, ge=0, description="largest offset of each joint from home, radians")
+
+
+class Randomisation(Document):
+    """``assets/randomisation/<name>.yml``, or a file of one's own: ``--randomise none|light|full|FILE``."""
+
+    SCHEMA: ClassVar[str] = "vcage.randomisation/1"
+
+    name: Identifier
+    description: str
+    look: LookRanges = LookRanges()
+    world: WorldRanges = WorldRanges()
+
+
+# --- what was drawn for one episode ---------------------------------------------------------------------------
+
+
+class Light(Record):
+    """A light that shines in one direction."""
+
+    direction: UnitVec3 = Field(description="in which it shines, world frame")
+    colour: Vec3 = Field(description="linear RGB; above 1 is brighter")
+    shadows: bool
+
+
+class Tint(Record):
+    """How an object's colours are changed."""
+
+    hue_deg: Finite
+    saturation: Finite
+    lightness: Finite
+
+
+class CameraShift(Record):
+    """How a camera stands beside where the robot's file puts it."""
+
+    shift: Vec3 = Field(description="in the frame of what carries it, metres")
+    turn_deg: Vec3 = Field(description="about the camera's own x (forward), y (left) and z (up), degrees")
+    fovy: Finite = Field(description="factor of the field of view")
+
+
+class Surface(Record):
+    """How a surface looks."""
+
+    texture: Identifier | None = Field(description="painted; none for a plain one")
+    colour: Vec3 = Field(description="linear RGB of a plain one, and the factors of a painted one's channels")
+
+
+class Look(Record):
+    """What an episode looks like."""
+
+    lights: list[Light] = Field(min_length=1, max_length=MOST_LIGHTS)
+    ambient: Vec3 = Field(description="light from everywhere, linear RGB")
+    surfaces: dict[Literal["table", "wall", "floor"], Surface]
+    cameras: dict[str, CameraShift] = {}
+    tints: dict[Identifier, Tint] = Field(default={}, description="by object; none where its colours are its own")
+
+
+class WorldDraw(Record):
+    """What is simulated otherwise in an episode than the run's scene says."""
+
+    variants: dict[Identifier, Identifier] = Field(default={}, description="object → its variant, where another")
+    clutter: list[Identifier] = Field(default=[], description="ids of the objects that the task does not touch")
+    table_height: Finite = Field(default=0.0, description="added to the scene's, metres")
+    mass: dict[Identifier, Finite] = Field(default={}, description="object → kilograms, moving parts included")
+    friction: dict[Identifier, Finite] = Field(default={}, description="object → Coulomb coefficient")
+    start: dict[str, list[Finite]] = Field(default={}, description="arm → offset of each joint from home, radians")
+
+
+class Drawn(Record):
+    """What was drawn for one episode; travels in its file and in what is exported."""
+
+    ranges: str = Field(description="name of the file of ranges")
+    look: Look
+    world: WorldDraw = WorldDraw()
