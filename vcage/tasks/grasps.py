@@ -74,8 +74,10 @@ def _tips_below(pose: Pose, gripper: Gripper) -> float:
 
 
 def _palm_below(pose: Pose, gripper: Gripper) -> float:
+    """How far the palm, and the hand behind it where that is lower, are below the gripper frame, metres."""
     down, sideways = -pose.rotation()[2, 2], abs(pose.rotation()[2, 0]) / 2
-    return float(sideways * gripper.palm_size[0] - down * gripper.finger_length)
+    behind = gripper.finger_length + (gripper.palm_height if down < 0 else 0.0)
+    return float(sideways * gripper.palm_size[0] - down * behind)
 
 
 def approach_opening(width: float, gripper: Gripper) -> float:
