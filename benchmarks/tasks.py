@@ -33,7 +33,7 @@ from vcage.stages.context import StageContext
 from vcage.stages.stage import ModelOptions
 from vcage.tasks.ground import Ground
 from vcage.tasks.loop import EpisodeRun, Seen, Setting, run_episode
-from vcage.tasks.slots import slots_for_chain
+from vcage.tasks.rehearsal import proven
 from vcage.tasks.synthesis import Script, load_script
 from vcage.tasks.task import Asked
 from vcage.tasks.variation import shifted_poses
@@ -170,10 +170,13 @@ def play(
             world.set_object_pose(name, pose)
         return world
 
+    steps, slots = proven([subtask for subtask, _ in chain], objects, robot, Ground.of(scene), rng)
+    for step, (_, script) in zip(steps, chain, strict=True):
+        script.try_grasps(step.grasps)
     setting = Setting(
         build=build,
         objects={o.id: o for o in objects},
-        slots=slots_for_chain([subtask for subtask, _ in chain], objects, robot, Ground.of(scene), rng),
+        slots=slots,
         photograph=lambda *_: {},
         judge=_accept,
         on_failure="abort",

@@ -13,7 +13,7 @@ from typing import get_args
 
 import numpy as np
 
-from vcage.base.errors import InfeasibleScene
+from vcage.base.errors import InfeasibleScene, NoFeasibleTask
 from vcage.base.geometry import Pose, world_aabb
 from vcage.layout.items import ANY_YAW, FRONT_YAWS
 from vcage.layout.optimize import LayoutOptions
@@ -28,9 +28,9 @@ from vcage.sim.robots import load_robot
 from vcage.stages.context import StageContext
 from vcage.stages.layout_items import layout_items, nearest_layout
 from vcage.tasks.ground import Ground
+from vcage.tasks.rehearsal import examined, proven
 from vcage.tasks.scene_objects import SceneObject
-from vcage.tasks.slots import Slot, slots_for_chain
-from vcage.tasks.templates import TEMPLATES
+from vcage.tasks.slots import Slot
 
 TURNS = tuple(float(turn) for turn in np.radians((-20, -10, 0, 10, 20)))
 """How what receives things is turned from its heading in the run's layout: its front stays towards the robot."""
@@ -92,6 +92,7 @@ class Layouts:
         self._workspace = np.array([scene.workspace.lower, scene.workspace.upper])
         self._margin = float(scene.provenance.options.get("margin", LayoutOptions.margin))
         self._ground, self._robot = Ground.of(scene), load_robot(scene.robot)
+        self._kinematics = context.kinematics(scene.robot)
         now = {name: o.pose for name, o in self._objects.items()}
         # A chain may bring a thing back to where it is at the start.
         self._fulfilled_before = self._fulfilled({o.id: np.array(o.aabb) for o in scene.objects})
@@ -133,9 +134,11 @@ class Layouts:
         objects = [o.moved(poses[name]) for name, o in self._objects.items()]
         chain = [self._examined(subtask, objects, rng) for subtask in self._chain]
         try:
-            slots = slots_for_chain(chain, objects, self._robot, self._ground, rng)
+            chain, slots = proven(chain, objects, self._robot, self._ground, rng)
         except InfeasibleScene:
             raise _Refused("things do not go side by side where they are put") from None
+        except NoFeasibleTask as error:
+            raise _Refused(error.message) from None
         return Layout(poses, {subtask.id: subtask.grasps for subtask in chain}, slots)
 
     def _boxes(self, poses: Mapping[str, Pose]) -> dict[str, np.ndarray]:
@@ -188,14 +191,7 @@ class Layouts:
         return tuple(o.pose.yaw + turn for turn in TURNS) if o.record.role == "receptacle" else ANY_YAW
 
     def _examined(self, subtask: Subtask, objects: Sequence[SceneObject], rng: np.random.Generator) -> Subtask:
-        """The sub-task as it is feasible among these objects, changing hands on its way only where it did before."""
-        into = subtask.template == "hand_over" and subtask.functional_point is not None
-        kind, asked = ("place" if into else subtask.template), [] if subtask.template == "place" else subtask.goals
-        proposals, _ = TEMPLATES[kind].proposals(objects, asked)
-        kinematics = self._context.kinematics(self._scene.robot)
-        for proposal in proposals:
-            if proposal.thing.id == subtask.object and proposal.goal in subtask.goals:
-                found, _ = proposal.examine(objects, kinematics, self._ground, rng)
-                if found is not None and found.id == subtask.id:
-                    return found
-        raise _Refused(f"{subtask.id} is not feasible")
+        found = examined(subtask, objects, self._kinematics, self._ground, rng)
+        if found is None:
+            raise _Refused(f"{subtask.id} is not feasible")
+        return found

@@ -11,14 +11,14 @@ examples:
 from __future__ import annotations
 
 import logging
-from collections.abc import Collection
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
 
-from vcage.base.errors import InfeasibleScene
+from vcage.base.errors import InfeasibleScene, NoFeasibleTask
 from vcage.base.files import RunFolder
 from vcage.base.geometry import Pose, wrap_angle
 from vcage.base.options import NATURAL, between, number_between, value
@@ -32,7 +32,7 @@ from vcage.plans.actions import HOLDING
 from vcage.plans.kept import Kept, relations_kept_in
 from vcage.schema.base import Provenance
 from vcage.schema.matches import Matches
-from vcage.schema.plan import TABLE
+from vcage.schema.plan import TABLE, Relation
 from vcage.schema.scene import ObjectRecord, Scene
 from vcage.sim.cameras import shoot
 from vcage.sim.world import World
@@ -42,6 +42,7 @@ from vcage.stages.layout_items import nearest_layout
 from vcage.stages.possible import edited_scene, settled_record
 from vcage.stages.stability import moved_objects, settle_checks
 from vcage.stages.stage import Job, StageOptions, StageResult, stage_seed
+from vcage.tasks.rehearsal import require_chain
 from vcage.tasks.scene_objects import SceneObject
 
 logger = logging.getLogger(__name__)
@@ -49,6 +50,11 @@ logger = logging.getLogger(__name__)
 
 MOST_WEIGHT = 1e6
 """Beyond it the optimiser's own precision would be the result."""
+
+
+TRIES, SHIFT = 6, 0.03
+"""Layouts that are tried for one in which the instruction can be carried out, and the standard deviation by which the
+targets of each are shifted more than those of the one before it, metres."""
 
 
 def layout_weights(text: str) -> CostWeights:
@@ -120,10 +126,10 @@ def execute(run: RunFolder, options: Options, context: StageContext, progress: P
         inside = {r.subject: r.reference for r in plan.relations if r.relation in HOLDING and r.reference != TABLE}
         how = LayoutOptions(options.weights, options.margin, options.restarts)
         turned = {key: Pose.from_yaw(target.p, yaws[key]) for key, target in targets.items()}
-        result = nearest_layout(scene, turned, inside, plan.relations, stage.rng, how, context)
-        poses = {key: Pose.from_yaw(position, yaws[key]) for key, position in result.positions.items()}
+        result, laid_out = _nearest_feasible(scene, turned, inside, plan.relations, stage.rng, how, context)
+        poses = {o.id: o.pose.pose() for o in laid_out.objects}
         write_picture(folder / "layout.png", _drawing(scene, context, targets, poses))
-        settled, picture = _rebuild(_with_poses(scene, context, poses, result), context)
+        settled, picture = _rebuild(laid_out, context)
         write_picture(folder / "top.png", picture)
         kept = relations_kept_in(settled, plan.relations)
         if kept.broken:
@@ -163,6 +169,45 @@ def take_over(run: RunFolder, folder: Path, edited: Collection[str], context: St
 def _targets(scene: Scene, matches: Matches) -> dict[str, Pose]:
     """Where the objects were matched, by id."""
     return {m.object: Pose.from_yaw([*m.position, scene.table.height], m.yaw) for m in matches.matches}
+
+
+def _nearest_feasible(
+    scene: Scene,
+    targets: Mapping[str, Pose],
+    inside: Mapping[str, str],
+    relations: Sequence[Relation],
+    rng: Callable[[], np.random.Generator],
+    options: LayoutOptions,
+    context: StageContext,
+) -> tuple[LayoutResult, Scene]:
+    """The layout nearest to the targets in which what is asked for can be done, and the scene laid out like that.
+
+    Where it cannot, layouts near targets that are shifted further and further are tried, :data:`TRIES` in all; where it
+    can in none of them, it is the nearest, and the search for sub-tasks says what is wrong with it.
+    """
+    found: list[tuple[LayoutResult, Scene]] = []
+    shifting = rng()
+    for number in range(TRIES):
+        shifts = shifting.normal(0.0, number * SHIFT, (len(targets), 2))
+        asked = {key: Pose([*(t.p[:2] + s), t.p[2]], t.q) for (key, t), s in zip(targets.items(), shifts, strict=True)}
+        try:
+            result = nearest_layout(scene, asked, inside, relations, rng, options, context)
+        except InfeasibleScene:
+            if not found:
+                raise
+            continue
+        poses = {key: Pose.from_yaw(at, targets[key].yaw) for key, at in result.positions.items()}
+        displaced = {key: float(np.hypot(*(poses[key].p - target.p)[:2])) for key, target in targets.items()}
+        found.append((replace(result, displaced=displaced), _with_poses(scene, context, poses, result)))
+        try:
+            if scene.instruction is not None:
+                objects, arms = context.objects(found[-1][1]), context.kinematics(scene.robot)
+                require_chain(found[-1][1], objects, arms, rng())
+        except (NoFeasibleTask, InfeasibleScene) as error:
+            logger.info("another layout is tried: %s", error.message)
+        else:
+            return found[-1]
+    return found[0]
 
 
 def _kept(kept: Kept) -> dict[str, Any]:

@@ -28,9 +28,9 @@ from vcage.stages.possible import require_possible
 from vcage.stages.stage import Job, ModelOptions, StageResult, stage_seed
 from vcage.tasks.ground import Ground
 from vcage.tasks.readiness import ready_for
+from vcage.tasks.rehearsal import proven
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.search import action_of, compose, find_subtasks, initial_state
-from vcage.tasks.slots import slots_for_chain
 from vcage.tasks.synthesis import load_script, note_python, write_script
 
 Options = ModelOptions
@@ -79,15 +79,17 @@ def execute(
         chains = compose(scene, objects, found.kept, found.refused)
         by_id = {subtask.id: subtask for subtask in found.kept}
         for chain in chains:
-            slots_for_chain([by_id[i] for i in chain.subtasks], objects, load_robot(scene.robot), ground, rng)
+            steps = [by_id[i] for i in chain.subtasks]
+            proved, _ = proven(steps, objects, load_robot(scene.robot), ground, rng)
+            by_id |= {subtask.id: subtask for subtask in proved}
         note_python()
-        for subtask in found.kept:
+        for subtask in by_id.values():
             write_script(subtask, ready_for(subtask, scene, objects), folder / f"{subtask.id}.py")
         return Subtasks(
             provenance=provenance,
             instruction=scene.instruction,
             candidates=found.candidates,
-            kept=found.kept,
+            kept=list(by_id.values()),
             refused=found.refused,
             chains=chains,
         )

@@ -24,6 +24,7 @@ from vcage.schema.subtasks import Subtask
 from vcage.sim.joints import joint_index, joint_positions
 from vcage.sim.kinematics import kinematics_of
 from vcage.tasks.access import closed_part
+from vcage.tasks.feasibility import Transfer, examine
 from vcage.tasks.grasps import grasp_poses
 from vcage.tasks.ground import Ground
 from vcage.tasks.primitives.place import SET_DOWN, place_way
@@ -254,6 +255,8 @@ def _drawn_on_table(
         else:
             taken = [thing.aabb[:, :2], *(objects[s.object].aabb[:, :2] for s in chain)]
             poses = list(itertools.islice(ground.poses(thing, subtask.goals[0], others, rng, taken), 1 + OTHERS))
+            works = next((p for p in poses if _feasible(subtask, now[thing.id], p, others, robot, ground)), None)
+            poses = poses if works is None else [works, *(p for p in poses if p is not works)]
         if not poses:
             how = "push" if subtask.template == "push" else "put"
             reason = f"there is no room on the table to {how} {thing.record.phrase} so that {subtask.goals[0]}"
@@ -261,6 +264,18 @@ def _drawn_on_table(
         found[subtask.id] = Slot(TABLE, None, poses[0], turns=(0.0,), spare=tuple(poses[1:]))
         now[thing.id] = thing.moved(poses[0])
     return found
+
+
+def _feasible(
+    subtask: Subtask, thing: SceneObject, pose: Pose, others: Sequence[SceneObject], robot: Robot, ground: Ground
+) -> bool:
+    """Whether an arm that can take an object brings it to a place on the table: it passes the checks of a transfer."""
+    arms = {grasp.arm: kinematics_of(robot.arms[grasp.arm]) for grasp in subtask.grasps}
+    contacts = {grasp.contact: thing.asset.annotation.contact_point(grasp.contact) for grasp in subtask.grasps}
+    return subtask.hand_to is not None or any(
+        examine(Transfer.onto_table(thing, contact, [pose], others), arms, ground.height).feasible
+        for contact in contacts.values()
+    )
 
 
 def _drop(
