@@ -1,7 +1,8 @@
 """The paper's tasks, each from its own sentence: how often every step and the whole succeed, by the simulator's state.
 
-No critic looks and nothing is tried again: an episode ends at its first failed step. A task that the engine refuses, in
-whatever stage, counts as failed with that reason.
+Each seed has a scene of its own, and in it a layout drawn as ``collect`` draws them (``--layout fixed``: as it was
+optimised, with small shifts). No critic looks and nothing is tried again: an episode ends at its first failed step. A
+task that the engine refuses, in whatever stage, counts as failed with that reason.
 """
 
 from __future__ import annotations
@@ -30,9 +31,12 @@ from vcage.sim.robots import load_robot
 from vcage.sim.world import World
 from vcage.stages import search_subtasks, select_place
 from vcage.stages.context import StageContext
+from vcage.stages.inputs import read_plan
+from vcage.stages.layouts import Layout, Layouts, NoLayout
 from vcage.stages.stage import ModelOptions
 from vcage.tasks.ground import Ground
 from vcage.tasks.loop import EpisodeRun, Seen, Setting, run_episode
+from vcage.tasks.readiness import ready_for
 from vcage.tasks.rehearsal import proven
 from vcage.tasks.synthesis import Script, load_script
 from vcage.tasks.task import Asked
@@ -75,25 +79,31 @@ class Tally:
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """What can be chosen."""
     parser.add_argument("--robot", default="dual_panda", help="which one")
+    parser.add_argument("--tasks", nargs="+", choices=TASKS, default=list(TASKS), help="which tasks")
+    parser.add_argument("--layout", choices=("varied", "fixed"), default="varied", help="where objects start")
 
 
-def run(quick: bool, robot: str = "dual_panda") -> dict[str, Any]:
+def run(
+    quick: bool, robot: str = "dual_panda", tasks: Sequence[str] = tuple(TASKS), layout: str = "varied"
+) -> dict[str, Any]:
     """A row for each task; reasons of failure go to the log.
 
     Args:
         quick: 3 seeds, not 20.
         robot: by name.
+        tasks: names of :data:`TASKS`.
+        layout: as of ``collect``.
     """
     context = StageContext("offline")
     seeds = 3 if quick else SEEDS
-    return {"rows": [_row(name, sentence, robot, seeds, context) for name, sentence in TASKS.items()]}
+    return {"rows": [_row(name, TASKS[name], robot, layout, seeds, context) for name in tasks]}
 
 
-def _row(name: str, sentence: str, robot: str, seeds: int, context: StageContext) -> dict[str, Any]:
+def _row(name: str, sentence: str, robot: str, layout: str, seeds: int, context: StageContext) -> dict[str, Any]:
     tally, start = Tally(), time.perf_counter()
     for seed in range(seeds):
         try:
-            _count(*simulated(sentence, seed, context, robot), tally)
+            _count(*simulated(sentence, seed, context, robot, layout), tally)
         except VcageError as error:
             tally.failures[f"refused: {error.message}"[:160]] += 1
     for reason, count in tally.failures.most_common(5):
@@ -101,6 +111,7 @@ def _row(name: str, sentence: str, robot: str, seeds: int, context: StageContext
     return {
         "task": name,
         "robot": robot,
+        "layout": layout,
         "seeds": seeds,
         "steps": tally.steps,
         "step_success": round(tally.done / tally.steps, 4) if tally.steps else 0.0,
@@ -127,9 +138,16 @@ def _count(chain: Sequence[Subtask], done: EpisodeRun, tally: Tally) -> None:
 
 
 def simulated(
-    sentence: str, seed: int, context: StageContext, robot: str | None = None
+    sentence: str, seed: int, context: StageContext, robot: str | None = None, layout: str = "fixed"
 ) -> tuple[list[Subtask], EpisodeRun]:
     """The chain of an instruction in a scene of its own, and one episode of it, judged by nobody.
+
+    Args:
+        sentence: the instruction.
+        seed: of all choices.
+        context: the library.
+        robot: by name; the scene's when not given.
+        layout: as of ``collect``: drawn anew, or as optimised with small shifts.
 
     Raises:
         VcageError: a stage refuses.
@@ -143,11 +161,28 @@ def simulated(
         kept = {subtask.id: subtask for subtask in found.kept}
         chain = [kept[name] for name in found.chains[0].subtasks]
         scripts = [(subtask, load_script(made.root / subtask.script)) for subtask in chain]
-        return chain, play(scene, scripts, lasting(in_steps(scene.goals)), seed, context)
+        drawn = _drawn(made, scene, chain, seed, context) if layout == "varied" else None
+        return chain, play(scene, scripts, lasting(in_steps(scene.goals)), seed, context, drawn)
+
+
+def _drawn(made: RunFolder, scene: Scene, chain: Sequence[Subtask], seed: int, context: StageContext) -> Layout | None:
+    """A layout as an episode draws it; None where none is found and the run's is taken."""
+    start = ready_for(chain[0], scene, context.objects(scene))
+    relations = read_plan(made, Scene.read(made.scene), context).relations
+    try:
+        return Layouts(start, relations, chain, context).draw(np.random.default_rng([seed, 0]))
+    except NoLayout as error:
+        logger.info("seed %d: %s", seed, error.message)
+        return None
 
 
 def play(
-    scene: Scene, chain: Sequence[tuple[Subtask, Script]], goals: Sequence[Goal], seed: int, context: StageContext
+    scene: Scene,
+    chain: Sequence[tuple[Subtask, Script]],
+    goals: Sequence[Goal],
+    seed: int,
+    context: StageContext,
+    layout: Layout | None = None,
 ) -> EpisodeRun:
     """One episode of a chain, judged by nobody, in which nothing is tried again.
 
@@ -157,11 +192,12 @@ def play(
         goals: what must be true at the end.
         seed: of all choices.
         context: the library.
+        layout: where things start, with grasps and slots; the scene's with small shifts when not given.
     """
     robot, rng = load_robot(scene.robot), np.random.default_rng([seed, 0])
     objects = context.objects(scene)
-    objects = [o.moved(pose) for o, pose in zip(objects, shifted_poses(objects, rng).values(), strict=True)]
-    poses = {o.id: o.pose for o in objects}
+    poses = shifted_poses(objects, rng) if layout is None else layout.poses
+    objects = [o.moved(poses[o.id]) for o in objects]
     models = context.physical_models(scene)
 
     def build() -> World:
@@ -170,9 +206,13 @@ def play(
             world.set_object_pose(name, pose)
         return world
 
-    steps, slots = proven([subtask for subtask, _ in chain], objects, robot, Ground.of(scene), rng)
-    for step, (_, script) in zip(steps, chain, strict=True):
-        script.try_grasps(step.grasps)
+    if layout is None:
+        steps, slots = proven([subtask for subtask, _ in chain], objects, robot, Ground.of(scene), rng)
+        grasps = {step.id: step.grasps for step in steps}
+    else:
+        grasps, slots = layout.grasps, layout.slots
+    for step, script in chain:
+        script.try_grasps(grasps[step.id])
     setting = Setting(
         build=build,
         objects={o.id: o for o in objects},
