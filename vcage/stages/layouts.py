@@ -139,6 +139,9 @@ class Layouts:
             raise _Refused("things do not go side by side where they are put") from None
         except NoFeasibleTask as error:
             raise _Refused(error.message) from None
+        for subtask, found in zip(self._chain, chain, strict=True):
+            if found.grasped != subtask.grasped:  # its script takes the one it was written for
+                raise _Refused(f"{subtask.id} is not feasible with {subtask.grasped} in the hand")
         return Layout(poses, {subtask.id: subtask.grasps for subtask in chain}, slots)
 
     def _boxes(self, poses: Mapping[str, Pose]) -> dict[str, np.ndarray]:

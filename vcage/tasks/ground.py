@@ -43,6 +43,9 @@ DIRECTIONS_OF_ARMS = {"left": -1, "right": 1}
 SHOWN = np.radians(25)
 """Largest angle between where the front of a thing faces and the customer."""
 
+SPOTS = 12
+"""Places on the table among which one is looked for that an arm brings a thing to."""
+
 DRAWS = 6
 """Ways to put a thing down that are tried in each zone."""
 

@@ -26,7 +26,7 @@ from vcage.sim.kinematics import kinematics_of
 from vcage.tasks.access import closed_part
 from vcage.tasks.feasibility import Transfer, examine
 from vcage.tasks.grasps import grasp_poses
-from vcage.tasks.ground import Ground
+from vcage.tasks.ground import SPOTS, Ground
 from vcage.tasks.primitives.place import SET_DOWN, place_way
 from vcage.tasks.pushing import examine_pushes
 from vcage.tasks.scene_objects import Obstacles, SceneObject
@@ -254,14 +254,14 @@ def _drawn_on_table(
             poses = [push.end for push in pushes]
         else:
             taken = [thing.aabb[:, :2], *(objects[s.object].aabb[:, :2] for s in chain)]
-            poses = list(itertools.islice(ground.poses(thing, subtask.goals[0], others, rng, taken), 1 + OTHERS))
+            poses = list(itertools.islice(ground.poses(thing, subtask.goals[0], others, rng, taken), SPOTS))
             works = next((p for p in poses if _feasible(subtask, now[thing.id], p, others, robot, ground)), None)
             poses = poses if works is None else [works, *(p for p in poses if p is not works)]
         if not poses:
             how = "push" if subtask.template == "push" else "put"
             reason = f"there is no room on the table to {how} {thing.record.phrase} so that {subtask.goals[0]}"
             raise InfeasibleScene(reason, hint="another --seed gives another layout")
-        found[subtask.id] = Slot(TABLE, None, poses[0], turns=(0.0,), spare=tuple(poses[1:]))
+        found[subtask.id] = Slot(TABLE, None, poses[0], turns=(0.0,), spare=tuple(poses[1 : 1 + OTHERS]))
         now[thing.id] = thing.moved(poses[0])
     return found
 

@@ -13,12 +13,9 @@ from vcage.schema.plan import TABLE
 from vcage.schema.subtasks import Refusal, Subtask, TemplateName
 from vcage.sim.kinematics import ArmKinematics
 from vcage.tasks.feasibility import Feasibility, Transfer, best_first, examine
-from vcage.tasks.ground import Ground
+from vcage.tasks.ground import SPOTS, Ground
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.templates.proposal import Proposal
-
-SPOTS = 4
-"""Places on the table that are tried before a contact point is refused."""
 
 _RELATIONS = ("left_of", "right_of", "in_front_of", "behind", "beside", "near", "back")
 
