@@ -26,7 +26,7 @@ from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.slots import GAP, Slot, allocate, kept_in_by, lying_in, opened_for, room_for
 from vcage.tasks.templates.proposal import Proposal
 
-SLOTS, OUT_OF_REACH = 12, 3
+SLOTS, OUT_OF_REACH = 12, 5
 """Places in the receptacle that are tried before a contact point is refused for what is wrong with its place, and where
 all that is wrong is that no arm reaches it."""
 
