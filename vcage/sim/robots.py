@@ -26,7 +26,7 @@ def load_robot(name: str) -> Robot:
         UnknownName: there is none; lists those there are.
         DamagedFile, SchemaMismatch: its file is not what it should be.
     """
-    return _load(Robot, "robot", "robots", name)
+    return load_document(Robot, "robot", "robots", name)
 
 
 def load_template(name: str, robot: str | None = None) -> SceneTemplate:
@@ -35,7 +35,7 @@ def load_template(name: str, robot: str | None = None) -> SceneTemplate:
     Args:
         robot: that stands there instead of the template's own.
     """
-    template = _load(SceneTemplate, "scene", "scenes", name)
+    template = load_document(SceneTemplate, "scene", "scenes", name)
     return template if robot is None else template.model_copy(update={"robot": load_robot(robot).name})
 
 
@@ -50,13 +50,22 @@ def _paths(folder: str) -> dict[str, Path]:
     return {path.stem: path for place in places for path in place.glob("*.yml")}
 
 
-def _load(kind: type[AnyDocument], what: str, folder: str, name: str) -> AnyDocument:
-    import yaml
-
+def load_document(kind: type[AnyDocument], what: str, folder: str, name: str) -> AnyDocument:
+    """The file of that name in ``assets/<folder>``, ours or the user's; raises as :func:`load_robot`."""
     paths = _paths(folder)
     if name not in paths:
         raise UnknownName(what, name, paths)
-    path = paths[name]
+    return read_yaml(kind, paths[name])
+
+
+def read_yaml(kind: type[AnyDocument], path: Path) -> AnyDocument:
+    """A document that is written in YAML.
+
+    Raises:
+        DamagedFile, SchemaMismatch: it is not what it should be; names file and field.
+    """
+    import yaml
+
     try:
         data = yaml.safe_load(path.read_text(encoding="utf-8"))
     except yaml.YAMLError as error:
