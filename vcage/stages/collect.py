@@ -28,7 +28,7 @@ from vcage.base.workers import Processes, ThisProcess, cores
 from vcage.schema.episodes import Attempt, Episode, Episodes
 from vcage.schema.randomisation import Randomisation
 from vcage.schema.subtasks import Chain, Subtasks
-from vcage.sim.randomisations import load_randomisation, named
+from vcage.sim.robots import load_randomisation
 from vcage.stages.context import StageContext
 from vcage.stages.edits import by_hand, reason_by_hand, refuse, require_evidence, require_only, written_record
 from vcage.stages.episode_runner import EpisodeRunner
@@ -57,6 +57,13 @@ DECIDED = (
 """What a hand may say of episodes; all else was recorded."""
 
 
+def _named(text: str) -> str:
+    """A name as it is, and the path of a file from the root: what was said in one folder is read in any."""
+    if not text.strip():
+        raise ValueError("the ranges have no name")
+    return str(Path(text).expanduser().resolve()) if text.endswith((".yml", ".yaml")) else text
+
+
 @dataclass(frozen=True, kw_only=True)
 class Options(ModelOptions):
     """How many episodes are collected, and how."""
@@ -69,7 +76,7 @@ class Options(ModelOptions):
     """further attempts per sub-task, when resampling"""
     layout: Annotated[Literal["varied", "fixed"], UNSAID] = "varied"
     """where objects start: drawn anew for every episode, as the plan allows, or as optimised with small shifts"""
-    randomise: Annotated[str, value(named, "{none,light,full,FILE}")] = "light"
+    randomise: Annotated[str, value(_named, "{none,light,full,FILE}")] = "light"
     """what else differs from episode to episode: nothing, what is only seen, the simulated world too, or what a file
     of ranges says (the project's are in assets/randomisation)"""
     fps: Literal[5, 10, 25, 50] = 10

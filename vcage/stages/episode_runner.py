@@ -132,7 +132,7 @@ class EpisodeRunner:
         background = photographer.empty_table()
         write_picture(folder / background_name(index), background)
         setting = Setting(
-            build=lambda: start.build(self._robot),
+            build=lambda: World.of_scene(start.scene, start.models, self._robot),
             objects=start.objects,
             slots=start.slots,
             photograph=photographer.shots,
@@ -140,6 +140,7 @@ class EpisodeRunner:
             on_failure=self._stage.options["on_failure"],
             retries=self._stage.options["retries"],
             fps=self._stage.options["fps"],
+            start=start.world.start,
         )
         done = run_episode(setting, self._steps(work, start), index, work.goals)
         for name, picture in done.pictures.items():

@@ -12,11 +12,9 @@ import numpy as np
 from vcage.schema.asset import PhysicalModel
 from vcage.schema.plan import Relation
 from vcage.schema.randomisation import WorldDraw, WorldRanges
-from vcage.schema.robot import Robot
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Grasp, Subtask
 from vcage.sim.robots import load_robot
-from vcage.sim.world import World
 from vcage.stages.context import StageContext
 from vcage.stages.layouts import DRAWS, Layout, Layouts, NoLayout
 from vcage.stages.possible import settled_record
@@ -58,13 +56,6 @@ class Start:
     world: WorldDraw
     models: dict[str, PhysicalModel]
     phrases: dict[str, str]
-
-    def build(self, robot: Robot) -> World:
-        """The world of the start, physics only, the arms beside their home as was drawn."""
-        world = World.of_scene(self.scene, self.models, robot)
-        for arm, offset in self.world.start.items():
-            world.arms[arm].reset(offset)
-        return world
 
 
 class Starts:
