@@ -157,10 +157,10 @@ def _attributes(file: h5py.File) -> list[tuple[str, str]]:
 def test_the_spread_of_starts_is_counted_over_accepted_episodes(finished: Finished):
     record = Episodes.read(finished.run.episodes)
     episode = record.episodes[0].model_copy(update={"layouts_refused": {}})
-    name = next(iter(episode.poses))
-    x, y, z = episode.poses[name].position
-    moved = episode.poses[name].model_copy(update={"position": (x + 0.2, y, z)})
-    other = episode.model_copy(update={"index": 1, "poses": {**episode.poses, name: moved}})
+    first, *rest = episode.objects
+    name, (x, y, z) = first.id, first.pose.position
+    moved = first.model_copy(update={"pose": first.pose.model_copy(update={"position": (x + 0.2, y, z)})})
+    other = episode.model_copy(update={"index": 1, "objects": [moved, *rest]})
     lost = episode.model_copy(update={"index": 2, "accepted": False, "layouts_refused": {"there is no room": 3}})
     both = record.model_copy(update={"episodes": [episode, other, lost]})
     assert both.spread()[name].deviation == pytest.approx((0.1, 0.0), abs=1e-4)

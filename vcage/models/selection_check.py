@@ -10,7 +10,7 @@ from vcage.layout.capacities import size_complaints
 from vcage.layout.items import TableItem
 from vcage.layout.placement.contents import CONTENT_MARGIN
 from vcage.plans.check import contradictions
-from vcage.schema.asset import CatalogueEntry
+from vcage.schema.asset import CatalogueEntry, Variant
 from vcage.schema.plan import Relation, Selection
 from vcage.schema.scene import Role
 
@@ -70,12 +70,16 @@ def name_objects(selection: Selection, entries: Sequence[CatalogueEntry]) -> lis
         entry = by_name[chosen.asset]
         variant = {v.id: v for v in entry.variants}[chosen.variant]
         base = entry.name if len(entry.variants) == 1 else f"{entry.name}_{variant.id}"
-        several = len({v.colour for v in entry.variants}) > 1
-        phrase = f"{variant.colour} {entry.words.name}" if several else entry.words.name
-        taken = {other.id for other in named}
+        taken, phrase = {other.id for other in named}, phrase_of(entry, variant)
         named.append(NamedObject(_unique(base, taken), entry.name, variant.id, phrase, chosen.role, chosen.starts_in))
         containers.setdefault(entry.name, named[-1].id)
     return [replace(o, starts_in=containers.get(o.starts_in) if o.starts_in else None) for o in named]
+
+
+def phrase_of(entry: CatalogueEntry, variant: Variant) -> str:
+    """What to call a look of a kind: with its colour where the kind comes in several."""
+    several = len({v.colour for v in entry.variants}) > 1
+    return f"{variant.colour} {entry.words.name}" if several else entry.words.name
 
 
 def with_room(objects: Sequence[NamedObject], items: Mapping[str, TableItem]) -> tuple[list[NamedObject], list[str]]:

@@ -10,7 +10,8 @@ from pydantic import Field
 
 from vcage.base.proportions import wilson
 from vcage.schema.base import Document, Finite, Identifier, PoseRecord, Record, StageDocument, Vec2
-from vcage.schema.scene import Scene
+from vcage.schema.randomisation import Drawn
+from vcage.schema.scene import ObjectRecord, Scene
 from vcage.schema.subtasks import Chain
 
 AttemptStage = Literal["plan", "grasp", "place", "verify", "done"]
@@ -80,7 +81,8 @@ class Episode(Record):
     layouts_refused: dict[str, int] = Field(
         default={}, description="why layouts that were drawn before were not taken: reason → how many"
     )
-    poses: dict[Identifier, PoseRecord] = Field(default={}, description="where it started, by object")
+    objects: list[ObjectRecord] = Field(default=[], description="those of its scene, where and as it started")
+    randomisation: Drawn | None = Field(default=None, description="what was drawn for it; none where it never began")
     subtasks: list[Identifier] = []
     verdicts: list[Verdict] = []
     attempts: int = Field(default=0, ge=0)
@@ -88,10 +90,18 @@ class Episode(Record):
         default=None, description="whether all goals of the chain are true at the end, by the simulator's state"
     )
 
+    @property
+    def poses(self) -> dict[str, PoseRecord]:
+        """Where it started, by object."""
+        return {o.id: o.pose for o in self.objects}
+
     def scene(self, scene: Scene) -> Scene:
-        """A scene of the run with the objects where the episode started."""
-        records = [o.model_copy(update={"pose": self.poses[o.id]}) if o.id in self.poses else o for o in scene.objects]
-        return scene.model_copy(update={"objects": records})
+        """A scene of the run as it was when the episode started: its objects, and its table's height."""
+        if not self.objects or self.randomisation is None:
+            return scene
+        height = scene.table.height + self.randomisation.world.table_height
+        table = scene.table.model_copy(update={"height": height})
+        return scene.model_copy(update={"objects": self.objects, "table": table})
 
 
 class CountedShare(Record):
@@ -143,7 +153,7 @@ class CriticCounts(Record):
 class Episodes(StageDocument):
     """``episodes/episodes.json``."""
 
-    SCHEMA: ClassVar[str] = "vcage.episodes/3"
+    SCHEMA: ClassVar[str] = "vcage.episodes/4"
 
     instruction: str | None
     chains: list[Chain]
@@ -153,10 +163,11 @@ class Episodes(StageDocument):
     critic: CriticCounts
 
     def spread(self) -> dict[str, Spread]:
-        """By object, over the accepted episodes; nothing where there are none."""
-        found = {}
-        started = [episode.poses for episode in self.episodes if episode.accepted]
-        for name in started[0] if started else ():
+        """By object of the run's scene, over the accepted episodes; nothing where there are none."""
+        found, accepted = {}, [episode for episode in self.episodes if episode.accepted]
+        started = [episode.poses for episode in accepted]
+        clutter = {name for e in accepted if e.randomisation for name in e.randomisation.world.clutter}
+        for name in [name for name in (started[0] if started else ()) if name not in clutter]:
             at = np.array([poses[name].position[:2] for poses in started if name in poses])
             lower, upper, deviation = (tuple(v.round(4).tolist()) for v in (at.min(0), at.max(0), at.std(0)))
             found[name] = Spread(lower=lower, upper=upper, deviation=deviation)

@@ -30,6 +30,9 @@ MOST_LIGHTS = 3
 
 MOST_CLUTTER = 10
 
+FARTHEST_HEIGHT = 0.1
+"""Metres by which a table may be higher or lower than its scene says."""
+
 
 # --- the file: assets/randomisation/<name>.yml ---------------------------------------------------------------
 
@@ -81,15 +84,31 @@ class LookRanges(Record):
     colours: ColourRanges = ColourRanges()
 
 
+def _no_more_clutter(ends: tuple[int, int]) -> tuple[int, int]:
+    if ends[1] > MOST_CLUTTER:
+        raise ValueError(f"expected at most {MOST_CLUTTER} objects, got {ends[1]}")
+    return ends
+
+
+def _near_the_scene(ends: tuple[float, float]) -> tuple[float, float]:
+    if max(map(abs, ends)) > FARTHEST_HEIGHT:
+        raise ValueError(f"expected at most {FARTHEST_HEIGHT:g} m up or down, got {ends[0]:g} … {ends[1]:g}")
+    return ends
+
+
 class WorldRanges(Record):
     """Of what is simulated."""
 
     variants: bool = Field(default=False, description="whether an object may be another variant that its words fit")
-    clutter: Count = Field(default=(0, 0), description=f"objects that the task does not touch, at most {MOST_CLUTTER}")
-    table_height: Range = Field(default=(0.0, 0.0), description="added to the table's, metres")
+    clutter: Annotated[Count, AfterValidator(_no_more_clutter)] = Field(
+        default=(0, 0), description=f"objects that the task does not touch, at most {MOST_CLUTTER}"
+    )
+    table_height: Annotated[Range, AfterValidator(_near_the_scene)] = Field(
+        default=(0.0, 0.0), description="added to the table's in whole centimetres, metres"
+    )
     mass: Factor = Field(default=(1.0, 1.0), description="factor of each object's mass")
     friction: Factor = Field(default=(1.0, 1.0), description="factor of each object's friction")
-    start: Finite = Field(default=0.0, ge=0, description="largest offset of each joint from home, radians")
+    start: Finite = Field(default=0.0, ge=0, le=0.3, description="largest offset of each joint from home, radians")
 
 
 class Randomisation(Document):
@@ -151,7 +170,10 @@ class WorldDraw(Record):
     """What is simulated otherwise in an episode than the run's scene says."""
 
     variants: dict[Identifier, Identifier] = Field(default={}, description="object → its variant, where another")
-    clutter: list[Identifier] = Field(default=[], description="ids of the objects that the task does not touch")
+    clutter: dict[Identifier, Identifier] = Field(
+        default={}, description="what the task does not touch, and the run's scene has not: object → its asset"
+    )
+    clutter_drawn: int = Field(default=0, ge=0, description="how many of these were to be there; fewer have no room")
     table_height: Finite = Field(default=0.0, description="added to the scene's, metres")
     mass: dict[Identifier, Finite] = Field(default={}, description="object → kilograms, moving parts included")
     friction: dict[Identifier, Finite] = Field(default={}, description="object → Coulomb coefficient")

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from vcage.base.geometry import Pose
 from vcage.schema.robot import Arm
@@ -164,14 +165,14 @@ class ArmControl:
 
     # --- commands ---
 
-    def reset(self) -> None:
-        """At home, open, at rest, at once."""
-        joints = np.zeros(self.articulation.dof)
-        joints[self._arm_index] = self.arm.home
+    def reset(self, offset: ArrayLike = 0.0) -> None:
+        """At home or (n,) ``offset`` from there, rad, open, at rest, at once."""
+        joints, start = np.zeros(self.articulation.dof), np.array(self.arm.home) + np.asarray(offset)
+        joints[self._arm_index] = start
         joints[self._finger_index] = self.arm.gripper.open
         self.articulation.set_qpos(joints)
         self.articulation.set_qvel(np.zeros_like(joints))
-        self.command_joints(np.array(self.arm.home))
+        self.command_joints(start)
         self.command_gripper(1.0)
 
     def command_joints(self, q: np.ndarray, velocity: np.ndarray | None = None) -> None:

@@ -19,14 +19,16 @@ from functools import cache, lru_cache, partial
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from vcage.base.errors import TooFewVerified
+from vcage.base.errors import TooFewVerified, UsageError
 from vcage.base.files import RunFolder
 from vcage.base.memory import free_memory
-from vcage.base.options import NATURAL, POSITIVE, UNSAID
+from vcage.base.options import NATURAL, POSITIVE, UNSAID, value
 from vcage.base.progress import Progress, silent
 from vcage.base.workers import Processes, ThisProcess, cores
 from vcage.schema.episodes import Attempt, Episode, Episodes
+from vcage.schema.randomisation import Randomisation
 from vcage.schema.subtasks import Chain, Subtasks
+from vcage.sim.robots import load_randomisation
 from vcage.stages.context import StageContext
 from vcage.stages.edits import by_hand, reason_by_hand, refuse, require_evidence, require_only, written_record
 from vcage.stages.episode_runner import EpisodeRunner
@@ -55,6 +57,13 @@ DECIDED = (
 """What a hand may say of episodes; all else was recorded."""
 
 
+def _named(text: str) -> str:
+    """A name as it is, and the path of a file from the root: what was said in one folder is read in any."""
+    if not text.strip():
+        raise ValueError("the ranges have no name")
+    return str(Path(text).expanduser().resolve()) if text.endswith((".yml", ".yaml")) else text
+
+
 @dataclass(frozen=True, kw_only=True)
 class Options(ModelOptions):
     """How many episodes are collected, and how."""
@@ -67,6 +76,9 @@ class Options(ModelOptions):
     """further attempts per sub-task, when resampling"""
     layout: Annotated[Literal["varied", "fixed"], UNSAID] = "varied"
     """where objects start: drawn anew for every episode, as the plan allows, or as optimised with small shifts"""
+    randomise: Annotated[str, value(_named, "{none,light,full,FILE}")] = "light"
+    """what else differs from episode to episode: nothing, what is only seen, the simulated world too, or what a file
+    of ranges says (the project's are in assets/randomisation)"""
     fps: Literal[5, 10, 25, 50] = 10
     """frames per second of the recording"""
     workers: Annotated[int | None, POSITIVE, UNSAID] = None
@@ -84,15 +96,32 @@ def job(run: RunFolder, options: Options, context: StageContext) -> Job:
         record = Subtasks.read(run.subtasks)
         scripts = [run.root / s.script for s in record.kept if any(s.id in chain.subtasks for chain in record.chains)]
     planned = [run.plan] if options.layout == "varied" and run.plan.exists() else []
+    ranges = load_randomisation(options.randomise)
+    _require_layouts(ranges, options, run)
     return Job(
         run=run,
         output=run.episodes,
         inputs=[run.layout, run.subtasks, *planned, *scripts],
         seed=stage_seed(run, options.seed),
         options={"on_failure": options.on_failure, "retries": options.retries, "layout": options.layout}
-        | {"fps": options.fps},
+        | {"fps": options.fps, "randomise": ranges.model_dump(mode="json", exclude={"schema_id", "description"})},
         providers=context.at_once.models.providers("critic"),
     )
+
+
+def _require_layouts(ranges: Randomisation, options: Options, run: RunFolder) -> None:
+    """That what takes other room than the run's objects has layouts in which it is given that.
+
+    Raises:
+        UsageError: it has not.
+    """
+    lone = run.subtasks.exists() and not run.plan.exists()  # a script that runs alone has no plan to draw layouts by
+    if (ranges.world.variants or ranges.world.clutter[1]) and (options.layout == "fixed" or lone):
+        raise UsageError(
+            f"{ranges.name} asks for other variants or for clutter, which need layouts that are drawn"
+            + (", and a sub-task that runs alone has none" if lone else ", not --layout fixed"),
+            hint="leave out --layout, or give --randomise a file with variants: false and clutter: [0, 0]",
+        )
 
 
 def summary(record: Episodes) -> dict[str, Any]:
@@ -105,6 +134,7 @@ def summary(record: Episodes) -> dict[str, Any]:
         "silent_failures": sum(not e.goals_hold.success for e in record.episodes if e.accepted and e.goals_hold),
         "critic": record.critic.model_dump(mode="json"),
         "layouts": record.layouts(),
+        "randomise": record.provenance.options["randomise"]["name"],
     }
 
 
@@ -313,4 +343,5 @@ def _shared(run: Path, options: Options) -> EpisodeRunner:
 
 
 def _runner(run: Path, options: Options, context: StageContext) -> EpisodeRunner:
-    return EpisodeRunner(job(RunFolder(run), options, context), context, options.episode_limit)
+    ranges = load_randomisation(options.randomise)
+    return EpisodeRunner(job(RunFolder(run), options, context), ranges, context, options.episode_limit)

@@ -15,7 +15,8 @@ import numpy as np
 
 from vcage.base.errors import InfeasibleScene, NoFeasibleTask
 from vcage.base.geometry import Pose, world_aabb
-from vcage.layout.items import ANY_YAW, FRONT_YAWS
+from vcage.layout.hands import hand_clearance
+from vcage.layout.items import ANY_YAW, FRONT_YAWS, table_item
 from vcage.layout.optimize import LayoutOptions
 from vcage.layout.placement.place import place
 from vcage.plans.kept import relations_kept, relations_kept_in
@@ -44,6 +45,9 @@ moves things past each other only if it must."""
 
 RESTARTS = 2
 """Of the optimisation of a layout: another draw is a better start."""
+
+CLUTTER_GAP = 0.04
+"""What no task touches keeps so far from everything, metres."""
 
 
 @dataclass(frozen=True)
@@ -102,26 +106,32 @@ class Layouts:
             if item.id not in self._inside
         ]
 
-    def draw(self, rng: np.random.Generator) -> Layout:
+    def draw(self, rng: np.random.Generator, clutter: Sequence[SceneObject] = (), draws: int = DRAWS) -> Layout:
         """A layout that is drawn at random.
 
+        Args:
+            rng: of all that is drawn.
+            clutter: objects that the scene has not, which come to stand where there is room left for them; those for
+                which there is none are not in the layout.
+            draws: layouts that are drawn before it is given up.
+
         Raises:
-            NoLayout: none of :data:`DRAWS` was taken.
+            NoLayout: none of them was taken.
         """
         refused: Counter[str] = Counter()
-        for _ in range(DRAWS):
+        for _ in range(draws):
             try:
-                return replace(self._one(rng), refused=dict(refused))
+                return replace(self._one(rng, clutter), refused=dict(refused))
             except _Refused as why:
                 refused[str(why)] += 1
         reason, count = refused.most_common(1)[0]
         raise NoLayout(
-            f"none of {DRAWS} layouts that were drawn was taken, {count} as {reason}",
+            f"none of {draws} layouts that were drawn was taken, {count} as {reason}",
             hint="take the one that there is: --layout fixed",
             details={"refused": dict(refused)},
         )
 
-    def _one(self, rng: np.random.Generator) -> Layout:
+    def _one(self, rng: np.random.Generator, clutter: Sequence[SceneObject] = ()) -> Layout:
         try:
             poses = self._solved(rng)
         except InfeasibleScene:
@@ -131,7 +141,8 @@ class Layouts:
             raise _Refused(f"not {broken[0]}")
         if fulfilled := self._fulfilled(boxes) - self._fulfilled_before:
             raise _Refused(f"{min(map(str, fulfilled))} already")
-        objects = [o.moved(poses[name]) for name, o in self._objects.items()]
+        poses |= self._in_what_is_left(clutter, boxes, rng)
+        objects = [o.moved(poses[o.id]) for o in (*self._objects.values(), *clutter) if o.id in poses]
         chain = [self._examined(subtask, objects, rng) for subtask in self._chain]
         try:
             chain, slots = proven(chain, objects, self._robot, self._ground, rng)
@@ -174,6 +185,25 @@ class Layouts:
         """Poses of what stands on the table, drawn at random where it is within reach."""
         drawn = place(self._standing, self._workspace, rng, self._margin)
         return {item.id: item.pose(drawn[item.id], self._objects[item.id].pose.p[2]) for item in self._standing}
+
+    def _in_what_is_left(
+        self, clutter: Sequence[SceneObject], boxes: Mapping[str, np.ndarray], rng: np.random.Generator
+    ) -> dict[str, Pose]:
+        """Poses of as many of the clutter as have room beside objects with these boxes (2, 3), the first ones."""
+        taken = [self._kept_free(self._objects[name], box[:, :2]) for name, box in boxes.items()]
+        items = [table_item(o.id, o.asset) for o in clutter]
+        while items:
+            try:
+                spots = place(items, self._workspace, rng, CLUTTER_GAP, taken)
+                return {item.id: item.pose(spots[item.id], self._scene.table.height) for item in items}
+            except InfeasibleScene:
+                items.pop()
+        return {}
+
+    def _kept_free(self, o: SceneObject, rectangle: np.ndarray) -> np.ndarray:
+        """(2, 2) of the table around what has this rectangle there: a hand comes down on what is moved."""
+        gap = hand_clearance(self._robot).gap if o.record.role == "content" else 0.0
+        return rectangle + [[-gap], [gap]]
 
     def _with_contents(self, upright: dict[str, Pose]) -> dict[str, Pose]:
         """Poses of all objects where these are of what stands on the table; all lie as they had settled there."""

@@ -25,6 +25,7 @@ from vcage.stages.edits import BY_HAND, by_hand, require_evidence, require_only,
 from vcage.stages.episode_store import background_name, confusion, log_path, read_log
 from vcage.stages.question import TOP, Asking, verdict
 from vcage.stages.stage import Job, ModelOptions, StageResult, stage_seed
+from vcage.stages.worlds import other_phrases, reworded
 from vcage.tasks.loop import Seen
 
 logger = logging.getLogger(__name__)
@@ -222,8 +223,9 @@ class _Judge:
         self.taken_over = 0
 
     def subtask(self, question: _Question) -> Subtask:
-        """What was to be done."""
-        return self._subtasks[question.subtask]
+        """What was to be done, in the words of its episode."""
+        phrases = other_phrases(self._scene, self._episodes[question.episode].objects)
+        return reworded(self._subtasks[question.subtask], phrases)
 
     def sees(self, question: _Question) -> bool:
         """Whether all that was looked at is kept."""
@@ -266,7 +268,8 @@ def judge_pair(run: RunFolder, context: StageContext, subtask_id: str, before: P
     kept = {s.id: s for s in Subtasks.read(run.subtasks).kept}
     if subtask_id not in kept:
         raise UnknownName("sub-task", subtask_id, kept)
-    subtask, scene = kept[subtask_id], _scene_of(before, run)
+    scene = _scene_of(before, run)
+    subtask = reworded(kept[subtask_id], other_phrases(Scene.read(run.layout), scene.objects))
     seen = _seen(_beside(after), scene)
     seen |= {when: seen.get(when, {}) | {TOP: _view(p, scene)} for when, p in (("before", before), ("after", after))}
     said = verdict(context, scene, Asking.of(subtask, seen, _empty_beside(before, scene)))

@@ -55,6 +55,7 @@ class Setting:
         on_failure: what follows a failed sub-task.
         retries: further attempts per sub-task, when resampling.
         fps: frames per second of the recording.
+        start: arm → offset of each joint from home at which the episode begins, radians; at home where not given.
     """
 
     build: Callable[[], World]
@@ -65,6 +66,7 @@ class Setting:
     on_failure: OnFailure
     retries: int
     fps: int
+    start: Mapping[str, Sequence[float]] = field(default_factory=dict)
 
     def now(self, world: World) -> dict[str, SceneObject]:
         """The objects as they are in a world, by id."""
@@ -114,8 +116,10 @@ def run_episode(
     """
     world, recording = setting.build(), StateLog(setting.fps)
     world.settle()
+    start = world.state()  # the critic's first pictures are taken before the arms leave home
+    for arm, offset in setting.start.items():
+        world.arms[arm].reset(offset)
     recording.record(world)
-    start = world.state()
     trials: list[_Trial] = []
     accepted = True
     for number, (subtask, script) in enumerate(chain):
@@ -188,7 +192,8 @@ class _Step:
     def until_verified(self, world: World) -> tuple[World, list[_Trial]]:
         """The attempts up to the first that the critic accepts, or all there may be; and the world after the last."""
         snapshot, start = world.snapshot(), world.steps
-        before = self.setting.photograph(world.state(), self.subtask.goals, None)
+        standing = world.state() if self.number else self.start
+        before = self.setting.photograph(standing, self.subtask.goals, None)
         trials: list[_Trial] = []
         for attempt in range(1 + (self.setting.retries if self.setting.on_failure == "resample" else 0)):
             if attempt > 0:

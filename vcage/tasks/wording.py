@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 
 from vcage.schema.goals import Goal, part_words
@@ -89,3 +90,15 @@ def push_wordings(goal: Goal, phrases: Mapping[str, str]) -> list[str]:
 
 def _part(part: str, owner: str) -> str:
     return f"the {part_words(part)} of the {owner}"
+
+
+def in_other_words(text: str, phrases: Mapping[str, str]) -> str:
+    """A text with other names for things, all exchanged at once: red for blue, and blue for red.
+
+    Args:
+        text: a sentence.
+        phrases: what something is called there → what it is called instead.
+    """
+    longest_first = sorted(phrases, key=len, reverse=True)
+    pattern = rf"\b(?:{'|'.join(map(re.escape, longest_first))})\b"
+    return re.sub(pattern, lambda found: phrases[found[0]], text) if phrases else text

@@ -47,6 +47,7 @@ class LeRobotEpisode:
         action: (T, A) commanded, or None where it was not recorded.
         action_names: of the A numbers.
         frames: T; needed only where there is neither state nor action.
+        randomisation: what was drawn for it, as JSON text; None where nobody said.
     """
 
     fps: float
@@ -61,6 +62,7 @@ class LeRobotEpisode:
     action: NDArray[np.floating[Any]] | None = None
     action_names: Sequence[str] = ()
     frames: int | None = None
+    randomisation: str | None = None
 
     @property
     def vectors(self) -> dict[str, NDArray[np.float32]]:

@@ -56,8 +56,7 @@ class WriterV21(LeRobotWriter):
         pq.write_table(table, self._at(DATA_PATH), compression=COMPRESSION)
         for camera, video in sorted(episode.videos.items()):
             shutil.copyfile(video, self._at(VIDEO_PATH, video_key=video_key(camera)))
-        row = {"episode_index": self.episodes, "tasks": [episode.task], "length": episode.length}
-        self._add_lines(EPISODES, [row])
+        self._add_lines(EPISODES, [self._said_of(episode)])
         stats = {
             feature: {name: value for name, value in entries.items() if name not in QUANTILES}
             for feature, entries in statistics.items()

@@ -99,9 +99,7 @@ class WriterV30(LeRobotWriter):
 
     def _write(self, episode: LeRobotEpisode, table: pa.Table, statistics: dict[str, Statistics]) -> None:
         row: dict[str, Any] = {
-            "episode_index": self.episodes,
-            "tasks": [episode.task],
-            "length": episode.length,
+            **self._said_of(episode),
             **_prefixed("data", self._data_files.place()),
             "dataset_from_index": self.frames,
             "dataset_to_index": self.frames + episode.length,

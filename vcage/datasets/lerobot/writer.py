@@ -31,6 +31,9 @@ CHUNK = 1000
 WORDINGS = "wordings"
 """What ``meta/subtasks`` has besides LeRobot's texts and numbers: all the ways in which a sub-task was said."""
 
+RANDOMISATION = "vcage.randomisation"
+"""What the list of episodes has besides LeRobot's columns: what was drawn for each, as JSON text."""
+
 
 class LeRobotWriter(ABC):
     """A data set that is being written; :func:`vcage.datasets.lerobot.formats.open_writer` makes one.
@@ -63,6 +66,11 @@ class LeRobotWriter(ABC):
         self._subtasks: dict[str, int] = {}
         self._wordings: dict[str, list[str]] = {}  # of sub-tasks
         (folder / "meta").mkdir()
+
+    def _said_of(self, episode: LeRobotEpisode) -> dict[str, Any]:
+        """What the list of episodes says of one, in every format."""
+        drawn = {} if episode.randomisation is None else {RANDOMISATION: episode.randomisation}
+        return {"episode_index": self.episodes, "tasks": [episode.task], "length": episode.length, **drawn}
 
     def add(self, episode: LeRobotEpisode) -> None:
         """Write an episode. One that is refused leaves the data set as it was, so others can follow.

@@ -178,4 +178,5 @@ def lerobot_episode(recording: Recording, videos: Mapping[str, Path], output: Ou
         action=None if motion is None else motion.action,
         action_names=recording.action_names,
         frames=frames,
+        randomisation=recording.randomisation,
     )

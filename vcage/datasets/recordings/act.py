@@ -55,5 +55,11 @@ class VcageEpisode(ActEpisode):
         return [SubtaskSpan(one.text, one.start, one.end, wordings.get(one.subtask, ())) for one in episode.segments]
 
     @property
+    def randomisation(self) -> str | None:
+        with EpisodeReader(self.path) as reader:
+            drawn = reader.episode.meta.get("randomisation")
+        return None if drawn is None else json.dumps(drawn, sort_keys=True)
+
+    @property
     def _names(self) -> tuple[str, ...]:
         return tuple(json.loads(self._attributes["state_names"]))

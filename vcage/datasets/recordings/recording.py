@@ -220,6 +220,11 @@ class Recording(ABC):
         return None
 
     @property
+    def randomisation(self) -> str | None:
+        """What was drawn for it, as JSON text; None where nobody says."""
+        return None
+
+    @property
     def subtasks(self) -> list[SubtaskSpan]:
         """Parts of the task in order; none where the recording does not say."""
         return []
