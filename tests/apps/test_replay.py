@@ -12,7 +12,7 @@ import pytest
 
 from tests.runs import command
 from tests.scenes import ON_PLATE, Critic, block_and_plate, robot, scene_of, script_of, setting, subtask
-from vcage.apps.replay import Difference, replay_episode
+from vcage.apps.replay import Difference, compare_pictures, replay_episode
 from vcage.base.errors import NoDrives
 from vcage.datasets.hdf5 import write_episode
 from vcage.datasets.reader import EpisodeReader
@@ -172,6 +172,16 @@ def test_a_picture_that_was_changed_is_told_with_its_frame(pictured, tmp_path, c
         images.attrs["sha256"] = "another"
     found = replay_episode(path, context, LOOK).pictures
     assert found["cam_high"] == Difference("the picture of cam_high", 3, 1)
+
+
+def test_where_a_video_took_the_place_of_pictures_the_hash_of_those_that_were_recorded_tells(finished):
+    path = next(finished.run.root.glob("episodes/*.hdf5"))
+    with EpisodeReader(path) as reader:
+        assert not any(reader.holds_pictures(camera) for camera in reader.cameras)
+        names = reader.cameras
+        lossy = zip(*(reader.images(camera) for camera in reader.cameras), strict=True)
+        found = compare_pictures(reader, (dict(zip(names, frame, strict=True)) for frame in lossy))
+    assert found == {name: Difference(f"the picture of {name}") for name in names}
 
 
 # --- the command ---------------------------------------------------------------------------------------

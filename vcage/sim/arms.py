@@ -199,6 +199,8 @@ class ArmControl:
     def before_step(self) -> None:
         """Hand the drives what has changed since the last physics step, and nothing else: that would wake what sleeps,
         and a replay knows no more than what was told at each step."""
+        if self.drives is self._told:
+            return
         new = {part: self.drives[self.layout.part(part)] for part in PARTS}
         old = {part: self._told[self.layout.part(part)] for part in PARTS}
         changed = {part for part in PARTS if not np.array_equal(new[part], old[part])}

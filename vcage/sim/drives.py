@@ -7,7 +7,9 @@ needs a few bits for each, and the same arm can be told the same again.
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -45,6 +47,9 @@ class DriveLayout:
 
     def part(self, name: str) -> slice:
         """Where a part of :data:`PARTS` lies."""
-        ends = np.cumsum([self.joints, self.joints, self.dof, 1])
-        index = PARTS.index(name)
-        return slice(int(ends[index - 1]) if index else 0, int(ends[index]))
+        return self._slices[name]
+
+    @cached_property
+    def _slices(self) -> dict[str, slice]:
+        ends = [0, self.joints, 2 * self.joints, self.size - 1, self.size]
+        return {part: slice(*pair) for part, pair in zip(PARTS, itertools.pairwise(ends), strict=True)}
