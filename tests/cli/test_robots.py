@@ -17,7 +17,7 @@ def test_a_robot_is_imported_and_listed(tmp_path, data, capsys):
     assert record["summary"]["warnings"] == text.count("warning: ") > 0
     assert record["output"] == str(data / "robots" / "box-arm.yml")
     code, record, text = run(capsys, "robots", "list")
-    assert (code, record["summary"]["robots"]) == (0, ["box-arm", "dual_panda"])
+    assert (code, record["summary"]["robots"]) == (0, ["aloha_agilex", "box-arm", "dual_panda"])
     assert "box-arm: left, right." in text
 
 

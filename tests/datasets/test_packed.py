@@ -215,7 +215,7 @@ def test_unpacked_pictures_are_what_the_layouts_readers_saw_before(source, packe
         for stream in streams(source):
             old, new = before[stream.key], after[stream.key]
             assert (old.dtype.kind, old.ndim, len(old)) == (new.dtype.kind, new.ndim, len(new))
-            assert dict(new.attrs) == {"lens": "wide"}
+            assert dict(new.attrs) == dict(old.attrs) and new.attrs["lens"] == "wide"
             for index in range(len(old)):
                 if stream.storage == "raw":
                     assert np.array_equal(old[index], new[index])

@@ -6,7 +6,7 @@ of ours and exits with 1.
 
 Exit codes: 0 done, 1 a bug, 2 usage, 3 bad input file or schema, 4 key or configuration missing,
 5 the model refused (final), 6 the endpoint failed for now or the folder is in use, 7 partly done (run again),
-8 the agent that runs the command is to answer first.
+8 the agent that runs the command is to answer first, 9 a replay differs from what was recorded.
 """
 
 from __future__ import annotations
@@ -204,6 +204,12 @@ class NotJudged(StaleStage):
     """Verify has looked at other episodes than there are: run again it judges what is new, and keeps the rest."""
 
 
+class NoDrives(InputFileError):
+    """An episode does not hold what its arms were told: it was recorded by a version that did not keep that."""
+
+    code = "no_drives"
+
+
 # --- 4: the machine or its configuration ---------------------------------------------------------------
 
 
@@ -355,3 +361,13 @@ class AnswerNeeded(VcageError):
             hint="read prompt.md and the pictures, write answer.json beside them, then run the same command again",
             details={"asked": list(asked)},
         )
+
+
+# --- 9: what was recorded does not come about again ----------------------------------------------------
+
+
+class NotReproduced(VcageError):
+    """A replay differs from its recording; says where first, and which versions differ."""
+
+    code = "not_reproduced"
+    exit_code = 9

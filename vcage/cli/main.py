@@ -32,6 +32,7 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "compress": ("vcage.cli.compress.Compress", "8. compress videos of a run, or any recordings"),
     "export": ("vcage.cli.export.ExportEpisodes", "9. write LeRobot data sets"),
     "decompress": ("vcage.cli.decompress.Decompress", "put the pictures of compressed recordings back"),
+    "replay": ("vcage.cli.replay.Replay", "simulate recorded episodes again, and say what differs"),
     "report": ("vcage.cli.report.Report", "write the HTML page of a run"),
     "view": ("vcage.cli.view.ViewEpisode", "look at an episode in the viewer Rerun"),
     "prompts show": ("vcage.cli.prompts.ShowPrompt", "print what a model would be asked in a run"),

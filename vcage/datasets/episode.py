@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vcage.schema.episodes import Truth, Verdict
+from vcage.sim.drive_log import DriveLog
 
 SPACING_TOLERANCE = 1e-6
 """Largest deviation of a timestamp from even spacing, seconds."""
@@ -73,6 +74,7 @@ class EpisodeData:
         meta: JSON-serialisable facts: ``instruction``, ``seed``, ``robot``, ``scene``, ``versions``, ``providers``…
         object_joints: object id → (T, n) positions of its moving parts, metres or radians; objects without moving
             parts are left out.
+        drives: what the arms were told at every physics step; None in an episode that cannot be simulated again.
 
     Raises:
         ValueError: an array has a wrong shape, NaN or uneven times, or a segment lies outside; names the field.
@@ -89,6 +91,7 @@ class EpisodeData:
     segments: list[Segment]
     meta: dict[str, Any] = field(default_factory=dict)
     object_joints: dict[str, NDArray[np.float64]] = field(default_factory=dict)
+    drives: DriveLog | None = None
 
     def __post_init__(self) -> None:
         frames, size = len(self.timestamp), len(self.state_names)

@@ -3,10 +3,11 @@
 Layout (schema ``vcage.episode/1``; T frames, D numbers in a state)::
 
     /timestamp (T,)  /action (T, D)  /observations/{qpos,qvel} (T, D)
-    /observations/images/<camera> (T, H, W, 3) uint8 RGB
+    /observations/images/<camera> (T, H, W, 3) uint8 RGB; attribute sha256: of the pictures as they were recorded
     /cameras/<camera>/{intrinsics (3, 3), extrinsics (T, 4, 4)}   world → camera, OpenCV axes
     /objects/<id> (T, 7)        position and quaternion wxyz in the world
     /object_joints/<id> (T, n)  positions of the moving parts, metres or radians; only for objects that have any
+    /drives/…                   what the arms were told at every physics step: vcage.datasets.stored_drives
     /subtasks/{id,text,start,end,arm,contact,attempts,verdict,truth}   one row per verified sub-task
     /meta/<name>                JSON text: instruction, seed, robot, scene, versions, providers…
 
@@ -15,6 +16,7 @@ Attributes of the file: schema, fps, colour, state_names, and the instruction, s
 
 from __future__ import annotations
 
+import hashlib
 import json
 from collections import deque
 from collections.abc import Iterable, Mapping
@@ -29,6 +31,7 @@ from numpy.typing import NDArray
 
 from vcage.datasets.episode import EpisodeData
 from vcage.datasets.hdf5_files import new_hdf5
+from vcage.datasets.stored_drives import write_drives
 
 SCHEMA = "vcage.episode/1"
 GZIP_LEVEL = 1
@@ -37,6 +40,10 @@ GZIP_LEVEL = 1
 WORKERS = 2
 IN_FLIGHT = 16
 """Pictures waiting for compression at most: bounds the memory of a stream of frames."""
+
+RECORDED = "sha256"
+"""Attribute of a camera's pictures, also where these were moved to a video: SHA-256 of the bytes of all that were
+recorded, one after the other."""
 
 TEXT = h5py.string_dtype("utf-8")
 SEGMENT_TEXTS = ("subtask", "text", "arm")
@@ -58,6 +65,8 @@ def write_episode(path: Path, episode: EpisodeData, frames: Iterable[Mapping[str
     with new_hdf5(path) as file:
         _write_attributes(file, episode)
         _write_arrays(file, episode)
+        if episode.drives is not None:
+            write_drives(file.create_group("drives"), episode.drives)
         _write_segments(file.create_group("subtasks"), episode)
         meta = file.create_group("meta")
         for name in sorted(episode.meta):
@@ -121,6 +130,7 @@ def _write_images(group: h5py.Group, episode: EpisodeData, frames: Iterable[Mapp
         )
         for name, camera in episode.cameras.items()
     }
+    digests = {name: hashlib.sha256() for name in datasets}
     waiting: deque[tuple[str, int, Future[bytearray]]] = deque()
 
     def store(left: int) -> None:
@@ -134,9 +144,12 @@ def _write_images(group: h5py.Group, episode: EpisodeData, frames: Iterable[Mapp
             _check_pictures(count - 1, pictures, episode)
             for name in datasets:
                 data = np.ascontiguousarray(pictures[name]).tobytes()
+                digests[name].update(data)
                 waiting.append((name, count - 1, pool.submit(deflate.zlib_compress, data, GZIP_LEVEL)))
             store(IN_FLIGHT)
         store(0)
+    for name, dataset in datasets.items():
+        dataset.attrs[RECORDED] = digests[name].hexdigest()
     if count != episode.frames:
         raise ValueError(f"{count} frames were given for an episode of {episode.frames}")
 

@@ -17,8 +17,9 @@ from numpy.typing import NDArray
 from vcage.base.errors import DamagedFile, MissingStage, SchemaMismatch, UnknownName
 from vcage.base.videos import decode, pictures
 from vcage.datasets.episode import CameraTrack, EpisodeData, Segment
-from vcage.datasets.hdf5 import SCHEMA, SEGMENT_NUMBERS
+from vcage.datasets.hdf5 import RECORDED, SCHEMA, SEGMENT_NUMBERS
 from vcage.datasets.picture_links import Link, read_link
+from vcage.datasets.stored_drives import read_drives
 from vcage.schema.episodes import Truth, Verdict
 
 
@@ -131,6 +132,7 @@ class EpisodeReader:
                 object_joints={name: joints[()] for name, joints in file.get("object_joints", {}).items()},
                 cameras={name: self._camera(name) for name in file["observations/images"]},
                 segments=self._segments(),
+                drives=read_drives(file["drives"]) if "drives" in file else None,
                 meta={name: json.loads(text[()]) for name, text in file["meta"].items()},
             )
 
@@ -153,6 +155,16 @@ class EpisodeReader:
             dataset = self._file["observations/images"][camera]
             link = read_link(dataset)
         return Pictures(self.path, dataset) if link is None else PicturesInVideo(self.path, link)
+
+    def holds_pictures(self, camera: str) -> bool:
+        """Whether the pictures of a camera lie in the file, and not in a video beside it."""
+        with _damage(self.path):
+            return read_link(self._file["observations/images"][camera]) is None
+
+    def recorded_digest(self, camera: str) -> str | None:
+        """SHA-256 of the pictures of a camera as they were recorded; None in a file that does not keep it."""
+        with _damage(self.path):
+            return self._file["observations/images"][camera].attrs.get(RECORDED)
 
     def _camera(self, name: str) -> CameraTrack:
         dataset = self._file["observations/images"][name]

@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 
 from vcage.base.geometry import Pose
 from vcage.schema.robot import Arm
+from vcage.sim.drives import PARTS, DriveLayout, on_grid
 from vcage.sim.poses import from_sapien, to_sapien
 from vcage.sim.robots import package_file
 from vcage.sim.trajectory import Trajectory
@@ -90,6 +91,10 @@ class ArmControl:
         arm: its description.
         articulation: its body in a SAPIEN scene.
         step: advances the world by one physics step.
+
+    Attributes:
+        layout: of the next.
+        drives: all that holds for the next physics step (:mod:`vcage.sim.drives`); replaced, never written into.
     """
 
     def __init__(self, name: str, arm: Arm, articulation: sapien.physx.PhysxArticulation, step: Callable[[], None]):
@@ -106,6 +111,9 @@ class ArmControl:
         for joint in articulation.active_joints:
             force = arm.gripper.force if joint.name in arm.gripper.joints else arm.force
             joint.set_drive_properties(arm.stiffness, arm.damping, force_limit=force, mode="force")
+        self.layout = DriveLayout(len(arm.joints), articulation.dof)
+        self.drives = np.zeros(self.layout.size)
+        self._told = np.full(self.layout.size, np.nan)
         self.reset()
 
     # --- actions: these advance the world ---
@@ -123,9 +131,9 @@ class ArmControl:
             if i in openings:
                 self.command_gripper(openings[i])
             self.command_joints(q, velocity)
-            self.articulation.set_qf(torque)
+            self._tell("torque", torque)
             self._step()
-        self.articulation.set_qf(np.zeros(self.articulation.dof))
+        self._tell("torque", np.zeros(self.articulation.dof))
         self.command_joints(trajectory.end)
         for _ in range(ARRIVAL_STEPS):
             if np.abs(self.joints - trajectory.end).max() < ARRIVED:
@@ -177,37 +185,39 @@ class ArmControl:
 
     def command_joints(self, q: np.ndarray, velocity: np.ndarray | None = None) -> None:
         """Drive the arm's joints (n,) to ``q``, rad, passing at ``velocity``, rad/s (0 when not given)."""
-        self._joint_target = np.asarray(q, dtype=np.float64).copy()
-        velocity = np.zeros_like(self._joint_target) if velocity is None else velocity
-        for joint, target, speed in zip(self._joints, self._joint_target.tolist(), velocity.tolist(), strict=True):
-            joint.set_drive_target(target)
-            joint.set_drive_velocity_target(speed)
+        self._tell("position", q)
+        self._tell("velocity", np.zeros(len(self._joints)) if velocity is None else velocity)
 
     def command_gripper(self, opening: float) -> None:
         """Drive the fingers to ``opening``, 0 closed to 1 open."""
-        self._gripper_target = float(opening)
-        gripper = self.arm.gripper
-        position = gripper.closed + opening * (gripper.open - gripper.closed)
-        for index in self._finger_index:
-            self.articulation.active_joints[index].set_drive_target(position)
+        self._tell("opening", opening)
 
-    def drive_targets(self) -> np.ndarray:
-        """(2, dof) position and velocity targets of all active joints, as the drives hold them."""
-        joints = self.articulation.active_joints
-        return np.array(
-            [
-                [float(np.squeeze(j.get_drive_target())) for j in joints],
-                [float(np.squeeze(j.get_drive_velocity_target())) for j in joints],
-            ]
-        )
+    def _tell(self, part: str, values: float | np.ndarray) -> None:
+        drives = self.drives.copy()
+        drives[self.layout.part(part)] = on_grid(part, values)
+        self.drives = drives
 
-    def set_drive_targets(self, targets: np.ndarray, command: np.ndarray) -> None:
-        """Restore :meth:`drive_targets` and :attr:`command` of a snapshot."""
-        self._joint_target = command[:-1].copy()
-        self._gripper_target = float(command[-1])
-        for joint, position, velocity in zip(self.articulation.active_joints, *targets, strict=True):
-            joint.set_drive_target(float(position))
-            joint.set_drive_velocity_target(float(velocity))
+    def before_step(self) -> None:
+        """Hand the drives what has changed since the last physics step, and nothing else: that would wake what sleeps,
+        and a replay knows no more than what was told at each step."""
+        if self.drives is self._told:
+            return
+        new = {part: self.drives[self.layout.part(part)] for part in PARTS}
+        old = {part: self._told[self.layout.part(part)] for part in PARTS}
+        changed = {part for part in PARTS if not np.array_equal(new[part], old[part])}
+        self._told = self.drives
+        if changed & {"position", "velocity"}:
+            rows = zip(self._joints, new["position"].tolist(), new["velocity"].tolist(), strict=True)
+            for joint, target, speed in rows:
+                joint.set_drive_target(target)
+                joint.set_drive_velocity_target(speed)
+        if "torque" in changed:
+            self.articulation.set_qf(new["torque"])
+        if "opening" in changed:
+            gripper = self.arm.gripper
+            width = gripper.closed + float(new["opening"][0]) * (gripper.open - gripper.closed)
+            for index in self._finger_index:
+                self.articulation.active_joints[index].set_drive_target(width)
 
     # --- state ---
 
@@ -249,7 +259,7 @@ class ArmControl:
     @property
     def command(self) -> np.ndarray:
         """(n + 1,) the targets now in force."""
-        return np.append(self._joint_target, self._gripper_target)
+        return np.append(self.drives[self.layout.part("position")], self.drives[-1])
 
     @property
     def tool_pose(self) -> Pose:

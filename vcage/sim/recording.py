@@ -8,6 +8,7 @@ import numpy as np
 
 from vcage.base.errors import UsageError
 from vcage.base.geometry import Pose
+from vcage.sim.drive_log import DriveLog
 from vcage.sim.state import WorldState
 from vcage.sim.world import PHYSICS_HZ, World
 
@@ -63,10 +64,13 @@ class StateLog:
 
     Args:
         fps: frames per second of simulated time.
+        frames: that were taken.
+        drives: what the arms were told at every physics step, to simulate it again.
     """
 
     fps: int
     frames: list[Frame] = field(default_factory=list)
+    drives: DriveLog = field(default_factory=DriveLog)
 
     def __len__(self) -> int:
         return len(self.frames)
@@ -87,9 +91,11 @@ class StateLog:
             divisors = [d for d in range(1, PHYSICS_HZ + 1) if PHYSICS_HZ % d == 0]
             raise UsageError(f"cannot record {self.fps} frames per second", hint=f"take one of {divisors}")
         self.frames = [frame for frame in self.frames if frame.step < world.steps]
+        self.drives.begin(world)
         world.before_step.append(self._add_when_due)
 
     def _add_when_due(self, world: World) -> None:
+        self.drives.add(world)
         if world.steps % (PHYSICS_HZ // self.fps) == 0:
             self.frames.append(take_frame(world))
 

@@ -56,6 +56,14 @@ def new_render_system() -> sapien.render.RenderSystem:
     return sapien.render.RenderSystem(device)
 
 
+def device_name() -> str:
+    """The device that draws, as its driver calls it; ``none`` where nothing does."""
+    try:
+        return _first_system().device.name
+    except NoRenderer:
+        return "none"
+
+
 def plain_material(colour: Sequence[float], roughness: float = 0.8) -> sapien.render.RenderMaterial:
     """A material of one colour, linear RGB in [0, 1]."""
     import sapien

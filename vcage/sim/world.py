@@ -184,6 +184,8 @@ class World:
         for _ in range(count):
             for notify in self.before_step:
                 notify(self)
+            for arm in self.arms.values():
+                arm.before_step()
             self.scene.step()
             self.steps += 1
 
@@ -259,11 +261,10 @@ class World:
         Going on in the same world after :meth:`restore` is not reproducible, because contact caches survive;
         restore into a fresh world, which is.
         """
-        targets = {f"target.{name}": arm.drive_targets() for name, arm in self.arms.items()}
-        commands = {f"command.{name}": arm.command for name, arm in self.arms.items()}
+        drives = {f"drives.{name}": arm.drives for name, arm in self.arms.items()}
         physics = np.frombuffer(self._physics.pack(), dtype=np.uint8)
         names = np.array(self.object_ids, dtype=np.str_)
-        return pack_arrays({"physics": physics, "steps": np.array(self.steps), "objects": names, **targets, **commands})
+        return pack_arrays({"physics": physics, "steps": np.array(self.steps), "objects": names, **drives})
 
     def restore(self, snapshot: bytes) -> None:
         """Continue from a snapshot of a world with the same objects and robot; call it on a fresh world."""
@@ -273,7 +274,7 @@ class World:
         self._physics.unpack(arrays["physics"].tobytes())
         self.steps = int(arrays["steps"])
         for name, arm in self.arms.items():
-            arm.set_drive_targets(arrays[f"target.{name}"], arrays[f"command.{name}"])
+            arm.drives = arrays[f"drives.{name}"]
 
 
 def _angle_between(a: Pose, b: Pose) -> float:

@@ -25,6 +25,7 @@ from vcage.schema.plan import Relation
 from vcage.schema.randomisation import Drawn, Randomisation, WorldRanges
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Chain, Subtask, Subtasks
+from vcage.sim.render import device_name
 from vcage.sim.replay import camera_paths, render_log
 from vcage.sim.robots import load_robot
 from vcage.sim.world import World
@@ -210,6 +211,11 @@ class EpisodeRunner:
 
 
 def versions() -> dict[str, str]:
-    """What made the data."""
+    """What made the data: programs, and the device that drew its pictures."""
     packages = ("sapien", "mani_skill", "mplib", "numpy")
-    return {"vcage": __version__, "python": platform.python_version(), **{p: metadata.version(p) for p in packages}}
+    return {
+        "vcage": __version__,
+        "python": platform.python_version(),
+        **{package: metadata.version(package) for package in packages},
+        "driver": device_name(),
+    }

@@ -49,6 +49,7 @@ def episode_data(
         cameras={name: _track(path) for name, path in sorted(cameras.items())},
         segments=list(segments),
         meta=dict(meta),
+        drives=log.drives,
     )
 
 

@@ -252,6 +252,27 @@ def test_a_field_that_is_wrong_is_named(folder, data, changes, message):
     assert list(data.glob("robots/*")) == []
 
 
+def test_all_fields_that_are_missing_or_wrong_are_named_in_one_error(folder, data):
+    changes = {"ee_joints": None, "gripper_scale": [0.0], "srdf_path": "./other.srdf", **camera(forward=None)}
+    with pytest.raises(SchemaMismatch, match="4 fields are wrong") as error:
+        import_robot(write(folder, config(**changes)))
+    named = ["ee_joints", "gripper_scale", "srdf_path", "static_camera_list.0.forward"]
+    assert sorted(error.value.details["fields"]) == named
+    assert all(f"config.yml: field {name}: " in error.value.message for name in named)
+    assert list(data.glob("robots/*")) == []
+
+
+def test_all_that_a_urdf_lacks_is_named_in_one_error(folder):
+    write(folder, config(ee_joints=["wrist2"]))
+    (folder / "meshes" / "base.stl").unlink()
+    path = folder / "arm.urdf"
+    path.write_text(path.read_text().replace('<limit lower="-1.5" upper="1.5" effort="50" velocity="2"/>', "", 2))
+    with pytest.raises(SchemaMismatch) as error:
+        import_robot(folder)
+    fields = ["mesh.filename", "ee_joints.0", "joint shoulder.limit", "joint elbow.limit", "ee_joints.1"]
+    assert error.value.details["fields"] == fields
+
+
 def test_a_direction_of_any_length_is_made_a_unit_vector(folder):
     robot, _ = loaded(write(folder, config(**camera(forward=[0, 6e200, -8e200]))))
     assert robot.cameras["x"].forward == pytest.approx((0, 0.6, -0.8))

@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from vcage.base.errors import DamagedFile, SchemaMismatch
-from vcage.sim.robotwin.embodiment import ArmConfig, Embodiment, wrong
+from vcage.sim.robotwin.embodiment import ArmConfig, Embodiment, Problems, wrong
 
 FULL_TURN = 2 * np.pi
 """Range to either side of a joint that turns without end, radians."""
@@ -44,29 +44,31 @@ def read_robot(embodiment: Embodiment) -> Element:
 
     Raises:
         DamagedFile: it is not XML.
-        SchemaMismatch: a joint of the config is not in it or on another arm, or a mesh that it names is missing.
+        SchemaMismatch: joints of the config are not in it, on another arm or without limits, or meshes that it names
+            are missing; names all of them.
     """
     root = _parse(embodiment.urdf)
+    problems = Problems()
     for mesh in root.iter("mesh"):
-        mesh.set("filename", str(_mesh_file(embodiment, mesh.get("filename", ""))))
+        found = problems.attempt(_mesh_file, embodiment, mesh.get("filename", ""))
+        mesh.set("filename", str(found))
     joints = {joint.get("name", ""): joint for joint in root.findall("joint")}
     for i, arm in enumerate(embodiment.arms.values()):
         wanted = [(f"arm_joints_name.{i}.{k}", name) for k, name in enumerate(arm.joints)]
         wanted += [(f"ee_joints.{i}", arm.ee_joint)]
         wanted += [(f"gripper_name.{i}", name) for name, _ in arm.fingers]
+        own = links_of_arm(root, arm) if arm.joints[0] in joints else None
         for field, name in wanted:
             if name not in joints:
-                known = ", ".join(joints)
-                raise wrong(
-                    embodiment.path, field, f"{name!r} is no joint of {embodiment.urdf}; expected one of {known}"
-                )
-        own = links_of_arm(root, arm)
-        for field, name in wanted:
-            if _child(joints[name]) not in own:
+                text = f"{name!r} is no joint of {embodiment.urdf}; expected one of {', '.join(joints)}"
+                problems.add(wrong(embodiment.path, field, text))
+            elif own is not None and _child(joints[name]) not in own:
                 text = f"{name!r} does not hang on the arm that begins with {arm.joints[0]!r}"
-                raise wrong(embodiment.path, field, f"{text}; expected one that does")
+                problems.add(wrong(embodiment.path, field, f"{text}; expected one that does"))
         for name in (*arm.joints, *(finger for finger, _ in arm.fingers)):
-            _check_limits(embodiment.urdf, joints[name])
+            if name in joints:
+                problems.attempt(_check_limits, embodiment.urdf, joints[name])
+    problems.require_none()
     return root
 
 

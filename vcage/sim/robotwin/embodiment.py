@@ -10,11 +10,14 @@ import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, ParamSpec, TypeVar
 
 import numpy as np
 
 from vcage.base.errors import DamagedFile, InputFileError, SchemaMismatch
+
+P = ParamSpec("P")
+T = TypeVar("T")
 
 SIDES = ("left", "right")
 
@@ -56,6 +59,22 @@ class ArmConfig:
 
 
 @dataclass(frozen=True)
+class FixedCamera:
+    """A camera that stands beside the robot.
+
+    Args:
+        name: of it.
+        position: (3,) metres.
+        forward, up: (3,) of unit length.
+    """
+
+    name: str
+    position: np.ndarray
+    forward: np.ndarray
+    up: np.ndarray
+
+
+@dataclass(frozen=True)
 class Embodiment:
     """A whole config.
 
@@ -65,7 +84,7 @@ class Embodiment:
         dual: whether the URDF holds both arms.
         arms: by side.
         stiffness, damping: of the arms' joints.
-        cameras: as they are written.
+        cameras: that stand beside the robot.
         warnings: what was assumed.
     """
 
@@ -76,7 +95,7 @@ class Embodiment:
     arms: dict[str, ArmConfig]
     stiffness: float
     damping: float
-    cameras: list[dict[str, Any]]
+    cameras: list[FixedCamera]
     warnings: list[str]
 
 
@@ -86,55 +105,112 @@ def read_embodiment(folder: Path) -> Embodiment:
     Raises:
         InputFileError: there is no such file, or it names a file that is missing.
         DamagedFile: it is not YAML.
-        SchemaMismatch: a field is missing or not what it should be; names it.
+        SchemaMismatch: fields are missing or not what they should be; names all of them.
     """
     path = folder / "config.yml"
     fields = _read_fields(path)
-    dual = bool(fields.data.get("dual_arm", False))
+    attempt, dual = fields.problems.attempt, bool(fields.data.get("dual_arm", False))
     arms = {side: _arm(fields, i) for i, side in enumerate(SIDES)}
-    if dual and set(arms["left"].joints) & set(arms["right"].joints):
-        raise wrong(path, "arm_joints_name", "dual_arm is true, but both arms have the same joints")
-    cameras = fields.data.get("static_camera_list") or []
-    if not isinstance(cameras, list) or not all(isinstance(camera, dict) for camera in cameras):
-        raise wrong(path, "static_camera_list", "expected a list of cameras with name, position, forward and left")
-    return Embodiment(
-        path=path,
-        urdf=fields.file("urdf_path"),
-        srdf=fields.file("srdf_path") if fields.data.get("srdf_path") else None,
-        dual=dual,
-        arms=arms,
-        stiffness=fields.positive("joint_stiffness"),
-        damping=fields.positive("joint_damping"),
-        cameras=cameras,
-        warnings=fields.warnings,
+    urdf = attempt(fields.file, "urdf_path")
+    srdf = attempt(fields.file, "srdf_path") if fields.data.get("srdf_path") else None
+    stiffness, damping = attempt(fields.positive, "joint_stiffness"), attempt(fields.positive, "joint_damping")
+    cameras = _cameras(fields)
+    left, right = arms["left"], arms["right"]
+    if left and right and dual and set(left.joints) & set(right.joints):
+        fields.problems.add(wrong(path, "arm_joints_name", "dual_arm is true, but both arms have the same joints"))
+    fields.problems.require_none()
+    assert left and right and urdf and stiffness and damping  # for the type checker: what is None is a problem
+    whole = {"left": left, "right": right}
+    return Embodiment(path, urdf, srdf, dual, whole, stiffness, damping, cameras, fields.warnings)
+
+
+def _arm(fields: _Fields, index: int) -> ArmConfig | None:
+    """One arm; None where some of its fields are wrong, which are noted."""
+    attempt = fields.problems.attempt
+    joints, ee_joint = attempt(_joints, fields, index), attempt(_ee_joint, fields, index)
+    fingers, base = attempt(_fingers, fields, index), attempt(_base, fields, index)
+    scale, bias = attempt(_scale, fields), attempt(fields.number, "gripper_bias")
+    turns = [attempt(_rotation, fields, name) for name in ("global_trans_matrix", "delta_matrix")]
+    before = len(fields.problems.found)
+    home = None if joints is None else attempt(_home, fields, index, len(joints))
+    wrong_home = len(fields.problems.found) > before
+    if joints is None or ee_joint is None or fingers is None or base is None or scale is None or bias is None:
+        return None
+    if turns[0] is None or turns[1] is None or wrong_home:
+        return None
+    return ArmConfig(
+        joints=joints,
+        ee_joint=ee_joint,
+        fingers=fingers,
+        closed=scale[0],
+        open=scale[1],
+        home=home,
+        base=base,
+        bias=bias,
+        turn=turns[0] @ turns[1],
     )
 
 
-def _arm(fields: _Fields, index: int) -> ArmConfig:
+def _joints(fields: _Fields, index: int) -> list[str]:
     joints, name = fields.side("arm_joints_name", index, _is_names)
     if not _is_names(joints) or len(set(joints)) != len(joints):
         raise wrong(fields.path, name, f"got {joints!r}; expected different names of joints, from the base on")
+    return joints
+
+
+def _ee_joint(fields: _Fields, index: int) -> str:
     ee_joint, name = fields.side("ee_joints", index, lambda value: isinstance(value, str))
     if not isinstance(ee_joint, str):
         raise wrong(fields.path, name, f"got {ee_joint!r}; expected the name of a joint")
+    return ee_joint
+
+
+def _scale(fields: _Fields) -> tuple[float, float]:
     closed, opened = numbers(fields.path, "gripper_scale", fields.get("gripper_scale"), 2)
     if closed == opened:
         raise wrong(fields.path, "gripper_scale", f"got {closed:g} twice; expected closed and open positions")
+    return float(closed), float(opened)
+
+
+def _base(fields: _Fields, index: int) -> np.ndarray:
     base, name = fields.side("robot_pose", index, lambda value: isinstance(value, list) and len(value) == 7)
     pose = numbers(fields.path, name, base, 7)
     if np.linalg.norm(pose[3:]) < 1e-6:
         raise wrong(fields.path, name, "the quaternion is 0 0 0 0; expected w, x, y, z")
-    return ArmConfig(
-        joints=joints,
-        ee_joint=ee_joint,
-        fingers=_fingers(fields, index),
-        closed=float(closed),
-        open=float(opened),
-        home=_home(fields, index, len(joints)),
-        base=pose,
-        bias=fields.number("gripper_bias"),
-        turn=_rotation(fields, "global_trans_matrix") @ _rotation(fields, "delta_matrix"),
-    )
+    return pose
+
+
+def _cameras(fields: _Fields) -> list[FixedCamera]:
+    """The fixed cameras; those that are wrong are noted."""
+    field = "static_camera_list"
+    listed = fields.data.get(field) or []
+    if not isinstance(listed, list) or not all(isinstance(camera, dict) for camera in listed):
+        text = "expected a list of cameras with name, position, forward and left"
+        fields.problems.add(wrong(fields.path, field, text))
+        return []
+    found = [fields.problems.attempt(_camera, fields, f"{field}.{i}", camera) for i, camera in enumerate(listed)]
+    return [camera for camera in found if camera is not None]
+
+
+def _camera(fields: _Fields, field: str, camera: dict[str, Any]) -> FixedCamera:
+    name, path = camera.get("name"), fields.path
+    if not isinstance(name, str) or not name:
+        raise wrong(path, f"{field}.name", f"got {name!r}; expected a name")
+    position = numbers(path, f"{field}.position", camera.get("position"), 3)
+    forward = _direction(path, f"{field}.forward", camera.get("forward"))
+    up = np.cross(forward, _direction(path, f"{field}.left", camera.get("left")))
+    if np.linalg.norm(up) < 0.5:
+        raise wrong(path, f"{field}.left", "lies along forward; expected a direction across it")
+    return FixedCamera(name, position, forward, up / np.linalg.norm(up))
+
+
+def _direction(path: Path, field: str, value: Any) -> np.ndarray:
+    vector = numbers(path, field, value, 3)
+    longest = np.abs(vector).max()
+    if longest < 1e-6:
+        raise wrong(path, field, "got 0 0 0; expected a direction")
+    vector = vector / longest  # the squares of a large number may be too large
+    return vector / np.linalg.norm(vector)
 
 
 def _fingers(fields: _Fields, index: int) -> list[tuple[str, bool]]:
@@ -194,6 +270,42 @@ def wrong(path: Path, name: str, message: str) -> SchemaMismatch:
     )
 
 
+class Problems:
+    """What is wrong in a file, gathered so that all of it can be mended at once."""
+
+    def __init__(self) -> None:
+        self.found: list[SchemaMismatch] = []
+
+    def add(self, problem: SchemaMismatch) -> None:
+        """Note a problem, once."""
+        if problem.message not in (known.message for known in self.found):
+            self.found.append(problem)
+
+    def attempt(self, read: Callable[P, T], *arguments: P.args, **options: P.kwargs) -> T | None:
+        """What a function reads; None where something is wrong, which is noted."""
+        try:
+            return read(*arguments, **options)
+        except SchemaMismatch as problem:
+            self.add(problem)
+            return None
+
+    def require_none(self) -> None:
+        """Nothing, if nothing was noted.
+
+        Raises:
+            SchemaMismatch: something was; one error tells all.
+        """
+        if len(self.found) == 1:
+            raise self.found[0]
+        if self.found:
+            fields = [problem.details["field"] for problem in self.found]
+            raise SchemaMismatch(
+                f"{len(fields)} fields are wrong: {'; '.join(problem.message for problem in self.found)}",
+                hint="mend them",
+                details={"path": self.found[0].details["path"], "fields": fields},
+            )
+
+
 def numbers(path: Path, name: str, value: Any, count: int) -> np.ndarray:
     """(count,) the finite numbers in a list.
 
@@ -241,6 +353,7 @@ class _Fields:
     def __init__(self, path: Path, data: dict[str, Any]):
         self.path, self.data = path, data
         self.warnings: list[str] = []
+        self.problems = Problems()
 
     def get(self, name: str) -> Any:
         """The value of a field, or its default with a warning."""

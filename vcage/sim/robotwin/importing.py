@@ -10,7 +10,6 @@ import re
 import tempfile
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 from xml.etree.ElementTree import Element
 
 import numpy as np
@@ -21,7 +20,7 @@ from vcage.base.files import atomic_folder, data_path, resource, write_text
 from vcage.schema.base import PoseRecord, Vec3
 from vcage.schema.robot import Arm, Robot, RobotCamera
 from vcage.sim.robotwin.arm_urdf import ArmFiles, arm_files, held_joints, links_of_arm, read_robot
-from vcage.sim.robotwin.embodiment import Embodiment, numbers, read_embodiment, wrong
+from vcage.sim.robotwin.embodiment import Embodiment, read_embodiment
 from vcage.sim.robotwin.gripper import Measured, measure_gripper
 
 LONGEST = 80
@@ -65,7 +64,8 @@ def import_robot(folder: Path, distance: float | None = None, *, force: bool = F
 
     Raises:
         UsageError: the name is taken or too long, or a distance is given for a robot whose arms are on one body.
-        InputFileError: a file is missing or damaged, or a field is not what it should be; names it.
+        InputFileError: a file is missing or damaged, or fields are not what they should be: one error names all of the
+            config, or, where that is whole, all of the URDF.
     """
     folder = Path(folder).resolve()
     name = re.sub(r"[^a-z0-9_-]", "_", folder.name.lower()).lstrip("_-") or "robot"
@@ -200,32 +200,17 @@ def _cameras(embodiment: Embodiment, root: Element) -> tuple[dict[str, RobotCame
 def _fixed_cameras(embodiment: Embodiment) -> tuple[dict[str, RobotCamera], list[str]]:
     cameras, warnings = {}, []
     for i, camera in enumerate(embodiment.cameras):
-        field = f"static_camera_list.{i}"
-        name = camera.get("name")
-        if not isinstance(name, str) or not name:
-            raise wrong(embodiment.path, f"{field}.name", f"got {name!r}; expected a name")
-        position = numbers(embodiment.path, f"{field}.position", camera.get("position"), 3)
-        forward = _direction(embodiment, f"{field}.forward", camera.get("forward"))
-        left = _direction(embodiment, f"{field}.left", camera.get("left"))
-        up = np.cross(forward, left)
-        if np.linalg.norm(up) < 0.5:
-            raise wrong(embodiment.path, f"{field}.left", "lies along forward; expected a direction across it")
-        up = up / np.linalg.norm(up)
-        warnings.append(f"{embodiment.path}: field {field}: no field of view; {FOVY} rad is assumed")
-        cameras[name] = RobotCamera(fovy=FOVY, position=_vector(position), forward=_vector(forward), up=_vector(up))
+        warnings.append(f"{embodiment.path}: field static_camera_list.{i}: no field of view; {FOVY} rad is assumed")
+        cameras[camera.name] = RobotCamera(
+            fovy=FOVY,
+            position=_vector(camera.position),
+            forward=_vector(camera.forward),
+            up=_vector(camera.up),
+        )
     if not cameras:
         warnings.append(f"{embodiment.path}: field static_camera_list: missing; a camera over the table is assumed")
         cameras["cam_high"] = HEAD_CAMERA
     return cameras, warnings
-
-
-def _direction(embodiment: Embodiment, field: str, value: Any) -> np.ndarray:
-    vector = numbers(embodiment.path, field, value, 3)
-    longest = np.abs(vector).max()
-    if longest < 1e-6:
-        raise wrong(embodiment.path, field, "got 0 0 0; expected a direction")
-    vector = vector / longest  # the squares of a large number may be too large
-    return vector / np.linalg.norm(vector)
 
 
 def _vector(values: np.ndarray) -> Vec3:

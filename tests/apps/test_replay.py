@@ -1,0 +1,212 @@
+"""Episodes come about again from their files, bit for bit; what does not is told."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from dataclasses import replace
+from pathlib import Path
+
+import h5py
+import pytest
+
+from tests.runs import command
+from tests.scenes import ON_PLATE, Critic, block_and_plate, robot, scene_of, script_of, setting, subtask
+from vcage.apps.replay import Difference, compare_pictures, replay_episode
+from vcage.base.errors import NoDrives
+from vcage.datasets.hdf5 import write_episode
+from vcage.datasets.reader import EpisodeReader
+from vcage.sim.appearance import Appearance
+from vcage.sim.replay import camera_paths, render_log
+from vcage.sim.world import World
+from vcage.stages.context import StageContext
+from vcage.stages.episode_runner import versions
+from vcage.tasks.assemble import episode_data
+from vcage.tasks.loop import EpisodeRun, run_episode
+
+LOOK = Appearance(light_direction=(-0.2, -0.3, -1.0))
+
+
+@pytest.fixture(scope="module")
+def context() -> StageContext:
+    return StageContext("offline")
+
+
+def play(critic: Critic, **options: int) -> EpisodeRun:
+    """The block onto the plate, in the world that the episode's file describes."""
+    objects, step = block_and_plate(), subtask()
+    there = replace(setting(objects, {step.id: ON_PLATE}, critic, **options), build=world)
+    return run_episode(there, [(step, script_of(step))], 0)
+
+
+def world(look: Appearance | None = None) -> World:
+    scene = scene_of(block_and_plate())
+    models = StageContext("offline").physical_models(scene)
+    return World.of_scene(scene, models, robot(), look, render=look is not None)
+
+
+def written(path: Path, run: EpisodeRun) -> Path:
+    """An episode's file, of states alone."""
+    return write_episode(path, episode_data(run.log, run.segments, {}, facts()), [{}] * len(run.log))
+
+
+def facts() -> dict[str, object]:
+    scene = scene_of(block_and_plate())
+    recorded = scene.model_dump(mode="json", by_alias=True)
+    return {"instruction": "blocks", "seed": 0, "robot": scene.robot, "scene": recorded, "versions": versions()}
+
+
+@pytest.fixture(scope="module")
+def plain(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return written(tmp_path_factory.mktemp("plain") / "episode_000000.hdf5", play(Critic()))
+
+
+@pytest.fixture
+def copy(plain: Path, tmp_path: Path) -> Path:
+    """One that a test may change."""
+    return Path(shutil.copy(plain, tmp_path))
+
+
+def test_an_episode_comes_about_again_bit_for_bit(plain, context):
+    replayed = replay_episode(plain, context)
+    assert (replayed.states, replayed.versions, replayed.equal) == (None, {}, True)
+
+
+def test_so_does_one_of_which_a_sub_task_was_tried_again(tmp_path, context):
+    run = play(Critic([False, True]))
+    assert run.segments[0].attempts == 2
+    path = written(tmp_path / "retried.hdf5", run)
+    with h5py.File(path) as file:
+        assert file["drives"].attrs["restarts"].tolist() == [file["drives"].attrs["settled"]]
+    assert replay_episode(path, context).equal
+
+
+def test_so_does_one_that_was_rejected(tmp_path, context):
+    run = play(Critic([False]), retries=1)
+    assert not run.accepted
+    assert replay_episode(written(tmp_path / "rejected.hdf5", run), context).equal
+
+
+def test_what_failed_attempts_were_told_is_not_kept(plain, tmp_path):
+    again = written(tmp_path / "retried.hdf5", play(Critic([False, True])))
+    with EpisodeReader(plain) as one, EpisodeReader(again) as two:
+        once, retried = one.episode.drives, two.episode.drives
+    assert once is not None and retried is not None
+    assert len(retried) < 1.3 * len(once)
+
+
+def test_it_takes_less_than_four_kilobytes_for_a_second(plain):
+    with h5py.File(plain) as file:
+        parts = [part for arm in file["drives"].values() for part in arm.values()]
+        assert sum(part.id.get_storage_size() for part in parts) < 4000 * file["timestamp"][-1]
+
+
+def test_a_command_that_was_changed_is_told_with_its_frame(copy, context):
+    with h5py.File(copy, "r+") as file:
+        told = file["drives/left/told"]
+        step = told.shape[1] // 2
+        told[0, step] += 2000
+        frame = (step + file["drives"].attrs["settled"]) // 25
+    states = replay_episode(copy, context).states
+    assert states is not None
+    assert states.frame is not None and 0 <= states.frame - frame <= 1
+    assert "left_joint" in states.what and states.by
+
+
+def test_a_state_that_was_changed_is_told_with_its_frame_and_by_how_much(copy, context):
+    with h5py.File(copy, "r+") as file:
+        file["objects/block"][7, 0] += 0.25
+    assert replay_episode(copy, context).states == Difference("the position of block", 7, 0.25)
+
+
+def test_another_version_is_told_though_all_is_equal(copy, context):
+    with h5py.File(copy, "r+") as file:
+        file["meta/versions"][()] = json.dumps(versions() | {"sapien": "2.0"})
+    replayed = replay_episode(copy, context)
+    assert replayed.equal
+    assert replayed.versions == {"sapien": ("2.0", versions()["sapien"])}
+
+
+def test_an_episode_of_an_earlier_version_is_to_be_recorded_again(copy, context):
+    with h5py.File(copy, "r+") as file:
+        del file["drives"]
+    with pytest.raises(NoDrives, match="does not hold") as error:
+        replay_episode(copy, context)
+    assert "record the episode again" in error.value.hint
+
+
+# --- pictures ------------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def pictured(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """One with pictures."""
+    run, drawn = play(Critic()), world(LOOK)
+    log = run.log
+    cameras = camera_paths(drawn, log)
+    data = episode_data(log, run.segments, cameras, facts())
+    path = tmp_path_factory.mktemp("pictured") / "episode_000000.hdf5"
+    return write_episode(path, data, (frame.pictures for frame in render_log(drawn, log)))
+
+
+def test_pictures_come_about_again_in_the_same_look_and_in_no_other(pictured, context):
+    assert set(replay_episode(pictured, context, LOOK).pictures.values()) == {"equal"}
+    other = replay_episode(pictured, context, Appearance()).pictures
+    assert all(isinstance(found, Difference) and found.frame == 0 and found.by for found in other.values())
+
+
+def test_without_the_look_pictures_are_not_compared(pictured, context):
+    replayed = replay_episode(pictured, context)
+    assert replayed.equal
+    assert all(str(found).startswith("not compared") for found in replayed.pictures.values())
+
+
+def test_a_picture_that_was_changed_is_told_with_its_frame(pictured, tmp_path, context):
+    path = Path(shutil.copy(pictured, tmp_path))
+    with h5py.File(path, "r+") as file:
+        images = file["observations/images/cam_high"]
+        picture = images[3]
+        picture[0, 0, 0] ^= 1
+        images[3] = picture
+        del images.attrs["sha256"]
+        images.attrs["sha256"] = "another"
+    found = replay_episode(path, context, LOOK).pictures
+    assert found["cam_high"] == Difference("the picture of cam_high", 3, 1)
+
+
+def test_where_a_video_took_the_place_of_pictures_the_hash_of_those_that_were_recorded_tells(finished):
+    path = next(finished.run.root.glob("episodes/*.hdf5"))
+    with EpisodeReader(path) as reader:
+        assert not any(reader.holds_pictures(camera) for camera in reader.cameras)
+        names = reader.cameras
+        lossy = zip(*(reader.images(camera) for camera in reader.cameras), strict=True)
+        found = compare_pictures(reader, (dict(zip(names, frame, strict=True)) for frame in lossy))
+    assert found == {name: Difference(f"the picture of {name}") for name in names}
+
+
+# --- the command ---------------------------------------------------------------------------------------
+
+
+def test_the_command_says_that_all_is_equal(plain, capsys):
+    answer = command(capsys, "replay", plain)
+    assert answer.code == 0, answer.stderr
+    assert answer.record["summary"]["episodes"][plain.name]["states"] == "equal"
+
+
+def test_the_command_ends_with_its_own_code_where_something_differs(copy, capsys):
+    with h5py.File(copy, "r+") as file:
+        file["objects/block"][7, 0] += 0.25
+    answer = command(capsys, "replay", copy)
+    assert (answer.code, answer.error["code"]) == (9, "not_reproduced")
+    assert "frame 7 on the position of block differs, by 0.25" in answer.error["message"]
+
+
+def test_all_accepted_episodes_of_a_run_are_replayed(finished, capsys):
+    answer = command(capsys, "replay", finished.run.root)
+    assert answer.code == 0, answer.stderr
+    assert (answer.record["summary"]["equal"], answer.record["summary"]["of"]) == (1, 1)
+
+
+def test_a_folder_without_episodes_is_named(tmp_path, capsys):
+    answer = command(capsys, "replay", tmp_path)
+    assert (answer.code, answer.error["code"]) == (3, "missing_stage")

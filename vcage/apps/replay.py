@@ -1,0 +1,227 @@
+"""Replaying an episode from its file alone: the same physics, the same pictures, or what differs."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from vcage.base.errors import MissingStage, NoDrives, NotReproduced
+from vcage.base.files import RunFolder
+from vcage.datasets.episode import EpisodeData
+from vcage.datasets.reader import EpisodeReader
+from vcage.schema.scene import Scene
+from vcage.sim.again import simulate_again
+from vcage.sim.appearance import Appearance
+from vcage.sim.recording import StateLog
+from vcage.sim.replay import render_log
+from vcage.sim.robots import load_robot
+from vcage.sim.world import World
+from vcage.stages.accepted import accepted_episodes, none_counts
+from vcage.stages.context import StageContext
+from vcage.stages.episode_runner import versions
+from vcage.tasks.assemble import episode_data
+
+NOT_RECORDED = "not recorded"
+
+
+@dataclass(frozen=True)
+class Difference:
+    """Where something differs first.
+
+    Args:
+        what: of an object, a joint or a camera.
+        frame: from 0; None where only a hash tells.
+        by: how much: metres, radians, their rates, or levels of 255, of pictures the most in any frame.
+    """
+
+    what: str
+    frame: int | None = None
+    by: float | None = None
+
+    def __str__(self) -> str:
+        where = "" if self.frame is None else f"from frame {self.frame} on "
+        return f"{where}{self.what} differs{'' if self.by is None else f', by {self.by:.3g}'}"
+
+
+@dataclass(frozen=True)
+class Replayed:
+    """What came of a replay.
+
+    Args:
+        states: the first difference of states; None where all are equal, bit for bit.
+        pictures: by camera: ``equal``, the first difference, or why they were not compared.
+        versions: of what differs, as it was recorded and as it is here.
+    """
+
+    states: Difference | None
+    pictures: dict[str, Difference | str] = field(default_factory=dict)
+    versions: dict[str, tuple[str, str]] = field(default_factory=dict)
+
+    @property
+    def equal(self) -> bool:
+        """Whether nothing that was compared differs; versions may."""
+        return self.states is None and not any(isinstance(found, Difference) for found in self.pictures.values())
+
+    def as_record(self) -> dict[str, Any]:
+        """The same as JSON."""
+        pictures = {name: found if isinstance(found, str) else asdict(found) for name, found in self.pictures.items()}
+        states = "equal" if self.states is None else asdict(self.states)
+        return {"states": states, "pictures": pictures, "versions": {k: list(v) for k, v in self.versions.items()}}
+
+    def error(self, path: Path) -> NotReproduced | None:
+        """The error of a replay that differs."""
+        if self.equal:
+            return None
+        found = self.states or next(d for d in self.pictures.values() if isinstance(d, Difference))
+        others = "; ".join(f"{name} {was} there, {here} here" for name, (was, here) in self.versions.items())
+        return NotReproduced(
+            f"{path} is not reproduced: {found}",
+            hint=f"other versions: {others}"
+            if others
+            else "the versions are the same: the file or an asset was changed",
+            details=self.as_record(),
+        )
+
+
+def episodes_at(path: Path) -> list[Path]:
+    """The episode's file itself, or those of the episodes of a run that count.
+
+    Raises:
+        MissingStage: there is none.
+    """
+    if not path.is_dir():
+        return [path]
+    run = RunFolder(path)
+    found = [run.root / episode.file for episode in accepted_episodes(run) if episode.file is not None]
+    if not found:
+        raise none_counts(run) or MissingStage(f"{path} holds no episodes", hint="collect first", maker="collect")
+    return found
+
+
+def replay_episode(path: Path, context: StageContext, look: Appearance | None = None) -> Replayed:
+    """Simulate an episode again, draw it again, and compare both with its file.
+
+    Args:
+        path: the ``.hdf5`` file; a rejected one has states and no pictures.
+        context: the library.
+        look: of the episode's pictures; without, they are not compared.
+
+    Raises:
+        MissingStage, DamagedFile, SchemaMismatch: see :class:`EpisodeReader`.
+        NoDrives: it was recorded without what the drives were told.
+        UnknownName: the library lacks an object of its scene, or there is no such robot.
+    """
+    with EpisodeReader(path) as reader:
+        episode = reader.episode
+        if episode.drives is None:
+            raise NoDrives(
+                f"{path} does not hold what the arms were told at every step, which an earlier version did not keep",
+                hint="record the episode again: collect with --force",
+            )
+        start = _Start.of(path, episode, context)
+        log = simulate_again(start.world, episode.drives, round(episode.fps))
+        again = episode_data(log, [], {}, episode.meta)
+        pictures = _pictures(reader, start, log, look)
+    recorded, here = dict(episode.meta.get("versions", {})), versions()
+    names = dict.fromkeys([*recorded, *here])
+    pairs = {name: (recorded.get(name, NOT_RECORDED), here.get(name, "none")) for name in names}
+    return Replayed(first_difference(episode, again), pictures, {k: v for k, v in pairs.items() if v[0] != v[1]})
+
+
+@dataclass(frozen=True)
+class _Start:
+    """Where an episode begins."""
+
+    scene: Scene
+    robot: str
+    context: StageContext
+
+    @classmethod
+    def of(cls, path: Path, episode: EpisodeData, context: StageContext) -> _Start:
+        return cls(Scene.parse(episode.meta.get("scene"), path), str(episode.meta.get("robot")), context)
+
+    def world(self, look: Appearance | None = None) -> World:
+        """A fresh world, drawn where it has a look."""
+        models = self.context.physical_models(self.scene)
+        return World.of_scene(self.scene, models, load_robot(self.robot), look, render=look is not None)
+
+
+# --- states --------------------------------------------------------------------------------------------
+
+
+def first_difference(recorded: EpisodeData, again: EpisodeData) -> Difference | None:
+    """The first frame in which two recordings differ by a bit, and what differs most in it; None where none does."""
+    ours, theirs = dict(_columns(recorded)), dict(_columns(again))
+    frames = min(recorded.frames, again.frames)
+    found = []
+    for name in dict.fromkeys([*ours, *theirs]):
+        if name not in ours or name not in theirs:
+            return Difference(f"{name}, which only one has,")
+        gap = np.abs(ours[name][:frames] - theirs[name][:frames])
+        if gap.any():
+            frame = int(gap.any(axis=1).argmax())
+            found.append(Difference(name, frame, float(gap[frame].max())))
+    if not found and recorded.frames != again.frames:
+        return Difference("the number of frames", frames, abs(recorded.frames - again.frames))
+    return min(found, key=lambda one: (one.frame, -(one.by or 0)), default=None)
+
+
+def _columns(episode: EpisodeData) -> Iterator[tuple[str, np.ndarray]]:
+    """(T, k) numbers by what they are of."""
+    for name, poses in episode.object_poses.items():
+        yield f"the position of {name}", poses[:, :3]
+        yield f"the orientation of {name}", poses[:, 3:]
+    for name, joints in episode.object_joints.items():
+        yield f"a moving part of {name}", joints
+    kinds = {"position": episode.qpos, "velocity": episode.qvel, "command": episode.action}
+    for kind, table in kinds.items():
+        for name, column in zip(episode.state_names, table.T, strict=True):
+            yield f"the {kind} of {name}", column[:, None]
+
+
+# --- pictures ------------------------------------------------------------------------------------------
+
+
+def _pictures(
+    reader: EpisodeReader, start: _Start, log: StateLog, look: Appearance | None
+) -> dict[str, Difference | str]:
+    if look is None:
+        return dict.fromkeys(reader.cameras, "not compared: the file does not say how the episode looked")
+    return compare_pictures(reader, (frame.pictures for frame in render_log(start.world(look), log)))
+
+
+def compare_pictures(reader: EpisodeReader, drawn: Iterator[Mapping[str, np.ndarray]]) -> dict[str, Difference | str]:
+    """By camera whether pictures that were drawn again are those that were recorded, bit for bit.
+
+    Where the file refers to videos, or was unpacked from them, the SHA-256 of what was recorded tells.
+
+    Args:
+        reader: the file.
+        drawn: (H, W, 3) uint8 by camera, for each frame.
+    """
+    kept = {name: reader.images(name) for name in reader.cameras if reader.holds_pictures(name)}
+    digests = {name: hashlib.sha256() for name in reader.cameras}
+    differences: dict[str, list[tuple[int, int]]] = {name: [] for name in kept}
+    for index, pictures in enumerate(drawn):
+        for name, digest in digests.items():
+            digest.update(np.ascontiguousarray(pictures[name]).tobytes())
+        for name, images in kept.items():
+            gap = int(np.abs(images[index].astype(np.int16) - pictures[name]).max())
+            differences[name] += [(index, gap)] if gap else []
+    found: dict[str, Difference | str] = {}
+    for name, digest in digests.items():
+        recorded, of = reader.recorded_digest(name), f"the picture of {name}"
+        if recorded is None:
+            found[name] = "not kept"
+        elif recorded == digest.hexdigest():
+            found[name] = "equal"
+        elif differences.get(name):
+            found[name] = Difference(of, differences[name][0][0], max(gap for _, gap in differences[name]))
+        else:
+            found[name] = Difference(of)
+    return found

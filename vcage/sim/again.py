@@ -1,0 +1,33 @@
+"""Simulating a recorded episode again, from what its drives were told: bit for bit, on the same versions."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from vcage.sim.drive_log import DriveLog
+from vcage.sim.recording import StateLog
+from vcage.sim.world import World
+
+
+def simulate_again(build: Callable[[], World], drives: DriveLog, fps: int) -> StateLog:
+    """The recording of the same episode.
+
+    Args:
+        build: makes the world of the episode's start.
+        drives: what was told.
+        fps: frames per second, as they were recorded.
+    """
+    world, log = build(), StateLog(fps)
+    world.step(drives.settled)
+    log.record(world)
+    restarts = set(drives.restarts)
+    for index in range(len(drives)):
+        if world.steps in restarts:
+            snapshot = world.snapshot()
+            world = build()
+            world.restore(snapshot)
+            log.record(world)
+        for name, rows in drives.rows.items():
+            world.arms[name].drives = rows[index]
+        world.step()
+    return log
