@@ -129,6 +129,7 @@ class EpisodeReader:
                 action=file["action"][()],
                 object_poses={name: poses[()] for name, poses in file["objects"].items()},
                 object_joints={name: joints[()] for name, joints in file.get("object_joints", {}).items()},
+                robot_joints={name: joints[()] for name, joints in file.get("robot_joints", {}).items()},
                 cameras={name: self._camera(name) for name in file["observations/images"]},
                 segments=self._segments(),
                 meta={name: json.loads(text[()]) for name, text in file["meta"].items()},

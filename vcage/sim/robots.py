@@ -1,4 +1,4 @@
-"""Robots and scene templates by name: ``assets/robots/<name>.yml`` and ``assets/scenes/<name>.yml``.
+"""Robots, scene templates and ranges of randomisation by name: ``assets/{robots,scenes,randomisation}/<name>.yml``.
 
 Robots that were imported lie in the same way in the user's data folder (:mod:`vcage.sim.robotwin.importing`).
 """
@@ -10,9 +10,10 @@ from pathlib import Path
 from typing import TypeVar
 
 from vcage.base.commands import pip_command
-from vcage.base.errors import DamagedFile, MissingDependency, UnknownName
+from vcage.base.errors import DamagedFile, MissingDependency, MissingStage, UnknownName
 from vcage.base.files import data_path, resource
 from vcage.schema.base import Document
+from vcage.schema.randomisation import Randomisation
 from vcage.schema.robot import Robot
 from vcage.schema.scene import SceneTemplate
 
@@ -39,6 +40,23 @@ def load_template(name: str, robot: str | None = None) -> SceneTemplate:
     return template if robot is None else template.model_copy(update={"robot": load_robot(robot).name})
 
 
+def load_randomisation(name: str) -> Randomisation:
+    """The ranges called ``name`` (``assets/randomisation/<name>.yml``), or of a YAML file; raises as
+    :func:`load_robot`, and :class:`MissingStage` where there is no such file.
+
+    Args:
+        name: or the path of a file, which ends in .yml or .yaml.
+    """
+    if not name.endswith((".yml", ".yaml")):
+        return _load(Randomisation, "randomisation", "randomisation", name)
+    path = Path(name).expanduser()
+    if not path.is_file():
+        raise MissingStage(
+            f"{path} does not exist", hint=f"check the path, or take one of {available('randomisation')}"
+        )
+    return _read(Randomisation, path)
+
+
 def available(folder: str) -> list[str]:
     """Names of the files of ``assets/<folder>``, ours and the user's, sorted."""
     return sorted(_paths(folder))
@@ -51,12 +69,15 @@ def _paths(folder: str) -> dict[str, Path]:
 
 
 def _load(kind: type[AnyDocument], what: str, folder: str, name: str) -> AnyDocument:
-    import yaml
-
     paths = _paths(folder)
     if name not in paths:
         raise UnknownName(what, name, paths)
-    path = paths[name]
+    return _read(kind, paths[name])
+
+
+def _read(kind: type[AnyDocument], path: Path) -> AnyDocument:
+    import yaml
+
     try:
         data = yaml.safe_load(path.read_text(encoding="utf-8"))
     except yaml.YAMLError as error:

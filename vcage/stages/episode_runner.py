@@ -31,7 +31,7 @@ from vcage.stages.context import StageContext
 from vcage.stages.episode_store import background_name
 from vcage.stages.inputs import read_plan
 from vcage.stages.layouts import Layout, Layouts, NoLayout
-from vcage.stages.photographs import Photographer, episode_light
+from vcage.stages.photographs import Photographer, light_look
 from vcage.stages.possible import settled_record
 from vcage.stages.question import Asking, verdict
 from vcage.stages.stage import Job
@@ -146,7 +146,8 @@ class EpisodeRunner:
         work = self._chains[index % len(self._chains)]
         rng = np.random.default_rng([self._stage.seed, index])
         start = self._start(work, rng)
-        photographer = Photographer(start.scene, self._models, self._robot, episode_light(rng))
+        look = light_look(start.scene, self._models, self._robot, rng)
+        photographer = Photographer(start.scene, self._models, self._robot, look)
         background = photographer.empty_table()
         write_picture(folder / background_name(index), background)
         setting = Setting(
@@ -197,7 +198,7 @@ class EpisodeRunner:
         name = f"episode_{index:06d}.hdf5" if done.accepted else f"rejected/episode_{index:06d}.hdf5"
         frames = len(done.log)
         if frames:
-            cameras = camera_paths(drawn, done.log) if done.accepted else {}
+            cameras = camera_paths(drawn, done.log.states()) if done.accepted else {}
             data = episode_data(done.log, done.segments, cameras, self._facts(index, work, start, done))
             pictures: Iterator[Mapping[str, np.ndarray]] = iter([{}] * frames)
             if done.accepted:

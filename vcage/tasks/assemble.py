@@ -46,6 +46,7 @@ def episode_data(
         action=stacked("command"),
         object_poses={key: log.object_array(key) for key in sorted(first.objects)},
         object_joints={key: log.joint_array(key) for key in sorted(first.object_joints)},
+        robot_joints={arm: log.arm_array(arm, "joints").astype(np.float64) for arm in arms},
         cameras={name: _track(path) for name, path in sorted(cameras.items())},
         segments=list(segments),
         meta=dict(meta),
