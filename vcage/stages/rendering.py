@@ -24,7 +24,7 @@ from vcage.base.geometry import Pose
 from vcage.base.pictures import write_picture
 from vcage.base.progress import Progress, silent
 from vcage.base.workers import Processes, ThisProcess
-from vcage.datasets.episode import CameraTrack, EpisodeData
+from vcage.datasets.episode import EpisodeData
 from vcage.datasets.hdf5 import write_episode
 from vcage.datasets.reader import EpisodeReader
 from vcage.schema.asset import PhysicalModel
@@ -34,13 +34,14 @@ from vcage.schema.randomisation import Drawn, Look, Randomisation
 from vcage.schema.renders import Render, Renders
 from vcage.schema.robot import Robot
 from vcage.schema.scene import Scene
-from vcage.sim.cameras import robot_cameras
 from vcage.sim.looks import draw_look, look_world
-from vcage.sim.replay import RenderedFrame, render_state
+from vcage.sim.replay import RenderedFrame, camera_paths, render_state
 from vcage.sim.robots import load_robot
 from vcage.sim.state import WorldState
+from vcage.sim.world import World
 from vcage.stages.accepted import accepted_episodes, none_counts
 from vcage.stages.context import StageContext
+from vcage.tasks.assemble import camera_tracks
 
 FOLDER, INDEX = "renders", "renders.json"
 
@@ -209,21 +210,16 @@ class Recorded:
 
     def frames(self, look: Look) -> Iterator[RenderedFrame]:
         """The T frames under a look."""
-        world = look_world(self.scene, self.models, self.robot, look)
-        return (render_state(world, state) for state in self.states())
+        return self._drawn(look_world(self.scene, self.models, self.robot, look))
 
     def write(self, path: Path, look: Look, meta: Mapping[str, Any]) -> None:
         """Write the episode with other pictures, cameras and facts."""
-        world, tracks = look_world(self.scene, self.models, self.robot, look), {}
-        extrinsics: dict[str, list[np.ndarray]] = {}
-        for state in self.states():
-            world.set_state(state)
-            for name, camera in robot_cameras(world).items():
-                extrinsics.setdefault(name, []).append(camera.extrinsics())
-                tracks[name] = (camera.width, camera.height, camera.intrinsics())
-        cameras = {name: CameraTrack(*tracks[name], np.stack(extrinsics[name])) for name in sorted(tracks)}
-        data = replace(self.episode, cameras=cameras, meta=dict(meta))
-        write_episode(path, data, (render_state(world, state).pictures for state in self.states()))
+        world = look_world(self.scene, self.models, self.robot, look)
+        data = replace(self.episode, cameras=camera_tracks(camera_paths(world, self.states())), meta=dict(meta))
+        write_episode(path, data, (frame.pictures for frame in self._drawn(world)))
+
+    def _drawn(self, world: World) -> Iterator[RenderedFrame]:
+        return (render_state(world, state) for state in self.states())
 
 
 # --- the sheet ---------------------------------------------------------------------------------------------------
