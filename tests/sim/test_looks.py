@@ -46,7 +46,7 @@ def test_an_unknown_name_lists_those_there_are():
 
 
 def test_a_file_of_ones_own_must_be_there(tmp_path):
-    with pytest.raises(MissingStage, match="mine.yml"):
+    with pytest.raises(MissingStage, match=r"mine\.yml"):
         load_randomisation(str(tmp_path / "mine.yml"))
 
 
