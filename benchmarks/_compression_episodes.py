@@ -12,7 +12,6 @@ import tempfile
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -20,18 +19,19 @@ import numpy as np
 from vcage.base.errors import PartlyDone
 from vcage.base.files import RunFolder, cache_dir
 from vcage.datasets.hdf5 import write_episode
-from vcage.objects.table_tops import TABLES, table_texture
 from vcage.schema.base import PoseRecord
 from vcage.schema.episodes import Verdict
 from vcage.schema.robot import Robot
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Subtask, Subtasks
 from vcage.sim.appearance import Appearance
+from vcage.sim.looks import appearance_of
 from vcage.sim.replay import camera_paths, render_log
 from vcage.sim.robots import load_robot
 from vcage.sim.world import World
 from vcage.stages import chain, collect, inpaint_plan, match, optimize, search_subtasks, select_place
 from vcage.stages.context import StageContext
+from vcage.stages.photographs import light_look
 from vcage.tasks.assemble import episode_data
 from vcage.tasks.ground import Ground
 from vcage.tasks.loop import EpisodeRun, Seen, Setting, run_episode
@@ -166,7 +166,7 @@ class _Making:
         return run_episode(setting, self._chain, self._recipe.seed)
 
     def _draw(self, done: EpisodeRun, objects: Sequence[SceneObject], rng: np.random.Generator, path: Path) -> int:
-        look = Appearance.random(rng, [partial(table_texture, name) for name in TABLES])
+        look = appearance_of(light_look(self._scene, self._models, self._robot, rng))
         done.log.frames = done.log.frames[:FRAMES]
         world = self._world(objects, look)
         facts = {
@@ -175,7 +175,7 @@ class _Making:
             "robot": self._robot.name,
             "scene": self._scene.model_dump(mode="json", by_alias=True),
         }
-        data = episode_data(done.log, [], camera_paths(world, done.log), facts)
+        data = episode_data(done.log, [], camera_paths(world, done.log.states()), facts)
         write_episode(path, data, (frame.pictures for frame in render_log(world, done.log)))
         return data.frames
 

@@ -30,7 +30,7 @@ float reached(vec3 point) {
   return sum / 9.0;
 }
 
-// The key light's share, its emission 1: what is matt and what shines.
+// The share of a light, its emission 1: what is matt and what shines.
 vec3 reflected(Surface s, vec3 normal, vec3 to_light, vec3 to_camera) {
   vec3 between = normalize(to_light + to_camera);
   float light = max(dot(normal, to_light), 0.0);
@@ -53,5 +53,10 @@ vec3 lit(Surface s, vec3 point, vec3 normal, vec3 to_camera) {
   vec3 to_light = -scene.directionalLights[0].direction.xyz;
   vec3 key = scene.directionalLights[0].emission.rgb * reflected(s, normal, to_light, to_camera);
   if (NUM_DIRECTIONAL_LIGHT_SHADOWS > 0 && dot(normal, to_light) > 0.0) key *= reached(point);
-  return s.emission + scene.ambientLight.rgb * s.base + key;
+  vec3 sum = s.emission + scene.ambientLight.rgb * s.base + key;
+  for (int i = 1; i < NUM_DIRECTIONAL_LIGHTS; i++) {
+    DirectionalLight other = scene.directionalLights[i];
+    sum += other.emission.rgb * reflected(s, normal, -other.direction.xyz, to_camera);
+  }
+  return sum;
 }

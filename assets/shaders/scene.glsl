@@ -1,6 +1,6 @@
-// Set 3 of the picture's pass: the light. Our worlds have light from everywhere and one key light (sim.surroundings);
-// of the kinds of light that they have not, the engine wants room for one each.
-struct KeyLight {
+// Set 3 of the picture's pass: the light. Our worlds have light from everywhere, a key light, and up to two more that
+// throw no shadows (sim.surroundings); of the kinds of light that they have not, the engine wants room for one each.
+struct DirectionalLight {
   vec4 direction;  // in which it shines
   vec4 emission;
 };
@@ -27,7 +27,7 @@ struct LightView {
 
 layout(set = 3, binding = 0) uniform SceneBuffer {
   vec4 ambientLight;
-  KeyLight directionalLights[1];
+  DirectionalLight directionalLights[3];  // the key light first
   PointLight pointLights[1];
   SpotLight spotLights[1];
   SpotLight texturedLights[1];

@@ -28,7 +28,7 @@ from vcage.sim.robots import load_robot
 from vcage.sim.world import World
 from vcage.stages import select_place
 from vcage.stages.context import StageContext
-from vcage.stages.photographs import Photographer, episode_light
+from vcage.stages.photographs import Photographer, light_look
 from vcage.tasks.ground import Ground
 from vcage.tasks.loop import Seen
 from vcage.tasks.readiness import ready_for
@@ -177,7 +177,8 @@ class _Maker:
         self._scene = ready.model_copy(
             update={"objects": [o.record.model_copy(update={"pose": PoseRecord.of(o.pose)}) for o in objects]}
         )
-        self._photographer = Photographer(self._scene, models, robot, episode_light(rng))
+        look = light_look(self._scene, models, robot, rng)
+        self._photographer = Photographer(self._scene, models, robot, look)
         self._empty = self._photographer.empty_table()
         ground = Ground.of(scene)
         slots = slots_for_chain([subtask], objects, robot, ground, rng)

@@ -24,7 +24,7 @@ from vcage.sim.robots import load_robot
 from vcage.sim.world import World
 from vcage.stages import search_subtasks, select_place
 from vcage.stages.context import StageContext
-from vcage.stages.photographs import Photographer, episode_light
+from vcage.stages.photographs import Photographer, light_look
 from vcage.stages.question import Asking, verdict
 from vcage.stages.stage import ModelOptions
 from vcage.tasks.events import Watch
@@ -69,7 +69,7 @@ class Chain:
             raise VcageError(f"{sentence!r} became {len(self._chain)} sub-tasks, not {steps}")
         self._objects = {o.id: o for o in self._context.objects(self._scene)}
         self._robot, self._models = load_robot(self._scene.robot), self._context.physical_models(self._scene)
-        look = episode_light(np.random.default_rng(0))
+        look = light_look(self._scene, self._models, self._robot, np.random.default_rng(0))
         self._photographer = Photographer(self._scene, self._models, self._robot, look)
         self._empty = self._photographer.empty_table()
 

@@ -79,6 +79,6 @@ def test_replay_of_the_same_log_gives_the_same_pictures(log, rendered):
 
 
 def test_camera_paths_need_no_rendering(log, template, bodies, robot):
-    paths = camera_paths(World(template.table, bodies, robot), log)
+    paths = camera_paths(World(template.table, bodies, robot), log.states())
     assert {name: len(path) for name, path in paths.items()} == dict.fromkeys(robot.cameras, 10)
     assert not np.allclose(paths["cam_right_wrist"][0].extrinsics(), paths["cam_right_wrist"][-1].extrinsics())

@@ -100,6 +100,23 @@ def natural(text: str) -> int:
     return number
 
 
+def naturals(metavar: str) -> PrimitiveConstructorSpec:
+    """As many whole numbers, 0 or more, as there are, at least one, as a tuple."""
+
+    def parse(words: list[str]) -> tuple[int, ...]:
+        if not words:
+            raise ValueError("expected at least one number")
+        return tuple(natural(word) for word in words)
+
+    return PrimitiveConstructorSpec(
+        nargs="*",
+        metavar=metavar,
+        instance_from_str=parse,
+        is_instance=lambda _: True,
+        str_from_instance=lambda numbers: [str(number) for number in numbers],
+    )
+
+
 def number_between(lower: float, upper: float) -> Callable[[str], float]:
     """A parser of numbers between two bounds, which are allowed themselves."""
 

@@ -29,6 +29,7 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "search-subtasks": ("vcage.stages.search_subtasks", "5. find feasible sub-tasks and chain them"),
     "collect": ("vcage.stages.collect", "6. let the robot do it, verified step by step"),
     "verify": ("vcage.cli.verify.Verify", "7. judge episodes or pictures again"),
+    "render": ("vcage.cli.render.RenderEpisodes", "draw episodes again under other looks, without simulating"),
     "compress": ("vcage.cli.compress.Compress", "8. compress videos of a run, or any recordings"),
     "export": ("vcage.cli.export.ExportEpisodes", "9. write LeRobot data sets"),
     "decompress": ("vcage.cli.decompress.Decompress", "put the pictures of compressed recordings back"),

@@ -75,6 +75,8 @@ class EpisodeData:
         object_joints: object id → (T, n) positions of its moving parts, metres or radians; objects without moving
             parts are left out.
         drives: what the arms were told at every physics step; None in an episode that cannot be simulated again.
+        robot_joints: arm → (T, n) measured positions of all its active joints, fingers too: with them a frame can be
+            drawn again; missing in episodes that were made before they were kept.
 
     Raises:
         ValueError: an array has a wrong shape, NaN or uneven times, or a segment lies outside; names the field.
@@ -92,6 +94,7 @@ class EpisodeData:
     meta: dict[str, Any] = field(default_factory=dict)
     object_joints: dict[str, NDArray[np.float64]] = field(default_factory=dict)
     drives: DriveLog | None = None
+    robot_joints: dict[str, NDArray[np.float64]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         frames, size = len(self.timestamp), len(self.state_names)
@@ -104,6 +107,8 @@ class EpisodeData:
             _check(f"object_poses[{name}]", poses, (frames, 7))
         for name, joints in self.object_joints.items():
             _check(f"object_joints[{name}]", joints, (frames, None))
+        for name, joints in self.robot_joints.items():
+            _check(f"robot_joints[{name}]", joints, (frames, None))
         for name, camera in self.cameras.items():
             _check(f"cameras[{name}].intrinsics", camera.intrinsics, (3, 3))
             _check(f"cameras[{name}].extrinsics", camera.extrinsics, (frames, 4, 4))

@@ -8,6 +8,7 @@ Layout (schema ``vcage.episode/1``; T frames, D numbers in a state)::
     /objects/<id> (T, 7)        position and quaternion wxyz in the world
     /object_joints/<id> (T, n)  positions of the moving parts, metres or radians; only for objects that have any
     /drives/…                   what the arms were told at every physics step: vcage.datasets.stored_drives
+    /robot_joints/<arm> (T, n)  all active joints of an arm, fingers too, so that a frame can be drawn again
     /subtasks/{id,text,start,end,arm,contact,attempts,verdict,truth}   one row per verified sub-task
     /meta/<name>                JSON text: instruction, seed, robot, scene, versions, providers…
 
@@ -94,6 +95,7 @@ def _write_arrays(file: h5py.File, episode: EpisodeData) -> None:
         "observations/qvel": episode.qvel,
         **{f"objects/{name}": poses for name, poses in episode.object_poses.items()},
         **{f"object_joints/{name}": joints for name, joints in episode.object_joints.items()},
+        **{f"robot_joints/{name}": joints for name, joints in episode.robot_joints.items()},
     }
     for name, camera in episode.cameras.items():
         arrays[f"cameras/{name}/intrinsics"] = camera.intrinsics

@@ -130,6 +130,7 @@ class EpisodeReader:
                 action=file["action"][()],
                 object_poses={name: poses[()] for name, poses in file["objects"].items()},
                 object_joints={name: joints[()] for name, joints in file.get("object_joints", {}).items()},
+                robot_joints={name: joints[()] for name, joints in file.get("robot_joints", {}).items()},
                 cameras={name: self._camera(name) for name in file["observations/images"]},
                 segments=self._segments(),
                 drives=read_drives(file["drives"]) if "drives" in file else None,

@@ -56,6 +56,8 @@ class SurfaceRanges(Record):
     table: list[Identifier] = Field(default=[], description="painted textures to choose from; the scene's own if none")
     wall: list[Identifier] = Field(default=[], description="the same; plain if none")
     floor: list[Identifier] = Field(default=[], description="the same; plain if none")
+    wall_tone: Factor = Field(default=(0.56, 0.56), description="of a plain wall, linear, 1 is white")
+    floor_tone: Factor = Field(default=(0.29, 0.29), description="the same of a plain floor")
     tint: Factor = Field(default=(1.0, 1.0), description="factor of each colour channel of wall and floor")
 
 

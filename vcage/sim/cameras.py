@@ -12,6 +12,7 @@ import numpy as np
 from vcage.base.geometry import Camera, Pose, look_at
 from vcage.base.time_limit import undisturbed
 from vcage.schema.base import CameraRecord
+from vcage.schema.randomisation import CameraShift
 from vcage.schema.robot import RobotCamera
 from vcage.sim.poses import to_sapien
 from vcage.sim.world import World
@@ -67,14 +68,26 @@ def depth_picture(component: sapien.render.RenderCameraComponent) -> np.ndarray:
 
 
 def robot_cameras(world: World) -> dict[str, Camera]:
-    """The cameras of the world's robot by name, where they are now."""
-    cameras = world.robot.cameras if world.robot else {}
-    return {name: _placed(world, camera) for name, camera in cameras.items()}
+    """The cameras of the world's robot by name, where they are now, shifted as the world's appearance says."""
+    cameras, shifts = world.robot.cameras if world.robot else {}, world.appearance.cameras
+    return {name: _placed(world, camera, shifts.get(name)) for name, camera in cameras.items()}
 
 
-def _placed(world: World, camera: RobotCamera) -> Camera:
+def _placed(world: World, camera: RobotCamera, shift: CameraShift | None) -> Camera:
     carrier = world.arms[camera.arm].link_pose(camera.link) if camera.arm and camera.link else Pose()
-    return Camera(camera.width, camera.height, camera.fovy, carrier * _mounted(camera))
+    mounted = _mounted(camera)
+    if shift is None:
+        return Camera(camera.width, camera.height, camera.fovy, carrier * mounted)
+    turned = Pose(mounted.p + np.array(shift.shift), (mounted * _turn(shift)).q)
+    return Camera(camera.width, camera.height, camera.fovy * shift.fovy, carrier * turned)
+
+
+def _turn(shift: CameraShift) -> Pose:
+    """About the camera's own axes at once: the three angles are a rotation vector."""
+    rotation, _ = cv2.Rodrigues(np.radians(np.array(shift.turn_deg, dtype=np.float64)))
+    matrix = np.eye(4)
+    matrix[:3, :3] = rotation
+    return Pose.from_matrix(matrix)
 
 
 @functools.cache

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -98,6 +99,10 @@ class StateLog:
         self.drives.add(world)
         if world.steps % (PHYSICS_HZ // self.fps) == 0:
             self.frames.append(take_frame(world))
+
+    def states(self) -> Iterator[WorldState]:
+        """Of every frame, to be drawn."""
+        return (frame.world_state() for frame in self.frames)
 
     def frame_at(self, step: int) -> int:
         """Index of the first frame taken at or after a physics step (the boundary of a sub-task)."""

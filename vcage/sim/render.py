@@ -76,9 +76,15 @@ def painted_material(picture: np.ndarray) -> sapien.render.RenderMaterial:
     import sapien
 
     material = sapien.render.RenderMaterial(base_color=[1, 1, 1, 1], roughness=0.7)
+    material.set_base_color_texture(painted_texture(picture))
+    return material
+
+
+def painted_texture(picture: np.ndarray) -> sapien.render.RenderTexture2D:
+    """A texture of an (H, W, 3) uint8 sRGB picture, which repeats."""
+    import sapien
+
     opaque = np.dstack([picture, np.full(picture.shape[:2], 255, np.uint8)])
-    texture = sapien.render.RenderTexture2D(
+    return sapien.render.RenderTexture2D(
         np.ascontiguousarray(opaque), "R8G8B8A8Unorm", mipmap_levels=MIPMAPS, srgb=True
     )
-    material.set_base_color_texture(texture)
-    return material

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -51,11 +51,11 @@ def render_log(world: World, log: StateLog, names: Sequence[str] | None = None) 
         yield render_state(world, frame.world_state(), names)
 
 
-def camera_paths(world: World, log: StateLog) -> dict[str, list[Camera]]:
-    """Where each camera of the robot was in each frame, without drawing; any world with the same robot will do."""
+def camera_paths(world: World, states: Iterable[WorldState]) -> dict[str, list[Camera]]:
+    """Where each camera of the robot was in each state, without drawing; any world with the same robot will do."""
     paths: dict[str, list[Camera]] = {}
-    for frame in log.frames:
-        world.set_state(frame.world_state())
+    for state in states:
+        world.set_state(state)
         for name, camera in robot_cameras(world).items():
             paths.setdefault(name, []).append(camera)
     return paths

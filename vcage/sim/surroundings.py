@@ -6,9 +6,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from vcage.objects.room_surfaces import SIDE
 from vcage.schema.robot import Robot
 from vcage.schema.scene import Table
-from vcage.sim.appearance import Appearance
+from vcage.sim.appearance import Appearance, LinearColour
 from vcage.sim.render import painted_material, plain_material
 
 if TYPE_CHECKING:
@@ -73,6 +74,8 @@ def add_surroundings(scene: sapien.Scene, table: Table, robot: Robot | None, app
         shadow_far=3.0,
         shadow_map_size=SHADOW_TEXELS,
     )
+    for direction, colour in appearance.further_lights:
+        scene.add_directional_light(list(direction), list(colour))
 
 
 def _add_visuals(scene: sapien.Scene, name: str, shapes: list[sapien.render.RenderShape]) -> None:
@@ -115,12 +118,23 @@ def _edge_colour(appearance: Appearance) -> list[float]:
 
 def _room_shapes(table: Table, appearance: Appearance) -> list[sapien.render.RenderShape]:
     (cx, cy), size = table.centre, 10.0
-    floor, wall = plain_material(appearance.floor_colour), plain_material(appearance.wall_colour)
+    floor = _room_material(appearance.floor_texture, appearance.floor_colour)
+    wall = _room_material(appearance.wall_texture, appearance.wall_colour)
     behind = cy + WALL_BEHIND
     return [
-        _rectangle([cx - size / 2, behind - size, 0], [size, 0, 0], [0, size, 0], floor),
-        _rectangle([cx - size / 2, behind, 0], [size, 0, 0], [0, 0, WALL_HEIGHT], wall),
+        _rectangle([cx - size / 2, behind - size, 0], [size, 0, 0], [0, size, 0], floor, (size / SIDE, size / SIDE)),
+        _rectangle(
+            [cx - size / 2, behind, 0], [size, 0, 0], [0, 0, WALL_HEIGHT], wall, (size / SIDE, WALL_HEIGHT / SIDE)
+        ),
     ]
+
+
+def _room_material(texture: np.ndarray | None, colour: LinearColour) -> sapien.render.RenderMaterial:
+    """Of a wall or a floor: plain, or a picture whose channels are multiplied, in linear light."""
+    if texture is None:
+        return plain_material(colour)
+    levels = 255 * np.clip((np.arange(256)[:, None] / 255) ** 2.2 * np.array(colour), 0, 1) ** (1 / 2.2)
+    return painted_material(np.stack([levels[texture[..., i], i] for i in range(3)], axis=-1).round().astype(np.uint8))
 
 
 def _pedestal_shapes(robot: Robot) -> list[sapien.render.RenderShape]:
@@ -144,9 +158,16 @@ def _box(
 
 
 def _rectangle(
-    corner: list[float], u: list[float], v: list[float], material: sapien.render.RenderMaterial
+    corner: list[float],
+    u: list[float],
+    v: list[float],
+    material: sapien.render.RenderMaterial,
+    times: tuple[float, float] = (1.0, 1.0),
 ) -> sapien.render.RenderShape:
-    """The parallelogram from ``corner`` along ``u`` and ``v``, facing u × v; ``u`` is the picture's bottom edge."""
+    """The parallelogram from ``corner`` along ``u`` and ``v``, facing u × v; ``u`` is the picture's bottom edge.
+
+    The picture is repeated ``times`` along each.
+    """
     import sapien
 
     start, right, up = (np.asarray(x, dtype=np.float32) for x in (corner, u, v))
@@ -155,6 +176,6 @@ def _rectangle(
         vertices=np.stack([start, start + right, start + right + up, start + up]),
         triangles=np.array([[0, 1, 2], [0, 2, 3]], dtype=np.uint32),
         normals=np.repeat(normal[None], 4, axis=0),
-        uvs=np.array([[0, 1], [1, 1], [1, 0], [0, 0]], dtype=np.float32),
+        uvs=np.array([[0, 1], [1, 1], [1, 0], [0, 0]], dtype=np.float32) * np.array(times, dtype=np.float32),
         material=material,
     )

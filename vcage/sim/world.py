@@ -20,6 +20,7 @@ from vcage.sim.render import new_render_system
 from vcage.sim.shadows import keep_one_shadow
 from vcage.sim.state import SettleReport, WorldState, pack_arrays, unpack_arrays
 from vcage.sim.surroundings import add_surroundings, add_table
+from vcage.sim.tints import tint_entities
 
 if TYPE_CHECKING:
     import sapien
@@ -76,6 +77,9 @@ class World:
         self.scene.set_timestep(1 / PHYSICS_HZ)
         add_table(self.scene, table)
         self._objects = {name: add_object(self.scene, name, body, render) for name, body in bodies.items()}
+        if render:
+            for name, tint in self.appearance.tints.items():
+                tint_entities(self.entities(name).values(), tint)
         arms = robot.arms if robot else {}
         faces = robot.visual_faces if robot and render else None
         self.arms = {

@@ -25,6 +25,7 @@ from vcage.schema.plan import Relation
 from vcage.schema.randomisation import Drawn, Randomisation, WorldRanges
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Chain, Subtask, Subtasks
+from vcage.sim.looks import draw_look, look_world
 from vcage.sim.render import device_name
 from vcage.sim.replay import camera_paths, render_log
 from vcage.sim.robots import load_robot
@@ -32,8 +33,7 @@ from vcage.sim.world import World
 from vcage.stages.context import StageContext
 from vcage.stages.episode_store import background_name
 from vcage.stages.inputs import read_plan
-from vcage.stages.looks import drawn_look
-from vcage.stages.photographs import Photographer
+from vcage.stages.photographs import Photographer, light_look
 from vcage.stages.question import Asking, verdict
 from vcage.stages.stage import Job
 from vcage.stages.starts import Start, Starts
@@ -46,6 +46,9 @@ from vcage.tasks.task import Asked
 from vcage.tasks.wording import in_other_words
 
 logger = logging.getLogger(__name__)
+
+MILD = ("none", "light")
+"""Ranges of looks in which a critic sees as well as in any: it is shown an episode of others in a light look."""
 
 
 @dataclass(frozen=True)
@@ -127,9 +130,11 @@ class EpisodeRunner:
         work = self._chains[index % len(self._chains)]
         rng = np.random.default_rng([self._stage.seed, index])
         start = work.starts.draw(rng)
-        look, appearance = drawn_look(self._ranges, start.scene, self._context, rng)
+        look = draw_look(self._ranges.look, start.scene, start.models, self._robot, rng)
         drawn = Drawn(ranges=self._ranges.name, look=look, world=start.world)
-        photographer = Photographer(start.scene, start.models, self._robot, appearance)
+        mild = self._ranges.name in MILD
+        seen = look if mild else light_look(start.scene, start.models, self._robot, rng)
+        photographer = Photographer(start.scene, start.models, self._robot, seen)
         background = photographer.empty_table()
         write_picture(folder / background_name(index), background)
         setting = Setting(
@@ -146,7 +151,8 @@ class EpisodeRunner:
         done = run_episode(setting, self._steps(work, start), index, work.goals)
         for name, picture in done.pictures.items():
             write_picture(folder / name, picture)
-        return self._write(done, index, work, start, drawn, photographer.world, folder), done.attempts
+        drawer = photographer.world if mild else look_world(start.scene, start.models, self._robot, look)
+        return self._write(done, index, work, start, drawn, drawer, folder), done.attempts
 
     def _steps(self, work: _Work, start: Start) -> list[tuple[Subtask, Script]]:
         """The sub-tasks in the words of an episode, and their scripts with the grasps that are feasible there."""
@@ -167,7 +173,7 @@ class EpisodeRunner:
         name = f"episode_{index:06d}.hdf5" if done.accepted else f"rejected/episode_{index:06d}.hdf5"
         frames = len(done.log)
         if frames:
-            cameras = camera_paths(world, done.log) if done.accepted else {}
+            cameras = camera_paths(world, done.log.states()) if done.accepted else {}
             data = episode_data(done.log, done.segments, cameras, self._facts(index, work, start, drawn, done))
             pictures: Iterator[Mapping[str, np.ndarray]] = iter([{}] * frames)
             if done.accepted:

@@ -3,26 +3,30 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from functools import partial
 
 import numpy as np
 
 from vcage.base.geometry import Pose
-from vcage.objects.table_tops import TABLES, table_texture
 from vcage.schema.asset import PhysicalModel
 from vcage.schema.goals import Goal
+from vcage.schema.randomisation import Look
 from vcage.schema.robot import Robot
 from vcage.schema.scene import Scene
-from vcage.sim.appearance import Appearance
 from vcage.sim.cameras import robot_cameras, shoot
+from vcage.sim.looks import draw_look, look_world
+from vcage.sim.robots import load_randomisation
 from vcage.sim.state import WorldState
-from vcage.sim.world import World
 from vcage.stages.question import AT_THE_MOMENT, TOP, cameras
 
 
-def episode_light(rng: np.random.Generator) -> Appearance:
-    """The light, table top and surroundings of an episode."""
-    return Appearance.random(rng, [partial(table_texture, name) for name in TABLES])
+def light_look(scene: Scene, models: Mapping[str, PhysicalModel], robot: Robot, rng: np.random.Generator) -> Look:
+    """The moderate look in which a critic sees an episode, whatever the look of its recording.
+
+    Args:
+        scene, models, robot: of the episode.
+        rng: source of every choice.
+    """
+    return draw_look(load_randomisation("light").look, scene, models, robot, rng)
 
 
 class Photographer:
@@ -38,8 +42,8 @@ class Photographer:
         world: in which the states are drawn; nothing moves there by itself.
     """
 
-    def __init__(self, scene: Scene, models: Mapping[str, PhysicalModel], robot: Robot, look: Appearance):
-        self.world = World.of_scene(scene, models, robot, look, render=True)
+    def __init__(self, scene: Scene, models: Mapping[str, PhysicalModel], robot: Robot, look: Look):
+        self.world = look_world(scene, models, robot, look)
         self._scene, self._robot = scene, robot
 
     def shots(self, state: WorldState, goals: Sequence[Goal] = (), arm: str | None = None) -> dict[str, np.ndarray]:

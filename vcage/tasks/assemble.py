@@ -46,11 +46,17 @@ def episode_data(
         action=stacked("command"),
         object_poses={key: log.object_array(key) for key in sorted(first.objects)},
         object_joints={key: log.joint_array(key) for key in sorted(first.object_joints)},
-        cameras={name: _track(path) for name, path in sorted(cameras.items())},
+        robot_joints={arm: log.arm_array(arm, "joints").astype(np.float64) for arm in arms},
+        cameras=camera_tracks(cameras),
         segments=list(segments),
         meta=dict(meta),
         drives=log.drives,
     )
+
+
+def camera_tracks(paths: Mapping[str, Sequence[Camera]]) -> dict[str, CameraTrack]:
+    """The T places of each camera as they are stored, by name."""
+    return {name: _track(path) for name, path in sorted(paths.items())}
 
 
 def _track(path: Sequence[Camera]) -> CameraTrack:

@@ -1,0 +1,176 @@
+"""Looks: drawn from ranges, and made into what a rendered world shows. The same record gives the same pictures."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import Literal
+
+import numpy as np
+
+from vcage.objects.room_surfaces import floor_texture, wall_texture
+from vcage.objects.table_tops import table_texture
+from vcage.schema.asset import PhysicalModel
+from vcage.schema.base import Vec3
+from vcage.schema.randomisation import (
+    CameraRanges,
+    CameraShift,
+    ColourRanges,
+    Light,
+    LightRanges,
+    Look,
+    LookRanges,
+    Surface,
+    SurfaceRanges,
+    Tint,
+)
+from vcage.schema.robot import Robot
+from vcage.schema.scene import Scene
+from vcage.sim.appearance import Appearance
+from vcage.sim.tints import COLOUR_WORDS, colours_of, truthful, weaker
+from vcage.sim.world import World
+
+Where = Literal["table", "wall", "floor"]
+
+UNSAID_SHARE = 0.25
+"""Share of a tint that an object gets which is known by what it is, not by a colour: an apple stays an apple's."""
+
+
+def draw_look(
+    ranges: LookRanges,
+    scene: Scene,
+    models: Mapping[str, PhysicalModel],
+    robot: Robot,
+    rng: np.random.Generator,
+) -> Look:
+    """What one episode looks like.
+
+    Args:
+        ranges: to draw from.
+        scene: whose objects and table are drawn, clutter too.
+        models: by object id.
+        robot: whose cameras look on.
+        rng: source of every choice.
+
+    Raises:
+        UnknownName: the ranges name a texture that there is not.
+    """
+    lights, ambient = _lights(ranges.light, rng)
+    surfaces = _surfaces(ranges.surfaces, scene.table.texture, rng)
+    cameras = _cameras(ranges.cameras, sorted(robot.cameras), rng)
+    return Look(
+        lights=lights,
+        ambient=ambient,
+        surfaces=surfaces,
+        cameras=cameras,
+        tints=_tints(ranges.colours, scene, models, rng),
+    )
+
+
+def _lights(ranges: LightRanges, rng: np.random.Generator) -> tuple[list[Light], Vec3]:
+    warmth = rng.uniform(*ranges.warmth)
+    strength, level = rng.uniform(*ranges.strength), rng.uniform(*ranges.ambient)
+    lights = []
+    for number in range(int(rng.integers(ranges.number[0], ranges.number[1] + 1))):
+        heading, slant = np.radians(rng.uniform(*ranges.heading_deg)), rng.uniform(*ranges.slant)
+        direction = np.array([slant * np.cos(heading), slant * np.sin(heading), -1.0])
+        own = warmth if number == 0 else rng.uniform(*ranges.warmth)
+        share = 1.0 if number == 0 else rng.uniform(*ranges.others)
+        lights.append(
+            Light(
+                direction=_triple(direction / np.linalg.norm(direction)),
+                colour=_triple(strength * share * np.array([1 + own, 1.0, 1 - own])),
+                shadows=number == 0 and bool(rng.random() < ranges.shadows),
+            )
+        )
+    return lights, _triple(level * np.array([1 + warmth / 3, 1.0, 1 - warmth / 3]))
+
+
+def _surfaces(ranges: SurfaceRanges, own_table: str, rng: np.random.Generator) -> dict[Where, Surface]:
+    table = Surface(texture=_one_of(ranges.table, rng) or own_table, colour=(1.0, 1.0, 1.0))
+    room: dict[Where, Surface] = {}
+    sides: tuple[tuple[Where, list[str], tuple[float, float]], ...] = (
+        ("wall", ranges.wall, ranges.wall_tone),
+        ("floor", ranges.floor, ranges.floor_tone),
+    )
+    for name, names, tone in sides:
+        texture, grey, tint = _one_of(names, rng), rng.uniform(*tone), rng.uniform(*ranges.tint, size=3)
+        room[name] = Surface(texture=texture, colour=_triple(tint if texture else grey * tint))
+    return {"table": table, **room}
+
+
+def _cameras(ranges: CameraRanges, names: Iterable[str], rng: np.random.Generator) -> dict[str, CameraShift]:
+    def one() -> CameraShift:
+        shift = rng.uniform(-ranges.shift, ranges.shift, 3)
+        turn = rng.uniform(-ranges.turn_deg, ranges.turn_deg, 3)
+        return CameraShift(shift=_triple(shift), turn_deg=_triple(turn), fovy=float(rng.uniform(*ranges.fovy)))
+
+    still = ranges == CameraRanges()
+    return {} if still else {name: one() for name in names}
+
+
+def _tints(
+    ranges: ColourRanges, scene: Scene, models: Mapping[str, PhysicalModel], rng: np.random.Generator
+) -> dict[str, Tint]:
+    if ranges == ColourRanges():
+        return {}
+    tints = {}
+    for record in scene.objects:
+        tint = Tint(
+            hue_deg=float(rng.uniform(-ranges.hue_deg, ranges.hue_deg)),
+            saturation=float(rng.uniform(*ranges.saturation)),
+            lightness=float(rng.uniform(*ranges.lightness)),
+        )
+        if not COLOUR_WORDS & set(record.phrase.split()):
+            tint = weaker(tint, UNSAID_SHARE)
+        kept = truthful(colours_of(models[record.id]), tint)
+        if kept is not None:
+            tints[record.id] = kept
+    return tints
+
+
+def _one_of(names: list[str], rng: np.random.Generator) -> str | None:
+    return names[int(rng.integers(len(names)))] if names else None
+
+
+def _triple(values: np.ndarray) -> Vec3:
+    x, y, z = (float(v) for v in values)
+    return x, y, z
+
+
+# --- from the record to what is drawn -------------------------------------------------------------------------
+
+
+def appearance_of(look: Look) -> Appearance:
+    """What a rendered world shows.
+
+    Raises:
+        UnknownName: a texture of the look is not there.
+    """
+    key, *others = look.lights
+    table, wall, floor = look.surfaces["table"], look.surfaces["wall"], look.surfaces["floor"]
+    return Appearance(
+        table_texture=None if table.texture is None else table_texture(table.texture),
+        wall_texture=None if wall.texture is None else wall_texture(wall.texture),
+        floor_texture=None if floor.texture is None else floor_texture(floor.texture),
+        wall_colour=wall.colour,
+        floor_colour=floor.colour,
+        light_direction=key.direction,
+        light_colour=key.colour,
+        shadows=key.shadows,
+        further_lights=tuple((light.direction, light.colour) for light in others),
+        ambient=look.ambient,
+        tints=look.tints,
+        cameras=look.cameras,
+    )
+
+
+def look_world(scene: Scene, models: Mapping[str, PhysicalModel], robot: Robot, look: Look) -> World:
+    """The rendered world of an episode, in which its recorded states are drawn.
+
+    Args:
+        scene: as it is at the episode's start.
+        models: by object id.
+        robot: that stands at the table.
+        look: of the episode.
+    """
+    return World.of_scene(scene, models, robot, appearance_of(look), render=True)

@@ -1,0 +1,255 @@
+"""The recorded states of accepted episodes drawn again under other looks, without simulating.
+
+Every render is an episode file of its own, like those of collect; its look depends on the seed, the episode's number
+and the look's number alone, so that more can be drawn later, and what is there already is known by what is inside.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Collection, Iterator, Mapping
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+import cv2
+import h5py
+import numpy as np
+
+from vcage.base.errors import DamagedFile, MissingStage, UnknownName, UsageError
+from vcage.base.files import RunFolder, sha256_file
+from vcage.base.geometry import Pose
+from vcage.base.pictures import write_picture
+from vcage.base.progress import Progress, silent
+from vcage.base.workers import Processes, ThisProcess
+from vcage.datasets.episode import EpisodeData
+from vcage.datasets.hdf5 import write_episode
+from vcage.datasets.reader import EpisodeReader
+from vcage.schema.asset import PhysicalModel
+from vcage.schema.base import Provenance
+from vcage.schema.episodes import Episode
+from vcage.schema.randomisation import Drawn, Look, Randomisation
+from vcage.schema.renders import Render, Renders
+from vcage.schema.robot import Robot
+from vcage.schema.scene import Scene
+from vcage.sim.looks import draw_look, look_world
+from vcage.sim.replay import RenderedFrame, camera_paths, render_state
+from vcage.sim.robots import load_robot
+from vcage.sim.state import WorldState
+from vcage.sim.world import World
+from vcage.stages.accepted import accepted_episodes, none_counts
+from vcage.stages.context import StageContext
+from vcage.tasks.assemble import camera_tracks
+
+FOLDER, INDEX = "renders", "renders.json"
+
+DRAWN = "randomisation"
+"""Name in an episode's ``meta`` of what was drawn for it."""
+
+THUMB = 240
+"""Width of a picture on the sheet, pixels."""
+
+
+@dataclass(frozen=True)
+class Order:
+    """What is to be drawn.
+
+    Args:
+        looks: of each episode, at least 1.
+        ranges: to draw them from.
+        seed: of all looks.
+        episodes: numbers of those to draw; all that count when empty.
+        workers: processes.
+    """
+
+    looks: int
+    ranges: Randomisation
+    seed: int
+    episodes: tuple[int, ...] = ()
+    workers: int = 1
+
+
+@dataclass(frozen=True)
+class _Task:
+    """One render: the episode's file, and where it goes."""
+
+    source: Path
+    episode: int
+    look: int
+    ranges: Randomisation
+    seed: int
+    out: Path
+
+
+def render_run(run: RunFolder, order: Order, progress: Progress = silent) -> Renders:
+    """Draw the episodes of a run that count; what is drawn already is kept.
+
+    Raises:
+        UsageError: fewer than one look.
+        UnknownName: an episode is not among those that count, or an object is not in the library any more.
+        MissingStage: no episode counts.
+    """
+    if order.looks < 1:
+        raise UsageError(f"--looks is {order.looks}", hint="give 1 or more")
+    chosen = _chosen(run, order.episodes)
+    folder = run.root / FOLDER
+    tasks = [
+        _Task(run.root / str(e.file), e.index, look, order.ranges, order.seed, folder / _name(e.index, look))
+        for look in range(order.looks)
+        for e in chosen
+    ]
+    crew = ThisProcess(_render) if order.workers <= 1 else Processes(_render, min(order.workers, len(tasks)))
+    done: list[Render] = []
+    with crew:
+        for task in tasks:
+            crew.submit(task)
+        progress(_name(chosen[0].index, 0), 0, len(tasks))
+        for render in crew.results():
+            done.append(render)
+            if len(done) < len(tasks):
+                progress(f"{Path(render.file).name} drawn", len(done), len(tasks))
+    record = Renders(
+        provenance=Provenance(
+            producer="render",
+            seed=order.seed,
+            options={"looks": order.looks, "randomisation": order.ranges.model_dump(mode="json", by_alias=True)},
+            inputs={run.relative(task.source): sha256_file(task.source) for task in tasks[: len(chosen)]},
+        ),
+        renders=sorted(done, key=lambda render: (render.episode, render.look)),
+    )
+    record.write(folder / INDEX)
+    return record
+
+
+def _chosen(run: RunFolder, numbers: Collection[int]) -> list[Episode]:
+    if not run.episodes.exists():
+        raise MissingStage(f"{run.episodes} does not exist", hint="collect first", maker="collect")
+    if error := none_counts(run):
+        raise error
+    there = {episode.index: episode for episode in accepted_episodes(run)}
+    for number in numbers:
+        if number not in there:
+            raise UnknownName("episode", str(number), [str(n) for n in sorted(there)])
+    return [there[number] for number in sorted(set(numbers) or there)]
+
+
+def _name(episode: int, look: int) -> str:
+    return f"episode_{episode:06d}-look_{look:03d}.hdf5"
+
+
+# --- one render -------------------------------------------------------------------------------------------------
+
+
+def _render(task: _Task) -> Render:
+    with EpisodeReader(task.source) as reader:
+        episode = reader.episode
+    recorded = Recorded.of(episode, _context(), task.source)
+    rng = np.random.default_rng([task.seed, task.episode, task.look])
+    look = draw_look(task.ranges.look, recorded.scene, recorded.models, recorded.robot, rng)
+    meta = _drawn_meta(episode.meta, task, look)
+    if not _is_there(task.out, meta):
+        recorded.write(task.out, look, meta)
+    place = f"{FOLDER}/{task.out.name}"
+    return Render(episode=task.episode, look=task.look, file=place, frames=episode.frames)
+
+
+@lru_cache(maxsize=1)
+def _context() -> StageContext:
+    return StageContext("offline")
+
+
+def _drawn_meta(meta: Mapping[str, Any], task: _Task, look: Look) -> dict[str, Any]:
+    """The facts of an episode with the look replaced, and what its world had drawn kept."""
+    was = meta.get(DRAWN)
+    drawn = Drawn(ranges=task.ranges.name, look=look)
+    if was is not None:
+        drawn = drawn.model_copy(update={"world": Drawn.model_validate(was).world})
+    made = {"episode": task.episode, "look": task.look, "seed": task.seed, "sha256": sha256_file(task.source)}
+    return {**meta, DRAWN: drawn.model_dump(mode="json"), "render": made}
+
+
+def _is_there(path: Path, meta: Mapping[str, Any]) -> bool:
+    """Whether a file was drawn from the same states under the same look."""
+    with suppress(OSError, KeyError, ValueError), h5py.File(path) as file:
+        return all(json.loads(file["meta"][name][()]) == meta[name] for name in (DRAWN, "render"))
+    return False
+
+
+@dataclass(frozen=True)
+class Recorded:
+    """An episode as it can be drawn again."""
+
+    episode: EpisodeData
+    scene: Scene
+    models: Mapping[str, PhysicalModel]
+    robot: Robot
+
+    @classmethod
+    def of(cls, episode: EpisodeData, context: StageContext, path: Path) -> Recorded:
+        """What an episode's file holds.
+
+        Raises:
+            DamagedFile: the file is of a version that kept too little of the arms.
+            UnknownName: the library has no such object any more.
+        """
+        if not episode.robot_joints:
+            hint = "record it again with this version of vcage"
+            raise DamagedFile(f"{path} does not hold the joints of the arms", hint=hint, maker="collect")
+        scene = Scene.parse(episode.meta["scene"], path)
+        return cls(episode, scene, context.physical_models(scene), load_robot(scene.robot))
+
+    def states(self) -> Iterator[WorldState]:
+        """The T states."""
+        e = self.episode
+        for i in range(e.frames):
+            poses = {name: Pose(row[i, :3], row[i, 3:]) for name, row in e.object_poses.items()}
+            joints = {name: row[i] for name, row in e.robot_joints.items()}
+            yield WorldState(poses, joints, {name: row[i] for name, row in e.object_joints.items()})
+
+    def frames(self, look: Look) -> Iterator[RenderedFrame]:
+        """The T frames under a look."""
+        return self._drawn(look_world(self.scene, self.models, self.robot, look))
+
+    def write(self, path: Path, look: Look, meta: Mapping[str, Any]) -> None:
+        """Write the episode with other pictures, cameras and facts."""
+        world = look_world(self.scene, self.models, self.robot, look)
+        data = replace(self.episode, cameras=camera_tracks(camera_paths(world, self.states())), meta=dict(meta))
+        write_episode(path, data, (frame.pictures for frame in self._drawn(world)))
+
+    def _drawn(self, world: World) -> Iterator[RenderedFrame]:
+        return (render_state(world, state) for state in self.states())
+
+
+# --- the sheet ---------------------------------------------------------------------------------------------------
+
+
+def write_sheet(run: RunFolder, record: Renders, path: Path, columns: int = 5) -> Path:
+    """One page with the middle of every render: a fixed camera's picture, and below it a wrist camera's, small.
+
+    Args:
+        run: the folder.
+        record: of what was drawn.
+        path: of the PNG.
+        columns: renders side by side.
+    """
+    cells = [_cell(run.root / render.file) for render in record.renders]
+    blank = np.full_like(cells[0], 255)
+    cells += [blank] * (-len(cells) % columns)
+    rows = [np.hstack(cells[i : i + columns]) for i in range(0, len(cells), columns)]
+    return write_picture(path, np.vstack(rows))
+
+
+def _cell(path: Path) -> np.ndarray:
+    with EpisodeReader(path) as reader:
+        middle = reader.episode.frames // 2
+        names = sorted(reader.cameras, key=lambda name: ("wrist" in name, name))
+        shown = [_narrow(reader.images(name)[middle], THUMB) for name in names[:1]]
+        shown.append(np.hstack([_narrow(reader.images(name)[middle], THUMB // 2) for name in names[1:3]] or shown[:0]))
+    return np.pad(np.vstack(shown), ((3, 3), (3, 3), (0, 0)), constant_values=255)
+
+
+def _narrow(picture: np.ndarray, width: int) -> np.ndarray:
+    height = round(picture.shape[0] * width / picture.shape[1])
+    return cv2.resize(picture, (width, height), interpolation=cv2.INTER_AREA)
