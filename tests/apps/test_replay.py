@@ -8,23 +8,31 @@ from dataclasses import replace
 from pathlib import Path
 
 import h5py
+import numpy as np
 import pytest
 
 from tests.runs import command
 from tests.scenes import ON_PLATE, Critic, block_and_plate, robot, scene_of, script_of, setting, subtask
 from vcage.apps.replay import Difference, compare_pictures, replay_episode
-from vcage.base.errors import NoDrives
+from vcage.base.errors import DamagedFile, NoDrives
 from vcage.datasets.hdf5 import write_episode
 from vcage.datasets.reader import EpisodeReader
-from vcage.sim.appearance import Appearance
+from vcage.schema.randomisation import Drawn, Look, WorldDraw
+from vcage.sim.looks import draw_look, look_world
 from vcage.sim.replay import camera_paths, render_log
+from vcage.sim.robots import load_randomisation
 from vcage.sim.world import World
 from vcage.stages.context import StageContext
 from vcage.stages.episode_runner import versions
 from vcage.tasks.assemble import episode_data
 from vcage.tasks.loop import EpisodeRun, run_episode
 
-LOOK = Appearance(light_direction=(-0.2, -0.3, -1.0))
+MODELS = StageContext("offline").physical_models(scene_of(block_and_plate()))
+
+
+def look(seed: int) -> Look:
+    ranges = load_randomisation("full").look
+    return draw_look(ranges, scene_of(block_and_plate()), MODELS, robot(), np.random.default_rng(seed))
 
 
 @pytest.fixture(scope="module")
@@ -39,10 +47,8 @@ def play(critic: Critic, **options: int) -> EpisodeRun:
     return run_episode(there, [(step, script_of(step))], 0)
 
 
-def world(look: Appearance | None = None) -> World:
-    scene = scene_of(block_and_plate())
-    models = StageContext("offline").physical_models(scene)
-    return World.of_scene(scene, models, robot(), look, render=look is not None)
+def world() -> World:
+    return World.of_scene(scene_of(block_and_plate()), MODELS, robot())
 
 
 def written(path: Path, run: EpisodeRun) -> Path:
@@ -51,9 +57,10 @@ def written(path: Path, run: EpisodeRun) -> Path:
 
 
 def facts() -> dict[str, object]:
-    scene = scene_of(block_and_plate())
+    scene, drawn = scene_of(block_and_plate()), Drawn(ranges="full", look=look(0))
     recorded = scene.model_dump(mode="json", by_alias=True)
-    return {"instruction": "blocks", "seed": 0, "robot": scene.robot, "scene": recorded, "versions": versions()}
+    told = {"scene": recorded, "versions": versions(), "randomisation": drawn.model_dump(mode="json")}
+    return {"instruction": "blocks", "seed": 0, "robot": scene.robot, **told}
 
 
 @pytest.fixture(scope="module")
@@ -141,24 +148,38 @@ def test_an_episode_of_an_earlier_version_is_to_be_recorded_again(copy, context)
 @pytest.fixture(scope="module")
 def pictured(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """One with pictures."""
-    run, drawn = play(Critic()), world(LOOK)
+    run, drawn = play(Critic()), look_world(scene_of(block_and_plate()), MODELS, robot(), look(0))
     log = run.log
-    cameras = camera_paths(drawn, log)
+    cameras = camera_paths(drawn, log.states())
     data = episode_data(log, run.segments, cameras, facts())
     path = tmp_path_factory.mktemp("pictured") / "episode_000000.hdf5"
     return write_episode(path, data, (frame.pictures for frame in render_log(drawn, log)))
 
 
-def test_pictures_come_about_again_in_the_same_look_and_in_no_other(pictured, context):
-    assert set(replay_episode(pictured, context, LOOK).pictures.values()) == {"equal"}
-    other = replay_episode(pictured, context, Appearance()).pictures
-    assert all(isinstance(found, Difference) and found.frame == 0 and found.by for found in other.values())
+def with_drawn(path: Path, to: Path, drawn: object) -> Path:
+    """A copy of a file that says something else of what was drawn for it."""
+    copied = Path(shutil.copy(path, to))
+    with h5py.File(copied, "r+") as file:
+        file["meta/randomisation"][()] = json.dumps(drawn)
+    return copied
 
 
-def test_without_the_look_pictures_are_not_compared(pictured, context):
-    replayed = replay_episode(pictured, context)
-    assert replayed.equal
-    assert all(str(found).startswith("not compared") for found in replayed.pictures.values())
+def test_pictures_come_about_again_in_the_look_that_the_file_tells_and_in_no_other(pictured, tmp_path, context):
+    assert set(replay_episode(pictured, context).pictures.values()) == {"equal"}
+    other = with_drawn(pictured, tmp_path, Drawn(ranges="full", look=look(1)).model_dump(mode="json"))
+    found = replay_episode(other, context).pictures
+    assert all(isinstance(one, Difference) and one.frame == 0 and one.by for one in found.values())
+
+
+def test_what_weighs_otherwise_than_the_file_tells_does_not_move_alike(pictured, tmp_path, context):
+    drawn = Drawn(ranges="full", look=look(0), world=WorldDraw(mass={"block": 0.5}))
+    other = with_drawn(pictured, tmp_path, drawn.model_dump(mode="json"))
+    assert replay_episode(other, context).states is not None
+
+
+def test_a_file_that_does_not_tell_what_was_drawn_is_told(plain, tmp_path, context):
+    with pytest.raises(DamagedFile, match="looked"):
+        replay_episode(with_drawn(plain, tmp_path, {}), context)
 
 
 def test_a_picture_that_was_changed_is_told_with_its_frame(pictured, tmp_path, context):
@@ -170,7 +191,7 @@ def test_a_picture_that_was_changed_is_told_with_its_frame(pictured, tmp_path, c
         images[3] = picture
         del images.attrs["sha256"]
         images.attrs["sha256"] = "another"
-    found = replay_episode(path, context, LOOK).pictures
+    found = replay_episode(path, context).pictures
     assert found["cam_high"] == Difference("the picture of cam_high", 3, 1)
 
 

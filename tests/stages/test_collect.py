@@ -9,6 +9,7 @@ import subprocess
 import sys
 import time
 from contextlib import suppress
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -18,8 +19,8 @@ import numpy as np
 import psutil
 import pytest
 
-from tests.runs import FPS, INSTRUCTION, Finished, clean_environment, copied, digests
-from vcage.base.errors import DamagedFile, PartlyDone, StaleStage
+from tests.runs import FPS, INSTRUCTION, OPTIONS, Finished, clean_environment, copied, digests
+from vcage.base.errors import DamagedFile, PartlyDone, StaleStage, UsageError
 from vcage.base.files import RunFolder, read_json, write_json
 from vcage.datasets.reader import EpisodeReader
 from vcage.schema.episodes import Attempt, CriticCounts, Episode, Episodes, Truth, Verdict
@@ -389,3 +390,8 @@ def test_force_makes_a_damaged_collection_again(finished, begun, cheap):
         collect.execute(begun, options(), finished.context)
     assert caught.value.maker == "collect"
     assert collect.execute(begun, options(force=True), finished.context).fresh
+
+
+def test_ranges_that_need_layouts_are_refused_where_none_are_drawn(finished: Finished):
+    with pytest.raises(UsageError, match="not --layout fixed"):
+        collect.job(finished.run, replace(OPTIONS, layout="fixed", randomise="full"), finished.context)

@@ -3,20 +3,24 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from pydantic import ValidationError
 
-from vcage.base.errors import MissingStage, NoDrives, NotReproduced
+from vcage.base.errors import DamagedFile, MissingStage, NoDrives, NotReproduced
 from vcage.base.files import RunFolder
 from vcage.datasets.episode import EpisodeData
 from vcage.datasets.reader import EpisodeReader
+from vcage.schema.asset import PhysicalModel
+from vcage.schema.randomisation import Drawn
+from vcage.schema.robot import Robot
 from vcage.schema.scene import Scene
 from vcage.sim.again import simulate_again
-from vcage.sim.appearance import Appearance
+from vcage.sim.looks import look_world
 from vcage.sim.recording import StateLog
 from vcage.sim.replay import render_log
 from vcage.sim.robots import load_robot
@@ -24,6 +28,7 @@ from vcage.sim.world import World
 from vcage.stages.accepted import accepted_episodes, none_counts
 from vcage.stages.context import StageContext
 from vcage.stages.episode_runner import versions
+from vcage.stages.worlds import drawn_models
 from vcage.tasks.assemble import episode_data
 
 NOT_RECORDED = "not recorded"
@@ -103,13 +108,12 @@ def episodes_at(path: Path) -> list[Path]:
     return found
 
 
-def replay_episode(path: Path, context: StageContext, look: Appearance | None = None) -> Replayed:
+def replay_episode(path: Path, context: StageContext) -> Replayed:
     """Simulate an episode again, draw it again, and compare both with its file.
 
     Args:
         path: the ``.hdf5`` file; a rejected one has states and no pictures.
         context: the library.
-        look: of the episode's pictures; without, they are not compared.
 
     Raises:
         MissingStage, DamagedFile, SchemaMismatch: see :class:`EpisodeReader`.
@@ -124,9 +128,9 @@ def replay_episode(path: Path, context: StageContext, look: Appearance | None = 
                 hint="record the episode again: collect with --force",
             )
         start = _Start.of(path, episode, context)
-        log = simulate_again(start.world, episode.drives, round(episode.fps))
+        log = simulate_again(start.world, episode.drives, round(episode.fps), start.arms)
         again = episode_data(log, [], {}, episode.meta)
-        pictures = _pictures(reader, start, log, look)
+        pictures = _pictures(reader, start, log)
     recorded, here = dict(episode.meta.get("versions", {})), versions()
     names = dict.fromkeys([*recorded, *here])
     pairs = {name: (recorded.get(name, NOT_RECORDED), here.get(name, "none")) for name in names}
@@ -135,20 +139,43 @@ def replay_episode(path: Path, context: StageContext, look: Appearance | None = 
 
 @dataclass(frozen=True)
 class _Start:
-    """Where an episode begins."""
+    """Where an episode begins.
+
+    Args:
+        scene, robot: of the episode.
+        models: of the scene's objects, by id, as heavy as was drawn.
+        drawn: for the episode.
+    """
 
     scene: Scene
-    robot: str
-    context: StageContext
+    robot: Robot
+    models: Mapping[str, PhysicalModel]
+    drawn: Drawn
 
     @classmethod
     def of(cls, path: Path, episode: EpisodeData, context: StageContext) -> _Start:
-        return cls(Scene.parse(episode.meta.get("scene"), path), str(episode.meta.get("robot")), context)
+        """What a file says.
 
-    def world(self, look: Appearance | None = None) -> World:
-        """A fresh world, drawn where it has a look."""
-        models = self.context.physical_models(self.scene)
-        return World.of_scene(self.scene, models, load_robot(self.robot), look, render=look is not None)
+        Raises:
+            DamagedFile: it does not say what was drawn for the episode.
+        """
+        scene = Scene.parse(episode.meta.get("scene"), path)
+        try:
+            drawn = Drawn.model_validate(episode.meta.get("randomisation"))
+        except ValidationError as error:
+            reason = f"{path} does not say how the episode looked, and what was simulated: {error.errors()[0]['msg']}"
+            raise DamagedFile(reason, hint="record the episode again", maker="collect") from error
+        models = drawn_models(context.physical_models(scene), drawn.world)
+        return cls(scene, load_robot(str(episode.meta.get("robot"))), models, drawn)
+
+    @property
+    def arms(self) -> Mapping[str, Sequence[float]]:
+        """Offset of each joint from home at which an arm begins, radians."""
+        return self.drawn.world.start
+
+    def world(self) -> World:
+        """A fresh world, physics only."""
+        return World.of_scene(self.scene, self.models, self.robot)
 
 
 # --- states --------------------------------------------------------------------------------------------
@@ -187,12 +214,11 @@ def _columns(episode: EpisodeData) -> Iterator[tuple[str, np.ndarray]]:
 # --- pictures ------------------------------------------------------------------------------------------
 
 
-def _pictures(
-    reader: EpisodeReader, start: _Start, log: StateLog, look: Appearance | None
-) -> dict[str, Difference | str]:
-    if look is None:
-        return dict.fromkeys(reader.cameras, "not compared: the file does not say how the episode looked")
-    return compare_pictures(reader, (frame.pictures for frame in render_log(start.world(look), log)))
+def _pictures(reader: EpisodeReader, start: _Start, log: StateLog) -> dict[str, Difference | str]:
+    if not reader.cameras:
+        return {}
+    world = look_world(start.scene, start.models, start.robot, start.drawn.look)
+    return compare_pictures(reader, (frame.pictures for frame in render_log(world, log)))
 
 
 def compare_pictures(reader: EpisodeReader, drawn: Iterator[Mapping[str, np.ndarray]]) -> dict[str, Difference | str]:

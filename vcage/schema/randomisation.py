@@ -181,6 +181,25 @@ class WorldDraw(Record):
     friction: dict[Identifier, Finite] = Field(default={}, description="object → Coulomb coefficient")
     start: dict[str, list[Finite]] = Field(default={}, description="arm → offset of each joint from home, radians")
 
+    @property
+    def told(self) -> str:
+        """What differs, in a line for a person."""
+        beside = f"{len(self.clutter)} objects beside" + (f" of {self.clutter_drawn}" if self.short_of_room else "")
+        facts = {
+            f"other variants of {', '.join(self.variants)}": self.variants,
+            beside: self.clutter_drawn,
+            f"table {100 * self.table_height:+.0f} cm": self.table_height,
+            "mass": self.mass,
+            "friction": self.friction,
+            "arms beside home": self.start,
+        }
+        return ", ".join(fact for fact, is_so in facts.items() if is_so)
+
+    @property
+    def short_of_room(self) -> bool:
+        """Whether fewer objects are beside the task's than were drawn."""
+        return len(self.clutter) < self.clutter_drawn
+
 
 class Drawn(Record):
     """What was drawn for one episode; travels in its file and in what is exported."""

@@ -2,23 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 
 from vcage.sim.drive_log import DriveLog
 from vcage.sim.recording import StateLog
 from vcage.sim.world import World
 
 
-def simulate_again(build: Callable[[], World], drives: DriveLog, fps: int) -> StateLog:
+def simulate_again(
+    build: Callable[[], World], drives: DriveLog, fps: int, arms: Mapping[str, Sequence[float]]
+) -> StateLog:
     """The recording of the same episode.
 
     Args:
         build: makes the world of the episode's start.
         drives: what was told.
         fps: frames per second, as they were recorded.
+        arms: offset of each joint from home at which an arm begins once all is at rest, radians; home if not given.
     """
     world, log = build(), StateLog(fps)
     world.step(drives.settled)
+    for name, offset in arms.items():
+        world.arms[name].reset(offset)
     log.record(world)
     restarts = set(drives.restarts)
     for index in range(len(drives)):

@@ -88,7 +88,9 @@ def _mesh_colours(path: str) -> tuple[np.ndarray, np.ndarray]:
     colours, areas = [], []
     for mesh in scene.dump():
         assert isinstance(mesh, trimesh.Trimesh) and mesh.visual is not None
-        colours.append(mesh.visual.to_color().vertex_colors[mesh.faces][..., :3].mean(axis=1))
+        seen = mesh.visual
+        seen = seen.to_color() if isinstance(seen, trimesh.visual.TextureVisuals) else seen
+        colours.append(np.asarray(seen.vertex_colors)[mesh.faces][..., :3].mean(axis=1))
         areas.append(mesh.area_faces)
     return np.concatenate(colours).round().astype(np.uint8), np.concatenate(areas)
 

@@ -1,0 +1,34 @@
+"""What may stand beside a task."""
+
+from vcage.models.rules.bystanders import asked_by, bystanders
+from vcage.objects.library import Library
+
+ENTRIES = Library.load().entries()
+BY_NAME = {entry.name: entry for entry in ENTRIES}
+
+
+def names(*texts: str, present: tuple[str, ...] = ()) -> set[str]:
+    return {entry.name for entry in bystanders(texts, [BY_NAME[name] for name in present], ENTRIES)}
+
+
+def test_nothing_that_is_called_by_a_word_of_the_text_stands_by():
+    found = names("Collect three marker pens and a whiteboard eraser, and place them into the packaging box")
+    assert found
+    assert not found & {"marker", "whiteboard_eraser", "rubber_eraser", "packaging_box", "gift_box", "tea_box"}
+
+
+def test_nothing_of_a_kind_that_the_text_names_stands_by():
+    assert not names("Put the fruit on the plate") & {"apple", "banana", "peach"}
+
+
+def test_where_everything_is_meant_nothing_that_can_be_carried_stands_by():
+    assert not any(BY_NAME[name].can_be_carried and BY_NAME[name].words.category == "food"
+                   for name in names("Put everything on the tray"))  # fmt: skip
+
+
+def test_what_looks_like_what_is_there_does_not_stand_by():
+    assert "bread_roll" not in names("Put it away", present=("croissant",))
+
+
+def test_a_text_that_the_rules_do_not_understand_asks_for_nothing():
+    assert asked_by("Frobnicate", {}, {}) is None

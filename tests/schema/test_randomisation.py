@@ -1,0 +1,21 @@
+"""Ranges that make no sense are refused by their field."""
+
+import pytest
+from pydantic import ValidationError
+
+from vcage.schema.randomisation import WorldDraw, WorldRanges
+
+
+@pytest.mark.parametrize(
+    ("field", "value"),
+    [("clutter", (0, 11)), ("table_height", (-0.5, 0.0)), ("mass", (0.0, 1.0)), ("start", 1.0), ("friction", (2, 1))],
+)
+def test_what_a_world_cannot_have_is_refused(field, value):
+    with pytest.raises(ValidationError, match=field):
+        WorldRanges.model_validate({field: value})
+
+
+def test_a_line_tells_what_differs_and_what_there_is_no_room_for():
+    world = WorldDraw(clutter={"cup": "cup"}, clutter_drawn=3, table_height=-0.02)
+    assert world.told == "1 objects beside of 3, table -2 cm"
+    assert WorldDraw().told == ""
