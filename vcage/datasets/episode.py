@@ -125,6 +125,11 @@ class EpisodeData:
         return str(self.meta["instruction"])
 
     @property
+    def task(self) -> str:
+        """The instruction in the words that were drawn for the episode."""
+        return str(self.meta.get("task", self.instruction))
+
+    @property
     def grippers(self) -> list[int]:
         """Columns of a state or action that command a gripper."""
         return [column for column, name in enumerate(self.state_names) if name.endswith("gripper")]

@@ -12,7 +12,8 @@ Layout (schema ``vcage.episode/1``; T frames, D numbers in a state)::
     /subtasks/{id,text,start,end,arm,contact,attempts,verdict,truth}   one row per verified sub-task
     /meta/<name>                JSON text: instruction, seed, robot, scene, versions, providers…
 
-Attributes of the file: schema, fps, colour, state_names, and the instruction, seed and robot again as plain values.
+Attributes of the file: schema, fps, colour, state_names, and the instruction, task, seed and robot again as
+plain values.
 """
 
 from __future__ import annotations
@@ -84,6 +85,7 @@ def _write_attributes(file: h5py.File, episode: EpisodeData) -> None:
     file.attrs["state_names"] = json.dumps(episode.state_names)
     for name in ("instruction", "robot"):
         file.attrs[name] = str(episode.meta[name])
+    file.attrs["task"] = episode.task
     file.attrs["seed"] = int(episode.meta["seed"])
 
 

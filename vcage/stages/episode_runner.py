@@ -37,6 +37,7 @@ from vcage.stages.photographs import Photographer, light_look
 from vcage.stages.question import Asking, verdict
 from vcage.stages.stage import Job
 from vcage.stages.starts import Start, Starts
+from vcage.stages.wordings import said_of
 from vcage.stages.worlds import reworded
 from vcage.tasks.assemble import episode_data
 from vcage.tasks.loop import EpisodeRun, Seen, Setting, run_episode
@@ -46,6 +47,9 @@ from vcage.tasks.task import Asked
 from vcage.tasks.wording import in_other_words
 
 logger = logging.getLogger(__name__)
+
+TOLD = 1
+"""Which of an episode's random numbers choose the wording of its task."""
 
 MILD = ("none", "light")
 """Ranges of looks in which a critic sees as well as in any: it is shown an episode of others in a light look."""
@@ -201,8 +205,12 @@ class EpisodeRunner:
     def _facts(self, index: int, work: _Work, start: Start, drawn: Drawn, done: EpisodeRun) -> dict[str, Any]:
         """What travels inside the episode."""
         said = [reworded(subtask, start.phrases) for subtask, _ in work.steps]
+        text = work.text if self._scene.instruction else in_other_words(work.text, start.phrases)
+        told = said_of(text, said, start.scene, self._context)
         return {
-            "instruction": work.text if self._scene.instruction else in_other_words(work.text, start.phrases),
+            "instruction": text,
+            "task": told[int(np.random.default_rng([self._stage.seed, index, TOLD]).integers(len(told)))],
+            "task_wordings": told,
             "seed": self._stage.seed,
             "episode": index,
             "accepted": done.accepted,

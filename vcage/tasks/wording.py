@@ -102,3 +102,28 @@ def in_other_words(text: str, phrases: Mapping[str, str]) -> str:
     longest_first = sorted(phrases, key=len, reverse=True)
     pattern = rf"\b(?:{'|'.join(map(re.escape, longest_first))})\b"
     return re.sub(pattern, lambda found: phrases[found[0]], text) if phrases else text
+
+
+def task_wordings(steps: Sequence[Sequence[str]], names: Mapping[str, str]) -> list[str]:
+    """Sentences that may say a whole task, the plainest first; whether they are clear in a scene is a reader's to tell.
+
+    Args:
+        steps: the wordings of each sub-task, in order.
+        names: what something is called → what it is called for short, without its look.
+    """
+    if len(steps) == 1:
+        whole = list(steps[0])
+    else:
+        commands = [[text.rstrip(".") for text in texts if _is_command(text)] or [texts[0]] for texts in steps]
+        whole = [
+            join.join([first, *(text[0].lower() + text[1:] for text in others)]) + "."
+            for number in range(max(map(len, commands)))
+            for first, *others in [[texts[number % len(texts)] for texts in commands]]
+            for join in (", then ", ", and ")
+        ]
+    return list(dict.fromkeys([*whole, *(in_other_words(text, names) for text in whole)]))
+
+
+def _is_command(text: str) -> bool:
+    """Whether a sentence tells what to do straight away, so that others can follow it in one."""
+    return text.endswith(".") and text.split()[0] not in ("Please", "The", "Make")

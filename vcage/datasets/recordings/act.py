@@ -48,6 +48,10 @@ class VcageEpisode(ActEpisode):
         return super().found_in(path, file, keys) if file.attrs.get("schema") == SCHEMA else []
 
     @property
+    def task(self) -> str | None:
+        return self._text("task") or super().task
+
+    @property
     def subtasks(self) -> list[SubtaskSpan]:
         with EpisodeReader(self.path) as reader:
             episode = reader.episode

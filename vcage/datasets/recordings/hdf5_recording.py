@@ -45,7 +45,7 @@ ENCODED = ("jpeg", "png")
 COLOURS = "jpeg_colours"
 """Attribute of files that say whether red and blue are ``swapped`` in their encoded pictures, or ``true``."""
 
-ATTRIBUTES = ("fps", "instruction", "robot", "state_names", COLOURS)
+ATTRIBUTES = ("fps", "instruction", "task", "robot", "state_names", COLOURS)
 
 
 class Hdf5Recording(Recording):
