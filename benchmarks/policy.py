@@ -29,8 +29,9 @@ import numpy as np
 
 from benchmarks._policy.collected import Task
 from benchmarks._policy.demonstrations import ENCODINGS, Demonstrations, View, load
+from benchmarks._policy.network import Size
 from benchmarks._policy.rollouts import Rollouts
-from benchmarks._policy.training import Policy, Settings, errors, named, trained
+from benchmarks._policy.training import Policy, Settings, errors, named, still, trained
 from vcage.base.errors import UsageError
 from vcage.base.files import cache_dir
 from vcage.base.proportions import LEVEL
@@ -107,6 +108,7 @@ def run(
       at 95 % over seeds (Student's t); ``error_gripper``: the same of the openings, from 0 to 1, without interval.
     - ``success``: rollouts that did the task; ``success_low``, ``success_high``: its Wilson interval at 95 %.
     - ``seconds``: of training, all seeds together; none where all weights were kept from before.
+    - ``held_out``: its ``still`` is the error of a policy that never moves, which the others must be held against.
     - ``differences``: of ``error_rad``, paired by seed, with the interval at 95 %; ``within`` says that it holds 0.
 
     Args:
@@ -136,7 +138,7 @@ def run(
         "rows": [row.figures() for row in rows],
         "differences": differences({row.name: row.errors_rad for row in rows}),
         "replayed": _counted(sum(map(rollouts.replayed, range(len(rollouts)))), len(rollouts)),
-        "held_out": {"episodes": len(rollouts), "frames": len(others)},
+        "held_out": {"episodes": len(rollouts), "frames": len(others), "still": still(others, Size.chunk)},
         "seeds": plan.seeds,
         "view": vars(view),
         "settings": named(Settings(plan.steps)),

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks._compression_formats import LEROBOT
-from vcage.base.files import RunFolder, atomic_path, sha256_file
+from vcage.base.files import RunFolder, atomic_path, read_json, sha256_file, write_json
 from vcage.base.videos import decode
 from vcage.datasets.reader import EpisodeReader
 from vcage.schema.compression import Compression
@@ -79,25 +79,26 @@ class Demonstrations:
 
 
 def load(run: RunFolder, episodes: int, encoding: Encoding, view: View) -> Demonstrations:
-    """The first episodes of a run that count; small pictures are kept beside the run, so that they are made once."""
+    """The first episodes of a run that count.
+
+    Their small pictures are kept beside the run, so that they are made once, and read from there as they are needed.
+    """
     chosen = accepted_episodes(run)[:episodes]
     name = f"{encoding}-{len(chosen)}-{view.height}x{view.width}-{'-'.join(view.cameras)}"
     source = run.compression if encoding == "ours" else run.episodes
-    path = run.root.parent / "pictures" / f"{run.root.name}-{name}-{sha256_file(source)[:12]}.npz"
+    path = run.root.parent / "pictures" / f"{run.root.name}-{name}-{sha256_file(source)[:12]}.npy"
     if not path.exists():
         logger.info("%s: pictures of %d episodes, %s", run.root.name, len(chosen), encoding)
         _make(run, chosen, encoding, view, path)
-    with np.load(path) as arrays:
-        pictures, stored = arrays["pictures"], int(arrays["bytes"])
     data = [_numbers(run, episode) for episode in chosen]
     states, actions, grippers = zip(*data, strict=True)
     return Demonstrations(
-        pictures=pictures,
+        pictures=np.load(path, mmap_mode="r"),
         states=np.concatenate(states),
         actions=np.concatenate(actions),
         ends=np.cumsum([len(one) for one in states]),
         grippers=grippers[0],
-        bytes=stored,
+        bytes=read_json(path.with_suffix(".json"))["bytes"],
     )
 
 
@@ -122,8 +123,9 @@ def _make(run: RunFolder, chosen: Sequence[Episode], encoding: Encoding, view: V
             of_cameras.append([small(picture, view) for picture in frames])
             total += stored
         found.append(np.stack(of_cameras, axis=1))
-    with atomic_path(path) as part:
-        np.savez(part, pictures=np.concatenate(found), bytes=total)
+    write_json(path.with_suffix(".json"), {"bytes": total})
+    with atomic_path(path) as part:  # after its figures: what is there is whole
+        np.save(part, np.concatenate(found))
 
 
 def _videos(run: RunFolder) -> Videos:

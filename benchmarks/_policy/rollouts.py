@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -25,7 +25,7 @@ from vcage.stages.accepted import accepted_episodes
 from vcage.stages.context import StageContext
 from vcage.stages.photographs import episode_light
 from vcage.tasks.events import Watch
-from vcage.tasks.truth import subtask_done
+from vcage.tasks.truth import goals_hold
 
 logger = logging.getLogger(__name__)
 
@@ -51,7 +51,7 @@ class Rollouts:
     """Starts of the held-out episodes.
 
     Args:
-        run: that they were collected in, of one sub-task.
+        run: that they were collected in.
         episodes: how many of them.
         view: what policies see.
     """
@@ -59,7 +59,7 @@ class Rollouts:
     def __init__(self, run: RunFolder, episodes: int, view: View):
         self._view, self._context = view, StageContext("offline")
         found = Subtasks.read(run.subtasks)
-        (self._subtask,) = [s for s in found.kept if s.id in found.chains[0].subtasks]
+        self._subtasks = [s for s in found.kept if s.id in found.chains[0].subtasks]
         self._starts = [_start(run, str(e.file)) for e in accepted_episodes(run)[:episodes]]
         first = self._starts[0].scene
         self._robot, self._models = load_robot(first.robot), self._context.physical_models(first)
@@ -72,7 +72,7 @@ class Rollouts:
         start = self._starts[number % len(self._starts)]
         rng = np.random.default_rng([LIGHT_SEED, number])
         world = World.of_scene(start.scene, self._models, self._robot, episode_light(rng), render=True)
-        trial = _Trial(world, self._watch(world, start.scene), self._subtask, start.data.fps)
+        trial = _Trial(world, self._watch(world, start.scene), self._subtasks, start.data.fps)
         for _ in range(int(PATIENCE * start.data.frames) // EXECUTED):
             chunk = policy.act(self._seen(world)[None], _state(world)[None])[0]
             trial.carry_out(chunk[: EXECUTED + 1])
@@ -84,7 +84,7 @@ class Rollouts:
         """Whether the recorded actions of an episode do the task again, carried out as those of a policy are."""
         start = self._starts[number % len(self._starts)]
         world = World.of_scene(start.scene, self._models, self._robot)
-        trial = _Trial(world, self._watch(world, start.scene), self._subtask, start.data.fps)
+        trial = _Trial(world, self._watch(world, start.scene), self._subtasks, start.data.fps)
         trial.carry_out(start.data.action.astype(np.float32))
         return trial.done()
 
@@ -100,18 +100,18 @@ class Rollouts:
 
 @dataclass(frozen=True)
 class _Trial:
-    """One attempt at a sub-task.
+    """One attempt at a task.
 
     Args:
         world: where it happens.
         watch: of it, since it began.
-        subtask: what is to be done.
+        subtasks: what is to be done.
         fps: actions per second.
     """
 
     world: World
     watch: Watch
-    subtask: Subtask
+    subtasks: Sequence[Subtask]
     fps: float
 
     def carry_out(self, actions: NDArray[np.float32]) -> None:
@@ -123,10 +123,12 @@ class _Trial:
                 self.world.step()
 
     def done(self) -> bool:
-        """Whether it is done, and no hand touches the object any more."""
-        hands = {name.partition("/")[0] for name in self.world.touching(self.subtask.object)} & set(self.world.arms)
+        """Whether all is true that it was to bring about, and no hand touches what was moved any more."""
+        moved = [subtask.object for subtask in self.subtasks]
+        touching = {name.partition("/")[0] for thing in moved for name in self.world.touching(thing)}
         now = {name: self.watch.now(name) for name in self.watch.objects}
-        return not hands and subtask_done(self.subtask, self.subtask.goals, now, self.watch).success
+        goals = [goal for subtask in self.subtasks for goal in subtask.goals]
+        return not touching & set(self.world.arms) and goals_hold(goals, now, self.watch).success
 
 
 def command(arms: Mapping[str, ArmControl], action: NDArray[np.float32], rate: NDArray[np.float32]) -> None:

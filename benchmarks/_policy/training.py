@@ -141,19 +141,23 @@ def train(
 def errors(policy: Policy, others: Demonstrations, batch: int = 64) -> dict[str, float]:
     """Mean L1 error of the chunks that a policy predicts at every frame of other episodes: of joints, radians, and of
     grippers, of their opening from 0 to 1."""
-    is_gripper = np.isin(np.arange(others.actions.shape[1]), others.grippers)
-    found, weights = [], []
-    for start in range(0, len(others), batch):
-        frames = np.arange(start, min(start + batch, len(others)))
-        wanted, valid = others.chunk(frames, policy.chunk)
-        found.append(np.abs(policy.act(others.pictures[frames], others.states[frames]) - wanted))
-        weights.append(valid)
-    per_number = np.average(np.concatenate(found), axis=(0, 1), weights=_spread_over(weights, is_gripper.size))
-    return {"error_rad": float(per_number[~is_gripper].mean()), "error_gripper": float(per_number[is_gripper].mean())}
+    batches = [np.arange(start, min(start + batch, len(others))) for start in range(0, len(others), batch)]
+    given = np.concatenate([policy.act(others.pictures[frames], others.states[frames]) for frames in batches])
+    return _errors(given, others)
 
 
-def _spread_over(weights: list[NDArray[np.bool_]], numbers: int) -> NDArray[np.float64]:
-    return np.repeat(np.concatenate(weights)[..., None].astype(np.float64), numbers, axis=2)
+def still(others: Demonstrations, chunk: int) -> dict[str, float]:
+    """The same of one that stays where it is measured to be."""
+    return _errors(np.repeat(others.states[:, None], chunk, axis=1), others)
+
+
+def _errors(given: NDArray[np.float32], others: Demonstrations) -> dict[str, float]:
+    """Those of (F, chunk, D) actions, what lies behind the end of an episode left out."""
+    wanted, valid = others.chunk(np.arange(len(others)), given.shape[1])
+    per_number = np.abs(given - wanted)[valid].mean(axis=0)
+    is_gripper = np.isin(np.arange(len(per_number)), others.grippers)
+    found = {"error_rad": per_number[~is_gripper].mean(), "error_gripper": per_number[is_gripper].mean()}
+    return {name: float(value) for name, value in found.items()}
 
 
 def _loss(policy: Policy, demonstrations: Demonstrations, frames: NDArray[np.int64]) -> torch.Tensor:

@@ -13,9 +13,10 @@ from benchmarks import policy
 from benchmarks._policy import demonstrations
 from benchmarks._policy.demonstrations import ENCODINGS, Demonstrations, View
 from benchmarks._policy.network import Size
-from benchmarks._policy.rollouts import command
+from benchmarks._policy.rollouts import Rollouts, command
 from benchmarks._policy.training import Policy, Scale, Settings, errors, train, trained
-from vcage.base.files import RunFolder
+from tests.runs import Finished
+from vcage.base.files import RunFolder, read_json
 from vcage.schema.episodes import Episode
 from vcage.video.codec import EncoderSettings, encode
 
@@ -105,14 +106,29 @@ def test_every_encoding_gives_pictures_of_the_same_shape(tmp_path: Path, monkeyp
     monkeypatch.setattr(demonstrations, "_videos", lambda _: {("episodes/one.hdf5", "cam"): video})
     view, episode = View(("cam",), 24, 32), Episode.model_construct(file="episodes/one.hdf5")
     for encoding in ENCODINGS:
-        path = tmp_path / f"{encoding}.npz"
+        path = tmp_path / f"{encoding}.npy"
         demonstrations._make(RunFolder(tmp_path), [episode], encoding, view, path)
-        with np.load(path) as arrays:
-            assert arrays["pictures"].shape == (6, 1, 24, 32, 3) and arrays["pictures"].dtype == np.uint8
-            assert np.abs(arrays["pictures"].astype(int) - 115).mean() < 16 and arrays["bytes"] > 0
+        kept = np.load(path)
+        assert kept.shape == (6, 1, 24, 32, 3) and kept.dtype == np.uint8
+        assert np.abs(kept.astype(int) - 115).mean() < 16 and read_json(path.with_suffix(".json"))["bytes"] > 0
 
 
 # --- rollouts and figures ------------------------------------------------------------------------------
+
+
+@pytest.mark.slow
+def test_recorded_actions_do_the_task_again_and_an_arm_that_waits_does_not(finished: Finished) -> None:
+    rollouts = Rollouts(finished.run, 1, View(("cam_high",), 24, 32))
+    assert rollouts.replayed(0)
+    assert not rollouts.succeeds(_Waits(), 0)  # pyrefly: ignore[bad-argument-type]
+
+
+class _Waits:
+    """Stays where it is."""
+
+    def act(self, pictures: np.ndarray, states: np.ndarray) -> np.ndarray:
+        assert pictures.shape == (1, 1, 24, 32, 3)
+        return np.repeat(states[:, None], 8, axis=1)
 
 
 class _Arm:
