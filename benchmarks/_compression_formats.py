@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -11,6 +12,8 @@ from typing import Protocol
 
 import av
 import cv2
+import numpy as np
+from numpy.typing import NDArray
 
 from benchmarks._compression_clips import Film
 from benchmarks._compression_stored import Stored, Video, store_pictures
@@ -120,20 +123,22 @@ class LeRobot:
     def make(self, film: Film, metric: JodMetric, folder: Path, before: Before) -> Made:
         path = folder / f"{self.name}.mp4"
         start = time.process_time()
-        self._encode(film, path)
+        self.write(film.frames, film.fps, path)
         ms = _ms(start, film)
         return Made(Video(path), ms, ms, 1, self.gop, self.crf, self.pixel_format)
 
-    def _encode(self, film: Film, path: Path) -> None:
+    def write(self, frames: NDArray[np.uint8], fps: float, path: Path) -> None:
+        """Encode (T, H, W, 3) uint8 RGB pictures as a file."""
+        os.environ.setdefault("SVT_LOG", "1")  # SVT-AV1 else describes itself on stderr for every file
         options = {"g": self.gop, "crf": self.crf, "preset": self.preset, "svtav1-params": "lp=1"}
         with av.open(str(path), "w") as container:
-            rate = Fraction(film.fps).limit_denominator(1001)
+            rate = Fraction(fps).limit_denominator(1001)
             stream = container.add_stream("libsvtav1", rate, options={k: str(v) for k, v in options.items()})
             stream.pix_fmt = self.pixel_format
-            stream.height, stream.width = film.frames.shape[1:3]
+            stream.height, stream.width = frames.shape[1:3]
             with kept_priority():
                 stream.codec_context.open()
-            for picture in film.frames:
+            for picture in frames:
                 container.mux(stream.encode(av.VideoFrame.from_ndarray(picture, format="rgb24")))
             container.mux(stream.encode(None))
 

@@ -1,0 +1,151 @@
+"""Policies at work in the simulator, from the starts of held-out episodes; the simulator's own state judges."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchmarks._policy.demonstrations import View, small
+from benchmarks._policy.training import Policy
+from vcage.base.files import RunFolder
+from vcage.datasets.episode import EpisodeData
+from vcage.datasets.reader import EpisodeReader
+from vcage.schema.scene import Scene
+from vcage.schema.subtasks import Subtask, Subtasks
+from vcage.sim.arms import ArmControl
+from vcage.sim.cameras import robot_cameras, shoot
+from vcage.sim.robots import load_robot
+from vcage.sim.world import PHYSICS_HZ, World
+from vcage.stages.accepted import accepted_episodes
+from vcage.stages.context import StageContext
+from vcage.stages.photographs import episode_light
+from vcage.tasks.events import Watch
+from vcage.tasks.truth import goals_hold
+
+logger = logging.getLogger(__name__)
+
+EXECUTED = 5
+"""Actions of a chunk that are carried out before the policy looks again (a receding horizon)."""
+
+PATIENCE = 2.0
+"""A rollout may take so many times as long as the demonstration from the same start."""
+
+LIGHT_SEED = 11
+"""Of the lights and table tops of rollouts, which no episode has."""
+
+
+@dataclass(frozen=True)
+class _Start:
+    """A held-out episode, and its scene before it begins."""
+
+    scene: Scene
+    data: EpisodeData
+
+
+class Rollouts:
+    """Starts of the held-out episodes.
+
+    Args:
+        run: that they were collected in.
+        episodes: how many of them.
+        view: what policies see.
+    """
+
+    def __init__(self, run: RunFolder, episodes: int, view: View):
+        self._view, self._context = view, StageContext("offline")
+        found = Subtasks.read(run.subtasks)
+        self._subtasks = [s for s in found.kept if s.id in found.chains[0].subtasks]
+        self._starts = [_start(run, str(e.file)) for e in accepted_episodes(run)[:episodes]]
+        first = self._starts[0].scene
+        self._robot, self._models = load_robot(first.robot), self._context.physical_models(first)
+
+    def __len__(self) -> int:
+        return len(self._starts)
+
+    def succeeds(self, policy: Policy, number: int) -> bool:
+        """Whether a policy does the task; the number gives the start, and the light."""
+        start = self._starts[number % len(self._starts)]
+        rng = np.random.default_rng([LIGHT_SEED, number])
+        world = World.of_scene(start.scene, self._models, self._robot, episode_light(rng), render=True)
+        trial = _Trial(world, self._watch(world, start.scene), self._subtasks, start.data.fps)
+        for _ in range(int(PATIENCE * start.data.frames) // EXECUTED):
+            chunk = policy.act(self._seen(world)[None], _state(world)[None])[0]
+            trial.carry_out(chunk[: EXECUTED + 1])
+            if trial.done():
+                return True
+        return False
+
+    def replayed(self, number: int) -> bool:
+        """Whether the recorded actions of an episode do the task again, carried out as those of a policy are."""
+        start = self._starts[number % len(self._starts)]
+        world = World.of_scene(start.scene, self._models, self._robot)
+        trial = _Trial(world, self._watch(world, start.scene), self._subtasks, start.data.fps)
+        trial.carry_out(start.data.action.astype(np.float32))
+        return trial.done()
+
+    def _watch(self, world: World, scene: Scene) -> Watch:
+        world.settle()
+        return Watch(world, {o.id: o for o in self._context.objects(scene)})
+
+    def _seen(self, world: World) -> NDArray[np.uint8]:
+        """(C, H, W, 3) pictures of now."""
+        cameras = robot_cameras(world)
+        return np.stack([small(shoot(world, cameras[name]), self._view) for name in self._view.cameras])
+
+
+@dataclass(frozen=True)
+class _Trial:
+    """One attempt at a task.
+
+    Args:
+        world: where it happens.
+        watch: of it, since it began.
+        subtasks: what is to be done.
+        fps: actions per second.
+    """
+
+    world: World
+    watch: Watch
+    subtasks: Sequence[Subtask]
+    fps: float
+
+    def carry_out(self, actions: NDArray[np.float32]) -> None:
+        """Drive from each action to the next in a straight line: the first is that of now."""
+        steps = round(PHYSICS_HZ / self.fps)
+        for now, then in pairwise(actions):
+            for step in range(1, steps + 1):
+                command(self.world.arms, now + (then - now) * (step / steps), (then - now) * self.fps)
+                self.world.step()
+
+    def done(self) -> bool:
+        """Whether all is true that it was to bring about, and no hand touches what was moved any more."""
+        moved = [subtask.object for subtask in self.subtasks]
+        touching = {name.partition("/")[0] for thing in moved for name in self.world.touching(thing)}
+        now = {name: self.watch.now(name) for name in self.watch.objects}
+        goals = [goal for subtask in self.subtasks for goal in subtask.goals]
+        return not touching & set(self.world.arms) and goals_hold(goals, now, self.watch).success
+
+
+def command(arms: Mapping[str, ArmControl], action: NDArray[np.float32], rate: NDArray[np.float32]) -> None:
+    """Tell every arm its part of an action (D,), passing at a rate per second."""
+    first = 0
+    for arm in arms.values():
+        last = first + len(arm.qpos)
+        arm.command_joints(action[first : last - 1].astype(np.float64), rate[first : last - 1].astype(np.float64))
+        arm.command_gripper(float(np.clip(action[last - 1], 0, 1)))
+        first = last
+
+
+def _state(world: World) -> NDArray[np.float32]:
+    return np.concatenate([arm.qpos for arm in world.arms.values()]).astype(np.float32)
+
+
+def _start(run: RunFolder, file: str) -> _Start:
+    with EpisodeReader(run.root / file) as reader:
+        data = reader.episode
+    return _Start(Scene.model_validate(data.meta["scene"]), data)
