@@ -19,11 +19,12 @@ from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Subtask, Subtasks
 from vcage.sim.arms import ArmControl
 from vcage.sim.cameras import robot_cameras, shoot
+from vcage.sim.looks import look_world
 from vcage.sim.robots import load_robot
 from vcage.sim.world import PHYSICS_HZ, World
 from vcage.stages.accepted import accepted_episodes
 from vcage.stages.context import StageContext
-from vcage.stages.photographs import episode_light
+from vcage.stages.photographs import light_look
 from vcage.tasks.events import Watch
 from vcage.tasks.truth import goals_hold
 
@@ -71,7 +72,9 @@ class Rollouts:
         """Whether a policy does the task; the number gives the start, and the light."""
         start = self._starts[number % len(self._starts)]
         rng = np.random.default_rng([LIGHT_SEED, number])
-        world = World.of_scene(start.scene, self._models, self._robot, episode_light(rng), render=True)
+        world = look_world(
+            start.scene, self._models, self._robot, light_look(start.scene, self._models, self._robot, rng)
+        )
         trial = _Trial(world, self._watch(world, start.scene), self._subtasks, start.data.fps)
         for _ in range(int(PATIENCE * start.data.frames) // EXECUTED):
             chunk = policy.act(self._seen(world)[None], _state(world)[None])[0]
