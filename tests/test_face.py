@@ -46,7 +46,7 @@ def test_the_code_of_the_readme_runs(
 ) -> None:
     copied(finished.run, tmp_path / "runs" / "blocks")
     monkeypatch.chdir(tmp_path)
-    (code,) = re.findall(r"^```python\n(.*?)^```", (REPOSITORY / "README.md").read_text(), re.DOTALL | re.MULTILINE)
+    code, *_ = re.findall(r"^```python\n(.*?)^```", (REPOSITORY / "README.md").read_text(), re.DOTALL | re.MULTILINE)
     exec(compile(code, "README.md", "exec"), {})
     fresh = ast.literal_eval(capsys.readouterr().out.splitlines()[0])
     assert not any(fresh.values()) and list(fresh)[-1] == "export"

@@ -35,6 +35,7 @@ def told(path: Path) -> list[ast.Call]:
 def sample(call: ast.Call) -> list[str]:
     """The words of a command that a module tells, with something likely in place of what is known when it is told."""
     likely = {"part": "assets", "run": "/somewhere/a run", "imported[:8]": "mug"}
+    likely |= {"str(folder)": "/a run/renders", "str(run.root / 'renders-compressed')": "/a run/renders-compressed"}
     words = []
     for argument in call.args:
         value = argument.value if isinstance(argument, ast.Starred) else argument

@@ -335,7 +335,7 @@ def test_an_endpoint_that_fails_leaves_the_earlier_result(run, capsys, monkeypat
     def down(*_: object, **__: object) -> None:
         raise EndpointFailed("the endpoint answers 503", hint="try again later")
 
-    monkeypatch.setattr(optimize, "optimize_layout", down)
+    monkeypatch.setattr(optimize, "nearest_layout", down)
     answer = command(capsys, "optimize", "--run", run, "--force")
     assert (answer.code, answer.error["retryable"]) == (6, True)
     assert digests(run.root) == files

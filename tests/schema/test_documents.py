@@ -102,10 +102,12 @@ def test_files_of_earlier_runs_keep_their_schema():
     assert sorted(schema.DOCUMENTS) == [
         "vcage.asset/1",
         "vcage.compression/4",
-        "vcage.episodes/3",
+        "vcage.episodes/4",
         "vcage.export/1",
         "vcage.matches/1",
         "vcage.plan/1",
+        "vcage.randomisation/1",
+        "vcage.renders/1",
         "vcage.robot/1",
         "vcage.scene-template/1",
         "vcage.scene/1",

@@ -12,6 +12,8 @@ from vcage.schema.episodes import Episodes, SingleVerdict, Verdicts
 from vcage.schema.export import Export
 from vcage.schema.matches import Matches
 from vcage.schema.plan import Plan
+from vcage.schema.randomisation import Randomisation
+from vcage.schema.renders import Renders
 from vcage.schema.robot import Robot
 from vcage.schema.scene import Scene, SceneTemplate
 from vcage.schema.subtasks import Subtasks
@@ -25,6 +27,8 @@ DOCUMENTS: dict[str, type[Document]] = {
         Export,
         Matches,
         Plan,
+        Randomisation,
+        Renders,
         Robot,
         Scene,
         SceneTemplate,

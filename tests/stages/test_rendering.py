@@ -1,0 +1,92 @@
+"""Recorded states drawn again under other looks."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tests.runs import Finished, copied
+from vcage.base.errors import MissingStage, UnknownName, UsageError
+from vcage.base.files import RunFolder
+from vcage.datasets.reader import EpisodeReader
+from vcage.schema.randomisation import Drawn
+from vcage.schema.renders import Renders
+from vcage.sim.robots import load_randomisation
+from vcage.stages.rendering import Order, render_run, write_sheet
+
+FULL = load_randomisation("full")
+
+
+@pytest.fixture(scope="module")
+def run(finished: Finished, tmp_path_factory: pytest.TempPathFactory) -> RunFolder:
+    return copied(finished.run, tmp_path_factory.mktemp("rendering") / "run")
+
+
+@pytest.fixture(scope="module")
+def rendered(run: RunFolder) -> Renders:
+    return render_run(run, Order(looks=2, ranges=FULL, seed=0))
+
+
+def files(run: RunFolder, rendered: Renders) -> tuple[Path, list[Path]]:
+    """The episode's own file, and those of its renders."""
+    return next(run.root.glob("episodes/*.hdf5")), [run.root / one.file for one in rendered.renders]
+
+
+def test_all_numbers_are_kept_but_where_the_cameras_are(run, rendered):
+    own, drawn = files(run, rendered)
+    with EpisodeReader(own) as before, EpisodeReader(drawn[0]) as after:
+        was, now = before.episode, after.episode
+        np.testing.assert_array_equal(was.qpos, now.qpos)
+        np.testing.assert_array_equal(was.action, now.action)
+        for name, poses in was.object_poses.items():
+            np.testing.assert_array_equal(poses, now.object_poses[name])
+        assert now.segments == was.segments
+        for name, camera in was.cameras.items():
+            assert not np.allclose(camera.extrinsics, now.cameras[name].extrinsics, atol=1e-4), name
+            assert np.allclose(camera.extrinsics[:, :3, 3], now.cameras[name].extrinsics[:, :3, 3], atol=0.2), name
+
+
+def test_each_look_is_another_and_is_recorded_with_the_world_of_the_episode(run, rendered):
+    own, drawn = files(run, rendered)
+    records = []
+    for path in (own, *drawn):
+        with EpisodeReader(path) as reader:
+            records.append(Drawn.model_validate(reader.episode.meta["randomisation"]))
+    assert len({record.look.model_dump_json() for record in records}) == 3
+    assert [record.ranges for record in records[1:]] == ["full", "full"]
+    assert all(record.world == records[0].world for record in records)
+
+
+def test_what_is_drawn_already_is_left_and_more_can_be_drawn(run, rendered):
+    _, drawn = files(run, rendered)
+    before = [path.stat().st_mtime_ns for path in drawn]
+    more = render_run(run, Order(looks=3, ranges=FULL, seed=0))
+    assert [path.stat().st_mtime_ns for path in drawn] == before
+    assert len(more.renders) == 3
+
+
+def test_what_a_killed_render_left_is_drawn_again(run, rendered):
+    _, drawn = files(run, rendered)
+    whole = drawn[1].read_bytes()
+    drawn[1].write_bytes(whole[: len(whole) // 2])
+    render_run(run, Order(looks=2, ranges=FULL, seed=0))
+    assert drawn[1].read_bytes() == whole
+
+
+def test_the_sheet_shows_every_look(run, rendered, tmp_path):
+    from vcage.base.pictures import read_picture
+
+    picture = read_picture(write_sheet(run, rendered, tmp_path / "looks.png", columns=2))
+    left, right = np.split(picture, 2, axis=1)
+    assert np.abs(left.astype(int) - right).mean() > 5
+
+
+def test_fewer_than_one_look_an_unknown_episode_and_a_run_without_episodes_are_refused(run, tmp_path):
+    with pytest.raises(UsageError, match="looks"):
+        render_run(run, Order(looks=0, ranges=FULL, seed=0))
+    with pytest.raises(UnknownName, match="77"):
+        render_run(run, Order(looks=1, ranges=FULL, seed=0, episodes=(77,)))
+    with pytest.raises(MissingStage):
+        render_run(RunFolder(tmp_path / "none"), Order(looks=1, ranges=FULL, seed=0))
