@@ -124,6 +124,8 @@ class Ground:
         if goal.relation == "presented":
             for depth in (CUSTOMER_SIDE, self.upper[1]):  # where it is full, anywhere on the customer's half
                 yield np.array([self.lower[0], self.upper[1] - depth]), self.upper
+            # and where arms are short, the near part of that
+            yield np.array([self.lower[0], 0.0]), np.array([self.upper[0], self.upper[1] / 2])
         elif goal.relation == "handed" and goal.reference in DIRECTIONS_OF_ARMS:
             sign, middle = DIRECTIONS_OF_ARMS[goal.reference], (self.lower[0] + self.upper[0]) / 2
             yield (
