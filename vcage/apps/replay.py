@@ -242,12 +242,10 @@ def compare_pictures(reader: EpisodeReader, drawn: Iterator[Mapping[str, np.ndar
     found: dict[str, Difference | str] = {}
     for name, digest in digests.items():
         recorded, of = reader.recorded_digest(name), f"the picture of {name}"
-        if recorded is None:
-            found[name] = "not kept"
-        elif recorded == digest.hexdigest():
-            found[name] = "equal"
-        elif differences.get(name):
+        if differences.get(name):
             found[name] = Difference(of, differences[name][0][0], max(gap for _, gap in differences[name]))
+        elif recorded is None and name not in kept:
+            found[name] = "not kept"
         else:
-            found[name] = Difference(of)
+            found[name] = "equal" if recorded in (None, digest.hexdigest()) else Difference(of)
     return found

@@ -28,7 +28,7 @@ from vcage.schema.subtasks import Chain, Subtask, Subtasks
 from vcage.sim.looks import draw_look, look_world
 from vcage.sim.render import device_name
 from vcage.sim.replay import camera_paths, render_log
-from vcage.sim.robots import load_robot
+from vcage.sim.robots import load_randomisation, load_robot
 from vcage.sim.world import World
 from vcage.stages.context import StageContext
 from vcage.stages.episode_store import background_name
@@ -108,6 +108,7 @@ class EpisodeRunner:
         self._stage, self._ranges, self._context, self._limit_s = stage, ranges, context, limit_s
         self._scene = Scene.read(run.layout)
         self._robot = load_robot(self._scene.robot)
+        self._mild = any(ranges.look == load_randomisation(name).look for name in MILD)
         subtasks = Subtasks.read(run.subtasks)
         kept = {s.id: s for s in subtasks.kept}
         self._edited = subtasks.edited
@@ -136,7 +137,7 @@ class EpisodeRunner:
         start = work.starts.draw(rng)
         look = draw_look(self._ranges.look, start.scene, start.models, self._robot, rng)
         drawn = Drawn(ranges=self._ranges.name, look=look, world=start.world)
-        mild = self._ranges.name in MILD
+        mild = self._mild
         seen = look if mild else light_look(start.scene, start.models, self._robot, rng)
         photographer = Photographer(start.scene, start.models, self._robot, seen)
         background = photographer.empty_table()

@@ -11,7 +11,7 @@ examples:
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Annotated, Any
@@ -32,7 +32,7 @@ from vcage.plans.actions import HOLDING
 from vcage.plans.kept import Kept, relations_kept_in
 from vcage.schema.base import Provenance
 from vcage.schema.matches import Matches
-from vcage.schema.plan import TABLE, Relation
+from vcage.schema.plan import TABLE
 from vcage.schema.scene import ObjectRecord, Scene
 from vcage.sim.cameras import shoot
 from vcage.sim.world import World
@@ -126,7 +126,11 @@ def execute(run: RunFolder, options: Options, context: StageContext, progress: P
         inside = {r.subject: r.reference for r in plan.relations if r.relation in HOLDING and r.reference != TABLE}
         how = LayoutOptions(options.weights, options.margin, options.restarts)
         turned = {key: Pose.from_yaw(target.p, yaws[key]) for key, target in targets.items()}
-        result, laid_out = _nearest_feasible(scene, turned, inside, plan.relations, stage.rng, how, context)
+
+        def nearest(to: Mapping[str, Pose]) -> LayoutResult:
+            return nearest_layout(scene, to, inside, plan.relations, stage.rng, how, context)
+
+        result, laid_out = _nearest_feasible(scene, turned, nearest, stage.rng, context)
         poses = {o.id: o.pose.pose() for o in laid_out.objects}
         write_picture(folder / "layout.png", _drawing(scene, context, targets, poses))
         settled, picture = _rebuild(laid_out, context)
@@ -174,10 +178,8 @@ def _targets(scene: Scene, matches: Matches) -> dict[str, Pose]:
 def _nearest_feasible(
     scene: Scene,
     targets: Mapping[str, Pose],
-    inside: Mapping[str, str],
-    relations: Sequence[Relation],
+    nearest: Callable[[Mapping[str, Pose]], LayoutResult],
     rng: Callable[[], np.random.Generator],
-    options: LayoutOptions,
     context: StageContext,
 ) -> tuple[LayoutResult, Scene]:
     """The layout nearest to the targets in which what is asked for can be done, and the scene laid out like that.
@@ -191,7 +193,7 @@ def _nearest_feasible(
         shifts = shifting.normal(0.0, number * SHIFT, (len(targets), 2))
         asked = {key: Pose([*(t.p[:2] + s), t.p[2]], t.q) for (key, t), s in zip(targets.items(), shifts, strict=True)}
         try:
-            result = nearest_layout(scene, asked, inside, relations, rng, options, context)
+            result = nearest(asked)
         except InfeasibleScene:
             if not found:
                 raise
