@@ -3,7 +3,7 @@
 import pytest
 from pydantic import ValidationError
 
-from vcage.schema.randomisation import WorldDraw, WorldRanges
+from vcage.schema.randomisation import LookRanges, WorldDraw, WorldRanges
 
 
 @pytest.mark.parametrize(
@@ -13,6 +13,23 @@ from vcage.schema.randomisation import WorldDraw, WorldRanges
 def test_what_a_world_cannot_have_is_refused(field, value):
     with pytest.raises(ValidationError, match=field):
         WorldRanges.model_validate({field: value})
+
+
+@pytest.mark.parametrize(
+    "ranges",
+    [
+        {"light": {"number": (1, 4)}},
+        {"light": {"number": (0, 1)}},
+        {"light": {"shadows": 2}},
+        {"cameras": {"fovy": (1.0, 9.0)}},
+        {"cameras": {"shift": -0.1}},
+        {"colours": {"hue_deg": 400}},
+    ],
+)
+def test_what_a_look_cannot_have_is_refused(ranges):
+    (part, fields), *_ = ranges.items()
+    with pytest.raises(ValidationError, match=rf"{part}\.{next(iter(fields))}"):
+        LookRanges.model_validate(ranges)
 
 
 def test_a_line_tells_what_differs_and_what_there_is_no_room_for():

@@ -37,10 +37,24 @@ FARTHEST_HEIGHT = 0.1
 # --- the file: assets/randomisation/<name>.yml ---------------------------------------------------------------
 
 
+def _some_lights(ends: tuple[int, int]) -> tuple[int, int]:
+    if not 1 <= ends[0] <= ends[1] <= MOST_LIGHTS:
+        raise ValueError(f"expected 1 to {MOST_LIGHTS} lights, got {ends[0]} … {ends[1]}")
+    return ends
+
+
+def _seeing(ends: tuple[float, float]) -> tuple[float, float]:
+    if not 0.5 <= ends[0] <= ends[1] <= 1.5:
+        raise ValueError(f"expected factors of 0.5 to 1.5, got {ends[0]:g} … {ends[1]:g}")
+    return ends
+
+
 class LightRanges(Record):
     """Of the lights of an episode: the first is the key light."""
 
-    number: Count = Field(default=(1, 1), description=f"of lights, at most {MOST_LIGHTS}")
+    number: Annotated[Count, AfterValidator(_some_lights)] = Field(
+        default=(1, 1), description=f"of lights, at most {MOST_LIGHTS}"
+    )
     heading_deg: Range = Field(default=(-58.0, -58.0), description="in which they shine, from +x over +y, degrees")
     slant: Range = Field(default=(0.47, 0.47), description="tangent of the angle between a light and straight down")
     strength: Range = Field(default=(1.55, 1.55), description="of the key light; others have their share of it")
@@ -66,7 +80,9 @@ class CameraRanges(Record):
 
     shift: Finite = Field(default=0.0, ge=0, description="largest along each axis, metres")
     turn_deg: Finite = Field(default=0.0, ge=0, description="largest about each axis, degrees")
-    fovy: Factor = Field(default=(1.0, 1.0), description="factor of the field of view")
+    fovy: Annotated[Factor, AfterValidator(_seeing)] = Field(
+        default=(1.0, 1.0), description="factor of the field of view, 0.5 to 1.5"
+    )
 
 
 class ColourRanges(Record):
