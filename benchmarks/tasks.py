@@ -34,7 +34,6 @@ from vcage.stages.context import StageContext
 from vcage.stages.inputs import read_plan
 from vcage.stages.layouts import Layout, Layouts, NoLayout
 from vcage.stages.stage import ModelOptions
-from vcage.tasks.ground import Ground
 from vcage.tasks.loop import EpisodeRun, Seen, Setting, run_episode
 from vcage.tasks.readiness import ready_for
 from vcage.tasks.rehearsal import proven
@@ -207,7 +206,7 @@ def play(
         return world
 
     if layout is None:
-        steps, slots = proven([subtask for subtask, _ in chain], objects, robot, Ground.of(scene), rng)
+        steps, slots = proven([subtask for subtask, _ in chain], objects, scene, rng)
         grasps = {step.id: step.grasps for step in steps}
     else:
         grasps, slots = layout.grasps, layout.slots

@@ -124,9 +124,9 @@ class ArmKinematics:
         goal = self.ik(pose, q)
         return np.inf if goal is None else float((np.abs(goal - q) / self.arm.speeds).max())
 
-    def reachable(self, pose: Pose) -> bool:
+    def reachable(self, pose: Pose, attempts: int = _SEEDS + 1) -> bool:
         """Whether :meth:`ik` has a solution."""
-        return self.ik(pose) is not None
+        return self.ik(pose, attempts=attempts) is not None
 
     def too_far(self, pose: Pose) -> bool:
         """Whether no joint angles lead to ``pose`` since the arm is too short: a first look, that costs little."""

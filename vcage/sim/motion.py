@@ -32,6 +32,9 @@ MAX_JUMP = 0.25
 JOINT_STEP = 0.05
 """Spacing of collision checks in joint space, radians."""
 
+COARSE = 8
+"""Of the points along a segment every so many are looked at first."""
+
 RISES = (0.08, 0.16, 0.24)
 """Heights above the start and goal that a raised way is tried at, metres."""
 
@@ -165,7 +168,7 @@ class MotionPlanner:
         path = connect(
             q,
             goal,
-            free=lambda a, b: all(self._touches(x, load) is None for x in _between(a, b)[1:]),
+            free=lambda a, b: all(self._touches(x, load) is None for x in _coarse_first(_between(a, b)[1:])),
             lower=self.kinematics.lower,
             upper=self.kinematics.upper,
             rng=np.random.default_rng(0),
@@ -226,6 +229,11 @@ def _poses_between(start: Pose, end: Pose) -> list[Pose]:
     quaternions = np.roll(Slerp([0, 1], turn)(shares).as_quat(), 1, axis=1)
     points = start.p + shares[:, None] * (end.p - start.p)
     return [Pose(p, q) for p, q in zip(points, quaternions, strict=True)]
+
+
+def _coarse_first(points: np.ndarray) -> np.ndarray:
+    """(k, n) the same points, every eighth first: what is not free is seen sooner."""
+    return np.concatenate([points[start::COARSE] for start in range(COARSE)])
 
 
 def _between(a: np.ndarray, b: np.ndarray) -> np.ndarray:

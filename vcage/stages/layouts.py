@@ -145,7 +145,7 @@ class Layouts:
         objects = [o.moved(poses[o.id]) for o in (*self._objects.values(), *clutter) if o.id in poses]
         chain = [self._examined(subtask, objects, rng) for subtask in self._chain]
         try:
-            chain, slots = proven(chain, objects, self._robot, self._ground, rng)
+            chain, slots = proven(chain, objects, self._scene, rng)
         except InfeasibleScene:
             raise _Refused("things do not go side by side where they are put") from None
         except NoFeasibleTask as error:

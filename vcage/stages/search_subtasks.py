@@ -21,7 +21,6 @@ from vcage.schema.base import Provenance
 from vcage.schema.goals import in_steps
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Chain, Subtasks
-from vcage.sim.robots import load_robot
 from vcage.stages.context import StageContext
 from vcage.stages.edits import refuse, written_record
 from vcage.stages.possible import require_possible
@@ -32,6 +31,9 @@ from vcage.tasks.rehearsal import proven
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.search import action_of, compose, find_subtasks, initial_state
 from vcage.tasks.synthesis import load_script, note_python, write_script
+
+DRAWS = 20
+"""Sets of slots that are tried for the chain: there is no other layout to go to."""
 
 Options = ModelOptions
 """The stage has no options of its own."""
@@ -78,9 +80,8 @@ def execute(
         found = find_subtasks(objects, arms, reasoner.judge_pairs, ground, rng, asked)
         chains = compose(scene, objects, found.kept, found.refused)
         by_id = {subtask.id: subtask for subtask in found.kept}
-        for chain in chains:
-            steps = [by_id[i] for i in chain.subtasks]
-            proved, _ = proven(steps, objects, load_robot(scene.robot), ground, rng)
+        for chain in chains if scene.goals else ():  # what is alone has been proven by the search
+            proved, _ = proven([by_id[name] for name in chain.subtasks], objects, scene, rng, DRAWS)
             by_id |= {subtask.id: subtask for subtask in proved}
         note_python()
         for subtask in by_id.values():

@@ -136,12 +136,12 @@ class Starts:
         self, scene: Scene, objects: Mapping[str, SceneObject], rng: np.random.Generator
     ) -> tuple[dict[str, list[Grasp]], dict[str, Slot]]:
         """Grasps and slots where the run's layout is a little shifted; as planned there where that breaks a step."""
-        chain, things, robot, ground = self._chain, list(objects.values()), load_robot(scene.robot), Ground.of(scene)
+        chain, things = self._chain, list(objects.values())
         try:
-            chain, slots = proven(chain, things, robot, ground, rng)
+            chain, slots = proven(chain, things, scene, rng)
         except NoFeasibleTask as error:
             logger.info("%s", error.message)
-            slots = slots_for_chain(chain, things, robot, ground, rng)
+            slots = slots_for_chain(chain, things, load_robot(scene.robot), Ground.of(scene), rng)
         return {subtask.id: subtask.grasps for subtask in chain}, slots
 
 

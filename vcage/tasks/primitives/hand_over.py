@@ -46,7 +46,7 @@ class HandOver:
     to: str
     suits: Suits = _all_do
 
-    def leads_on(self, planner: MotionPlanner, way: PickWay, contact: ContactPoint) -> None:
+    def leads_on(self, planner: MotionPlanner, way: PickWay, _: np.ndarray, contact: ContactPoint) -> None:
         """That the object can be handed over by the planner's arm if it grasps it so where it stands.
 
         Raises:

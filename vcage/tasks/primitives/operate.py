@@ -9,6 +9,7 @@ import numpy as np
 
 from vcage.schema.asset import ContactPoint
 from vcage.sim.arms import ArmControl
+from vcage.sim.bodies import Body
 from vcage.sim.collision import CollisionScene
 from vcage.sim.joints import carried_by, link_poses, part_name
 from vcage.sim.motion import MotionFailed, MotionPlanner
@@ -151,8 +152,9 @@ class Operation:
         """For each way of each arm: a plan, or why there is none."""
         for arm in arms:
             joints, where = self._cell.begun(arm).end, f"{arm} arm at {self._contact.name!r}"
-            now = self._cell.planner(arm)
-            then = now if self._contact.use == "press" else self._planner_at_target(arm)
+            now = then = self._cell.planner(arm)
+            if self._contact.use != "press":
+                then = MotionPlanner(CollisionScene.of_world(self._world, arm, self.at_target()))
             gripper = self._world.arms[arm].arm.gripper
             for way in operating_ways(self._handle, self._target, gripper, self._thing.box.bottom):
                 starts = now.kinematics.ik_all(way.before, joints)
@@ -196,16 +198,15 @@ class Operation:
         clear = now.scene.first_contact(down.end, opening, ignore=touched) is None
         return OperatePlan(arm, way, reach, push, back, clear)
 
-    def _planner_at_target(self, arm: str) -> MotionPlanner:
-        """A planner around everything as it stands when the part is where it shall be."""
+    def at_target(self) -> dict[str, Body]:
+        """The object, and what rides on its part, as they are when the part is where it shall be, by id."""
         joints = tuple(self._handle.joints_at(self._target).tolist())
-        opened = replace(self._world.body(self._thing.id), joints=joints)
-        link, model = str(self._contact.link), opened.model
+        there = replace(self._world.body(self._thing.id), joints=joints)
+        link, model = str(self._contact.link), there.model
         now, then = (link_poses(model, j)[link] for j in (self._handle.joints, joints))
         moved = self._thing.pose * then * (self._thing.pose * now).inverse()
         riding = {key: self._world.body(key) for key in self._riding}
-        along = {key: replace(body, pose=moved * body.pose) for key, body in riding.items()}
-        return MotionPlanner(CollisionScene.of_world(self._world, arm, {self._thing.id: opened, **along}))
+        return {self._thing.id: there} | {key: replace(body, pose=moved * body.pose) for key, body in riding.items()}
 
     # --- execution -------------------------------------------------------------------------------------
 

@@ -72,8 +72,9 @@ class Grip:
     load: Load
 
 
-LeadsOn = Callable[[MotionPlanner, PickWay, ContactPoint], None]
-"""Raises MotionFailed where an arm (the planner's) cannot go on from a way to grasp at a contact point."""
+LeadsOn = Callable[[MotionPlanner, PickWay, np.ndarray, ContactPoint], None]
+"""Raises MotionFailed where an arm (the planner's) cannot go on from a way to grasp at a contact point, that ends at
+joints (n,), rad."""
 
 
 def transfer_height(others: Sequence[SceneObject], table_height: float) -> float:
@@ -185,12 +186,14 @@ def _plans(
     begun = cell.begun(arm)
     grasps = list(grasp_poses(target.pose, contact, gripper, target.box.bottom))
     for height, flips in product(heights, zip(grasps[::2], grasps[1::2], strict=True)):
-        lifted = [g for g in flips if reached_lift(planner.kinematics, target, g, heights)[0] == height]
-        ways = [pick_way(target, g, gripper, height) for g in lifted]
-        for way in sorted(ways, key=lambda way: planner.kinematics.distance(begun.end, way.before)):
+        lifts = [(g, *reached_lift(planner.kinematics, target, g, heights)) for g in flips]
+        ways = [(pick_way(target, g, gripper, height), path) for g, reached, path in lifts if reached == height]
+        for way, path in sorted(ways, key=lambda found: planner.kinematics.distance(begun.end, found[0].before)):
             try:
+                if path is None:
+                    raise MotionFailed("no joint angles grasp and lift it")
                 if leads_on is not None:
-                    leads_on(planner, way, contact)
+                    leads_on(planner, way, path[-1], contact)
                 reach = planner.move(begun.end, way.before, Load(opening), then=[way.grasp, way.lifted])
                 down = planner.line(reach.end, way.grasp, closing)
                 planner.line(down.end, way.lifted, lifting)

@@ -157,11 +157,13 @@ class Surroundings:
         receptacle: id of what receives the object, or ``table``.
         obstacles: its walls and contents, and the neighbours.
         heights: z's that the object's bottom may keep on the way, the highest first, metres.
+        raises: how much higher it may come to where the hand meets something, metres.
     """
 
     receptacle: str
     obstacles: Obstacles
     heights: tuple[float, ...]
+    raises: tuple[float, ...] = RAISES
 
     @classmethod
     def of(cls, cell: Workcell, object_id: str, receptacle: str, point: int | None) -> Surroundings:
@@ -211,15 +213,15 @@ class Surroundings:
             raise MotionFailed(f"it would fall {least * 100:.1f} cm")
         if not near:
             raise MotionFailed("its place is out of reach")
-        return [*near, *(way.raised(x) for way in near for x in RAISES if way.drop + x <= MAX_DROP)]
+        return [*near, *(way.raised(x) for way in near for x in self.raises if way.drop + x <= MAX_DROP)]
 
-    def check(self, planner: MotionPlanner, lifted: Pose, held: Held, width: float, poses: Sequence[Pose]) -> None:
+    def check(self, planner: MotionPlanner, start: np.ndarray, held: Held, width: float, poses: Sequence[Pose]) -> None:
         """That a hold leads to a place: the arm comes down to it with the object, the fingers can open, and the hand
         gets away from there.
 
         Args:
             planner: of the arm.
-            lifted: gripper frame in the world before.
+            start: (n,) its joints before, rad.
             held: what is then between the fingers.
             width: of it, metres.
             poses: that the object may have there, in the world.
@@ -230,9 +232,6 @@ class Surroundings:
         gripper = planner.kinematics.arm.gripper
         carrying = Load(command_of(width, gripper), held)
         leaving = Load(command_of(approach_opening(width, gripper), gripper), ignore=[held.object_id])
-        start = planner.kinematics.ik(lifted)
-        if start is None:
-            raise MotionFailed("no joint angles lift it")
         reasons: list[str] = []
         for way in self.ways(planner.kinematics, held.in_gripper.inverse(), width, poses, start):
             try:
