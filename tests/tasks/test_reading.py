@@ -43,6 +43,17 @@ def test_what_is_held_before_a_scanner_is_read_some_millimetres_off_too(name: st
         assert reads(box.moved(Pose(pose.p + off, pose.q)), SCANNER)
 
 
+@pytest.mark.parametrize("name", CODED)
+def test_a_scanner_that_is_held_turned_is_aimed_at_the_code(name: str) -> None:
+    box = thing(name, (0.1, 0.05))
+    (reader,) = SCANNER.asset.annotation.faces_of("reader")
+    codes = [box.pose.apply(face.position) for face in box.asset.annotation.faces_of("code")]
+    for pose in reading_poses(SCANNER, box, TABLE_TOP):
+        x, y, _ = pose.rotation() @ np.asarray(reader.axis)
+        beside = [abs(float((code - pose.apply(reader.position)) @ [-y, x, 0.0])) for code in codes]
+        assert min(beside) < 1e-9
+
+
 @settings(deadline=None, max_examples=20)
 @given(st.floats(-np.pi, np.pi))
 def test_reading_is_mutual(yaw: float) -> None:

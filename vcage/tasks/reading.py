@@ -50,9 +50,11 @@ def reading_poses(mover: SceneObject, still: SceneObject, support: float) -> Ite
         turn = aside + np.arctan2(-normal[1], -normal[0]) - np.arctan2(outward[1], outward[0])
         rotation = Pose.from_yaw([0, 0, 0], turn) * Pose(q=mover.pose.q)
         offset = rotation.apply(mine.position)
+        # On the axis of what reads, whichever of the two that is: however they are turned, the code is not beside it.
+        out = normal if theirs.kind == "reader" else -rotation.apply(mine.axis)
         low = float(mover.moved(rotation).aabb[0, 2])
         for distance in DISTANCES:
-            x, y, z = still.pose.apply(theirs.position) + distance * normal - offset
+            x, y, z = still.pose.apply(theirs.position) + distance * out - offset
             pose = Pose([x, y, max(z, support + OVER_TABLE - low)], rotation.q)
             if _sees(mover.moved(pose), mine, still, theirs, SURELY):
                 yield pose

@@ -256,7 +256,7 @@ class Task:
         # held higher it would read nothing.
         hover = replace(Surroundings.of(cell, object_id, TABLE, None), obstacles=Obstacles([]), raises=())
         in_turn = [grasp for _, some in self._retry.choices(grasps, [None]) for grasp in some]
-        plan = plan_pick(cell, target, in_turn, self._leads_to(target, hover, poses))
+        plan = plan_pick(cell, target, in_turn, self._leads_to(target, hover, poses, [target.pose]))
         self._say_grasp(plan, grasps)
         return plan, hover, poses
 
@@ -302,10 +302,13 @@ class Task:
         around = Surroundings.of(self._cell, target.id, slot.receptacle, slot.point)
         return self._leads_to(target, around, slot.poses(self._cell.objects()))
 
-    def _leads_to(self, target: SceneObject, around: Surroundings, poses: Sequence[Pose]) -> LeadsOn:
+    def _leads_to(self, target: SceneObject, around: Surroundings, *places: Sequence[Pose]) -> LeadsOn:
+        """That an object gets to each of some places, that is to one of its poses there."""
+
         def check(planner: MotionPlanner, way: PickWay, lifted: np.ndarray, contact: ContactPoint) -> None:
             held = Held(target.id, target.asset.model, way.grasp.inverse() * target.pose, target.joints)
-            around.check(planner, lifted, held, target.asset.grasp_width(contact), poses)
+            for poses in places:
+                around.check(planner, lifted, held, target.asset.grasp_width(contact), poses)
 
         return check
 

@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+import contextlib
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tests.scenes import TABLE_TOP, robot, thing
+from tests.scenes import TABLE_TOP, robot, template, thing
 from vcage.base.geometry import Pose, frame_from_axes, oriented_boxes_overlap
+from vcage.sim.collision import CollisionScene, Held
 from vcage.sim.kinematics import kinematics_of
+from vcage.sim.motion import MotionFailed, MotionPlanner
 from vcage.sim.robots import load_robot
 from vcage.tasks.grasps import GraspPose, approach_opening, grasp_poses, hand_boxes
-from vcage.tasks.primitives.place import RAISES, SET_DOWN, PlaceWay, Surroundings, place_way, reached_place
+from vcage.tasks.primitives.place import RAISES, SET_DOWN, SLACK, PlaceWay, Surroundings, place_way, reached_place
 from vcage.tasks.scene_objects import Obstacles, SceneObject, SolidBox
 
 GRIPPER = robot().arms["left"].gripper
@@ -90,6 +94,26 @@ def test_what_must_not_come_higher_than_planned_has_no_higher_ways(raises):
     held = grasps_of(block)[0].in_object
     drops = {round(way.drop - SET_DOWN, 6) for way in around.ways(arm, held, 0.04, [block.pose], arm.home)}
     assert drops == {0.0, *raises}
+
+
+def test_a_place_at_the_very_end_of_an_arms_reach_is_not_enough():
+    """A grip that turns out some millimetres otherwise would not get there."""
+    arm, block = kinematics_of(robot().arms["left"]), thing("block", (-0.3, 0.0))
+    held = grasps_of(block)[0].in_object
+    ends = [Pose([x, 0.0, TABLE_TOP]) for x in np.arange(0.1, 0.6, 0.001)]
+    planner = MotionPlanner(CollisionScene(robot(), "left", template().table, {}))
+    carried = Held("block", block.asset.model, held.inverse())
+    around = Surroundings("table", Obstacles([]), (TABLE_TOP + 0.03,), ())
+
+    def enough(pose: Pose) -> bool:
+        with contextlib.suppress(MotionFailed):
+            around.check(planner, arm.home, carried, 0.04, [pose])
+            return True
+        return False
+
+    last = next(pose for pose in reversed(ends) if enough(pose))
+    assert last != ends[-1]
+    assert arm.reachable(Pose(last.p + [0.99 * SLACK, 0, SET_DOWN], last.q) * held)
 
 
 def test_without_obstacles_an_object_is_set_down_gently():

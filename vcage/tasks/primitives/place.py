@@ -26,6 +26,10 @@ SET_DOWN = 0.004
 MAX_DROP = 0.075
 """An object may fall this far into a receptacle whose rim keeps the hand out, metres."""
 
+SLACK = 0.006
+"""What is held comes to lie otherwise between the fingers by up to so much, metres: a place must not be at the very end
+of an arm's reach."""
+
 RAISES = (0.01, 0.02, 0.035)
 """How much higher an object is let go where the hand meets something at the lowest height, metres."""
 
@@ -98,6 +102,12 @@ def reached_place(
         if path is not None:
             return replace(way, after=after), path
     return None
+
+
+def _farther(kinematics: ArmKinematics, pose: Pose) -> Pose:
+    """The pose :data:`SLACK` farther from where the arm stands."""
+    away = (pose.p - kinematics.arm.base.pose().p) * [1.0, 1.0, 0.0]
+    return Pose(pose.p + SLACK * away / np.linalg.norm(away), pose.q)
 
 
 def _rise_to_clear(pose: Pose, obstacles: Obstacles, hand: Sequence[np.ndarray]) -> float:
@@ -239,6 +249,8 @@ class Surroundings:
                 if above is None:  # the ways that let go higher begin higher too
                     raise MotionFailed("its place is out of reach")
                 released = planner.line(above, way.release, carrying).end
+                if planner.kinematics.ik(_farther(planner.kinematics, way.release), released, attempts=0) is None:
+                    raise MotionFailed("its place is at the end of the arm's reach")
                 planner.check(released, leaving)
                 if not planner.continues(released, [way.after]):
                     raise MotionFailed("the hand could not be drawn back")
