@@ -54,6 +54,7 @@ def _of_its_own(index: int, frames: int) -> dict[str, Any]:
         "segments": [segment(0, half, lift), segment(half, frames, "place-block")],
         "meta": {
             **usual.meta,
+            "randomisation": {"name": "full", "values": {"table_height": 0.74 + 0.001 * index}},
             "instruction": INSTRUCTIONS[index % len(INSTRUCTIONS)],
             "wordings": {name: wordings_of(name) for name in (lift, "place-block")},
         },

@@ -32,7 +32,7 @@ ANOTHER = "another --seed gives another layout"
 
 
 class _NotWithTheseSlots(NoFeasibleTask):
-    """What cannot be done is done with things that were moved before: with them elsewhere it may be possible."""
+    """What cannot be done depends on where the chain puts things: elsewhere it may be possible."""
 
 
 def examined(
@@ -146,7 +146,7 @@ def rehearsed(
         try:
             play(subtask, task)
         except TaskFailed as error:
-            why = _NotWithTheseSlots if again else NoFeasibleTask
+            why = _NotWithTheseSlots if again or subtask.id in slots else NoFeasibleTask
             raise why(f"{subtask.id} cannot be planned: {error.message}", hint=ANOTHER) from error
         taken = [grasp for grasp in subtask.grasps if (grasp.contact, grasp.arm) == (task.contact, task.arm)]
         others = [grasp for grasp in subtask.grasps if grasp not in taken]
