@@ -3,32 +3,25 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from pydantic import ValidationError
 
-from vcage.base.errors import DamagedFile, MissingStage, NoDrives, NotReproduced
+from vcage.base.errors import MissingStage, NoDrives, NotReproduced
 from vcage.base.files import RunFolder
 from vcage.datasets.episode import EpisodeData
 from vcage.datasets.reader import EpisodeReader
-from vcage.schema.asset import PhysicalModel
-from vcage.schema.randomisation import Drawn
-from vcage.schema.robot import Robot
-from vcage.schema.scene import Scene
 from vcage.sim.again import simulate_again
 from vcage.sim.looks import look_world
 from vcage.sim.recording import StateLog
 from vcage.sim.replay import render_log
-from vcage.sim.robots import load_robot
-from vcage.sim.world import World
 from vcage.stages.accepted import accepted_episodes, none_counts
 from vcage.stages.context import StageContext
 from vcage.stages.episode_runner import versions
-from vcage.stages.worlds import drawn_models
+from vcage.stages.recorded import Recorded
 from vcage.tasks.assemble import episode_data
 
 NOT_RECORDED = "not recorded"
@@ -127,55 +120,14 @@ def replay_episode(path: Path, context: StageContext) -> Replayed:
                 f"{path} does not hold what the arms were told at every step, which an earlier version did not keep",
                 hint="record the episode again: collect with --force",
             )
-        start = _Start.of(path, episode, context)
-        log = simulate_again(start.world, episode.drives, round(episode.fps), start.arms)
+        start = Recorded.of(episode, path, context)
+        log = simulate_again(start.world, episode.drives, round(episode.fps), start.drawn.world.start)
         again = episode_data(log, [], {}, episode.meta)
         pictures = _pictures(reader, start, log)
     recorded, here = dict(episode.meta.get("versions", {})), versions()
     names = dict.fromkeys([*recorded, *here])
     pairs = {name: (recorded.get(name, NOT_RECORDED), here.get(name, "none")) for name in names}
     return Replayed(first_difference(episode, again), pictures, {k: v for k, v in pairs.items() if v[0] != v[1]})
-
-
-@dataclass(frozen=True)
-class _Start:
-    """Where an episode begins.
-
-    Args:
-        scene, robot: of the episode.
-        models: of the scene's objects, by id, as heavy as was drawn.
-        drawn: for the episode.
-    """
-
-    scene: Scene
-    robot: Robot
-    models: Mapping[str, PhysicalModel]
-    drawn: Drawn
-
-    @classmethod
-    def of(cls, path: Path, episode: EpisodeData, context: StageContext) -> _Start:
-        """What a file says.
-
-        Raises:
-            DamagedFile: it does not say what was drawn for the episode.
-        """
-        scene = Scene.parse(episode.meta.get("scene"), path)
-        try:
-            drawn = Drawn.model_validate(episode.meta.get("randomisation"))
-        except ValidationError as error:
-            reason = f"{path} does not say how the episode looked, and what was simulated: {error.errors()[0]['msg']}"
-            raise DamagedFile(reason, hint="record the episode again", maker="collect") from error
-        models = drawn_models(context.physical_models(scene), drawn.world)
-        return cls(scene, load_robot(str(episode.meta.get("robot"))), models, drawn)
-
-    @property
-    def arms(self) -> Mapping[str, Sequence[float]]:
-        """Offset of each joint from home at which an arm begins, radians."""
-        return self.drawn.world.start
-
-    def world(self) -> World:
-        """A fresh world, physics only."""
-        return World.of_scene(self.scene, self.models, self.robot)
 
 
 # --- states --------------------------------------------------------------------------------------------
@@ -205,6 +157,8 @@ def _columns(episode: EpisodeData) -> Iterator[tuple[str, np.ndarray]]:
         yield f"the orientation of {name}", poses[:, 3:]
     for name, joints in episode.object_joints.items():
         yield f"a moving part of {name}", joints
+    for arm, joints in episode.robot_joints.items():
+        yield f"a joint of the {arm} arm or its fingers", joints
     kinds = {"position": episode.qpos, "velocity": episode.qvel, "command": episode.action}
     for kind, table in kinds.items():
         for name, column in zip(episode.state_names, table.T, strict=True):
@@ -214,7 +168,7 @@ def _columns(episode: EpisodeData) -> Iterator[tuple[str, np.ndarray]]:
 # --- pictures ------------------------------------------------------------------------------------------
 
 
-def _pictures(reader: EpisodeReader, start: _Start, log: StateLog) -> dict[str, Difference | str]:
+def _pictures(reader: EpisodeReader, start: Recorded, log: StateLog) -> dict[str, Difference | str]:
     if not reader.cameras:
         return {}
     world = look_world(start.scene, start.models, start.robot, start.drawn.look)

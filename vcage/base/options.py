@@ -56,20 +56,29 @@ def choice(names: Sequence[str]) -> PrimitiveConstructorSpec:
     )
 
 
-def several(metavar: str, *, least: int = 1, choices: Sequence[str] | None = None) -> PrimitiveConstructorSpec:
-    """As many words as there are, as a tuple; of choices, a repeated one counts once."""
+def several(
+    metavar: str, *, least: int = 1, choices: Sequence[str] | None = None, one: Callable[[str], Any] = str
+) -> PrimitiveConstructorSpec:
+    """As many words as there are, as a tuple; of choices, a repeated one counts once.
 
-    def parse(words: list[str]) -> tuple[str, ...]:
+    Args:
+        metavar: their name in the help.
+        least: fewer are refused.
+        choices: which there are; any when not given.
+        one: what a word means; raises ``ValueError`` with what is wrong with it.
+    """
+
+    def parse(words: list[str]) -> tuple[Any, ...]:
         if len(words) < least:
             raise ValueError("expected at least one value")
-        return tuple(words) if choices is None else tuple(dict.fromkeys(words))
+        return tuple(map(one, words if choices is None else dict.fromkeys(words)))
 
     return PrimitiveConstructorSpec(
         nargs="*",
         metavar=metavar,
         instance_from_str=parse,
         is_instance=lambda _: True,
-        str_from_instance=list,
+        str_from_instance=lambda values: list(map(str, values)),
         choices=None if choices is None else tuple(choices),
     )
 
@@ -100,21 +109,11 @@ def natural(text: str) -> int:
     return number
 
 
-def naturals(metavar: str) -> PrimitiveConstructorSpec:
-    """As many whole numbers, 0 or more, as there are, at least one, as a tuple."""
-
-    def parse(words: list[str]) -> tuple[int, ...]:
-        if not words:
-            raise ValueError("expected at least one number")
-        return tuple(natural(word) for word in words)
-
-    return PrimitiveConstructorSpec(
-        nargs="*",
-        metavar=metavar,
-        instance_from_str=parse,
-        is_instance=lambda _: True,
-        str_from_instance=lambda numbers: [str(number) for number in numbers],
-    )
+def name_or_file(text: str) -> str:
+    """A name as it is, and the path of a YAML file from the root: what was said in one folder is read in any."""
+    if not text.strip():
+        raise ValueError("expected a name, or the path of a YAML file")
+    return str(Path(text).expanduser().resolve()) if text.endswith((".yml", ".yaml")) else text
 
 
 def number_between(lower: float, upper: float) -> Callable[[str], float]:
@@ -145,3 +144,5 @@ def folder(text: str) -> Path:
 
 
 POSITIVE, NATURAL, FOLDER = value(positive, "N"), value(natural, "N"), value(folder, "DIR")
+RANGES = value(name_or_file, "{none,light,full,FILE}")
+"""Ranges of what differs from episode to episode; those of the project are in ``assets/randomisation``."""

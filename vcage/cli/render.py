@@ -10,7 +10,7 @@ from tyro.conf import Positional, arg
 
 from vcage.base.commands import vcage_command
 from vcage.base.files import RunFolder
-from vcage.base.options import FOLDER, NATURAL, POSITIVE, UNSAID, naturals
+from vcage.base.options import FOLDER, NATURAL, POSITIVE, RANGES, UNSAID, natural, several
 from vcage.cli.arguments import Command
 from vcage.cli.output import Result
 from vcage.cli.progress import progress
@@ -34,11 +34,11 @@ class RenderEpisodes(Command):
     """the run folder"""
     looks: Annotated[int, POSITIVE] = 1
     """of each episode"""
-    randomise: Annotated[str, arg(metavar="NAME|FILE")] = "full"
+    randomise: Annotated[str, RANGES] = "full"
     """ranges to draw from: none, light, full, or a YAML file"""
     seed: Annotated[int, NATURAL] = 0
     """of the looks"""
-    episodes: Annotated[tuple[int, ...], naturals("N ..."), UNSAID] = ()
+    episodes: Annotated[tuple[int, ...], several("N ...", one=natural), UNSAID] = ()
     """numbers of the episodes (default: all that count)"""
     sheet: Annotated[Path | None, arg(metavar="PNG"), UNSAID] = None
     """where the page for people goes (default: renders/looks.png)"""

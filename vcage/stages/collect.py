@@ -22,7 +22,7 @@ from typing import Annotated, Any, Literal
 from vcage.base.errors import TooFewVerified, UsageError
 from vcage.base.files import RunFolder
 from vcage.base.memory import free_memory
-from vcage.base.options import NATURAL, POSITIVE, UNSAID, value
+from vcage.base.options import NATURAL, POSITIVE, RANGES, UNSAID
 from vcage.base.progress import Progress, silent
 from vcage.base.workers import Processes, ThisProcess, cores
 from vcage.schema.episodes import Attempt, Episode, Episodes
@@ -57,13 +57,6 @@ DECIDED = (
 """What a hand may say of episodes; all else was recorded."""
 
 
-def _named(text: str) -> str:
-    """A name as it is, and the path of a file from the root: what was said in one folder is read in any."""
-    if not text.strip():
-        raise ValueError("the ranges have no name")
-    return str(Path(text).expanduser().resolve()) if text.endswith((".yml", ".yaml")) else text
-
-
 @dataclass(frozen=True, kw_only=True)
 class Options(ModelOptions):
     """How many episodes are collected, and how."""
@@ -76,7 +69,7 @@ class Options(ModelOptions):
     """further attempts per sub-task, when resampling"""
     layout: Annotated[Literal["varied", "fixed"], UNSAID] = "varied"
     """where objects start: drawn anew for every episode, as the plan allows, or as optimised with small shifts"""
-    randomise: Annotated[str, value(_named, "{none,light,full,FILE}")] = "light"
+    randomise: Annotated[str, RANGES] = "light"
     """what else differs from episode to episode: nothing, what is only seen, the simulated world too, or what a file
     of ranges says (the project's are in assets/randomisation)"""
     fps: Literal[5, 10, 25, 50] = 10

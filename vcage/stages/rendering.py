@@ -7,7 +7,7 @@ and the look's number alone, so that more can be drawn later, and what is there 
 from __future__ import annotations
 
 import json
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -18,35 +18,25 @@ import cv2
 import h5py
 import numpy as np
 
-from vcage.base.errors import DamagedFile, MissingStage, UnknownName, UsageError
+from vcage.base.errors import MissingStage, UnknownName, UsageError
 from vcage.base.files import RunFolder, sha256_file
-from vcage.base.geometry import Pose
 from vcage.base.pictures import write_picture
 from vcage.base.progress import Progress, silent
 from vcage.base.workers import Processes, ThisProcess
-from vcage.datasets.episode import EpisodeData
 from vcage.datasets.hdf5 import write_episode
 from vcage.datasets.reader import EpisodeReader
-from vcage.schema.asset import PhysicalModel
 from vcage.schema.base import Provenance
 from vcage.schema.episodes import Episode
-from vcage.schema.randomisation import Drawn, Look, Randomisation
+from vcage.schema.randomisation import Look, Randomisation
 from vcage.schema.renders import Render, Renders
-from vcage.schema.robot import Robot
-from vcage.schema.scene import Scene
 from vcage.sim.looks import draw_look, look_world
-from vcage.sim.replay import RenderedFrame, camera_paths, render_state
-from vcage.sim.robots import load_robot
-from vcage.sim.state import WorldState
-from vcage.sim.world import World
+from vcage.sim.replay import camera_paths, render_state
 from vcage.stages.accepted import accepted_episodes, none_counts
 from vcage.stages.context import StageContext
+from vcage.stages.recorded import DRAWN, Recorded
 from vcage.tasks.assemble import camera_tracks
 
 FOLDER, INDEX = "renders", "renders.json"
-
-DRAWN = "randomisation"
-"""Name in an episode's ``meta`` of what was drawn for it."""
 
 THUMB = 240
 """Width of a picture on the sheet, pixels."""
@@ -145,12 +135,12 @@ def _name(episode: int, look: int) -> str:
 def _render(task: _Task) -> Render:
     with EpisodeReader(task.source) as reader:
         episode = reader.episode
-    recorded = Recorded.of(episode, _context(), task.source)
+    recorded = Recorded.of(episode, task.source, _context())
     rng = np.random.default_rng([task.seed, task.episode, task.look])
     look = draw_look(task.ranges.look, recorded.scene, recorded.models, recorded.robot, rng)
-    meta = _drawn_meta(episode.meta, task, look)
+    meta = _drawn_meta(recorded, task, look)
     if not _is_there(task.out, meta):
-        recorded.write(task.out, look, meta)
+        _write(task.out, recorded, look, meta)
     place = f"{FOLDER}/{task.out.name}"
     return Render(episode=task.episode, look=task.look, file=place, frames=episode.frames)
 
@@ -160,14 +150,11 @@ def _context() -> StageContext:
     return StageContext("offline")
 
 
-def _drawn_meta(meta: Mapping[str, Any], task: _Task, look: Look) -> dict[str, Any]:
+def _drawn_meta(recorded: Recorded, task: _Task, look: Look) -> dict[str, Any]:
     """The facts of an episode with the look replaced, and what its world had drawn kept."""
-    was = meta.get(DRAWN)
-    drawn = Drawn(ranges=task.ranges.name, look=look)
-    if was is not None:
-        drawn = drawn.model_copy(update={"world": Drawn.model_validate(was).world})
+    drawn = recorded.drawn.model_copy(update={"ranges": task.ranges.name, "look": look})
     made = {"episode": task.episode, "look": task.look, "seed": task.seed, "sha256": sha256_file(task.source)}
-    return {**meta, DRAWN: drawn.model_dump(mode="json"), "render": made}
+    return {**recorded.episode.meta, DRAWN: drawn.model_dump(mode="json"), "render": made}
 
 
 def _is_there(path: Path, meta: Mapping[str, Any]) -> bool:
@@ -177,49 +164,12 @@ def _is_there(path: Path, meta: Mapping[str, Any]) -> bool:
     return False
 
 
-@dataclass(frozen=True)
-class Recorded:
-    """An episode as it can be drawn again."""
-
-    episode: EpisodeData
-    scene: Scene
-    models: Mapping[str, PhysicalModel]
-    robot: Robot
-
-    @classmethod
-    def of(cls, episode: EpisodeData, context: StageContext, path: Path) -> Recorded:
-        """What an episode's file holds.
-
-        Raises:
-            DamagedFile: the file is of a version that kept too little of the arms.
-            UnknownName: the library has no such object any more.
-        """
-        if not episode.robot_joints:
-            hint = "record it again with this version of vcage"
-            raise DamagedFile(f"{path} does not hold the joints of the arms", hint=hint, maker="collect")
-        scene = Scene.parse(episode.meta["scene"], path)
-        return cls(episode, scene, context.physical_models(scene), load_robot(scene.robot))
-
-    def states(self) -> Iterator[WorldState]:
-        """The T states."""
-        e = self.episode
-        for i in range(e.frames):
-            poses = {name: Pose(row[i, :3], row[i, 3:]) for name, row in e.object_poses.items()}
-            joints = {name: row[i] for name, row in e.robot_joints.items()}
-            yield WorldState(poses, joints, {name: row[i] for name, row in e.object_joints.items()})
-
-    def frames(self, look: Look) -> Iterator[RenderedFrame]:
-        """The T frames under a look."""
-        return self._drawn(look_world(self.scene, self.models, self.robot, look))
-
-    def write(self, path: Path, look: Look, meta: Mapping[str, Any]) -> None:
-        """Write the episode with other pictures, cameras and facts."""
-        world = look_world(self.scene, self.models, self.robot, look)
-        data = replace(self.episode, cameras=camera_tracks(camera_paths(world, self.states())), meta=dict(meta))
-        write_episode(path, data, (frame.pictures for frame in self._drawn(world)))
-
-    def _drawn(self, world: World) -> Iterator[RenderedFrame]:
-        return (render_state(world, state) for state in self.states())
+def _write(path: Path, recorded: Recorded, look: Look, meta: Mapping[str, Any]) -> None:
+    """Write the episode with pictures and cameras of a look, and other facts."""
+    world = look_world(recorded.scene, recorded.models, recorded.robot, look)
+    tracks = camera_tracks(camera_paths(world, recorded.states()))
+    data = replace(recorded.episode, cameras=tracks, meta=dict(meta))
+    write_episode(path, data, (render_state(world, state).pictures for state in recorded.states()))
 
 
 # --- the sheet ---------------------------------------------------------------------------------------------------

@@ -1,0 +1,80 @@
+"""What an episode's file tells of its world, from which it is simulated or drawn again."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from pydantic import ValidationError
+
+from vcage.base.errors import DamagedFile
+from vcage.base.geometry import Pose
+from vcage.datasets.episode import EpisodeData
+from vcage.schema.asset import PhysicalModel
+from vcage.schema.randomisation import Drawn
+from vcage.schema.robot import Robot
+from vcage.schema.scene import Scene
+from vcage.sim.robots import load_robot
+from vcage.sim.state import WorldState
+from vcage.sim.world import World
+from vcage.stages.context import StageContext
+from vcage.stages.worlds import drawn_models
+
+DRAWN = "randomisation"
+"""Name in an episode's ``meta`` of what was drawn for it."""
+
+
+@dataclass(frozen=True)
+class Recorded:
+    """An episode, and where it begins.
+
+    Args:
+        episode: all that its file holds but pictures.
+        scene, robot: of the episode.
+        models: of the scene's objects, by id, as heavy and as slippery as was drawn.
+        drawn: for the episode.
+    """
+
+    episode: EpisodeData
+    scene: Scene
+    robot: Robot
+    models: Mapping[str, PhysicalModel]
+    drawn: Drawn
+
+    @classmethod
+    def of(cls, episode: EpisodeData, path: Path, context: StageContext) -> Recorded:
+        """What a file says.
+
+        Args:
+            episode: of the file.
+            path: of the file.
+            context: the library.
+
+        Raises:
+            DamagedFile: it does not hold the joints of the arms, or what was drawn for the episode.
+            UnknownName: the library lacks an object of its scene, or there is no such robot.
+        """
+        scene = Scene.parse(episode.meta.get("scene"), path)
+        again = "record the episode again"
+        if not episode.robot_joints:
+            raise DamagedFile(f"{path} does not hold the joints of the arms", hint=again, maker="collect")
+        try:
+            drawn = Drawn.model_validate(episode.meta.get(DRAWN))
+        except ValidationError as error:
+            reason = f"{path} does not say how the episode looked, and what was simulated: {error.errors()[0]['msg']}"
+            raise DamagedFile(reason, hint=again, maker="collect") from error
+        models = drawn_models(context.physical_models(scene), drawn.world)
+        return cls(episode, scene, load_robot(scene.robot), models, drawn)
+
+    def world(self) -> World:
+        """A fresh world of the start, physics only, the arms at home."""
+        return World.of_scene(self.scene, self.models, self.robot)
+
+    def states(self) -> Iterator[WorldState]:
+        """The T states."""
+        e = self.episode
+        for i in range(e.frames):
+            poses = {name: Pose(row[i, :3], row[i, 3:]) for name, row in e.object_poses.items()}
+            joints = {name: row[i] for name, row in e.robot_joints.items()}
+            yield WorldState(poses, joints, {name: row[i] for name, row in e.object_joints.items()})
