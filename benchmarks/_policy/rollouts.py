@@ -6,6 +6,7 @@ import logging
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,18 +14,17 @@ from numpy.typing import NDArray
 from benchmarks._policy.demonstrations import View, small
 from benchmarks._policy.training import Policy
 from vcage.base.files import RunFolder
-from vcage.datasets.episode import EpisodeData
 from vcage.datasets.reader import EpisodeReader
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Subtask, Subtasks
 from vcage.sim.arms import ArmControl
 from vcage.sim.cameras import robot_cameras, shoot
 from vcage.sim.looks import look_world
-from vcage.sim.robots import load_robot
 from vcage.sim.world import PHYSICS_HZ, World
 from vcage.stages.accepted import accepted_episodes
 from vcage.stages.context import StageContext
 from vcage.stages.photographs import light_look
+from vcage.stages.recorded import Recorded
 from vcage.tasks.events import Watch
 from vcage.tasks.truth import goals_hold
 
@@ -40,14 +40,6 @@ LIGHT_SEED = 11
 """Of the lights and table tops of rollouts, which no episode has."""
 
 
-@dataclass(frozen=True)
-class _Start:
-    """A held-out episode, and its scene before it begins."""
-
-    scene: Scene
-    data: EpisodeData
-
-
 class Rollouts:
     """Starts of the held-out episodes.
 
@@ -61,9 +53,7 @@ class Rollouts:
         self._view, self._context = view, StageContext("offline")
         found = Subtasks.read(run.subtasks)
         self._subtasks = [s for s in found.kept if s.id in found.chains[0].subtasks]
-        self._starts = [_start(run, str(e.file)) for e in accepted_episodes(run)[:episodes]]
-        first = self._starts[0].scene
-        self._robot, self._models = load_robot(first.robot), self._context.physical_models(first)
+        self._starts = [self._start(run.root / str(e.file)) for e in accepted_episodes(run)[:episodes]]
 
     def __len__(self) -> int:
         return len(self._starts)
@@ -72,11 +62,10 @@ class Rollouts:
         """Whether a policy does the task; the number gives the start, and the light."""
         start = self._starts[number % len(self._starts)]
         rng = np.random.default_rng([LIGHT_SEED, number])
-        world = look_world(
-            start.scene, self._models, self._robot, light_look(start.scene, self._models, self._robot, rng)
-        )
-        trial = _Trial(world, self._watch(world, start.scene), self._subtasks, start.data.fps)
-        for _ in range(int(PATIENCE * start.data.frames) // EXECUTED):
+        of = start.scene, start.models, start.robot
+        world = look_world(*of, light_look(*of, rng))
+        trial = _Trial(world, self._watch(world, start.scene), self._subtasks, start.episode.fps)
+        for _ in range(int(PATIENCE * start.episode.frames) // EXECUTED):
             chunk = policy.act(self._seen(world)[None], _state(world)[None])[0]
             trial.carry_out(chunk[: EXECUTED + 1])
             if trial.done():
@@ -86,10 +75,14 @@ class Rollouts:
     def replayed(self, number: int) -> bool:
         """Whether the recorded actions of an episode do the task again, carried out as those of a policy are."""
         start = self._starts[number % len(self._starts)]
-        world = World.of_scene(start.scene, self._models, self._robot)
-        trial = _Trial(world, self._watch(world, start.scene), self._subtasks, start.data.fps)
-        trial.carry_out(start.data.action.astype(np.float32))
+        world = start.world()
+        trial = _Trial(world, self._watch(world, start.scene), self._subtasks, start.episode.fps)
+        trial.carry_out(start.episode.action.astype(np.float32))
         return trial.done()
+
+    def _start(self, path: Path) -> Recorded:
+        with EpisodeReader(path) as reader:
+            return Recorded.of(reader.episode, path, self._context)
 
     def _watch(self, world: World, scene: Scene) -> Watch:
         world.settle()
@@ -146,9 +139,3 @@ def command(arms: Mapping[str, ArmControl], action: NDArray[np.float32], rate: N
 
 def _state(world: World) -> NDArray[np.float32]:
     return np.concatenate([arm.qpos for arm in world.arms.values()]).astype(np.float32)
-
-
-def _start(run: RunFolder, file: str) -> _Start:
-    with EpisodeReader(run.root / file) as reader:
-        data = reader.episode
-    return _Start(Scene.model_validate(data.meta["scene"]), data)

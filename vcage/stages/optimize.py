@@ -130,7 +130,7 @@ def execute(run: RunFolder, options: Options, context: StageContext, progress: P
         def nearest(to: Mapping[str, Pose]) -> LayoutResult:
             return nearest_layout(scene, to, inside, plan.relations, stage.rng, how, context)
 
-        result, laid_out = _nearest_feasible(scene, turned, nearest, stage.rng, context)
+        result, laid_out, shift = _nearest_feasible(scene, turned, nearest, stage.rng, context)
         poses = {o.id: o.pose.pose() for o in laid_out.objects}
         write_picture(folder / "layout.png", _drawing(scene, context, targets, poses))
         settled, picture = _rebuild(laid_out, context)
@@ -138,7 +138,7 @@ def execute(run: RunFolder, options: Options, context: StageContext, progress: P
         kept = relations_kept_in(settled, plan.relations)
         if kept.broken:
             logger.warning("the layout keeps %.0f %% of the plan: not %s", 100 * kept.share, ", ".join(kept.sentences))
-        checks = {**settled.checks, **_checks(kept, result)}
+        checks = {**settled.checks, **_checks(kept, result), "targets_shifted_m": shift}
         return settled.model_copy(
             update={"provenance": provenance, "edited": [], "checks": checks}
             | {"pictures": {"top": stage.inside("top.png")}}
@@ -181,13 +181,14 @@ def _nearest_feasible(
     nearest: Callable[[Mapping[str, Pose]], LayoutResult],
     rng: Callable[[], np.random.Generator],
     context: StageContext,
-) -> tuple[LayoutResult, Scene]:
-    """The layout nearest to the targets in which what is asked for can be done, and the scene laid out like that.
+) -> tuple[LayoutResult, Scene, float]:
+    """The layout nearest to the targets in which what is asked for can be done, the scene laid out like that, and the
+    standard deviation by which its targets were shifted, metres: its costs are of these.
 
     Where it cannot, layouts near targets that are shifted further and further are tried, :data:`TRIES` in all; where it
     can in none of them, it is the nearest, and the search for sub-tasks says what is wrong with it.
     """
-    found: list[tuple[LayoutResult, Scene]] = []
+    found: list[tuple[LayoutResult, Scene, float]] = []
     shifting = rng()
     for number in range(TRIES):
         shifts = shifting.normal(0.0, number * SHIFT, (len(targets), 2))
@@ -200,7 +201,9 @@ def _nearest_feasible(
             continue
         poses = {key: Pose.from_yaw(at, targets[key].yaw) for key, at in result.positions.items()}
         displaced = {key: float(np.hypot(*(poses[key].p - target.p)[:2])) for key, target in targets.items()}
-        found.append((replace(result, displaced=displaced), _with_poses(scene, context, poses, result)))
+        found.append(
+            (replace(result, displaced=displaced), _with_poses(scene, context, poses, result), round(number * SHIFT, 3))
+        )
         try:
             if scene.instruction is not None:
                 objects, arms = context.objects(found[-1][1]), context.kinematics(scene.robot)
