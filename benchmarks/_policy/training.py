@@ -40,7 +40,7 @@ class Settings:
         size: of the network.
     """
 
-    steps: int = 600
+    steps: int
     batch: int = 32
     rate: float = 1e-3
     decay: float = 1e-4

@@ -107,7 +107,7 @@ def test_files_of_earlier_runs_keep_their_schema():
         "vcage.matches/1",
         "vcage.plan/1",
         "vcage.randomisation/1",
-        "vcage.renders/1",
+        "vcage.renders/2",
         "vcage.robot/1",
         "vcage.scene-template/1",
         "vcage.scene/1",

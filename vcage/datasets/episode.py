@@ -14,6 +14,9 @@ from vcage.sim.drive_log import DriveLog
 SPACING_TOLERANCE = 1e-6
 """Largest deviation of a timestamp from even spacing, seconds."""
 
+DRAWN = "randomisation"
+"""Name in ``meta`` of what was drawn for the episode (:class:`vcage.schema.randomisation.Drawn`)."""
+
 
 def _check(name: str, array: NDArray[Any], shape: tuple[int | None, ...]) -> None:
     """Raise ValueError unless ``array`` has ``shape`` (None: any length) and only finite numbers."""

@@ -14,13 +14,15 @@ class Render(Record):
 
     episode: int = Field(ge=0, description="number of the episode in the run")
     look: int = Field(ge=0, description="number of the look, from 0")
+    ranges: str = Field(description="name of the ranges that the look was drawn from")
+    seed: int = Field(ge=0, description="of the looks")
     file: str = Field(description="path in the run folder")
     frames: int = Field(ge=1)
 
 
 class Renders(StageDocument):
-    """What ``vcage render`` leaves."""
+    """What ``vcage render`` leaves: all renders that there are, of earlier calls too."""
 
-    SCHEMA: ClassVar[str] = "vcage.renders/1"
+    SCHEMA: ClassVar[str] = "vcage.renders/2"
 
     renders: list[Render]

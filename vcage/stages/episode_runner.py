@@ -13,10 +13,12 @@ from typing import Any
 
 import numpy as np
 
+from vcage.base.errors import InfeasibleScene
 from vcage.base.files import RunFolder
 from vcage.base.pictures import write_picture
 from vcage.base.time_limit import TimeIsUp, time_limit
 from vcage.base.version import __version__
+from vcage.datasets.episode import DRAWN
 from vcage.datasets.hdf5 import write_episode
 from vcage.plans.actions import lasting
 from vcage.schema.episodes import Attempt, Episode, Verdict
@@ -118,18 +120,22 @@ class EpisodeRunner:
         self._chains = [_Work.of(chain, *given) for chain in subtasks.chains]
 
     def one(self, index: int, folder: Path) -> tuple[Episode, list[Attempt]]:
-        """Run an episode and write its files; one that takes too long is rejected, and nothing of it is kept."""
+        """Run an episode and write its files; one that takes too long, or that has no room to begin, is rejected, and
+        nothing of it is kept."""
         try:
             with time_limit(self._limit_s):
                 return self._run(index, folder)
         except TimeIsUp:
-            reason = f"given up after {self._limit_s:g} s"
-            logger.warning("episode %d: %s", index, reason)
-            fps = self._stage.options["fps"]
-            chain = index % len(self._chains)
-            return Episode(index=index, chain=chain, seed=self._stage.seed, accepted=False, reason=reason, fps=fps), []
+            return self._given_up(index, f"given up after {self._limit_s:g} s"), []
+        except InfeasibleScene as error:
+            return self._given_up(index, error.message), []
         finally:
             gc.collect()  # worlds refer to themselves, and Python does not count what a driver holds for them
+
+    def _given_up(self, index: int, reason: str) -> Episode:
+        logger.warning("episode %d: %s", index, reason)
+        chain, fps = index % len(self._chains), self._stage.options["fps"]
+        return Episode(index=index, chain=chain, seed=self._stage.seed, accepted=False, reason=reason, fps=fps)
 
     def _run(self, index: int, folder: Path) -> tuple[Episode, list[Attempt]]:
         work = self._chains[index % len(self._chains)]
@@ -137,8 +143,7 @@ class EpisodeRunner:
         start = work.starts.draw(rng)
         look = draw_look(self._ranges.look, start.scene, start.models, self._robot, rng)
         drawn = Drawn(ranges=self._ranges.name, look=look, world=start.world)
-        mild = self._mild
-        seen = look if mild else light_look(start.scene, start.models, self._robot, rng)
+        seen = look if self._mild else light_look(start.scene, start.models, self._robot, rng)
         photographer = Photographer(start.scene, start.models, self._robot, seen)
         background = photographer.empty_table()
         write_picture(folder / background_name(index), background)
@@ -156,7 +161,7 @@ class EpisodeRunner:
         done = run_episode(setting, self._steps(work, start), index, work.goals)
         for name, picture in done.pictures.items():
             write_picture(folder / name, picture)
-        drawer = photographer.world if mild else look_world(start.scene, start.models, self._robot, look)
+        drawer = photographer.world if self._mild else look_world(start.scene, start.models, self._robot, look)
         return self._write(done, index, work, start, drawn, drawer, folder), done.attempts
 
     def _steps(self, work: _Work, start: Start) -> list[tuple[Subtask, Script]]:
@@ -218,7 +223,7 @@ class EpisodeRunner:
             "reason": done.reason,
             "robot": self._scene.robot,
             "scene": start.scene.model_dump(mode="json", by_alias=True),
-            "randomisation": drawn.model_dump(mode="json"),
+            DRAWN: drawn.model_dump(mode="json"),
             "wordings": {subtask.id: [subtask.text, *subtask.texts] for subtask in said},
             "providers": self._context.models.providers("reasoner", "editor", "detector", "embedder", "critic"),
             "versions": versions(),

@@ -6,6 +6,7 @@ Objects are placed at random where the robot reaches (:mod:`vcage.layout.placeme
 
 from __future__ import annotations
 
+import logging
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -32,6 +33,8 @@ from vcage.tasks.ground import Ground
 from vcage.tasks.rehearsal import examined, proven
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.slots import Slot
+
+logger = logging.getLogger(__name__)
 
 TURNS = tuple(float(turn) for turn in np.radians((-20, -10, 0, 10, 20)))
 """How what receives things is turned from its heading in the run's layout: its front stays towards the robot."""
@@ -131,7 +134,7 @@ class Layouts:
             details={"refused": dict(refused)},
         )
 
-    def _one(self, rng: np.random.Generator, clutter: Sequence[SceneObject] = ()) -> Layout:
+    def _one(self, rng: np.random.Generator, clutter: Sequence[SceneObject]) -> Layout:
         try:
             poses = self._solved(rng)
         except InfeasibleScene:
@@ -147,9 +150,10 @@ class Layouts:
         try:
             chain, slots = proven(chain, objects, self._scene, rng)
         except InfeasibleScene:
-            raise _Refused("things do not go side by side where they are put") from None
+            raise _Refused("there is no room where things are put") from None
         except NoFeasibleTask as error:
-            raise _Refused(error.message) from None
+            logger.debug("a layout is refused: %s", error.message)
+            raise _Refused(error.details["refused"]) from None
         for subtask, found in zip(self._chain, chain, strict=True):
             if found.grasped != subtask.grasped:  # its script takes the one it was written for
                 raise _Refused(f"{subtask.id} is not feasible with {subtask.grasped} in the hand")

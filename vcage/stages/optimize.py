@@ -188,7 +188,7 @@ def _nearest_feasible(
     Where it cannot, layouts near targets that are shifted further and further are tried, :data:`TRIES` in all; where it
     can in none of them, it is the nearest, and the search for sub-tasks says what is wrong with it.
     """
-    found: list[tuple[LayoutResult, Scene, float]] = []
+    first: tuple[LayoutResult, Scene, float] | None = None
     shifting = rng()
     for number in range(TRIES):
         shifts = shifting.normal(0.0, number * SHIFT, (len(targets), 2))
@@ -196,23 +196,24 @@ def _nearest_feasible(
         try:
             result = nearest(asked)
         except InfeasibleScene:
-            if not found:
+            if first is None:
                 raise
             continue
         poses = {key: Pose.from_yaw(at, targets[key].yaw) for key, at in result.positions.items()}
         displaced = {key: float(np.hypot(*(poses[key].p - target.p)[:2])) for key, target in targets.items()}
-        found.append(
-            (replace(result, displaced=displaced), _with_poses(scene, context, poses, result), round(number * SHIFT, 3))
-        )
+        laid_out = _with_poses(scene, context, poses, result)
+        found = replace(result, displaced=displaced), laid_out, round(number * SHIFT, 3)
+        first = first or found
+        if scene.instruction is None:
+            break
         try:
-            if scene.instruction is not None:
-                objects, arms = context.objects(found[-1][1]), context.kinematics(scene.robot)
-                require_chain(found[-1][1], objects, arms, rng())
+            require_chain(laid_out, context.objects(laid_out), context.kinematics(scene.robot), rng())
         except (NoFeasibleTask, InfeasibleScene) as error:
             logger.info("another layout is tried: %s", error.message)
         else:
-            return found[-1]
-    return found[0]
+            return found
+    assert first is not None
+    return first
 
 
 def _kept(kept: Kept) -> dict[str, Any]:

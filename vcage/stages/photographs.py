@@ -20,7 +20,7 @@ from vcage.stages.question import AT_THE_MOMENT, TOP, cameras
 
 
 def light_look(scene: Scene, models: Mapping[str, PhysicalModel], robot: Robot, rng: np.random.Generator) -> Look:
-    """The moderate look in which a critic sees an episode, whatever the look of its recording.
+    """A look drawn from the light ranges: in it a critic sees an episode whose own look is not mild.
 
     Args:
         scene, models, robot: of the episode.

@@ -10,7 +10,7 @@ from pydantic import ValidationError
 
 from vcage.base.errors import DamagedFile
 from vcage.base.geometry import Pose
-from vcage.datasets.episode import EpisodeData
+from vcage.datasets.episode import DRAWN, EpisodeData
 from vcage.schema.asset import PhysicalModel
 from vcage.schema.randomisation import Drawn
 from vcage.schema.robot import Robot
@@ -20,9 +20,6 @@ from vcage.sim.state import WorldState
 from vcage.sim.world import World
 from vcage.stages.context import StageContext
 from vcage.stages.worlds import drawn_models
-
-DRAWN = "randomisation"
-"""Name in an episode's ``meta`` of what was drawn for it."""
 
 
 @dataclass(frozen=True)

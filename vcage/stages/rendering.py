@@ -7,7 +7,7 @@ and the look's number alone, so that more can be drawn later, and what is there 
 from __future__ import annotations
 
 import json
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -23,6 +23,7 @@ from vcage.base.files import RunFolder, sha256_file
 from vcage.base.pictures import write_picture
 from vcage.base.progress import Progress, silent
 from vcage.base.workers import Processes, ThisProcess
+from vcage.datasets.episode import DRAWN
 from vcage.datasets.hdf5 import write_episode
 from vcage.datasets.reader import EpisodeReader
 from vcage.schema.base import Provenance
@@ -33,7 +34,8 @@ from vcage.sim.looks import draw_look, look_world
 from vcage.sim.replay import camera_paths, render_state
 from vcage.stages.accepted import accepted_episodes, none_counts
 from vcage.stages.context import StageContext
-from vcage.stages.recorded import DRAWN, Recorded
+from vcage.stages.episode_runner import versions
+from vcage.stages.recorded import Recorded
 from vcage.tasks.assemble import camera_tracks
 
 FOLDER, INDEX = "renders", "renders.json"
@@ -107,7 +109,7 @@ def render_run(run: RunFolder, order: Order, progress: Progress = silent) -> Ren
             options={"looks": order.looks, "randomisation": order.ranges.model_dump(mode="json", by_alias=True)},
             inputs={run.relative(task.source): sha256_file(task.source) for task in tasks[: len(chosen)]},
         ),
-        renders=sorted(done, key=lambda render: (render.episode, render.look)),
+        renders=sorted([*done, *_of_earlier_calls(folder, done)], key=lambda render: (render.episode, render.look)),
     )
     record.write(folder / INDEX)
     return record
@@ -129,6 +131,20 @@ def _name(episode: int, look: int) -> str:
     return f"episode_{episode:06d}-look_{look:03d}.hdf5"
 
 
+def _of_earlier_calls(folder: Path, drawn: Collection[Render]) -> Iterator[Render]:
+    """The renders that are there besides those that were drawn now."""
+    now = {Path(render.file).name for render in drawn}
+    for path in folder.glob("episode_*-look_*.hdf5"):
+        if path.name not in now:
+            with suppress(OSError, KeyError, ValueError), h5py.File(path) as file:  # what a killed call left is none
+                yield _record(path, json.loads(file["meta/render"][()]), len(file["timestamp"]))
+
+
+def _record(path: Path, made: Mapping[str, Any], frames: int) -> Render:
+    told = {name: made[name] for name in ("episode", "look", "ranges", "seed")}
+    return Render(**told, file=f"{FOLDER}/{path.name}", frames=frames)
+
+
 # --- one render -------------------------------------------------------------------------------------------------
 
 
@@ -141,8 +157,7 @@ def _render(task: _Task) -> Render:
     meta = _drawn_meta(recorded, task, look)
     if not _is_there(task.out, meta):
         _write(task.out, recorded, look, meta)
-    place = f"{FOLDER}/{task.out.name}"
-    return Render(episode=task.episode, look=task.look, file=place, frames=episode.frames)
+    return _record(task.out, meta["render"], episode.frames)
 
 
 @lru_cache(maxsize=1)
@@ -152,9 +167,21 @@ def _context() -> StageContext:
 
 def _drawn_meta(recorded: Recorded, task: _Task, look: Look) -> dict[str, Any]:
     """The facts of an episode with the look replaced, and what its world had drawn kept."""
-    drawn = recorded.drawn.model_copy(update={"ranges": task.ranges.name, "look": look})
-    made = {"episode": task.episode, "look": task.look, "seed": task.seed, "sha256": sha256_file(task.source)}
+    drawn = recorded.drawn.model_copy(update={"look": look, "ranges": _both(recorded.drawn.ranges, task.ranges.name)})
+    made = {
+        "episode": task.episode,
+        "look": task.look,
+        "ranges": task.ranges.name,
+        "seed": task.seed,
+        "sha256": sha256_file(task.source),
+        "versions": versions(),
+    }
     return {**recorded.episode.meta, DRAWN: drawn.model_dump(mode="json"), "render": made}
+
+
+def _both(world: str, look: str) -> str:
+    """Names of the ranges of a world, and of those that a look was drawn from."""
+    return look if look == world else f"{world}, its look {look}"
 
 
 def _is_there(path: Path, meta: Mapping[str, Any]) -> bool:
@@ -176,7 +203,7 @@ def _write(path: Path, recorded: Recorded, look: Look, meta: Mapping[str, Any]) 
 
 
 def write_sheet(run: RunFolder, record: Renders, path: Path, columns: int = 5) -> Path:
-    """One page with the middle of every render: a fixed camera's picture, and below it a wrist camera's, small.
+    """One page with the middle of every render: one camera's picture, and below it those of up to two others, small.
 
     Args:
         run: the folder.
@@ -184,20 +211,22 @@ def write_sheet(run: RunFolder, record: Renders, path: Path, columns: int = 5) -
         path: of the PNG.
         columns: renders side by side.
     """
-    cells = [_cell(run.root / render.file) for render in record.renders]
+    cells = [_cell(run.root / render.file, render.frames // 2) for render in record.renders]
     blank = np.full_like(cells[0], 255)
     cells += [blank] * (-len(cells) % columns)
     rows = [np.hstack(cells[i : i + columns]) for i in range(0, len(cells), columns)]
     return write_picture(path, np.vstack(rows))
 
 
-def _cell(path: Path) -> np.ndarray:
+def _cell(path: Path, middle: int) -> np.ndarray:
     with EpisodeReader(path) as reader:
-        middle = reader.episode.frames // 2
-        names = sorted(reader.cameras, key=lambda name: ("wrist" in name, name))
-        shown = [_narrow(reader.images(name)[middle], THUMB) for name in names[:1]]
-        shown.append(np.hstack([_narrow(reader.images(name)[middle], THUMB // 2) for name in names[1:3]] or shown[:0]))
-    return np.pad(np.vstack(shown), ((3, 3), (3, 3), (0, 0)), constant_values=255)
+        names = sorted(reader.cameras, key=lambda name: ("wrist" in name, name))[:3]
+        large, *others = (reader.images(name)[middle] for name in names)
+    small = [_narrow(picture, THUMB // 2) for picture in others]
+    row = np.full((max((len(picture) for picture in small), default=0), THUMB, 3), 255, np.uint8)
+    for place, picture in enumerate(small):
+        row[: len(picture), place * THUMB // 2 :][:, : THUMB // 2] = picture
+    return np.pad(np.vstack([_narrow(large, THUMB), row]), ((3, 3), (3, 3), (0, 0)), constant_values=255)
 
 
 def _narrow(picture: np.ndarray, width: int) -> np.ndarray:

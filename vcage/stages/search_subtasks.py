@@ -67,7 +67,7 @@ def execute(
 
     Raises:
         NoFeasibleTask: no chain of kept sub-tasks fulfils the instruction, or without one none is kept; says why.
-        InfeasibleScene: what the chain moves into one receptacle does not fit together.
+        InfeasibleScene: what the chain puts into one receptacle does not fit together, or has no place on the table.
     """
     stage = job(run, options, context)
 

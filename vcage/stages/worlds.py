@@ -138,12 +138,10 @@ class Worlds:
 
     def _read_the_same(self, text: str, things: Mapping[str, CatalogueEntry], phrases: Mapping[str, str]) -> bool:
         """Whether a text is understood as before; the instruction's own words are never exchanged."""
-        if text == self.scene.instruction:
-            # What only a model has read may lean on any look that its words name.
-            known = self._read[text]
-            return known is not None and asked_by(text, things, self._lying) == known
-        known = self._read[text]
-        return known is None or asked_by(in_other_words(text, phrases), things, self._lying) == known
+        known, own = self._read[text], text == self.scene.instruction
+        if known is None:  # what only a model has read may lean on any look that the instruction names
+            return not own
+        return asked_by(text if own else in_other_words(text, phrases), things, self._lying) == known
 
     @cached_property
     def _may_stand_by(self) -> list[CatalogueEntry]:

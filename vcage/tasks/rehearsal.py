@@ -122,7 +122,8 @@ def rehearsed(
         rng: of all choices.
 
     Raises:
-        NoFeasibleTask: one of them is not feasible where those before it leave things, or cannot be planned there.
+        NoFeasibleTask: one of them is not feasible where those before it leave things, or cannot be planned there;
+            ``details["refused"]`` says which, without what was measured.
     """
     robot, ground = load_robot(scene.robot), Ground.of(scene)
     kinematics = {name: kinematics_of(arm) for name, arm in robot.arms.items()}
@@ -136,7 +137,8 @@ def rehearsed(
             now = [_as_it_is(o, world, lies[o.id]) for o in objects]
             then = examined(subtask, now, kinematics, ground, rng)
             if then is None:
-                raise _NotWithTheseSlots(f"{subtask.id} is not feasible after what comes before it", hint=ANOTHER)
+                why = f"{subtask.id} is not feasible after what comes before it"
+                raise _NotWithTheseSlots(why, hint=ANOTHER, details={"refused": why})
             subtask = then
         if subtask.id in slots:
             slot = goes[subtask.object] = slots[subtask.id]
@@ -146,8 +148,10 @@ def rehearsed(
         try:
             play(subtask, task)
         except TaskFailed as error:
-            why = _NotWithTheseSlots if again or subtask.id in slots else NoFeasibleTask
-            raise why(f"{subtask.id} cannot be planned: {error.message}", hint=ANOTHER) from error
+            kind, why = _NotWithTheseSlots, f"{subtask.id} cannot be planned"
+            if not again and subtask.id not in slots:
+                kind = NoFeasibleTask
+            raise kind(f"{why}: {error.message}", hint=ANOTHER, details={"refused": why}) from error
         taken = [grasp for grasp in subtask.grasps if (grasp.contact, grasp.arm) == (task.contact, task.arm)]
         others = [grasp for grasp in subtask.grasps if grasp not in taken]
         found.append(subtask.model_copy(update={"grasps": [*taken, *others]}))
@@ -169,7 +173,7 @@ def proven(
 
     Raises:
         NoFeasibleTask: with none of them each sub-task is feasible in its turn.
-        InfeasibleScene: what the chain puts into one receptacle does not fit together.
+        InfeasibleScene: what the chain puts into one receptacle does not fit together, or has no place on the table.
     """
     for _ in range(draws - 1):
         with contextlib.suppress(_NotWithTheseSlots):
@@ -198,7 +202,7 @@ def require_chain(
 
     Raises:
         NoFeasibleTask: there is none.
-        InfeasibleScene: what the chain puts into one receptacle does not fit together.
+        InfeasibleScene: what the chain puts into one receptacle does not fit together, or has no place on the table.
     """
     ground = Ground.of(scene)
     found = find_subtasks(objects, kinematics, _nothing_else, ground, rng, {asked.goal for asked in scene.goals})

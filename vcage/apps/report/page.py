@@ -27,6 +27,7 @@ from vcage.schema.episodes import Difference, Episode, Episodes, Verdict, Verdic
 from vcage.schema.export import Export
 from vcage.schema.matches import Matches
 from vcage.schema.plan import Plan
+from vcage.schema.randomisation import WorldRanges
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Subtasks
 from vcage.stages.accepted import refusals
@@ -121,7 +122,9 @@ def _starts(scene: Scene, episodes: Episodes | None) -> dict[str, Any]:
     colours = zip(spread, distinct_colours(len(spread)), strict=True)
     lower, upper = scene.table.rectangle.tolist()
     refused = sum((Counter(e.layouts_refused) for e in episodes.episodes), Counter()) if episodes else Counter()
+    ranges = WorldRanges.model_validate(episodes.provenance.options["randomise"]["world"] if episodes else {})
     return {
+        "ranges": ranges.model_dump(exclude_defaults=True),
         "spread": spread,
         "colours": {name: "rgb({}, {}, {})".format(*colour) for name, colour in colours},
         "tabletop": (*lower, *upper),

@@ -12,6 +12,7 @@ from typing import Self
 
 import h5py
 
+from vcage.datasets.episode import DRAWN
 from vcage.datasets.hdf5 import SCHEMA
 from vcage.datasets.lerobot.episode import SubtaskSpan
 from vcage.datasets.reader import EpisodeReader
@@ -61,7 +62,7 @@ class VcageEpisode(ActEpisode):
     @property
     def randomisation(self) -> str | None:
         with EpisodeReader(self.path) as reader:
-            drawn = reader.episode.meta.get("randomisation")
+            drawn = reader.episode.meta.get(DRAWN)
         return None if drawn is None else json.dumps(drawn, sort_keys=True)
 
     @property
