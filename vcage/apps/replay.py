@@ -17,12 +17,12 @@ from vcage.datasets.reader import EpisodeReader
 from vcage.sim.again import simulate_again
 from vcage.sim.looks import look_world
 from vcage.sim.recording import StateLog
-from vcage.sim.replay import render_log
+from vcage.sim.replay import camera_paths, render_log
 from vcage.stages.accepted import accepted_episodes, none_counts
 from vcage.stages.context import StageContext
 from vcage.stages.episode_runner import versions
 from vcage.stages.recorded import Recorded
-from vcage.tasks.assemble import episode_data
+from vcage.tasks.assemble import camera_tracks, episode_data
 
 NOT_RECORDED = "not recorded"
 
@@ -174,7 +174,18 @@ def _pictures(reader: EpisodeReader, start: Recorded, log: StateLog) -> dict[str
     if not reader.cameras:
         return {}
     world = look_world(start.scene, start.models, start.robot, start.drawn.look)
-    return compare_pictures(reader, (frame.pictures for frame in render_log(world, log)))
+    found = compare_pictures(reader, (frame.pictures for frame in render_log(world, log)))
+    there = camera_tracks(camera_paths(world, start.states()))
+    for name, track in start.episode.cameras.items():
+        for what, ours, theirs in (
+            ("where it is", track.extrinsics, there[name].extrinsics),
+            ("its field of view", track.intrinsics[None], there[name].intrinsics[None]),
+        ):
+            gap = np.abs(ours - theirs).reshape(len(ours), -1)
+            if gap.any() and not isinstance(found[name], Difference):
+                frame = int(gap.any(axis=1).argmax())
+                found[name] = Difference(f"of {name} {what}", frame if len(ours) > 1 else None, float(gap[frame].max()))
+    return found
 
 
 def compare_pictures(reader: EpisodeReader, drawn: Iterator[Mapping[str, np.ndarray]]) -> dict[str, Difference | str]:

@@ -143,6 +143,14 @@ def folder(text: str) -> Path:
     return Path(text)
 
 
+def png(text: str) -> Path:
+    """The path of a PNG file, which may be there already."""
+    path = Path(text)
+    if path.suffix != ".png" or path.is_dir():
+        raise ValueError(f"{text!r} is not the name of a .png file")
+    return path
+
+
 POSITIVE, NATURAL, FOLDER = value(positive, "N"), value(natural, "N"), value(folder, "DIR")
 RANGES = value(name_or_file, "{none,light,full,FILE}")
 """Ranges of what differs from episode to episode; those of the project are in ``assets/randomisation``."""

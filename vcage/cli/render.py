@@ -10,7 +10,7 @@ from tyro.conf import Positional, arg
 
 from vcage.base.commands import vcage_command
 from vcage.base.files import RunFolder
-from vcage.base.options import FOLDER, NATURAL, POSITIVE, RANGES, UNSAID, natural, several
+from vcage.base.options import FOLDER, NATURAL, POSITIVE, RANGES, UNSAID, natural, png, several, value
 from vcage.cli.arguments import Command
 from vcage.cli.output import Result
 from vcage.cli.progress import progress
@@ -40,7 +40,7 @@ class RenderEpisodes(Command):
     """of the looks"""
     episodes: Annotated[tuple[int, ...], several("N ...", one=natural), UNSAID] = ()
     """numbers of the episodes (default: all that count)"""
-    sheet: Annotated[Path | None, arg(metavar="PNG"), UNSAID] = None
+    sheet: Annotated[Path | None, value(png, "PNG"), UNSAID] = None
     """where the page for people goes (default: renders/looks.png)"""
     workers: Annotated[int | None, POSITIVE, UNSAID] = None
     """processes that draw (default: one for each core)"""

@@ -44,7 +44,7 @@ class Run(BeginCommand[chain.ChainOptions], Command):
         run, options = RunFolder(self.run), self.stage
         context = context_of(options, run, *STAGES)
         if self.dry_run:
-            options.require_a_task()
+            options.require_possible()
             select_place.job(run, options, context)
             return Result(output=run.root, summary={"would_run": list(STAGES)}, next=not_dry())
         with remembered(run, options):

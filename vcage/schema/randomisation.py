@@ -5,7 +5,8 @@
 
 from __future__ import annotations
 
-from typing import Annotated, ClassVar, Literal
+from math import ceil, floor
+from typing import Annotated, ClassVar, Literal, get_args
 
 from pydantic import AfterValidator, Field
 
@@ -21,7 +22,23 @@ def _in_order(ends: tuple[float, float]) -> tuple[float, float]:
 Range = Annotated[tuple[Finite, Finite], AfterValidator(_in_order)]
 """Drawn uniformly between both ends."""
 
-Factor = Annotated[tuple[Annotated[Finite, Field(gt=0)], Annotated[Finite, Field(gt=0)]], AfterValidator(_in_order)]
+
+def _within(lowest: float, highest: float) -> AfterValidator:
+    """That both ends lie between two bounds."""
+
+    def check(ends: tuple[float, float]) -> tuple[float, float]:
+        if not lowest <= ends[0] <= ends[1] <= highest:
+            raise ValueError(f"expected {lowest:g} to {highest:g}, got {ends[0]:g} … {ends[1]:g}")
+        return ends
+
+    return AfterValidator(check)
+
+
+Above = Annotated[Finite, Field(gt=0)]
+Factor = Annotated[tuple[Above, Above], AfterValidator(_in_order)]
+UpTo5 = Annotated[Range, _within(0, 5)]
+Shares = Annotated[Range, _within(-0.5, 0.5)]
+Tenfold = Annotated[Factor, _within(0.1, 10)]
 Count = Annotated[tuple[Annotated[int, Field(ge=0)], Annotated[int, Field(ge=0)]], AfterValidator(_in_order)]
 Share = Annotated[Finite, Field(ge=0, le=1)]
 
@@ -33,34 +50,25 @@ MOST_CLUTTER = 10
 FARTHEST_HEIGHT = 0.1
 """Metres by which a table may be higher or lower than its scene says."""
 
+HEIGHT_STEP = 0.01
+"""Heights of a table differ by whole steps, as what arms reach is worked out for each, metres."""
+
 
 # --- the file: assets/randomisation/<name>.yml ---------------------------------------------------------------
-
-
-def _some_lights(ends: tuple[int, int]) -> tuple[int, int]:
-    if not 1 <= ends[0] <= ends[1] <= MOST_LIGHTS:
-        raise ValueError(f"expected 1 to {MOST_LIGHTS} lights, got {ends[0]} … {ends[1]}")
-    return ends
-
-
-def _seeing(ends: tuple[float, float]) -> tuple[float, float]:
-    if not 0.5 <= ends[0] <= ends[1] <= 1.5:
-        raise ValueError(f"expected factors of 0.5 to 1.5, got {ends[0]:g} … {ends[1]:g}")
-    return ends
 
 
 class LightRanges(Record):
     """Of the lights of an episode: the first is the key light."""
 
-    number: Annotated[Count, AfterValidator(_some_lights)] = Field(
+    number: Annotated[Count, _within(1, MOST_LIGHTS)] = Field(
         default=(1, 1), description=f"of lights, at most {MOST_LIGHTS}"
     )
     heading_deg: Range = Field(default=(-58.0, -58.0), description="in which they shine, from +x over +y, degrees")
-    slant: Range = Field(default=(0.47, 0.47), description="tangent of the angle between a light and straight down")
-    strength: Range = Field(default=(1.55, 1.55), description="of the key light; others have their share of it")
-    others: Range = Field(default=(0.2, 0.5), description="strength of each further light, share of the key light's")
-    warmth: Range = Field(default=(0.03, 0.03), description="by which share red is stronger, and blue weaker")
-    ambient: Range = Field(default=(0.45, 0.45), description="light from everywhere")
+    slant: UpTo5 = Field(default=(0.47, 0.47), description="tangent of the angle between a light and straight down")
+    strength: UpTo5 = Field(default=(1.55, 1.55), description="of the key light; others have their share of it")
+    others: UpTo5 = Field(default=(0.2, 0.5), description="strength of each further light, share of the key light's")
+    warmth: Shares = Field(default=(0.03, 0.03), description="by which share red is stronger, and blue weaker")
+    ambient: UpTo5 = Field(default=(0.45, 0.45), description="light from everywhere")
     shadows: Share = Field(default=1.0, description="how often the key light throws shadows")
 
 
@@ -78,9 +86,9 @@ class SurfaceRanges(Record):
 class CameraRanges(Record):
     """Of the cameras of the recording, about where the robot's file puts them."""
 
-    shift: Finite = Field(default=0.0, ge=0, description="largest along each axis, metres")
-    turn_deg: Finite = Field(default=0.0, ge=0, description="largest about each axis, degrees")
-    fovy: Annotated[Factor, AfterValidator(_seeing)] = Field(
+    shift: Finite = Field(default=0.0, ge=0, le=0.2, description="largest along each axis, metres")
+    turn_deg: Finite = Field(default=0.0, ge=0, le=45, description="largest about each axis, degrees")
+    fovy: Annotated[Factor, _within(0.5, 1.5)] = Field(
         default=(1.0, 1.0), description="factor of the field of view, 0.5 to 1.5"
     )
 
@@ -102,30 +110,32 @@ class LookRanges(Record):
     colours: ColourRanges = ColourRanges()
 
 
-def _no_more_clutter(ends: tuple[int, int]) -> tuple[int, int]:
-    if ends[1] > MOST_CLUTTER:
-        raise ValueError(f"expected at most {MOST_CLUTTER} objects, got {ends[1]}")
+def _holding_a_height(ends: tuple[float, float]) -> tuple[float, float]:
+    lowest, highest = heights_within(ends)
+    if lowest > highest:
+        raise ValueError(f"no whole centimetre lies in {ends[0]:g} … {ends[1]:g} m")
     return ends
 
 
-def _near_the_scene(ends: tuple[float, float]) -> tuple[float, float]:
-    if max(map(abs, ends)) > FARTHEST_HEIGHT:
-        raise ValueError(f"expected at most {FARTHEST_HEIGHT:g} m up or down, got {ends[0]:g} … {ends[1]:g}")
-    return ends
+def heights_within(ends: tuple[float, float]) -> tuple[int, int]:
+    """The first and the last whole :data:`HEIGHT_STEP` between two heights in metres; none where they are crossed."""
+    lower, upper = (round(end / HEIGHT_STEP, 6) for end in ends)
+    return ceil(lower), floor(upper)
+
+
+Heights = Annotated[Range, _within(-FARTHEST_HEIGHT, FARTHEST_HEIGHT), AfterValidator(_holding_a_height)]
 
 
 class WorldRanges(Record):
     """Of what is simulated."""
 
     variants: bool = Field(default=False, description="whether an object may be another variant that its words fit")
-    clutter: Annotated[Count, AfterValidator(_no_more_clutter)] = Field(
+    clutter: Annotated[Count, _within(0, MOST_CLUTTER)] = Field(
         default=(0, 0), description=f"objects that the task does not touch, at most {MOST_CLUTTER}"
     )
-    table_height: Annotated[Range, AfterValidator(_near_the_scene)] = Field(
-        default=(0.0, 0.0), description="added to the table's in whole centimetres, metres"
-    )
-    mass: Factor = Field(default=(1.0, 1.0), description="factor of each object's mass")
-    friction: Factor = Field(default=(1.0, 1.0), description="factor of each object's friction")
+    table_height: Heights = Field(default=(0.0, 0.0), description="added to the table's in whole centimetres, metres")
+    mass: Tenfold = Field(default=(1.0, 1.0), description="factor of each object's mass")
+    friction: Tenfold = Field(default=(1.0, 1.0), description="factor of each object's friction")
     start: Finite = Field(default=0.0, ge=0, le=0.3, description="largest offset of each joint from home, radians")
 
 
@@ -174,12 +184,21 @@ class Surface(Record):
     colour: Vec3 = Field(description="linear RGB of a plain one, and the factors of a painted one's channels")
 
 
+Where = Literal["table", "wall", "floor"]
+
+
+def _of_each(surfaces: dict[Where, Surface]) -> dict[Where, Surface]:
+    if missing := set(get_args(Where)) - set(surfaces):
+        raise ValueError(f"nothing is said of {', '.join(sorted(missing))}")
+    return surfaces
+
+
 class Look(Record):
     """What an episode looks like."""
 
     lights: list[Light] = Field(min_length=1, max_length=MOST_LIGHTS)
     ambient: Vec3 = Field(description="light from everywhere, linear RGB")
-    surfaces: dict[Literal["table", "wall", "floor"], Surface]
+    surfaces: Annotated[dict[Where, Surface], AfterValidator(_of_each)]
     cameras: dict[str, CameraShift] = {}
     tints: dict[Identifier, Tint] = Field(default={}, description="by object; none where its colours are its own")
 
@@ -193,8 +212,8 @@ class WorldDraw(Record):
     )
     clutter_drawn: int = Field(default=0, ge=0, description="how many of these were to be there; fewer have no room")
     table_height: Finite = Field(default=0.0, description="added to the scene's, metres")
-    mass: dict[Identifier, Finite] = Field(default={}, description="object → kilograms, moving parts included")
-    friction: dict[Identifier, Finite] = Field(default={}, description="object → Coulomb coefficient")
+    mass: dict[Identifier, Above] = Field(default={}, description="object → kilograms, moving parts included")
+    friction: dict[Identifier, Above] = Field(default={}, description="object → Coulomb coefficient")
     start: dict[str, list[Finite]] = Field(default={}, description="arm → offset of each joint from home, radians")
 
     @property

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from typing import Literal
 
 import numpy as np
 
@@ -22,14 +21,13 @@ from vcage.schema.randomisation import (
     Surface,
     SurfaceRanges,
     Tint,
+    Where,
 )
 from vcage.schema.robot import Robot
 from vcage.schema.scene import Scene
 from vcage.sim.appearance import Appearance
 from vcage.sim.tints import COLOUR_WORDS, colours_of, truthful, weaker
 from vcage.sim.world import World
-
-Where = Literal["table", "wall", "floor"]
 
 UNSAID_SHARE = 0.25
 """Share of a tint that an object gets which is known by what it is, not by a colour: an apple stays an apple's."""

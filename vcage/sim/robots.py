@@ -42,19 +42,38 @@ def load_template(name: str, robot: str | None = None) -> SceneTemplate:
 
 def load_randomisation(name: str) -> Randomisation:
     """The ranges called ``name`` (``assets/randomisation/<name>.yml``), or of a YAML file; raises as
-    :func:`load_robot`, and :class:`MissingStage` where there is no such file.
+    :func:`load_robot`, :class:`MissingStage` where there is no such file, and :class:`UnknownName` where nothing paints
+    one of its textures.
 
     Args:
         name: or the path of a file, which ends in .yml or .yaml.
     """
     if not name.endswith((".yml", ".yaml")):
-        return _load(Randomisation, "randomisation", "randomisation", name)
+        return _painted(_load(Randomisation, "randomisation", "randomisation", name))
     path = Path(name).expanduser()
     if not path.is_file():
         raise MissingStage(
             f"{path} does not exist", hint=f"check the path, or take one of {available('randomisation')}"
         )
-    return _read(Randomisation, path)
+    ranges = _read(Randomisation, path)
+    return _painted(ranges).model_copy(update={"name": path.name})  # not to be taken for our own of that name
+
+
+def _painted(ranges: Randomisation) -> Randomisation:
+    """The ranges, if there is a painter for each of their textures."""
+    from vcage.objects.room_surfaces import FLOORS, WALLS
+    from vcage.objects.table_tops import TABLES
+
+    surfaces = ranges.look.surfaces
+    for what, names, painters in (
+        ("table texture", surfaces.table, TABLES),
+        ("wall", surfaces.wall, WALLS),
+        ("floor", surfaces.floor, FLOORS),
+    ):
+        for name in names:
+            if name not in painters:
+                raise UnknownName(what, name, painters)
+    return ranges
 
 
 def available(folder: str) -> list[str]:
@@ -80,7 +99,7 @@ def _read(kind: type[AnyDocument], path: Path) -> AnyDocument:
 
     try:
         data = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except yaml.YAMLError as error:
+    except (yaml.YAMLError, UnicodeDecodeError) as error:
         raise DamagedFile(f"{path} is not valid YAML: {error}", hint="mend the file") from error
     return kind.parse(data, path)
 

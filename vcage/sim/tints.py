@@ -21,6 +21,10 @@ if TYPE_CHECKING:
 COLOUR_WORDS = frozenset({*(word for _, word in HUES), "pink", "brown", "black", "white", "grey", "gray", "violet"})
 """Words of a phrase that say a colour."""
 
+BESIDE = 6.0
+"""Degrees of hue by which a colour must be away from one of another name: warm and cold lights turn what is seen by
+about as much."""
+
 HALVINGS = 6
 """A tint that changes a word is halved so often at most, before the object keeps its colours."""
 
@@ -53,7 +57,8 @@ def truthful(colours: Colours, tint: Tint) -> Tint | None:
     """The tint, or the largest half, quarter, … of it under which the words for an object stay; None for none."""
     words = colours.words()
     for _ in range(HALVINGS):
-        if colours.words(tint) == words:
+        beside = (tint.model_copy(update={"hue_deg": tint.hue_deg + off}) for off in (-BESIDE, 0, BESIDE))
+        if all(colours.words(one) == words for one in beside):
             return tint
         tint = weaker(tint, 0.5)
     return None

@@ -60,12 +60,14 @@ class ChainOptions(
     all_subtasks: Flag = False
     """build the scene of its template, without an instruction, and run every sub-task that it has, each by itself"""
 
-    def require_a_task(self) -> None:
-        """Nothing unless there is either an instruction or the wish for every sub-task of a scene.
+    def require_possible(self) -> None:
+        """Nothing if there is either an instruction or the wish for every sub-task of a scene, and ranges to draw from.
 
         Raises:
             UsageError: there is neither, or both; says the way out.
+            UnknownName, MissingStage, InputFileError: there are no such ranges, or they are not possible.
         """
+        collect.required_ranges(self)
         if self.instruction is None and not self.all_subtasks:
             raise UsageError(
                 "there is no instruction",
@@ -103,7 +105,7 @@ def run_chain(
         FolderInUse: another process works on the run.
         VcageError: what a stage raises; those before it are finished.
     """
-    options.require_a_task()
+    options.require_possible()
     context = context or options.context(run)
     done = {}
     with at_work(run):

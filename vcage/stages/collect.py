@@ -89,8 +89,7 @@ def job(run: RunFolder, options: Options, context: StageContext) -> Job:
         record = Subtasks.read(run.subtasks)
         scripts = [run.root / s.script for s in record.kept if any(s.id in chain.subtasks for chain in record.chains)]
     planned = [run.plan] if options.layout == "varied" and run.plan.exists() else []
-    ranges = load_randomisation(options.randomise)
-    _require_layouts(ranges, options, run)
+    ranges = required_ranges(options, lone=run.subtasks.exists() and not run.plan.exists())
     return Job(
         run=run,
         output=run.episodes,
@@ -102,19 +101,25 @@ def job(run: RunFolder, options: Options, context: StageContext) -> Job:
     )
 
 
-def _require_layouts(ranges: Randomisation, options: Options, run: RunFolder) -> None:
-    """That what takes other room than the run's objects has layouts in which it is given that.
+def required_ranges(options: Options, lone: bool = False) -> Randomisation:
+    """The ranges that the options name; what takes other room than the run's objects has layouts that give it that.
+
+    Args:
+        options: of the stage.
+        lone: whether a script runs alone, which has no plan to draw layouts by.
 
     Raises:
         UsageError: it has not.
+        UnknownName, MissingStage, InputFileError: there are no such ranges, or they are not possible.
     """
-    lone = run.subtasks.exists() and not run.plan.exists()  # a script that runs alone has no plan to draw layouts by
+    ranges = load_randomisation(options.randomise)
     if (ranges.world.variants or ranges.world.clutter[1]) and (options.layout == "fixed" or lone):
         raise UsageError(
             f"{ranges.name} asks for other variants or for clutter, which need layouts that are drawn"
             + (", and a sub-task that runs alone has none" if lone else ", not --layout fixed"),
             hint="leave out --layout, or give --randomise a file with variants: false and clutter: [0, 0]",
         )
+    return ranges
 
 
 def summary(record: Episodes) -> dict[str, Any]:

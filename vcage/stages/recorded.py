@@ -61,8 +61,12 @@ class Recorded:
         except ValidationError as error:
             reason = f"{path} does not say how the episode looked, and what was simulated: {error.errors()[0]['msg']}"
             raise DamagedFile(reason, hint=again, maker="collect") from error
+        robot = load_robot(scene.robot)
+        for arm, offset in drawn.world.start.items():
+            if arm not in robot.arms or len(offset) != len(robot.arms[arm].home):
+                raise DamagedFile(f"{path}: {scene.robot} has no arm {arm!r} of {len(offset)} joints", hint=again)
         models = drawn_models(context.physical_models(scene), drawn.world)
-        return cls(episode, scene, load_robot(scene.robot), models, drawn)
+        return cls(episode, scene, robot, models, drawn)
 
     def world(self) -> World:
         """A fresh world of the start, physics only, the arms at home."""

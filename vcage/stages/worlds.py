@@ -16,7 +16,7 @@ from vcage.models.rules.bystanders import Asked, asked_by, bystanders
 from vcage.models.selection_check import phrase_of
 from vcage.schema.asset import CatalogueEntry, PhysicalModel
 from vcage.schema.base import PoseRecord, box_record
-from vcage.schema.randomisation import WorldDraw, WorldRanges
+from vcage.schema.randomisation import HEIGHT_STEP, WorldDraw, WorldRanges, heights_within
 from vcage.schema.scene import ObjectRecord, Scene
 from vcage.schema.subtasks import Subtask
 from vcage.sim.bodies import Body
@@ -27,9 +27,6 @@ from vcage.stages.context import StageContext
 from vcage.stages.stability import moved_objects
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.wording import in_other_words
-
-HEIGHT_STEP = 0.01
-"""Heights of a table differ by whole steps, as what arms reach is worked out for each, metres."""
 
 WIDEST_CLUTTER, HIGHEST_CLUTTER = 0.16, 0.12
 """What no task touches is no wider and no higher, metres: hands pass over it."""
@@ -52,7 +49,7 @@ class Worlds:
 
     def draw(self, ranges: WorldRanges, rng: np.random.Generator) -> WorldDraw:
         """What an episode has otherwise, as far as that does not depend on where things stand."""
-        lowest, highest = (round(end / HEIGHT_STEP) for end in ranges.table_height)
+        lowest, highest = heights_within(ranges.table_height)
         height = round(int(rng.integers(lowest, highest + 1)) * HEIGHT_STEP, 3)
         variants = self._variants(rng) if ranges.variants else {}
         number = int(rng.integers(ranges.clutter[0], ranges.clutter[1] + 1))

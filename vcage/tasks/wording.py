@@ -121,7 +121,7 @@ def task_wordings(steps: Sequence[Sequence[str]], names: Mapping[str, str]) -> l
             for first, *others in [[texts[number % len(texts)] for texts in commands]]
             for join in (", then ", ", and ")
         ]
-    return list(dict.fromkeys([*whole, *(in_other_words(text, names) for text in whole)]))
+    return list(dict.fromkeys(said for text in whole for said in (text, in_other_words(text, names))))
 
 
 def _is_command(text: str) -> bool:
