@@ -182,6 +182,20 @@ def test_a_file_that_does_not_tell_what_was_drawn_is_told(plain, tmp_path, conte
         replay_episode(with_drawn(plain, tmp_path, {}), context)
 
 
+def test_arms_that_the_robot_has_not_are_told(plain, tmp_path, context):
+    drawn = Drawn(ranges="full", look=look(0), world=WorldDraw(start={"middle": [0.0] * 7}))
+    with pytest.raises(DamagedFile, match="no arm 'middle'"):
+        replay_episode(with_drawn(plain, tmp_path, drawn.model_dump(mode="json")), context)
+
+
+def test_a_camera_that_stood_elsewhere_than_the_file_says_is_told(pictured, tmp_path, context):
+    path = Path(shutil.copy(pictured, tmp_path))
+    with h5py.File(path, "r+") as file:
+        file["cameras/cam_high/extrinsics"][5:, 0, 3] += 0.5
+    found = replay_episode(path, context).pictures["cam_high"]
+    assert isinstance(found, Difference) and found.frame == 5 and found.by == pytest.approx(0.5)
+
+
 def test_a_picture_that_was_changed_is_told_with_its_frame(pictured, tmp_path, context):
     path = Path(shutil.copy(pictured, tmp_path))
     with h5py.File(path, "r+") as file:

@@ -1,14 +1,24 @@
 """Ranges that make no sense are refused by their field."""
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from pydantic import ValidationError
 
-from vcage.schema.randomisation import LookRanges, WorldDraw, WorldRanges
+from vcage.schema.randomisation import HEIGHT_STEP, Look, LookRanges, WorldDraw, WorldRanges, heights_within
 
 
 @pytest.mark.parametrize(
     ("field", "value"),
-    [("clutter", (0, 11)), ("table_height", (-0.5, 0.0)), ("mass", (0.0, 1.0)), ("start", 1.0), ("friction", (2, 1))],
+    [
+        ("clutter", (0, 11)),
+        ("table_height", (-0.5, 0.0)),
+        ("table_height", (0.006, 0.007)),
+        ("mass", (0.0, 1.0)),
+        ("mass", (0.001, 1.0)),
+        ("start", 1.0),
+        ("friction", (2, 1)),
+    ],
 )
 def test_what_a_world_cannot_have_is_refused(field, value):
     with pytest.raises(ValidationError, match=field):
@@ -23,6 +33,9 @@ def test_what_a_world_cannot_have_is_refused(field, value):
         {"light": {"shadows": 2}},
         {"cameras": {"fovy": (1.0, 9.0)}},
         {"cameras": {"shift": -0.1}},
+        {"cameras": {"turn_deg": 5000}},
+        {"light": {"strength": (-2, -1)}},
+        {"light": {"warmth": (3, 3)}},
         {"colours": {"hue_deg": 400}},
     ],
 )
@@ -30,6 +43,23 @@ def test_what_a_look_cannot_have_is_refused(ranges):
     (part, fields), *_ = ranges.items()
     with pytest.raises(ValidationError, match=rf"{part}\.{next(iter(fields))}"):
         LookRanges.model_validate(ranges)
+
+
+@given(st.tuples(st.floats(-0.1, 0.1), st.floats(-0.1, 0.1)).map(sorted))
+def test_the_heights_of_a_range_are_within_it(ends):
+    lowest, highest = heights_within((ends[0], ends[1]))
+    assert all(ends[0] - 1e-7 <= HEIGHT_STEP * k <= ends[1] + 1e-7 for k in range(lowest, highest + 1))
+
+
+def test_a_look_says_what_table_wall_and_floor_are():
+    with pytest.raises(ValidationError, match="nothing is said of floor, wall"):
+        Look.model_validate(
+            {
+                "lights": [{"direction": (0, 0, -1), "colour": (1, 1, 1), "shadows": True}],
+                "ambient": (0.4, 0.4, 0.4),
+                "surfaces": {"table": {"texture": "oak", "colour": (1, 1, 1)}},
+            }
+        )
 
 
 def test_a_line_tells_what_differs_and_what_there_is_no_room_for():

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
+import cv2
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from vcage.base.errors import MissingStage, SchemaMismatch, UnknownName
+from vcage.base.errors import DamagedFile, MissingStage, SchemaMismatch, UnknownName
 from vcage.schema.randomisation import MOST_LIGHTS, Tint
 from vcage.sim.looks import _lights
 from vcage.sim.robots import load_randomisation
-from vcage.sim.tints import Colours, truthful
+from vcage.sim.tints import BESIDE, Colours, truthful
 
 CHANNEL = st.integers(0, 255)
 
@@ -26,6 +27,16 @@ def test_the_word_for_a_colour_stays_whatever_is_drawn(rgb, hue, saturation, lig
     colours = Colours(np.array([rgb], np.uint8), np.ones(1))
     kept = truthful(colours, Tint(hue_deg=hue, saturation=saturation, lightness=lightness))
     assert kept is None or colours.words(kept) == colours.words()
+
+
+@given(st.integers(43, 60), st.floats(-20, 20))
+def test_a_yellow_thing_keeps_its_distance_from_orange(hue, turn):
+    picture = np.array([[[hue, 0.5, 0.9]]], np.float32)
+    rgb = (cv2.cvtColor(picture, cv2.COLOR_HLS2RGB)[0, 0] * 255).round().astype(np.uint8)
+    colours = Colours(rgb[None], np.ones(1))
+    kept = truthful(colours, Tint(hue_deg=turn, saturation=1.0, lightness=1.0))
+    nearer = None if kept is None else kept.model_copy(update={"hue_deg": kept.hue_deg - BESIDE})
+    assert nearer is None or colours.words(nearer) == colours.words()
 
 
 @pytest.mark.parametrize("name", ["none", "light", "full"])
@@ -54,4 +65,27 @@ def test_a_wrong_range_is_named(tmp_path):
     file = tmp_path / "mine.yml"
     file.write_text("schema: vcage.randomisation/1\nname: mine\ndescription: x\nlook: {light: {slant: [1, 0]}}\n")
     with pytest.raises(SchemaMismatch, match=r"look\.light\.slant"):
+        load_randomisation(str(file))
+
+
+HEAD = "schema: vcage.randomisation/1\nname: full\ndescription: x\n"
+
+
+def test_a_file_of_ones_own_is_not_taken_for_ours_of_that_name(tmp_path):
+    file = tmp_path / "mine.yml"
+    file.write_text(HEAD)
+    assert load_randomisation(str(file)).name == "mine.yml"
+
+
+def test_a_texture_that_nobody_paints_is_named_with_those_there_are(tmp_path):
+    file = tmp_path / "mine.yml"
+    file.write_text(HEAD + "look: {surfaces: {floor: [lava]}}\n")
+    with pytest.raises(UnknownName, match=r"unknown floor 'lava'.*screed"):
+        load_randomisation(str(file))
+
+
+def test_a_file_that_is_no_text_is_told(tmp_path):
+    file = tmp_path / "mine.yml"
+    file.write_bytes(b"\xff\xfe\x00bad")
+    with pytest.raises(DamagedFile, match=r"mine\.yml"):
         load_randomisation(str(file))

@@ -75,6 +75,8 @@ def test_the_same_command_again_does_nothing(finished_scene, capsys):
         ({"instruction": None}, "there is no instruction"),
         ({"all_subtasks": True}, "an instruction says itself"),
         ({"instruction": None, "all_subtasks": True, "template": "table"}, "the scene table says nothing of what"),
+        ({"randomise": "full", "layout": "fixed"}, "full asks for other variants"),
+        ({"randomise": "lava"}, "unknown randomisation 'lava'"),
     ],
 )
 def test_either_an_instruction_or_every_sub_task_of_a_scene_with_contents(changes, complaint, tmp_path):

@@ -101,8 +101,11 @@ def test_what_a_killed_render_left_is_drawn_again(run, rendered):
     _, drawn = files(run, rendered)
     whole = drawn[1].read_bytes()
     drawn[1].write_bytes(whole[: len(whole) // 2])
+    partial = drawn[1].with_name(f"{drawn[1].stem}.partial-999999999.hdf5")
+    partial.write_bytes(b"begun")
     render_run(run, Order(looks=2, ranges=FULL, seed=0))
     assert drawn[1].read_bytes() == whole
+    assert not partial.exists()
 
 
 def test_the_sheet_shows_every_look(run, rendered, tmp_path):
