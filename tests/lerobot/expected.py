@@ -7,6 +7,7 @@ import tempfile
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
+from typing import Any
 
 import av
 import h5py
@@ -15,6 +16,7 @@ from numpy.typing import NDArray
 
 STATE, ACTION = "observation.state", "action"
 PICTURES = "observation.images."
+RANDOMISATION = "vcage.randomisation"
 """LeRobot's names; what the name of a camera begins with."""
 
 
@@ -79,12 +81,13 @@ class Episode:
     Args:
         start: number of its first frame in the data set.
         fps: frames per second.
-        task: the instruction.
+        task: in the words that were drawn for it, else the instruction.
         vectors: :data:`STATE`, measured, and :data:`ACTION`, commanded, as far as there are any: (T, D) float32.
         timestamp: (T,) seconds.
         subtasks: text of the sub-task of every frame; empty where there is none.
         wordings: text of a sub-task → all the ways in which it may be said.
         videos: LeRobot's name of a camera → its pictures.
+        randomisation: what was drawn for it; None where nobody said.
     """
 
     start: int
@@ -95,6 +98,7 @@ class Episode:
     subtasks: list[str]
     wordings: dict[str, list[str]]
     videos: dict[str, Video]
+    randomisation: dict[str, Any] | None = None
 
     def __len__(self) -> int:
         return len(self.timestamp)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pyarrow.parquet as pq
 
-from tests.lerobot.expected import ACTION, STATE, Episode, Pictures, Video
+from tests.lerobot.expected import ACTION, RANDOMISATION, STATE, Episode, Pictures, Video
 
 
 def read_folder(root: Path, scratch: Path) -> list[Episode]:
@@ -43,6 +43,7 @@ def read_folder(root: Path, scratch: Path) -> list[Episode]:
                 key: Video(root / path, Pictures(root / path, data.num_rows, scratch, first))
                 for key, (path, first) in ((key, row["videos"][key]) for key in keys)
             },
+            randomisation=json.loads(row[RANDOMISATION]) if row.get(RANDOMISATION) else None,
         )
         episodes.append(episode)
         start += len(episode)
@@ -54,11 +55,13 @@ Metadata = tuple[list[dict[str, Any]], dict[int, str], dict[int, str]]
 
 
 def _metadata_v21(root: Path, info: dict[str, Any]) -> Metadata:
-    rows = []
+    rows, drawn = [], list(map(json.loads, (root / "meta/episodes.jsonl").read_text().splitlines()))
     for index in range(info["total_episodes"]):
         place = {"episode_chunk": index // info["chunks_size"], "episode_index": index}
         videos = {key: (info["video_path"].format(video_key=key, **place), 0) for key in info["features"]}
-        rows.append({"episode_index": index, "table": info["data_path"].format(**place), "videos": videos})
+        rows.append(
+            {**drawn[index], "episode_index": index, "table": info["data_path"].format(**place), "videos": videos}
+        )
     return rows, _lines(root, "task"), _lines(root, "subtask")
 
 
@@ -80,7 +83,8 @@ def _metadata_v3(root: Path, info: dict[str, Any]) -> Metadata:
                 first = round(row[f"videos/{name}/from_timestamp"] * info["fps"])
                 videos[name] = (info["video_path"].format(video_key=name, **at), first)
             table = info["data_path"].format(**place)
-            rows.append({"episode_index": row["episode_index"], "table": table, "videos": videos})
+            drawn = {RANDOMISATION: row[RANDOMISATION]} if RANDOMISATION in row else {}
+            rows.append({**drawn, "episode_index": row["episode_index"], "table": table, "videos": videos})
     return rows, _texts(root, "task"), _texts(root, "subtask")
 
 

@@ -37,7 +37,7 @@ def read_run(run: Path, scratch: Path) -> list[Episode]:
         episode = Episode(
             start=start,
             fps=float(data.attrs["fps"]),
-            task=json.loads(data["meta/instruction"][()]),
+            task=json.loads(data["meta/task" if "task" in data["meta"] else "meta/instruction"][()]),
             vectors={
                 STATE: data["observations/qpos"][()].astype(np.float32),
                 ACTION: data["action"][()].astype(np.float32),
@@ -46,6 +46,7 @@ def read_run(run: Path, scratch: Path) -> list[Episode]:
             subtasks=list(_subtasks(data)),
             wordings=_wordings(data),
             videos=videos,
+            randomisation=json.loads(data["meta/randomisation"][()]) if "randomisation" in data["meta"] else None,
         )
         episodes.append(episode)
         start += len(episode)

@@ -1,17 +1,18 @@
-"""The columns of language of a v3.1 folder, and the wordings of sub-tasks, against what was recorded.
+"""The columns of language of a v3.1 folder, the wordings of sub-tasks and what was drawn, against what was recorded.
 
 Read with nothing but Parquet: the lerobot that the other checks use refuses frames that have these columns.
 """
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import pyarrow.parquet as pq
 
-from tests.lerobot.expected import Episode
+from tests.lerobot.expected import RANDOMISATION, Episode
 from tests.lerobot.report import Report
 
 ROW = {"role": "assistant", "style": "subtask", "camera": None, "tool_calls": None}
@@ -29,6 +30,10 @@ def check_language(report: Report, root: Path, episodes: list[Episode]) -> None:
         f"{text!r} is said {found.get(text)}, not {said}" for text, said in expected.items() if found.get(text) != said
     ]
     report.check("v3.1 files: wordings of sub-tasks", f"{len(found)} sub-tasks", wrong)
+    rows = pq.read_table(root / "meta/episodes").to_pylist()
+    drawn = [json.loads(row.get(RANDOMISATION) or "null") for row in rows]
+    right = drawn == [episode.randomisation for episode in episodes]
+    report.check("v3.1 files: what was drawn for episodes", f"{len(drawn)} rows", [] if right else [f"{drawn}"])
 
 
 def _frames(root: Path, number: int, episode: Episode) -> Iterator[str]:

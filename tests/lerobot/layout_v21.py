@@ -16,7 +16,7 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from tests.lerobot.expected import Episode
+from tests.lerobot.expected import RANDOMISATION, Episode
 from tests.lerobot.report import Report
 
 INFO = {
@@ -55,7 +55,8 @@ NUMBERS = {
 }
 SUBTASKS = "meta/subtasks.jsonl"
 OURS = {SUBTASKS}
-"""What we add; readers of the format look past it. So do frames have a ``subtask_index``."""
+"""What we add; readers of the format look past it. So do frames have a ``subtask_index``, and episodes what was drawn
+for them (:data:`tests.lerobot.expected.RANDOMISATION`)."""
 
 
 def check_layout(report: Report, root: Path, episodes: list[Episode]) -> None:
@@ -69,8 +70,11 @@ def check_layout(report: Report, root: Path, episodes: list[Episode]) -> None:
     tasks = {row["task_index"]: row["task"] for row in _rows(root / "meta/tasks.jsonl")}
     report.check("v2.1 files: tasks.jsonl", f"{len(tasks)} tasks", list(_tasks(tasks, episodes)))
     rows = _rows(root / "meta/episodes.jsonl")
+    drawn = [json.loads(row.pop(RANDOMISATION, "null")) for row in rows]
     wanted = [{"episode_index": i, "tasks": [e.task], "length": len(e)} for i, e in enumerate(episodes)]
     report.check("v2.1 files: episodes.jsonl", f"{len(rows)} rows", [] if rows == wanted else [f"{rows}"])
+    right = drawn == [e.randomisation for e in episodes]
+    report.check("v2.1 files: what was drawn for episodes", f"{len(drawn)} rows", [] if right else [f"{drawn}"])
     report.check("v2.1 files: episodes_stats.jsonl", f"{len(episodes)} rows", list(_statistics(root, info, episodes)))
     report.check("v2.1 files: Parquet columns", f"{len(episodes)} files", list(_tables(root, info, tasks, episodes)))
     subtasks = {row["subtask_index"]: row["subtask"] for row in _rows(root / SUBTASKS)} if _has_subtasks(info) else {}
