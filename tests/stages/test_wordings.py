@@ -52,6 +52,13 @@ def test_one_of_several_is_always_called_by_its_colour(context):
     assert all("red block" in text for text in said)
 
 
+def test_beside_one_of_several_another_is_still_called_for_short(context):
+    there = scene("block")
+    blue = there.objects[2].model_copy(update={"variant": "blue", "phrase": "blue block"})
+    there = there.model_copy(update={"objects": [*there.objects[:2], blue]})
+    assert "Put the red block onto the plate." in said_of(TEXT, [step()], there, context)
+
+
 def test_every_wording_of_an_episode_asks_for_the_goals_of_its_scene(finished: Finished):
     path = next(finished.run.root.glob("episodes/*.hdf5"))
     with h5py.File(path) as file:

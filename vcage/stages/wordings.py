@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 
 from vcage.models.rules.bystanders import asked_by
@@ -30,7 +31,8 @@ def said_of(text: str, chain: Sequence[Subtask], scene: Scene, context: StageCon
     things = {o.id: o.kind() for o in context.objects(scene)}
     lying = {o.id: o.container for o in scene.objects if o.container is not None}
     asked = {one.goal for one in scene.goals}
-    names = {o.phrase: things[o.id].words.name for o in scene.objects}
+    called = Counter(kind.words.name for kind in things.values())
+    names = {o.phrase: name for o in scene.objects if called[name := things[o.id].words.name] == 1}
     found = [text]
     for sentence in task_wordings([[subtask.text, *subtask.texts] for subtask in chain], names):
         read = asked_by(sentence, things, lying)
