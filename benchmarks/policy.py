@@ -30,7 +30,7 @@ import numpy as np
 from benchmarks._policy.collected import Task
 from benchmarks._policy.demonstrations import ENCODINGS, Demonstrations, View, load
 from benchmarks._policy.network import Size
-from benchmarks._policy.rollouts import Rollouts
+from benchmarks._policy.rollouts import Outcome, Rollouts
 from benchmarks._policy.training import Policy, Settings, errors, named, still, trained
 from vcage.base.errors import UsageError
 from vcage.base.files import cache_dir
@@ -106,6 +106,7 @@ def run(
     - ``bytes``: of the pictures that the policy's cameras took, at their full size; raw is uncompressed RGB.
     - ``error_rad``: mean L1 error of a predicted chunk on held-out episodes over all joints, radians, with its interval
       at 95 % over seeds (Student's t); ``error_gripper``: the same of the openings, from 0 to 1, without interval.
+    - ``touched``, ``lifted``: rollouts in which a hand touched, or held above where it stood, what was to be moved.
     - ``success``: rollouts that did the task; ``success_low``, ``success_high``: its Wilson interval at 95 %.
     - ``seconds``: of training, all seeds together; none where all weights were kept from before.
     - ``held_out``: its ``still`` is the error of a policy that never moves, which the others must be held against.
@@ -170,7 +171,7 @@ class Row:
             self._digest.update(np.ascontiguousarray(array).data)
         self._policies: list[Policy] = []
         self._errors: list[dict[str, float]] = []
-        self._done: list[bool] = []
+        self._outcomes: list[Outcome] = []
         self._seconds = 0.0
 
     @property
@@ -191,13 +192,13 @@ class Row:
     def roll_out(self, number: int, rollouts: Rollouts) -> None:
         """Let the policy whose turn it is do the task."""
         policy = self._policies[(number // len(rollouts) + number) % len(self._policies)]
-        self._done.append(rollouts.succeeds(policy, number))
-        logger.info("%s, rollout %d: %d succeeded", self.name, number + 1, sum(self._done))
+        self._outcomes.append(rollouts.outcome(policy, number))
+        logger.info("%s, rollout %d: %s", self.name, number + 1, self._outcomes[-1])
 
     def figures(self) -> dict[str, Any]:
         """Of all that was done."""
         low, high = interval(self.errors_rad)
-        success = CountedShare.counted(sum(self._done), len(self._done))
+        success = CountedShare.counted(sum(o.done for o in self._outcomes), len(self._outcomes))
         return {
             "trained_on": self.name,
             "episodes": len(self._demonstrations.ends),
@@ -207,6 +208,8 @@ class Row:
             "error_rad_low": round(low, 5),
             "error_rad_high": round(high, 5),
             "error_gripper": round(float(np.mean([error["error_gripper"] for error in self._errors])), 5),
+            "touched": sum(o.touched for o in self._outcomes),
+            "lifted": sum(o.lifted for o in self._outcomes),
             "success": success.some,
             "rollouts": success.of,
             "success_low": success.low,

@@ -36,8 +36,26 @@ EXECUTED = 5
 PATIENCE = 2.0
 """A rollout may take so many times as long as the demonstration from the same start."""
 
+LIFTED = 0.03
+"""Metres above where it stood: a thing that a hand holds there does not lean or slide."""
+
 LIGHT_SEED = 11
 """Of the lights and table tops of rollouts, which no episode has."""
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """How far a rollout came.
+
+    Args:
+        touched: a hand touched what it was to move.
+        lifted: a hand held it above where it stood.
+        done: all that was to be brought about is true.
+    """
+
+    touched: bool
+    lifted: bool
+    done: bool
 
 
 class Rollouts:
@@ -58,8 +76,8 @@ class Rollouts:
     def __len__(self) -> int:
         return len(self._starts)
 
-    def succeeds(self, policy: Policy, number: int) -> bool:
-        """Whether a policy does the task; the number gives the start, and the light."""
+    def outcome(self, policy: Policy, number: int) -> Outcome:
+        """How far a policy comes; the number gives the start, and the light."""
         start = self._starts[number % len(self._starts)]
         rng = np.random.default_rng([LIGHT_SEED, number])
         of = start.scene, start.models, start.robot
@@ -68,9 +86,9 @@ class Rollouts:
         for _ in range(int(PATIENCE * start.episode.frames) // EXECUTED):
             chunk = policy.act(self._seen(world)[None], _state(world)[None])[0]
             trial.carry_out(chunk[: EXECUTED + 1])
-            if trial.done():
-                return True
-        return False
+            if trial.outcome.done:
+                break
+        return trial.outcome
 
     def replayed(self, number: int) -> bool:
         """Whether the recorded actions of an episode do the task again, carried out as those of a policy are."""
@@ -78,7 +96,7 @@ class Rollouts:
         world = start.world()
         trial = _Trial(world, self._watch(world, start.scene), self._subtasks, start.episode.fps)
         trial.carry_out(start.episode.action.astype(np.float32))
-        return trial.done()
+        return trial.outcome.done
 
     def _start(self, path: Path) -> Recorded:
         with EpisodeReader(path) as reader:
@@ -94,7 +112,6 @@ class Rollouts:
         return np.stack([small(shoot(world, cameras[name]), self._view) for name in self._view.cameras])
 
 
-@dataclass(frozen=True)
 class _Trial:
     """One attempt at a task.
 
@@ -103,28 +120,39 @@ class _Trial:
         watch: of it, since it began.
         subtasks: what is to be done.
         fps: actions per second.
+
+    Attributes:
+        outcome: until now.
     """
 
-    world: World
-    watch: Watch
-    subtasks: Sequence[Subtask]
-    fps: float
+    def __init__(self, world: World, watch: Watch, subtasks: Sequence[Subtask], fps: float):
+        self._world, self._watch, self._fps = world, watch, fps
+        self._moved = [subtask.object for subtask in subtasks]
+        self._goals = [goal for subtask in subtasks for goal in subtask.goals]
+        self.outcome = Outcome(touched=False, lifted=False, done=False)
 
     def carry_out(self, actions: NDArray[np.float32]) -> None:
         """Drive from each action to the next in a straight line: the first is that of now."""
-        steps = round(PHYSICS_HZ / self.fps)
+        steps = round(PHYSICS_HZ / self._fps)
         for now, then in pairwise(actions):
             for step in range(1, steps + 1):
-                command(self.world.arms, now + (then - now) * (step / steps), (then - now) * self.fps)
-                self.world.step()
+                command(self._world.arms, now + (then - now) * (step / steps), (then - now) * self._fps)
+                self._world.step()
+            self._look()
 
-    def done(self) -> bool:
-        """Whether all is true that it was to bring about, and no hand touches what was moved any more."""
-        moved = [subtask.object for subtask in self.subtasks]
-        touching = {name.partition("/")[0] for thing in moved for name in self.world.touching(thing)}
-        now = {name: self.watch.now(name) for name in self.watch.objects}
-        goals = [goal for subtask in self.subtasks for goal in subtask.goals]
-        return not touching & set(self.world.arms) and goals_hold(goals, now, self.watch).success
+    def _look(self) -> None:
+        """Whether all is true that was to be brought about, and no hand touches what was moved any more."""
+        world, watch = self._world, self._watch
+        touching = {name.partition("/")[0] for thing in self._moved for name in world.touching(thing)}
+        touched = not touching.isdisjoint(world.arms)
+        lifted = any(
+            world.object_pose(thing).p[2] > watch.began[thing].pose.p[2] + LIFTED
+            for thing in self._moved
+            if any(world.holds(arm, thing) for arm in world.arms)
+        )
+        now = {name: watch.now(name) for name in watch.objects}
+        done = not touched and goals_hold(self._goals, now, watch).success
+        self.outcome = Outcome(self.outcome.touched or touched, self.outcome.lifted or lifted, done)
 
 
 def command(arms: Mapping[str, ArmControl], action: NDArray[np.float32], rate: NDArray[np.float32]) -> None:

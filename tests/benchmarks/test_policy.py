@@ -13,11 +13,13 @@ from benchmarks import policy
 from benchmarks._policy import demonstrations
 from benchmarks._policy.demonstrations import ENCODINGS, Demonstrations, View
 from benchmarks._policy.network import Size
-from benchmarks._policy.rollouts import Rollouts, command
+from benchmarks._policy.rollouts import EXECUTED, Outcome, Rollouts, command
 from benchmarks._policy.training import Policy, Scale, Settings, errors, train, trained
 from tests.runs import Finished
 from vcage.base.files import RunFolder, read_json
+from vcage.datasets.reader import EpisodeReader
 from vcage.schema.episodes import Episode
+from vcage.stages.accepted import accepted_episodes
 from vcage.video.codec import EncoderSettings, encode
 
 SETTINGS = Settings(steps=50, batch=16, rate=3e-3, size=Size(chunk=4, width=16, heads=2, layers=1))
@@ -120,7 +122,32 @@ def test_every_encoding_gives_pictures_of_the_same_shape(tmp_path: Path, monkeyp
 def test_recorded_actions_do_the_task_again_and_an_arm_that_waits_does_not(finished: Finished) -> None:
     rollouts = Rollouts(finished.run, 1, View(("cam_high",), 24, 32))
     assert rollouts.replayed(0)
-    assert not rollouts.succeeds(_Waits(), 0)  # pyrefly: ignore[bad-argument-type]
+    waited = rollouts.outcome(_Waits(), 0)  # pyrefly: ignore[bad-argument-type]
+    assert waited == Outcome(touched=False, lifted=False, done=False)
+
+
+@pytest.mark.slow
+def test_a_rollout_tells_how_far_it_came(finished: Finished) -> None:
+    rollouts = Rollouts(finished.run, 1, View(("cam_high",), 24, 32))
+    with EpisodeReader(finished.run.root / str(accepted_episodes(finished.run)[0].file)) as reader:
+        actions, grippers = reader.episode.action.astype(np.float32), list(reader.episode.grippers)
+    done = rollouts.outcome(_Repeats(actions), 0)  # pyrefly: ignore[bad-argument-type]
+    assert done == Outcome(touched=True, lifted=True, done=True)
+    actions[:, grippers] = 1.0
+    open_hands = rollouts.outcome(_Repeats(actions), 0)  # pyrefly: ignore[bad-argument-type]
+    assert not open_hands.lifted and not open_hands.done
+
+
+class _Repeats:
+    """Does what was recorded, whatever it sees."""
+
+    def __init__(self, actions: np.ndarray):
+        self._left = actions
+
+    def act(self, pictures: np.ndarray, states: np.ndarray) -> np.ndarray:
+        chunk = self._left[: EXECUTED + 1]
+        self._left = self._left[min(EXECUTED, len(self._left) - 1) :]
+        return chunk[None]
 
 
 class _Waits:

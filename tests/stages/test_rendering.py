@@ -59,7 +59,9 @@ def test_each_look_is_another_and_is_recorded_with_the_world_of_the_episode(run,
     records = []
     for path in (own, *drawn):
         with EpisodeReader(path) as reader:
-            records.append(Drawn.model_validate(reader.episode.meta["randomisation"]))
+            meta = reader.episode.meta
+        records.append(Drawn.model_validate(meta["randomisation"]))
+        assert meta["scene"]["table"]["texture"] == records[-1].look.table_top
     assert len({record.look.model_dump_json() for record in records}) == 3
     assert all(record.ranges.endswith("full") for record in records[1:])
     assert all(record.world == records[0].world for record in records)

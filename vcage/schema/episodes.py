@@ -96,11 +96,11 @@ class Episode(Record):
         return {o.id: o.pose for o in self.objects}
 
     def scene(self, scene: Scene) -> Scene:
-        """A scene of the run as it was when the episode started: its objects, and its table's height."""
+        """A scene of the run as it was when the episode started: its objects, its table's height and top."""
         if not self.objects or self.randomisation is None:
             return scene
         height = scene.table.height + self.randomisation.world.table_height
-        table = scene.table.model_copy(update={"height": height})
+        table = scene.table.model_copy(update={"height": height}).topped(self.randomisation.look.table_top)
         return scene.model_copy(update={"objects": self.objects, "table": table})
 
 

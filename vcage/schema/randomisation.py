@@ -202,6 +202,11 @@ class Look(Record):
     cameras: dict[str, CameraShift] = {}
     tints: dict[Identifier, Tint] = Field(default={}, description="by object; none where its colours are its own")
 
+    @property
+    def table_top(self) -> str | None:
+        """The painted texture of the table, if it has one."""
+        return self.surfaces["table"].texture
+
 
 class WorldDraw(Record):
     """What is simulated otherwise in an episode than the run's scene says."""

@@ -53,6 +53,10 @@ class Table(Record):
         centre, half = np.array(self.centre), np.array(self.size) / 2
         return np.stack([centre - half, centre + half])
 
+    def topped(self, texture: str | None) -> Table:
+        """The table with another top; with its own where there is no name."""
+        return self.model_copy(update={"texture": texture or self.texture})
+
 
 class Workspace(Record):
     """The rectangle of the table that objects may cover, metres in the world frame."""

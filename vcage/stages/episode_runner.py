@@ -18,7 +18,6 @@ from vcage.base.files import RunFolder
 from vcage.base.pictures import write_picture
 from vcage.base.time_limit import TimeIsUp, time_limit
 from vcage.base.version import __version__
-from vcage.datasets.episode import DRAWN
 from vcage.datasets.hdf5 import write_episode
 from vcage.plans.actions import lasting
 from vcage.schema.episodes import Attempt, Episode, Verdict
@@ -37,6 +36,7 @@ from vcage.stages.episode_store import background_name
 from vcage.stages.inputs import read_plan
 from vcage.stages.photographs import Photographer, light_look
 from vcage.stages.question import Asking, verdict
+from vcage.stages.recorded import world_facts
 from vcage.stages.stage import Job
 from vcage.stages.starts import Start, Starts
 from vcage.stages.wordings import said_of
@@ -221,9 +221,7 @@ class EpisodeRunner:
             "episode": index,
             "accepted": done.accepted,
             "reason": done.reason,
-            "robot": self._scene.robot,
-            "scene": start.scene.model_dump(mode="json", by_alias=True),
-            DRAWN: drawn.model_dump(mode="json"),
+            **world_facts(start.scene, drawn),
             "wordings": {subtask.id: [subtask.text, *subtask.texts] for subtask in said},
             "providers": self._context.models.providers("reasoner", "editor", "detector", "embedder", "critic"),
             "versions": versions(),

@@ -1,10 +1,11 @@
-"""What an episode's file tells of its world, from which it is simulated or drawn again."""
+"""What an episode's file tells of its world, and how that is read: from it the episode is simulated or drawn again."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from pydantic import ValidationError
 
@@ -20,6 +21,21 @@ from vcage.sim.state import WorldState
 from vcage.sim.world import World
 from vcage.stages.context import StageContext
 from vcage.stages.worlds import drawn_models
+
+
+def world_facts(scene: Scene, drawn: Drawn) -> dict[str, Any]:
+    """What goes into a file's ``meta``.
+
+    Args:
+        scene: as simulated; the file gets it with the table top that is seen.
+        drawn: for the episode.
+    """
+    seen = scene.model_copy(update={"table": scene.table.topped(drawn.look.table_top)})
+    return {
+        "robot": scene.robot,
+        "scene": seen.model_dump(mode="json", by_alias=True),
+        DRAWN: drawn.model_dump(mode="json"),
+    }
 
 
 @dataclass(frozen=True)

@@ -35,7 +35,7 @@ from vcage.sim.replay import camera_paths, render_state
 from vcage.stages.accepted import accepted_episodes, none_counts
 from vcage.stages.context import StageContext
 from vcage.stages.episode_runner import versions
-from vcage.stages.recorded import Recorded
+from vcage.stages.recorded import Recorded, world_facts
 from vcage.tasks.assemble import camera_tracks
 
 FOLDER, INDEX = "renders", "renders.json"
@@ -177,7 +177,7 @@ def _drawn_meta(recorded: Recorded, task: _Task, look: Look) -> dict[str, Any]:
         "sha256": sha256_file(task.source),
         "versions": versions(),
     }
-    return {**recorded.episode.meta, DRAWN: drawn.model_dump(mode="json"), "render": made}
+    return {**recorded.episode.meta, **world_facts(recorded.scene, drawn), "render": made}
 
 
 def _both(world: str, look: str) -> str:
