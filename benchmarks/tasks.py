@@ -25,6 +25,8 @@ from vcage.base.files import RunFolder
 from vcage.plans.actions import lasting
 from vcage.schema.episodes import Verdict
 from vcage.schema.goals import Goal, in_steps
+from vcage.schema.plan import Relation
+from vcage.schema.randomisation import WorldRanges
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Subtask, Subtasks
 from vcage.sim.robots import load_robot
@@ -32,14 +34,12 @@ from vcage.sim.world import World
 from vcage.stages import search_subtasks, select_place
 from vcage.stages.context import StageContext
 from vcage.stages.inputs import read_plan
-from vcage.stages.layouts import Layout, Layouts, NoLayout
 from vcage.stages.stage import ModelOptions
+from vcage.stages.starts import Starts
 from vcage.tasks.loop import EpisodeRun, Seen, Setting, run_episode
 from vcage.tasks.readiness import ready_for
-from vcage.tasks.rehearsal import proven
 from vcage.tasks.synthesis import Script, load_script
 from vcage.tasks.task import Asked
-from vcage.tasks.variation import shifted_poses
 
 logger = logging.getLogger(__name__)
 
@@ -160,19 +160,9 @@ def simulated(
         kept = {subtask.id: subtask for subtask in found.kept}
         chain = [kept[name] for name in found.chains[0].subtasks]
         scripts = [(subtask, load_script(made.root / subtask.script)) for subtask in chain]
-        drawn = _drawn(made, scene, chain, seed, context) if layout == "varied" else None
-        return chain, play(scene, scripts, lasting(in_steps(scene.goals)), seed, context, drawn)
-
-
-def _drawn(made: RunFolder, scene: Scene, chain: Sequence[Subtask], seed: int, context: StageContext) -> Layout | None:
-    """A layout as an episode draws it; None where none is found and the run's is taken."""
-    start = ready_for(chain[0], scene, context.objects(scene))
-    relations = read_plan(made, Scene.read(made.scene), context).relations
-    try:
-        return Layouts(start, relations, chain, context).draw(np.random.default_rng([seed, 0]))
-    except NoLayout as error:
-        logger.info("seed %d: %s", seed, error.message)
-        return None
+        start = ready_for(chain[0], scene, context.objects(scene))
+        relations = read_plan(made, Scene.read(made.scene), context).relations if layout == "varied" else None
+        return chain, play(start, scripts, lasting(in_steps(scene.goals)), seed, context, relations)
 
 
 def play(
@@ -181,41 +171,26 @@ def play(
     goals: Sequence[Goal],
     seed: int,
     context: StageContext,
-    layout: Layout | None = None,
+    relations: Sequence[Relation] | None = None,
 ) -> EpisodeRun:
     """One episode of a chain, judged by nobody, in which nothing is tried again.
 
     Args:
-        scene: where it begins.
+        scene: where it begins, but for what is drawn.
         chain: sub-tasks with their scripts.
         goals: what must be true at the end.
         seed: of all choices.
         context: the library.
-        layout: where things start, with grasps and slots; the scene's with small shifts when not given.
+        relations: of the plan, for a layout drawn anew; without them objects are a little shifted.
     """
-    robot, rng = load_robot(scene.robot), np.random.default_rng([seed, 0])
-    objects = context.objects(scene)
-    poses = shifted_poses(objects, rng) if layout is None else layout.poses
-    objects = [o.moved(poses[o.id]) for o in objects]
-    models = context.physical_models(scene)
-
-    def build() -> World:
-        world = World.of_scene(scene, models, robot)
-        for name, pose in poses.items():
-            world.set_object_pose(name, pose)
-        return world
-
-    if layout is None:
-        steps, slots = proven([subtask for subtask, _ in chain], objects, scene, rng)
-        grasps = {step.id: step.grasps for step in steps}
-    else:
-        grasps, slots = layout.grasps, layout.slots
-    for step, script in chain:
-        script.try_grasps(grasps[step.id])
+    starts = Starts(scene, relations, [subtask for subtask, _ in chain], WorldRanges(), context)
+    start, robot = starts.draw(np.random.default_rng([seed, 0])), load_robot(scene.robot)
+    for subtask, script in chain:
+        script.try_grasps(start.grasps[subtask.id])
     setting = Setting(
-        build=build,
-        objects={o.id: o for o in objects},
-        slots=slots,
+        build=lambda: World.of_scene(start.scene, start.models, robot),
+        objects=start.objects,
+        slots=start.slots,
         photograph=lambda *_: {},
         judge=_accept,
         on_failure="abort",

@@ -71,19 +71,18 @@ class Replayed:
         states = "equal" if self.states is None else asdict(self.states)
         return {"states": states, "pictures": pictures, "versions": {k: list(v) for k, v in self.versions.items()}}
 
-    def error(self, path: Path) -> NotReproduced | None:
-        """The error of a replay that differs."""
-        if self.equal:
-            return None
+    def error(self, path: Path, details: dict[str, Any]) -> NotReproduced:
+        """The error of an episode that differs.
+
+        Args:
+            path: of the episode.
+            details: of all that were replayed.
+        """
         found = self.states or next(d for d in self.pictures.values() if isinstance(d, Difference))
         others = "; ".join(f"{name} {was} there, {here} here" for name, (was, here) in self.versions.items())
-        return NotReproduced(
-            f"{path} is not reproduced: {found}",
-            hint=f"other versions: {others}"
-            if others
-            else "the versions are the same: the file or an asset was changed",
-            details=self.as_record(),
-        )
+        same = "the versions are the same: the file or an asset was changed"
+        hint = f"other versions: {others}" if others else same
+        return NotReproduced(f"{path} is not reproduced: {found}", hint=hint, details=details)
 
 
 def episodes_at(path: Path) -> list[Path]:

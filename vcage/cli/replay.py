@@ -8,7 +8,6 @@ from typing import Annotated
 
 from tyro.conf import Positional, arg
 
-from vcage.base.errors import NotReproduced
 from vcage.base.options import FOLDER
 from vcage.cli.arguments import Command
 from vcage.cli.output import Result
@@ -47,8 +46,7 @@ class Replay(Command):
                 replayed[path] = replay_episode(path, context)
         records = {path.name: one.as_record() for path, one in replayed.items()}
         summary = {"equal": sum(one.equal for one in replayed.values()), "of": len(paths), "episodes": records}
-        errors = [error for path, one in replayed.items() if (error := one.error(path)) is not None]
-        if errors:
-            first = errors[0]
-            return Result(error=NotReproduced(first.message, hint=first.hint, details=summary))
+        for path, one in replayed.items():
+            if not one.equal:
+                return Result(error=one.error(path, summary))
         return Result(summary=summary)
