@@ -9,8 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from vcage.base.errors import DamagedFile, MissingStage, SchemaMismatch, UnknownName
-from vcage.schema.randomisation import MOST_LIGHTS, Tint
-from vcage.sim.looks import _lights
+from vcage.schema.randomisation import MOST_LIGHTS, Light, Look, Surface, Tint
+from vcage.sim.looks import PAINTED, _lights, appearance_of
 from vcage.sim.robots import load_randomisation
 from vcage.sim.tints import BESIDE, Colours, truthful
 
@@ -49,6 +49,20 @@ def test_lights_shine_down_and_only_the_key_light_throws_shadows(seed):
     lights, ambient = _lights(load_randomisation("full").look.light, np.random.default_rng(seed))
     assert 1 <= len(lights) <= MOST_LIGHTS and all(0 < c < 1 for c in ambient)
     assert all(light.direction[2] < 0 for light in lights) and not any(light.shadows for light in lights[1:])
+
+
+@pytest.mark.parametrize(("where", "name"), [("table", "oak"), ("wall", "brick"), ("floor", "screed")])
+def test_the_colour_of_a_painted_surface_multiplies_what_is_painted(where, name):
+    def shown(colour):
+        plain, painted = Surface(texture=None, colour=(0.5, 0.5, 0.5)), Surface(texture=name, colour=colour)
+        light = Light(direction=(0, 0, -1), colour=(1, 1, 1), shadows=False)
+        surfaces = {**dict.fromkeys(("table", "wall", "floor"), plain), where: painted}
+        made = appearance_of(Look(lights=[light], ambient=(0.5, 0.5, 0.5), surfaces=surfaces))
+        return getattr(made, f"{where}_texture").astype(float)
+
+    own, half = PAINTED[where](name), shown((1.0, 0.5, 1.0))
+    np.testing.assert_array_equal(shown((1.0, 1.0, 1.0)), own)
+    np.testing.assert_allclose(half, own * [1, 0.5 ** (1 / 2.2), 1], atol=0.51)
 
 
 def test_an_unknown_name_lists_those_there_are():

@@ -24,7 +24,7 @@ class Appearance:
         table_colour: of the top without a texture, and of its edge and legs.
         floor_texture, wall_texture: the same as pictures that repeat (:mod:`vcage.objects.room_surfaces`), or None for
             the colours.
-        floor_colour, wall_colour: of the surroundings; each channel of a picture is multiplied by its colour.
+        floor_colour, wall_colour: of the surroundings without a picture.
         light_direction: in which the key light shines, world frame; towards the robot (-y), so that the arms throw
             their shadows away from the table.
         light_colour: of the key light; values above 1 are brighter.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 
 import numpy as np
 
@@ -28,6 +28,13 @@ from vcage.schema.scene import Scene
 from vcage.sim.appearance import Appearance
 from vcage.sim.tints import COLOUR_WORDS, colours_of, truthful, weaker
 from vcage.sim.world import World
+
+PAINTED: dict[Where, Callable[[str], np.ndarray]] = {
+    "table": table_texture,
+    "wall": wall_texture,
+    "floor": floor_texture,
+}
+"""By name, what a surface can be painted with."""
 
 UNSAID_SHARE = 0.25
 """Share of a tint that an object gets which is known by what it is, not by a colour: an apple stays an apple's."""
@@ -145,13 +152,14 @@ def appearance_of(look: Look) -> Appearance:
         UnknownName: a texture of the look is not there.
     """
     key, *others = look.lights
-    table, wall, floor = look.surfaces["table"], look.surfaces["wall"], look.surfaces["floor"]
+    pictures = {where: _picture(where, surface) for where, surface in look.surfaces.items()}
     return Appearance(
-        table_texture=None if table.texture is None else table_texture(table.texture),
-        wall_texture=None if wall.texture is None else wall_texture(wall.texture),
-        floor_texture=None if floor.texture is None else floor_texture(floor.texture),
-        wall_colour=wall.colour,
-        floor_colour=floor.colour,
+        table_texture=pictures["table"],
+        table_colour=look.surfaces["table"].colour,
+        wall_texture=pictures["wall"],
+        wall_colour=look.surfaces["wall"].colour,
+        floor_texture=pictures["floor"],
+        floor_colour=look.surfaces["floor"].colour,
         light_direction=key.direction,
         light_colour=key.colour,
         shadows=key.shadows,
@@ -160,6 +168,15 @@ def appearance_of(look: Look) -> Appearance:
         tints=look.tints,
         cameras=look.cameras,
     )
+
+
+def _picture(where: Where, surface: Surface) -> np.ndarray | None:
+    """(H, W, 3) uint8 sRGB: what is painted, its channels multiplied in linear light; None for a plain surface."""
+    if surface.texture is None:
+        return None
+    levels = 255 * np.clip((np.arange(256)[:, None] / 255) ** 2.2 * np.array(surface.colour), 0, 1) ** (1 / 2.2)
+    picture = PAINTED[where](surface.texture)
+    return np.stack([levels[picture[..., i], i] for i in range(3)], axis=-1).round().astype(np.uint8)
 
 
 def look_world(scene: Scene, models: Mapping[str, PhysicalModel], robot: Robot, look: Look) -> World:

@@ -93,10 +93,7 @@ def _add_visuals(scene: sapien.Scene, name: str, shapes: list[sapien.render.Rend
 def _table_shapes(table: Table, appearance: Appearance) -> list[sapien.render.RenderShape]:
     (cx, cy), (w, d), top = table.centre, table.size, table.height
     edge = plain_material(_edge_colour(appearance))
-    if appearance.table_texture is None:
-        surface = plain_material(appearance.table_colour, roughness=0.7)
-    else:
-        surface = painted_material(appearance.table_texture)
+    surface = _material(appearance.table_texture, appearance.table_colour, 0.7)
     shapes = [
         _rectangle([cx - w / 2, cy - d / 2, top], [w, 0, 0], [0, d, 0], surface),
         _box([cx, cy, top - THICKNESS / 2 - 0.001], [w / 2, d / 2, THICKNESS / 2 - 0.001], edge),
@@ -118,8 +115,8 @@ def _edge_colour(appearance: Appearance) -> list[float]:
 
 def _room_shapes(table: Table, appearance: Appearance) -> list[sapien.render.RenderShape]:
     (cx, cy), size = table.centre, 10.0
-    floor = _room_material(appearance.floor_texture, appearance.floor_colour)
-    wall = _room_material(appearance.wall_texture, appearance.wall_colour)
+    floor = _material(appearance.floor_texture, appearance.floor_colour)
+    wall = _material(appearance.wall_texture, appearance.wall_colour)
     behind = cy + WALL_BEHIND
     return [
         _rectangle([cx - size / 2, behind - size, 0], [size, 0, 0], [0, size, 0], floor, (size / SIDE, size / SIDE)),
@@ -129,12 +126,8 @@ def _room_shapes(table: Table, appearance: Appearance) -> list[sapien.render.Ren
     ]
 
 
-def _room_material(texture: np.ndarray | None, colour: LinearColour) -> sapien.render.RenderMaterial:
-    """Of a wall or a floor: plain, or a picture whose channels are multiplied, in linear light."""
-    if texture is None:
-        return plain_material(colour)
-    levels = 255 * np.clip((np.arange(256)[:, None] / 255) ** 2.2 * np.array(colour), 0, 1) ** (1 / 2.2)
-    return painted_material(np.stack([levels[texture[..., i], i] for i in range(3)], axis=-1).round().astype(np.uint8))
+def _material(picture: np.ndarray | None, colour: LinearColour, roughness: float = 0.8) -> sapien.render.RenderMaterial:
+    return plain_material(colour, roughness) if picture is None else painted_material(picture)
 
 
 def _pedestal_shapes(robot: Robot) -> list[sapien.render.RenderShape]:
