@@ -17,7 +17,7 @@ from vcage.apps.replay import Difference, compare_pictures, replay_episode
 from vcage.base.errors import DamagedFile, NoDrives
 from vcage.datasets.hdf5 import write_episode
 from vcage.datasets.reader import EpisodeReader
-from vcage.schema.randomisation import Drawn, Look, WorldDraw
+from vcage.schema.randomisation import CameraShift, Drawn, Look, WorldDraw
 from vcage.sim.looks import draw_look, look_world
 from vcage.sim.replay import camera_paths, render_log
 from vcage.sim.robots import load_randomisation
@@ -186,6 +186,38 @@ def test_arms_that_the_robot_has_not_are_told(plain, tmp_path, context):
     drawn = Drawn(ranges="full", look=look(0), world=WorldDraw(start={"middle": [0.0] * 7}))
     with pytest.raises(DamagedFile, match="no arm 'middle'"):
         replay_episode(with_drawn(plain, tmp_path, drawn.model_dump(mode="json")), context)
+
+
+@pytest.mark.parametrize(
+    ("world", "cameras", "told"),
+    [
+        ({"mass": {"teapot": 0.5}}, {}, "no object 'teapot'"),
+        ({"clutter": {"teapot_beside": "teapot"}}, {}, "no object 'teapot_beside'"),
+        ({}, {"cam_low": CameraShift(shift=(0, 0, 0), turn_deg=(0, 0, 0), fovy=1)}, "no camera 'cam_low'"),
+    ],
+)
+def test_what_was_drawn_for_something_that_there_is_not_is_told(plain, tmp_path, context, world, cameras, told):
+    seen = look(0).model_copy(update={"cameras": cameras})
+    drawn = Drawn(ranges="full", look=seen, world=WorldDraw.model_validate(world))
+    with pytest.raises(DamagedFile, match=told):
+        replay_episode(with_drawn(plain, tmp_path, drawn.model_dump(mode="json")), context)
+
+
+def test_a_robot_that_is_not_that_of_the_scene_is_told(copy, context):
+    with h5py.File(copy, "r+") as file:
+        file["meta/robot"][()] = json.dumps("aloha_agilex")
+    with pytest.raises(DamagedFile, match="its robot is 'aloha_agilex'"):
+        replay_episode(copy, context)
+
+
+def test_joints_that_an_arm_has_not_are_told(pictured, tmp_path, context):
+    path = Path(shutil.copy(pictured, tmp_path))
+    with h5py.File(path, "r+") as file:
+        fewer = file["robot_joints/left"][:, :5]
+        del file["robot_joints/left"]
+        file["robot_joints/left"] = fewer
+    with pytest.raises(DamagedFile, match="5 joints of left"):
+        replay_episode(path, context)
 
 
 def test_a_camera_that_stood_elsewhere_than_the_file_says_is_told(pictured, tmp_path, context):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import h5py
 import numpy as np
 import pytest
@@ -29,6 +31,15 @@ def test_arrays_and_facts_come_back_as_they_were(file):
     assert after.fps == before.fps
     assert np.array_equal(after.object_poses["plate"], before.object_poses["plate"])
     assert np.array_equal(after.cameras["cam_high"].intrinsics, before.cameras["cam_high"].intrinsics)
+
+
+def test_its_digest_comes_back_too_whatever_becomes_of_its_pictures_and_no_other_episode_has_it(file):
+    before = episode()
+    with EpisodeReader(file) as reader:
+        assert reader.episode.digest() == before.digest()
+    assert replace(before, cameras={}).digest() == before.digest()
+    others = [replace(before, meta={**before.meta, "seed": 99}), replace(before, qpos=before.qpos + 1e-12), episode(31)]
+    assert before.digest() not in {other.digest() for other in others}
 
 
 def test_joints_of_objects_come_back_as_they_were(tmp_path):

@@ -36,7 +36,13 @@ def test_what_a_world_cannot_have_is_refused(field, value):
         {"cameras": {"turn_deg": 5000}},
         {"light": {"strength": (-2, -1)}},
         {"light": {"warmth": (3, 3)}},
+        {"light": {"heading_deg": (-1e308, 1e308)}},
+        {"surfaces": {"wall_tone": (1e308, 1e308)}},
+        {"surfaces": {"floor_tone": (0.5, 1.5)}},
+        {"surfaces": {"tint": (0.01, 1)}},
         {"colours": {"hue_deg": 400}},
+        {"colours": {"saturation": (1, 11)}},
+        {"colours": {"lightness": (1e300, 1e300)}},
     ],
 )
 def test_what_a_look_cannot_have_is_refused(ranges):

@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import cv2
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from vcage.base.errors import DamagedFile, MissingStage, SchemaMismatch, UnknownName
-from vcage.schema.randomisation import MOST_LIGHTS, Light, Look, Surface, Tint
-from vcage.sim.looks import PAINTED, _lights, appearance_of
-from vcage.sim.robots import load_randomisation
+from vcage.schema.randomisation import MOST_LIGHTS, CameraRanges, Light, Look, Surface, Tint
+from vcage.schema.scene import ObjectRecord, Scene
+from vcage.sim.cameras import placed
+from vcage.sim.looks import PAINTED, _cameras, _lights, appearance_of
+from vcage.sim.robots import load_randomisation, load_robot
 from vcage.sim.tints import BESIDE, Colours, truthful
 
 CHANNEL = st.integers(0, 255)
@@ -65,6 +69,27 @@ def test_the_colour_of_a_painted_surface_multiplies_what_is_painted(where, name)
     np.testing.assert_allclose(half, own * [1, 0.5 ** (1 / 2.2), 1], atol=0.51)
 
 
+@given(seed=st.integers(0, 10_000))
+@settings(max_examples=25)
+def test_a_shifted_camera_sees_every_object_that_it_sees_where_its_file_puts_it(seed):
+    rng, robot = np.random.default_rng(seed), load_robot("aloha_agilex")
+    middles = [*rng.uniform([-0.6, -0.3, 0.75], [0.6, 0.3, 0.8], (8, 3)), [0.405, -0.24, 0.76]]
+    objects = [ObjectRecord.model_construct(aabb=(m - 0.02, m + 0.02)) for m in map(np.array, middles)]
+    scene = Scene.model_construct(objects=objects)
+    wild = CameraRanges(shift=0.05, turn_deg=10.0, fovy=(0.8, 1.2))
+    for name, shift in _cameras(wild, scene, robot, rng).items():
+        camera = robot.cameras[name]
+        if camera.arm is None:
+            lost = placed(camera).sees(middles) & ~placed(camera, shift).sees(middles)
+            assert not lost.any()
+
+
+def test_cameras_that_arms_carry_and_those_that_lose_nothing_are_shifted_as_drawn():
+    robot = load_robot("aloha_agilex")
+    drawn = _cameras(CameraRanges(turn_deg=3.0), Scene.model_construct(objects=[]), robot, np.random.default_rng(0))
+    assert len(drawn) == len(robot.cameras) and all(np.any(shift.turn_deg) for shift in drawn.values())
+
+
 def test_an_unknown_name_lists_those_there_are():
     with pytest.raises(UnknownName, match="full, light, none"):
         load_randomisation("wild")
@@ -95,6 +120,18 @@ def test_a_texture_that_nobody_paints_is_named_with_those_there_are(tmp_path):
     file = tmp_path / "mine.yml"
     file.write_text(HEAD + "look: {surfaces: {floor: [lava]}}\n")
     with pytest.raises(UnknownName, match=r"unknown floor 'lava'.*screed"):
+        load_randomisation(str(file))
+
+
+def test_a_file_that_cannot_be_read_is_told(tmp_path, monkeypatch):
+    file = tmp_path / "mine.yml"
+    file.write_text(HEAD)
+
+    def refused(*_: object, **__: object) -> str:
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr(Path, "read_text", refused)
+    with pytest.raises(DamagedFile, match=r"mine\.yml cannot be read: Permission denied"):
         load_randomisation(str(file))
 
 

@@ -361,7 +361,9 @@ class Submitted:
 
 
 def test_an_episode_that_takes_too_long_is_given_up_and_says_so(finished, begun):
-    with pytest.raises(PartlyDone, match=r"none of 3 episodes was verified: given up after 0\.05 s"):
+    with pytest.raises(
+        PartlyDone, match=r"none of 3 episodes was verified: given up after the 0\.05 s of --episode-limit"
+    ):
         collect.execute(begun, options(episode_limit=0.05), finished.context)
 
 

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import json
+import shutil
 from dataclasses import replace
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pytest
 
@@ -110,15 +113,30 @@ def test_what_a_killed_render_left_is_drawn_again(run, rendered):
     assert not partial.exists()
 
 
+def test_what_was_drawn_of_an_episode_that_counts_no_more_or_is_another_is_removed(run, rendered):
+    _, drawn = files(run, rendered)
+    refused, earlier = (drawn[0].with_name(f"episode_00000{n}-look_{m:03d}.hdf5") for n, m in ((9, 0), (0, 7)))
+    for path, told in ((refused, {"episode": 9}), (earlier, {"sha256": "of another recording"})):
+        shutil.copy2(drawn[0], path)
+        with h5py.File(path, "r+") as file:
+            made = {**json.loads(file["meta/render"][()]), **told}
+            file["meta/render"][()] = json.dumps(made)
+    again = render_run(run, Order(looks=1, ranges=FULL, seed=0))
+    assert not refused.exists() and not earlier.exists()
+    assert {*drawn} <= {run.root / one.file for one in again.renders}
+
+
 def test_the_sheet_shows_every_look(run, rendered, tmp_path):
     picture = read_picture(write_sheet(run, rendered, tmp_path / "looks.png", columns=2))
     left, right = np.split(picture, 2, axis=1)
     assert np.abs(left.astype(int) - right).mean() > 5
 
 
-def test_fewer_than_one_look_an_unknown_episode_and_a_run_without_episodes_are_refused(run, tmp_path):
+def test_fewer_than_one_look_too_many_an_unknown_episode_and_a_run_without_episodes_are_refused(run, tmp_path):
     with pytest.raises(UsageError, match="looks"):
         render_run(run, Order(looks=0, ranges=FULL, seed=0))
+    with pytest.raises(UsageError, match="looks"):
+        render_run(run, Order(looks=20_000_000, ranges=FULL, seed=0))
     with pytest.raises(UnknownName, match="77"):
         render_run(run, Order(looks=1, ranges=FULL, seed=0, episodes=(77,)))
     with pytest.raises(MissingStage):

@@ -289,6 +289,11 @@ class Camera:
         v = self.height / 2 - self.focal * local[..., 2] / depth
         return np.stack([u, v], axis=-1)
 
+    def sees(self, points: ArrayLike) -> np.ndarray:
+        """(...) bool: whether world points (..., 3) lie within the picture."""
+        pixels = self.project(points)
+        return np.all((pixels >= 0) & (pixels < [self.width, self.height]), axis=-1)  # false for NaN
+
     def unproject(self, pixels: ArrayLike, height: ArrayLike) -> np.ndarray:
         """World points (..., 3) where the rays through ``pixels`` (..., 2) meet the plane z = ``height``.
 

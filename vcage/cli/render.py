@@ -22,7 +22,8 @@ class RenderEpisodes(Command):
 
     Nothing is simulated: states, actions and verdicts stay as they are. Reads episodes/. Writes renders/*.hdf5, each
     an episode of its own, renders/renders.json and a page for people, renders/looks.png. What is drawn already is
-    kept, so that an interrupted call goes on when started again, and more looks can be added.
+    kept, so that an interrupted call goes on when started again, and more looks can be added; what was drawn of an
+    episode that counts no more, or was recorded anew, is removed.
 
     examples:
       vcage render runs/stationery --looks 4
@@ -33,7 +34,7 @@ class RenderEpisodes(Command):
     run: Annotated[Path, FOLDER, Positional, arg(metavar="RUN")]
     """the run folder"""
     looks: Annotated[int, POSITIVE] = 1
-    """of each episode"""
+    """of each episode, at most 1000"""
     randomise: Annotated[str, RANGES] = "full"
     """ranges to draw from: none, light, full, or a YAML file"""
     seed: Annotated[int, NATURAL] = 0
@@ -51,13 +52,14 @@ class RenderEpisodes(Command):
         from vcage.sim.robots import load_randomisation
         from vcage.stages.rendering import FOLDER as RENDERS
         from vcage.stages.rendering import INDEX, Order, render_run, write_sheet
+        from vcage.stages.running import at_work
 
         run, ranges = RunFolder(self.run), load_randomisation(self.randomise)
         order = Order(self.looks, ranges, self.seed, self.episodes, self.workers or cores())
-        with progress("render") as show:
-            record = render_run(run, order, show)
         folder = run.root / RENDERS
-        sheet = write_sheet(run, record, self.sheet or folder / "looks.png")
+        with at_work(run), progress("render") as show:
+            record = render_run(run, order, show)
+            sheet = write_sheet(run, record, self.sheet or folder / "looks.png")
         summary = {
             "renders": len(record.renders),
             "episodes": len({render.episode for render in record.renders}),

@@ -29,6 +29,11 @@ class Replay(Command):
     path: Annotated[Path, FOLDER, Positional, arg(metavar="EPISODE")]
     """a file, or a run folder"""
 
+    @property
+    def run(self) -> Path | None:
+        """The run folder, if it is one."""
+        return self.path if self.path.is_dir() else None
+
     def execute(self) -> Result:
         """Replay.
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import hashlib
+import json
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -131,6 +133,17 @@ class EpisodeData:
     def task(self) -> str:
         """The instruction in the words that were drawn for the episode."""
         return str(self.meta.get("task", self.instruction))
+
+    def digest(self) -> str:
+        """Hex SHA-256 of what was measured, commanded, verified and told; whatever became of its pictures."""
+        told = json.dumps([self.fps, self.state_names, repr(self.segments), self.meta], sort_keys=True)
+        found = hashlib.sha256(told.encode())
+        measured = {"object": self.object_poses, "part": self.object_joints, "arm": self.robot_joints}
+        columns = {f"{kind} {name}": a for kind, by_name in measured.items() for name, a in by_name.items()}
+        columns |= {"time": self.timestamp, "position": self.qpos, "velocity": self.qvel, "command": self.action}
+        for name, column in sorted(columns.items()):
+            found.update(name.encode() + np.ascontiguousarray(column).tobytes())
+        return found.hexdigest()
 
     @property
     def grippers(self) -> list[int]:

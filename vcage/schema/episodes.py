@@ -75,8 +75,8 @@ class Episode(Record):
     file: str | None = Field(default=None, description="HDF5 in the run folder; none when nothing was recorded")
     frames: int = Field(default=0, ge=0)
     fps: Finite
-    layout: Literal["varied", "fixed"] = Field(
-        default="fixed", description="drawn for this episode, or the run's with small shifts"
+    layout: Literal["varied", "fixed"] | None = Field(
+        default=None, description="drawn for this episode, or the run's with small shifts; none where it never began"
     )
     layouts_refused: dict[str, int] = Field(
         default={}, description="why layouts that were drawn before were not taken: reason → how many"

@@ -39,6 +39,7 @@ Factor = Annotated[tuple[Above, Above], AfterValidator(_in_order)]
 UpTo5 = Annotated[Range, _within(0, 5)]
 Shares = Annotated[Range, _within(-0.5, 0.5)]
 Tenfold = Annotated[Factor, _within(0.1, 10)]
+Tone = Annotated[Factor, _within(0, 1)]
 Count = Annotated[tuple[Annotated[int, Field(ge=0)], Annotated[int, Field(ge=0)]], AfterValidator(_in_order)]
 Share = Annotated[Finite, Field(ge=0, le=1)]
 
@@ -63,7 +64,9 @@ class LightRanges(Record):
     number: Annotated[Count, _within(1, MOST_LIGHTS)] = Field(
         default=(1, 1), description=f"of lights, at most {MOST_LIGHTS}"
     )
-    heading_deg: Range = Field(default=(-58.0, -58.0), description="in which they shine, from +x over +y, degrees")
+    heading_deg: Annotated[Range, _within(-360, 360)] = Field(
+        default=(-58.0, -58.0), description="in which they shine, from +x over +y, degrees"
+    )
     slant: UpTo5 = Field(default=(0.47, 0.47), description="tangent of the angle between a light and straight down")
     strength: UpTo5 = Field(default=(1.55, 1.55), description="of the key light; others have their share of it")
     others: UpTo5 = Field(default=(0.2, 0.5), description="strength of each further light, share of the key light's")
@@ -78,9 +81,9 @@ class SurfaceRanges(Record):
     table: list[Identifier] = Field(default=[], description="painted textures to choose from; the scene's own if none")
     wall: list[Identifier] = Field(default=[], description="the same; plain if none")
     floor: list[Identifier] = Field(default=[], description="the same; plain if none")
-    wall_tone: Factor = Field(default=(0.56, 0.56), description="of a plain wall, linear, 1 is white")
-    floor_tone: Factor = Field(default=(0.29, 0.29), description="the same of a plain floor")
-    tint: Factor = Field(default=(1.0, 1.0), description="factor of each colour channel of wall and floor")
+    wall_tone: Tone = Field(default=(0.56, 0.56), description="of a plain wall, linear, 1 is white")
+    floor_tone: Tone = Field(default=(0.29, 0.29), description="the same of a plain floor")
+    tint: Tenfold = Field(default=(1.0, 1.0), description="factor of each colour channel of wall and floor")
 
 
 class CameraRanges(Record):
@@ -97,8 +100,8 @@ class ColourRanges(Record):
     """Of the colours of objects: what an object is called stays true, whatever is drawn."""
 
     hue_deg: Finite = Field(default=0.0, ge=0, le=180, description="largest turn of the hue, degrees")
-    saturation: Factor = (1.0, 1.0)
-    lightness: Factor = (1.0, 1.0)
+    saturation: Tenfold = (1.0, 1.0)
+    lightness: Tenfold = (1.0, 1.0)
 
 
 class LookRanges(Record):

@@ -13,7 +13,7 @@ from vcage.base.geometry import Camera, Pose, look_at
 from vcage.base.time_limit import undisturbed
 from vcage.schema.base import CameraRecord
 from vcage.schema.randomisation import CameraShift
-from vcage.schema.robot import RobotCamera
+from vcage.schema.robot import Robot, RobotCamera
 from vcage.sim.poses import to_sapien
 from vcage.sim.world import World
 
@@ -70,16 +70,31 @@ def depth_picture(component: sapien.render.RenderCameraComponent) -> np.ndarray:
 def robot_cameras(world: World) -> dict[str, Camera]:
     """The cameras of the world's robot by name, where they are now, shifted as the world's appearance says."""
     cameras, shifts = world.robot.cameras if world.robot else {}, world.appearance.cameras
-    return {name: _placed(world, camera, shifts.get(name)) for name, camera in cameras.items()}
+    return {name: placed(camera, shifts.get(name), _carrier(world, camera)) for name, camera in cameras.items()}
 
 
-def _placed(world: World, camera: RobotCamera, shift: CameraShift | None) -> Camera:
-    carrier = world.arms[camera.arm].link_pose(camera.link) if camera.arm and camera.link else Pose()
-    mounted = _mounted(camera)
+def overview(robot: Robot) -> Camera | None:
+    """The first camera of a robot's file that no arm carries, where the file puts it; None without one."""
+    return next((placed(camera) for camera in robot.cameras.values() if camera.arm is None), None)
+
+
+def placed(camera: RobotCamera, shift: CameraShift | None = None, carrier: Pose | None = None) -> Camera:
+    """A camera of a robot in the world.
+
+    Args:
+        camera: of the robot's file.
+        shift: beside where the file puts it.
+        carrier: pose of the link that carries it; None for a fixed one.
+    """
+    mounted, on = _mounted(camera), carrier or Pose()
     if shift is None:
-        return Camera(camera.width, camera.height, camera.fovy, carrier * mounted)
+        return Camera(camera.width, camera.height, camera.fovy, on * mounted)
     turned = Pose(mounted.p + np.array(shift.shift), (mounted * _turn(shift)).q)
-    return Camera(camera.width, camera.height, camera.fovy * shift.fovy, carrier * turned)
+    return Camera(camera.width, camera.height, camera.fovy * shift.fovy, on * turned)
+
+
+def _carrier(world: World, camera: RobotCamera) -> Pose | None:
+    return world.arms[camera.arm].link_pose(camera.link) if camera.arm and camera.link else None
 
 
 def _turn(shift: CameraShift) -> Pose:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 
 import numpy as np
 
@@ -23,10 +23,11 @@ from vcage.schema.randomisation import (
     Tint,
     Where,
 )
-from vcage.schema.robot import Robot
+from vcage.schema.robot import Robot, RobotCamera
 from vcage.schema.scene import Scene
 from vcage.sim.appearance import Appearance
-from vcage.sim.tints import COLOUR_WORDS, colours_of, truthful, weaker
+from vcage.sim.cameras import placed
+from vcage.sim.tints import COLOUR_WORDS, HALVINGS, colours_of, truthful, weaker
 from vcage.sim.world import World
 
 PAINTED: dict[Where, Callable[[str], np.ndarray]] = {
@@ -61,7 +62,7 @@ def draw_look(
     """
     lights, ambient = _lights(ranges.light, rng)
     surfaces = _surfaces(ranges.surfaces, scene.table.texture, rng)
-    cameras = _cameras(ranges.cameras, sorted(robot.cameras), rng)
+    cameras = _cameras(ranges.cameras, scene, robot, rng)
     return Look(
         lights=lights,
         ambient=ambient,
@@ -103,14 +104,33 @@ def _surfaces(ranges: SurfaceRanges, own_table: str, rng: np.random.Generator) -
     return {"table": table, **room}
 
 
-def _cameras(ranges: CameraRanges, names: Iterable[str], rng: np.random.Generator) -> dict[str, CameraShift]:
-    def one() -> CameraShift:
+def _cameras(ranges: CameraRanges, scene: Scene, robot: Robot, rng: np.random.Generator) -> dict[str, CameraShift]:
+    if ranges == CameraRanges():
+        return {}
+    objects = np.array([o.aabb for o in scene.objects]).reshape(-1, 2, 3).mean(axis=1)
+    found = {}
+    for name, camera in sorted(robot.cameras.items()):
         shift = rng.uniform(-ranges.shift, ranges.shift, 3)
         turn = rng.uniform(-ranges.turn_deg, ranges.turn_deg, 3)
-        return CameraShift(shift=_triple(shift), turn_deg=_triple(turn), fovy=float(rng.uniform(*ranges.fovy)))
+        drawn = CameraShift(shift=_triple(shift), turn_deg=_triple(turn), fovy=float(rng.uniform(*ranges.fovy)))
+        found[name] = _losing_none(drawn, camera, objects) if camera.arm is None else drawn
+    return found
 
-    still = ranges == CameraRanges()
-    return {} if still else {name: one() for name in names}
+
+def _losing_none(drawn: CameraShift, camera: RobotCamera, objects: np.ndarray) -> CameraShift:
+    """The shift, or the largest half, quarter, … of it with which a camera sees the middle of every object (n, 3) that
+    it sees where the robot's file puts it; none at all where each of these loses one."""
+    seen = objects[placed(camera).sees(objects)]
+    for number in range(HALVINGS):
+        share = 0.5**number
+        less = CameraShift(
+            shift=_triple(share * np.array(drawn.shift)),
+            turn_deg=_triple(share * np.array(drawn.turn_deg)),
+            fovy=1 + share * (drawn.fovy - 1),
+        )
+        if placed(camera, less).sees(seen).all():
+            return less
+    return CameraShift(shift=(0.0, 0.0, 0.0), turn_deg=(0.0, 0.0, 0.0), fovy=1.0)
 
 
 def _tints(

@@ -101,6 +101,8 @@ def _read(kind: type[AnyDocument], path: Path) -> AnyDocument:
         data = yaml.safe_load(path.read_text(encoding="utf-8"))
     except (yaml.YAMLError, UnicodeDecodeError) as error:
         raise DamagedFile(f"{path} is not valid YAML: {error}", hint="mend the file") from error
+    except OSError as error:
+        raise DamagedFile(f"{path} cannot be read: {error.strerror}", hint="check who may read it") from error
     return kind.parse(data, path)
 
 

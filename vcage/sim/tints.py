@@ -26,7 +26,7 @@ BESIDE = 6.0
 about as much."""
 
 HALVINGS = 6
-"""A tint that changes a word is halved so often at most, before the object keeps its colours."""
+"""What changes too much is halved so often at most, before nothing is changed."""
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vcage.base.errors import UnknownName
+from vcage.base.errors import DamagedFile, UnknownName
 from vcage.base.geometry import Pose
 from vcage.schema.asset import PhysicalModel
 from vcage.schema.robot import Robot
@@ -251,13 +251,27 @@ class World:
         return {name: thing.joints for name, thing in self._objects.items() if len(thing.joints)}
 
     def set_state(self, state: WorldState) -> None:
-        """Put everything where ``state`` says, without stepping (for drawing)."""
+        """Put everything where ``state`` says, without stepping (for drawing).
+
+        Raises:
+            DamagedFile: the state has other joints than the world.
+            UnknownName: it has an object that the world has not.
+        """
+        self._require_joints(state.object_joints, self.joints_of_objects())
+        self._require_joints(state.joints, {name: arm.articulation.get_qpos() for name, arm in self.arms.items()})
         for name, pose in state.objects.items():
             self._object(name).set_pose(pose)
         for name, joints in state.object_joints.items():
             self._object(name).set_joints(joints)
         for name, joints in state.joints.items():
             self.arms[name].articulation.set_qpos(joints)
+
+    @staticmethod
+    def _require_joints(told: Mapping[str, np.ndarray], own: Mapping[str, np.ndarray]) -> None:
+        for name, joints in told.items():
+            if name not in own or len(joints) != len(own[name]):
+                has = f"{len(own[name])} joints" if name in own else "none"
+                raise DamagedFile(f"a state has {len(joints)} joints of {name}, the world has {has}")
 
     def snapshot(self) -> bytes:
         """Everything that physics needs to go on: positions, velocities, drive targets and the step count.

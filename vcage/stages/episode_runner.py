@@ -126,7 +126,7 @@ class EpisodeRunner:
             with time_limit(self._limit_s):
                 return self._run(index, folder)
         except TimeIsUp:
-            return self._given_up(index, f"given up after {self._limit_s:g} s"), []
+            return self._given_up(index, f"given up after the {self._limit_s:g} s of --episode-limit"), []
         except InfeasibleScene as error:
             return self._given_up(index, error.message), []
         finally:

@@ -78,9 +78,8 @@ class Recorded:
             reason = f"{path} does not say how the episode looked, and what was simulated: {error.errors()[0]['msg']}"
             raise DamagedFile(reason, hint=again, maker="collect") from error
         robot = load_robot(scene.robot)
-        for arm, offset in drawn.world.start.items():
-            if arm not in robot.arms or len(offset) != len(robot.arms[arm].home):
-                raise DamagedFile(f"{path}: {scene.robot} has no arm {arm!r} of {len(offset)} joints", hint=again)
+        for untrue in _contradictions(episode, scene, robot, drawn):
+            raise DamagedFile(f"{path}: {untrue}", hint=again, maker="collect")
         models = drawn_models(context.physical_models(scene), drawn.world)
         return cls(episode, scene, robot, models, drawn)
 
@@ -95,3 +94,20 @@ class Recorded:
             poses = {name: Pose(row[i, :3], row[i, 3:]) for name, row in e.object_poses.items()}
             joints = {name: row[i] for name, row in e.robot_joints.items()}
             yield WorldState(poses, joints, {name: row[i] for name, row in e.object_joints.items()})
+
+
+def _contradictions(episode: EpisodeData, scene: Scene, robot: Robot, drawn: Drawn) -> Iterator[str]:
+    """What a file says of a robot, an object or a camera that there is not."""
+    world, objects = drawn.world, {o.id for o in scene.objects}
+    if episode.meta.get("robot") != scene.robot:
+        yield f"its robot is {episode.meta.get('robot')!r}, that of its scene {scene.robot!r}"
+    for arm, offset in world.start.items():
+        if arm not in robot.arms or len(offset) != len(robot.arms[arm].home):
+            yield f"{scene.robot} has no arm {arm!r} of {len(offset)} joints"
+    for what, named, there in (
+        ("arm", episode.robot_joints, robot.arms),
+        ("camera", drawn.look.cameras, robot.cameras),
+        ("object", [*world.mass, *world.friction, *world.clutter, *world.variants, *drawn.look.tints], objects),
+    ):
+        for name in sorted({*named} - {*there}):
+            yield f"there is no {what} {name!r} in it"

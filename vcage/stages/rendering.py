@@ -1,16 +1,18 @@
 """The recorded states of accepted episodes drawn again under other looks, without simulating.
 
 Every render is an episode file of its own, like those of collect; its look depends on the seed, the episode's number
-and the look's number alone, so that more can be drawn later, and what is there already is known by what is inside.
+and the look's number alone, so that more can be drawn later, and what is there already is known by what is inside. What
+was drawn of an episode that does not count any more, or that was recorded anew, is removed.
 """
 
 from __future__ import annotations
 
 import json
+import logging
 from collections.abc import Collection, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import cache, lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -38,10 +40,15 @@ from vcage.stages.episode_runner import versions
 from vcage.stages.recorded import Recorded, world_facts
 from vcage.tasks.assemble import camera_tracks
 
+logger = logging.getLogger(__name__)
+
 FOLDER, INDEX = "renders", "renders.json"
 
 THUMB = 240
 """Width of a picture on the sheet, pixels."""
+
+MOST_LOOKS = 1000
+"""Of an episode, in one call."""
 
 
 @dataclass(frozen=True)
@@ -79,14 +86,15 @@ def render_run(run: RunFolder, order: Order, progress: Progress = silent) -> Ren
     """Draw the episodes of a run that count; what is drawn already is kept.
 
     Raises:
-        UsageError: fewer than one look.
+        UsageError: fewer than one look, or more than :data:`MOST_LOOKS`.
         UnknownName: an episode is not among those that count, or an object is not in the library any more.
         MissingStage: no episode counts.
     """
-    if order.looks < 1:
-        raise UsageError(f"--looks is {order.looks}", hint="give 1 or more")
+    if not 1 <= order.looks <= MOST_LOOKS:
+        raise UsageError(f"--looks is {order.looks}", hint=f"give 1 to {MOST_LOOKS}")
     chosen = _chosen(run, order.episodes)
     folder = run.root / FOLDER
+    _sweep(run, folder)
     tasks = [
         _Task(run.root / str(e.file), e.index, look, order.ranges, order.seed, folder / _name(e.index, look))
         for look in range(order.looks)
@@ -131,13 +139,39 @@ def _name(episode: int, look: int) -> str:
     return f"episode_{episode:06d}-look_{look:03d}.hdf5"
 
 
+def _sweep(run: RunFolder, folder: Path) -> None:
+    """Remove what a killed call left, and what was drawn of an episode that does not count any more or is another."""
+    sources = {episode.index: run.root / str(episode.file) for episode in accepted_episodes(run)}
+
+    @cache
+    def now(episode: int) -> str | None:
+        if episode not in sources:
+            return None
+        with EpisodeReader(sources[episode]) as reader:
+            return reader.episode.digest()
+
+    for path in sorted(folder.glob("episode_*-look_*.hdf5")):
+        made = _made(path)
+        if made is None:
+            path.unlink()
+        elif now(made["episode"]) != made["sha256"]:
+            logger.warning("%s is removed: episode %d counts no more, or is another", path, made["episode"])
+            path.unlink()
+
+
+def _made(path: Path) -> dict[str, Any] | None:
+    """What a render says of itself; None for what a killed call left."""
+    with suppress(OSError, KeyError, ValueError), h5py.File(path) as file:
+        return {**json.loads(file["meta/render"][()]), "frames": len(file["timestamp"])}
+    return None
+
+
 def _of_earlier_calls(folder: Path, drawn: Collection[Render]) -> Iterator[Render]:
     """The renders that are there besides those that were drawn now."""
     now = {Path(render.file).name for render in drawn}
     for path in folder.glob("episode_*-look_*.hdf5"):
-        if path.name not in now:
-            with suppress(OSError, KeyError, ValueError), h5py.File(path) as file:  # what a killed call left is none
-                yield _record(path, json.loads(file["meta/render"][()]), len(file["timestamp"]))
+        if path.name not in now and (made := _made(path)) is not None:
+            yield _record(path, made, made["frames"])
 
 
 def _record(path: Path, made: Mapping[str, Any], frames: int) -> Render:
@@ -174,7 +208,7 @@ def _drawn_meta(recorded: Recorded, task: _Task, look: Look) -> dict[str, Any]:
         "look": task.look,
         "ranges": task.ranges.name,
         "seed": task.seed,
-        "sha256": sha256_file(task.source),
+        "sha256": recorded.episode.digest(),
         "versions": versions(),
     }
     return {**recorded.episode.meta, **world_facts(recorded.scene, drawn), "render": made}

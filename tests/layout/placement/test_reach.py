@@ -13,6 +13,7 @@ from vcage.base.errors import UsageError
 from vcage.base.geometry import Pose
 from vcage.layout.placement import reach
 from vcage.layout.placement.reach import CELL, EITHER, YAWS, Tilted, reach_for, robot_reach
+from vcage.sim.cameras import overview
 from vcage.sim.robots import load_robot
 
 WORKSPACE = np.array([[-0.3, -0.2], [0.3, 0.2]])
@@ -125,6 +126,17 @@ def test_what_every_arm_reaches_lies_between_them(robot, monkeypatch, tmp_path):
 
 def test_without_an_arm_nothing_is_reached(robot, tmp_path):
     assert robot_reach(robot.model_copy(update={"arms": {}}), WORKSPACE, HEIGHTS, tmp_path).shape == (0, 2, 2)
+
+
+def test_what_the_camera_of_the_robot_does_not_see_does_not_count(disc, tmp_path):
+    robot, wide = load_robot("aloha_agilex"), 2 * WORKSPACE
+    points, disc.radius = np.random.default_rng(0).uniform(*wide, (2000, 2)), 2.0
+    sees = overview(robot).sees(np.column_stack([points, np.full(len(points), min(HEIGHTS))]))
+    covered = inside(points, robot_reach(robot, wide, HEIGHTS, tmp_path))
+    assert 0 < sees.sum() < len(sees)
+    assert not (covered & ~sees).any() and covered.sum() > 0.8 * sees.sum()
+    blind = robot.model_copy(update={"cameras": {n: c for n, c in robot.cameras.items() if c.arm}})
+    np.testing.assert_allclose(robot_reach(blind, wide, HEIGHTS, tmp_path), [wide])
 
 
 def test_rectangles_are_cut_to_a_workspace_that_is_not_on_the_grid(robot, disc, tmp_path):

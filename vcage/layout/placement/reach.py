@@ -1,4 +1,4 @@
-"""Where on the table a robot's arms reach, as rectangles that the placement can use.
+"""Where on the table a robot's arms reach and its camera sees, as rectangles that the placement can use.
 
 Inverse kinematics is asked at the nodes of a grid of the world, once for each robot: what is known of a node is kept in
 the user's cache and serves every workspace that it lies in.
@@ -21,11 +21,12 @@ from numpy.typing import ArrayLike
 
 from vcage.base.errors import DamagedFile, MissingStage, OutputFolderError, PartlyDone
 from vcage.base.files import cache_dir, read_json, sha256_file, write_json
-from vcage.base.geometry import Pose
+from vcage.base.geometry import Camera, Pose
 from vcage.layout.validation import as_workspace
 from vcage.objects.asset import Asset
 from vcage.schema.robot import Arm, Robot
 from vcage.schema.scene import Role
+from vcage.sim.cameras import overview
 from vcage.sim.kinematics import TILTS, kinematics_of, leaning
 from vcage.sim.robots import package_file
 
@@ -117,7 +118,8 @@ def robot_reach(
 
     Where none does, arms that can reach a grasp with the hand tilted, and lift what it holds clear of the table, do as
     well. A cell of the grid counts when one arm reaches all of its corners, so no point of a rectangle is a guess
-    between two that work. They are cut to the workspace.
+    between two that work; and when the robot's overview (:func:`~vcage.sim.cameras.overview`) sees all of them at the
+    lowest height. They are cut to the workspace.
 
     The kinematics are not even built when the whole workspace is known from the cache. A damaged map is made again; one
     that cannot be written is told and does without.
@@ -141,9 +143,9 @@ def robot_reach(
         for arm in robot.arms.values()
     ]
     columns, rows = (_axis(*bounds[:, k]) for k in range(2))
-    everywhere = np.ones((len(columns) - 1, len(rows) - 1), dtype=bool)
-    reached = _cells(straight, columns, rows, everywhere, every=False)
-    cells = _cells(leaning, columns, rows, ~reached, every)
+    seen = _seen(overview(robot), columns, rows, min(heights))
+    reached = _cells(straight, columns, rows, seen, every=False)
+    cells = _cells(leaning, columns, rows, seen & ~reached, every)
     cells |= _cells(straight, columns, rows, reached, every=True) if every else reached
     for known in (*straight, *leaning):
         known.save()
@@ -279,6 +281,18 @@ def _axis(lower: float, upper: float) -> range:
     return range(first, max(int(np.ceil(upper / CELL - 1e-9)), first + 1) + 1)
 
 
+def _seen(camera: Camera | None, columns: range, rows: range, height: float) -> np.ndarray:
+    """(nx, ny) bool: the cells of which a camera sees all corners at a height; all where there is none."""
+    x, y = np.meshgrid(CELL * np.array(columns), CELL * np.array(rows), indexing="ij")
+    points = np.stack([x, y, np.full_like(x, height)], axis=-1)
+    return _whole(np.ones(x.shape, dtype=bool) if camera is None else camera.sees(points))
+
+
+def _whole(nodes: np.ndarray) -> np.ndarray:
+    """(nx, ny) bool: the cells all corners (nx + 1, ny + 1) of which are true."""
+    return nodes[:-1, :-1] & nodes[1:, :-1] & nodes[:-1, 1:] & nodes[1:, 1:]
+
+
 def _cells(maps: Sequence[_ReachMap], columns: range, rows: range, among: np.ndarray, every: bool) -> np.ndarray:
     """(nx, ny) bool: the cells ``among`` some that some arm, or every arm, reaches."""
     cells = among.copy() if every else np.zeros_like(among)
@@ -287,7 +301,7 @@ def _cells(maps: Sequence[_ReachMap], columns: range, rows: range, among: np.nda
         nodes = np.zeros((len(columns), len(rows)), dtype=bool)
         for i, j in np.argwhere(_corners(cells if every else among & ~cells)):
             nodes[i, j] = known.reaches((columns[i], rows[j]))
-        reached = nodes[:-1, :-1] & nodes[1:, :-1] & nodes[:-1, 1:] & nodes[1:, 1:]
+        reached = _whole(nodes)
         cells = cells & reached if every else cells | (among & reached)
     return cells
 
