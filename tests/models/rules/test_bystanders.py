@@ -30,5 +30,11 @@ def test_what_looks_like_what_is_there_does_not_stand_by():
     assert "bread_roll" not in names("Put it away", present=("croissant",))
 
 
+def test_what_is_of_a_category_and_about_as_large_as_what_is_there_does_not_stand_by():
+    assert not names("Put them away", present=("block",)) & {"toy_brick", "puzzle_cube"}
+    assert "toy_brick" in names("Put them away", present=("plate",))
+    assert "toy_car" in names("Put them away", present=("block",))
+
+
 def test_a_text_that_the_rules_do_not_understand_asks_for_nothing():
     assert asked_by("Frobnicate", {}, {}) is None

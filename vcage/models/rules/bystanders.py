@@ -17,11 +17,14 @@ Things = Mapping[str, CatalogueEntry]
 Asked = tuple[frozenset[tuple[int, Goal]], frozenset[str]]
 """Goals with their steps, and what is left alone."""
 
+ALIKE = 2.0
+"""Factor within which sizes of things lie that are taken for each other."""
+
 
 def bystanders(
     texts: Collection[str], present: Collection[CatalogueEntry], catalogue: Sequence[CatalogueEntry]
 ) -> list[CatalogueEntry]:
-    """Kinds that answer to no word of some texts, and that none of what is there could be taken for.
+    """Kinds that answer to no word of some texts, and that nothing there could be taken for, by name or by look.
 
     Args:
         texts: all that is said of a task.
@@ -32,8 +35,15 @@ def bystanders(
     return [
         entry
         for entry in catalogue
-        if not any(_answers(word, entry) for word in said) and not any(confusable(entry, other) for other in present)
+        if not any(_answers(word, entry) for word in said)
+        and not any(confusable(entry, other) or _alike(entry, other) for other in present)
     ]
+
+
+def _alike(entry: CatalogueEntry, other: CatalogueEntry) -> bool:
+    """Whether both are of one category and of about one size, as toy bricks and blocks are."""
+    ratios = (a / b for a, b in zip(sorted(entry.size), sorted(other.size), strict=True))
+    return entry.words.category == other.words.category and all(1 / ALIKE < ratio < ALIKE for ratio in ratios)
 
 
 def _answers(word: str, entry: CatalogueEntry) -> bool:
