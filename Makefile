@@ -83,8 +83,9 @@ demo: venv
 lint: venv
 	@$(BIN)/ruff check . && $(BIN)/ruff format --check -q . && $(BIN)/pyrefly check --output-format min-text
 
+# Two processes on two cores: threads of OpenMP in each would wait for those of the other.
 test: setup lint
-	$(BIN)/python -m pytest -q -n 2 --dist loadfile --no-loadscope-reorder
+	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -q -n 2 --dist loadfile --no-loadscope-reorder
 
 # torchcodec looks for FFmpeg's libraries under their usual names; PyAV brings them under names of its own.
 $(LEROBOT_STAMP): $(wildcard $(LEROBOT_PACKAGES)*.txt) | $(STAMP)
