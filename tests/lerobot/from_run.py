@@ -55,6 +55,10 @@ def read_run(run: Path, scratch: Path) -> list[Episode]:
 
 def _video(run: Path, stream: dict[str, Any], originals: h5py.Dataset, scratch: Path) -> Video:
     path = run / stream["file"]
+    if not originals.shape:
+        raise SystemExit(
+            f"{run} keeps no raw pictures to compare with: collect with --keep-raw, or prove a folder of its export"
+        )
     loss = None if stream["crf"] is None else stream["loss_max"]
     return Video(path, Pictures(path, len(originals), scratch), originals, loss)
 
