@@ -365,6 +365,7 @@ def test_an_episode_that_takes_too_long_is_given_up_and_says_so(finished, begun)
         PartlyDone, match=r"none of 3 episodes was verified: given up after the 0\.05 s of --episode-limit"
     ):
         collect.execute(begun, options(episode_limit=0.05), finished.context)
+    assert {episode.layout for episode in Episodes.read(begun.episodes).episodes} == {None}
 
 
 def test_a_damaged_script_is_named_before_anything_is_collected(finished, begun):

@@ -78,7 +78,7 @@ class Recorded:
             reason = f"{path} does not say how the episode looked, and what was simulated: {error.errors()[0]['msg']}"
             raise DamagedFile(reason, hint=again, maker="collect") from error
         robot = load_robot(scene.robot)
-        for untrue in _contradictions(episode, scene, robot, drawn):
+        if untrue := next(_contradictions(episode, scene, robot, drawn), None):
             raise DamagedFile(f"{path}: {untrue}", hint=again, maker="collect")
         models = drawn_models(context.physical_models(scene), drawn.world)
         return cls(episode, scene, robot, models, drawn)

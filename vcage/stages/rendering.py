@@ -21,7 +21,7 @@ import h5py
 import numpy as np
 
 from vcage.base.errors import MissingStage, UnknownName, UsageError
-from vcage.base.files import RunFolder, recover, sha256_file
+from vcage.base.files import RunFolder, sha256_file
 from vcage.base.pictures import write_picture
 from vcage.base.progress import Progress, silent
 from vcage.base.workers import Processes, ThisProcess
@@ -189,7 +189,6 @@ def _render(task: _Task) -> Render:
     rng = np.random.default_rng([task.seed, task.episode, task.look])
     look = draw_look(task.ranges.look, recorded.scene, recorded.models, recorded.robot, rng)
     meta = _drawn_meta(recorded, task, look)
-    recover(task.out)
     if not _is_there(task.out, meta):
         _write(task.out, recorded, look, meta)
     return _record(task.out, meta["render"], episode.frames)
