@@ -159,6 +159,7 @@ class _Making:
             ),
             photograph=lambda *_: {},
             judge=_accept,
+            accept="critic",
             on_failure="resample",
             retries=2,
             fps=self._recipe.fps,

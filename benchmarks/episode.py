@@ -122,6 +122,7 @@ class _Episodes:
             slots=slots_for_chain([self._step[0]], objects, self._robot, Ground.of(self._scene), rng),
             photograph=lambda *_: {},
             judge=_always_accept,
+            accept="critic",
             on_failure="resample",
             retries=2,
             fps=FPS,

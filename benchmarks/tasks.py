@@ -193,6 +193,7 @@ def play(
         slots=start.slots,
         photograph=lambda *_: {},
         judge=_accept,
+        accept="critic",
         on_failure="abort",
         retries=0,
         fps=FPS,

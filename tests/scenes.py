@@ -162,6 +162,7 @@ def setting(
     slots: Mapping[str, Slot],
     critic: Critic,
     on_failure: str = "resample",
+    accept: str = "both",
     retries: int = 2,
 ) -> Setting:
     """An episode's setting with tiny pictures."""
@@ -171,6 +172,7 @@ def setting(
         slots=slots,
         photograph=lambda *_: {"top": np.zeros((2, 3, 3), dtype=np.uint8)},
         judge=critic,
+        accept=accept,
         on_failure=on_failure,
         retries=retries,
         fps=10,

@@ -95,6 +95,7 @@ class Chain:
             slots=slots,
             photograph=self._photographer.shots if looks else _nothing,
             judge=looking.judge,
+            accept="critic",
             on_failure="resample" if mode in ("resample", "blind") else "abort",
             retries=retries,
             fps=FPS,

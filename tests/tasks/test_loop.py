@@ -20,6 +20,7 @@ from tests.scenes import (
 )
 from vcage.base.geometry import Pose
 from vcage.schema.episodes import Failure
+from vcage.schema.goals import Goal
 from vcage.schema.subtasks import Grasp
 from vcage.sim.recording import StateLog
 from vcage.stages.episode_store import confusion
@@ -80,7 +81,7 @@ def aborted() -> EpisodeRun:
 @pytest.fixture(scope="module")
 def silent() -> EpisodeRun:
     """The critic accepts what is not there."""
-    return play_once(Critic([True]), play=knock_away)
+    return play_once(Critic([True]), play=knock_away, accept="critic")
 
 
 @pytest.fixture(scope="module")
@@ -238,7 +239,8 @@ def test_when_the_retries_are_used_up_the_episode_is_rejected_with_the_reason():
     run = play_once(Critic([False]), retries=2)
     assert not run.accepted
     assert [a.stage for a in run.attempts] == ["verify"] * 3
-    assert run.reason == "block-onto-plate failed at verify: it is not there"
+    refused = "the critic says no: it is not there; the simulator's state says yes: block on plate"
+    assert run.reason == f"block-onto-plate failed at verify: {refused}"
 
 
 def test_the_recording_of_a_rejected_episode_ends_with_its_last_attempt_as_no_segment(aborted: EpisodeRun):
@@ -290,6 +292,41 @@ def test_an_attempt_says_what_was_changed():
     grasp, slot = run.attempts[1].changes
     assert grasp == "contact 1 with the right arm instead of contact 0 with the left arm"
     assert "cm from the slot that was planned" in slot
+
+
+# --- who must say yes ----------------------------------------------------------------------------------
+
+
+def test_what_the_critic_accepts_against_the_state_is_tried_again_and_then_rejected():
+    run = play_once(Critic([True]), play=knock_away, retries=1)
+    assert not run.accepted
+    assert [(a.stage, a.disputed) for a in run.attempts] == [("verify", True)] * 2
+    assert "the simulator's state says no: block is" in run.reason
+    assert "the critic says yes: it is there" in run.reason
+
+
+def test_what_the_critic_refuses_is_accepted_where_the_state_decides():
+    run = play_once(Critic([False]), accept="state")
+    assert run.accepted
+    assert [(a.stage, a.disputed) for a in run.attempts] == [("done", True)]
+
+
+def test_what_the_state_refuses_is_rejected_where_the_state_decides():
+    assert not play_once(Critic([True]), play=knock_away, accept="state", retries=0).accepted
+
+
+def test_an_attempt_on_which_both_agree_is_not_disputed(accepted: EpisodeRun):
+    assert [a.disputed for a in accepted.attempts] == [False]
+
+
+@pytest.mark.parametrize(("accept", "accepted"), [("both", False), ("state", False), ("critic", True)])
+def test_an_episode_whose_goals_do_not_hold_at_its_end_is_rejected_unless_the_critic_decides(accept, accepted):
+    objects, step = block_and_plate(), subtask()
+    there = setting(objects, {step.id: ON_PLATE}, Critic(), accept=accept)
+    undone = Goal(subject="plate", relation="on", reference="block")
+    run = run_episode(there, [(step, script_of(step))], 0, [undone])
+    assert run.accepted is accepted
+    assert accepted or run.reason.startswith("every sub-task was verified, but at the end ")
 
 
 # --- the simulator's truth -----------------------------------------------------------------------------

@@ -14,12 +14,19 @@ from vcage.schema.randomisation import Drawn
 from vcage.schema.scene import ObjectRecord, Scene
 from vcage.schema.subtasks import Chain
 
+BY_HAND = "by hand"
+"""Provider of a verdict that a person changed."""
+
 AttemptStage = Literal["plan", "grasp", "place", "verify", "done"]
-"""How far an attempt at a sub-task came; ``done`` means that the critic accepted it."""
+"""How far an attempt at a sub-task came; ``done`` means that it was accepted."""
 
 Failure = Literal["lost", "astray", "disturbed"]
 """What went wrong, as far as another attempt can do better: an object was not taken, or lost on the way; it was brought
 to where it does not stay (a rim, a place beside it, what receives it knocked over); something else was moved."""
+
+
+Accept = Literal["both", "critic", "state"]
+"""Who must call a sub-task done for it to be accepted: the critic and the simulator's state, or one of them alone."""
 
 
 class Verdict(Record):
@@ -43,6 +50,12 @@ class Truth(Record):
     reason: str
 
 
+def accepts(accept: Accept, verdict: Verdict, truth: Truth) -> bool:
+    """Whether a sub-task with this verdict and this truth is accepted."""
+    judges = {"critic": [verdict.accepted], "state": [truth.success], "both": [verdict.accepted, truth.success]}
+    return all(judges[accept])
+
+
 class Attempt(Record):
     """One line of ``episodes/log.jsonl``: one try at one sub-task."""
 
@@ -62,6 +75,11 @@ class Attempt(Record):
     verdict: Verdict | None = None
     truth: Truth | None = None
     steps: int = Field(ge=0, description="physics steps taken")
+
+    @property
+    def disputed(self) -> bool:
+        """Whether critic and simulator state were both asked and disagree."""
+        return self.verdict is not None and self.truth is not None and self.verdict.accepted != self.truth.success
 
 
 class Episode(Record):
@@ -153,11 +171,12 @@ class CriticCounts(Record):
 class Episodes(StageDocument):
     """``episodes/episodes.json``."""
 
-    SCHEMA: ClassVar[str] = "vcage.episodes/4"
+    SCHEMA: ClassVar[str] = "vcage.episodes/5"
 
     instruction: str | None
     chains: list[Chain]
     episodes: list[Episode] = Field(description="by number; a number that is missing was not needed")
+    accept: Accept = Field(description="whose yes a sub-task needed")
     attempts: int = Field(ge=0, description="lines of log.jsonl")
     acceptance: dict[str, dict[str, int]] = Field(description="asset/variant → {accepted, attempts}")
     critic: CriticCounts
@@ -204,8 +223,9 @@ class Difference(Record):
 class Verdicts(StageDocument):
     """``verify/verdicts.json``: what was collected judged again."""
 
-    SCHEMA: ClassVar[str] = "vcage.verdicts/2"
+    SCHEMA: ClassVar[str] = "vcage.verdicts/3"
 
+    accept: Accept = Field(description="whose yes accepted the episodes; if the state's, no critic refuses one")
     episodes: dict[str, list[Verdict]] = Field(description="file of an accepted episode → one verdict per sub-task")
     taken_over: int = Field(
         default=0, ge=0, description="verdicts of the collection that the same critic had given on the same question"
@@ -218,7 +238,11 @@ class Verdicts(StageDocument):
     @property
     def refused(self) -> dict[str, str]:
         """File of an episode that does not count any more → the first reason why."""
-        first = {file: next((v for v in said if not v.accepted), None) for file, said in self.episodes.items()}
+        deciding = {
+            file: [v for v in said if self.accept != "state" or v.provider == BY_HAND]
+            for file, said in self.episodes.items()
+        }
+        first = {file: next((v for v in said if not v.accepted), None) for file, said in deciding.items()}
         return {file: verdict.reason for file, verdict in first.items() if verdict is not None}
 
 

@@ -40,12 +40,14 @@ class Held:
         model: its geometry.
         in_gripper: object frame in the gripper frame.
         joints: positions of its moving parts; all at 0 when empty.
+        clearance: what must stay free below it, metres.
     """
 
     object_id: str
     model: PhysicalModel
     in_gripper: Pose
     joints: tuple[float, ...] = ()
+    clearance: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -162,11 +164,18 @@ class CollisionScene:
         if held is not None:
             pose = self.kinematics.base_pose_of_tool(q) * to_sapien(held.in_gripper)
             shapes = model_shapes(held.model, held.joints)
-            carried = [(held.object_id, shape, pose * local) for _, shape, local in shapes]
+            at = [pose, self._below(held.clearance) * pose] if held.clearance else [pose]
+            carried = [(held.object_id, shape, one * local) for one in at for _, shape, local in shapes]
             parts, ranks = parts + carried, np.append(ranks, np.full(len(carried), ranks.max()))
         moving = _Solids(parts)
         skip = {*ignore, *part_names(held.object_id, held.model)} if held else set(ignore)
         return self._with_obstacles(moving, ranks, skip, fingers_may_touch) or self._with_itself(moving, ranks)
+
+    def _below(self, distance: float) -> sapien.Pose:
+        """Straight down in the world, in the frame of the arm's base, metres."""
+        import sapien
+
+        return self._to_base * sapien.Pose([0.0, 0.0, -distance]) * self._to_base.inv()
 
     def _with_obstacles(
         self, moving: _Solids, ranks: np.ndarray, skip: Collection[str], fingers_may_touch: Collection[str]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -66,3 +66,24 @@ class ContactNames:
                 if entity.per_scene_id in parts and giver != owner:
                     found[giver] = found.get(giver, np.zeros(3)) + sign * impulse
         return found
+
+    def presses(
+        self, names: Collection[str], contacts: Iterable[sapien.physx.PhysxContact]
+    ) -> Iterator[tuple[str, str, float]]:
+        """What some objects or arms press on: their own name, the other's, and the impulse of the last step, N s.
+
+        Arms are named ``<arm>/<link>``. Contacts within one object or arm are left out.
+
+        Args:
+            names: ids of objects and names of arms.
+            contacts: of the scene.
+        """
+        for contact in contacts:
+            first, second = (self._owners.get(b.entity.per_scene_id, b.entity.name) for b in contact.bodies)
+            for mine, other in ((first, second), (second, first)):
+                owner = mine.partition("/")[0]
+                if owner not in names or owner == other.partition("/")[0]:
+                    continue
+                impulse = float(np.linalg.norm(np.sum([point.impulse for point in contact.points], axis=0)))
+                if impulse > 0:
+                    yield mine, other, impulse

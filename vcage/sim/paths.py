@@ -35,6 +35,10 @@ class Load:
     speed: float = 1.0
     fingers_may_touch: Collection[str] = ()
 
+    def above(self, clearance: float) -> Load:
+        """The same, with so much free below what is held, metres."""
+        return self if self.held is None else replace(self, held=replace(self.held, clearance=clearance))
+
 
 OPEN_HAND = Load()
 """Nothing is held, and nothing may be touched."""

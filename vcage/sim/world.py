@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -222,6 +222,13 @@ class World:
             UnknownName: there is no such object or part.
         """
         return self._contact_names.touching(name, self.scene.get_contacts())
+
+    def presses(self, names: Collection[str]) -> Iterator[tuple[str, str, float]]:
+        """What some objects (ids) or arms (names) press on: (own name, other's name, impulse of the last step in N s).
+
+        An arm's own name is ``<arm>/<link>``.
+        """
+        return self._contact_names.presses(names, self.scene.get_contacts())
 
     def borne_by(self, object_id: str) -> dict[str, float]:
         """The share of an object's weight that each other thing bears, by the upward impulses of the last step.

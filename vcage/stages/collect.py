@@ -25,9 +25,9 @@ from vcage.base.memory import free_memory
 from vcage.base.options import NATURAL, POSITIVE, RANGES, UNSAID
 from vcage.base.progress import Progress, silent
 from vcage.base.workers import Processes, ThisProcess, cores
-from vcage.schema.episodes import Attempt, Episode, Episodes
+from vcage.schema.episodes import Accept, Attempt, Episode, Episodes
 from vcage.schema.randomisation import Randomisation
-from vcage.schema.subtasks import Chain, Subtasks
+from vcage.schema.subtasks import Subtasks
 from vcage.sim.robots import load_randomisation
 from vcage.stages.context import StageContext
 from vcage.stages.edits import by_hand, reason_by_hand, refuse, require_evidence, require_only, written_record
@@ -63,6 +63,9 @@ class Options(ModelOptions):
 
     episodes: Annotated[int | None, POSITIVE, UNSAID] = None
     """accepted episodes to collect (default: 3); in a scene without an instruction of each sub-task (default: 1)"""
+    accept: Annotated[Accept, UNSAID] = "both"
+    """whose yes a sub-task needs to be accepted: of the critic and of the simulator's state (default), of the critic
+    alone as in the paper, or of the state alone"""
     on_failure: Annotated[OnFailure, UNSAID] = "resample"
     """after a failed sub-task: try it again from the verified state before it, or give the episode up"""
     retries: Annotated[int, NATURAL] = 3
@@ -95,8 +98,9 @@ def job(run: RunFolder, options: Options, context: StageContext) -> Job:
         output=run.episodes,
         inputs=[run.layout, run.subtasks, *planned, *scripts],
         seed=stage_seed(run, options.seed),
-        options={"on_failure": options.on_failure, "retries": options.retries, "layout": options.layout}
-        | {"fps": options.fps, "randomise": ranges.model_dump(mode="json", exclude={"schema_id", "description"})},
+        options={"accept": options.accept, "on_failure": options.on_failure, "retries": options.retries}
+        | {"layout": options.layout, "fps": options.fps}
+        | {"randomise": ranges.model_dump(mode="json", exclude={"schema_id", "description"})},
         providers=context.at_once.models.providers("critic"),
     )
 
@@ -130,6 +134,10 @@ def summary(record: Episodes) -> dict[str, Any]:
         "never_verified": _never_verified(record),
         "attempts": record.attempts,
         "silent_failures": sum(not e.goals_hold.success for e in record.episodes if e.accepted and e.goals_hold),
+        "disagreements": {
+            "critic_yes_state_no": record.critic.false_accepted,
+            "critic_no_state_yes": record.critic.false_refused,
+        },
         "critic": record.critic.model_dump(mode="json"),
         "layouts": record.layouts(),
         "randomise": record.provenance.options["randomise"]["name"],
@@ -175,7 +183,7 @@ def take_over(run: RunFolder, folder: Path, edited: Collection[str], context: St
     require_only(run.episodes, *DECIDED)
     episodes = [_by_hand(*pair) for pair in zip(was.episodes, record.episodes, strict=True)]
     for number, episode in enumerate(episodes):
-        if episode.accepted and not _verified(run, episode, record.chains[episode.chain]):
+        if episode.accepted and not _verified(run, episode, record):
             wanted = "false, unless every sub-task of its chain was verified and its pictures were recorded"
             refuse(run.episodes, f"episodes.{number}.accepted", "true", wanted)
     return record.model_copy(update={"episodes": episodes})
@@ -188,11 +196,14 @@ def _by_hand(was: Episode, now: Episode) -> Episode:
     return now.model_copy(update={"reason": reason, "verdicts": verdicts})
 
 
-def _verified(run: RunFolder, episode: Episode, chain: Chain) -> bool:
+def _verified(run: RunFolder, episode: Episode, record: Episodes) -> bool:
     """Whether an episode has what an accepted one has."""
+    chain = record.chains[episode.chain]
     recorded = episode.file is not None and Path(episode.file).parent == Path(run.episodes.parent.name)
     there = recorded and (run.root / str(episode.file)).is_file()
-    return there and episode.subtasks == chain.subtasks and all(v.accepted for v in episode.verdicts)
+    judged = record.accept == "state" or all(v.accepted for v in episode.verdicts)
+    holds = record.accept == "critic" or (episode.goals_hold is not None and episode.goals_hold.success)
+    return there and episode.subtasks == chain.subtasks and judged and holds
 
 
 def _shortfall(record: Episodes, wanted: _Wanted) -> TooFewVerified | None:

@@ -14,7 +14,7 @@ from typing import Any, NoReturn, TypeVar
 from vcage.base.errors import InputFileError
 from vcage.base.files import maker_of, read_json, sha256_file, write_json
 from vcage.schema.base import StageDocument
-from vcage.schema.episodes import Verdict
+from vcage.schema.episodes import BY_HAND, Verdict
 
 D = TypeVar("D", bound=StageDocument)
 
@@ -24,9 +24,6 @@ others. It is not in the JSON itself, so that one that is put back from a copy i
 
 EDITABLE = (".json", ".jsonl", ".png", ".py")
 """Kinds of files beside the JSON of a stage that are looked at. Videos and episodes are inputs of later stages."""
-
-BY_HAND = "by hand"
-"""Provider of a verdict that was changed by hand."""
 
 Place = tuple[str, ...]
 """Where in a JSON: ``("episodes", "0", "reason")``; in a pattern ``*`` stands for any one part."""

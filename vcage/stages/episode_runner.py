@@ -153,6 +153,7 @@ class EpisodeRunner:
             slots=start.slots,
             photograph=photographer.shots,
             judge=lambda asked, subtask, seen: self._judge(start, asked, subtask, seen, background),
+            accept=self._stage.options["accept"],
             on_failure=self._stage.options["on_failure"],
             retries=self._stage.options["retries"],
             fps=self._stage.options["fps"],

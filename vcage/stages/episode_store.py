@@ -104,6 +104,7 @@ class EpisodeStore:
             instruction=scene.instruction,
             chains=Subtasks.read(self.run.subtasks).chains,
             episodes=self.episodes,
+            accept=self._stage.options["accept"],
             attempts=len(self._attempts),
             acceptance=acceptance(self._attempts),
             critic=confusion(self._attempts),

@@ -16,12 +16,12 @@ from vcage.base.files import RunFolder
 from vcage.base.pictures import read_picture, write_picture
 from vcage.base.progress import Progress, silent
 from vcage.schema.base import Provenance
-from vcage.schema.episodes import Attempt, Difference, Episode, Episodes, SingleVerdict, Verdict, Verdicts
+from vcage.schema.episodes import BY_HAND, Attempt, Difference, Episode, Episodes, SingleVerdict, Verdict, Verdicts
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Subtask, Subtasks
 from vcage.stages.context import StageContext
 from vcage.stages.differences import draw_difference
-from vcage.stages.edits import BY_HAND, by_hand, require_evidence, require_only, written_record
+from vcage.stages.edits import by_hand, require_evidence, require_only, written_record
 from vcage.stages.episode_store import background_name, confusion, log_path, read_log
 from vcage.stages.question import TOP, Asking, verdict
 from vcage.stages.stage import Job, ModelOptions, StageResult, stage_seed
@@ -134,7 +134,8 @@ def _named(episode: Episode) -> str:
 
 def _judged(run: RunFolder, judge: _Judge, folder: Path, provenance: Provenance, progress: Progress) -> Verdicts:
     """Judge every verified sub-task, without whose pictures there is an error, and every other attempt that can be."""
-    accepted = [episode for episode in Episodes.read(run.episodes).episodes if episode.accepted]
+    collected = Episodes.read(run.episodes)
+    accepted = [episode for episode in collected.episodes if episode.accepted]
     steps = [_Question(e.index, *step) for e in accepted for step in zip(e.subtasks, e.verdicts, strict=True)]
     tried = [(a, _Question(a.episode, a.subtask, a.verdict)) for a in read_log(run.episodes.parent) if a.verdict]
     kept = [(attempt, question) for attempt, question in tried if attempt.truth and judge.sees(question)]
@@ -156,6 +157,7 @@ def _judged(run: RunFolder, judge: _Judge, folder: Path, provenance: Provenance,
     again = [attempt.model_copy(update={"verdict": said[question.pictures]}) for attempt, question in kept]
     return Verdicts(
         provenance=provenance,
+        accept=collected.accept,
         episodes={_named(e): [said[tuple(v.pictures)] for v in e.verdicts] for e in accepted},
         taken_over=judge.taken_over,
         critic=confusion(again),

@@ -40,7 +40,7 @@ class Transfer:
         where: the place in words.
         poses: of the object at the place, in the world: any of them does.
         around: what the hand may meet there.
-        over: what the object must be above when it is brought there.
+        over: heights that the object must be above when it is brought there, z in metres.
         others: all other objects, those with parts that must be open as they are then.
     """
 
@@ -49,7 +49,7 @@ class Transfer:
     where: str
     poses: Sequence[Pose]
     around: Sequence[SolidBox]
-    over: Sequence[SolidBox]
+    over: Sequence[float]
     others: tuple[SceneObject, ...]
 
     @classmethod
@@ -71,7 +71,7 @@ class Transfer:
         """
         neighbours = [box for o in others if o.id != receptacle.id for box in o.boxes]
         around = [*receptacle.around(point.id), *neighbours]
-        where, over = f"{point.name!r} of {receptacle.record.phrase}", receptacle.walls(point.id)
+        where, over = f"{point.name!r} of {receptacle.record.phrase}", [receptacle.rim(point.id)]
         return cls(target, contact, where, poses, around, over, tuple(others))
 
     @classmethod

@@ -1,8 +1,9 @@
 """The closed loop around the sub-tasks of one episode (paper, section III-C).
 
-After every sub-task the critic looks. What it accepts is kept: its end state becomes the snapshot from which the
-next sub-task starts. What fails is tried again from that snapshot in a freshly built world, or ends the episode.
-The episode is accepted if and only if every sub-task was.
+After every sub-task the critic looks at pictures, and the simulator's state is asked. By default a sub-task is accepted
+only where both say that it is done; the paper asks the critic alone. The end state of an accepted sub-task is the
+snapshot from which the next one starts. A failed one is tried again from that snapshot in a freshly built world, or
+ends the episode. An episode is accepted if every sub-task was and, where the state is asked, all goals hold at its end.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ import numpy as np
 
 from vcage.base.errors import DamagedFile
 from vcage.datasets.episode import Segment
-from vcage.schema.episodes import Attempt, AttemptStage, Truth, Verdict
+from vcage.schema.episodes import Accept, Attempt, AttemptStage, Truth, Verdict, accepts
 from vcage.schema.goals import Goal
 from vcage.schema.subtasks import Subtask
 from vcage.sim.recording import StateLog
@@ -52,6 +53,7 @@ class Setting:
         slots: id of a sub-task → where it puts its object.
         photograph: pictures of a state for a sub-task with some goals; at the moment also from an arm's wrist.
         judge: the critic's verdict on a question about a sub-task and the pictures.
+        accept: whose yes a sub-task needs.
         on_failure: what follows a failed sub-task.
         retries: further attempts per sub-task, when resampling.
         fps: frames per second of the recording.
@@ -63,6 +65,7 @@ class Setting:
     slots: Mapping[str, Slot]
     photograph: Callable[[WorldState, Sequence[Goal], str | None], PicturesByCamera]
     judge: Callable[[Asked, Subtask, Seen], Verdict]
+    accept: Accept
     on_failure: OnFailure
     retries: int
     fps: int
@@ -83,8 +86,9 @@ class EpisodeRun:
         segments: the accepted sub-tasks.
         attempts: all tries, in order.
         pictures: file name → picture that a verdict looked at.
-        accepted: whether every sub-task was.
-        goals_hold: whether all goals of the instruction are true at the end, whatever the critic said.
+        accepted: whether every sub-task was and, where the state is asked, all goals hold at the end.
+        goals_hold: whether all goals of the instruction are true at the end, by the simulator's state; None where a
+            sub-task failed before.
     """
 
     log: StateLog
@@ -99,6 +103,8 @@ class EpisodeRun:
         """Why it was accepted or not."""
         if self.accepted:
             return f"all {len(self.segments)} sub-tasks were verified"
+        if self.goals_hold is not None:
+            return f"every sub-task was verified, but at the end {self.goals_hold.reason}"
         last = self.attempts[-1]
         return f"{last.subtask} failed at {last.stage}: {last.reason}"
 
@@ -121,22 +127,23 @@ def run_episode(
         world.arms[arm].reset(offset)
     recording.record(world)
     trials: list[_Trial] = []
-    accepted = True
+    verified = True
     for number, (subtask, script) in enumerate(chain):
         slots = {s.object: setting.slots[s.id] for s in (*(s for s, _ in chain), subtask) if s.id in setting.slots}
         step = _Step(setting, recording, index, number, subtask, script, slots, start)
         world, tried = step.until_verified(world)
         trials += tried
-        accepted = tried[-1].attempt.accepted
-        if not accepted:
+        verified = tried[-1].attempt.accepted
+        if not verified:
             break
+    holds = goals_hold(goals, setting.now(world), Watch(world, setting.objects)) if verified else None
     return EpisodeRun(
         log=recording,
         segments=[trial.segment for trial in trials if trial.segment is not None],
         attempts=[trial.attempt for trial in trials],
         pictures={name: picture for trial in trials for name, picture in trial.pictures.items()},
-        accepted=accepted,
-        goals_hold=goals_hold(goals, setting.now(world), Watch(world, setting.objects)) if accepted else None,
+        accepted=holds is not None and (holds.success or setting.accept == "critic"),
+        goals_hold=holds,
     )
 
 
@@ -190,7 +197,7 @@ class _Step:
     start: WorldState
 
     def until_verified(self, world: World) -> tuple[World, list[_Trial]]:
-        """The attempts up to the first that the critic accepts, or all there may be; and the world after the last."""
+        """The attempts up to the first that is accepted, or all there may be; and the world after the last."""
         snapshot, start = world.snapshot(), world.steps
         standing = world.state() if self.number else self.start
         before = self.setting.photograph(standing, self.subtask.goals, None)
@@ -224,9 +231,11 @@ class _Step:
         verdict = self.setting.judge(asked, self.subtask, seen)
         verdict = verdict.model_copy(update={"pictures": list(pictures)})
         truth = self._truth(asked, world, watch)
-        stage: AttemptStage = "done" if verdict.accepted else "verify"
-        record = self._attempt(task, attempt, stage, verdict.reason, world.steps - start, verdict, truth)
-        if not verdict.accepted:
+        accepted = accepts(self.setting.accept, verdict, truth)
+        stage: AttemptStage = "done" if accepted else "verify"
+        reason = _reason(verdict, truth, accepted)
+        record = self._attempt(task, attempt, stage, reason, world.steps - start, verdict, truth)
+        if not accepted:
             return _Trial(record, pictures, slot=task.slot)
         segment = Segment(
             subtask=self.subtask.id,
@@ -274,7 +283,7 @@ class _Step:
         truth: Truth | None = None,
     ) -> Attempt:
         record = self.setting.objects[self.subtask.object].record
-        accepted = verdict is not None and verdict.accepted
+        accepted = stage == "done"
         if not accepted:
             logger.info("episode %d, %s, attempt %d: %s: %s", self.episode, self.subtask.id, attempt + 1, stage, reason)
         return Attempt(
@@ -295,3 +304,13 @@ class _Step:
             truth=truth,
             steps=steps,
         )
+
+
+def _reason(verdict: Verdict, truth: Truth, accepted: bool) -> str:
+    """Why a sub-task was accepted or not: what the critic says, and what the simulator's state says if it disagrees."""
+    if verdict.accepted == truth.success:
+        return verdict.reason
+    judges = [("critic", verdict.accepted, verdict.reason), ("simulator's state", truth.success, truth.reason)]
+    decided, other = sorted(judges, key=lambda judge: judge[1] != accepted)
+    said = ("yes" if decided[1] else "no", "yes" if other[1] else "no")
+    return f"the {decided[0]} says {said[0]}: {decided[2]}; the {other[0]} says {said[1]}: {other[2]}"

@@ -192,6 +192,11 @@ class SceneObject:
         own = self.asset.annotation.functional_point(functional_point).link
         return [*self.walls(functional_point), *(self.part_box(link) for link in self._frames if link != own)]
 
+    def rim(self, functional_point: int) -> float:
+        """z of the rim around a functional point, or of the flat top that it lies on, metres."""
+        opening = self.asset.opening(self.asset.annotation.functional_point(functional_point))
+        return float(self.frame(functional_point).apply([*opening.centre, opening.rim])[2])
+
     def walls(self, functional_point: int) -> list[SolidBox]:
         """The rim around an opening as up to four boxes from the part's bottom to the rim; none for a flat top."""
         point = self.asset.annotation.functional_point(functional_point)

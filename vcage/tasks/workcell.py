@@ -9,6 +9,7 @@ import numpy as np
 
 from vcage.base.errors import UnknownName, VcageError
 from vcage.schema.episodes import AttemptStage
+from vcage.schema.plan import TABLE
 from vcage.sim.bodies import Body
 from vcage.sim.collision import CollisionScene
 from vcage.sim.joints import part_names
@@ -16,6 +17,7 @@ from vcage.sim.motion import MotionFailed, MotionPlanner
 from vcage.sim.paths import OPEN_HAND, JointPath, Leg
 from vcage.sim.world import World
 from vcage.tasks.scene_objects import SceneObject
+from vcage.tasks.touching import Allowance, Touched, only_touching
 
 CAREFUL = 0.85
 """Share of the speed limit near things that are to be touched."""
@@ -64,7 +66,7 @@ class Workcell:
     def __init__(self, world: World, objects: Mapping[str, SceneObject]):
         self.world = world
         self._objects = objects
-        self._put_off: dict[str, JointPath] = {}
+        self._put_off: dict[str, tuple[JointPath, tuple[Allowance, ...]]] = {}
 
     def object(self, object_id: str) -> SceneObject:
         """An object as it stands now.
@@ -92,16 +94,47 @@ class Workcell:
     def begun(self, arm: str) -> JointPath:
         """What the arm is to do first, before whatever is planned next: plans go on from its end without a jump."""
         here = JointPath((Leg(self.world.arms[arm].command[None, :-1], OPEN_HAND),))
-        return self._put_off.get(arm, here)
+        return self._put_off[arm][0] if arm in self._put_off else here
 
-    def put_off(self, arm: str, path: JointPath) -> None:
-        """Begin the arm's next motion with ``path``, so that it need not stop where that ends."""
-        self._put_off[arm] = path
+    def put_off(self, arm: str, path: JointPath, allowed: Sequence[Allowance] = ()) -> None:
+        """Begin the arm's next motion with ``path``, so that it need not stop where that ends.
 
-    def carry_out(self, arm: str, path: JointPath) -> None:
-        """Move an arm along a path that begins with what it is to do first."""
-        self._put_off.pop(arm, None)
-        self.world.arms[arm].move(self.planner(arm).fastest(path))
+        Args:
+            arm: its name.
+            path: from where it is.
+            allowed: what may be touched on it.
+        """
+        self._put_off[arm] = path, tuple(allowed)
+
+    def carry_out(self, arm: str, path: JointPath, allowed: Sequence[Allowance] = ()) -> None:
+        """Move an arm along a path that begins with what it is to do first.
+
+        Args:
+            arm: its name.
+            path: from where it is.
+            allowed: what may be touched on it, besides what may be touched on what it is to do first.
+
+        Raises:
+            TaskFailed: the arm, or what it holds, presses on something else.
+        """
+        _, before = self._put_off.pop(arm, (None, ()))
+        load = next((leg.load.held.object_id for leg in path.legs if leg.load.held is not None), None)
+        try:
+            with only_touching(self.world, arm, load, [*before, *allowed]):
+                self.world.arms[arm].move(self.planner(arm).fastest(path))
+        except Touched as touched:
+            raise TaskFailed(*self._touch(arm, load, touched)) from touched
+
+    def _touch(self, arm: str, load: str | None, touched: Touched) -> tuple[AttemptStage, str]:
+        """At which stage an attempt ends with a touch, and why."""
+        names = {key: f"the {o.record.phrase}" for key, o in self._objects.items()}
+        other = names.get(touched.other, f"the {touched.other}" + " arm" * (touched.other in self.world.arms))
+        mine = names.get(load or "") if touched.by == "load" else f"the {arm} arm"
+        return "grasp" if load is None else "place", f"{mine} touches {other} on its way"
+
+    def beside(self, object_id: str) -> frozenset[str]:
+        """What an object lies in, on or against: ids of other objects and ``table``."""
+        return frozenset(self.world.touching(object_id) & {*self._objects, TABLE})
 
     def planner(self, arm: str) -> MotionPlanner:
         """A planner around everything as it stands now."""

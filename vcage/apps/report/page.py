@@ -91,7 +91,8 @@ def _context(run: RunFolder) -> dict[str, Any]:
         "compression": _read(run.compression, Compression),
         "export": _read(run.export, Export),
     }
-    rejections = [a for a in read_log(run.episodes.parent) if not a.accepted] if episodes else []
+    attempts = read_log(run.episodes.parent) if episodes else []
+    rejections = [a for a in attempts if not a.accepted]
     cards = _episode_cards(run, episodes)
     return {
         **documents,
@@ -105,7 +106,8 @@ def _context(run: RunFolder) -> dict[str, Any]:
         "counted": [card for card in cards if card["accepted"]],
         "previewed": PREVIEWED,
         "rejections": rejections,
-        "refused": [_verdict_card(run, a.verdict, a.subtask) for a in rejections if a.verdict],
+        "refused": [_verdict_card(run, a.verdict, a.subtask) for a in rejections if a.verdict and not a.disputed],
+        "disputes": [{"attempt": a, **_verdict_card(run, a.verdict, a.subtask)} for a in attempts if a.disputed],
         "differences": [_difference_card(run, found) for found in judged_again.differences] if judged_again else [],
         "timings": read_timings(run),
         **_starts(scene, episodes),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import islice
 
@@ -20,6 +20,7 @@ from vcage.tasks.grasps import approach_opening, command_of
 from vcage.tasks.meeting import HOLDS, Hold, Meeting, Suits, holds_beside, meeting_height, meetings
 from vcage.tasks.primitives.pick import Grip, PickWay, feel
 from vcage.tasks.scene_objects import SceneObject
+from vcage.tasks.touching import Allowance
 from vcage.tasks.workcell import CAREFUL, TaskFailed, Workcell, failing_at, first_reasons
 
 TRIED = 16
@@ -64,19 +65,20 @@ class HandOver:
         """
         cell, taker = self.cell, self.cell.world.arms[self.to]
         planned, carry = self._plan(grip)
-        cell.carry_out(grip.arm, carry)
+        meeting = [Allowance("hand", frozenset([self.object_id, *cell.world.arms]))]
+        cell.carry_out(grip.arm, carry, grip.allowed)
         feel(cell, grip)
         taken, reach = self._as_it_hangs(grip.arm, planned)
         taker.command_gripper(_opened(taken.width, taker.arm.gripper))
-        cell.carry_out(self.to, reach)
+        cell.carry_out(self.to, reach, meeting)
         taker.grip(0.0)
         if taker.empty:
             raise TaskFailed("grasp", f"the {self.to} arm closed its fingers on nothing beside the other hand")
         moment = cell.world.state()
-        self._let_go(grip.arm)
+        self._let_go(grip.arm, meeting)
         now = cell.object(self.object_id)
         held = Held(now.id, now.asset.model, taker.tool_pose.inverse() * now.pose, now.joints)
-        grip = Grip(self.to, now.id, Load(opening=taker.opening, held=held))
+        grip = Grip(self.to, now.id, Load(opening=taker.opening, held=held), contents=grip.contents)
         feel(cell, grip)
         return grip, moment
 
@@ -175,7 +177,7 @@ class HandOver:
 
     # --- execution ---
 
-    def _let_go(self, giver: str) -> None:
+    def _let_go(self, giver: str, allowed: Sequence[Allowance]) -> None:
         """Open the first hand, draw it back and bring it home."""
         cell, control = self.cell, self.cell.world.arms[giver]
         opening = _opened(control.finger_width, control.arm.gripper)
@@ -183,7 +185,7 @@ class HandOver:
         planner, here = cell.planner(giver), cell.begun(giver)
         with failing_at("place"):
             away = self._leave(planner, here.end, opening)
-        cell.carry_out(giver, here.then(away))
+        cell.carry_out(giver, here.then(away), allowed)
 
 
 def _opened(width: float, gripper: Gripper) -> float:

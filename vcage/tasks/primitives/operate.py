@@ -18,6 +18,7 @@ from vcage.sim.state import WorldState
 from vcage.tasks.grasps import command_of
 from vcage.tasks.primitives.handles import Handle, OperatingWay, operating_ways
 from vcage.tasks.scene_objects import SceneObject
+from vcage.tasks.touching import Allowance
 from vcage.tasks.truth import CLOSED
 from vcage.tasks.workcell import CAREFUL, TaskFailed, Workcell, first_reasons
 
@@ -80,6 +81,7 @@ class Operation:
         self._riding = _riding(cell, thing, contact.link)
         along = [name for key in self._riding for name in cell.parts(key)]
         self._own += along
+        self._allowed = [Allowance("hand", frozenset([thing.id, *self._riding]))]
         # What counts as closed; of what is opened or pressed the truth allows more to be missing.
         self._tolerance = CLOSED * (joint.upper - joint.lower)
         width = thing.asset.grasp_width(contact)
@@ -119,18 +121,18 @@ class Operation:
         """
         control = self._world.arms[plan.arm]
         control.command_gripper(command_of(plan.way.opening, control.arm.gripper))
-        self._cell.carry_out(plan.arm, plan.reach)
+        self._cell.carry_out(plan.arm, plan.reach, self._allowed)
         if self._contact.use == "grasp":
             control.grip(0.0)
             if control.empty:
                 where = f"{self._contact.name!r} of {self._thing.record.phrase}"
                 raise TaskFailed("grasp", f"the fingers closed on nothing where {where} should be")
-        self._cell.carry_out(plan.arm, plan.push)
+        self._cell.carry_out(plan.arm, plan.push, self._allowed)
         reached = self._position()
         if self._contact.use == "press":
             self.moment = self._world.state()
         if plan.back is not None:
-            self._cell.carry_out(plan.arm, plan.back)
+            self._cell.carry_out(plan.arm, plan.back, self._allowed)
         self._let_go(plan, control)
         # A spring takes what was pressed back: there, only the end of the push counts.
         if self._contact.use == "press":
@@ -217,7 +219,7 @@ class Operation:
         planner, here = self._cell.planner(plan.arm), self._cell.begun(plan.arm).end
         away = Load(opened, fingers_may_touch=[self._thing.id, *self._own], speed=CAREFUL)
         try:
-            self._cell.put_off(plan.arm, planner.line(here, plan.way.after, away))
+            self._cell.put_off(plan.arm, planner.line(here, plan.way.after, away), self._allowed)
         except MotionFailed as error:
             raise TaskFailed("place", f"the hand cannot be drawn back: {error.message}") from error
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 
 import numpy as np
@@ -19,7 +19,8 @@ from vcage.sim.motion import MotionFailed, MotionPlanner
 from vcage.sim.paths import JointPath, Load
 from vcage.sim.world import World
 from vcage.tasks.grasps import GraspPose, approach_opening, command_of, grasp_poses
-from vcage.tasks.scene_objects import SceneObject, SolidBox
+from vcage.tasks.scene_objects import SceneObject
+from vcage.tasks.touching import Allowance, at_rest
 from vcage.tasks.truth import resting_point
 from vcage.tasks.workcell import CAREFUL, TaskFailed, Workcell, failing_at, first_reasons
 
@@ -28,6 +29,10 @@ CLEARANCE = 0.03
 
 LIFTS = 3
 """Heights of a lift that are tried, from above everything to just above what the object comes out of or goes into."""
+
+SWING_LEVER_M = 0.03
+"""An object that is held farther from its middle than this, seen from above, may turn between the fingers: bowls and
+plates, held by their rim, do so by 30 degrees."""
 
 EVERY = 10
 """Physics steps between two looks at whether the fingers still hold what is carried."""
@@ -65,11 +70,26 @@ class PickPlan:
 
 @dataclass(frozen=True)
 class Grip:
-    """What is in which hand, and how it moves with it."""
+    """What is in which hand, and how it moves with it.
+
+    Args:
+        arm: its name.
+        object_id: what it holds.
+        load: how that is held now.
+        grasped: how it was held before it was lifted, where it hangs otherwise since.
+        contents: ids of what lies in or on it.
+    """
 
     arm: str
     object_id: str
     load: Load
+    grasped: Held | None = None
+    contents: frozenset[str] = frozenset()
+
+    @property
+    def allowed(self) -> list[Allowance]:
+        """What the held object may touch wherever it is carried."""
+        return [Allowance("load", self.contents)]
 
 
 LeadsOn = Callable[[MotionPlanner, PickWay, np.ndarray, ContactPoint], None]
@@ -83,7 +103,7 @@ def transfer_height(others: Sequence[SceneObject], table_height: float) -> float
 
 
 def transfer_heights(
-    others: Sequence[SceneObject], table_height: float, over: Iterable[SolidBox] = ()
+    others: Sequence[SceneObject], table_height: float, over: Iterable[float] = ()
 ) -> tuple[float, ...]:
     """z's that the bottom of a carried object may keep, the highest first, metres.
 
@@ -92,18 +112,18 @@ def transfer_heights(
     Args:
         others: on the table.
         table_height: z of the table top, metres.
-        over: what it must be above in any case.
+        over: z's that it must be above in any case, metres.
     """
     top = max([table_height, *(o.box.top for o in others)])
-    least = max([table_height, *(box.top for box in over)])
+    least = max([table_height, *over])
     return tuple(dict.fromkeys((np.linspace(top, min(least, top), LIFTS) + CLEARANCE).tolist()))
 
 
 def lift_heights(target: SceneObject, others: Sequence[SceneObject], table_height: float) -> tuple[float, ...]:
     """:func:`transfer_heights` of an object that is lifted out of what it lies in."""
     held_in = ((o, resting_point(target, o)) for o in others)
-    walls = [wall for o, point in held_in if point is not None for wall in o.walls(point.id)]
-    return transfer_heights(others, table_height, walls)
+    rims = [o.rim(point.id) for o, point in held_in if point is not None]
+    return transfer_heights(others, table_height, rims)
 
 
 def pick_way(target: SceneObject, grasp: GraspPose, gripper: Gripper, height: float) -> PickWay:
@@ -182,7 +202,7 @@ def _plans(
     planner = cell.planner(arm)
     opening = command_of(approach_opening(target.asset.grasp_width(contact), gripper), gripper)
     closing = Load(opening, ignore=cell.parts(target.id), speed=CAREFUL)
-    lifting = _lifting(cell, target.id, command_of(target.asset.grasp_width(contact), gripper))
+    grasped = command_of(target.asset.grasp_width(contact), gripper)
     begun = cell.begun(arm)
     grasps = list(grasp_poses(target.pose, contact, gripper, target.box.bottom))
     for height, flips in product(heights, zip(grasps[::2], grasps[1::2], strict=True)):
@@ -196,37 +216,60 @@ def _plans(
                     leads_on(planner, way, path[-1], contact)
                 reach = planner.move(begun.end, way.before, Load(opening), then=[way.grasp, way.lifted])
                 down = planner.line(reach.end, way.grasp, closing)
-                planner.line(down.end, way.lifted, lifting)
+                planner.line(down.end, way.lifted, _lifting(_held(target, way.grasp), grasped))
             except MotionFailed as error:
                 yield f"{arm} arm at {contact.name!r}: {error.message}"
             else:
                 yield PickPlan(target, contact_id, arm, opening, way, begun.then(reach).then(down))
 
 
-def _lifting(cell: Workcell, object_id: str, opening: float) -> Load:
-    """A hand that has closed on an object, and lifts it from where it stands."""
-    return Load(opening, ignore=[*cell.parts(object_id), "table"], speed=CAREFUL)
+def _held(target: SceneObject, gripper: Pose) -> Held:
+    """An object where it is, in a gripper at a pose."""
+    return Held(target.id, target.asset.model, gripper.inverse() * target.pose, target.joints)
+
+
+def _lifting(held: Held, opening: float) -> Load:
+    """A hand that has closed on an object, and lifts it from the table."""
+    return Load(opening, held, ignore=["table"], speed=CAREFUL)
 
 
 def carry_out_pick(cell: Workcell, plan: PickPlan) -> Grip:
     """Reach and close the fingers; the lift begins what the arm does next.
 
+    What is held far from its middle turns between the fingers when it is lifted. Its lift ends before anything else
+    is planned, so that what follows is planned with the object as it hangs.
+
     Raises:
-        TaskFailed: the fingers closed on nothing, or the object cannot be lifted.
+        TaskFailed: the fingers closed on nothing, the object cannot be lifted, or something else is touched.
     """
     control, target = cell.world.arms[plan.arm], plan.target
+    allowed = at_rest(plan.way.grasp, target.id, cell.beside(target.id))
     control.command_gripper(plan.opening)
-    cell.carry_out(plan.arm, plan.path)
+    cell.carry_out(plan.arm, plan.path, allowed)
     control.grip(0.0)
     if control.empty:
         raise TaskFailed("grasp", f"the fingers closed on nothing where {target.record.phrase} should be")
-    now = cell.object(target.id)
-    held = Held(target.id, target.asset.model, control.tool_pose.inverse() * now.pose, now.joints)
-    lift = _lifting(cell, target.id, control.opening)
-    grip = Grip(plan.arm, target.id, Load(opening=control.opening, held=held))
+    held = _held(cell.object(target.id), control.tool_pose)
+    lift = _lifting(held, control.opening)
+    grip = Grip(plan.arm, target.id, Load(control.opening, held), contents=_contents(cell, target))
     with failing_at("grasp"):
-        cell.put_off(plan.arm, cell.planner(plan.arm).line(plan.path.end, plan.way.lifted, lift))
-    return grip
+        cell.put_off(plan.arm, cell.planner(plan.arm).line(plan.path.end, plan.way.lifted, lift), allowed)
+    lever = (target.aabb.mean(axis=0) - plan.way.grasp.p)[:2]
+    return _hanging(cell, grip, held) if np.linalg.norm(lever) > SWING_LEVER_M else grip
+
+
+def _hanging(cell: Workcell, grip: Grip, grasped: Held) -> Grip:
+    """Lift what is held now, and look at how it hangs."""
+    with minding(cell, grip):
+        cell.carry_out(grip.arm, cell.begun(grip.arm), grip.allowed)
+    feel(cell, grip)
+    held = _held(cell.object(grip.object_id), cell.world.arms[grip.arm].tool_pose)
+    return replace(grip, load=replace(grip.load, held=held), grasped=grasped)
+
+
+def _contents(cell: Workcell, target: SceneObject) -> frozenset[str]:
+    """Ids of what lies in or on an object."""
+    return frozenset(o.id for o in cell.objects_but(target.id) if resting_point(o, target) is not None)
 
 
 def feel(cell: Workcell, grip: Grip) -> None:

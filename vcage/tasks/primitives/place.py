@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import TypeVar
 
@@ -18,6 +18,7 @@ from vcage.sim.paths import JointPath, Load
 from vcage.tasks.grasps import approach_opening, command_of, hand_boxes
 from vcage.tasks.primitives.pick import Grip, feel, minding, transfer_heights
 from vcage.tasks.scene_objects import Obstacles, SolidBox
+from vcage.tasks.touching import at_rest
 from vcage.tasks.workcell import CAREFUL, TaskFailed, Workcell, failing_at, first_reasons
 
 SET_DOWN = 0.004
@@ -29,6 +30,9 @@ MAX_DROP = 0.075
 SLACK = 0.006
 """What is held comes to lie otherwise between the fingers by up to so much, metres: a place must not be at the very end
 of an arm's reach."""
+
+CARRY_CLEARANCE_M = 0.01
+"""What stays free below a carried object, which sways between the fingers."""
 
 RAISES = (0.01, 0.02, 0.035)
 """How much higher an object is let go where the hand meets something at the lowest height, metres."""
@@ -139,24 +143,38 @@ def plan_place(
         TaskFailed: there is none.
     """
     control = cell.world.arms[grip.arm]
-    held = cell.object(grip.object_id).pose.inverse() * control.tool_pose
-    careful = Load(grip.load.opening, grip.load.held, grip.load.ignore, CAREFUL)
     planner, begun = cell.planner(grip.arm), cell.begun(grip.arm)
+    carrying = grip.load.above(CARRY_CLEARANCE_M)
     reasons: list[str] = []
     for choice, poses in choices:
-        try:
-            ways = around.ways(planner.kinematics, held, control.finger_width, poses, begun.end)
-        except MotionFailed as error:
-            reasons.append(error.message)
-            continue
-        for way in ways:
+        for held, raised in _holds(cell, grip, around):
+            lowering = Load(grip.load.opening, held, grip.load.ignore, CAREFUL)
             try:
-                carry = planner.move(begun.end, way.above, grip.load, then=[way.release, way.after])
-                lower = planner.line(carry.end, way.release, careful)
-                return PlacePlan(grip, around.receptacle, way, begun.then(carry).then(lower)), choice
+                ways = raised.ways(
+                    planner.kinematics, held.in_gripper.inverse(), control.finger_width, poses, begun.end
+                )
             except MotionFailed as error:
                 reasons.append(error.message)
+                continue
+            for way in ways:
+                try:
+                    carry = planner.move(begun.end, way.above, carrying, then=[way.release, way.after])
+                    lower = planner.line(carry.end, way.release, lowering)
+                    return PlacePlan(grip, around.receptacle, way, begun.then(carry).then(lower)), choice
+                except MotionFailed as error:
+                    reasons.append(error.message)
     raise TaskFailed("plan", f"{grip.object_id} cannot be brought to {around.receptacle}: {first_reasons(reasons)}")
+
+
+def _holds(cell: Workcell, grip: Grip, around: Surroundings) -> Iterator[tuple[Held, Surroundings]]:
+    """Ways to put down what is held, each with what it is carried above: as it hangs, the hand turned so that the
+    object stands; and with the hand as it took the object, which turns back when it meets its support."""
+    thing, gripper = cell.object(grip.object_id), cell.world.arms[grip.arm].tool_pose
+    now = Held(thing.id, thing.asset.model, gripper.inverse() * thing.pose, thing.joints)
+    yield now, around
+    if grip.grasped is not None:
+        sag = max(0.0, thing.moved(gripper * grip.grasped.in_gripper).lowest - thing.lowest)
+        yield grip.grasped, replace(around, heights=tuple(height + sag for height in around.heights))
 
 
 @dataclass(frozen=True)
@@ -186,12 +204,12 @@ class Surroundings:
             point: id of the receptacle's functional point; None on the table.
         """
         others = cell.objects_but(object_id, receptacle)
-        boxes, walls = [box for o in others for box in o.boxes], list[SolidBox]()
+        boxes, over = [box for o in others for box in o.boxes], list[float]()
         if point is not None:
             holder = cell.object(receptacle)
-            boxes, walls = [*holder.around(point), *boxes], holder.walls(point)
+            boxes, over = [*holder.around(point), *boxes], [holder.rim(point)]
             others.append(holder)
-        return cls(receptacle, Obstacles(boxes), transfer_heights(others, cell.world.table.height, walls))
+        return cls(receptacle, Obstacles(boxes), transfer_heights(others, cell.world.table.height, over))
 
     def ways(
         self, kinematics: ArmKinematics, held: Pose, width: float, poses: Sequence[Pose], start: np.ndarray
@@ -266,15 +284,22 @@ def carry_out_place(cell: Workcell, plan: PlacePlan) -> None:
     Raises:
         TaskFailed: the object was lost on the way, or the hand cannot be drawn back.
     """
-    grip = plan.grip
+    grip, gripper = plan.grip, cell.world.arms[plan.grip.arm].arm.gripper
     control = cell.world.arms[grip.arm]
+    allowed = [*grip.allowed, *at_rest(plan.way.release, grip.object_id, _around_place(cell, plan))]
     with minding(cell, grip):
-        cell.carry_out(grip.arm, plan.path)
+        cell.carry_out(grip.arm, plan.path, allowed)
     feel(cell, grip)
-    gripper = control.arm.gripper
     opened = command_of(approach_opening(control.finger_width, gripper), gripper)
     control.release(opened)
-    touched = [grip.object_id] if plan.receptacle == TABLE else [grip.object_id, plan.receptacle]
-    away = Load(opening=opened, ignore=cell.parts(*touched), speed=CAREFUL)
+    place = () if plan.receptacle == TABLE else cell.parts(plan.receptacle)
+    away = Load(opened, ignore=cell.parts(grip.object_id), speed=CAREFUL, fingers_may_touch=place)
     with failing_at("place"):
-        cell.put_off(grip.arm, cell.planner(grip.arm).line(plan.path.end, plan.way.after, away))
+        cell.put_off(grip.arm, cell.planner(grip.arm).line(plan.path.end, plan.way.after, away), allowed)
+
+
+def _around_place(cell: Workcell, plan: PlacePlan) -> set[str]:
+    """What an object may touch where it is put down: ids of what receives it, and of what lies there besides."""
+    if plan.receptacle == TABLE:
+        return {TABLE}
+    return {plan.receptacle, TABLE} | (cell.beside(plan.receptacle) - {plan.grip.object_id})

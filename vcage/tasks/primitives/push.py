@@ -19,6 +19,7 @@ from vcage.sim.motion import MotionFailed, MotionPlanner
 from vcage.sim.paths import JointPath, Load
 from vcage.tasks.grasps import command_of, hand_boxes
 from vcage.tasks.scene_objects import SceneObject, SolidBox
+from vcage.tasks.touching import Allowance
 from vcage.tasks.workcell import CAREFUL, TaskFailed, Workcell, failing_at, first_reasons
 
 SLOW = 0.25
@@ -184,8 +185,9 @@ def carry_out_push(cell: Workcell, thing: SceneObject, plan: PushPlan) -> None:
     control = cell.world.arms[plan.arm]
     opening = command_of(plan.way.opening, control.arm.gripper)
     control.command_gripper(opening)
-    cell.carry_out(plan.arm, plan.reach)
-    cell.carry_out(plan.arm, plan.push)
+    allowed = [Allowance("hand", frozenset([thing.id])), Allowance("load", cell.beside(thing.id))]
+    cell.carry_out(plan.arm, plan.reach, allowed)
+    cell.carry_out(plan.arm, plan.push, allowed)
     along = plan.way.pushed.p - plan.way.touch.p
     along /= np.linalg.norm(along)
     done, last, stopped = plan.push.end, plan.way.pushed, ""
@@ -200,11 +202,11 @@ def carry_out_push(cell: Workcell, thing: SceneObject, plan: PushPlan) -> None:
         except MotionFailed as error:
             stopped = f", and the hand could not go on: {error.message}"
             break
-        cell.carry_out(plan.arm, further)
+        cell.carry_out(plan.arm, further, allowed)
         done = further.end
     away = Load(opening, ignore=cell.parts(thing.id), speed=CAREFUL)
     with failing_at("place"):
-        cell.put_off(plan.arm, cell.planner(plan.arm).follow(done, [plan.way.after, plan.way.up], away))
+        cell.put_off(plan.arm, cell.planner(plan.arm).follow(done, [plan.way.after, plan.way.up], away), allowed)
     _confirm(cell.object(thing.id), thing, plan.goal, stopped)
 
 

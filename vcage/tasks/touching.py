@@ -1,0 +1,121 @@
+"""What an arm, and what it holds, may touch on its way; anything else that it presses on ends the attempt."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from vcage.base.geometry import Pose
+from vcage.sim.world import PHYSICS_HZ, World
+
+By = Literal["load", "fingers", "hand"]
+"""What touches: the held object, the fingers, or any link of the arm."""
+
+
+@dataclass(frozen=True)
+class TouchSettings:
+    """When a contact counts.
+
+    Args:
+        every_steps: physics steps between two looks; a contact that harms lasts longer than five (20 ms).
+        least_force_n: weaker contacts are grazes, newtons. Ordinary successful runs of the paper's tasks have none.
+        near_m: an allowance around a point holds while the gripper is this near to it, seen from above, metres.
+    """
+
+    every_steps: int = 5
+    least_force_n: float = 1.0
+    near_m: float = 0.03
+
+
+SETTINGS = TouchSettings()
+
+
+@dataclass(frozen=True)
+class Allowance:
+    """What may be touched on a motion, or on the part of it that is near a point.
+
+    Args:
+        by: what touches; what the hand may touch the fingers may touch too.
+        others: ids of objects, ``table``, or the name of another arm.
+        around: where the gripper is then; anywhere when None.
+    """
+
+    by: By
+    others: frozenset[str]
+    around: Pose | None = None
+
+    def allows(self, by: By, other: str, gripper: Pose) -> bool:
+        """Whether something may touch ``other`` while the gripper is at a pose."""
+        if other not in self.others or by not in ((self.by, "fingers") if self.by == "hand" else (self.by,)):
+            return False
+        return self.around is None or float(np.linalg.norm((gripper.p - self.around.p)[:2])) <= SETTINGS.near_m
+
+
+def at_rest(gripper: Pose, object_id: str, beside: Iterable[str]) -> list[Allowance]:
+    """What is allowed where an object is taken or put down.
+
+    Args:
+        gripper: its pose there.
+        object_id: what is taken or put down: the whole hand may touch it.
+        beside: what the object then lies in, on or against: it and the fingers may touch that.
+    """
+    others = frozenset(beside)
+    return [
+        Allowance("hand", frozenset([object_id]), gripper),
+        Allowance("fingers", others, gripper),
+        Allowance("load", others, gripper),
+    ]
+
+
+class Touched(Exception):
+    """An arm or its load presses on what it may not touch.
+
+    Args:
+        by: what touches.
+        other: id of an object, ``table``, or the name of another arm.
+    """
+
+    def __init__(self, by: By, other: str):
+        super().__init__(by, other)
+        self.by = by
+        self.other = other
+
+
+@contextmanager
+def only_touching(world: World, arm: str, load: str | None, allowed: Sequence[Allowance]) -> Iterator[None]:
+    """Watch the contacts of an arm and of what it holds while the world goes on inside.
+
+    Args:
+        world: where it moves.
+        arm: its name.
+        load: id of what it holds or pushes, if anything.
+        allowed: what may be touched.
+
+    Raises:
+        Touched: something else is touched.
+    """
+    fingers = {finger.name for finger in world.arms[arm].fingers}
+
+    def look(world: World) -> None:
+        if world.steps % SETTINGS.every_steps:
+            return
+        for mine, other, impulse in world.presses({arm, load} - {None}):
+            if impulse * PHYSICS_HZ < SETTINGS.least_force_n:
+                continue
+            owner, _, link = mine.partition("/")
+            by: By = "load" if owner == load else "fingers" if link in fingers else "hand"
+            other = other.partition("/")[0]
+            if other in (arm, load):
+                continue
+            if not any(a.allows(by, other, world.arms[arm].tool_pose) for a in allowed):
+                raise Touched(by, other)
+
+    world.before_step.append(look)
+    try:
+        yield
+    finally:
+        world.before_step.remove(look)
