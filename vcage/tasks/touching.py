@@ -99,11 +99,12 @@ def only_touching(world: World, arm: str, load: str | None, allowed: Sequence[Al
         Touched: something else is touched.
     """
     fingers = {finger.name for finger in world.arms[arm].fingers}
+    names = {arm} if load is None else {arm, load}
 
     def look(world: World) -> None:
         if world.steps % SETTINGS.every_steps:
             return
-        for mine, other, impulse in world.presses({arm, load} - {None}):
+        for mine, other, impulse in world.presses(names):
             if impulse * PHYSICS_HZ < SETTINGS.least_force_n:
                 continue
             owner, _, link = mine.partition("/")

@@ -10,7 +10,8 @@ from tests.models.tabletop import BLOCKS, BOX, ERASER, MARKERS, PLATE, scene_of
 from vcage.base.errors import ModelRefused
 from vcage.models.rules.reasoner import TRIES, OfflineReasoner
 from vcage.plans.check import plan_complaints
-from vcage.schema.plan import LayoutPlan, Relation, Selection
+from vcage.schema.goals import AskedGoal, Goal
+from vcage.schema.plan import LayoutPlan, Relation, RelationWord, Selection
 
 REASONER = OfflineReasoner()
 
@@ -27,6 +28,16 @@ def test_contents_start_beside_their_receptacle_on_both_sides() -> None:
     plan = REASONER.plan_layout(scene_of([PLATE, *BLOCKS]), [], np.random.default_rng(0), lambda _: [])
     words = {r.relation for r in plan.relations if r.subject.endswith("block")}
     assert words == {"left_of", "right_of", "in_front_of"}
+
+
+@pytest.mark.parametrize("side", ["left_of", "right_of"])
+@pytest.mark.parametrize("seed", range(4))
+def test_nothing_stands_where_the_instruction_wants_something_put(side: RelationWord, seed: int) -> None:
+    deep = [ERASER.moved(id=f"{n}-eraser", role="context", size=(0.1, 0.4, 0.05)) for n in ("one", "two", "three")]
+    asked = AskedGoal(goal=Goal(subject="red-block", relation=side, reference="plate"), step=1, words="put it there")
+    scene = scene_of([PLATE, BLOCKS[0], *deep]).model_copy(update={"goals": [asked]})
+    plan = REASONER.plan_layout(scene, [], np.random.default_rng(seed), lambda _: [])
+    assert not [r for r in plan.relations if (r.relation, r.reference) == (side, "plate")]
 
 
 def test_what_is_complained_about_is_drawn_again() -> None:

@@ -45,10 +45,15 @@ def test_an_empty_table_asks_for_the_clearance_alone():
 
 def test_where_an_arm_is_too_short_an_object_is_carried_lower_but_over_what_it_goes_into():
     bottle, box = thing("lotion_bottle", (0.2, 0.1)), thing("packaging_box", (-0.2, 0.1))
-    highest, middle, least = transfer_heights([bottle, box], TABLE_TOP, box.walls(0))
+    highest, middle, least = transfer_heights([bottle, box], TABLE_TOP, [box.rim(0)])
     rim = max(wall.top for wall in box.walls(0))
     assert (highest, least) == pytest.approx((bottle.box.top + CLEARANCE, rim + CLEARANCE))
     assert least < middle < highest
+
+
+def test_an_object_is_carried_over_the_flat_top_it_is_put_on():
+    cabinet = thing("hinged_cabinet")
+    assert transfer_heights([cabinet], TABLE_TOP, [cabinet.rim(0)])[-1] >= cabinet.rim(0) + CLEARANCE
 
 
 def test_an_object_is_lifted_out_of_what_it_lies_in():

@@ -107,7 +107,9 @@ def _context(run: RunFolder) -> dict[str, Any]:
         "previewed": PREVIEWED,
         "rejections": rejections,
         "refused": [_verdict_card(run, a.verdict, a.subtask) for a in rejections if a.verdict and not a.disputed],
-        "disputes": [{"attempt": a, **_verdict_card(run, a.verdict, a.subtask)} for a in attempts if a.disputed],
+        "disputes": [
+            {"attempt": a, **_verdict_card(run, a.verdict, a.subtask)} for a in attempts if a.verdict and a.disputed
+        ],
         "differences": [_difference_card(run, found) for found in judged_again.differences] if judged_again else [],
         "timings": read_timings(run),
         **_starts(scene, episodes),

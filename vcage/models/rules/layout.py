@@ -22,6 +22,9 @@ _ELSEWHERE: Mapping[RelationWord, RelationWord] = {
 }
 """Where contents stand instead that are to be brought to that side."""
 
+_SIDES: tuple[RelationWord, ...] = ("left_of", "right_of")
+"""Where things stand out of the way that nothing has room for behind it."""
+
 ROOM = 0.06
 """Free space that an object behind another needs, metres."""
 
@@ -112,14 +115,18 @@ def _around(
 def _out_of_the_way(
     context: Sequence[ObjectRecord], anchors: Sequence[ObjectRecord], planned: Sequence[Relation], scene: Scene
 ) -> list[Relation]:
-    """Behind a receptacle or behind what stands beside one, as a hand that reaches for that comes from the front."""
+    """Behind a receptacle or behind what stands beside one, as a hand that reaches for that comes from the front; never
+    where the instruction wants something else to be put."""
+    wanted = {(a.goal.reference, a.goal.relation) for a in scene.goals}
+    sides = [side for side in _SIDES if (anchors[0].id, side) not in wanted] or ["in_front_of"]
     beside = [scene.object(r.subject) for r in planned if r.relation in ("left_of", "right_of")]
     free = [*anchors, *(o for o in beside if o not in anchors)]
     relations = []
     for index, item in enumerate(context):
-        reference = next((o for o in free if fits_behind(item, o, scene)), None)
+        may_be = (o for o in free if (o.id, "behind") not in wanted and fits_behind(item, o, scene))
+        reference = next(may_be, None)
         if reference is None:
-            relations.append(relation(item, "right_of" if index % 2 else "left_of", anchors[0]))
+            relations.append(relation(item, sides[index % len(sides)], anchors[0]))
         else:
             free.remove(reference)
             relations.append(relation(item, "behind", reference))
