@@ -23,6 +23,10 @@ CAREFUL = 0.85
 """Share of the speed limit near things that are to be touched."""
 
 
+BESIDE_M = 0.003
+"""Objects whose boxes are nearer to each other than this may touch, metres."""
+
+
 class TaskFailed(VcageError):
     """A step could not be planned, or the hand felt that it failed; ends the attempt.
 
@@ -130,11 +134,22 @@ class Workcell:
         names = {key: f"the {o.record.phrase}" for key, o in self._objects.items()}
         other = names.get(touched.other, f"the {touched.other}" + " arm" * (touched.other in self.world.arms))
         mine = names.get(load or "") if touched.by == "load" else f"the {arm} arm"
+        if load is not None and self.world.arms[arm].empty:
+            return "grasp", f"{names[load]} slipped out of the fingers and touches {other}"
         return "grasp" if load is None else "place", f"{mine} touches {other} on its way"
 
     def beside(self, object_id: str) -> frozenset[str]:
-        """What an object lies in, on or against: ids of other objects and ``table``."""
-        return frozenset(self.world.touching(object_id) & {*self._objects, TABLE})
+        """What an object lies in, on or against, by their boxes: ids of other objects and ``table``.
+
+        Contacts do not tell: the physics engine reports none of what is asleep.
+        """
+        lower, upper = self.object(object_id).around_boxes
+        found = {TABLE} if lower[2] - self.world.table.height < BESIDE_M else set[str]()
+        for other in self.objects_but(object_id):
+            low, high = other.around_boxes
+            if np.all(low - BESIDE_M < upper) and np.all(lower < high + BESIDE_M):
+                found.add(other.id)
+        return frozenset(found)
 
     def planner(self, arm: str) -> MotionPlanner:
         """A planner around everything as it stands now."""
