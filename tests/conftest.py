@@ -8,10 +8,14 @@ from pathlib import Path
 
 import pytest
 from filelock import FileLock
+from hypothesis import settings
 
 from tests.runs import Finished, finished_run
 from vcage.base.files import RunFolder
 from vcage.stages.context import StageContext
+
+settings.register_profile("any-machine", deadline=None)  # a busy machine may take any time for an example
+settings.load_profile("any-machine")
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

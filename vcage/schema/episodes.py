@@ -171,12 +171,14 @@ class CriticCounts(Record):
 class Episodes(StageDocument):
     """``episodes/episodes.json``."""
 
-    SCHEMA: ClassVar[str] = "vcage.episodes/5"
+    SCHEMA: ClassVar[str] = "vcage.episodes/4"
 
     instruction: str | None
     chains: list[Chain]
     episodes: list[Episode] = Field(description="by number; a number that is missing was not needed")
-    accept: Accept = Field(description="whose yes a sub-task needed")
+    accept: Accept = Field(
+        default="critic", description="whose yes a sub-task needed; earlier runs asked the critic alone"
+    )
     attempts: int = Field(ge=0, description="lines of log.jsonl")
     acceptance: dict[str, dict[str, int]] = Field(description="asset/variant → {accepted, attempts}")
     critic: CriticCounts
@@ -223,9 +225,11 @@ class Difference(Record):
 class Verdicts(StageDocument):
     """``verify/verdicts.json``: what was collected judged again."""
 
-    SCHEMA: ClassVar[str] = "vcage.verdicts/3"
+    SCHEMA: ClassVar[str] = "vcage.verdicts/2"
 
-    accept: Accept = Field(description="whose yes accepted the episodes; if the state's, no critic refuses one")
+    accept: Accept = Field(
+        default="critic", description="whose yes accepted the episodes; if the state's, no critic refuses one"
+    )
     episodes: dict[str, list[Verdict]] = Field(description="file of an accepted episode → one verdict per sub-task")
     taken_over: int = Field(
         default=0, ge=0, description="verdicts of the collection that the same critic had given on the same question"

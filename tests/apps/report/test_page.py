@@ -14,12 +14,13 @@ import pytest
 from tests.runs import INSTRUCTION, OPTIONS, STAGES, Finished, copied
 from vcage.apps.report.page import write_report
 from vcage.base.errors import DamagedFile, MissingStage
-from vcage.base.files import RunFolder, read_json, write_json
+from vcage.base.files import RunFolder, read_json, write_json, write_text
 from vcage.base.pictures import read_picture
 from vcage.base.videos import decode
 from vcage.schema.episodes import Episodes, Verdict
 from vcage.schema.subtasks import Subtasks
 from vcage.stages import verify
+from vcage.stages.episode_store import log_path, read_log
 
 
 class Page(HTMLParser):
@@ -137,6 +138,18 @@ def test_what_two_critics_differ_about_is_shown_with_both_counted(finished, tmp_
     counted = f"recall {record.critic.recall}; wrongly accepted 0, wrongly refused {len(record.differences)}"
     for words in ("Judged again by doubter", counted, "I doubt it", record.differences[0].truth.reason):
         assert words in page.text
+
+
+def test_what_critic_and_state_disagree_about_is_shown_side_by_side(finished, tmp_path):
+    run = copied(finished.run, tmp_path / "run")
+    first, *others = read_log(run.episodes.parent)
+    refused = first.verdict.model_copy(update={"accepted": False, "reason": "it lies beside it"})
+    disputed = first.model_copy(update={"accepted": False, "stage": "verify", "verdict": refused})
+    write_text(log_path(run.episodes.parent), "".join(a.model_dump_json() + "\n" for a in (disputed, *others)))
+    page = Page(write_report(run).read_text(encoding="utf-8"))
+    assert "1 attempt on which critic and simulator state disagree" in page.text
+    shown = " ".join(page.text[page.text.index("simulator state disagree") :].split())
+    assert f"critic: no · {refused.confidence:.2f} it lies beside it simulator state: yes {first.truth.reason}" in shown
 
 
 def test_an_episode_that_verify_refuses_is_not_counted_and_tells_why(finished, tmp_path):

@@ -13,6 +13,7 @@ import numpy as np
 
 from vcage.base.errors import UnknownName
 from vcage.base.geometry import Pose, frame_from_axes, wrap_angle
+from vcage.schema.plan import TABLE
 from vcage.schema.robot import Gripper
 from vcage.sim.collision import Held
 from vcage.sim.motion import MotionFailed, MotionPlanner
@@ -185,7 +186,11 @@ def carry_out_push(cell: Workcell, thing: SceneObject, plan: PushPlan) -> None:
     control = cell.world.arms[plan.arm]
     opening = command_of(plan.way.opening, control.arm.gripper)
     control.command_gripper(opening)
-    allowed = [Allowance("hand", frozenset([thing.id])), Allowance("load", cell.beside(thing.id))]
+    allowed = [
+        Allowance("hand", frozenset([thing.id])),
+        Allowance("fingers", frozenset([TABLE])),
+        Allowance("load", cell.beside(thing.id)),
+    ]
     cell.carry_out(plan.arm, plan.reach, allowed)
     cell.carry_out(plan.arm, plan.push, allowed)
     along = plan.way.pushed.p - plan.way.touch.p
