@@ -188,6 +188,12 @@ class DamagedFile(InputFileError):
     code = "damaged_file"
 
 
+class OversizedFile(InputFileError):
+    """A file holds, or declares, more than is read into memory; names what was found and the limit."""
+
+    code = "oversized_file"
+
+
 class SchemaMismatch(InputFileError):
     """A file is of another schema, another version, or breaks its own schema."""
 

@@ -1,14 +1,83 @@
-"""Pictures in a run folder: PNG, 8-bit RGB, and 16-bit label images."""
+"""Picture files: written as PNG, read from any common format once their header says that they fit in memory.
+
+Every picture that a user or a model hands over is opened here, so none is decoded before its size is known.
+"""
 
 from __future__ import annotations
 
+import contextlib
+import io
+import stat
+import warnings
+from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
 
 import cv2
 import numpy as np
+from PIL import (
+    BmpImagePlugin,
+    GifImagePlugin,
+    Image,
+    ImageFile,
+    ImageOps,
+    JpegImagePlugin,
+    PngImagePlugin,
+    TiffImagePlugin,
+    WebPImagePlugin,
+)
 
-from vcage.base.errors import DamagedFile, MissingStage
+from vcage.base.errors import DamagedFile, InputFileError, MissingStage, OversizedFile, VcageError
 from vcage.base.files import maker_of, write_bytes
+
+
+@dataclass(frozen=True)
+class PictureLimits:
+    """The largest picture that is decoded.
+
+    Args:
+        max_pixels: width times height; models draw up to 4096 x 4096, cameras take up to 50 megapixels.
+        max_edge_px: OpenCV warps no picture with an edge above 32,766.
+        max_file_bytes: the most that ``max_pixels`` take without compression, with 16 bits in each of 4 channels.
+    """
+
+    max_pixels: int = 50_000_000
+    max_edge_px: int = 16_384
+    max_file_bytes: int = 400_000_000
+
+
+LIMITS = PictureLimits()
+
+_TIFF = ("TIFF", TiffImagePlugin.TiffImageFile)
+_READERS: dict[bytes, tuple[str, type[ImageFile.ImageFile]]] = {
+    b"\x89PNG\r\n\x1a\n": ("PNG", PngImagePlugin.PngImageFile),
+    b"\xff\xd8\xff": ("JPEG", JpegImagePlugin.JpegImageFile),
+    b"RIFF": ("WebP", WebPImagePlugin.WebPImageFile),
+    b"BM": ("BMP", BmpImagePlugin.BmpImageFile),
+    b"GIF8": ("GIF", GifImagePlugin.GifImageFile),
+    b"II*\0": _TIFF,
+    b"MM\0*": _TIFF,
+    b"II+\0": _TIFF,
+    b"MM\0+": _TIFF,
+}
+"""First bytes of a file → its format and Pillow's reader, which decodes no pixel before it is asked to."""
+
+FORMATS = tuple(dict.fromkeys(name for name, _ in _READERS.values()))
+"""Formats that are read."""
+
+
+@dataclass(frozen=True)
+class PictureHeader:
+    """What the header of a picture file states.
+
+    Args:
+        format: one of :data:`FORMATS`.
+        width, height: pixels, as stored.
+    """
+
+    format: str
+    width: int
+    height: int
 
 
 def write_picture(path: Path, picture: np.ndarray) -> Path:
@@ -27,14 +96,146 @@ def write_labels(path: Path, labels: np.ndarray) -> Path:
     return write_bytes(path, cv2.imencode(".png", labels.astype(np.uint16))[1].tobytes())
 
 
-def read_picture(path: Path) -> np.ndarray:
-    """Read a picture as (H, W, 3) uint8 RGB; grey becomes RGB, alpha is laid over white.
+def picture_header(source: Path | bytes, name: str = "", limits: PictureLimits = LIMITS) -> PictureHeader:
+    """Format and size of a picture, by its header; no pixel is decoded.
+
+    Args:
+        source: a file, or its content.
+        name: names it in errors; by default the path.
+        limits: what is refused as too large.
 
     Raises:
-        MissingStage: it is not there.
-        DamagedFile: it is not a picture.
+        MissingStage: the file is not there.
+        DamagedFile: it is not one still picture of a format that is read.
+        OversizedFile: it is larger than the limits.
     """
-    return rgb_of_decoded(_decode(path))
+    with _opened(source, name, limits) as (image, kind):
+        return PictureHeader(kind, *image.size)
+
+
+def read_picture(path: Path) -> np.ndarray:
+    """Read a picture as (H, W, 3) uint8 RGB; grey becomes RGB, alpha is laid over white, EXIF's turn is made.
+
+    Raises:
+        MissingStage, DamagedFile, OversizedFile: as :func:`picture_header`.
+    """
+    return decode_picture(path)
+
+
+def decode_picture(source: Path | bytes, name: str = "", limits: PictureLimits = LIMITS) -> np.ndarray:
+    """(H, W, 3) uint8 RGB of a picture file or of its content; see :func:`read_picture`.
+
+    Raises:
+        MissingStage, DamagedFile, OversizedFile: as :func:`picture_header`.
+    """
+    with _opened(source, name, limits) as (image, _):
+        return three_channels(_channels(ImageOps.exif_transpose(image)))
+
+
+def read_labels(path: Path) -> np.ndarray:
+    """Read a label image as (H, W) int32; raises as :func:`read_picture`."""
+    with _opened(path, "", LIMITS) as (image, _):
+        if image.mode != "L" and not _holds_words(image):
+            raise DamagedFile(f"{path} is a colour picture, not a label image", maker="select_place")
+        return np.asarray(image).astype(np.int32)
+
+
+def _channels(image: Image.Image) -> np.ndarray:
+    """(H, W) or (H, W, 3 or 4) uint8 of a picture in any of Pillow's modes; 16 bits become 8."""
+    if _holds_words(image):
+        return (np.asarray(image).astype(np.uint16) // 257).astype(np.uint8)
+    if image.mode.startswith(("I", "F")):
+        raise ValueError("its pixels are 32-bit numbers, not colours of 8 or 16 bits")
+    if "A" in image.mode or "a" in image.mode or "transparency" in image.info:
+        return np.asarray(image.convert("RGBA"))
+    return np.asarray(image.convert("RGB"))
+
+
+def _holds_words(image: Image.Image) -> bool:
+    """Whether a picture is grey with 16 bits; older versions of Pillow widen those of a PNG to 32."""
+    return image.mode.startswith("I;16") or (image.mode == "I" and isinstance(image, PngImagePlugin.PngImageFile))
+
+
+@contextlib.contextmanager
+def _opened(source: Path | bytes, name: str, limits: PictureLimits) -> Iterator[tuple[ImageFile.ImageFile, str]]:
+    """A picture whose header is read and within the limits, and its format; raises as :func:`picture_header`.
+
+    Errors of decoding inside the block become DamagedFile too.
+    """
+    path = source if isinstance(source, Path) else None
+    name, maker = name or str(source if path else "the picture"), maker_of(path) if path else ""
+    with contextlib.ExitStack() as stack, warnings.catch_warnings():
+        # Pillow has limits of its own, and looks at the frames of GIF and WebP while it opens them.
+        warnings.simplefilter("error", Image.DecompressionBombWarning)
+        warnings.simplefilter("ignore", UserWarning)
+        handle = stack.enter_context(io.BytesIO(source) if isinstance(source, bytes) else _regular_file(source, limits))
+        try:
+            kind, reader = _reader_of(handle.read(12))
+            handle.seek(0)
+            image = stack.enter_context(reader(handle))
+            _require_within(image.size, name, maker, limits)
+            if getattr(image, "n_frames", 1) > 1:
+                raise ValueError("it has several frames or pages; one still picture is expected")
+            yield image, kind
+        except VcageError:
+            raise
+        except (Image.DecompressionBombError, Image.DecompressionBombWarning) as error:
+            pixels = "".join(c for c in str(error).partition(")")[0] if c.isdecimal())
+            raise _oversized(name, f"{pixels} pixels; {_most(limits)}", maker) from error
+        except SyntaxError as error:
+            raise _unreadable(name, "its header is damaged", maker) from error
+        except Exception as error:  # Pillow's readers raise whatever a broken file makes them raise
+            raise _unreadable(name, str(error), maker) from error
+
+
+def _regular_file(path: Path, limits: PictureLimits) -> io.BufferedReader:
+    """A file opened for reading; neither a pipe nor a device, which need never end."""
+    try:
+        found = path.stat()
+        if stat.S_ISDIR(found.st_mode):
+            raise DamagedFile(f"{path} is a folder, not a picture", hint="name a file", maker=maker_of(path))
+        if not stat.S_ISREG(found.st_mode):
+            raise InputFileError(f"{path} is a device or a pipe, not a picture", hint="save the picture as a file")
+        if found.st_size > limits.max_file_bytes:
+            raise _oversized(str(path), f"{found.st_size:,} of at most {limits.max_file_bytes:,} bytes", maker_of(path))
+        return path.open("rb")
+    except (FileNotFoundError, NotADirectoryError, ValueError) as error:
+        raise MissingStage(
+            f"{path} does not exist", hint="the stage that writes it comes first", maker=maker_of(path)
+        ) from error
+    except OSError as error:
+        raise InputFileError(f"{path} cannot be read: {error.strerror}", hint="make it readable") from error
+
+
+def _reader_of(head: bytes) -> tuple[str, type[ImageFile.ImageFile]]:
+    if not head:
+        raise ValueError("it is empty")
+    for magic, reader in _READERS.items():
+        if head.startswith(magic):
+            return reader
+    raise ValueError(f"it is none of {', '.join(FORMATS)}")
+
+
+def _require_within(size: tuple[int, int], name: str, maker: str, limits: PictureLimits) -> None:
+    width, height = size
+    if min(size) < 1:
+        raise ValueError(f"it has {width} x {height} pixels")
+    if width * height > limits.max_pixels or max(size) > limits.max_edge_px:
+        raise _oversized(name, f"{width} x {height} pixels; {_most(limits)}", maker, width=width, height=height)
+
+
+def _most(limits: PictureLimits) -> str:
+    return f"at most {limits.max_pixels:,} pixels and {limits.max_edge_px:,} along an edge are read"
+
+
+def _unreadable(name: str, why: str, maker: str) -> DamagedFile:
+    return DamagedFile(f"{name} cannot be read as a picture: {why}", hint="save it again as PNG or JPEG", maker=maker)
+
+
+def _oversized(name: str, found: str, maker: str, **details: int) -> OversizedFile:
+    return OversizedFile(
+        f"{name} is too large: {found}", hint="scale the picture down", maker=maker, details={"path": name, **details}
+    )
 
 
 def rgb_of_decoded(picture: np.ndarray) -> np.ndarray:
@@ -51,22 +252,4 @@ def three_channels(picture: np.ndarray) -> np.ndarray:
     if picture.shape[2] == 4:
         alpha = picture[..., 3:].astype(np.float32) / 255
         return np.round(picture[..., :3] * alpha + 255 * (1 - alpha)).astype(np.uint8)
-    return picture
-
-
-def read_labels(path: Path) -> np.ndarray:
-    """Read a label image as (H, W) int32; raises as :func:`read_picture`."""
-    labels = _decode(path)
-    if labels.ndim != 2:
-        raise DamagedFile(f"{path} is a colour picture, not a label image", maker="select_place")
-    return labels.astype(np.int32)
-
-
-def _decode(path: Path) -> np.ndarray:
-    if not path.is_file():
-        raise MissingStage(f"{path} does not exist", hint="the stage that writes it comes first", maker=maker_of(path))
-    data = np.frombuffer(path.read_bytes(), np.uint8)
-    picture = cv2.imdecode(data, cv2.IMREAD_UNCHANGED) if len(data) else None
-    if picture is None:
-        raise DamagedFile(f"{path} is not a picture", hint="mend it", maker=maker_of(path))
     return picture

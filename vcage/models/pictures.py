@@ -7,21 +7,13 @@ from __future__ import annotations
 
 import base64
 import binascii
-import io
-import warnings
 
 import numpy as np
 
-from vcage.base.errors import EndpointFailed
-
-MOST_PIXELS = 50_000_000
-"""Of a picture that comes; models draw up to 4096 x 4096."""
+from vcage.base.errors import DamagedFile, EndpointFailed, OversizedFile
 
 LEAST_EDGE = 64
 """Pixels; less is a place kept for a picture."""
-
-TYPES = ("PNG", "JPEG", "WEBP")
-"""What models send, as Pillow calls it."""
 
 
 def encode_png(picture: np.ndarray) -> bytes:
@@ -50,7 +42,7 @@ def decode_base64(text: object, source: str) -> np.ndarray:
     Raises:
         EndpointFailed: it is not base64, or no whole picture of a size that can be used; names ``source``.
     """
-    from PIL import Image, ImageOps
+    from vcage.base.pictures import decode_picture
 
     if not isinstance(text, str):
         raise EndpointFailed(f"{source} sent {type(text).__name__} for a picture", hint="check the base URL")
@@ -62,20 +54,16 @@ def decode_base64(text: object, source: str) -> np.ndarray:
     except binascii.Error as error:
         raise EndpointFailed(f"{source} sent a picture that is not base64: {error}", hint="run it again") from error
     try:
-        with warnings.catch_warnings():
-            # Of a size that is refused here.
-            warnings.simplefilter("ignore", Image.DecompressionBombWarning)
-            opened = Image.open(io.BytesIO(data), formats=TYPES)
-        if opened.width * opened.height > MOST_PIXELS:
-            raise Image.DecompressionBombError(f"{opened.width} x {opened.height} pixels")
-        if min(opened.size) < LEAST_EDGE:
-            raise ValueError(f"{opened.width} x {opened.height} pixels")
-        return np.array(ImageOps.exif_transpose(opened).convert("RGB"))
-    except Image.DecompressionBombError as error:
+        picture = decode_picture(data)
+    except OversizedFile as error:
+        raise EndpointFailed(f"{source}: {error.message}", hint="run it again, or take another model") from error
+    except DamagedFile as error:
         raise EndpointFailed(
-            f"{source} sent a picture that is too large: {error}", hint="run it again, or take another model"
+            f"{source} sent {len(data)} bytes that are no whole picture: {error.message}", hint="run it again"
         ) from error
-    except (OSError, SyntaxError, ValueError) as error:
+    height, width = picture.shape[:2]
+    if min(height, width) < LEAST_EDGE:
         raise EndpointFailed(
-            f"{source} sent {len(data)} bytes that are no whole picture: {error}", hint="run it again"
-        ) from error
+            f"{source} sent a picture of {width} x {height} pixels, which is no whole picture", hint="run it again"
+        )
+    return picture
