@@ -12,7 +12,7 @@ import numpy as np
 from benchmarks._match.truth import Truth
 from vcage.base.errors import InputFileError, VcageError
 from vcage.base.files import atomic_folder, whole, write_bytes
-from vcage.base.pictures import read_labels, read_picture, write_labels, write_picture
+from vcage.base.pictures import picture_header, read_labels, read_picture, write_labels, write_picture
 from vcage.schema.plan import Plan
 from vcage.schema.scene import Scene
 
@@ -151,8 +151,9 @@ def read_raw(path: Path) -> np.ndarray:
     """A picture with the channels that it has: (H, W) grey, (H, W, 3) RGB or (H, W, 4) RGBA, uint8.
 
     Raises:
-        InputFileError: it is not a picture of 8 bits.
+        InputFileError: it is missing, too large, or not a picture of 8 bits.
     """
+    picture_header(path)
     picture = cv2.imdecode(np.frombuffer(path.read_bytes(), np.uint8), cv2.IMREAD_UNCHANGED)
     if picture is None or picture.dtype != np.uint8:
         raise InputFileError(f"{path} is not a picture of 8 bits a channel", hint="write it as PNG")

@@ -1,13 +1,19 @@
 from __future__ import annotations
 
 import logging
+import threading
 import time
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from http.server import BaseHTTPRequestHandler, HTTPServer
+from pathlib import Path
 
 import pytest
 
 from tests.model_server import ModelServer, Special, raw_answer
-from vcage.base.errors import ConfigurationError, EndpointFailed
+from vcage.base.errors import ConfigurationError, EndpointFailed, VcageError
 from vcage.models.llm_critic import Judgement
+from vcage.models.providers import PROVIDERS
 from vcage.models.structured import flat_schema
 from vcage.models.transport import Transport
 
@@ -117,3 +123,106 @@ def test_a_key_that_is_wrong_with_status_400_is_called_a_wrong_key(server: Model
     wrong = Transport(server.url, {"x-goog-api-key": "another-key"})
     with pytest.raises(ConfigurationError, match="does not accept the key"):
         wrong.get_json("v1beta/models")
+
+
+# --- no credentials but ours ---------------------------------------------------------------------------
+
+
+class Seen:
+    """Requests that reached a server: the first line, and the headers."""
+
+    def __init__(self, url: str):
+        self.url = url
+        self.requests: list[tuple[str, Mapping[str, str]]] = []
+
+
+@contextmanager
+def listening(status: int = 200, headers: Mapping[str, str] | None = None) -> Iterator[Seen]:
+    """A server, or a proxy, on the loopback interface that answers everything alike."""
+
+    class Handler(BaseHTTPRequestHandler):
+        def do_POST(self) -> None:
+            self.rfile.read(int(self.headers.get("Content-Length", 0)))
+            seen.requests.append((self.requestline, self.headers))
+            self.send_response(status)
+            for name, value in {"Content-Length": "12", **(headers or {})}.items():
+                self.send_header(name, value)
+            self.end_headers()
+            self.wfile.write(b'{"ok": true}')
+
+        def log_message(self, *_: object) -> None:
+            """Quiet."""
+
+    listener = HTTPServer(("127.0.0.1", 0), Handler)
+    seen = Seen(f"http://127.0.0.1:{listener.server_port}")
+    thread = threading.Thread(target=listener.serve_forever, kwargs={"poll_interval": 0.02}, daemon=True)
+    thread.start()
+    try:
+        yield seen
+    finally:
+        listener.shutdown()
+        listener.server_close()
+        thread.join()
+
+
+def sent_by(seen: Seen, transport: Transport) -> Mapping[str, str]:
+    """The headers of one request."""
+    assert transport.post_json("v1/x", {}) == {"ok": True}
+    return seen.requests[-1][1]
+
+
+@pytest.mark.parametrize("place", [".netrc", "_netrc", "NETRC"])
+@pytest.mark.parametrize("provider", PROVIDERS.values(), ids=lambda provider: provider.name)
+def test_a_netrc_file_neither_replaces_the_key_nor_joins_it(provider, place, tmp_path, monkeypatch):
+    path = tmp_path / place
+    path.write_text("machine 127.0.0.1 login someone password of-another-service\ndefault login x password y\n")
+    path.chmod(0o600)
+    monkeypatch.setenv("HOME", str(tmp_path))
+    monkeypatch.delenv("NETRC", raising=False)
+    if place == "NETRC":
+        monkeypatch.setenv("NETRC", str(path))
+    ours = provider.headers("our-own-key")
+    with listening() as seen:
+        headers = sent_by(seen, Transport(seen.url, ours))
+        assert {name: headers[name] for name in ours} == ours
+        assert headers["Authorization"] == ours.get("Authorization")
+
+
+def test_a_cookie_that_an_endpoint_sets_is_not_sent_back() -> None:
+    with listening(headers={"Set-Cookie": "session=1"}) as seen:
+        transport = Transport(seen.url, {})
+        sent_by(seen, transport)
+        assert "Cookie" not in sent_by(seen, transport)
+
+
+def test_a_redirect_carries_no_key_to_another_host() -> None:
+    with listening() as elsewhere, listening(307, {"Location": f"{elsewhere.url}/v1/x"}) as seen:
+        with pytest.raises(ConfigurationError, match="redirects"):
+            Transport(seen.url, {"Authorization": "Bearer our-own-key"}).post_json("v1/x", {})
+        assert len(seen.requests) == 1 and not elsewhere.requests
+
+
+def test_a_proxy_of_the_environment_is_used_with_its_credentials(monkeypatch):
+    for name in ("HTTP_PROXY", "no_proxy", "NO_PROXY", "all_proxy", "ALL_PROXY"):
+        monkeypatch.delenv(name, raising=False)
+    with listening() as proxy, listening() as direct:
+        monkeypatch.setenv("http_proxy", proxy.url.replace("//", "//user:word@"))
+        headers = sent_by(proxy, Transport("http://models.example", {"Authorization": "Bearer our-own-key"}))
+        assert proxy.requests[0][0] == "POST http://models.example/v1/x HTTP/1.1"
+        assert headers["Proxy-Authorization"] == "Basic dXNlcjp3b3Jk"
+        assert headers["Authorization"] == "Bearer our-own-key"
+        monkeypatch.setenv("no_proxy", "127.0.0.1")
+        assert "Proxy-Authorization" not in sent_by(direct, Transport(direct.url, {}))
+
+
+def test_the_password_of_a_proxy_never_shows(monkeypatch):
+    monkeypatch.setenv("http_proxy", "http://user:pass-word@proxy:no-port")
+    with pytest.raises(VcageError) as caught:
+        Transport("http://models.example", {}, sleep=lambda _: None).post_json("v1/x", {})
+    assert "pass-word" not in str(caught.value) and "proxy" in caught.value.hint
+
+
+def test_the_bundle_of_certificates_of_the_environment_is_used(tmp_path: Path, monkeypatch):
+    monkeypatch.setenv("REQUESTS_CA_BUNDLE", str(tmp_path / "missing.pem"))
+    with pytest.raises(ConfigurationError, match=r"missing\.pem"):
+        Transport("https://127.0.0.1:9", {}).post_json("v1/x", {})

@@ -183,7 +183,7 @@ def _opened(source: Path | bytes, name: str, limits: PictureLimits) -> Iterator[
             pixels = "".join(c for c in str(error).partition(")")[0] if c.isdecimal())
             raise _oversized(name, f"{pixels} pixels; {_most(limits)}", maker) from error
         except SyntaxError as error:
-            raise _unreadable(name, "its header is damaged", maker) from error
+            raise _unreadable(name, "its header is damaged, or of a kind that is not read", maker) from error
         except Exception as error:  # Pillow's readers raise whatever a broken file makes them raise
             raise _unreadable(name, str(error), maker) from error
 
@@ -200,9 +200,9 @@ def _regular_file(path: Path, limits: PictureLimits) -> io.BufferedReader:
             raise _oversized(str(path), f"{found.st_size:,} of at most {limits.max_file_bytes:,} bytes", maker_of(path))
         return path.open("rb")
     except (FileNotFoundError, NotADirectoryError, ValueError) as error:
-        raise MissingStage(
-            f"{path} does not exist", hint="the stage that writes it comes first", maker=maker_of(path)
-        ) from error
+        maker = maker_of(path)
+        hint = "the stage that writes it comes first" if maker else "check the path"
+        raise MissingStage(f"{path} does not exist", hint=hint, maker=maker) from error
     except OSError as error:
         raise InputFileError(f"{path} cannot be read: {error.strerror}", hint="make it readable") from error
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import logging
+import re
 import threading
 import time
 from collections.abc import Callable, Mapping, Sequence
@@ -11,6 +12,7 @@ from concurrent.futures import Future
 from dataclasses import dataclass
 from email.utils import parsedate_to_datetime
 from functools import cached_property
+from http.cookiejar import DefaultCookiePolicy
 from typing import Any
 
 import requests
@@ -54,6 +56,9 @@ NO_CREDIT = "insufficient_quota"
 BLOCKED = ("moderation_blocked", "content_policy_violation", "content_filter")
 """OpenAI and others say one of these of what was asked, with status 400."""
 
+_USER_OF_URL = re.compile(r"//[^/\s@]+@")
+"""A proxy's URL may hold user and password."""
+
 _PASSING = (
     requests.ConnectionError,
     requests.Timeout,
@@ -65,6 +70,9 @@ _PASSING = (
 
 class Transport:
     """Requests with time-outs, bounded retries, and errors that say what to do; keys never show.
+
+    The only credentials sent are those in ``headers``: no ``.netrc``, no cookies, and no redirect is followed. Proxies
+    (``HTTPS_PROXY``, ``NO_PROXY``) and certificates (``REQUESTS_CA_BUNDLE``) of the environment are used.
 
     Args:
         base_url: scheme, host and path prefix, e.g. ``https://generativelanguage.googleapis.com``.
@@ -93,6 +101,8 @@ class Transport:
         self._secrets = [part for value in headers.values() for part in value.split() if len(part) > 7]
         self._session = requests.Session()
         self._session.headers.update(headers)
+        self._session.auth = _as_it_is  # without it requests looks into ~/.netrc, and replaces the key
+        self._session.cookies.set_policy(DefaultCookiePolicy(allowed_domains=[]))
 
     def get_json(self, path: str) -> dict[str, Any]:
         """GET the JSON object at a path, once: whoever looks can go on without; raises as :meth:`post_json`."""
@@ -137,8 +147,10 @@ class Transport:
             except _PASSING as error:
                 problem = f"{url} does not answer: {type(error).__name__}"
                 continue
-            except requests.RequestException as error:
-                raise ConfigurationError(self._redact(f"{url}: {error}"), hint="check the base URL") from None
+            except OSError as error:  # all others of requests, and a bundle of certificates that is not there
+                raise ConfigurationError(
+                    self._redact(f"{url}: {error}"), hint="check the base URL, and the proxy if there is one"
+                ) from None
             if answer.status < 300 and answer.body:
                 return self._json(url, answer)
             problem = self._problem(url, answer)
@@ -181,7 +193,12 @@ class Transport:
     def _redact(self, text: str) -> str:
         for secret in self._secrets:
             text = text.replace(secret, "***")
-        return text
+        return _USER_OF_URL.sub("//***@", text)
+
+
+def _as_it_is(request: requests.PreparedRequest) -> requests.PreparedRequest:
+    """A request authorised by its headers alone."""
+    return request
 
 
 @dataclass(frozen=True)

@@ -21,7 +21,7 @@ from tyro.conf import arg
 from vcage.base.errors import InputFileError
 from vcage.base.files import RunFolder, sha256_file
 from vcage.base.options import UNSAID
-from vcage.base.pictures import read_picture, write_picture
+from vcage.base.pictures import picture_header, read_picture, write_picture
 from vcage.base.progress import Progress, silent
 from vcage.layout.items import TableItem
 from vcage.matching.match import ScenePictures
@@ -65,13 +65,14 @@ def job(run: RunFolder, options: Options, context: StageContext) -> Job:
 
 
 def _digest(path: Path) -> str:
-    """Hex SHA-256 of a file.
+    """Hex SHA-256 of a picture file.
 
     Raises:
-        InputFileError: it is not there.
+        InputFileError: it is not there, or not a picture that can be read.
     """
-    if not path.is_file():
+    if not path.exists():
         raise InputFileError(f"there is no picture {path}", hint="name what was edited from place/source.png")
+    picture_header(path)
     return sha256_file(path)
 
 

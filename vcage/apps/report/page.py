@@ -6,6 +6,7 @@ Stages that have not run are said to be missing; the page never computes a resul
 from __future__ import annotations
 
 import base64
+import logging
 from collections import Counter
 from functools import cache
 from pathlib import Path
@@ -16,8 +17,9 @@ import jinja2
 
 from vcage.apps.report.previews import previews
 from vcage.base.drawing import distinct_colours
-from vcage.base.errors import MissingStage, StaleStage
+from vcage.base.errors import InputFileError, MissingStage, StaleStage
 from vcage.base.files import RunFolder, recover, write_text
+from vcage.base.pictures import jpeg, read_picture
 from vcage.base.version import __version__
 from vcage.models.kept import Exchanges
 from vcage.plans.kept import relations_kept_in
@@ -35,6 +37,8 @@ from vcage.stages.asking import ASKED_BY
 from vcage.stages.episode_store import read_log
 from vcage.stages.question import CUSTOMER, TOP
 from vcage.stages.running import read_timings
+
+logger = logging.getLogger(__name__)
 
 D = TypeVar("D", bound=StageDocument)
 
@@ -218,14 +222,15 @@ def _percent(share: float) -> str:
 
 
 def _picture_url(path: Path, max_width: int = 960) -> str | None:
-    """A PNG or JPEG as a data URL, scaled down to ``max_width``; None when the file is not there."""
-    if not path.is_file():
+    """A picture as a data URL, scaled down to ``max_width``; None when it is not there or cannot be read."""
+    if not path.exists():
         return None
-    picture = cv2.imread(str(path), cv2.IMREAD_COLOR)
-    if picture is None:
+    try:
+        picture = read_picture(path)
+    except InputFileError as error:
+        logger.warning("the report leaves a picture out: %s", error.message)
         return None
     height, width = picture.shape[:2]
     if width > max_width:
         picture = cv2.resize(picture, (max_width, round(height * max_width / width)), interpolation=cv2.INTER_AREA)
-    encoded = cv2.imencode(".jpg", picture, [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY])[1]
-    return "data:image/jpeg;base64," + base64.b64encode(encoded.tobytes()).decode()
+    return "data:image/jpeg;base64," + base64.b64encode(jpeg(picture, JPEG_QUALITY)).decode()
