@@ -26,6 +26,18 @@ def look(monkeypatch: pytest.MonkeyPatch, *findings: Finding) -> None:
     monkeypatch.setattr(doctor, "CHECKS", tuple(found))
 
 
+def test_a_key_file_that_others_may_read_is_found_with_what_mends_it(monkeypatch, tmp_path: Path):
+    path = tmp_path / "keys.json"
+    path.write_text('{"openai": "very-secret"}')
+    path.chmod(0o644)
+    monkeypatch.setenv("VCAGE_KEY_FILE", str(path))
+    finding = doctor.keys()
+    assert not finding.ok and not finding.required
+    assert f"other users may read {path}" in finding.found and finding.mend == f"chmod 600 {path}"
+    path.chmod(0o600)
+    assert doctor.keys().ok
+
+
 def test_all_well_exits_with_0_and_lists_what_was_found(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -85,6 +85,17 @@ def test_what_nests_too_deep_is_complained_about(agent: Agent) -> None:
     assert "the answer is not JSON" in needed(agent)["complaint"]
 
 
+@pytest.mark.parametrize("around", [b"%s", b"Here it is:\r\n```json\r\n%s\r\n```\r\n"], ids=["bare", "fenced"])
+def test_an_answer_that_windows_saved_is_read(agent: Agent, around: bytes) -> None:
+    Path(needed(agent)["answer"]).write_bytes(b"\xef\xbb\xbf" + around % b'{\r\n"name": "red"}')
+    assert asked(agent).name == "red"
+
+
+def test_an_answer_that_says_a_field_twice_is_complained_about(agent: Agent) -> None:
+    Path(needed(agent)["answer"]).write_text('{"name": "red",\n"name": "blue"}')
+    assert "line 2: the key 'name' stands twice" in needed(agent)["complaint"]
+
+
 def test_what_is_no_file_is_named(agent: Agent) -> None:
     os.mkfifo(needed(agent)["answer"])
     with pytest.raises(InputFileError, match=r"answer\.json is no file"):

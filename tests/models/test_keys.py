@@ -1,6 +1,9 @@
 from __future__ import annotations
 
 import json
+import logging
+import os
+import shlex
 
 import pytest
 
@@ -25,6 +28,42 @@ def test_googles_other_variable_is_read_too(monkeypatch: pytest.MonkeyPatch) -> 
 def test_the_key_file_is_read_last() -> None:
     key_file().write_text(json.dumps({"openai": "from-file"}))
     assert find_key(OPENAI) == ("from-file", str(key_file()))
+
+
+def test_a_key_file_that_windows_saved_is_read() -> None:
+    key_file().write_bytes(b'\xef\xbb\xbf{\r\n"openai": "from-file"\r\n}\r\n')
+    assert find_key(OPENAI) == ("from-file", str(key_file()))
+
+
+@pytest.mark.parametrize("mode", [0o640, 0o604, 0o620, 0o666])
+def test_a_key_file_that_others_may_read_is_told_of_once_with_the_command(mode: int, caplog) -> None:
+    key_file().write_text(json.dumps({"openai": "very-secret"}))
+    key_file().chmod(mode)
+    with caplog.at_level(logging.WARNING):
+        assert find_key(OPENAI) and find_key(GEMINI) is None
+    (told,) = (record.getMessage() for record in caplog.records)
+    assert shlex.join(["chmod", "600", str(key_file())]) in told and "very-secret" not in told
+
+
+def test_nothing_is_told_of_a_key_file_that_only_its_owner_reads(caplog) -> None:
+    key_file().write_text(json.dumps({"openai": "from-file"}))
+    key_file().chmod(0o600)
+    with caplog.at_level(logging.WARNING):
+        assert find_key(OPENAI)
+    assert not caplog.records
+
+
+def test_a_damaged_key_file_names_the_line_and_no_key() -> None:
+    key_file().write_text('{"openai": "very-secret",\n "very-secret": 1, "very-secret": 2}')
+    with pytest.raises(ConfigurationError, match="line 2") as caught:
+        find_key(OPENAI)
+    assert "very-secret" not in str(caught.value.as_record())
+
+
+def test_a_pipe_is_no_key_file() -> None:
+    os.mkfifo(key_file())
+    with pytest.raises(ConfigurationError, match="cannot be read"):
+        find_key(OPENAI)
 
 
 def test_found_keys_names_places_and_never_a_key(monkeypatch: pytest.MonkeyPatch) -> None:

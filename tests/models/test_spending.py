@@ -90,6 +90,13 @@ def test_money_is_not_capped_where_nobody_knows_the_price(folder: Path):
         Spending(folder, Cap(usd=1.0), "gemini:some").check()
 
 
+def test_a_price_file_that_windows_saved_is_read(prices: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setenv("VCAGE_PRICE_FILE", str(prices))
+    prices.write_bytes(b'\xef\xbb\xbf{"gemini:some":\r\n{"input": 1, "output": 2}}')
+    price = price_of("gemini:some")
+    assert price is not None and price.output == 2
+
+
 @pytest.mark.parametrize("text", ["{", "[]", '{"gemini:some": 3}', '{"gemini:some": {"input": -1, "output": 2}}'])
 def test_a_price_file_that_holds_no_prices_is_named(prices: Path, text: str, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setenv("VCAGE_PRICE_FILE", str(prices))

@@ -16,7 +16,8 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from vcage.base.errors import DamagedFile, DiskFull, MissingStage, OutputFolderError
+from vcage.base import reading
+from vcage.base.errors import DiskFull, OutputFolderError
 
 PARTIAL = ".partial-"
 """Marks what is being written; anything so named may be deleted when nothing runs."""
@@ -143,26 +144,14 @@ def write_json(path: Path, value: Any) -> Path:
     return write_text(path, json.dumps(value, indent=2, ensure_ascii=False, allow_nan=False) + "\n")
 
 
-def read_json(path: Path) -> Any:
-    """Read a JSON file.
+def read_json(path: Path, *, nan: bool = False) -> Any:
+    """Read a JSON file; see :func:`vcage.base.reading.read_json`.
 
     Raises:
         MissingStage: the file is not there.
-        DamagedFile: it is not JSON.
+        DamagedFile: it is not JSON; names the line.
     """
-    path = Path(path)
-    try:
-        return json.loads(path.read_text(encoding="utf-8"))
-    except (FileNotFoundError, NotADirectoryError) as error:
-        raise MissingStage(
-            f"{path} does not exist", hint="the stage that writes it comes first", maker=maker_of(path)
-        ) from error
-    except (json.JSONDecodeError, UnicodeDecodeError, RecursionError) as error:
-        raise DamagedFile(f"{path} is not valid JSON: {error}", hint="mend it", maker=maker_of(path)) from error
-    except IsADirectoryError as error:
-        raise DamagedFile(
-            f"{path} is a folder, not a JSON file", hint="move it away and run the stage again"
-        ) from error
+    return reading.read_json(Path(path), maker_of(path), nan=nan)
 
 
 @contextlib.contextmanager

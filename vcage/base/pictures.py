@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import contextlib
 import io
-import stat
 import warnings
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -27,8 +26,9 @@ from PIL import (
     WebPImagePlugin,
 )
 
-from vcage.base.errors import DamagedFile, InputFileError, MissingStage, OversizedFile, VcageError
+from vcage.base.errors import DamagedFile, OversizedFile, VcageError
 from vcage.base.files import maker_of, write_bytes
+from vcage.base.reading import open_regular
 
 
 @dataclass(frozen=True)
@@ -168,7 +168,10 @@ def _opened(source: Path | bytes, name: str, limits: PictureLimits) -> Iterator[
         # Pillow has limits of its own, and looks at the frames of GIF and WebP while it opens them.
         warnings.simplefilter("error", Image.DecompressionBombWarning)
         warnings.simplefilter("ignore", UserWarning)
-        handle = stack.enter_context(io.BytesIO(source) if isinstance(source, bytes) else _regular_file(source, limits))
+        if isinstance(source, bytes):
+            handle = io.BytesIO(source)
+        else:
+            handle = stack.enter_context(open_regular(source, "a picture", limits.max_file_bytes, maker))
         try:
             kind, reader = _reader_of(handle.read(12))
             handle.seek(0)
@@ -186,25 +189,6 @@ def _opened(source: Path | bytes, name: str, limits: PictureLimits) -> Iterator[
             raise _unreadable(name, "its header is damaged, or of a kind that is not read", maker) from error
         except Exception as error:  # Pillow's readers raise whatever a broken file makes them raise
             raise _unreadable(name, str(error), maker) from error
-
-
-def _regular_file(path: Path, limits: PictureLimits) -> io.BufferedReader:
-    """A file opened for reading; neither a pipe nor a device, which need never end."""
-    try:
-        found = path.stat()
-        if stat.S_ISDIR(found.st_mode):
-            raise DamagedFile(f"{path} is a folder, not a picture", hint="name a file", maker=maker_of(path))
-        if not stat.S_ISREG(found.st_mode):
-            raise InputFileError(f"{path} is a device or a pipe, not a picture", hint="save the picture as a file")
-        if found.st_size > limits.max_file_bytes:
-            raise _oversized(str(path), f"{found.st_size:,} of at most {limits.max_file_bytes:,} bytes", maker_of(path))
-        return path.open("rb")
-    except (FileNotFoundError, NotADirectoryError, ValueError) as error:
-        maker = maker_of(path)
-        hint = "the stage that writes it comes first" if maker else "check the path"
-        raise MissingStage(f"{path} does not exist", hint=hint, maker=maker) from error
-    except OSError as error:
-        raise InputFileError(f"{path} cannot be read: {error.strerror}", hint="make it readable") from error
 
 
 def _reader_of(head: bytes) -> tuple[str, type[ImageFile.ImageFile]]:

@@ -184,13 +184,18 @@ def cvvdp() -> Finding:
 
 
 def keys() -> Finding:
+    from vcage.models.keys import closing_command, key_file, open_to_others
     from vcage.models.providers import found_keys
 
     try:
         names = [f"{provider} in {source}" for provider, source in found_keys().items()]
     except VcageError as error:
         return Finding("keys", False, error.message, required=False, mend=error.hint)
-    return Finding("keys", True, ", ".join(names) or "none (the offline stand-ins are used)", required=False)
+    found = ", ".join(names) or "none (the offline stand-ins are used)"
+    if open_to_others(key_file()):
+        found, mend = f"{found}; other users may read {key_file()}", closing_command(key_file())
+        return Finding("keys", False, found, required=False, mend=mend)
+    return Finding("keys", True, found, required=False)
 
 
 def models() -> Finding:

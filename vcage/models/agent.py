@@ -15,6 +15,7 @@ from vcage.base.drawing import contact_sheet
 from vcage.base.errors import AnswerNeeded, InputFileError
 from vcage.base.files import write_json, write_text
 from vcage.base.pictures import write_picture
+from vcage.base.reading import Unreadable, text_of
 from vcage.models.exchange import Question, Reply
 
 PROVIDER = "agent"
@@ -95,8 +96,8 @@ def _read(path: Path) -> str:
     if path.stat().st_size > MOST_BYTES:
         raise InputFileError(f"{path} is {path.stat().st_size:,} bytes long", hint="write the JSON object alone")
     try:
-        return path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
+        return text_of(path.read_bytes())
+    except (OSError, Unreadable) as error:
         raise InputFileError(f"{path} cannot be read: {error}", hint="write it as UTF-8 text") from error
 
 

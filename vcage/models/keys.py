@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
-import json
+import logging
 import os
+import shlex
+from functools import cache
 from pathlib import Path
 
-from vcage.base.errors import ConfigurationError, MissingKey
+from vcage.base.errors import ConfigurationError, InputFileError, MissingKey, MissingStage
+from vcage.base.reading import read_json
 from vcage.models.provider import Provider
+
+logger = logging.getLogger(__name__)
 
 
 def variables(provider: Provider) -> tuple[str, ...]:
@@ -60,16 +65,35 @@ def require_key(provider: Provider) -> str:
     return found[0]
 
 
+def open_to_others(path: Path) -> bool:
+    """Whether other users of the machine may read a file or write to it; False where it is not there."""
+    return os.name == "posix" and path.exists() and bool(path.stat().st_mode & 0o077)
+
+
+@cache
+def _warn_of_readers(path: Path) -> None:
+    """Say once in a process that others may read the keys."""
+    if open_to_others(path):
+        logger.warning("other users may read the keys in %s; run: %s", path, closing_command(path))
+
+
+def closing_command(path: Path) -> str:
+    """The command that keeps a file from other users."""
+    return shlex.join(["chmod", "600", str(path)])
+
+
 def _read_key_file() -> dict[str, str]:
     path = key_file()
     try:
-        data = json.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError:
+        data = read_json(path)
+    except MissingStage:
         return {}
-    except (OSError, ValueError, RecursionError) as error:
-        raise ConfigurationError(
-            f"the key file {path} cannot be read: {type(error).__name__}", hint='it holds JSON like {"gemini": "<key>"}'
+    except InputFileError as error:
+        line = f" (line {error.details['line']})" if "line" in error.details else ""
+        raise ConfigurationError(  # without the reason, which may quote a key
+            f"the key file {path} cannot be read{line}", hint='it holds JSON like {"gemini": "<key>"}, in UTF-8'
         ) from None
+    _warn_of_readers(path)
     if not isinstance(data, dict) or not all(isinstance(value, str) for value in data.values()):
         raise ConfigurationError(
             f"the key file {path} is not an object of strings", hint='it holds JSON like {"gemini": "<key>"}'

@@ -8,11 +8,12 @@ import numpy as np
 
 from vcage.base.commands import vcage_command
 from vcage.base.errors import NoAssetFits, UnreadInstruction
+from vcage.base.text import one_line
 from vcage.models import prompts
 from vcage.models.exchange import Answerer
 from vcage.models.search import Search, best_search, narrow
 from vcage.models.structured import Answer, AnswerType, ask, narrowed, one_of, one_or_none
-from vcage.objects.catalogue import LEGEND, catalogue_text
+from vcage.objects.catalogue import LEGEND, catalogue_line
 from vcage.plans.check import PlanCheck
 from vcage.schema.asset import CatalogueEntry
 from vcage.schema.goals import OF_A_PART, OF_TWO, AskedGoal, Goal, GoalWord, Reading
@@ -110,9 +111,8 @@ class LlmReasoner:
         starts = [entry.name for entry in catalogue]
         item = narrowed(_ChosenObject, look=one_of(looks), starts_in=one_or_none(starts))
         answer = narrowed(_SelectionAnswer, objects=list[item])
-        prompt = prompts.fill(
-            "select_assets", instruction=instruction, catalogue=catalogue_text(catalogue), legend=LEGEND
-        )
+        lines = [catalogue_line(entry) for entry in catalogue]
+        prompt = prompts.fill("select_assets", instruction=instruction, catalogue=lines, legend=LEGEND)
         found = self._ask(prompt, answer, lambda a: _selection_complaints(a, check))
         if found.missing:
             listed = " and ".join(repr(name) for name in found.missing)
@@ -219,7 +219,7 @@ def _goal_complaints(answer: _GoalsAnswer, instruction: str, things: Mapping[str
     for number, goal in enumerate(answer.goals):
         where = f"goals.{number}"
         owner = goal.subject if goal.relation in OF_A_PART else goal.reference
-        if not goal.words.strip() or goal.words not in instruction:
+        if not goal.words.strip() or one_line(goal.words) not in one_line(instruction):
             found.append(f"{where}: words are not copied from the instruction: {goal.words!r}")
         if goal.step < 1:
             found.append(f"{where}: step counts from 1, got {goal.step}")

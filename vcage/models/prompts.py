@@ -9,6 +9,8 @@ import jinja2.meta
 
 from vcage.base.errors import ConfigurationError, UnknownName
 from vcage.base.files import resource
+from vcage.base.reading import Unreadable, text_of
+from vcage.base.text import one_line
 from vcage.models.protocols import EditRequest
 
 
@@ -39,10 +41,14 @@ def fill(name: str, **values: object) -> Prompt:
     path = resource("prompts", f"{name}.md")
     if not path.is_file():
         raise UnknownName("prompt", name, names())
-    environment = jinja2.Environment(undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True)
-    text = path.read_text(encoding="utf-8")
+    environment = jinja2.Environment(
+        undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True, finalize=_value
+    )
     try:
+        text = text_of(path.read_bytes())
         wanted = jinja2.meta.find_undeclared_variables(environment.parse(text))
+    except Unreadable as error:
+        raise ConfigurationError(f"{path}, {error}", hint="mend the prompt") from error
     except jinja2.TemplateSyntaxError as error:
         raise ConfigurationError(f"{path}, line {error.lineno}: {error.message}", hint="mend the prompt") from error
     if wanted != set(values):
@@ -51,6 +57,11 @@ def fill(name: str, **values: object) -> Prompt:
             hint="name exactly these in the prompt",
         )
     return Prompt(name, environment.from_string(text).render(**values).strip())
+
+
+def _value(value: object) -> object:
+    """What stands for a placeholder: only the prompt begins lines, never the words of an object or an instruction."""
+    return one_line(value) if isinstance(value, str) else value
 
 
 def edit_prompt(request: EditRequest) -> Prompt:

@@ -13,7 +13,8 @@ from pathlib import Path
 
 from pydantic import Field, TypeAdapter, ValidationError
 
-from vcage.base.errors import ConfigurationError, SpendingCap
+from vcage.base.errors import ConfigurationError, InputFileError, MissingStage, SpendingCap
+from vcage.base.reading import read_json
 from vcage.models.exchange import Reply
 from vcage.schema.base import Record
 from vcage.schema.exchange import Exchange
@@ -39,13 +40,13 @@ def price_of(provider: str) -> Price | None:
     """
     path = price_file()
     try:
-        text = path.read_text(encoding="utf-8")
-    except FileNotFoundError:
+        data = read_json(path)
+    except MissingStage:
         return None
-    except (OSError, UnicodeDecodeError) as error:
-        raise ConfigurationError(f"{path} cannot be read: {error}", hint="mend or remove it") from error
+    except InputFileError as error:
+        raise ConfigurationError(f"{path} holds no prices: {error.message}", hint="mend or remove it") from error
     try:
-        return TypeAdapter(dict[str, Price]).validate_json(text).get(provider)
+        return TypeAdapter(dict[str, Price]).validate_python(data).get(provider)
     except ValidationError as error:
         raise ConfigurationError(
             f"{path} holds no prices: {error.errors()[0]['msg']}",

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import difflib
-import json
 import re
 from collections.abc import Callable, Sequence
 from typing import Annotated, Any, Literal, TypeVar
@@ -13,6 +12,8 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, ValidationError, cre
 from pydantic_core import ErrorDetails
 
 from vcage.base.errors import ModelRefused
+from vcage.base.reading import Unreadable, parse_json
+from vcage.base.text import one_line
 from vcage.models.exchange import Answerer, Message, Question
 from vcage.models.prompts import Prompt
 from vcage.schema.exchange import Asked
@@ -78,7 +79,7 @@ def ask(
         AnswerNeeded, EndpointFailed, ConfigurationError: see :class:`vcage.models.exchange.Answerer`.
     """
     turn = Message("user", prompt.text, tuple(picture for _, picture in pictures))
-    captions = tuple(what for what, _ in pictures)
+    captions = tuple(one_line(what) for what, _ in pictures)
     question = Question(role, (turn,), flat_schema(answer), prompt.name, captions, vote)
     problems: Sequence[str] = ()
     text = ""
@@ -100,8 +101,8 @@ def ask(
 
 def _read(text: str, answer: type[AnswerType]) -> tuple[AnswerType | None, Sequence[str]]:
     try:
-        data = json.loads(json_of(text))
-    except (ValueError, RecursionError) as error:
+        data = parse_json(json_of(text))
+    except Unreadable as error:
         return None, [f"the answer is not JSON: {error}"]
     try:
         return answer.model_validate(data), ()
@@ -120,7 +121,7 @@ def _wrong(error: ErrorDetails) -> str:
 
 def json_of(text: str) -> str:
     """The JSON in an answer: the whole of it, what a fence encloses, or what the outermost braces enclose."""
-    text = text.strip()
+    text = text.removeprefix("\ufeff").strip()
     if text.startswith("{"):
         return text
     if fenced := _FENCED.search(text):
@@ -130,7 +131,7 @@ def json_of(text: str) -> str:
 
 
 def _complaint(problems: Sequence[str]) -> str:
-    listed = "\n".join(f"- {problem}" for problem in problems)
+    listed = "\n".join(f"- {one_line(problem)}" for problem in problems)
     return f"That answer cannot be used:\n{listed}\nAnswer again with the whole corrected JSON object and nothing else."
 
 

@@ -7,6 +7,7 @@ from collections import Counter
 from collections.abc import Iterable
 from typing import Any
 
+from vcage.base.text import one_line
 from vcage.schema.asset import Annotation, CatalogueEntry
 
 LEGEND = "name = what it is (category; scenes); size class and size in cm; what can be done with it; looks"
@@ -28,7 +29,9 @@ def catalogue_line(entry: CatalogueEntry) -> str:
     size = "x".join(f"{100 * edge:.0f}" for edge in entry.size)
     kind = "; ".join([words.category, *([",".join(words.scene_tags)] if words.scene_tags else [])])
     looks = ", ".join(_look(variant.id, variant.colour) for variant in entry.variants)
-    return f"- {entry.name} = {_called(entry)} ({kind}); {size_class(entry)} {size}; {_abilities(entry)}; {looks}"
+    return one_line(
+        f"- {entry.name} = {_called(entry)} ({kind}); {size_class(entry)} {size}; {_abilities(entry)}; {looks}"
+    )
 
 
 def size_class(entry: CatalogueEntry) -> str:

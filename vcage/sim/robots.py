@@ -12,6 +12,7 @@ from typing import TypeVar
 from vcage.base.commands import pip_command
 from vcage.base.errors import DamagedFile, MissingDependency, MissingStage, UnknownName
 from vcage.base.files import data_path, resource
+from vcage.base.reading import read_yaml
 from vcage.schema.base import Document
 from vcage.schema.randomisation import Randomisation
 from vcage.schema.robot import Robot
@@ -95,15 +96,7 @@ def _load(kind: type[AnyDocument], what: str, folder: str, name: str) -> AnyDocu
 
 
 def _read(kind: type[AnyDocument], path: Path) -> AnyDocument:
-    import yaml
-
-    try:
-        data = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except (yaml.YAMLError, UnicodeDecodeError) as error:
-        raise DamagedFile(f"{path} is not valid YAML: {error}", hint="mend the file") from error
-    except OSError as error:
-        raise DamagedFile(f"{path} cannot be read: {error.strerror}", hint="check who may read it") from error
-    return kind.parse(data, path)
+    return kind.parse(read_yaml(path), path)
 
 
 def package_file(name: str) -> Path:

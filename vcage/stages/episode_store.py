@@ -13,6 +13,7 @@ from pydantic import ValidationError
 from vcage.base.errors import DamagedFile, InputFileError, MissingStage
 from vcage.base.files import PARTIAL, REPLACED, atomic_folder, recover, write_text
 from vcage.base.keeper import Keeper
+from vcage.base.reading import Unreadable, text_of
 from vcage.schema.episodes import Attempt, CriticCounts, Episode, Episodes
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Subtasks
@@ -129,10 +130,11 @@ def read_log(folder: Path) -> list[Attempt]:
     """
     path = log_path(folder)
     try:
-        lines = path.read_text(encoding="utf-8").splitlines() if path.is_file() else []
-    except ValueError as error:
+        text = text_of(path.read_bytes()) if path.is_file() else ""
+    except Unreadable as error:
         raise DamagedFile(f"{path} is no text: {error}", maker="collect") from error
-    return [_attempt(line, f"{path}, line {number}") for number, line in enumerate(lines, start=1)]
+    lines = enumerate(text.split("\n"), start=1)  # an attempt's words may hold other line ends of Unicode
+    return [_attempt(line, f"{path}, line {number}") for number, line in lines if line.strip()]
 
 
 def _attempt(line: str, where: str) -> Attempt:

@@ -11,7 +11,7 @@ import pytest
 
 from tests.datasets.conftest import LENGTHS
 from vcage.base.errors import DamagedFile
-from vcage.datasets.lerobot.meta import episode_lengths, episode_rows, episode_tables
+from vcage.datasets.lerobot.meta import data_set_info, episode_lengths, episode_rows, episode_tables
 from vcage.datasets.lerobot.repack import place_videos
 
 INFO = {"chunks_size": 3, "fps": 10}
@@ -29,6 +29,14 @@ def places(rows: pa.Table, key: str) -> list[tuple]:
 def test_both_versions_list_their_episodes(v21, v3):
     for root in (v21, v3):
         assert episode_lengths(root, info_of(root)) == dict(enumerate(LENGTHS))
+
+
+def test_files_that_windows_saved_are_read(v21, tmp_path):
+    root = shutil.copytree(v21, tmp_path / "set")
+    before = episode_rows(root, data_set_info(root))
+    for path in (root / "meta").iterdir():
+        path.write_bytes(b"\xef\xbb\xbf" + path.read_bytes().replace(b"\n", b"\r\n"))
+    assert episode_rows(root, data_set_info(root)) == before
 
 
 @pytest.mark.parametrize("content", ["", "[1]\n", '{"episode_index": 0}\n', '{"episode', "\xff"])

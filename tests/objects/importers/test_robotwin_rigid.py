@@ -245,6 +245,15 @@ def test_a_mesh_that_does_not_load_is_named(rigid, into, kind):
     assert f"{kind}/base0.glb is not a mesh that can be read" in said
 
 
+def test_files_that_windows_saved_are_read(rigid, into):
+    rigid.info = {"contact_points": [{"id": 0, "description": "left rim"}]}
+    rigid.write()
+    for path in rigid.folder.glob("*.json"):
+        path.write_bytes(b"\xef\xbb\xbf" + path.read_bytes().replace(b",", b",\r\n"))
+    (entry,) = import_robotwin(rigid.folder, into)
+    assert entry.error is None and not any("json" in warning for warning in entry.warnings)
+
+
 def test_damaged_json_is_named(rigid, into):
     rigid.write()
     (rigid.folder / "model_data0.json").write_text("{")

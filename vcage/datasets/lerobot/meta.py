@@ -7,7 +7,8 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from vcage.base.errors import DamagedFile, UsageError
+from vcage.base.errors import DamagedFile, InputFileError, UsageError
+from vcage.base.reading import Unreadable, parse_json, read_json
 from vcage.datasets.lerobot.features import other_columns
 from vcage.datasets.lerobot.parquet import MEND, column_names, read_table
 
@@ -34,9 +35,9 @@ def data_set_info(root: Path) -> dict[str, Any]:
     """
     path = root / INFO
     try:
-        info = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
-        raise DamagedFile(f"{path} cannot be read: {error}", hint=MEND) from error
+        info = read_json(path, nan=True)
+    except InputFileError as error:
+        raise DamagedFile(f"{path} cannot be read: {error.message}", hint=MEND) from error
     version = info.get("codebase_version") if isinstance(info, dict) else None
     if version is None:
         raise DamagedFile(f"{path} does not say codebase_version", hint=MEND)
@@ -151,16 +152,23 @@ def read_lines(path: Path) -> Iterator[dict[str, Any]]:
         DamagedFile: it cannot be read, or a line is no JSON object; names the line.
     """
     try:
-        with open(path, encoding="utf-8") as handle:
+        with open(path, "rb") as handle:
             for number, line in enumerate(handle, start=1):
                 if not line.strip():
                     continue
-                row = json.loads(line)
+                row = _parsed(path, number, line)
                 if not isinstance(row, dict):
                     raise DamagedFile(f"{path} line {number} is no JSON object", hint=MEND)
                 yield row
-    except (OSError, ValueError) as error:
+    except OSError as error:
         raise DamagedFile(f"{path} cannot be read: {error}", hint=MEND) from error
+
+
+def _parsed(path: Path, number: int, line: bytes) -> Any:
+    try:
+        return parse_json(line, nan=True)
+    except Unreadable as error:
+        raise DamagedFile(f"{path} line {number} is not valid JSON: {error.why}", hint=MEND) from error
 
 
 def _table_rows(root: Path) -> list[dict[str, Any]]:

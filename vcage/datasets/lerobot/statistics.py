@@ -153,7 +153,7 @@ class Totals:
         if not (root / STATS).is_file():
             raise DamagedFile(f"{root / STATS} is missing", hint=MEND)
         try:
-            stats = read_json(root / STATS)
+            stats = read_json(root / STATS, nan=True)
             for feature in features:
                 self._moments[feature] = Moments()
                 self._moments[feature].add(stats[feature])

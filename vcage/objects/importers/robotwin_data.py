@@ -7,7 +7,6 @@ wrong costs the variant where nothing can be made without it, and the point othe
 from __future__ import annotations
 
 import difflib
-import json
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -16,7 +15,8 @@ from typing import Any
 
 import numpy as np
 
-from vcage.base.errors import DamagedFile, SchemaMismatch
+from vcage.base.errors import DamagedFile, InputFileError, SchemaMismatch
+from vcage.base.reading import read_json
 from vcage.objects.importers.robotwin_texts import TEXTS, description, point_texts
 
 KEYS = (
@@ -116,9 +116,10 @@ def read_object(path: Path) -> dict[str, Any]:
         DamagedFile: it cannot be read, or holds something else.
     """
     try:
-        data = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError, RecursionError) as error:  # ValueError: text, JSON, or a number of 5000 digits
-        raise DamagedFile(f"{path} is not JSON that can be read: {error}", hint="download the object again") from error
+        data = read_json(path, nan=True)  # a point of NaN is left out by itself
+    except InputFileError as error:
+        why = error.message.replace("is not valid JSON", "is not JSON that can be read")
+        raise DamagedFile(why, hint="mend it, or download the object again", details=error.details) from error
     if not isinstance(data, dict):
         raise DamagedFile(f"{path}: expected an object with fields, got {type(data).__name__}", hint="mend the file")
     return data

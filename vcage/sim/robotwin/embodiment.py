@@ -15,6 +15,7 @@ from typing import Any, ParamSpec, TypeVar
 import numpy as np
 
 from vcage.base.errors import DamagedFile, InputFileError, SchemaMismatch
+from vcage.base.reading import read_yaml
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -330,18 +331,13 @@ def _read_fields(path: Path) -> _Fields:
         InputFileError: there is no such file.
         DamagedFile: it is not YAML, or holds no fields.
     """
-    import yaml
-
     if not path.is_file():
         raise InputFileError(
             f"{path}: missing; expected the config of a RoboTwin embodiment",
             hint="give a folder like assets/embodiments/franka-panda",
             details={"path": str(path)},
         )
-    try:
-        data = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except (yaml.YAMLError, UnicodeDecodeError) as error:
-        raise DamagedFile(f"{path} is not valid YAML: {error}", hint="mend the file") from error
+    data = read_yaml(path)
     if not isinstance(data, dict):
         raise DamagedFile(f"{path}: expected fields, got {type(data).__name__}", hint="mend the file")
     return _Fields(path, data)

@@ -1,0 +1,21 @@
+"""Words of others in a line of ours."""
+
+from __future__ import annotations
+
+import re
+
+_BREAKS = re.compile("[\x00-\x1f\x7f-\x9f\u2028\u2029]+")
+"""Control characters, line ends among them, and Unicode's separators of lines and paragraphs."""
+
+_UNSEEN = re.compile(
+    "[\xad\u061c\u180e\u200b\u200e\u200f\u202a-\u202e\u2060-\u206f\ufeff\ufff9-\ufffb\U000e0000-\U000e007f]"
+)
+"""Characters that show nothing, or turn the direction of others; not those that join letters."""
+
+_HALVES = re.compile("[\ud800-\udfff]")
+"""Half a character, which UTF-8 cannot hold."""
+
+
+def one_line(text: str) -> str:
+    """The text in one line: control characters and line ends become a space, what is unseen is left out."""
+    return _HALVES.sub("\ufffd", _UNSEEN.sub("", _BREAKS.sub(" ", text)))
