@@ -10,7 +10,7 @@ import pytest
 from tests.scenes import GROUND, block_and_plate, kinematics, scene_of, sensible, thing
 from vcage.base.errors import NoFeasibleTask
 from vcage.schema.goals import AskedGoal, Goal
-from vcage.schema.subtasks import PairAnswer, PairQuestion
+from vcage.schema.subtasks import Check, PairAnswer, PairQuestion, Refusal
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.search import FoundSubtasks, compose, find_subtasks, require_way
 from vcage.tasks.templates import TEMPLATES
@@ -161,6 +161,24 @@ def test_what_sizes_rule_out_is_refused_wherever_things_stand_with_the_words_and
 
 def test_what_no_arm_reaches_here_may_be_reached_elsewhere():
     wanting(Goal(subject="marker", relation="inside", reference="packaging_box"), far_away(stationery()))
+
+
+def refused_for(check: str) -> NoFeasibleTask:
+    """The error where one check refuses what is asked for."""
+    goal = Goal(subject="marker", relation="inside", reference="packaging_box")
+    asked = AskedGoal(goal=goal, step=0, words="the words")
+    scene = scene_of(stationery()).model_copy(update={"instruction": "the words", "goals": [asked]})
+    failed = Check(name=check, passed=False, message="too wide")  # pyrefly: ignore
+    refusal = Refusal(template="place", object="marker", goal=goal, reason="too wide", checks=[failed])
+    with pytest.raises(NoFeasibleTask) as caught:
+        compose(scene, stationery(), [], [refusal])
+    return caught.value
+
+
+def test_another_seed_is_offered_only_where_chance_matters():
+    assert "another --seed gives another layout" in refused_for("reach_place").hint
+    for check in ("fits", "opening"):
+        assert "smaller thing" in refused_for(check).hint and "does not help" in refused_for(check).hint
 
 
 def far_away(objects: Sequence[SceneObject]) -> list[SceneObject]:

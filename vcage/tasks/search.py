@@ -126,7 +126,7 @@ def require_way(scene: Scene, objects: Sequence[SceneObject]) -> None:
         told = [f"{goal} ({words!r}): {', '.join(reasons[:3])}" for goal, (words, reasons) in ruled_out.items()]
         raise NoFeasibleTask(
             f"wherever the objects stand, nothing can bring about {'; '.join(told)}",
-            hint="ask for a smaller thing, or for a place with more room; another --seed does not help",
+            hint=f"{SMALLER}; another --seed does not help",
             details={"missing": list(ruled_out), "reasons": [r for _, reasons in ruled_out.values() for r in reasons]},
         )
 
@@ -155,7 +155,7 @@ def compose(
         reasons = Counter(refusal.reason for refusal in refused)
         raise NoFeasibleTask(
             f"no sub-task is feasible in this scene: {'; '.join(list(reasons)[:3])}",
-            hint="another --seed gives another layout",
+            hint=_way_out(refused),
             details={"reasons": dict(reasons)},
         )
     return [Chain(text=subtask.text, subtasks=[subtask.id]) for subtask in kept]
@@ -215,11 +215,29 @@ def _is_about(refusal: Refusal, goal: Goal) -> bool:
     return refusal.goal == goal
 
 
+SIZES = ("fits", "opening")
+"""Checks that compare sizes: what they refuse is refused wherever the objects stand."""
+
+SMALLER = "ask for a smaller thing, or for a place with more room"
+
+
+def _way_out(*refusals: Sequence[Refusal]) -> str:
+    """The hint about what is refused, in groups of which each must be done: a draw helps only where places matter."""
+    if any(group and all(_by_size(refusal) for refusal in group) for group in refusals):
+        return f"{SMALLER}; another --seed does not help"
+    return "another --seed gives another layout; another instruction other objects"
+
+
+def _by_size(refusal: Refusal) -> bool:
+    return any(check.name in SIZES and not check.passed for check in refusal.checks)
+
+
 def _unfulfilled(scene: Scene, kept: Sequence[Subtask], refused: Sequence[Refusal]) -> NoFeasibleTask:
     """Why no chain does what the instruction asks for: the goals that nothing brings about, and the reasons."""
     able = [subtask for subtask in kept if subtask.object not in scene.untouched]
     missing = [asked for asked in scene.goals if not any(asked.goal in subtask.goals for subtask in able)]
-    reasons = [refusal.reason for asked in missing for refusal in refused if _is_about(refusal, asked.goal)]
+    about = [[refusal for refusal in refused if _is_about(refusal, asked.goal)] for asked in missing]
+    reasons = [refusal.reason for refusals in about for refusal in refusals]
     left = {asked.goal.subject for asked in missing}.intersection(scene.untouched)
     reasons += [f"{name} is to be left alone" for name in sorted(left)]
     named = "; ".join(dict.fromkeys(f"{asked.goal} ({asked.words!r})" for asked in missing or scene.goals))
@@ -229,6 +247,6 @@ def _unfulfilled(scene: Scene, kept: Sequence[Subtask], refused: Sequence[Refusa
     why = "; ".join(list(dict.fromkeys(reasons))[:3]) or unsaid
     return NoFeasibleTask(
         f"no chain of feasible sub-tasks brings about {named}: {why}",
-        hint="another --seed gives another layout; another instruction other objects",
+        hint="name what may be moved, or leave less alone" if left else _way_out(*about),
         details={"missing": [str(asked.goal) for asked in missing], "reasons": reasons},
     )

@@ -185,3 +185,18 @@ def test_what_shall_be_left_alone_is_told() -> None:
 def test_what_leaves_a_doubt_is_refused(scene: str, instruction: str, why: str) -> None:
     with pytest.raises(UnreadInstruction, match=why):
         reading(scene, instruction)
+
+
+@pytest.mark.parametrize(
+    ("instruction", "quoted"),
+    [
+        ("Put the Dining fork on the blue plate", "fork"),
+        ("Put the Redd aples on the blue plate", "Redd aples"),
+        ("Put the sink in the Pot", "sink"),
+        ("Put the apple on the blue plate, but not the Purple one", "apple"),
+    ],
+)
+def test_what_is_refused_is_quoted_as_it_was_typed(instruction: str, quoted: str) -> None:
+    with pytest.raises(UnreadInstruction) as caught:
+        reading("kitchen", instruction)
+    assert quoted in caught.value.details["unread"] and caught.value.details["unread"] in instruction

@@ -59,6 +59,18 @@ def test_what_is_always_complained_about_is_refused_after_a_few_draws() -> None:
         seen.append(selection)
         return ["no room"]
 
-    with pytest.raises(ModelRefused, match="no selection of offline can be used: no room"):
+    with pytest.raises(ModelRefused, match="no selection of offline can be used: no room") as caught:
         REASONER.select_assets("Put the blocks on the plate", CATALOGUE, np.random.default_rng(0), never)
-    assert len(seen) == TRIES
+    assert len(seen) == TRIES and "--seed" not in caught.value.hint
+
+
+def test_another_seed_is_offered_where_what_is_wrong_differs_from_draw_to_draw() -> None:
+    seen = []
+
+    def never(selection: Selection) -> list[str]:
+        seen.append(selection)
+        return [f"no room for {len(seen)}"]
+
+    with pytest.raises(ModelRefused) as caught:
+        REASONER.select_assets("Put the blocks on the plate", CATALOGUE, np.random.default_rng(0), never)
+    assert "another --seed" in caught.value.hint

@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 import json
+import re
+import zlib
 from pathlib import Path
 
 import numpy as np
 import pytest
 import trimesh
 
+from tests.objects.importers.conftest import TOP_DOWN, frame
+from vcage.base.errors import OversizedFile
 from vcage.base.geometry import quat_to_rotation
+from vcage.base.pictures import write_picture
 from vcage.objects.importers.robotwin import import_robotwin
 from vcage.objects.library import Library
 
@@ -284,3 +289,91 @@ def test_a_variant_with_other_points_becomes_an_object_of_its_own(rigid, into):
     assert [entry.name for entry in entries] == ["rt_deep-tray", "rt_deep-tray_3"]
     assert "imported as rt_deep-tray_3" in entries[0].warnings[0]
     assert json.loads((into / "rt_deep-tray_3" / "asset.json").read_text())["variants"][0]["id"] == "base3"
+
+
+# --- textures, and grasps through the table --------------------------------------------------------------
+
+
+def textured_obj(rigid, written: bool) -> Path:
+    """The tray as OBJ, whose material names a picture; the path of the picture, there if ``written``."""
+    folder = rigid.write(visual=False).folder / "visual"
+    mesh = trimesh.util.concatenate(rigid.parts)
+    mesh.visual = trimesh.visual.TextureVisuals(uv=np.zeros((len(mesh.vertices), 2)))
+    text, _ = trimesh.exchange.obj.export_obj(mesh, return_texture=True)
+    (folder / "textured0.obj").write_text("mtllib look.mtl\nusemtl wood\n" + re.sub("(mtllib|usemtl)", "# ", text))
+    (folder / "look.mtl").write_bytes(b"newmtl wood\r\nKd 0.9 0.1 0.1\r\nmap_Kd wood grain.png\r\n")
+    picture = folder / "wood grain.png"
+    if written:
+        write_picture(picture, np.full((4, 4, 3), (20, 20, 200), np.uint8))
+    return picture
+
+
+def test_a_texture_that_is_there_is_seen_and_nothing_is_told(rigid, into):
+    textured_obj(rigid, written=True)
+    asset, warnings = imported(rigid, into)
+    assert asset.variant.colour == "blue" and not any("texture" in warning for warning in warnings)
+
+
+def test_a_texture_that_is_missing_is_told_of(rigid, into):
+    textured_obj(rigid, written=False)
+    asset, warnings = imported(rigid, into)
+    assert asset.variant.colour == "red"
+    assert any("textured0.obj: the texture 'wood grain.png' is missing" in warning for warning in warnings)
+
+
+def test_a_texture_that_is_damaged_is_told_of(rigid, into):
+    textured_obj(rigid, written=True).write_bytes(b"no picture")
+    _, warnings = imported(rigid, into)
+    assert any("'wood grain.png' cannot be read as a picture" in warning for warning in warnings)
+
+
+def test_a_texture_that_is_too_large_refuses_its_variant(rigid, into):
+    path = textured_obj(rigid, written=True)
+    data = bytearray(path.read_bytes())
+    data[16:24] = (30_000).to_bytes(4, "big") * 2
+    data[29:33] = zlib.crc32(data[12:29]).to_bytes(4, "big")
+    path.write_bytes(data)
+    with pytest.raises(OversizedFile, match=r"'wood grain\.png' is too large: 30000 x 30000 pixels"):
+        imported(rigid, into)
+
+
+@pytest.mark.parametrize("image", [{"uri": "gone.png"}, {}], ids=["file", "nothing"])
+def test_a_texture_that_a_binary_gltf_lacks_is_told_of(rigid, into, image):
+    path = rigid.write().folder / "visual" / "base0.glb"
+    header, binary = gltf_of(path)
+    header["images"] = [image]
+    header["textures"] = [{"source": 0}]
+    header["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"] = {"index": 0}
+    write_gltf(path, header, binary)
+    _, warnings = imported(rigid, into)
+    assert any("base0.glb: the texture" in warning and "plain colour" in warning for warning in warnings)
+
+
+def gltf_of(path: Path) -> tuple[dict, bytes]:
+    data = path.read_bytes()
+    length = int.from_bytes(data[12:16], "little")
+    return json.loads(data[20 : 20 + length]), data[20 + length :]
+
+
+def write_gltf(path: Path, header: dict, binary: bytes) -> None:
+    text = json.dumps(header).encode()
+    text += b" " * (-len(text) % 4)
+    chunks = len(text).to_bytes(4, "little") + b"JSON" + text + binary
+    path.write_bytes(b"glTF" + (2).to_bytes(4, "little") + (12 + len(chunks)).to_bytes(4, "little") + chunks)
+
+
+@pytest.mark.parametrize(
+    ("rotation", "height", "told"),
+    [
+        (TOP_DOWN, 0.9, "below the bottom, under the table"),
+        ([[0, 0, 1], [0, -1, 0], [1, 0, 0]], 1.2, "is grasped from below"),
+        ([[0, 0, 1], [0, -1, 0], [1, 0, 0]], 2.9, None),
+        (TOP_DOWN, 1.2, None),
+    ],
+    ids=["under", "from below", "from below but high", "from above"],
+)
+def test_a_grasp_through_the_table_is_left_out(rigid, into, rotation, height, told):
+    rigid.data["contact_points_pose"][1] = frame(rotation, [8.9, height, 0.5])
+    asset, warnings = imported(rigid.write(), into)
+    assert [point.id for point in asset.annotation.contact_points] == ([0] if told else [0, 1])
+    assert any("contact_points_pose.1" in w and told in w for w in warnings) if told else not warnings

@@ -215,7 +215,7 @@ class _Grounding:
         Raises:
             UnreadInstruction: a goal needs one of them.
         """
-        found: list[str] = []
+        found: dict[str, Phrase] = {}
         for request in self._requests:
             if request.asked != "leave":
                 continue
@@ -229,13 +229,13 @@ class _Grounding:
                     if any(g.goal.relation == asked and g.goal.subject in names for g in goals):
                         raise self._refusal(phrase, "it contradicts the rest")
                     continue
-                found += names
+                found |= dict.fromkeys(names, phrase)
         touched = {g.goal.subject for g in goals}
         touched |= {str(g.goal.reference) for g in goals if g.goal.part is not None}
         both = [name for name in found if name in touched]
         if both:
-            raise UnreadInstruction.of(self._instruction, " and ".join(both), "it shall be left alone and moved")
-        return list(dict.fromkeys(found))
+            raise self._refusal(found[both[0]], f"{' and '.join(both)} shall be left alone and moved")
+        return list(found)
 
     def _places_before(self, phrase: Phrase) -> list[str]:
         """What things were put in, on or beside before 'the others': 'the red block on the blue one, the others …'."""
@@ -305,9 +305,7 @@ class _Grounding:
         tops = [g.reference for g in lasting(in_steps(goals)) if g.relation == "on" and g.reference in self._things]
         for name in {top for top in tops if tops.count(top) > 1}:
             if max(self._things[str(name)].size[:2]) < SMALL:
-                raise UnreadInstruction.of(
-                    self._instruction, self._things[str(name)].words.name, "only one thing goes on it"
-                )
+                raise UnreadInstruction.of(self._instruction, self._words_for(str(name)), "only one thing goes on it")
 
     # --- which goals -----------------------------------------------------------------------------------
 
@@ -387,7 +385,7 @@ class _Grounding:
             entry = self._things[name]
             if not entry.can_be_carried:
                 raise UnreadInstruction.of(
-                    self._instruction, entry.words.name, f"the robot cannot pick up the {entry.words.name}"
+                    self._instruction, self._words_for(name), f"the robot cannot pick up the {entry.words.name}"
                 )
         return names
 
@@ -612,7 +610,13 @@ class _Grounding:
         return found
 
     def _refusal(self, phrase: Phrase, why: str) -> UnreadInstruction:
-        return UnreadInstruction.of(self._instruction, phrase.text, why)
+        return UnreadInstruction.of(self._instruction, phrase.as_typed(self._instruction), why)
+
+    def _words_for(self, name: str) -> str:
+        """The instruction's own words for an object; its name where there are none."""
+        phrases = [p for p, names in self._meant.items() if name in names]
+        phrases += [r.place for r in self._requests if r.place and name in meant(r.place, self._things, Meaning.ANY)]
+        return phrases[0].as_typed(self._instruction) if phrases else self._things[name].words.name
 
 
 def _height(part: str) -> int:

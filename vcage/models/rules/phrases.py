@@ -5,10 +5,10 @@ from __future__ import annotations
 import functools
 import itertools
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
-from vcage.models.rules.tokens import Token
+from vcage.models.rules.tokens import Token, as_typed
 from vcage.models.rules.words import (
     ANYTHING,
     COLOURS,
@@ -55,6 +55,7 @@ class Phrase:
         least_parts: how many of these there are at least.
         but: what is left out.
         start: where in the instruction: tells two mentions in the same words apart.
+        end: where the words end that were read last, without exceptions; 0 where it was not read in the instruction.
     """
 
     text: str
@@ -67,6 +68,11 @@ class Phrase:
     least_parts: int = 0
     but: tuple[Phrase, ...] = ()
     start: int = 0
+    end: int = field(default=0, compare=False)
+
+    def as_typed(self, instruction: str) -> str:
+        """Its words, as they were typed."""
+        return as_typed(instruction, self.text, self.start, self.end)
 
     @property
     def head(self) -> str:
@@ -139,6 +145,7 @@ def noun_phrase(cursor: Cursor, exceptions: bool = True) -> Phrase | None:
             count=count,
             quantity="rest" if token.value in ("the rest", "everything else") else "the",
             start=token.start,
+            end=token.end,
         )
     if cursor.text() in _POINTING and cursor.kind(1) in ("be", "belong", "ought", "prep", "", "and", "stop"):
         token = cursor.take()
@@ -147,18 +154,20 @@ def noun_phrase(cursor: Cursor, exceptions: bool = True) -> Phrase | None:
             (),
             count=None if token.text in _POINTING[:2] else 1,
             start=token.start,
+            end=token.end,
         )
     quantity, numbers = _determiners(cursor)
     bare = quantity in ("both", "all") and cursor.text() in _STATES and cursor.kind(1) != "word"  # 'leave both open'
     words = [] if bare else [*_led(cursor, numbers), *_named(cursor)]
     if not words and not numbers and quantity in ("both", "all"):
-        return Phrase("them", (), count=2 if quantity == "both" else None, start=cursor.tokens[begun].start)
+        ends = {"start": cursor.tokens[begun].start, "end": cursor.tokens[cursor.at - 1].end}
+        return Phrase("them", (), count=2 if quantity == "both" else None, **ends)
     if not words and not numbers and quantity != "rest":
         cursor.at = begun
         return None
     start = cursor.tokens[begun].start
     phrase = _from_an_end(cursor, _phrase(words, quantity, numbers, start))
-    phrase = _related(cursor, phrase)
+    phrase = replace(_related(cursor, phrase), end=cursor.tokens[cursor.at - 1].end)
     return replace(phrase, but=(*phrase.but, *_left_out(cursor, phrase))) if exceptions else phrase
 
 

@@ -296,10 +296,10 @@ class Placing(References):
             raise self._refusal(self._words(begun, self._cursor.at), "the robot does not do that")
         if value.startswith("aside"):
             if self._tokens[begun].verb != "hand" and self._tokens[self._cursor.at - 2].kind != "toward":
-                raise self._refusal(token.text, "it names no place")
+                raise self._refusal(token, "it names no place")
             value = value.removeprefix("aside ")
         if value.startswith("from") or (value.startswith("in") and takes):
-            self._arms.append((value.split()[-1], token.text, things))
+            self._arms.append((value.split()[-1], self._instruction[token.start : token.end], things))
             return False
         value = value.removeprefix("in ")
         self._require_things(things, begun)
@@ -318,7 +318,7 @@ class Placing(References):
         """'Put the juice by the scanner': a place, and no scanning."""
         how, _, name = token.text.partition(" the ")
         if how not in ("by", "in front of"):
-            raise self._refusal(token.text, "the robot puts nothing there")
+            raise self._refusal(token, "the robot puts nothing there")
         words = tuple(name.split())
         place = Phrase(name, words, start=token.start)
         self._add(self._placed(things, place, "beside" if how == "by" else "in_front_of"), begun)

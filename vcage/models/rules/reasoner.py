@@ -62,13 +62,16 @@ def _drawn(what: str, draw: Callable[[], Drawn], check: Callable[[Drawn], list[s
         ModelRefused: there is none; lists the complaints about the last.
     """
     complaints: list[str] = []
+    seen: set[tuple[str, ...]] = set()
     for _ in range(TRIES):
         drawn = draw()
         complaints = check(drawn)
         if not complaints:
             return drawn
+        seen.add(tuple(complaints))
+    chance = "another --seed, " if len(seen) > 1 else ""  # what every draw has is no matter of chance
     raise ModelRefused(
         f"no {what} of {PROVIDER} can be used: {'; '.join(complaints)}",
-        hint="try another --seed, other words, or --models with an online model",
+        hint=f"try {chance}other words, or --models with an online model",
         details={"problems": complaints},
     )

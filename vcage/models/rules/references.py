@@ -9,7 +9,7 @@ from dataclasses import replace
 from vcage.base.errors import UnreadInstruction
 from vcage.models.rules.phrases import MARKS, Cursor, Phrase, noun_phrase
 from vcage.models.rules.request import ENDS, Request
-from vcage.models.rules.tokens import tokens
+from vcage.models.rules.tokens import Token, tokens
 from vcage.models.rules.words import COLOURS, colour_of
 
 BESIDE = ("beside", "near", "left_of", "right_of", "in_front_of", "behind")
@@ -76,7 +76,7 @@ class References(ABC):
             else:
                 known = self._meant(phrase)
                 if not known:
-                    raise self._refusal(phrase.text, "it is not clear what that is")
+                    raise self._refusal(phrase, "it is not clear what that is")
                 found += known
         return tuple(dict.fromkeys(found))
 
@@ -88,12 +88,12 @@ class References(ABC):
             if part is not None and (not named or part.start > named[-1].start):
                 return (part,)
             if len(named) > 1:
-                raise self._refusal(pronoun.text, "it may be more than one thing")
+                raise self._refusal(pronoun, "it may be more than one thing")
             return named
         found = self._all_waiting() if self._waiting else self._things
         counts = [phrase.count or 0 for phrase in found]
         if pronoun.count is not None and all(counts) and pronoun.count not in (len(counts), sum(counts)):
-            raise self._refusal(pronoun.text, "it is not clear what these are")
+            raise self._refusal(pronoun, "it is not clear what these are")
         return found
 
     def _all_waiting(self) -> tuple[Phrase, ...]:
@@ -332,7 +332,11 @@ class References(ABC):
             end += 1
         return self._words(at, end)
 
-    def _refusal(self, words: str, why: str) -> UnreadInstruction:
+    def _refusal(self, words: str | Token | Phrase, why: str) -> UnreadInstruction:
+        if isinstance(words, Token):
+            words = self._instruction[words.start : words.end]
+        elif isinstance(words, Phrase):
+            words = words.as_typed(self._instruction)
         understood = [self._instruction[r.start : r.end] for r in self._requests]
         return UnreadInstruction.of(self._instruction, words, why, list(dict.fromkeys(understood)))
 

@@ -43,7 +43,7 @@ def require_answers(
         raise _no_asset(instruction, missing, catalogue, search())
 
 
-def require_counts(requests: Sequence[Request]) -> None:
+def require_counts(instruction: str, requests: Sequence[Request]) -> None:
     """Check that of every thing as many are asked for as a table may hold.
 
     Raises:
@@ -52,7 +52,7 @@ def require_counts(requests: Sequence[Request]) -> None:
     for phrase in (phrase for request in requests for phrase in request.things):
         if phrase.count is not None and not 0 < phrase.count <= MOST_OBJECTS:
             raise InfeasibleScene(
-                f"the instruction asks for {phrase.count} × {phrase.text!r}",
+                f"the instruction asks for {phrase.count} × {phrase.as_typed(instruction)!r}",
                 hint=f"ask for 1 to {MOST_OBJECTS} of them",
             )
 
@@ -60,8 +60,11 @@ def require_counts(requests: Sequence[Request]) -> None:
 def _no_asset(
     instruction: str, phrases: Sequence[Phrase], catalogue: Sequence[CatalogueEntry], search: Search
 ) -> NoAssetFits:
-    near = {p.text: [entry.words.name for entry, _ in search.search(p.text, catalogue, SUGGESTIONS)] for p in phrases}
-    listed = " and ".join(repr(p.text) for p in phrases)
+    near = {
+        p.as_typed(instruction): [entry.words.name for entry, _ in search.search(p.text, catalogue, SUGGESTIONS)]
+        for p in phrases
+    }
+    listed = " and ".join(map(repr, near))
     nearest = "; ".join(f"{text!r}: {', '.join(found)}" for text, found in near.items())
     colours = [
         f"{c.entry.words.name} comes in {', '.join(v.colour for v in c.entry.variants)}"
@@ -72,5 +75,5 @@ def _no_asset(
     return NoAssetFits(
         f"no asset of the catalogue matches {listed}",
         hint="; ".join(colours) or f"nearest in meaning: {nearest}; see all: {vcage_command('assets', 'list')}",
-        details={"unmatched": [p.text for p in phrases], "nearest": near, "words": tokens(instruction)},
+        details={"unmatched": list(near), "nearest": near, "words": tokens(instruction)},
     )

@@ -62,21 +62,21 @@ def select_assets(
     catalogue = sorted(catalogue, key=lambda entry: entry.name)
     requests = parse_instruction(instruction, words_of(catalogue), lambda phrase: _holds_things(phrase, catalogue))
     require_answers(instruction, requests, catalogue, search)
-    require_counts(requests)
+    require_counts(instruction, requests)
     return _Selector(instruction, requests, catalogue, rng).select()
 
 
 @dataclass(frozen=True)
 class _Start:
-    """Where the instruction says that a thing is at the start: in words, and what of the catalogue that is, if any."""
+    """Where a thing is at the start: in the instruction's words, and what of the catalogue that is, if any."""
 
-    place: Phrase
+    place: str
     source: CatalogueEntry | None
 
     def trouble(self, kinds: Sequence[CatalogueEntry]) -> str:
         """Why things of these kinds cannot lie there; "" when they can."""
         if self.source is None:
-            return f"nothing called {self.place.text!r} holds things"
+            return f"nothing called {self.place!r} holds things"
         if self.source.functional_points[0].link is not None:
             return f"the {self.source.words.name} is closed then"
         large = [kind.words.name for kind in kinds if not goes_in(kind, self.source)]
@@ -156,9 +156,10 @@ class _Selector:
         looks = [look for look in looks if not any(self._answers(look, but, phrase) for but in phrase.but)] or looks
         several = UNNAMED_CONTENTS if source is not None and phrase.head in ANYTHING else SEVERAL
         count = min(several, max(2, len(looks))) if phrase.count is None else phrase.count
-        reason = f"asked for: {phrase.text!r}"
+        typed = phrase.as_typed(self.instruction)
+        reason = f"asked for: {typed!r}"
         picked = [_chosen(*looks[i % len(looks)], "content", reason, starts_in) for i in range(count)]
-        return picked, f"{phrase.text!r} starts on the table: {trouble}" if trouble else ""
+        return picked, f"{typed!r} starts on the table: {trouble}" if trouble else ""
 
     def _kinds(self, phrase: Phrase, request: Request) -> list[CatalogueEntry]:
         """The kinds that a phrase for moved things means; never that of the place where they go."""
@@ -169,9 +170,9 @@ class _Selector:
         kinds = things_meant(phrase, self.catalogue, Occasion(self.instruction, tags), taken)
         if not kinds:
             raise NoAssetFits(
-                f"{phrase.text!r} would go to a place that is the same thing: {', '.join(taken)}",
+                f"{phrase.as_typed(self.instruction)!r} would go to a place that is the same thing: {', '.join(taken)}",
                 hint="name another place for it",
-                details={"unmatched": [phrase.text]},
+                details={"unmatched": [phrase.as_typed(self.instruction)]},
             )
         return kinds
 
@@ -181,7 +182,9 @@ class _Selector:
         if place is None:
             return None
         found = self._places.of(replace(request, things=(phrase,), place=place), self.catalogue)
-        return _Start(place, found if found is not None and found.functional_points else None)
+        return _Start(
+            place.as_typed(self.instruction), found if found is not None and found.functional_points else None
+        )
 
     def _receptacles(self, chosen: Sequence[SelectedAsset]) -> list[SelectedAsset]:
         """The places where things go, but for what is chosen already."""
@@ -193,7 +196,7 @@ class _Selector:
             looks = [variant.id for variant in variants_of(entry, phrase)]
             if all(c.asset != entry.name or c.variant not in looks for c in (*chosen, *found)):
                 variant = self._any_of(variants_of(entry, phrase))
-                found.append(_chosen(entry, variant, "receptacle", f"the place: {phrase.text!r}"))
+                found.append(_chosen(entry, variant, "receptacle", f"the place: {phrase.as_typed(self.instruction)!r}"))
         return found
 
     def _sources(self, chosen: Sequence[SelectedAsset]) -> list[SelectedAsset]:
@@ -209,7 +212,14 @@ class _Selector:
             entry = self._entries[name]
             if _is_new(entry, chosen):
                 variant = self._any_of(variants_of(entry, place))
-                found.append(_chosen(entry, variant, "context", f"where things are at the start: {place.text!r}"))
+                found.append(
+                    _chosen(
+                        entry,
+                        variant,
+                        "context",
+                        f"where things are at the start: {place.as_typed(self.instruction)!r}",
+                    )
+                )
         return found
 
     def _tools(self, chosen: Sequence[SelectedAsset]) -> list[SelectedAsset]:
@@ -220,7 +230,11 @@ class _Selector:
         for phrase in (*named, *implied):
             entry = Occasion(self.instruction, ()).best(candidates(phrase, self.catalogue)).entry
             if _is_new(entry, (*chosen, *found)):
-                found.append(_chosen(*self._looks(entry, phrase)[0], "context", f"the tool: {phrase.text!r}"))
+                found.append(
+                    _chosen(
+                        *self._looks(entry, phrase)[0], "context", f"the tool: {phrase.as_typed(self.instruction)!r}"
+                    )
+                )
         return found
 
     def _left_alone(self, chosen: Sequence[SelectedAsset]) -> list[SelectedAsset]:
@@ -237,7 +251,8 @@ class _Selector:
             entry = Occasion(self.instruction, ()).best(answers).entry if answers else None
             if entry is None or any(c.asset == entry.name and self._is(c, phrase) for c in (*chosen, *found)):
                 continue
-            found.append(_chosen(*self._looks(entry, phrase)[0], "context", f"to be left alone: {phrase.text!r}"))
+            for look in self._looks(entry, phrase)[:1]:  # what there is not cannot be left out: the goals are refused
+                found.append(_chosen(*look, "context", f"to be left alone: {phrase.as_typed(self.instruction)!r}"))
         return found
 
     def _answers(self, look: tuple[CatalogueEntry, Variant], but: Phrase, phrase: Phrase) -> bool:

@@ -6,7 +6,7 @@ import difflib
 import functools
 import itertools
 import re
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 
 from vcage.models.rules.lexicon import BASES, FORMS, IS, LONGEST, OTHERS, PHRASES, SLIPS, Kind, Verb
@@ -151,6 +151,39 @@ def _words(instruction: str) -> list[_Word]:
 
 _BOUND: tuple[Kind, ...] = ("then", "first", "back", "there", "prep", "noise", "instead")
 """What a word is not after an article: 'the last drawer', 'the inside'; the first two not after a number either."""
+
+
+def as_typed(instruction: str, text: str, start: int = 0, end: int = 0) -> str:
+    """Words that were read, as the instruction spells them.
+
+    Args:
+        instruction: as it was typed.
+        text: words in lower case, slips mended, perhaps in another order or in the singular.
+        start, end: where in the instruction they were read, in characters; what is found nowhere is quoted from there.
+    """
+    words = _words(instruction)
+    near = sorted(range(len(words)), key=lambda at: (words[at].start < start, at))
+    typed = [(at, words[at].text.removesuffix("'s")) for at in near]
+    found = [_place_of(word, typed) for word in text.split()]
+    places = [at for at in found if at is not None]
+    unread = {word for word, at in zip(text.split(), found, strict=True) if at is None} - {"of"}
+    if unread or not places:
+        return instruction[start:end].strip() or text
+    first, last = min(places), max(places)
+    between = (words[at].text for at in range(first, last) if at not in places)
+    if all(word == "," or PHRASES.get((word,), ("word",))[0] == "article" for word in between):
+        return instruction[words[first].start : words[last].end]
+    return " ".join(instruction[words[at].start : words[at].end] for at in places)
+
+
+def _place_of(word: str, typed: Sequence[tuple[int, str]]) -> int | None:
+    """The place of the word that was typed for another: itself, another form of it, or with a slip of the pen."""
+    tests: tuple[Callable[[str], bool], ...] = (
+        lambda text: text == word,
+        lambda text: lemma(text) == lemma(word),
+        lambda text: _meant(text, frozenset((word,))) == word,
+    )
+    return next((at for test in tests for at, text in typed if test(text)), None)
 
 
 def _names(words: Sequence[_Word], at: int) -> bool:

@@ -42,7 +42,7 @@ class Verbs(Placing):
             if not self._kept_so(begun) and not (base == "leave" and self._left_alone(begun)):
                 self._stays(begun, base)
         elif base == "touch":
-            raise self._refusal(token.text, "nothing is asked for by it")
+            raise self._refusal(token, "nothing is asked for by it")
         elif verb == "fill" or (base in ("pack", "load", "stuff") and self._filled()):
             self._fill(begun)
         elif verb == "empty":
@@ -150,7 +150,7 @@ class Verbs(Placing):
         ):
             model = self._part or self._place
             if model is None or model.part is None or part.text == "everything else":
-                raise self._refusal(part.text, "it is not clear what that is")
+                raise self._refusal(part, "it is not clear what that is")
             part = replace(
                 model, which=(), quantity="rest", colour=None, text=part.text, start=part.start, count=part.count
             )
@@ -166,7 +166,7 @@ class Verbs(Placing):
         part, place = self._part, self._place
         if pronoun.plural and part is not None and part.plural:
             if part.count is not None and pronoun.count not in (None, part.count):
-                raise self._refusal(pronoun.text, "it is not clear what these are")
+                raise self._refusal(pronoun, "it is not clear what these are")
             return (part,)
         if pronoun.plural:
             found = self._standing_open()
@@ -174,15 +174,15 @@ class Verbs(Placing):
             if len(found) > 1 and pronoun.count in (None, len(found)):
                 return tuple(found)
             if found or not things:
-                raise self._refusal(pronoun.text, "it is not clear what these are")
+                raise self._refusal(pronoun, "it is not clear what these are")
             return things
         if part is not None and place is not None and place.start > part.start and self._opens(place):
             same = place.part == part.part and (place.which == part.which or not place.which)
             if not same or (place.part is None and place.head != part.head):
-                raise self._refusal(pronoun.text, "it may be more than one thing")
+                raise self._refusal(pronoun, "it may be more than one thing")
         known = part or place or (self._things[-1] if self._things else None)
         if known is None:
-            raise self._refusal(pronoun.text, "it is not clear what that is")
+            raise self._refusal(pronoun, "it is not clear what that is")
         return (known,)
 
     def _standing_open(self) -> list[Phrase]:
@@ -263,7 +263,7 @@ class Verbs(Placing):
             if part is None and thing.is_pronoun and self._things:
                 part = self._things[-1]
             if part is None:
-                raise self._refusal(thing.text, "it is not clear what that is")
+                raise self._refusal(thing, "it is not clear what that is")
             self._part = part
             self._add(Request("press" if verb == "press" else "turn", (), part), begun)
 

@@ -29,6 +29,7 @@ from vcage.objects.importers.looks import colour_word, parts_of
 from vcage.objects.importers.robotwin_data import ModelData, RawPoint, mismatch, read_model_data
 from vcage.objects.importers.robotwin_names import unique
 from vcage.objects.importers.robotwin_points import Placed, contact_points, functional_points, scaled_point
+from vcage.objects.importers.textures import tell_textures
 from vcage.objects.importers.urdf import Shape, Urdf, UrdfJoint, read_urdf
 from vcage.objects.modelling.parts import BuiltObject, MovingPart, Part
 from vcage.schema.asset import Joint, Variant
@@ -77,6 +78,9 @@ def convert(folder: Path, info: dict[str, Any], tell: Callable[[str], None]) -> 
             model.file.path, "scale", f"got {model.scale.tolist()}; expected one scale for all axes of a URDF"
         )
     urdf = read_urdf(folder / "mobility.urdf")
+    for file in dict.fromkeys(shape.source for shapes in urdf.visuals.values() for shape in shapes):
+        if isinstance(file, Path):
+            tell_textures(file, tell)
     pose = _at_rest(urdf, model)
     built, origin = centred(_built(urdf, model, pose))
     check_scale(model.file.path, built, model.scale_assumed)

@@ -37,6 +37,22 @@ DIRECTIONS = 8
 
 
 @dataclass(frozen=True)
+class GraspLimits:
+    """Where a hand reaches an object that stands on the table.
+
+    Args:
+        min_finger_length_m: of the robots here, dual_panda has the shortest fingers; the palm lies behind them.
+        max_depth_m: how far under the table a point may lie, as annotations are rounded.
+    """
+
+    min_finger_length_m: float = 0.037
+    max_depth_m: float = 0.001
+
+
+GRASP_LIMITS = GraspLimits()
+
+
+@dataclass(frozen=True)
 class Placed:
     """A point in the object frame.
 
@@ -66,7 +82,7 @@ def scaled_point(model: ModelData, raw: RawPoint, frame: np.ndarray, link: str |
 
 
 def contact_points(points: Sequence[Placed], bounds: np.ndarray, model: ModelData) -> list[ContactPoint]:
-    """Grasps; one that lies outside the object is left out with a warning.
+    """Grasps; one that lies outside the object, or that no hand reaches over the table, is left out with a warning.
 
     Args:
         bounds: (2, 3) of the object.
@@ -75,6 +91,9 @@ def contact_points(points: Sequence[Placed], bounds: np.ndarray, model: ModelDat
     for point in points:
         if outside_by(bounds, point.position) > OUTSIDE:
             model.file.warn(point.raw.field, f"lies outside the object: {range_text(bounds, point.position)}: left out")
+            continue
+        if why := _through_table(point, float(bounds[0, 2])):
+            model.file.warn(point.raw.field, f"{why}: left out")
             continue
         out.append(
             ContactPoint(
@@ -87,6 +106,16 @@ def contact_points(points: Sequence[Placed], bounds: np.ndarray, model: ModelDat
             )
         )
     return out
+
+
+def _through_table(point: Placed, table: float, limits: GraspLimits = GRASP_LIMITS) -> str:
+    """Why no hand gets to a grasp of an object that stands on the table; empty where one does."""
+    height, up = float(point.position[2]) - table, float(-point.rotation[2, 1])
+    if height < -limits.max_depth_m:
+        return f"lies {-height * 100:.1f} cm below the bottom, under the table"
+    if height - max(up, 0.0) * limits.min_finger_length_m < -limits.max_depth_m:
+        return f"is grasped from below, {height * 100:.1f} cm over the bottom: the hand would be under the table"
+    return ""
 
 
 def functional_points(

@@ -26,6 +26,7 @@ from vcage.objects.importers.converted import (
 from vcage.objects.importers.looks import colour_word, load_surfaces, parts_of
 from vcage.objects.importers.robotwin_data import ModelData, read_model_data
 from vcage.objects.importers.robotwin_points import contact_points, functional_points, scaled_point
+from vcage.objects.importers.textures import tell_textures
 from vcage.objects.modelling.parts import BuiltObject
 from vcage.objects.packages.surfaces import Y_UP_TO_Z_UP
 from vcage.schema.asset import Variant
@@ -53,7 +54,9 @@ def convert(folder: Path, number: str, info: dict[str, Any], tell: Callable[[str
     """
     model = read_model_data(folder / f"model_data{number}.json", info, tell)
     linear = Y_UP_TO_Z_UP * model.scale
-    surfaces = load_surfaces(_visual(folder, number, model))
+    visual = _visual(folder, number, model)
+    tell_textures(visual, tell)
+    surfaces = load_surfaces(visual)
     parts = parts_of(surfaces, linear, np.zeros(3))
     hulls = _collision(folder, number, linear, surfaces, model)
     check_scale(model.file.path, BuiltObject(parts, hulls, 0.0), model.scale_assumed)

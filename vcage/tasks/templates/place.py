@@ -149,7 +149,8 @@ class Pair(Proposal):
         room = room_for(self.receptacle, self.point.id, [self.thing])
         if np.any(np.sort(room) < np.sort(self.thing.asset.footprint)):
             need = f"less than the {GAP * 1000:.0f} mm on each side that the robot needs"
-            return self.refusal(f"{check.message}, but with {need}")
+            tight = check.model_copy(update={"passed": False, "message": f"{check.message}, but with {need}"})
+            return self.refusal(tight.message, checks=[tight])
         return None
 
     def question(self) -> PairQuestion:
