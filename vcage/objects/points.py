@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import struct
 from pathlib import Path
 
@@ -10,7 +11,10 @@ from numpy.typing import ArrayLike
 
 from vcage.base.errors import DamagedFile, SchemaMismatch
 from vcage.objects.asset import Asset
-from vcage.schema.asset import Annotation
+from vcage.objects.textures import tell_textures
+from vcage.schema.asset import IMPORTED, Annotation
+
+logger = logging.getLogger(__name__)
 
 OUTSIDE = 0.02
 """A point may lie so far outside the bounding box: a grasp may take only an edge, metres."""
@@ -56,8 +60,11 @@ def check_points(asset: Asset, path: Path) -> None:
 def check_meshes(asset: Asset) -> None:
     """Read all collision pieces, and the first bytes of what is seen: whole files would take too long.
 
+    Of what was imported the pictures' sizes are read too, as others may have changed it since.
+
     Raises:
         DamagedFile: a mesh of the model does not load.
+        OversizedFile: a texture is too large to be read.
     """
     for visual in (asset.model.visual, *(link.visual for link in asset.model.links)):
         try:
@@ -68,6 +75,8 @@ def check_meshes(asset: Asset) -> None:
             raise _broken(visual, str(error)) from error
         if not whole:
             raise _broken(visual, "expected a whole binary glTF file")
+        if asset.annotation.source in IMPORTED:
+            tell_textures(Path(visual), logger.warning)
     for link in (None, *(link.name for link in asset.model.links)):
         asset.pieces_of(link)  # reads them
 

@@ -117,7 +117,7 @@ def test_words_come_from_badly_spelt_keys_and_from_points_info(rigid, into):
     assert [point.name for point in asset.annotation.contact_points] == ["left wall", "a wall"]
     words = asset.annotation.words
     assert (words.name, words.plural, words.description) == ("deep tray", "deep trays", "A red tray.")
-    assert asset.variant.colour == "red"
+    assert asset.variant.colour == "white"
 
 
 def test_the_picture_of_the_mesh_is_kept(rigid, into):
@@ -301,7 +301,7 @@ def textured_obj(rigid, written: bool) -> Path:
     mesh.visual = trimesh.visual.TextureVisuals(uv=np.zeros((len(mesh.vertices), 2)))
     text, _ = trimesh.exchange.obj.export_obj(mesh, return_texture=True)
     (folder / "textured0.obj").write_text("mtllib look.mtl\nusemtl wood\n" + re.sub("(mtllib|usemtl)", "# ", text))
-    (folder / "look.mtl").write_bytes(b"newmtl wood\r\nKd 0.9 0.1 0.1\r\nmap_Kd wood grain.png\r\n")
+    (folder / "look.mtl").write_bytes(b"newmtl wood\r\nKd 0.9 0.9 0.9\r\nmap_Kd wood grain.png\r\n")
     picture = folder / "wood grain.png"
     if written:
         write_picture(picture, np.full((4, 4, 3), (20, 20, 200), np.uint8))
@@ -317,7 +317,7 @@ def test_a_texture_that_is_there_is_seen_and_nothing_is_told(rigid, into):
 def test_a_texture_that_is_missing_is_told_of(rigid, into):
     textured_obj(rigid, written=False)
     asset, warnings = imported(rigid, into)
-    assert asset.variant.colour == "red"
+    assert asset.variant.colour == "white"
     assert any("textured0.obj: the texture 'wood grain.png' is missing" in warning for warning in warnings)
 
 
@@ -335,6 +335,18 @@ def test_a_texture_that_is_too_large_refuses_its_variant(rigid, into):
     path.write_bytes(data)
     with pytest.raises(OversizedFile, match=r"'wood grain\.png' is too large: 30000 x 30000 pixels"):
         imported(rigid, into)
+
+
+def test_a_texture_that_was_made_too_large_after_the_import_is_refused(rigid, into):
+    asset, _ = imported(rigid.write(), into)
+    path = Path(asset.model.visual)
+    data = bytearray(path.read_bytes())
+    at = data.index(b"\x89PNG") + 16
+    data[at : at + 8] = (30_000).to_bytes(4, "big") * 2
+    data[at + 13 : at + 17] = zlib.crc32(data[at - 4 : at + 13]).to_bytes(4, "big")
+    path.write_bytes(data)
+    with pytest.raises(OversizedFile, match="30000 x 30000"):
+        Library.load(into).asset("rt_deep-tray")
 
 
 @pytest.mark.parametrize("image", [{"uri": "gone.png"}, {}], ids=["file", "nothing"])

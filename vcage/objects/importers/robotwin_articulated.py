@@ -29,9 +29,9 @@ from vcage.objects.importers.looks import colour_word, parts_of
 from vcage.objects.importers.robotwin_data import ModelData, RawPoint, mismatch, read_model_data
 from vcage.objects.importers.robotwin_names import unique
 from vcage.objects.importers.robotwin_points import Placed, contact_points, functional_points, scaled_point
-from vcage.objects.importers.textures import tell_textures
 from vcage.objects.importers.urdf import Shape, Urdf, UrdfJoint, read_urdf
 from vcage.objects.modelling.parts import BuiltObject, MovingPart, Part
+from vcage.objects.textures import tell_textures
 from vcage.schema.asset import Joint, Variant
 
 FACING_US = Rotation.from_euler("z", 90, degrees=True).as_matrix()

@@ -26,9 +26,9 @@ from vcage.objects.importers.converted import (
 from vcage.objects.importers.looks import colour_word, load_surfaces, parts_of
 from vcage.objects.importers.robotwin_data import ModelData, read_model_data
 from vcage.objects.importers.robotwin_points import contact_points, functional_points, scaled_point
-from vcage.objects.importers.textures import tell_textures
 from vcage.objects.modelling.parts import BuiltObject
 from vcage.objects.packages.surfaces import Y_UP_TO_Z_UP
+from vcage.objects.textures import tell_textures
 from vcage.schema.asset import Variant
 
 NUMBERED = re.compile(r"(?:base(\d*)\.glb|textured(\d*)\.obj|model_data(\d*)\.json)")
