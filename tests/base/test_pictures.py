@@ -62,6 +62,7 @@ def test_a_picture_and_labels_come_back_as_they_were(tmp_path):
     labels = np.arange(35, dtype=np.int32).reshape(5, 7) * 100
     np.testing.assert_array_equal(read_picture(write_picture(tmp_path / "a.png", picture)), picture)
     np.testing.assert_array_equal(read_labels(write_labels(tmp_path / "b.png", labels)), labels)
+    assert read_picture(tmp_path / "a.png").flags.writeable
 
 
 @pytest.mark.parametrize("data", [b"", b"no picture", b"\x89PNG\r\n\x1a\n"])

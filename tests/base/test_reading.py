@@ -26,6 +26,7 @@ def test_a_byte_order_mark_and_line_ends_of_windows_are_taken(tmp_path: Path) ->
         (b'{"text": "NaN, -Infinity",\n"a": NaN}', 2, "NaN is no number"),
         (b'{"a":\n-Infinity}', 2, "-Infinity is no number"),
         (b"[\n" * 100_000, 201, "inside each other"),
+        (b'{"a":\n' * 250 + b"1" + b"}" * 250, 201, "inside each other"),
         (b'{"a":\n\n"\xe9"}', 3, "0xe9 is not UTF-8"),
         ('{"a": 1}'.encode("utf-16"), 1, "UTF-16"),
         ('{"a": 1}'.encode("utf-16-be"), 1, "UTF-16"),
@@ -77,3 +78,7 @@ def test_a_missing_file_and_one_that_is_too_long_are_named(tmp_path: Path) -> No
     (tmp_path / "long.json").write_bytes(b"[1, 2]")
     with pytest.raises(OversizedFile, match=r"long\.json is too large: 6 of at most 5 bytes"):
         open_regular(tmp_path / "long.json", "a JSON file", DocumentLimits(max_bytes=5).max_bytes)
+
+
+def test_what_is_nested_as_deep_as_may_be_is_read() -> None:
+    assert parse_json("[" * 200 + "]" * 200)

@@ -147,8 +147,8 @@ def _channels(image: Image.Image) -> np.ndarray:
     if image.mode.startswith(("I", "F")):
         raise ValueError("its pixels are 32-bit numbers, not colours of 8 or 16 bits")
     if "A" in image.mode or "a" in image.mode or "transparency" in image.info:
-        return np.asarray(image.convert("RGBA"))
-    return np.asarray(image.convert("RGB"))
+        return np.array(image.convert("RGBA"))
+    return np.array(image.convert("RGB"))
 
 
 def _holds_words(image: Image.Image) -> bool:

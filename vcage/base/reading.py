@@ -24,7 +24,7 @@ class DocumentLimits:
 
     Args:
         max_bytes: of the file.
-        max_depth: lists and objects inside each other; named where Python's own limit is reached.
+        max_depth: lists and objects inside each other.
     """
 
     max_bytes: int = 1_000_000_000
@@ -142,7 +142,10 @@ def parse_json(data: bytes | str, *, nan: bool = False) -> Any:
     """
     text = text_of(data) if isinstance(data, bytes) else data.removeprefix("\ufeff")
     try:
-        return json.loads(text, object_pairs_hook=_object, parse_constant=None if nan else _no_constant)
+        value = json.loads(text, object_pairs_hook=_object, parse_constant=None if nan else _no_constant)
+        if _is_deep(value, LIMITS.max_depth):  # whoever writes it again would end in Python's own limit
+            raise RecursionError
+        return value
     except _Twice:
         line, name = _second_key(text)
         raise Unreadable(line, f"the key {name[:80]!r} stands twice in one object") from None
@@ -169,6 +172,17 @@ def _object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     if len(found) < len(pairs):
         raise _Twice
     return found
+
+
+def _is_deep(value: Any, depth: int) -> bool:
+    """Whether more lists and objects than that lie inside each other."""
+    level = [value]
+    for _ in range(depth + 1):
+        level = [item for item in level if isinstance(item, (list, dict))]
+        level = [inner for item in level for inner in (item.values() if isinstance(item, dict) else item)]
+        if not level:
+            return False
+    return True
 
 
 def _no_constant(name: str) -> NoReturn:

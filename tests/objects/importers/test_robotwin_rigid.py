@@ -117,7 +117,7 @@ def test_words_come_from_badly_spelt_keys_and_from_points_info(rigid, into):
     assert [point.name for point in asset.annotation.contact_points] == ["left wall", "a wall"]
     words = asset.annotation.words
     assert (words.name, words.plural, words.description) == ("deep tray", "deep trays", "A red tray.")
-    assert asset.variant.colour == "white"
+    assert asset.variant.colour == "red"
 
 
 def test_the_picture_of_the_mesh_is_kept(rigid, into):
