@@ -6,6 +6,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import cv2
+import numpy as np
 import pytest
 
 from tests.runs import Finished, copied
@@ -13,6 +15,7 @@ from vcage.base.errors import InputFileError, SchemaMismatch
 from vcage.base.files import RunFolder, read_json, write_json
 from vcage.base.pictures import read_picture, write_picture
 from vcage.schema.scene import Scene
+from vcage.stages import inpaint_plan
 from vcage.stages.inputs import read_matches, read_pictures, read_plan
 
 
@@ -93,3 +96,10 @@ def test_a_scene_that_cannot_be_is_refused_with_its_field(run, change, complaint
 def _ring(scene: Any) -> list[tuple[Any, Any]]:
     objects = scene["objects"]
     return list(zip(objects, objects[1:] + objects[:1], strict=True))
+
+
+def test_a_target_picture_is_refused_by_its_header(run, finished, tmp_path):
+    path = tmp_path / "target.png"
+    path.write_bytes(cv2.imencode(".png", np.zeros((1, 20_000), np.uint8))[1].tobytes())
+    with pytest.raises(InputFileError, match=r"target\.png is too large: 20000 x 1 pixels"):
+        inpaint_plan.job(run, inpaint_plan.Options(target=path), finished.context)

@@ -234,7 +234,7 @@ def _parse_yaml(data: bytes) -> Any:
     class Loader(yaml.SafeLoader):
         """Refuses a key that stands twice in a mapping, and brackets whose nesting takes its time squared."""
 
-        def fetch_flow_collection_start(self, token: type[yaml.Token]) -> None:
+        def fetch_flow_collection_start(self, token: type[yaml.Token]) -> None:  # pyrefly: ignore
             if self.flow_level >= LIMITS.max_depth:
                 raise yaml.scanner.ScannerError(problem=_TOO_DEEP, problem_mark=self.get_mark())
             super().fetch_flow_collection_start(token)

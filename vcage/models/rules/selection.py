@@ -156,10 +156,12 @@ class _Selector:
         looks = [look for look in looks if not any(self._answers(look, but, phrase) for but in phrase.but)] or looks
         several = UNNAMED_CONTENTS if source is not None and phrase.head in ANYTHING else SEVERAL
         count = min(several, max(2, len(looks))) if phrase.count is None else phrase.count
-        typed = phrase.as_typed(self.instruction)
-        reason = f"asked for: {typed!r}"
+        reason = f"asked for: {self._typed(phrase)!r}"
         picked = [_chosen(*looks[i % len(looks)], "content", reason, starts_in) for i in range(count)]
-        return picked, f"{typed!r} starts on the table: {trouble}" if trouble else ""
+        return picked, f"{self._typed(phrase)!r} starts on the table: {trouble}" if trouble else ""
+
+    def _typed(self, phrase: Phrase) -> str:
+        return phrase.as_typed(self.instruction)
 
     def _kinds(self, phrase: Phrase, request: Request) -> list[CatalogueEntry]:
         """The kinds that a phrase for moved things means; never that of the place where they go."""
@@ -170,9 +172,9 @@ class _Selector:
         kinds = things_meant(phrase, self.catalogue, Occasion(self.instruction, tags), taken)
         if not kinds:
             raise NoAssetFits(
-                f"{phrase.as_typed(self.instruction)!r} would go to a place that is the same thing: {', '.join(taken)}",
+                f"{self._typed(phrase)!r} would go to a place that is the same thing: {', '.join(taken)}",
                 hint="name another place for it",
-                details={"unmatched": [phrase.as_typed(self.instruction)]},
+                details={"unmatched": [self._typed(phrase)]},
             )
         return kinds
 
@@ -182,9 +184,7 @@ class _Selector:
         if place is None:
             return None
         found = self._places.of(replace(request, things=(phrase,), place=place), self.catalogue)
-        return _Start(
-            place.as_typed(self.instruction), found if found is not None and found.functional_points else None
-        )
+        return _Start(self._typed(place), found if found is not None and found.functional_points else None)
 
     def _receptacles(self, chosen: Sequence[SelectedAsset]) -> list[SelectedAsset]:
         """The places where things go, but for what is chosen already."""
@@ -196,7 +196,7 @@ class _Selector:
             looks = [variant.id for variant in variants_of(entry, phrase)]
             if all(c.asset != entry.name or c.variant not in looks for c in (*chosen, *found)):
                 variant = self._any_of(variants_of(entry, phrase))
-                found.append(_chosen(entry, variant, "receptacle", f"the place: {phrase.as_typed(self.instruction)!r}"))
+                found.append(_chosen(entry, variant, "receptacle", f"the place: {self._typed(phrase)!r}"))
         return found
 
     def _sources(self, chosen: Sequence[SelectedAsset]) -> list[SelectedAsset]:
@@ -213,12 +213,7 @@ class _Selector:
             if _is_new(entry, chosen):
                 variant = self._any_of(variants_of(entry, place))
                 found.append(
-                    _chosen(
-                        entry,
-                        variant,
-                        "context",
-                        f"where things are at the start: {place.as_typed(self.instruction)!r}",
-                    )
+                    _chosen(entry, variant, "context", f"where things are at the start: {self._typed(place)!r}")
                 )
         return found
 
@@ -230,11 +225,7 @@ class _Selector:
         for phrase in (*named, *implied):
             entry = Occasion(self.instruction, ()).best(candidates(phrase, self.catalogue)).entry
             if _is_new(entry, (*chosen, *found)):
-                found.append(
-                    _chosen(
-                        *self._looks(entry, phrase)[0], "context", f"the tool: {phrase.as_typed(self.instruction)!r}"
-                    )
-                )
+                found.append(_chosen(*self._looks(entry, phrase)[0], "context", f"the tool: {self._typed(phrase)!r}"))
         return found
 
     def _left_alone(self, chosen: Sequence[SelectedAsset]) -> list[SelectedAsset]:
@@ -252,7 +243,7 @@ class _Selector:
             if entry is None or any(c.asset == entry.name and self._is(c, phrase) for c in (*chosen, *found)):
                 continue
             for look in self._looks(entry, phrase)[:1]:  # what there is not cannot be left out: the goals are refused
-                found.append(_chosen(*look, "context", f"to be left alone: {phrase.as_typed(self.instruction)!r}"))
+                found.append(_chosen(*look, "context", f"to be left alone: {self._typed(phrase)!r}"))
         return found
 
     def _answers(self, look: tuple[CatalogueEntry, Variant], but: Phrase, phrase: Phrase) -> bool:
