@@ -97,3 +97,10 @@ def test_a_base_url_with_a_password_is_refused_without_showing_it(monkeypatch: p
     with pytest.raises(ConfigurationError, match="VCAGE_OPENAI_BASE_URL holds a user or password") as caught:
         OPENAI.connect("key")
     assert "pass-word" not in str(caught.value.as_record())
+
+
+def test_a_base_url_with_a_key_in_its_query_is_refused_without_showing_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("VCAGE_OPENAI_BASE_URL", "http://127.0.0.1:9/v1?key=very-secret")
+    with pytest.raises(ConfigurationError, match="VCAGE_OPENAI_BASE_URL holds a query") as caught:
+        OPENAI.connect("key")
+    assert "very-secret" not in str(caught.value.as_record())

@@ -97,7 +97,16 @@ def test_a_price_file_that_windows_saved_is_read(prices: Path, monkeypatch: pyte
     assert price is not None and price.output == 2
 
 
-@pytest.mark.parametrize("text", ["{", "[]", '{"gemini:some": 3}', '{"gemini:some": {"input": -1, "output": 2}}'])
+@pytest.mark.parametrize(
+    "text",
+    [
+        "{",
+        "[]",
+        '{"gemini:some": {"input": 1e999, "output": 2}}',
+        '{"gemini:some": 3}',
+        '{"gemini:some": {"input": -1, "output": 2}}',
+    ],
+)
 def test_a_price_file_that_holds_no_prices_is_named(prices: Path, text: str, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setenv("VCAGE_PRICE_FILE", str(prices))
     prices.write_text(text)

@@ -126,6 +126,11 @@ class Provider:
                 f"VCAGE_{self.name.upper()}_BASE_URL holds a user or password, which errors would show",
                 hint="leave it out; a key has a place of its own",
             )
+        if "?" in url or "#" in url:
+            raise ConfigurationError(
+                f"VCAGE_{self.name.upper()}_BASE_URL holds a query or a fragment, which errors would show",
+                hint="give scheme, host and path alone; a key has a place of its own",
+            )
         if self.version and not url.endswith(("/v1", "/v1beta")):
             url = f"{url}/{self.version}"
         return Transport(url, self.headers(key), **options)

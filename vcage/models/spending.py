@@ -16,15 +16,15 @@ from pydantic import Field, TypeAdapter, ValidationError
 from vcage.base.errors import ConfigurationError, InputFileError, MissingStage, SpendingCap
 from vcage.base.reading import read_json
 from vcage.models.exchange import Reply
-from vcage.schema.base import Record
+from vcage.schema.base import Finite, Record
 from vcage.schema.exchange import Exchange
 
 
 class Price(Record):
     """US dollars per million tokens, asked and answered."""
 
-    input: float = Field(ge=0)
-    output: float = Field(ge=0)
+    input: Finite = Field(ge=0)
+    output: Finite = Field(ge=0)
 
 
 def price_file() -> Path:
