@@ -188,7 +188,7 @@ class DamagedFile(InputFileError):
     code = "damaged_file"
 
 
-class OversizedFile(InputFileError):
+class OversizedFile(DamagedFile):
     """A file holds, or declares, more than is read into memory; names what was found and the limit."""
 
     code = "oversized_file"
@@ -276,6 +276,14 @@ class EndpointFailed(VcageError):
 
 class FolderInUse(VcageError):
     """Another process works in the folder; says which."""
+
+    code = "in_use"
+    exit_code = 6
+    retryable = True
+
+
+class FileInUse(VcageError):
+    """Another process writes a file that is to be read."""
 
     code = "in_use"
     exit_code = 6

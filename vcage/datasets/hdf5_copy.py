@@ -13,6 +13,8 @@ import h5py
 import numpy as np
 from h5py import h5a, h5o, h5p, h5r, h5t  # pyrefly: ignore[missing-module-attribute]  the stubs lack h5o
 
+from vcage.datasets.hdf5_contents import address, require_numbers_fit
+
 Replacement = Callable[[h5py.Dataset, h5py.Group, str], None]
 """Called with a dataset of the source, and the group and the name that take what stands for it."""
 
@@ -70,13 +72,13 @@ class _Copier:
 
     def __init__(self, source: h5py.File, target: h5py.File, replacements: Mapping[str, Replacement]):
         self._source, self._target = source, target
-        self._replacements = {_address(source[name]): replacement for name, replacement in replacements.items()}
+        self._replacements = {address(source[name]): replacement for name, replacement in replacements.items()}
         self._names: dict[int, str] = {}
         self._replaced: set[str] = set()
 
     def run(self) -> list[str]:
         """Names of all objects that were copied, one for each."""
-        self._names[_address(self._source)] = "/"
+        self._names[address(self._source)] = "/"
         self._group(self._source, self._target)
         return [name for name in self._names.values() if name not in self._replaced]
 
@@ -93,24 +95,20 @@ class _Copier:
 
     def _object(self, source: h5py.Group, target: h5py.Group, name: str) -> None:
         one = source[name]
-        address = _address(one)
-        if address in self._names:
-            target[name] = self._target[self._names[address]]
+        place = address(one)
+        if place in self._names:
+            target[name] = self._target[self._names[place]]
             return
         full = f"{source.name.rstrip('/')}/{name}"
-        self._names[address] = full
-        if address in self._replacements:
-            self._replacements[address](one, target, name)
+        self._names[place] = full
+        if place in self._replacements:
+            self._replacements[place](one, target, name)
             self._replaced.add(full)
         elif isinstance(one, h5py.Group):
             new = h5py.h5g.create(target.id, name.encode(), gcpl=one.id.get_create_plist())
             self._group(one, h5py.Group(new))
         else:
             h5o.copy(source.id, name.encode(), target.id, name.encode(), h5p.create(h5p.OBJECT_COPY))
-
-
-def _address(one: h5py.HLObject) -> int:
-    return int(h5o.get_info(one.id).addr)
 
 
 # --- references ----------------------------------------------------------------------------------------
@@ -129,6 +127,7 @@ def _mend_references(source: h5py.HLObject, target: h5py.HLObject) -> None:
     if not (isinstance(source, h5py.Dataset) and isinstance(target, h5py.Dataset)):
         return
     if source.shape and source.id.get_type().detect_class(h5t.REFERENCE):
+        require_numbers_fit(source)
         target[...] = _translated(source[...], source.file, target.file)
 
 

@@ -12,12 +12,47 @@ import tempfile
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import IO
+from typing import IO, Any
 
 import h5py
 
-from vcage.base.errors import DamagedFile
+from vcage.base.errors import DamagedFile, FileInUse, VcageError
 from vcage.base.files import atomic_path
+from vcage.base.placeholders import require_fetched
+from vcage.datasets.hdf5_contents import require_own_contents
+
+_LOOKED_AT: set[tuple[Path, int, int, int]] = set()
+"""Path, inode, bytes and time of the last change in ns of files that were found to hold their own data alone."""
+
+
+def open_hdf5_file(path: Path, **options: Any) -> h5py.File:
+    """An HDF5 file, open for reading, once it is sure that nothing in it leads to another file.
+
+    Every file that may be somebody else's is opened here.
+
+    Args:
+        path: the file.
+        options: see :class:`h5py.File`.
+
+    Raises:
+        DamagedFile: it is no HDF5, was not fetched, or leads to another file; names what does.
+        OversizedFile: it holds too many groups.
+        FileInUse: another process writes it.
+    """
+    path = Path(path)
+    require_fetched(path)
+    with damage(path):
+        file = h5py.File(path, "r", **options)
+        try:
+            found = path.stat()
+            state = (path, found.st_ino, found.st_size, found.st_mtime_ns)
+            if state not in _LOOKED_AT:
+                require_own_contents(file)
+                _LOOKED_AT.add(state)
+        except BaseException:
+            file.close()
+            raise
+    return file
 
 
 @contextmanager
@@ -31,11 +66,45 @@ def damage(path: Path, *, writing: bool = False) -> Iterator[None]:
     try:
         yield
     except (OSError, KeyError, RuntimeError) as error:
+        if (busy := _busy(path, error)) is not None:
+            raise busy from error
         if writing and isinstance(error, OSError) and error.errno:
             raise
         raise DamagedFile(
             f"{path} is damaged: {error}", hint="it may be cut off: copy or record it again, or leave it out"
         ) from error
+
+
+WRITTEN = "already open for write"
+"""What HDF5 says of a file that is marked as being written."""
+
+SIGNATURE, FLAGS_AT = b"\x89HDF\r\n\x1a\n", 11
+"""Begins a superblock; and where its consistency flags are, bytes from there on."""
+
+SWMR_WRITTEN = 0x4
+"""Bit of the marks in a file's superblock: others may read while it is written, and so it has no lock."""
+
+
+def _busy(path: Path, error: Exception) -> VcageError | None:
+    """The error of a file that is being written, or that its writer never closed; None for any other."""
+    if isinstance(error, BlockingIOError):
+        return FileInUse(
+            f"{path} is open for writing in another process", hint="wait until its writer has closed it, then repeat"
+        )
+    if WRITTEN not in str(error):
+        return None
+    mend = f"if its writer is gone: h5clear -s {path}"
+    if _marks(path) & SWMR_WRITTEN:
+        return FileInUse(f"{path} is being written by another process (SWMR)", hint=f"wait for its writer; {mend}")
+    return DamagedFile(f"{path} is damaged: it was not closed by the program that wrote it", hint=mend)
+
+
+def _marks(path: Path) -> int:
+    """The consistency flags of a superblock of version 3, which alone has any; it lies behind a user's block."""
+    with open(path, "rb") as handle:
+        start = handle.read(2**16)
+    place = start.find(SIGNATURE) + FLAGS_AT
+    return start[place] if place < len(start) else 0
 
 
 class _Target(io.FileIO):

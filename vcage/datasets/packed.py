@@ -21,8 +21,9 @@ from numpy.typing import NDArray
 from vcage.base.errors import DamagedFile, InputFileError, UsageError
 from vcage.base.videos import pictures
 from vcage.datasets.hdf5 import GZIP_LEVEL
+from vcage.datasets.hdf5_contents import require_not_virtual
 from vcage.datasets.hdf5_copy import Replacement, copy_attributes, copy_file
-from vcage.datasets.hdf5_files import damage, new_hdf5, spooled
+from vcage.datasets.hdf5_files import damage, new_hdf5, open_hdf5_file, spooled
 from vcage.datasets.picture_links import OURS, Link, Original, Stream, find_links, read_link, write_link
 from vcage.datasets.stored_pictures import ARRAY, FIXED, VLEN
 
@@ -45,7 +46,9 @@ def write_packed(source: Path, target: Path, streams: Sequence[Stream]) -> Path:
         OutputFolderError, DiskFull: the file cannot be written.
     """
     with _rebuilt(source, target) as (old, new):
-        copy_file(old, new, {stream.key: _pack(old, stream) for stream in streams})
+        replacements = {stream.key: _pack(old, stream) for stream in streams}
+        require_not_virtual(old, replacements)
+        copy_file(old, new, replacements)
     return Path(target)
 
 
@@ -94,7 +97,7 @@ def _rebuilt(source: Path, target: Path) -> Iterator[tuple[h5py.File, h5py.File]
         raise InputFileError(f"{source} does not exist", hint="check the path")
     if target.exists() and target.samefile(source):
         raise UsageError(f"{target} is the file that is read", hint="give another file to write")
-    with damage(source, writing=True), h5py.File(source) as old:
+    with damage(source, writing=True), open_hdf5_file(source) as old:
         order = old.id.get_create_plist().get_link_creation_order()
         with new_hdf5(target, track_order=bool(order)) as new:
             yield old, new

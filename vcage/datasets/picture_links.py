@@ -16,6 +16,7 @@ import numpy as np
 
 from vcage.base.errors import DamagedFile
 from vcage.base.videos import frame_count
+from vcage.datasets.hdf5_contents import datasets_in
 from vcage.datasets.stored_pictures import picture_channels, picture_kind
 
 LINK_SCHEMA = "vcage.pictures_in_video/1"
@@ -185,15 +186,8 @@ def find_links(part: h5py.Group) -> dict[str, Link]:
     Raises:
         DamagedFile: see :func:`read_link`.
     """
-    found: dict[str, Link] = {}
-
-    def look(_key: str, item: h5py.Dataset | h5py.Group) -> None:
-        link = read_link(item) if isinstance(item, h5py.Dataset) else None
-        if link is not None:
-            found[item.name.lstrip("/")] = link
-
-    part.visititems(look)
-    return found
+    links = ((one.name.lstrip("/"), read_link(one)) for one in datasets_in(part).values())
+    return {key: link for key, link in links if link is not None}
 
 
 def _plain(value: Any) -> Any:

@@ -18,6 +18,7 @@ from vcage.base.errors import DamagedFile, MissingStage, SchemaMismatch, Unknown
 from vcage.base.videos import decode, pictures
 from vcage.datasets.episode import CameraTrack, EpisodeData, Segment
 from vcage.datasets.hdf5 import RECORDED, SCHEMA, SEGMENT_NUMBERS
+from vcage.datasets.hdf5_files import open_hdf5_file
 from vcage.datasets.picture_links import Link, read_link
 from vcage.datasets.stored_drives import read_drives
 from vcage.schema.episodes import Truth, Verdict
@@ -91,7 +92,7 @@ class EpisodeReader:
         if not self.path.is_file():
             raise MissingStage(f"{self.path} does not exist", hint="check the path, or collect first", maker="collect")
         with _damage(self.path):
-            self._file = h5py.File(self.path, "r")
+            self._file = open_hdf5_file(self.path)
         try:
             self._require_schema()
         except BaseException:

@@ -10,8 +10,8 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from vcage.base.errors import DamagedFile
-from vcage.base.pictures import rgb_of_decoded, three_channels
+from vcage.base.errors import DamagedFile, OversizedFile
+from vcage.base.pictures import picture_header, rgb_of_decoded, three_channels
 
 PNG = b"\x89P"
 MAGIC = {b"\xff\xd8": "jpeg", PNG: "png"}
@@ -46,6 +46,7 @@ def decode_picture(data: bytes | NDArray[np.uint8], what: str) -> NDArray[np.uin
 
     Raises:
         DamagedFile: it is damaged; ``what`` names it.
+        OversizedFile: it is too large; see :class:`vcage.base.pictures.PictureLimits`.
     """
     raw = np.frombuffer(data, np.uint8) if isinstance(data, bytes) else np.ascontiguousarray(data, np.uint8)
     # JPEG knows no alpha, and says in its EXIF data how it is to be turned, which IMREAD_UNCHANGED ignores
@@ -64,7 +65,13 @@ def channels_of(data: bytes, what: str) -> int:
 
 
 def _decode(raw: NDArray[np.uint8], flags: int, what: str) -> NDArray[Any]:
-    picture = cv2.imdecode(raw, flags) if len(raw) else None
+    try:
+        picture_header(raw.tobytes(), what)  # which refuses what would not fit in memory
+        picture = cv2.imdecode(raw, flags)
+    except OversizedFile:
+        raise
+    except DamagedFile:
+        picture = None
     if picture is None:
         raise DamagedFile(f"{what} cannot be decoded", hint="the file is damaged there; leave the episode out")
     return picture

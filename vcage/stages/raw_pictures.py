@@ -16,13 +16,11 @@ from functools import partial
 from itertools import chain
 from pathlib import Path
 
-import h5py
-
 from vcage.base.errors import DamagedFile, InputFileError, MissingStage, StaleStage
 from vcage.base.files import RunFolder, atomic_path, sha256_file
 from vcage.base.videos import decoded_count
 from vcage.base.workers import cores
-from vcage.datasets.hdf5_files import damage
+from vcage.datasets.hdf5_files import damage, open_hdf5_file
 from vcage.datasets.packed import write_packed
 from vcage.datasets.packing.writing import link_to
 from vcage.datasets.picture_links import find_links
@@ -36,7 +34,7 @@ def holds_links(path: Path) -> bool:
     Raises:
         DamagedFile: it cannot be read.
     """
-    with damage(path), h5py.File(path) as file:
+    with damage(path), open_hdf5_file(path) as file:
         return bool(find_links(file))
 
 

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import h5py
-
 from vcage.base.errors import MissingStage, UnknownName
 from vcage.base.files import RunFolder
 from vcage.datasets.hdf5 import SCHEMA
-from vcage.datasets.hdf5_files import damage
+from vcage.datasets.hdf5_files import damage, open_hdf5_file
 from vcage.datasets.picture_links import read_link
 from vcage.datasets.recordings.opening import open_recordings
 from vcage.datasets.recordings.recording import Recording
@@ -59,6 +57,6 @@ def choose(found: dict[int, Path | Recording], number: int | None, path: Path) -
 
 def _is_whole(path: Path) -> bool:
     """Whether a file is an episode of ours, of whatever version, with its pictures inside."""
-    with damage(path), h5py.File(path) as file:
+    with damage(path), open_hdf5_file(path) as file:
         ours = str(file.attrs.get("schema", "")).startswith(SCHEMA.partition("/")[0])
         return ours and all(read_link(pictures) is None for pictures in file.get("observations/images", {}).values())

@@ -9,12 +9,11 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-import h5py
 import numpy as np
 
 from vcage.base.files import atomic_path
 from vcage.base.progress import Progress
-from vcage.datasets.hdf5_files import damage
+from vcage.datasets.hdf5_files import damage, open_hdf5_file
 from vcage.datasets.lerobot.episode import LeRobotEpisode
 from vcage.datasets.lerobot.features import encodings
 from vcage.datasets.lerobot.formats import open_writer
@@ -108,7 +107,7 @@ def _kept_videos(path: Path, replaced: Sequence[Stream]) -> list[Path]:
     """Videos of a file that was compressed before, of pictures that are not compressed now. Those of a demonstration
     that is left out may be missing, and stay so."""
     keys = {stream.key for stream in replaced}
-    with damage(path), h5py.File(path) as file:
+    with damage(path), open_hdf5_file(path) as file:
         kept = [link.stream.file for key, link in find_links(file).items() if key not in keys]
     return [video for name in kept if (video := path.with_name(name)).is_file()]
 

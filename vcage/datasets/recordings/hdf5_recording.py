@@ -20,8 +20,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vcage.base.errors import DamagedFile
+from vcage.base.folders import natural_key, natural_path
 from vcage.base.videos import codec_name, decode, frame_rate
-from vcage.datasets.hdf5_files import damage
+from vcage.datasets.hdf5_contents import datasets_in, require_numbers_fit, require_pictures_fit
+from vcage.datasets.hdf5_files import damage, open_hdf5_file
 from vcage.datasets.picture_links import Link, find_links, read_link
 from vcage.datasets.recordings.recording import HDF5, Columns, RecordedCamera, Recording
 from vcage.datasets.stored_pictures import (
@@ -84,7 +86,7 @@ class Hdf5Recording(Recording):
     def cameras(self) -> list[RecordedCamera]:
         with self._file() as file:
             found = self._picture_datasets(self._part(file))
-            return [self._camera(name, found[name]) for name in sorted(found)]
+            return [self._camera(name, found[name]) for name in sorted(found, key=natural_key)]
 
     @property
     def fps(self) -> float | None:
@@ -96,7 +98,7 @@ class Hdf5Recording(Recording):
 
     @property
     def files(self) -> list[Path]:
-        return [self.path, *sorted(set(self.videos.values()))]
+        return [self.path, *sorted(set(self.videos.values()), key=natural_path)]
 
     @property
     def task(self) -> str | None:
@@ -133,15 +135,7 @@ class Hdf5Recording(Recording):
 
     def _picture_datasets(self, part: h5py.Group) -> dict[str, h5py.Dataset]:
         """Camera → its pictures, or the link to them."""
-        found: dict[str, h5py.Dataset] = {}
-
-        def look(key: str, item: h5py.Dataset | h5py.Group) -> None:
-            match = re.fullmatch(self.PICTURES, key)
-            if match and isinstance(item, h5py.Dataset):
-                found[match[1]] = item
-
-        part.visititems(look)
-        return found
+        return {re.sub(self.PICTURES, r"\1", key): one for key, one in datasets_in(part, self.PICTURES).items()}
 
     def _camera(self, name: str, dataset: h5py.Dataset) -> RecordedCamera:
         key = dataset.name.lstrip("/")
@@ -151,6 +145,7 @@ class Hdf5Recording(Recording):
         what = f"{self.path}:{dataset.name}"
         if not dataset.shape or len(dataset) == 0:
             raise DamagedFile(f"{what} holds no frame", hint="leave the episode out")
+        require_pictures_fit(dataset)
         height, width = stored_picture(dataset, 0, what).shape[:2]
         channels = picture_channels(dataset, what)
         size = dataset.id.get_storage_size()
@@ -160,7 +155,7 @@ class Hdf5Recording(Recording):
 
     @contextmanager
     def _file(self) -> Iterator[h5py.File]:
-        with damage(self.path), h5py.File(self.path, rdcc_nbytes=CHUNK_CACHE) as file:
+        with damage(self.path), open_hdf5_file(self.path, rdcc_nbytes=CHUNK_CACHE) as file:
             yield file
 
     @cached_property
@@ -257,21 +252,20 @@ def columns(group: h5py.Group | None, wanted: Sequence[str] | None = None) -> Co
 
     Args:
         group: the group, if it is there.
-        wanted: names of the datasets; None takes all below the group, by name.
+        wanted: names of the datasets; None takes all below the group, in natural order of their names.
 
     Raises:
         DamagedFile: they are not of one length.
     """
     if group is None:
         return None
-    keys: list[str] = []
-    group.visititems(lambda key, item: keys.append(key) if isinstance(item, h5py.Dataset) else None)
+    found = _wanted_in(group, wanted)
     parts: list[NDArray[np.float64]] = []
     names: list[str] = []
-    for key in sorted(keys) if wanted is None else [key for key in wanted if key in keys]:
-        if not _are_numbers(group[key]):
+    for key, dataset in found.items():
+        if not _are_numbers(dataset):
             continue
-        values = _rows(group[key])
+        values = _rows(dataset)
         if parts and len(values) != len(parts[0]):
             raise DamagedFile(
                 f"{group.file.filename}:{group.name}/{key} has {len(values)} rows, those before it {len(parts[0])}",
@@ -281,6 +275,12 @@ def columns(group: h5py.Group | None, wanted: Sequence[str] | None = None) -> Co
         width = values.shape[1]
         names += [key.replace("/", "_")] if width == 1 else [f"{key.replace('/', '_')}_{i}" for i in range(width)]
     return Columns(np.concatenate(parts, axis=1), tuple(names)) if parts else None
+
+
+def _wanted_in(group: h5py.Group, wanted: Sequence[str] | None) -> dict[str, h5py.Dataset]:
+    if wanted is None:
+        return datasets_in(group)
+    return {name: one for name in wanted if isinstance(one := group.get(name), h5py.Dataset)}
 
 
 def _are_numbers(dataset: h5py.Dataset) -> bool:
@@ -296,4 +296,5 @@ def _rows(dataset: h5py.Dataset) -> NDArray[np.float64]:
     """
     if len(dataset) == 0:
         raise DamagedFile(f"{dataset.file.filename}:{dataset.name} holds no frame", hint="leave the episode out")
+    require_numbers_fit(dataset)
     return dataset[()].reshape(len(dataset), -1).astype(np.float64)

@@ -7,11 +7,12 @@ from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
-import h5py
 import numpy as np
 
 from vcage.base.errors import DamagedFile, InputFileError
-from vcage.datasets.hdf5_files import damage
+from vcage.base.folders import entries, files_below
+from vcage.datasets.hdf5_contents import walk
+from vcage.datasets.hdf5_files import damage, open_hdf5_file
 from vcage.datasets.lerobot.meta import INFO
 from vcage.datasets.recordings.act import ActEpisode, VcageEpisode
 from vcage.datasets.recordings.hdf5_recording import Hdf5Recording
@@ -41,7 +42,7 @@ class Opened:
     """What a path holds.
 
     Args:
-        recordings: sorted by name.
+        recordings: in natural order of their names.
         damaged: file of a folder → what is wrong with it.
     """
 
@@ -83,7 +84,7 @@ def open_all(path: Path) -> Opened:
     files = hdf5_files(path)
     if files:
         return _open_files(files)
-    if pictures_in(path) or any(pictures_in(folder) for folder in path.iterdir() if folder.is_dir()):
+    if pictures_in(path) or any(pictures_in(folder) for folder in entries(path) if folder.is_dir()):
         return Opened([PictureFolder(path)], {})
     raise InputFileError(
         f"{path} holds no recording",
@@ -101,8 +102,8 @@ def open_hdf5(path: Path) -> Hdf5Recording:
 
 
 def hdf5_files(folder: Path) -> list[Path]:
-    """All HDF5 files below a folder, sorted."""
-    return sorted(file for file in folder.rglob("*") if file.suffix in SUFFIXES and file.is_file())
+    """All HDF5 files below a folder, in natural order; see :func:`vcage.base.folders.files_below`."""
+    return [file for file in files_below(folder) if file.suffix in SUFFIXES]
 
 
 def _open_files(files: Sequence[Path]) -> Opened:
@@ -118,9 +119,8 @@ def _open_files(files: Sequence[Path]) -> Opened:
 
 def _recordings_in(path: Path) -> list[Hdf5Recording]:
     """The recordings in an HDF5 file, at least one, by what the file holds."""
-    with damage(path), h5py.File(path) as file:
-        keys: list[str] = []
-        file.visit(keys.append)
+    with damage(path), open_hdf5_file(path) as file:
+        keys = [key for key, _ in walk(file)]
         for layout in HDF5_LAYOUTS:
             if found := layout.found_in(path, file, keys):
                 return list(found)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from functools import cached_property
 from pathlib import Path
@@ -12,6 +11,8 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from vcage.base.errors import DamagedFile
+from vcage.base.folders import entries
+from vcage.base.placeholders import require_fetched
 from vcage.datasets.recordings.recording import Columns, RecordedCamera, Recording
 from vcage.datasets.stored_pictures import channels_of, decode_picture, stacked, storage_of
 
@@ -51,10 +52,12 @@ class PictureFolder(Recording):
         own = pictures_in(self.path)
         if own:
             return {ONLY: own}
-        folders = sorted(path for path in self.path.iterdir() if path.is_dir())
+        folders = [path for path in entries(self.path) if path.is_dir()]
         return {folder.name: files for folder in folders if (files := pictures_in(folder))}
 
     def _camera(self, name: str, files: list[Path]) -> RecordedCamera:
+        for file in files:
+            require_fetched(file)
         first = files[0].read_bytes()
         height, width = decode_picture(first, str(files[0])).shape[:2]
         size = sum(path.stat().st_size for path in files)
@@ -80,10 +83,4 @@ def _require_size(file: Path, size: tuple[int, int]) -> None:
 
 def pictures_in(folder: Path) -> list[Path]:
     """The picture files of a folder, by the numbers in their names."""
-    files = [path for path in folder.iterdir() if path.suffix.lower() in SUFFIXES and path.is_file()]
-    return sorted(files, key=_natural)
-
-
-def _natural(path: Path) -> list[tuple[int, int, str]]:
-    parts = re.split(r"(\d+)", path.name)
-    return [(1, int(part), "") if part.isdigit() else (0, 0, part) for part in parts]
+    return [path for path in entries(folder) if path.suffix.lower() in SUFFIXES and not path.is_dir()]

@@ -1,0 +1,122 @@
+"""Folders of others: which names in them count, in which order, and where links lead.
+
+Names that begin with a dot belong to the system or to tools (``._episode_0.hdf5``, ``.DS_Store``, ``.cache``) and are
+passed over. Links to folders are followed; a folder that lies in itself is entered once.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from vcage.base.errors import InputFileError, UsageError
+
+NUMBER = re.compile(r"([0-9]+)")
+
+
+@dataclass(frozen=True)
+class FolderLimits:
+    """How much is searched.
+
+    Args:
+        max_folders: links can make few folders look like endlessly many.
+    """
+
+    max_folders: int = 100_000
+
+
+LIMITS = FolderLimits()
+
+NaturalKey = tuple[tuple[str | tuple[int, str], ...], str]
+
+
+def natural_key(name: str) -> NaturalKey:
+    """Sort key of a name by the numbers in it: ``episode_2`` comes before ``episode_10``."""
+    parts = NUMBER.split(name)  # every second one is a number
+    digits = [part.lstrip("0") for part in parts[1::2]]
+    parts[1::2] = [(len(number), number) for number in digits]
+    return tuple(parts), name
+
+
+def natural_path(path: Path) -> tuple[NaturalKey, ...]:
+    """Sort key of a path, folder by folder; see :func:`natural_key`."""
+    return tuple(natural_key(part) for part in path.parts)
+
+
+def is_hidden(name: str) -> bool:
+    """Whether a name is the system's or a tool's, not a user's."""
+    return name.startswith(".")
+
+
+def entries(folder: Path) -> list[Path]:
+    """What lies in a folder, in natural order, without hidden names.
+
+    Raises:
+        InputFileError: the folder cannot be read.
+    """
+    try:
+        found = list(folder.iterdir())
+    except OSError as error:
+        raise InputFileError(f"{folder} cannot be read: {error.strerror}", hint="make it readable") from error
+    return sorted((path for path in found if not is_hidden(path.name)), key=lambda path: natural_key(path.name))
+
+
+def holds_nothing(folder: Path) -> bool:
+    """Whether a path is a folder with hidden names at most."""
+    return folder.is_dir() and not entries(folder)
+
+
+def files_below(folder: Path, *, repeated: bool = False, limits: FolderLimits = LIMITS) -> list[Path]:
+    """All files below a folder in natural order, links to folders followed, without hidden names.
+
+    A link whose target is missing counts as a file, so that whoever opens it can name it.
+
+    Args:
+        folder: where to look.
+        repeated: list a folder under each of its names. By default its files are listed once, under the real name where
+            that lies below ``folder`` too.
+
+    Raises:
+        InputFileError: a folder cannot be read.
+    """
+    return sorted(_walk(folder, repeated, limits), key=natural_path)
+
+
+def _walk(top: Path, repeated: bool, limits: FolderLimits) -> Iterator[Path]:
+    seen: set[str] = set()
+    entered = 0
+    folders, links = [(top, frozenset[str]())], list[tuple[Path, frozenset[str]]]()
+    while folders or links:
+        folder, around = folders.pop() if folders else links.pop(0)
+        real = os.path.realpath(folder)
+        if real in (around if repeated else seen):
+            continue
+        seen.add(real)
+        entered += 1
+        if entered > limits.max_folders:
+            raise InputFileError(
+                f"{top} holds more than {limits.max_folders:,} folders, links followed", hint="remove links to folders"
+            )
+        for path in entries(folder):
+            if not path.is_dir():
+                yield path
+            elif path.is_symlink():
+                links.append((path, around | {real}))
+            else:
+                folders.append((path, around | {real}))
+
+
+def require_utf8(path: Path) -> None:
+    """Nothing, if a path can be written into records, which are UTF-8.
+
+    Raises:
+        UsageError: it cannot; names it with escapes.
+    """
+    try:
+        str(path).encode()
+    except UnicodeEncodeError as error:
+        shown = os.fsencode(path).decode(errors="backslashreplace")
+        raise UsageError(f"the name {shown} is not UTF-8", hint="rename the file or folder") from error

@@ -1,0 +1,56 @@
+"""Files that stand for others: pointers of Git LFS, git-annex and Xet, links without a target, shadows of macOS."""
+
+from __future__ import annotations
+
+import stat
+from pathlib import Path
+
+from vcage.base.errors import DamagedFile
+
+_LFS = ("a Git LFS pointer; the file itself was not fetched", "run `git lfs pull` in its repository")
+_ANNEX = ("a git-annex pointer; the file itself was not fetched", "run `git annex get` on it")
+
+PLACEHOLDERS = {
+    b"version https://git-lfs.github.com/spec/": _LFS,
+    b"version https://hawser.github.com/spec/": _LFS,
+    b"/annex/objects/": _ANNEX,
+    b"# xet version ": ("a Xet pointer; the file itself was not fetched", "run `git xet checkout` in its repository"),
+    b"\x00\x05\x16\x07": ("an AppleDouble file, in which macOS keeps attributes of another", "remove it"),
+}
+"""First bytes of a file → what it is, and the way out."""
+
+
+def require_fetched(path: Path) -> None:
+    """Nothing, if a file is there with its own content; a path where nothing is passes too.
+
+    Raises:
+        DamagedFile: it is a placeholder, a link to nothing, or no regular file; names it.
+    """
+    try:
+        mode = path.stat().st_mode
+    except FileNotFoundError:
+        if path.is_symlink():
+            raise _dangling(path) from None
+        return
+    except (OSError, ValueError) as error:
+        raise DamagedFile(f"{path} cannot be read: {error}", hint="check the path") from error
+    if not stat.S_ISREG(mode):
+        raise DamagedFile(f"{path} is no regular file", hint="give the file itself")
+    try:
+        with open(path, "rb") as handle:
+            head = handle.read(64)
+    except OSError as error:
+        raise DamagedFile(f"{path} cannot be read: {error.strerror}", hint="make it readable") from error
+    for magic, (what, way_out) in PLACEHOLDERS.items():
+        if head.startswith(magic):
+            raise DamagedFile(f"{path} is {what}", hint=way_out)
+
+
+def _dangling(path: Path) -> DamagedFile:
+    target = str(path.readlink())
+    hint = "mend the link, or remove it"
+    if ".git/annex/" in target:
+        hint = _ANNEX[1]
+    elif "/blobs/" in target:
+        hint = "fetch the data set again with `hf download`"
+    return DamagedFile(f"{path} is a link to {target}, which is not there", hint=hint)
