@@ -18,6 +18,7 @@ from typing import Any
 
 from vcage.base import reading
 from vcage.base.errors import DiskFull, OutputFolderError
+from vcage.base.folders import require_utf8
 
 PARTIAL = ".partial-"
 """Marks what is being written; anything so named may be deleted when nothing runs."""
@@ -295,6 +296,7 @@ class RunFolder:
         Raises:
             OutputFolderError: it cannot.
         """
+        require_utf8(self.root, OutputFolderError)
         probe = self.root / f"probe{PARTIAL}{os.getpid()}"
         _make_folder(self.root)
         with _disk_errors(self.root):

@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from vcage.base.errors import InputFileError, UsageError
+from vcage.base.errors import InputFileError, VcageError
 
 NUMBER = re.compile(r"([0-9]+)")
 
@@ -78,9 +78,10 @@ def files_below(folder: Path, *, repeated: bool = False, limits: FolderLimits = 
         folder: where to look.
         repeated: list a folder under each of its names. By default its files are listed once, under the real name where
             that lies below ``folder`` too.
+        limits: how much is searched.
 
     Raises:
-        InputFileError: a folder cannot be read.
+        InputFileError: a folder cannot be read, or there are too many.
     """
     return sorted(_walk(folder, repeated, limits), key=natural_path)
 
@@ -109,14 +110,15 @@ def _walk(top: Path, repeated: bool, limits: FolderLimits) -> Iterator[Path]:
                 folders.append((path, around | {real}))
 
 
-def require_utf8(path: Path) -> None:
-    """Nothing, if a path can be written into records, which are UTF-8.
+def require_utf8(path: Path, refused: type[VcageError] = InputFileError) -> None:
+    """Nothing, if a whole path can be written into records, which are UTF-8.
 
-    Raises:
-        UsageError: it cannot; names it with escapes.
+    Args:
+        path: of a file or folder.
+        refused: error that is raised if it cannot; it shows the path with escapes.
     """
     try:
-        str(path).encode()
+        str(path.absolute()).encode()
     except UnicodeEncodeError as error:
-        shown = os.fsencode(path).decode(errors="backslashreplace")
-        raise UsageError(f"the name {shown} is not UTF-8", hint="rename the file or folder") from error
+        shown = os.fsencode(path.absolute()).decode(errors="backslashreplace")
+        raise refused(f"the path {shown} is not UTF-8, as records are", hint="rename the file or folder") from error

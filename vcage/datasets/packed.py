@@ -191,13 +191,18 @@ def _restored_padded(group: h5py.Group, name: str, link: Link, video: Path, scra
 def _alike(group: h5py.Group, name: str, original: Original, shape: tuple[int, ...], dtype: Any) -> h5py.Dataset:
     """An empty dataset stored as the original was: chunks and limits that reached its end reach the new end."""
     options: dict[str, Any] = {}
-    if original.chunks is not None:
-        axes = list(zip(original.chunks, original.maxshape, original.shape, shape, strict=True))
-        options["chunks"] = tuple(new if chunk == old else min(chunk, new) for chunk, _, old, new in axes)
-        options["maxshape"] = tuple(
-            None if most is None else new if most == old else max(most, new) for _, most, old, new in axes
-        )
-    return group.create_dataset(name, shape, dtype, track_times=False, **options, **original.filters())
+    try:
+        if original.chunks is not None:
+            axes = list(zip(original.chunks, original.maxshape, original.shape, shape, strict=True))
+            options["chunks"] = tuple(new if chunk == old else min(chunk, new) for chunk, _, old, new in axes)
+            options["maxshape"] = tuple(
+                None if most is None else new if most == old else max(most, new) for _, most, old, new in axes
+            )
+        return group.create_dataset(name, shape, dtype, track_times=False, **options, **original.filters())
+    except (TypeError, ValueError) as error:
+        raise DamagedFile(
+            f"{name} cannot be stored as its link says: {error}", hint="compress the recording again"
+        ) from error
 
 
 def _files(link: Link, video: Path) -> Iterator[bytes]:

@@ -18,10 +18,13 @@ from vcage.base.errors import DamagedFile, MissingStage, SchemaMismatch, Unknown
 from vcage.base.videos import decode, pictures
 from vcage.datasets.episode import CameraTrack, EpisodeData, Segment
 from vcage.datasets.hdf5 import RECORDED, SCHEMA, SEGMENT_NUMBERS
+from vcage.datasets.hdf5_contents import datasets_in, require_numbers_fit
 from vcage.datasets.hdf5_files import open_hdf5_file
 from vcage.datasets.picture_links import Link, read_link
 from vcage.datasets.stored_drives import read_drives
 from vcage.schema.episodes import Truth, Verdict
+
+IMAGES = "observations/images/"
 
 
 @contextmanager
@@ -122,6 +125,9 @@ class EpisodeReader:
         """Everything but the pictures, checked as on construction."""
         with _damage(self.path):
             file = self._file
+            for key, one in datasets_in(file).items():
+                if not key.startswith(IMAGES):
+                    require_numbers_fit(one)
             return EpisodeData(
                 fps=float(file.attrs["fps"]),
                 timestamp=file["timestamp"][()],

@@ -5,7 +5,6 @@ from __future__ import annotations
 import logging
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
 
 from pydantic import TypeAdapter, ValidationError
 
@@ -15,7 +14,8 @@ from vcage.base.hold import held
 from vcage.base.progress import Progress, silent
 from vcage.datasets.lerobot.features import CAMERA, ENCODER
 from vcage.datasets.lerobot.formats import FORMATS, open_writer
-from vcage.datasets.lerobot.meta import INFO, appendable_info
+from vcage.datasets.lerobot.meta import INFO, appendable_info, data_set_info
+from vcage.datasets.lerobot.places import placed
 from vcage.schema.export import Export
 from vcage.stages.accepted import accepted_episodes, decided_by
 from vcage.stages.export import Footage, lerobot_episodes
@@ -101,7 +101,7 @@ def _read_added(path: Path) -> dict[str, dict[str, int]]:
 
 def _footage_of(exported: Path, files: Sequence[str]) -> Footage:
     """The videos of a data set that the export wrote of these episodes, in this order."""
-    info: dict[str, Any] = read_json(exported / INFO)
+    info = data_set_info(exported)
     videos, facts = {}, {}
     for key, feature in info["features"].items():
         if feature["dtype"] != "video":
@@ -111,5 +111,5 @@ def _footage_of(exported: Path, files: Sequence[str]) -> Footage:
         for number, file in enumerate(files):
             chunk, index = divmod(number, info["chunks_size"])
             place = {"episode_chunk": chunk, "episode_index": number, "chunk_index": chunk, "file_index": index}
-            videos[file, camera] = exported / info["video_path"].format(video_key=key, **place)
+            videos[file, camera] = placed(exported, "video_path", info["video_path"], video_key=key, **place)
     return Footage(videos, facts)

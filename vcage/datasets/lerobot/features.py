@@ -11,7 +11,8 @@ import av.container
 import numpy as np
 
 from vcage.base.errors import DamagedFile, UsageError
-from vcage.base.videos import frame_times
+from vcage.base.folders import natural_key
+from vcage.base.videos import frame_times, open_video
 from vcage.datasets.lerobot.episode import ACTION, STATE, LeRobotEpisode
 from vcage.datasets.lerobot.language import FEATURE, LANGUAGE
 from vcage.schema.compression import VideoStream
@@ -62,7 +63,7 @@ def features_of(
     features: dict[str, dict[str, Any]] = {}
     for name, names in episode.vector_names.items():
         features[name] = {"dtype": "float32", "shape": [len(names)], "names": names}
-    for camera in sorted(episode.videos):
+    for camera in sorted(episode.videos, key=natural_key):
         info = video_info(episode.videos[camera], episode.length, episode.fps)
         told = {**info, **encodings.get(camera, {})}
         features[video_key(camera)] = {
@@ -180,7 +181,7 @@ def video_info(path: Path, frames: int, fps: float) -> dict[str, Any]:
         DamagedFile: it is no MP4 video, is cut off, or shows other frames; says which.
     """
     times = np.array(frame_times(path))
-    with av.open(str(path)) as container:
+    with open_video(path) as container:
         info = _stream_info(container, path)
     if len(times) != frames:
         raise DamagedFile(f"{path} has {len(times)} frames, its episode {frames}", hint=ENCODE_AGAIN)

@@ -9,6 +9,7 @@ from typing import Any
 
 from vcage.base.errors import OutputFolderError, UnknownName, UsageError
 from vcage.base.files import atomic_folder, recover
+from vcage.base.folders import holds_nothing
 from vcage.datasets.lerobot.meta import INFO
 from vcage.datasets.lerobot.v3 import WriterV30, WriterV31
 from vcage.datasets.lerobot.v21 import WriterV21
@@ -57,7 +58,7 @@ def open_writer(
     there = (out / INFO).is_file()
     if append and not there:
         raise UsageError(f"{out} holds no LeRobot data set to add to", hint="check the path, or write a new data set")
-    if out.exists() and not there and not (out.is_dir() and not any(out.iterdir())):
+    if out.exists() and not there and not holds_nothing(out):
         raise OutputFolderError(f"{out} is in the way: it is no LeRobot data set", hint="give another folder")
     with atomic_folder(out) as folder, closing(FORMATS[version](folder, encodings or {})) as writer:
         if append:

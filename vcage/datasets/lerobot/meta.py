@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from vcage.base.errors import DamagedFile, InputFileError, UsageError
+from vcage.base.errors import DamagedFile, InputFileError, OversizedFile, UsageError
+from vcage.base.placeholders import require_fetched
 from vcage.base.reading import Unreadable, parse_json, read_json
 from vcage.datasets.lerobot.features import other_columns
 from vcage.datasets.lerobot.parquet import MEND, column_names, read_table
-
-INFO = Path("meta/info.json")
+from vcage.datasets.lerobot.places import INFO, own_files
 
 EPISODES = Path("meta/episodes.jsonl")
 """The list of episodes in v2.1."""
@@ -27,6 +29,24 @@ VERSIONS = ("v2.1", "v3.0")
 NEEDED = ("chunks_size", "fps", "data_path", "features")
 
 
+@dataclass(frozen=True)
+class MetaLimits:
+    """The most that is read of what describes a data set.
+
+    Args:
+        max_json_bytes: of a JSON file, or of a line of JSON.
+        max_frames: of an episode; 92 hours at 30 frames per second.
+        max_picture_numbers: height times width times channels.
+    """
+
+    max_json_bytes: int = 64 * 2**20
+    max_frames: int = 10_000_000
+    max_picture_numbers: int = 200_000_000
+
+
+LIMITS = MetaLimits()
+
+
 def data_set_info(root: Path) -> dict[str, Any]:
     """``meta/info.json`` of a data set of one of the :data:`VERSIONS`, with all that its episodes are read by.
 
@@ -34,10 +54,16 @@ def data_set_info(root: Path) -> dict[str, Any]:
         DamagedFile: it cannot be read, does not say all, or is of another version.
     """
     path = root / INFO
+    require_fetched(path)
     try:
+        if path.is_file() and path.stat().st_size > LIMITS.max_json_bytes:
+            raise _oversized(f"{path} has {path.stat().st_size:,} bytes", LIMITS.max_json_bytes)
         info = read_json(path, nan=True)
-    except InputFileError as error:
-        raise DamagedFile(f"{path} cannot be read: {error.message}", hint=MEND) from error
+        _require_text(info)
+    except OversizedFile:
+        raise
+    except (InputFileError, ValueError) as error:
+        raise DamagedFile(f"{path} cannot be read: {error}", hint=MEND) from error
     version = info.get("codebase_version") if isinstance(info, dict) else None
     if version is None:
         raise DamagedFile(f"{path} does not say codebase_version", hint=MEND)
@@ -54,7 +80,7 @@ def _require_described(path: Path, info: Mapping[str, Any]) -> None:
     missing = sorted(name for name in NEEDED if info.get(name) is None)
     if missing:
         raise DamagedFile(f"{path} does not say {', '.join(missing)}", hint=MEND)
-    if not (_is_positive(info["fps"]) and _is_positive(info["chunks_size"])):
+    if not (_is_positive(info["fps"]) and _is_positive(info["chunks_size"]) and info["chunks_size"] >= 1):
         raise DamagedFile(f"{path}: fps and chunks_size are not positive numbers", hint=MEND)
     if not isinstance(info["features"], dict):
         raise DamagedFile(f"{path} does not name its features", hint=MEND)
@@ -63,10 +89,33 @@ def _require_described(path: Path, info: Mapping[str, Any]) -> None:
             raise DamagedFile(f"{path} does not say what {name} is", hint=MEND)
         if feature["dtype"] == "video" and not info.get("video_path"):
             raise DamagedFile(f"{path} does not say video_path", hint=MEND)
+        if feature["dtype"] in ("video", "image"):
+            _require_camera(path, name, feature["shape"])
+
+
+def _require_camera(path: Path, name: str, shape: list[int]) -> None:
+    """Raise DamagedFile where a camera's name is no part of a path, or its pictures are too large."""
+    if "/" in name or "\0" in name or not name.strip("."):
+        raise DamagedFile(f"{path}: the feature {name!r} is no name of a camera", hint="rename it, without a slash")
+    if min(shape) < 1:
+        raise DamagedFile(f"{path} says that pictures of {name} have the shape {shape}", hint=MEND)
+    if math.prod(shape) > LIMITS.max_picture_numbers:
+        raise _oversized(
+            f"{path}: {name} has the shape {shape}, {math.prod(shape):,} numbers", LIMITS.max_picture_numbers
+        )
+
+
+def _require_text(value: Any) -> None:
+    """Raise ValueError where a text in JSON has half a character, which no file in UTF-8 can hold."""
+    json.dumps(value, ensure_ascii=False).encode()
+
+
+def _oversized(what: str, most: int) -> OversizedFile:
+    return OversizedFile(f"{what}; at most {most:,} are read", hint="split the data set, or leave it out")
 
 
 def _is_positive(number: Any) -> bool:
-    return isinstance(number, int | float) and number > 0
+    return isinstance(number, int | float) and math.isfinite(number) and number > 0
 
 
 def _is_shape(feature: Mapping[str, Any]) -> bool:
@@ -121,18 +170,25 @@ def episode_rows(root: Path, info: Mapping[str, Any]) -> list[dict[str, Any]]:
         info: its ``meta/info.json``.
 
     Raises:
-        DamagedFile: the list cannot be read, is empty, or does not say so much.
+        DamagedFile: the list cannot be read, is empty, does not say so much, or names an episode twice.
+        OversizedFile: an episode is too long.
     """
     old = info["codebase_version"] == "v2.1"
     where = root / (EPISODES if old else EPISODE_TABLES)
     rows = list(read_lines(where)) if old else _table_rows(root)
     if not rows:
         raise DamagedFile(f"{where} lists no episode", hint=MEND)
+    numbers: set[int] = set()
     for row in rows:
         for name in ("episode_index", "length"):
-            if not isinstance(row.get(name), int):
+            if not (isinstance(row.get(name), int) and row[name] >= 0):
                 raise DamagedFile(f"{where} has an episode whose {name} is {row.get(name)!r}", hint=MEND)
-    return rows
+        if row["length"] > LIMITS.max_frames:
+            raise _oversized(f"{where}: episode {row['episode_index']} has {row['length']:,} frames", LIMITS.max_frames)
+        if row["episode_index"] in numbers:
+            raise DamagedFile(f"{where} lists episode {row['episode_index']} twice", hint=MEND)
+        numbers.add(row["episode_index"])
+    return sorted(rows, key=lambda row: row["episode_index"])
 
 
 def episode_lengths(root: Path, info: Mapping[str, Any]) -> dict[int, int]:
@@ -141,8 +197,8 @@ def episode_lengths(root: Path, info: Mapping[str, Any]) -> dict[int, int]:
 
 
 def episode_tables(root: Path) -> list[Path]:
-    """The files of a v3.0 list, relative to the data set."""
-    return sorted(file.relative_to(root) for file in (root / EPISODE_TABLES).rglob("*.parquet"))
+    """The files of a v3.0 list, relative to the data set, in natural order."""
+    return [file for file in own_files(root, EPISODE_TABLES) if file.suffix == ".parquet"]
 
 
 def read_lines(path: Path) -> Iterator[dict[str, Any]]:
@@ -151,9 +207,12 @@ def read_lines(path: Path) -> Iterator[dict[str, Any]]:
     Raises:
         DamagedFile: it cannot be read, or a line is no JSON object; names the line.
     """
+    require_fetched(path)
     try:
         with open(path, "rb") as handle:
-            for number, line in enumerate(handle, start=1):
+            for number, line in enumerate(iter(lambda: handle.readline(LIMITS.max_json_bytes), b""), start=1):
+                if len(line) == LIMITS.max_json_bytes:
+                    raise _oversized(f"{path} line {number} has too many characters", LIMITS.max_json_bytes)
                 if not line.strip():
                     continue
                 row = _parsed(path, number, line)
@@ -166,9 +225,13 @@ def read_lines(path: Path) -> Iterator[dict[str, Any]]:
 
 def _parsed(path: Path, number: int, line: bytes) -> Any:
     try:
-        return parse_json(line, nan=True)
+        row = parse_json(line, nan=True)
+        _require_text(row)
     except Unreadable as error:
         raise DamagedFile(f"{path} line {number} is not valid JSON: {error.why}", hint=MEND) from error
+    except ValueError as error:
+        raise DamagedFile(f"{path} line {number} is not valid text: {error}", hint=MEND) from error
+    return row
 
 
 def _table_rows(root: Path) -> list[dict[str, Any]]:

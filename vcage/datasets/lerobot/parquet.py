@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,8 @@ import pyarrow.compute as pc
 import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
-from vcage.base.errors import DamagedFile
+from vcage.base.errors import DamagedFile, OversizedFile
+from vcage.base.placeholders import require_fetched
 
 COMPRESSION = "snappy"
 
@@ -22,9 +24,28 @@ ROWS_AT_ONCE = 16384
 MEND = "the data set is damaged or not complete: fetch or export it again"
 
 
+@dataclass(frozen=True)
+class ParquetLimits:
+    """The most that is read of a file at once.
+
+    Args:
+        max_rows: in a file.
+        max_values: in all columns that are read together; one takes 8 bytes or more.
+        max_bytes: of these columns, unpacked.
+    """
+
+    max_rows: int = 100_000_000
+    max_values: int = 2**27
+    max_bytes: int = 2**31
+
+
+LIMITS = ParquetLimits()
+
+
 @contextmanager
 def _damage(path: Path) -> Iterator[None]:
     """Turn what a broken file, or one without a column, makes pyarrow raise into :class:`DamagedFile`."""
+    require_fetched(path)
     try:
         yield
     except (OSError, KeyError, pa.ArrowException) as error:
@@ -108,6 +129,8 @@ def read_table(path: Path, columns: Sequence[str] | None = None, rows: pc.Expres
     Raises:
         DamagedFile: it cannot be read, or lacks a column.
     """
+    with _opened(path) as file:
+        _require_modest(path, file.metadata, columns, range(file.num_row_groups), LIMITS)
     with _damage(path):
         table = pq.read_table(path, columns=columns, filters=rows)
     missing = set(columns or ()) - set(table.column_names)
@@ -123,7 +146,7 @@ def read_batches(paths: Iterable[Path], columns: Sequence[str]) -> Iterator[dict
         DamagedFile: a file cannot be read.
     """
     for path in paths:
-        with _damage(path), pq.ParquetFile(path) as file:
+        with _damage(path), _opened(path) as file:
             for batch in file.iter_batches(ROWS_AT_ONCE, columns=list(columns)):
                 yield {name: _rows(batch.column(name)) for name in columns}
 
@@ -182,7 +205,34 @@ def texts_of(source: Path, column: str, field: str) -> set[str]:
 
 def _opened(source: Path) -> pq.ParquetFile:
     with _damage(source):
-        return pq.ParquetFile(source)
+        file = pq.ParquetFile(source)
+    if file.metadata.num_rows > LIMITS.max_rows:
+        raise _oversized(source, f"it declares {file.metadata.num_rows:,} rows; at most {LIMITS.max_rows:,} are read")
+    return file
+
+
+def _require_modest(
+    path: Path, described: pq.FileMetaData, columns: Sequence[str] | None, groups: Iterable[int], limits: ParquetLimits
+) -> None:
+    """Raise OversizedFile where columns of some row groups declare more than is read at once; None for all columns."""
+    wanted = None if columns is None else set(columns)
+    values = size = 0
+    for group in map(described.row_group, groups):
+        for column in map(group.column, range(group.num_columns)):
+            name = column.path_in_schema
+            if wanted is None or name in wanted or name.partition(".")[0] in wanted:
+                values += column.num_values
+                size += column.total_uncompressed_size
+    if values > limits.max_values or size > limits.max_bytes:
+        raise _oversized(
+            path,
+            f"it declares {values:,} values in {size:,} bytes to be read at once; at most {limits.max_values:,} in "
+            f"{limits.max_bytes:,} bytes are",
+        )
+
+
+def _oversized(path: Path, why: str) -> OversizedFile:
+    return OversizedFile(f"{path} is too large: {why}", hint="write it in smaller files or row groups, or leave it out")
 
 
 def _row_groups(
@@ -190,6 +240,7 @@ def _row_groups(
 ) -> Iterator[pa.Table]:
     """The columns ``names`` of each row group, or only those ``leaves`` of them that are named."""
     for number in range(file.num_row_groups):
+        _require_modest(source, file.metadata, leaves or names, [number], LIMITS)
         with _damage(source):
             # a name also stands for columns that begin with it and a dot
             yield file.read_row_group(number, columns=leaves or names).select(names)

@@ -8,7 +8,6 @@ name, becomes one with videos: https://huggingface.co/docs/lerobot/lerobot-datas
 from __future__ import annotations
 
 import glob
-import os
 import re
 import shutil
 from collections.abc import Collection, Iterator, Mapping
@@ -19,16 +18,15 @@ from typing import Any
 
 import pyarrow as pa
 
-from vcage.base.errors import DamagedFile, UsageError
+from vcage.base.errors import UsageError
 from vcage.base.files import atomic_folder, write_json
+from vcage.base.folders import natural_path
 from vcage.base.progress import Progress, silent
 from vcage.datasets.lerobot import v3, v21
 from vcage.datasets.lerobot.features import require_rgb, video_facts, video_info
 from vcage.datasets.lerobot.meta import INFO, data_set_info, episode_lengths, episode_tables
-from vcage.datasets.lerobot.parquet import MEND, numbered, rewrite, texts_of
-
-OF_TOOLS = (".git", ".cache")
-"""Folders in which tools note what they fetched; a copy with other videos is not that."""
+from vcage.datasets.lerobot.parquet import numbered, rewrite, texts_of
+from vcage.datasets.lerobot.places import inside, is_own, own_files, placed
 
 VIDEO_PATHS = {"v2.1": v21.VIDEO_PATH, "v3.0": v3.VIDEO_PATH}
 """Where videos go in a data set that had none."""
@@ -109,7 +107,7 @@ class _Repacking:
     def copy_untouched(self, folder: Path) -> None:
         """Copy what stays as it is, byte for byte."""
         changing = self._changing()
-        for file in _files(self.root):
+        for file in own_files(self.root):
             if file not in changing:
                 shutil.copyfile(self.root / file, _made(folder / file))
 
@@ -141,29 +139,32 @@ class _Repacking:
     def _video_place(self, key: str, episode: int) -> Path:
         chunk = int(self.info["chunks_size"])
         names = {"episode_chunk": episode // chunk, "episode_index": episode, **numbered(episode, chunk)}
-        return _inside(self._video_pattern.format(video_key=key, **names))
+        return placed(self.root, "video_path", self._video_pattern, video_key=key, **names).relative_to(self.root)
 
     def _changing(self) -> set[Path]:
         """All files that are written anew, or have no place any more."""
         frames = self._frame_tables()
         gone = {Path(text) for file in frames for key in self._in_tables for text in self._named_in(file, key)}
-        old = {file for key in self.videos for file in self._matching(self._video_pattern, key)}
+        old = {file for key in self.videos for file in self._matching("video_path", self._video_pattern, key)}
         return {INFO, *frames, *self._episode_tables(), *gone, *old}
 
     def _frame_tables(self) -> list[Path]:
-        return sorted(self._matching(self.info["data_path"])) if self._in_tables else []
+        found = self._matching("data_path", self.info["data_path"]) if self._in_tables else ()
+        return sorted(found, key=natural_path)
 
     def _episode_tables(self) -> list[Path]:
         return [] if self.info["codebase_version"] == "v2.1" else episode_tables(self.root)
 
     def _named_in(self, file: Path, key: str) -> Iterator[str]:
         """Picture files that a table of frames names; where it holds the pictures themselves, there are none."""
-        return (name for name in texts_of(self.root / file, key, "path") if (self.root / name).is_file())
+        names = texts_of(self.root / file, key, "path")
+        return (name for name in names if ".." not in Path(name).parts and (self.root / name).is_file())
 
-    def _matching(self, pattern: str, key: str = "") -> Iterator[Path]:
+    def _matching(self, field: str, pattern: str, key: str = "") -> Iterator[Path]:
         """Files that lie where a pattern of ``info.json`` puts some chunk and episode."""
         wild = re.sub(r"\{[^}]*\}", "*", pattern.replace("{video_key}", glob.escape(key)))
-        return (path.relative_to(self.root) for path in self.root.glob(str(_inside(wild))))
+        found = self.root.glob(str(inside(wild, f"{self.root / INFO}: {field}")))
+        return (file for path in found if is_own(file := path.relative_to(self.root)))
 
 
 def _require_all(root: Path, info: Mapping[str, Any], there: Collection[int], given: Collection[int]) -> None:
@@ -185,22 +186,6 @@ def _video_feature(feature: Mapping[str, Any], told: Mapping[str, Any]) -> dict[
     kept = {name: value for name, value in old if not name.startswith("video.") and name != "has_audio"}
     rest = {name: value for name, value in feature.items() if name not in ("info", "video_info")}
     return {**rest, "dtype": "video", where: {**told, **kept}}
-
-
-def _files(root: Path) -> Iterator[Path]:
-    """All files below a folder, relative to it, links followed; what tools noted for themselves is passed over."""
-    for folder, folders, files in os.walk(root, followlinks=True):
-        folders[:] = sorted(name for name in folders if name not in OF_TOOLS)
-        for name in sorted(files):
-            yield (Path(folder) / name).relative_to(root)
-
-
-def _inside(path: str) -> Path:
-    """A path that stays in the data set it belongs to, whatever ``info.json`` says."""
-    found = Path(path)
-    if found.is_absolute() or ".." in found.parts:
-        raise DamagedFile(f"{INFO} names the path {path}, which is not inside the data set", hint=MEND)
-    return found
 
 
 def _made(path: Path) -> Path:

@@ -18,6 +18,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from vcage.base.errors import DamagedFile
+from vcage.base.folders import files_below
 from vcage.datasets.lerobot.episode import LeRobotEpisode
 from vcage.datasets.lerobot.features import SUBTASK, video_key
 from vcage.datasets.lerobot.meta import EPISODE_TABLES, INFO, appendable_info, episode_tables
@@ -131,7 +132,7 @@ class WriterV30(LeRobotWriter):
     def _write_meta(self) -> None:
         self._write_rows()
         self.close()
-        self._totals.write(self._folder, sorted((self._folder / "data").rglob("*.parquet")), self._counted)
+        self._totals.write(self._folder, files_below(self._folder / "data"), self._counted)
         _write_names(self._folder / TASKS, "task", self._tasks)
         if SUBTASK in self._features:
             _write_names(self._folder / SUBTASKS, "subtask", self._subtasks, self._wordings)

@@ -23,6 +23,7 @@ from vcage.datasets.lerobot.episode import LeRobotEpisode, SubtaskSpan
 from vcage.datasets.lerobot.features import SUBTASK, agreed_info, features_of, video_key
 from vcage.datasets.lerobot.language import LANGUAGE, PERSISTENT, span_starts, with_language
 from vcage.datasets.lerobot.meta import INFO
+from vcage.datasets.lerobot.places import own_files
 from vcage.datasets.lerobot.statistics import Statistics, picture_statistics, vector_statistics
 
 CHUNK = 1000
@@ -223,12 +224,11 @@ def link_files(source: Path, target: Path, but: Collection[Path]) -> None:
         but: what is left out, relative to ``source``. Whatever is written to later belongs here, as a linked file
             would change in both places.
     """
-    for file in sorted(source.rglob("*")):
-        inside = file.relative_to(source)
-        if inside in but or not file.is_file():
+    for inside in own_files(source):
+        if inside in but:
             continue
         (target / inside).parent.mkdir(parents=True, exist_ok=True)
         try:
-            os.link(file.resolve(), target / inside)
+            os.link((source / inside).resolve(), target / inside)
         except OSError:  # another disk, or one that knows no links
-            shutil.copy2(file, target / inside)
+            shutil.copy2(source / inside, target / inside)

@@ -10,6 +10,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
+from vcage.base.folders import natural_key
 from vcage.base.memory import free_memory
 from vcage.base.progress import Progress, silent
 from vcage.base.workers import Processes, ThisProcess, cores
@@ -85,8 +86,8 @@ def workers_for(clips: Sequence[Clip], most: int | None = None) -> int:
 
 
 def cameras_of(clips: Iterable[Clip]) -> list[str]:
-    """Names of the cameras, sorted."""
-    return sorted({clip.camera for clip in clips})
+    """Names of the cameras, in natural order."""
+    return sorted({clip.camera for clip in clips}, key=natural_key)
 
 
 def stored_per_frame(clip: Clip) -> float:

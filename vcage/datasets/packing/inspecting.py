@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from vcage.base.errors import DamagedFile
+from vcage.base.folders import natural_key
 from vcage.datasets.packing.sources import sound_notes
 from vcage.datasets.recordings.opening import open_all
 from vcage.datasets.recordings.recording import RecordedCamera, Recording
@@ -86,7 +87,7 @@ def totals(found: Sequence[Inspected]) -> dict[str, Any]:
     return {
         "recordings": sum(one.recording is not None for one in found),
         "layouts": sorted({one.recording.LAYOUT for one in found if one.recording is not None}),
-        "cameras": sorted({camera.name for camera in cameras}),
+        "cameras": sorted({camera.name for camera in cameras}, key=natural_key),
         "frames": sum(camera.frames for camera in cameras),
         "raw_bytes": sum(camera.raw_bytes for camera in cameras),
         "stored_bytes": sum(camera.stored_bytes for camera in cameras),

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TypeVar
 
+from vcage.base.folders import natural_key
 from vcage.datasets.packing.settings import CompressionSettings
 from vcage.schema.base import Provenance
 from vcage.schema.compression import CameraCompression, Compression, Encoding, SetAside, VideoStream
@@ -32,7 +33,7 @@ def compression_record(
         notes: recording → what a user must know of it.
         packed, set_aside: of a run, see :class:`Compression`.
     """
-    cameras = sorted({stream.camera for stream in streams})
+    cameras = sorted({stream.camera for stream in streams}, key=natural_key)
     return Compression(
         provenance=provenance,
         encoding=_encoding(settings),

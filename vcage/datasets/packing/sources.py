@@ -8,8 +8,10 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
-from vcage.base.errors import DamagedFile, OutputFolderError, UnknownName, UsageError
+from vcage.base.errors import DamagedFile, OutputFolderError, OversizedFile, UnknownName, UsageError
 from vcage.base.files import sha256_file
+from vcage.base.folders import natural_key, require_utf8
+from vcage.base.memory import free_memory
 from vcage.datasets.packing.clips import Clip
 from vcage.datasets.packing.settings import CompressionSettings
 from vcage.datasets.recordings.opening import open_all
@@ -91,7 +93,7 @@ class Sources:
         """Name → cameras that it lacks and another has, of those that lack any."""
         cameras = {source.name: {camera.name for camera in source.recording.cameras} for source in self.sources}
         every = set().union(*cameras.values())
-        return {name: sorted(every - own) for name, own in cameras.items() if own != every}
+        return {name: sorted(every - own, key=natural_key) for name, own in cameras.items() if own != every}
 
     def without(self, name: str, complaint: str) -> Sources:
         """The same without a source that turned out to be damaged.
@@ -125,6 +127,7 @@ def find_sources(root: Path, settings: CompressionSettings, *, skip_damaged: boo
     complaints = {relative_name(path, root): error for path, error in opened.damaged.items()}
     sources: dict[str, SourceRecording] = {}
     taken: dict[str, Recording] = {}
+    memory = free_memory()
     for recording in opened.recordings:
         file, name = relative_name(recording.path, root), recording.name(root)
         for written in (file, name):
@@ -136,6 +139,7 @@ def find_sources(root: Path, settings: CompressionSettings, *, skip_damaged: boo
         try:
             notes = sound_notes(recording)
             _require_encodable(recording, settings)
+            _require_memory(recording, memory)
         except DamagedFile as error:
             complaints[name] = error
         else:
@@ -149,9 +153,12 @@ def require_apart(root: Path, out: Path) -> None:
     """Nothing, if neither the recordings at ``root`` lie in the output nor the output among the recordings.
 
     Raises:
-        OutputFolderError: one lies in the other.
+        OutputFolderError: one lies in the other, or the output's path is not UTF-8.
+        InputFileError: that of the recordings is not.
     """
     root, out = root.expanduser().resolve(), out.expanduser().resolve()
+    require_utf8(root)
+    require_utf8(out, OutputFolderError)
     if out == root or out in root.parents or root in out.parents:
         raise OutputFolderError(
             f"{out} and the recordings in {root} lie in one another",
@@ -181,6 +188,17 @@ def _require_encodable(recording: Recording, settings: CompressionSettings) -> N
             formats_for(settings.choices().settings(), camera.width, camera.height, settings.pixel_formats)
         except UsageError as error:
             raise UsageError(f"{recording}, {camera.name}: {error.message}", hint=error.hint) from error
+
+
+def _require_memory(recording: Recording, free: int) -> None:
+    """Raise OversizedFile where the pictures of a camera, which are all read at once, take more bytes than are free."""
+    for camera in recording.cameras:
+        if camera.raw_bytes > free > 0:
+            raise OversizedFile(
+                f"{recording}, {camera.key}: {camera.frames:,} pictures of {camera.width} x {camera.height} take "
+                f"{camera.raw_bytes:,} bytes; {free:,} bytes of memory are free",
+                hint="split the recording, or use a machine with more memory",
+            )
 
 
 def _refusal(complaints: dict[str, DamagedFile], left: int) -> DamagedFile:

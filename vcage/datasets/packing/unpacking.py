@@ -8,6 +8,7 @@ from typing import Literal
 
 from vcage.base.errors import InputFileError, OutputFolderError
 from vcage.base.files import atomic_folder
+from vcage.base.folders import files_below
 from vcage.base.progress import Progress, silent
 from vcage.datasets.packed import unpack
 from vcage.datasets.packing.sources import require_apart
@@ -63,7 +64,7 @@ def _require_replaceable(out: Path, names: Collection[Path], *, force: bool) -> 
         return
     if not out.is_dir():
         raise OutputFolderError(f"{out} is a file", hint="give another --out")
-    there = [path.relative_to(out) for path in sorted(out.rglob("*")) if not path.is_dir()]
+    there = [path.relative_to(out) for path in files_below(out)]
     foreign = [path for path in there if path not in names]
     if foreign:
         raise OutputFolderError(f"{out} holds {foreign[0]}, which is not written here", hint="give another --out")

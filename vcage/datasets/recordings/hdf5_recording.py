@@ -47,6 +47,9 @@ ENCODED = ("jpeg", "png")
 COLOURS = "jpeg_colours"
 """Attribute of files that say whether red and blue are ``swapped`` in their encoded pictures, or ``true``."""
 
+HALF_CHARACTER = re.compile("[\ud800-\udfff]")
+"""What h5py makes of bytes that are not UTF-8."""
+
 ATTRIBUTES = ("fps", "instruction", "task", "robot", "state_names", COLOURS)
 
 
@@ -163,6 +166,9 @@ class Hdf5Recording(Recording):
         """Those attributes of the file that are understood, if they are one number or text."""
         with self._file() as file:
             values = {name: file.attrs[name] for name in ATTRIBUTES if name in file.attrs}
+        for name, value in values.items():
+            if isinstance(value, str) and HALF_CHARACTER.search(value):
+                raise DamagedFile(f"{self.path}: the attribute {name} is not UTF-8", hint="write it again as UTF-8")
         return {name: value for name, value in values.items() if np.ndim(value) == 0}
 
     def _text(self, name: str) -> str | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from abc import abstractmethod
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
@@ -16,12 +17,15 @@ import pyarrow.compute as pc
 from numpy.typing import NDArray
 
 from vcage.base.errors import DamagedFile, UsageError
-from vcage.base.videos import decode
+from vcage.base.folders import natural_key, natural_path
+from vcage.base.placeholders import require_fetched
+from vcage.base.videos import decode, open_video
 from vcage.datasets.lerobot.episode import ACTION, STATE
 from vcage.datasets.lerobot.features import CAMERA, OF_SUBTASKS, number_names, other_columns, require_rgb, video_facts
 from vcage.datasets.lerobot.language import LANGUAGE
 from vcage.datasets.lerobot.meta import data_set_info, episode_rows
 from vcage.datasets.lerobot.parquet import MEND, read_table
+from vcage.datasets.lerobot.places import inside, own_file, own_files, placed
 from vcage.datasets.recordings.recording import Columns, RecordedCamera, Recording
 from vcage.datasets.stored_pictures import channels_of, decode_picture, stacked, storage_of
 
@@ -85,14 +89,14 @@ class LeRobotRecording(Recording):
     @cached_property
     def cameras(self) -> list[RecordedCamera]:
         keys = [key for key, feature in self._info["features"].items() if feature["dtype"] in ("video", "image")]
-        return sorted((self._camera(key) for key in keys), key=lambda camera: camera.name)
+        return sorted((self._camera(key) for key in keys), key=lambda camera: natural_key(camera.name))
 
     @property
     def files(self) -> list[Path]:
         """The data set's own description, and the episode's table and videos."""
-        described = sorted(path for path in (self.path / "meta").rglob("*") if path.is_file())
+        described = [self.path / file for file in own_files(self.path, Path("meta"))]
         videos = {self._clip(key).file for key, one in self._info["features"].items() if one["dtype"] == "video"}
-        return [*described, self._data_file, *sorted(videos)]
+        return [*described, self._data_file, *sorted(videos, key=natural_path)]
 
     def pictures(self, camera: str, indices: Sequence[int] | None = None) -> NDArray[np.uint8]:
         one = self.camera(camera)
@@ -150,7 +154,9 @@ class LeRobotRecording(Recording):
         data = value.get("bytes")
         if data is not None:
             return data
-        file = self.path / str(value["path"])
+        where = f"{self._data_file}: path"
+        file = own_file(self.path, inside(str(value.get("path") or ""), where), where)
+        require_fetched(file)
         try:
             return file.read_bytes()
         except OSError as error:
@@ -183,11 +189,14 @@ class LeRobotV21(LeRobotRecording):
         return _Clip(self._file("video_path", video_key=key), 0)
 
     def _video_bytes(self, key: str) -> int:
-        return _size(self._clip(key).file)
+        file = self._clip(key).file
+        _seconds(file)  # which shows that it is a video
+        return _size(file)
 
-    def _file(self, pattern: str, **names: str) -> Path:
+    def _file(self, pattern: str, **names: int | str) -> Path:
         chunk = self.number // int(self._info["chunks_size"])
-        return self.path / str(self._info[pattern]).format(episode_chunk=chunk, episode_index=self.number, **names)
+        names |= {"episode_chunk": chunk, "episode_index": self.number}
+        return placed(self.path, pattern, self._info[pattern], **names)
 
 
 class LeRobotV30(LeRobotRecording):
@@ -210,13 +219,16 @@ class LeRobotV30(LeRobotRecording):
 
     def _file(self, pattern: str, prefix: str, **names: str) -> Path:
         numbers = {name: int(self._said(f"{prefix}/{name}")) for name in ("chunk_index", "file_index")}
-        return self.path / str(self._info[pattern]).format(**numbers, **names)
+        return placed(self.path, pattern, self._info[pattern], **numbers, **names)
 
     def _said(self, name: str) -> Any:
         """What the list of episodes says of the episode."""
-        if self._row.get(name) is None:
-            raise DamagedFile(f"the list of episodes of {self.path} does not say {name} of {self.number}", hint=MEND)
-        return self._row[name]
+        value, listed = self._row.get(name), f"the list of episodes of {self.path}"
+        if value is None:
+            raise DamagedFile(f"{listed} does not say {name} of {self.number}", hint=MEND)
+        if not (isinstance(value, int | float) and math.isfinite(value)):
+            raise DamagedFile(f"{listed} says that {name} of {self.number} is {value!r}, not a number", hint=MEND)
+        return value
 
 
 class LeRobotV31(LeRobotV30):
@@ -252,8 +264,6 @@ def _size(file: Path) -> int:
 
 
 def _seconds(file: Path) -> float:
-    try:
-        with av.open(str(file)) as container:
-            return float(container.duration or 0) / av.time_base
-    except av.error.FFmpegError as error:
-        raise DamagedFile(f"{file} is no video: {error}", hint=MEND) from error
+    _size(file)
+    with open_video(file) as container:
+        return float(container.duration or 0) / av.time_base

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from vcage.base.errors import DamagedFile, InputFileError
-from vcage.base.folders import entries, files_below
+from vcage.base.folders import entries, files_below, require_utf8
 from vcage.datasets.hdf5_contents import walk
 from vcage.datasets.hdf5_files import damage, open_hdf5_file
 from vcage.datasets.lerobot.meta import INFO
@@ -72,6 +72,7 @@ def open_all(path: Path) -> Opened:
         DamagedFile: the file is damaged, or in no layout that is known; or what describes the data set is.
     """
     path = Path(path)
+    require_utf8(path)
     if path.is_file():
         return Opened(_recordings_in(path), {})
     if not path.is_dir():
@@ -103,7 +104,10 @@ def open_hdf5(path: Path) -> Hdf5Recording:
 
 def hdf5_files(folder: Path) -> list[Path]:
     """All HDF5 files below a folder, in natural order; see :func:`vcage.base.folders.files_below`."""
-    return [file for file in files_below(folder) if file.suffix in SUFFIXES]
+    files = [file for file in files_below(folder) if file.suffix in SUFFIXES]
+    for file in files:
+        require_utf8(file)
+    return files
 
 
 def _open_files(files: Sequence[Path]) -> Opened:

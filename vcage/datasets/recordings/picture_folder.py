@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from vcage.base.errors import DamagedFile
-from vcage.base.folders import entries
+from vcage.base.folders import entries, require_utf8
 from vcage.base.placeholders import require_fetched
 from vcage.datasets.recordings.recording import Columns, RecordedCamera, Recording
 from vcage.datasets.stored_pictures import channels_of, decode_picture, stacked, storage_of
@@ -57,6 +57,7 @@ class PictureFolder(Recording):
 
     def _camera(self, name: str, files: list[Path]) -> RecordedCamera:
         for file in files:
+            require_utf8(file)
             require_fetched(file)
         first = files[0].read_bytes()
         height, width = decode_picture(first, str(files[0])).shape[:2]

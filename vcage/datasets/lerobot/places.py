@@ -1,0 +1,132 @@
+"""Where the files of a LeRobot data set are: always in its own folder, whatever its description says.
+
+Links in the folder are followed to what lies in it, to the store of the tool that fetched it (the cache of Hugging
+Face, git-annex), and from a file of the format to another of that kind, as where videos lie on another disk. A link
+that leads anywhere else is refused: a data set from elsewhere could name any file by it.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from vcage.base.errors import DamagedFile
+from vcage.base.folders import files_below, is_hidden
+from vcage.base.placeholders import require_fetched
+from vcage.datasets.lerobot.parquet import MEND
+
+INFO = Path("meta/info.json")
+
+FIELD = re.compile(r"\{(\w+)(?::([^{}]{1,4}))?\}")
+"""A field of a pattern of paths, and how it is written, as in ``{episode_index:06d}``."""
+
+SUFFIXES = (".parquet", ".mp4", ".png", ".jpg", ".jpeg")
+DESCRIPTIONS = (
+    *("info.json", "stats.json", "modality.json", "episodes.jsonl", "episodes_stats.jsonl"),
+    *("tasks.jsonl", "subtasks.jsonl"),
+)
+"""Suffixes and names of the format's own files; links may lead to files of the same outside the data set."""
+
+OF_THE_REPOSITORY = Path(".gitattributes")
+"""The one hidden file that is a data set's own: it says how the hub stores the others."""
+
+
+def placed(root: Path, field: str, pattern: Any, **names: int | str) -> Path:
+    """A file of a data set where a pattern of its description puts it.
+
+    Args:
+        root: folder of the data set.
+        field: what the pattern is called there, for messages.
+        pattern: with fields in braces.
+        names: value of each field.
+
+    Raises:
+        DamagedFile: the pattern leads out of the folder, or has fields that are not known; names file and field.
+    """
+    where = f"{root / INFO}: {field}"
+    return own_file(root, inside(_filled(pattern, where, names), where), where)
+
+
+def _filled(pattern: Any, where: str, names: Mapping[str, int | str]) -> str:
+    """A pattern with values in place of its fields, which are written as integers or texts and nothing else."""
+    if not isinstance(pattern, str):
+        raise DamagedFile(f"{where} is {pattern!r}, not a pattern of paths", hint=MEND)
+    try:
+        text = FIELD.sub(lambda match: format(names[match[1]], match[2] or ""), pattern)
+    except (KeyError, ValueError, TypeError) as error:
+        raise DamagedFile(f"{where} is {pattern!r}, which cannot be filled in: {error}", hint=MEND) from error
+    if "{" in text or "}" in text:
+        raise DamagedFile(f"{where} is {pattern!r}, which has a field that is not known", hint=MEND)
+    return text
+
+
+def inside(path: str, where: str) -> Path:
+    """A path that stays in the data set that names it.
+
+    Args:
+        path: relative to the data set.
+        where: file and field that name it, for the message.
+
+    Raises:
+        DamagedFile: it does not.
+    """
+    found = Path(path)
+    if found.is_absolute() or ".." in found.parts or "\0" in path or not found.parts:
+        raise DamagedFile(f"{where} names the path {path!r}, which is not inside the data set", hint=MEND)
+    return found
+
+
+def own_file(root: Path, file: Path, where: str = "") -> Path:
+    """The whole path of a file of a data set, which need not be there.
+
+    Args:
+        root: folder of the data set.
+        file: relative to it.
+        where: file and field that name it, for the message.
+
+    Raises:
+        DamagedFile: a link leads out of the data set.
+    """
+    path, home = root / file, root.resolve()
+    try:
+        real = path.resolve()
+    except (OSError, RuntimeError) as error:  # a link to itself
+        raise DamagedFile(f"{path} cannot be followed: {error}", hint="mend the link, or remove it") from error
+    alike = real.suffix == file.suffix and (file.suffix in SUFFIXES or real.name == file.name in DESCRIPTIONS)
+    if alike or any(real.is_relative_to(folder) for folder in (home, *_stores(home))):
+        return path
+    raise DamagedFile(
+        f"{path}{f', which {where} names,' * bool(where)} is a link to {real}, outside the data set",
+        hint="put the file itself there, or remove the link",
+    )
+
+
+def _stores(home: Path) -> list[Path]:
+    """Where tools keep the content of files of a data set that they fetched, and link to it."""
+    around = (home, *home.parents)
+    return [folder.parent / "blobs" for folder in around if folder.name == "snapshots"] + [
+        folder / ".git/annex/objects" for folder in around
+    ]
+
+
+def own_files(root: Path, below: Path = Path()) -> list[Path]:
+    """All files of a data set, or of a folder of it, relative to it in natural order; hidden ones are not its own.
+
+    Raises:
+        DamagedFile: a link leads out of the data set or to nothing, or a file was not fetched.
+    """
+    if not (root / below).is_dir():
+        return []
+    files = [path.relative_to(root) for path in files_below(root / below, repeated=True)]
+    if below == Path() and (root / OF_THE_REPOSITORY).is_file():
+        files.append(OF_THE_REPOSITORY)
+    for file in files:
+        require_fetched(own_file(root, file))
+    return files
+
+
+def is_own(file: Path) -> bool:
+    """Whether no part of a path is a hidden name."""
+    return not any(map(is_hidden, file.parts))
