@@ -7,17 +7,17 @@ from pathlib import Path
 
 from vcage.base.errors import DamagedFile
 
-_LFS = ("a Git LFS pointer; the file itself was not fetched", "run `git lfs pull` in its repository")
-_ANNEX = ("a git-annex pointer; the file itself was not fetched", "run `git annex get` on it")
+_LFS = "a Git LFS pointer, not the file itself, which `git lfs pull` fetches"
+_ANNEX = "a git-annex pointer, not the file itself, which `git annex get` fetches"
 
 PLACEHOLDERS = {
     b"version https://git-lfs.github.com/spec/": _LFS,
     b"version https://hawser.github.com/spec/": _LFS,
     b"/annex/objects/": _ANNEX,
-    b"# xet version ": ("a Xet pointer; the file itself was not fetched", "run `git xet checkout` in its repository"),
-    b"\x00\x05\x16\x07": ("an AppleDouble file, in which macOS keeps attributes of another", "remove it"),
+    b"# xet version ": "a Xet pointer, not the file itself, which `git xet checkout` fetches",
+    b"\x00\x05\x16\x07": "an AppleDouble file, in which macOS keeps what belongs to another file",
 }
-"""First bytes of a file → what it is, and the way out."""
+"""First bytes of a file → what it is."""
 
 
 def require_fetched(path: Path) -> None:
@@ -41,16 +41,15 @@ def require_fetched(path: Path) -> None:
             head = handle.read(64)
     except OSError as error:
         raise DamagedFile(f"{path} cannot be read: {error.strerror}", hint="make it readable") from error
-    for magic, (what, way_out) in PLACEHOLDERS.items():
+    for magic, what in PLACEHOLDERS.items():
         if head.startswith(magic):
-            raise DamagedFile(f"{path} is {what}", hint=way_out)
+            raise DamagedFile(f"{path} is {what}", hint="fetch the file itself, or remove this one")
 
 
 def _dangling(path: Path) -> DamagedFile:
-    target = str(path.readlink())
-    hint = "mend the link, or remove it"
+    target, fetched = str(path.readlink()), ""
     if ".git/annex/" in target:
-        hint = _ANNEX[1]
+        fetched = ": `git annex get` fetches it"
     elif "/blobs/" in target:
-        hint = "fetch the data set again with `hf download`"
-    return DamagedFile(f"{path} is a link to {target}, which is not there", hint=hint)
+        fetched = ": `hf download` fetches it"
+    return DamagedFile(f"{path} is a link to {target}, which is not there{fetched}", hint="mend the link, or remove it")

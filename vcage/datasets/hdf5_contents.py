@@ -56,6 +56,23 @@ def address(one: h5py.HLObject) -> int:
     return int(h5o.get_info(one.id).addr)
 
 
+def encoded_name(owner: h5py.HLObject, name: str | bytes) -> bytes:
+    """A name in a group, or of an attribute, as HDF5 takes it.
+
+    Raises:
+        DamagedFile: it is not UTF-8, and so cannot be written into records.
+    """
+    try:
+        if isinstance(name, str):  # bytes are what h5py cannot decode
+            return name.encode()
+    except UnicodeEncodeError:
+        pass
+    raise DamagedFile(
+        f"{owner.file.filename}:{owner.name} holds the name {name!r}, which is not UTF-8",
+        hint="rename it, or leave the file out",
+    )
+
+
 # --- nothing from elsewhere ----------------------------------------------------------------------------
 
 
@@ -101,8 +118,8 @@ class _Survey:
     def _objects(self, group: h5py.Group) -> Iterator[h5py.HLObject]:
         """Those with a name of their own in a group."""
         for name in group:
+            kind = group.id.links.get_info(encoded_name(group, name)).type
             path = f"{group.name.rstrip('/')}/{name}"
-            kind = group.id.links.get_info(self._encoded(name)).type
             if kind == h5l.TYPE_HARD:
                 yield group[name]
             elif kind == h5l.TYPE_SOFT:
@@ -112,14 +129,6 @@ class _Survey:
                 raise self._refused(path, f"is an external link to {link.path} of the file {link.filename}")
             else:
                 raise self._refused(path, f"is a link of the user-defined kind {kind}")
-
-    def _encoded(self, name: str) -> bytes:
-        try:
-            return name.encode()
-        except UnicodeEncodeError as error:
-            raise DamagedFile(
-                f"{self.file.filename} holds the name {name!r}, which is not UTF-8", hint="rename it, or leave it out"
-            ) from error
 
     def _look_at(self, dataset: h5py.Dataset) -> None:
         properties = dataset.id.get_create_plist()

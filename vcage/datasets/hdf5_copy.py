@@ -13,7 +13,7 @@ import h5py
 import numpy as np
 from h5py import h5a, h5o, h5p, h5r, h5t  # pyrefly: ignore[missing-module-attribute]  the stubs lack h5o
 
-from vcage.datasets.hdf5_contents import address, require_numbers_fit
+from vcage.datasets.hdf5_contents import address, encoded_name, require_numbers_fit
 
 Replacement = Callable[[h5py.Dataset, h5py.Group, str], None]
 """Called with a dataset of the source, and the group and the name that take what stands for it."""
@@ -45,8 +45,12 @@ def copy_attributes(source: h5py.HLObject, target: h5py.HLObject, *, leave: str 
         source: what has them.
         target: what gets them.
         leave: how the names of those begin that are not copied.
+
+    Raises:
+        DamagedFile: a name is not UTF-8.
     """
     for name in source.attrs:
+        encoded_name(source, name)
         if not (leave and name.startswith(leave)):
             _copy_attribute(source, target, name)
 

@@ -257,6 +257,7 @@ def _picture_size(shape: Sequence[int]) -> tuple[int, int]:
 
 
 def _size(file: Path) -> int:
+    require_fetched(file)
     try:
         return file.stat().st_size
     except OSError as error:
