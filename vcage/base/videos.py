@@ -6,7 +6,6 @@ random-access point some are shown before it, and cannot be decoded from there.
 
 from __future__ import annotations
 
-import io
 from bisect import bisect_right
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -21,28 +20,8 @@ import numpy as np
 from av.video.reformatter import VideoReformatter
 from numpy.typing import NDArray
 
-from vcage.base.errors import DamagedFile, OversizedFile, UsageError
-from vcage.base.pictures import LIMITS as PICTURE_LIMITS
-from vcage.base.placeholders import require_fetched
-
-
-@dataclass(frozen=True)
-class VideoLimits:
-    """The largest video that is read.
-
-    Args:
-        max_pixels: of a frame: width times height.
-        max_frames: 92 hours at 30 frames per second.
-    """
-
-    max_pixels: int = PICTURE_LIMITS.max_pixels
-    max_frames: int = 10_000_000
-
-
-LIMITS = VideoLimits()
-
-CONTAINERS = ",".join(("mov", "mp4", "m4a", "3gp", "3g2", "mj2", "matroska", "webm", "avi", "mpegts"))
-"""FFmpeg's formats that hold their own pictures; playlists, which it knows too, name other files."""
+from vcage.base.errors import DamagedFile, UsageError
+from vcage.base.video_files import MEND, open_video, video_name
 
 WORTH_A_SEEK = 8
 """Frames that a seek must spare: it costs the decoder about as much (flushed, and its threads filled again)."""
@@ -52,8 +31,6 @@ LONG = 16
 
 KEPT = 8
 """Files whose tables of frames are kept; one of 100,000 frames takes 10 MB."""
-
-MEND = "make it again (in a run, by its stage compress), or fetch it again"
 
 
 def decode(video: bytes | Path, indices: Sequence[int] | None = None) -> NDArray[np.uint8]:
@@ -76,7 +53,7 @@ def decode(video: bytes | Path, indices: Sequence[int] | None = None) -> NDArray
     wanted = sorted(set(indices))
     for index in wanted[:1] + wanted[-1:]:
         if not 0 <= index < len(table.times):
-            raise UsageError(f"{_name(video)} has {len(table.times)} frames, frame {index} was asked for")
+            raise UsageError(f"{video_name(video)} has {len(table.times)} frames, frame {index} was asked for")
     runs = table.runs(wanted)
     with _opened(video) as source:
         source.decode_ahead(sum(run.length for run in runs) >= LONG)
@@ -317,41 +294,4 @@ class _Source:
 @contextmanager
 def _opened(video: bytes | Path) -> Iterator[_Source]:
     with open_video(video) as container:
-        yield _Source(_name(video), container)
-
-
-@contextmanager
-def open_video(video: bytes | Path) -> Iterator[Any]:
-    """PyAV's container of a file with a video stream, in a format that holds its own pictures.
-
-    Raises:
-        DamagedFile: it is no such file, or what is done with it shows that it is damaged.
-        OversizedFile: its frames are too large, or too many.
-    """
-    source: Any = io.BytesIO(video) if isinstance(video, bytes) else str(video.absolute())
-    if isinstance(video, Path):
-        require_fetched(video)
-    try:
-        with av.open(source, options={"format_whitelist": CONTAINERS}) as container:
-            if not container.streams.video:
-                raise DamagedFile(f"{_name(video)} holds no video stream", hint=MEND)
-            _require_modest(container.streams.video[0], _name(video), LIMITS)
-            yield container
-    except av.error.FFmpegError as error:
-        raise DamagedFile(f"{_name(video)} cannot be decoded: {error}", hint=MEND) from error
-
-
-def _require_modest(stream: Any, name: str, limits: VideoLimits) -> None:
-    context = stream.codec_context
-    context.options = {"max_pixels": str(limits.max_pixels)}  # frames may be larger than the header says
-    if context.width * context.height > limits.max_pixels or stream.frames > limits.max_frames:
-        raise OversizedFile(
-            f"{name} is too large: it declares {stream.frames:,} frames of {context.width} x {context.height}; at most "
-            f"{limits.max_frames:,} frames of {limits.max_pixels:,} pixels are read",
-            hint="scale it down or split it, or leave the recording out",
-            details={"path": name, "frames": stream.frames, "width": context.width, "height": context.height},
-        )
-
-
-def _name(video: bytes | Path) -> str:
-    return "the video" if isinstance(video, bytes) else str(video)
+        yield _Source(video_name(video), container)

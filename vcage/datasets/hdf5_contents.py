@@ -1,4 +1,4 @@
-"""What an HDF5 file of others may hold: its own data alone, and no more than fits in memory.
+"""What an HDF5 file of others may hold: its own data alone.
 
 HDF5 can take data from elsewhere in several ways: external storage of a dataset, virtual datasets, external links, and
 links of kinds that programs define. A file that uses one is refused, so that none brings the content of other files
@@ -12,43 +12,16 @@ from collections.abc import Collection, Iterator
 from dataclasses import dataclass, field
 
 import h5py
-import numpy as np
-from h5py import h5d, h5l, h5o, h5r, h5t, h5z  # pyrefly: ignore[missing-module-attribute]  the stubs lack h5o
+from h5py import h5d, h5l, h5o, h5r, h5t  # pyrefly: ignore[missing-module-attribute]  the stubs lack h5o
 
 from vcage.base.errors import DamagedFile, OversizedFile
 from vcage.base.folders import natural_key
-
-
-@dataclass(frozen=True)
-class Hdf5Limits:
-    """The most that is read of a file.
-
-    Args:
-        max_number_bytes: of a dataset of numbers, which is read whole.
-        max_chunk_bytes: of a chunk as it is in memory; one is unpacked to read any part of it.
-        max_picture_bytes: of one picture, encoded or as an array; 50 megapixels with 8 bytes each.
-        max_frames: of a recording; 92 hours at 30 frames per second.
-        max_links: names in the groups of a file.
-        max_depth: groups in one another.
-    """
-
-    max_number_bytes: int = 2**30
-    max_chunk_bytes: int = 2**30
-    max_picture_bytes: int = 400_000_000
-    max_frames: int = 10_000_000
-    max_links: int = 1_000_000
-    max_depth: int = 64
-
-
-LIMITS = Hdf5Limits()
+from vcage.datasets.hdf5_limits import LIMITS, Hdf5Limits
 
 OWN = "."
 """How a virtual dataset names the file that it lies in."""
 
 COPY = "copy the data into the file itself (h5repack, or h5py), or leave it out"
-
-FILTERS = {32001: "Blosc", 32004: "LZ4", 32008: "Bitshuffle", 32015: "Zstandard", 32026: "Blosc2"}
-"""Filters that are common and not part of HDF5, by number."""
 
 
 def address(one: h5py.HLObject) -> int:
@@ -71,6 +44,17 @@ def encoded_name(owner: h5py.HLObject, name: str | bytes) -> bytes:
         f"{owner.file.filename}:{owner.name} holds the name {name!r}, which is not UTF-8",
         hint="rename it, or leave the file out",
     )
+
+
+def require_utf8_text(owner: h5py.HLObject, name: str, value: object) -> None:
+    """Raise DamagedFile where an attribute is text that is not UTF-8; other values pass."""
+    try:
+        if isinstance(value, str):
+            value.encode()
+    except UnicodeEncodeError as error:
+        raise DamagedFile(
+            f"{owner.file.filename}:{owner.name}: the attribute {name} is not UTF-8", hint="write it again as UTF-8"
+        ) from error
 
 
 # --- nothing from elsewhere ----------------------------------------------------------------------------
@@ -260,65 +244,3 @@ def _by_soft_link(part: h5py.Group, key: str) -> bool:
 def _by_hard_link(dataset: h5py.Dataset) -> h5py.Dataset:
     """The same under a name without soft links."""
     return dataset.file[h5r.get_name(dataset.ref, dataset.id)]
-
-
-# --- what is too large ---------------------------------------------------------------------------------
-
-
-def require_readable(dataset: h5py.Dataset, limits: Hdf5Limits = LIMITS) -> None:
-    """Nothing, if a part of a dataset can be read: its filters are known, and a chunk of it fits in memory.
-
-    Raises:
-        DamagedFile: a filter is missing.
-        OversizedFile: its chunks are too large.
-    """
-    if dataset.chunks is not None:
-        size = int(np.prod(dataset.chunks, dtype=object)) * dataset.dtype.itemsize
-        _require_at_most(dataset, size, limits.max_chunk_bytes, "a chunk of it has", "bytes")
-    properties = dataset.id.get_create_plist()
-    for index in range(properties.get_nfilters()):
-        number, _, _, name = properties.get_filter(index)
-        if not h5z.filter_avail(number):
-            named = FILTERS.get(number) or name.decode(errors="replace") or "unknown"
-            raise DamagedFile(
-                f"{_named(dataset)} is compressed by the filter {number} ({named}), which HDF5 does not have here",
-                hint="repack it with gzip: h5repack -f GZIP=1 IN OUT, where the filter is installed",
-            )
-
-
-def require_numbers_fit(dataset: h5py.Dataset, limits: Hdf5Limits = LIMITS) -> None:
-    """Nothing, if a dataset can be read whole.
-
-    Raises:
-        DamagedFile, OversizedFile: see :func:`require_readable`; or it declares too many numbers.
-    """
-    require_readable(dataset, limits)
-    size = int(np.prod(dataset.shape, dtype=object)) * dataset.dtype.itemsize if dataset.shape else 0
-    _require_at_most(dataset, size, limits.max_number_bytes, f"it declares {dataset.shape},", "bytes")
-
-
-def require_pictures_fit(dataset: h5py.Dataset, limits: Hdf5Limits = LIMITS) -> None:
-    """Nothing, if any picture of a dataset can be read; encoded ones are looked at when they are decoded.
-
-    Raises:
-        DamagedFile, OversizedFile: see :func:`require_readable`; or it declares too many, or too large ones.
-    """
-    if not dataset.shape:
-        return
-    require_readable(dataset, limits)
-    _require_at_most(dataset, dataset.shape[0], limits.max_frames, "it declares", "pictures")
-    size = int(np.prod(dataset.shape[1:], dtype=object)) * dataset.dtype.itemsize
-    _require_at_most(dataset, size, limits.max_picture_bytes, f"it declares {dataset.shape}, a picture has", "bytes")
-
-
-def _require_at_most(dataset: h5py.Dataset, found: int, most: int, what: str, unit: str) -> None:
-    if found > most:
-        raise OversizedFile(
-            f"{_named(dataset)} is too large: {what} {found:,} {unit}; at most {most:,} are read",
-            hint="split the recording, or leave it out",
-            details={"path": dataset.file.filename, "dataset": dataset.name, "found": found, "most": most},
-        )
-
-
-def _named(dataset: h5py.Dataset) -> str:
-    return f"{dataset.file.filename}:{dataset.name}"

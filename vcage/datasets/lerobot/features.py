@@ -12,7 +12,8 @@ import numpy as np
 
 from vcage.base.errors import DamagedFile, UsageError
 from vcage.base.folders import natural_key
-from vcage.base.videos import frame_times, open_video
+from vcage.base.video_files import open_video
+from vcage.base.videos import frame_times
 from vcage.datasets.lerobot.episode import ACTION, STATE, LeRobotEpisode
 from vcage.datasets.lerobot.language import FEATURE, LANGUAGE
 from vcage.schema.compression import VideoStream

@@ -22,8 +22,9 @@ from numpy.typing import NDArray
 from vcage.base.errors import DamagedFile
 from vcage.base.folders import natural_key, natural_path
 from vcage.base.videos import codec_name, decode, frame_rate
-from vcage.datasets.hdf5_contents import datasets_in, require_numbers_fit, require_pictures_fit
+from vcage.datasets.hdf5_contents import datasets_in, require_utf8_text
 from vcage.datasets.hdf5_files import damage, open_hdf5_file
+from vcage.datasets.hdf5_limits import require_numbers_fit, require_pictures_fit
 from vcage.datasets.picture_links import Link, find_links, read_link
 from vcage.datasets.recordings.recording import HDF5, Columns, RecordedCamera, Recording
 from vcage.datasets.stored_pictures import (
@@ -46,9 +47,6 @@ ENCODED = ("jpeg", "png")
 
 COLOURS = "jpeg_colours"
 """Attribute of files that say whether red and blue are ``swapped`` in their encoded pictures, or ``true``."""
-
-HALF_CHARACTER = re.compile("[\ud800-\udfff]")
-"""What h5py makes of bytes that are not UTF-8."""
 
 ATTRIBUTES = ("fps", "instruction", "task", "robot", "state_names", COLOURS)
 
@@ -166,9 +164,8 @@ class Hdf5Recording(Recording):
         """Those attributes of the file that are understood, if they are one number or text."""
         with self._file() as file:
             values = {name: file.attrs[name] for name in ATTRIBUTES if name in file.attrs}
-        for name, value in values.items():
-            if isinstance(value, str) and HALF_CHARACTER.search(value):
-                raise DamagedFile(f"{self.path}: the attribute {name} is not UTF-8", hint="write it again as UTF-8")
+            for name, value in values.items():
+                require_utf8_text(file, name, value)
         return {name: value for name, value in values.items() if np.ndim(value) == 0}
 
     def _text(self, name: str) -> str | None:

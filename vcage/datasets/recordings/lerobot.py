@@ -19,7 +19,8 @@ from numpy.typing import NDArray
 from vcage.base.errors import DamagedFile, UsageError
 from vcage.base.folders import natural_key, natural_path
 from vcage.base.placeholders import require_fetched
-from vcage.base.videos import decode, open_video
+from vcage.base.video_files import open_video
+from vcage.base.videos import decode
 from vcage.datasets.lerobot.episode import ACTION, STATE
 from vcage.datasets.lerobot.features import CAMERA, OF_SUBTASKS, number_names, other_columns, require_rgb, video_facts
 from vcage.datasets.lerobot.language import LANGUAGE

@@ -12,6 +12,7 @@ import trimesh
 from PIL import Image
 
 from vcage.base.errors import DamagedFile
+from vcage.base.placeholders import require_fetched
 from vcage.objects.modelling.parts import Part, paint
 
 GREY = (178, 178, 178)
@@ -33,6 +34,7 @@ def load_surfaces(path: Path) -> list[trimesh.Trimesh]:
     Raises:
         DamagedFile: it is not a mesh that can be read, or holds no triangle.
     """
+    require_fetched(path)
     try:
         scene = trimesh.load_scene(path, process=False)
         meshes = [_placed(scene, node) for node in scene.graph.nodes_geometry]

@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from vcage.base.errors import DamagedFile, InputFileError, SchemaMismatch
+from vcage.base.placeholders import require_fetched
 from vcage.base.reading import read_json
 from vcage.objects.importers.robotwin_texts import TEXTS, description, point_texts
 
@@ -115,6 +116,7 @@ def read_object(path: Path) -> dict[str, Any]:
     Raises:
         DamagedFile: it cannot be read, or holds something else.
     """
+    require_fetched(path)
     try:
         data = read_json(path, nan=True)  # a point of NaN is left out by itself
     except InputFileError as error:
