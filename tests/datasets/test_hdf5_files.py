@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import fcntl
+import shutil
 import subprocess
 import sys
+from pathlib import Path
 
 import h5py
 import numpy as np
@@ -11,8 +14,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from vcage.base.errors import OutputFolderError
-from vcage.datasets.hdf5_files import new_hdf5, spooled
+from vcage.base.errors import DamagedFile, FileInUse, OutputFolderError
+from vcage.datasets.hdf5_files import new_hdf5, open_hdf5_file, spooled
 
 
 def fill(file: h5py.File) -> None:
@@ -98,3 +101,60 @@ def test_nothing_is_left_in_the_folder(tmp_path):
     with spooled([b"piece"], tmp_path):
         assert list(tmp_path.iterdir()) == []
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.fixture
+def recorded(tmp_path):
+    path = tmp_path / "file.hdf5"
+    with h5py.File(path, "w") as file:
+        file["numbers"] = np.arange(1000.0)
+    return path
+
+
+def test_a_file_that_its_writer_has_open_is_busy_and_not_damaged(recorded):
+    with open(recorded, "rb") as handle:
+        fcntl.flock(handle, fcntl.LOCK_EX)
+        with pytest.raises(FileInUse, match=r"file\.hdf5 is open for writing in another process") as caught:
+            open_hdf5_file(recorded)
+    assert caught.value.exit_code == 6
+    assert caught.value.retryable
+    open_hdf5_file(recorded).close()
+
+
+def as_it_is_written(path: Path, copy: Path, *, shared: bool) -> Path:
+    """A copy of a file while its writer has it open, for others to read or not."""
+    with h5py.File(path, "w", libver="latest") as file:
+        file.create_dataset("numbers", (4,), np.float64, maxshape=(None,), chunks=(4,))
+        if shared:
+            file.swmr_mode = True
+        file.flush()
+        return Path(shutil.copy(path, copy))
+
+
+def test_a_file_that_others_may_read_while_it_is_written_is_busy(tmp_path):
+    copy = as_it_is_written(tmp_path / "file.hdf5", tmp_path / "copy.hdf5", shared=True)
+    with pytest.raises(FileInUse, match="SWMR"):
+        open_hdf5_file(copy)
+
+
+def test_a_file_that_its_writer_never_closed_is_damaged_and_can_be_cleared(tmp_path):
+    copy = as_it_is_written(tmp_path / "file.hdf5", tmp_path / "copy.hdf5", shared=False)
+    with pytest.raises(DamagedFile, match="damaged: it was not closed by the program that wrote it") as caught:
+        open_hdf5_file(copy)
+    assert "h5clear -s" in caught.value.hint
+
+
+@pytest.mark.parametrize("left", [0, 0.5])
+def test_a_file_that_is_cut_off_is_damaged(recorded, left):
+    data = recorded.read_bytes()
+    recorded.write_bytes(data[: int(left * len(data))])
+    with pytest.raises(DamagedFile, match=r"file\.hdf5 is damaged"):
+        open_hdf5_file(recorded)
+
+
+def test_a_file_that_changed_is_looked_at_again(recorded, tmp_path):
+    open_hdf5_file(recorded).close()
+    with h5py.File(recorded, "r+") as file:
+        file["outside"] = h5py.ExternalLink("other.hdf5", "/")
+    with pytest.raises(DamagedFile, match="external link"):
+        open_hdf5_file(recorded)

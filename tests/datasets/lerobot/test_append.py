@@ -331,3 +331,17 @@ def test_files_are_numbered_on_where_lerobot_put_several_episodes_into_one(lerob
     pq.write_table(table, path)
     write("lerobot-v3.0", lerobots, [four[2]], append=True)
     assert (lerobots / f"videos/{KEY}/chunk-000/file-008.mp4").read_bytes() == four[2].videos[CAMERAS[0]].read_bytes()
+
+
+def test_hidden_files_do_not_go_into_a_data_set_that_is_added_to(version, begun, four):
+    for file in [path for path in begun.rglob("*.parquet") if path.is_file()]:
+        file.with_name(f"._{file.name}").write_bytes(b"\0\5\26\7")
+    (begun / ".DS_Store").touch()
+    write(version, begun, four[2:], append=True)
+    assert not [path for path in begun.rglob("*") if path.name.startswith(".")]
+
+
+def test_a_folder_with_hidden_files_alone_takes_a_new_data_set(version, four, tmp_path):
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out/.DS_Store").touch()
+    assert (write(version, tmp_path / "out", four[:1]) / "meta/info.json").is_file()

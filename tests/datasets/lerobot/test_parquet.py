@@ -9,9 +9,9 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
-from vcage.base.errors import DamagedFile
+from vcage.base.errors import DamagedFile, OversizedFile
 from vcage.datasets.lerobot import parquet
-from vcage.datasets.lerobot.parquet import ParquetSeries, read_batches, read_table, rewrite, texts_of
+from vcage.datasets.lerobot.parquet import ParquetLimits, ParquetSeries, read_batches, read_table, rewrite, texts_of
 
 PATTERN = "chunk-{chunk_index:03d}/file-{file_index:03d}.parquet"
 
@@ -168,3 +168,12 @@ def test_rows_that_are_damaged_are_named(source, tmp_path):
     source.write_bytes(data)
     with pytest.raises(DamagedFile, match=r"source\.parquet cannot be read"):
         rewrite(source, tmp_path / "target.parquet")
+
+
+@pytest.mark.parametrize("limits", [ParquetLimits(max_rows=3), ParquetLimits(max_values=3), ParquetLimits(max_bytes=3)])
+def test_a_table_that_declares_too_much_is_refused_before_it_is_read(tmp_path, monkeypatch, limits):
+    pq.write_table(pa.table({"action": range(4), "other": range(4)}), tmp_path / "a.parquet")
+    monkeypatch.setattr(parquet, "LIMITS", limits)
+    monkeypatch.setattr(pq, "read_table", lambda *_, **__: pytest.fail("read"))
+    with pytest.raises(OversizedFile, match=r"a\.parquet is too large: it declares"):
+        read_table(tmp_path / "a.parquet", ["action"])

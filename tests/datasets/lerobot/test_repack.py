@@ -425,3 +425,27 @@ def test_a_full_disk_leaves_nothing(source, films, tmp_path, monkeypatch):
     with pytest.raises(DiskFull):
         repack(source, tmp_path / "out", films, ENCODINGS)
     assert [path.name for path in tmp_path.iterdir()] == ["source"]
+
+
+def test_a_link_to_a_file_outside_is_not_copied_into_what_is_written(source, tmp_path):
+    (tmp_path / "secret.txt").write_text("secret")
+    (source / "meta/notes.txt").symlink_to(tmp_path / "secret.txt")
+    with pytest.raises(DamagedFile, match=r"notes\.txt is a link to .*secret\.txt, outside the data set"):
+        repack(source, tmp_path / "out", {}, {})
+    assert not (tmp_path / "out").exists()
+
+
+def test_hidden_files_of_other_systems_are_not_copied(source, tmp_path):
+    for name in ("._README.md", ".DS_Store", "meta/._info.json", "data/.ipynb_checkpoints/a.parquet"):
+        (source / name).parent.mkdir(exist_ok=True)
+        (source / name).write_text(name)
+    out = repack(source, tmp_path / "out", {}, {})
+    hidden = [path.name for path in out.rglob("*") if path.name.startswith(".")]
+    assert hidden == [".gitattributes"]
+
+
+@pytest.mark.parametrize("path", ["/etc/hostname", "../../frame.png"])
+def test_a_picture_file_outside_the_data_set_is_refused_by_the_table_that_names_it(source, path):
+    put_pictures(source, lambda index, frame, png: {"bytes": None, "path": path})
+    with pytest.raises(DamagedFile, match=rf"\.parquet: path names the path '{path}'"):
+        _ = open_recordings(source)[0].cameras

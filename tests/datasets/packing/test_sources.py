@@ -1,13 +1,16 @@
 from __future__ import annotations
 
+import os
+
 import h5py
 import numpy as np
 import pytest
 
 from tests.datasets.packing.orders import FPS, act_folder, add_camera, filled, packed, settings
 from tests.datasets.recordings.layouts import FRAMES, HEIGHT, WIDTH, act, rooms
-from vcage.base.errors import DamagedFile, InputFileError, UnknownName, UsageError
+from vcage.base.errors import DamagedFile, InputFileError, OutputFolderError, UnknownName, UsageError
 from vcage.base.files import sha256_file
+from vcage.datasets.packing import sources
 from vcage.datasets.packing.sources import find_sources
 from vcage.datasets.recordings.opening import open_recordings
 
@@ -170,3 +173,32 @@ def test_the_hash_of_a_compressed_recording_changes_with_its_videos(tmp_path):
     video = tmp_path / "small/a.cam_high.mp4"
     video.write_bytes(video.read_bytes() + b"\0")
     assert find_sources(tmp_path / "small", settings()).hashes() != before
+
+
+def test_recordings_are_in_natural_order(tmp_path):
+    act_folder(tmp_path / "in", *(f"episode_{number}" for number in (10, 1, 2, 0)))
+    found = find_sources(tmp_path / "in", settings())
+    assert [source.name for source in found.sources] == [f"episode_{number}" for number in (0, 1, 2, 10)]
+
+
+def test_cameras_are_in_natural_order(tmp_path):
+    folder = act_folder(tmp_path / "in", "a")
+    for name in ("cam_10", "cam_2"):
+        add_camera(folder / "a.hdf5", name)
+    found = find_sources(folder, settings())
+    assert [camera.name for camera in found.sources[0].recording.cameras] == ["cam_2", "cam_10", "cam_high"]
+
+
+def test_pictures_that_do_not_fit_in_memory_are_refused_with_their_size(tmp_path, monkeypatch):
+    folder = act_folder(tmp_path / "in", "a")
+    monkeypatch.setattr(sources, "free_memory", lambda: 1000)
+    with pytest.raises(DamagedFile, match=rf"a\.hdf5, .*cam_high: {FRAMES} pictures of {WIDTH} x {HEIGHT} take"):
+        find_sources(folder, settings())
+
+
+@pytest.mark.parametrize(
+    ("root", "out", "error"), [(b"i\xff", b"o", InputFileError), (b"i", b"o\xff", OutputFolderError)]
+)
+def test_paths_that_are_not_utf8_are_refused_before_any_work(tmp_path, root, out, error):
+    with pytest.raises(error, match=r"\\xff is not UTF-8"):
+        sources.require_apart(tmp_path / os.fsdecode(root), tmp_path / os.fsdecode(out))

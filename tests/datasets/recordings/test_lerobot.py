@@ -17,6 +17,8 @@ import pytest
 from tests.datasets.conftest import LENGTHS, write
 from tests.recordings import CAMERAS, FPS, INSTRUCTION, STATE_NAMES, clip, episode
 from vcage.base.errors import DamagedFile
+from vcage.datasets.lerobot import meta
+from vcage.datasets.lerobot.meta import MetaLimits, data_set_info, read_lines
 from vcage.datasets.recordings.opening import open_recordings
 
 
@@ -213,3 +215,102 @@ def test_pictures_in_the_tables_of_a_data_set_are_read(with_picture_files):
         assert np.array_equal(recording.pictures("cam_high"), clip(length))
         assert np.array_equal(recording.pictures("cam_high", [1, 5]), clip(length)[[1, 5]])
         assert recording.motion.action.shape == (length, 6)
+
+
+def with_entries(source: Path, copy: Path, **entries: object) -> Path:
+    """A copy of a data set whose info.json says something else."""
+    shutil.copytree(source, copy)
+    info = json.loads((copy / "meta/info.json").read_text())
+    (copy / "meta/info.json").write_text(json.dumps({**info, **entries}))
+    return copy
+
+
+@pytest.mark.parametrize("field", ["data_path", "video_path"])
+@pytest.mark.parametrize("path", ["/other/file", "../other/file"])
+def test_paths_that_leave_the_data_set_are_refused_by_file_and_field(dataset, tmp_path, field, path):
+    recording = open_recordings(with_entries(dataset, tmp_path / "copy", **{field: path}))[0]
+    with pytest.raises(DamagedFile, match=rf"meta/info\.json: {field} names the path '{path}'"):
+        _ = recording.motion, recording.cameras
+
+
+@pytest.mark.parametrize("suffix", ["mp4", "parquet"])
+def test_a_file_of_a_data_set_that_was_not_fetched_is_named(dataset, tmp_path, suffix):
+    copy = shutil.copytree(dataset, tmp_path / "copy")
+    for file in [*(copy / "data").rglob("*.parquet"), *copy.rglob("*.mp4")]:
+        if file.suffix == f".{suffix}":
+            file.write_text("version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 1\n")
+    recording = open_recordings(copy)[0]
+    with pytest.raises(DamagedFile, match=rf"\.{suffix} is a Git LFS pointer.*git lfs pull"):
+        _ = recording.motion, recording.cameras
+
+
+def test_hidden_files_of_other_systems_are_passed_over(dataset, tmp_path):
+    copy = shutil.copytree(dataset, tmp_path / "copy")
+    for file in [path for path in copy.rglob("*") if path.is_file()]:
+        file.with_name(f"._{file.name}").write_bytes(b"\0\5\26\7")
+    recordings = open_recordings(copy)
+    assert [recording.motion.action.shape[0] for recording in recordings] == list(LENGTHS)
+    assert not [file for file in recordings[0].files if file.name.startswith(".")]
+
+
+@pytest.mark.parametrize(
+    ("entries", "named"),
+    [
+        ({"fps": float("inf")}, "fps and chunks_size are not positive"),
+        ({"chunks_size": 0.5}, "fps and chunks_size are not positive"),
+        ({"robot_type": "\ud800"}, "surrogates not allowed"),
+    ],
+)
+def test_values_that_no_data_set_has_are_refused(dataset, tmp_path, entries, named):
+    with pytest.raises(DamagedFile, match=rf"info\.json.*{named}"):
+        open_recordings(with_entries(dataset, tmp_path / "copy", **entries))
+
+
+@pytest.mark.parametrize(
+    ("name", "shape", "named"),
+    [
+        ("observation.images.top", [30_000, 30_000, 3], "2,700,000,000 numbers"),
+        ("observation.images.top", [-1, 3, 3], r"the shape \[-1, 3, 3\]"),
+        ("observation.images./../../top", [48, 64, 3], "is no name of a camera"),
+    ],
+)
+def test_cameras_that_cannot_be_are_refused(v21, tmp_path, name, shape, named):
+    features = {name: {"dtype": "video", "shape": shape, "names": None}}
+    with pytest.raises(DamagedFile, match=rf"info\.json.*{named}"):
+        open_recordings(with_entries(v21, tmp_path / "copy", features=features))
+
+
+@pytest.mark.parametrize(
+    ("line", "named"),
+    [
+        ({"episode_index": 0, "length": 10**9}, "episode 0 has 1,000,000,000 frames"),
+        ({"episode_index": 0, "length": -1}, "whose length is -1"),
+        ({"episode_index": 1, "length": 3}, "lists episode 1 twice"),
+    ],
+)
+def test_episodes_that_cannot_be_are_refused(v21, tmp_path, line, named):
+    copy = shutil.copytree(v21, tmp_path / "copy")
+    rows = (copy / "meta/episodes.jsonl").read_text().splitlines()
+    (copy / "meta/episodes.jsonl").write_text("\n".join([json.dumps({**line, "tasks": []}), *rows[1:]]))
+    with pytest.raises(DamagedFile, match=named):
+        open_recordings(copy)
+
+
+@pytest.mark.parametrize("text", ["[" * 100_000, " " * 2000], ids=["deep", "long"])
+def test_json_that_fills_the_memory_or_the_stack_is_refused(v21, tmp_path, monkeypatch, text):
+    monkeypatch.setattr(meta, "LIMITS", MetaLimits(max_json_bytes=200_000 if "[" in text else 1000))
+    copy = shutil.copytree(v21, tmp_path / "copy")
+    for name in ("info.json", "episodes.jsonl"):
+        (copy / "meta" / name).write_text(text)
+    for read in (lambda: data_set_info(copy), lambda: list(read_lines(copy / "meta/episodes.jsonl"))):
+        with pytest.raises(DamagedFile, match=r"cannot be read|too many characters|has 2,000 bytes"):
+            read()
+
+
+def test_chunk_numbers_that_are_texts_are_refused(v3, tmp_path):
+    copy = shutil.copytree(v3, tmp_path / "copy")
+    (table,) = (copy / "meta/episodes").rglob("*.parquet")
+    rows = [{**row, "data/chunk_index": "../../x"} for row in pq.read_table(table).to_pylist()]
+    pq.write_table(pa.Table.from_pylist(rows), table)
+    with pytest.raises(DamagedFile, match=r"data/chunk_index of 0 is '../../x', not a number"):
+        _ = open_recordings(copy)[0].motion

@@ -1,13 +1,19 @@
 from __future__ import annotations
 
+import os
+import struct
+import zlib
+
+import cv2
 import h5py
 import numpy as np
 import pytest
 
+from tests.datasets.recordings import layouts
 from tests.datasets.recordings.layouts import act, jpeg, robotwin, robotwin_vision, room
-from vcage.base.errors import InputFileError
+from vcage.base.errors import DamagedFile, InputFileError, OversizedFile
 from vcage.datasets.recordings.hdf5_recording import COLOURS
-from vcage.datasets.recordings.opening import open_recordings
+from vcage.datasets.recordings.opening import open_all, open_hdf5, open_recordings
 
 
 def test_a_folder_of_files_gives_a_recording_each_whatever_their_layout(tmp_path):
@@ -49,3 +55,97 @@ def test_nothing_to_read_says_what_is_known(tmp_path, name):
     with pytest.raises(InputFileError) as caught:
         open_recordings(tmp_path / name)
     assert name in str(caught.value) and caught.value.hint
+
+
+def test_files_of_a_folder_come_in_natural_order_without_hidden_ones(tmp_path):
+    for number in (0, 1, 2, 10, 11):
+        layouts.act(tmp_path / f"episode_{number}.hdf5")
+    (tmp_path / "._episode_0.hdf5").write_bytes(b"\0\5\26\7")
+    (tmp_path / ".ipynb_checkpoints").mkdir()
+    layouts.act(tmp_path / ".ipynb_checkpoints/episode_3.hdf5")
+    found = open_all(tmp_path)
+    assert [one.path.stem for one in found.recordings] == [f"episode_{number}" for number in (0, 1, 2, 10, 11)]
+    assert not found.damaged
+
+
+def test_linked_folders_are_searched_once(tmp_path):
+    (tmp_path / "data").mkdir()
+    (tmp_path / "elsewhere").mkdir()
+    layouts.act(tmp_path / "elsewhere/a.hdf5")
+    (tmp_path / "data/more").symlink_to(tmp_path / "elsewhere")
+    (tmp_path / "elsewhere/back").symlink_to(tmp_path / "data")
+    assert [one.name(tmp_path / "data") for one in open_all(tmp_path / "data").recordings] == ["more/a"]
+
+
+def test_a_file_that_was_not_fetched_is_damaged_with_the_way_to_fetch_it(tmp_path):
+    layouts.act(tmp_path / "a.hdf5")
+    (tmp_path / "b.hdf5").write_text("version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 1\n")
+    (tmp_path / "c.hdf5").symlink_to(".git/annex/objects/c.hdf5")
+    messages = [error.message for error in open_all(tmp_path).damaged.values()]
+    assert ["git lfs pull" in messages[0], "git annex get" in messages[1]] == [True, True]
+
+
+@pytest.mark.parametrize(
+    ("make", "key"),
+    [
+        (layouts.act, "action"),
+        (layouts.robotwin, "joint_action/left_arm"),
+        (layouts.robotwin_vision, "action/left_arm"),
+        (layouts.robomimic, "data/demo_0/actions"),
+    ],
+)
+def test_no_layout_reads_other_files(tmp_path, make, key):
+    (tmp_path / "secret").write_bytes(bytes(4096))
+    path = make(tmp_path / "file.hdf5")
+    with h5py.File(path, "r+") as file:
+        shape = file[key].shape
+        del file[key]
+        file.create_dataset(key, shape, np.float64, external=[(str(tmp_path / "secret"), 0, 4096)])
+    with pytest.raises(DamagedFile, match=f":/{key} has external storage"):
+        open_recordings(path)
+
+
+@pytest.mark.parametrize(
+    ("make", "key"), [(layouts.act, "observations/images/cam_high"), (layouts.robotwin, "observation/head_camera/rgb")]
+)
+def test_pictures_and_numbers_behind_soft_links_are_read(tmp_path, make, key):
+    straight = open_hdf5(make(tmp_path / "straight.hdf5"))
+    path = make(tmp_path / "linked.hdf5")
+    with h5py.File(path, "r+") as file:
+        for number, name in enumerate((key, "action" if make is layouts.act else "joint_action/left_arm")):
+            file.move(name, f"real/{number}")
+            file[name] = h5py.SoftLink(f"/real/{number}")
+    linked = open_hdf5(path)
+    assert [camera.name for camera in linked.cameras] == [camera.name for camera in straight.cameras]
+    assert np.array_equal(linked.pictures(linked.cameras[0].name), straight.pictures(linked.cameras[0].name))
+    assert np.array_equal(linked.motion.action, straight.motion.action)
+
+
+def png_that_declares(width: int, height: int) -> bytes:
+    def chunk(kind: bytes, data: bytes) -> bytes:
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+    head = struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)
+    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunk(b"IDAT", zlib.compress(b"")) + chunk(b"IEND", b"")
+
+
+def test_a_picture_too_large_to_decode_is_refused_before_that(tmp_path, monkeypatch):
+    path = act(tmp_path / "file.hdf5")
+    with h5py.File(path, "r+") as file:
+        del file["observations/images/cam_high"]
+        data = np.frombuffer(png_that_declares(30_000, 30_000), np.uint8)
+        file["observations/images/cam_high"] = np.stack([data] * 6)
+    monkeypatch.setattr(cv2, "imdecode", lambda *_: pytest.fail("decoded"))
+    with pytest.raises(OversizedFile, match=r"cam_high\[0\] is too large: 30000 x 30000 pixels"):
+        _ = open_hdf5(path).cameras
+
+
+@pytest.mark.parametrize("name", [b"x\xff", b"x\xff.hdf5"])
+def test_a_path_that_is_not_utf8_is_refused_before_any_work(tmp_path, name):
+    path = tmp_path / os.fsdecode(name)
+    if not name.endswith(b"hdf5"):
+        path.mkdir()
+        path = path / "a.hdf5"
+    layouts.act(path)
+    with pytest.raises(InputFileError, match=r"x\\xff.* is not UTF-8"):
+        open_all(tmp_path)

@@ -56,3 +56,21 @@ def test_a_picture_of_another_size_is_found_without_decoding_all(tmp_path, monke
         (tmp_path / f"{index}.jpg").write_bytes(jpeg(room()[: 16 if index == 1 else None]))
     with pytest.raises(DamagedFile, match=r"1\.jpg is 48x16, the first of its folder 48x32"):
         _ = PictureFolder(tmp_path).cameras
+
+
+def test_hidden_files_are_no_pictures_and_linked_folders_are_cameras(tmp_path):
+    folder, elsewhere = tmp_path / "in", tmp_path / "elsewhere"
+    for path in (folder / "cam_10", folder / ".cache", elsewhere):
+        path.mkdir(parents=True)
+        (path / "0.jpg").write_bytes(jpeg(room()))
+        (path / "._0.jpg").write_bytes(b"\0\5\26\7")
+    (folder / "cam_2").symlink_to(elsewhere)
+    cameras = PictureFolder(folder).cameras
+    assert [(camera.name, camera.frames) for camera in cameras] == [("cam_2", 1), ("cam_10", 1)]
+
+
+def test_a_picture_that_was_not_fetched_is_named(tmp_path):
+    (tmp_path / "0.jpg").write_bytes(jpeg(room()))
+    (tmp_path / "1.jpg").write_text("version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 1\n")
+    with pytest.raises(DamagedFile, match=r"1\.jpg is a Git LFS pointer"):
+        _ = PictureFolder(tmp_path).cameras
