@@ -55,11 +55,12 @@ def test_a_frame_that_is_larger_than_the_header_says_is_not_decoded(tmp_path, mo
     (tmp_path / "small.png").write_bytes(small)
     with av.open(str(tmp_path / "small.png")) as source, av.open(str(tmp_path / "a.mp4"), "w") as target:
         stream = target.add_stream_from_template(source.streams.video[0])
-        packet = av.Packet(large)
-        packet.pts = packet.dts = 0
-        packet.time_base, packet.stream, packet.is_keyframe = Fraction(1, 10), stream, True
-        target.mux(packet)
-    assert len(list(pictures(tmp_path / "a.mp4"))) == 1
+        for time in range(2):
+            packet = av.Packet(large)
+            packet.pts, packet.dts, packet.duration = time, time, 1
+            packet.time_base, packet.stream, packet.is_keyframe = Fraction(1, 10), stream, True
+            target.mux(packet)
+    assert list(pictures(tmp_path / "a.mp4"))
     monkeypatch.setattr(video_files, "LIMITS", VideoLimits(max_pixels=100_000))
     with pytest.raises(DamagedFile, match=r"a\.mp4"):
         list(pictures(tmp_path / "a.mp4"))
