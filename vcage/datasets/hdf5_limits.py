@@ -24,7 +24,7 @@ class Hdf5Limits:
         max_depth: groups in one another.
     """
 
-    max_number_bytes: int = 2**30
+    max_number_bytes: int = 2**29
     max_chunk_bytes: int = 2**30
     max_picture_bytes: int = 400_000_000
     max_frames: int = 10_000_000

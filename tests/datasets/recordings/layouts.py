@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import struct
+import zlib
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -96,3 +98,13 @@ def robomimic(path: Path, demos: Sequence[str] = DEMOS, *, rate: float | None = 
             demo["obs/robot0_eef_pos"] = np.zeros((FRAMES, 3))
         file["mask/train"] = np.array(demos[1:], "S")
     return path
+
+
+def png_that_declares(width: int, height: int) -> bytes:
+    """A PNG of some ten bytes whose header says that it has so many pixels."""
+
+    def chunk(kind: bytes, data: bytes) -> bytes:
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+    head = struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)
+    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunk(b"IDAT", zlib.compress(b"")) + chunk(b"IEND", b"")

@@ -1,8 +1,6 @@
 from __future__ import annotations
 
 import os
-import struct
-import zlib
 
 import cv2
 import h5py
@@ -10,7 +8,7 @@ import numpy as np
 import pytest
 
 from tests.datasets.recordings import layouts
-from tests.datasets.recordings.layouts import act, jpeg, robotwin, robotwin_vision, room
+from tests.datasets.recordings.layouts import act, jpeg, png_that_declares, robotwin, robotwin_vision, room
 from vcage.base.errors import DamagedFile, InputFileError, OversizedFile
 from vcage.datasets.recordings.hdf5_recording import COLOURS
 from vcage.datasets.recordings.opening import open_all, open_hdf5, open_recordings
@@ -119,14 +117,6 @@ def test_pictures_and_numbers_behind_soft_links_are_read(tmp_path, make, key):
     assert [camera.name for camera in linked.cameras] == [camera.name for camera in straight.cameras]
     assert np.array_equal(linked.pictures(linked.cameras[0].name), straight.pictures(linked.cameras[0].name))
     assert np.array_equal(linked.motion.action, straight.motion.action)
-
-
-def png_that_declares(width: int, height: int) -> bytes:
-    def chunk(kind: bytes, data: bytes) -> bytes:
-        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
-
-    head = struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)
-    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunk(b"IDAT", zlib.compress(b"")) + chunk(b"IEND", b"")
 
 
 def test_a_picture_too_large_to_decode_is_refused_before_that(tmp_path, monkeypatch):

@@ -4,8 +4,8 @@ import cv2
 import numpy as np
 import pytest
 
-from tests.datasets.recordings.layouts import FRAMES, jpeg, room, rooms
-from vcage.base.errors import DamagedFile
+from tests.datasets.recordings.layouts import FRAMES, jpeg, png_that_declares, room, rooms
+from vcage.base.errors import DamagedFile, OversizedFile
 from vcage.datasets.recordings.picture_folder import PictureFolder
 
 
@@ -73,4 +73,11 @@ def test_a_picture_that_was_not_fetched_is_named(tmp_path):
     (tmp_path / "0.jpg").write_bytes(jpeg(room()))
     (tmp_path / "1.jpg").write_text("version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 1\n")
     with pytest.raises(DamagedFile, match=r"1\.jpg is a Git LFS pointer"):
+        _ = PictureFolder(tmp_path).cameras
+
+
+def test_a_picture_that_declares_too_many_pixels_is_refused_by_its_header(tmp_path):
+    (tmp_path / "0.png").write_bytes(cv2.imencode(".png", room())[1].tobytes())
+    (tmp_path / "1.png").write_bytes(png_that_declares(30_000, 30_000))
+    with pytest.raises(OversizedFile, match=r"1\.png is too large: 30000 x 30000 pixels"):
         _ = PictureFolder(tmp_path).cameras

@@ -14,7 +14,7 @@ from vcage.base.placeholders import require_fetched
 from vcage.base.reading import Unreadable, parse_json, read_json
 from vcage.datasets.lerobot.features import other_columns
 from vcage.datasets.lerobot.parquet import MEND, column_names, read_table
-from vcage.datasets.lerobot.places import INFO, own_files
+from vcage.datasets.lerobot.places import INFO, inside, own_files
 
 EPISODES = Path("meta/episodes.jsonl")
 """The list of episodes in v2.1."""
@@ -25,6 +25,8 @@ EPISODE_TABLES = Path("meta/episodes")
 NEW_SET = "write a new data set, or convert this one with lerobot's own tools first"
 
 VERSIONS = ("v2.1", "v3.0")
+
+PATHS = ("data_path", "video_path", "image_path")
 
 NEEDED = ("chunks_size", "fps", "data_path", "features")
 
@@ -82,6 +84,9 @@ def _require_described(path: Path, info: Mapping[str, Any]) -> None:
         raise DamagedFile(f"{path} does not say {', '.join(missing)}", hint=MEND)
     if not (_is_positive(info["fps"]) and _is_positive(info["chunks_size"]) and info["chunks_size"] >= 1):
         raise DamagedFile(f"{path}: fps and chunks_size are not positive numbers", hint=MEND)
+    for field in PATHS:
+        if info.get(field):
+            inside(str(info[field]), f"{path}: {field}")
     if not isinstance(info["features"], dict):
         raise DamagedFile(f"{path} does not name its features", hint=MEND)
     for name, feature in info["features"].items():

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from vcage.base.errors import DamagedFile, UsageError
 from vcage.base.folders import natural_key, natural_path
+from vcage.base.pictures import picture_header
 from vcage.base.placeholders import require_fetched
 from vcage.base.video_files import open_video
 from vcage.base.videos import decode
@@ -158,6 +159,7 @@ class LeRobotRecording(Recording):
         where = f"{self._data_file}: path"
         file = own_file(self.path, inside(str(value.get("path") or ""), where), where)
         require_fetched(file)
+        picture_header(file)
         try:
             return file.read_bytes()
         except OSError as error:

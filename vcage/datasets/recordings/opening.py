@@ -11,6 +11,7 @@ import numpy as np
 
 from vcage.base.errors import DamagedFile, InputFileError
 from vcage.base.folders import entries, files_below, require_utf8
+from vcage.base.placeholders import require_fetched
 from vcage.datasets.hdf5_contents import walk
 from vcage.datasets.hdf5_files import damage, open_hdf5_file
 from vcage.datasets.lerobot.meta import INFO
@@ -76,11 +77,12 @@ def open_all(path: Path) -> Opened:
     if path.is_file():
         return Opened(_recordings_in(path), {})
     if not path.is_dir():
+        require_fetched(path)
         raise InputFileError(
             f"{path} does not exist",
             hint="give an HDF5 file, or a folder of them or of pictures, or a LeRobot data set",
         )
-    if (path / INFO).is_file():
+    if (path / INFO).is_file() or (path / INFO).is_symlink():
         return Opened(open_lerobot(path), {})
     files = hdf5_files(path)
     if files:

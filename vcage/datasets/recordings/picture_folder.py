@@ -8,10 +8,10 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
-from PIL import Image
 
 from vcage.base.errors import DamagedFile
 from vcage.base.folders import entries, require_utf8
+from vcage.base.pictures import picture_header
 from vcage.base.placeholders import require_fetched
 from vcage.datasets.recordings.recording import Columns, RecordedCamera, Recording
 from vcage.datasets.stored_pictures import channels_of, decode_picture, stacked, storage_of
@@ -56,9 +56,7 @@ class PictureFolder(Recording):
         return {folder.name: files for folder in folders if (files := pictures_in(folder))}
 
     def _camera(self, name: str, files: list[Path]) -> RecordedCamera:
-        for file in files:
-            require_utf8(file)
-            require_fetched(file)
+        picture_header(files[0])
         first = files[0].read_bytes()
         height, width = decode_picture(first, str(files[0])).shape[:2]
         size = sum(path.stat().st_size for path in files)
@@ -71,17 +69,22 @@ class PictureFolder(Recording):
 
 def _require_size(file: Path, size: tuple[int, int]) -> None:
     """Raise DamagedFile unless the head of a picture file says this width and height; it is not decoded."""
-    try:
-        with Image.open(file) as picture:
-            found = picture.size
-    except OSError as error:
-        raise DamagedFile(f"{file} is damaged: {error}", hint=LEAVE_OUT) from error
-    if found != size:
+    found = picture_header(file)
+    if (found.width, found.height) != size:
         raise DamagedFile(
-            f"{file} is {found[0]}x{found[1]}, the first of its folder {size[0]}x{size[1]}", hint=LEAVE_OUT
+            f"{file} is {found.width}x{found.height}, the first of its folder {size[0]}x{size[1]}", hint=LEAVE_OUT
         )
 
 
 def pictures_in(folder: Path) -> list[Path]:
-    """The picture files of a folder, by the numbers in their names."""
-    return [path for path in entries(folder) if path.suffix.lower() in SUFFIXES and not path.is_dir()]
+    """The picture files of a folder, by the numbers in their names.
+
+    Raises:
+        DamagedFile: one was not fetched.
+        InputFileError: the name of one is not UTF-8.
+    """
+    files = [path for path in entries(folder) if path.suffix.lower() in SUFFIXES and not path.is_dir()]
+    for file in files:
+        require_utf8(file)
+        require_fetched(file)
+    return files
