@@ -25,7 +25,7 @@ FIELD = re.compile(r"\{(\w+)(?::([^{}]{1,4}))?\}")
 SUFFIXES = (".parquet", ".mp4", ".png", ".jpg", ".jpeg")
 DESCRIPTIONS = (
     *("info.json", "stats.json", "modality.json", "episodes.jsonl", "episodes_stats.jsonl"),
-    *("tasks.jsonl", "subtasks.jsonl"),
+    *("tasks.jsonl", "subtasks.jsonl", "picture_levels.json"),
 )
 """Suffixes and names of the format's own files; links may lead to files of the same outside the data set."""
 
