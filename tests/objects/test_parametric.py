@@ -12,7 +12,9 @@ import pytest
 
 from vcage.base.errors import InputFileError, SchemaMismatch
 from vcage.base.files import resource
+from vcage.cli.main import main
 from vcage.objects import parametric
+from vcage.objects.catalogue import UNBUILT, catalogue_line
 from vcage.objects.library import Library
 from vcage.objects.points import check_points
 
@@ -55,6 +57,26 @@ def test_it_can_be_grasped_and_listed(objects: Path) -> None:
     entry = Library.load().entry("candle")
     assert entry.words.plural == "candles"
     assert Library.load().asset("candle").grasp_width(entry.contact_points[0]) == pytest.approx(0.05)
+
+
+@pytest.mark.parametrize("line", [["list"], ["list", "--json"], ["search", "candle"]], ids=" ".join)
+def test_listing_and_searching_execute_nothing_of_a_folder_that_is_named(objects, model, line, capsys, monkeypatch):
+    monkeypatch.setattr("vcage.objects.library.object_folders", lambda: [objects])  # ours take long to build
+    executed = objects / "executed"
+    model.write_text(f"open({str(executed)!r}, 'w')\n{model.read_text()}")
+    assert main(["assets", *line]) == 0
+    assert "candle" in capsys.readouterr().out or line[1:] == ["--json"]
+    assert not executed.exists()
+    Library.load().entry("candle")
+    assert executed.exists(), "building does"
+
+
+def test_what_is_not_built_is_listed_without_a_size(objects: Path) -> None:
+    (before,) = Library.load(objects).listing()
+    assert UNBUILT in catalogue_line(before) and before.contact_points
+    Library.load(objects).entry("candle")
+    (after,) = Library.load(objects).listing()
+    assert after == Library.load(objects).entry("candle") and UNBUILT not in catalogue_line(after)
 
 
 def test_it_is_built_with_the_rest(objects: Path) -> None:

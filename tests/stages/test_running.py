@@ -6,9 +6,9 @@ import os
 
 import pytest
 
-from vcage.base.commands import CALLED
+from vcage.base.commands import CALLED, vcage_command
 from vcage.base.errors import AnswerNeeded, EndpointFailed, FolderInUse, MissingStage, StageInterrupted
-from vcage.base.files import RunFolder
+from vcage.base.files import RunFolder, write_json
 from vcage.schema.export import Export
 from vcage.stages.context import StageContext
 from vcage.stages.running import at_work, note_seconds, read_timings, run_stage, unfinished
@@ -67,7 +67,7 @@ class Fails:
 
 def after_collecting_that_failed_by(error: BaseException, run: RunFolder) -> dict:
     run.layout.parent.mkdir(parents=True, exist_ok=True)
-    CALLED.set("vcage collect --run 'it' --episodes 5")
+    CALLED.set(vcage_command("collect", "--run", run, "--episodes", 5))
     with pytest.raises(type(error)):
         run_stage(Fails(error), run, context=StageContext("offline"))
     return unfinished(run)
@@ -80,8 +80,30 @@ def test_what_needs_an_interrupted_stage_names_it_how_far_it_came_and_the_comman
     needing.__name__ = "vcage.stages.verify"
     with pytest.raises(StageInterrupted, match="collect was interrupted after 2 of 5 episodes") as told:
         run_stage(needing, run, context=StageContext("offline"))
-    assert (told.value.command, told.value.exit_code) == ("vcage collect --run 'it' --episodes 5", 7)
+    assert (told.value.command, told.value.exit_code) == (vcage_command("collect", "--run", run, "--episodes", 5), 7)
     assert list(unfinished(run)) == ["collect"]
+
+
+FOREIGN_COMMANDS = {
+    "another program": "rm -rf /home",
+    "another run": vcage_command("collect", "--run", "/elsewhere"),
+    "two commands": "{ours} --seed 1; rm -rf /home",
+    "a script to execute": "{ours} --script {run}/subtasks/x.py",
+    "an open quote": "vcage '",
+    "a list": ["rm", "-rf"],
+}
+
+
+@pytest.mark.parametrize("command", FOREIGN_COMMANDS.values(), ids=FOREIGN_COMMANDS)
+def test_a_command_that_somebody_wrote_into_the_folder_is_not_told(run, command):
+    ours = vcage_command("collect", "--run", run)
+    command = command.format(ours=ours, run=run) if isinstance(command, str) else command
+    write_json(run.scene, {})
+    write_json(run.unfinished, {"collect": {"command": command, "done": 2, "total": 5}})
+    needing = Fails(MissingStage("verify needs episodes.json", maker="collect"))
+    with pytest.raises((StageInterrupted, MissingStage)) as told:
+        run_stage(needing, run, context=StageContext("offline"))
+    assert (told.value.command, told.value.maker) == ("", "collect")
 
 
 def test_a_stage_that_said_itself_why_it_ended_is_not_called_interrupted(run):

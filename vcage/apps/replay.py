@@ -94,7 +94,7 @@ def episodes_at(path: Path) -> list[Path]:
     if not path.is_dir():
         return [path]
     run = RunFolder(path)
-    found = [run.root / episode.file for episode in accepted_episodes(run) if episode.file is not None]
+    found = [run.file(episode.file) for episode in accepted_episodes(run) if episode.file is not None]
     if not found:
         raise none_counts(run) or MissingStage(f"{path} holds no episodes", hint="collect first", maker="collect")
     return found

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import shlex
 import sys
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from contextvars import ContextVar
 from pathlib import Path
 
@@ -22,9 +22,33 @@ def vcage_command(*words: object) -> str:
         >>> vcage_command("setup", "vulkan")
         '/home/me/vcage/.venv/bin/vcage setup vulkan'
     """
+    return joined([*_program(), *words])
+
+
+def _program() -> list[str]:
     beside = Path(sys.executable).with_name("vcage")
-    program = [beside] if beside.exists() else [sys.executable, "-m", "vcage.cli.main"]
-    return joined([*program, *words])
+    return [str(beside)] if beside.exists() else [sys.executable, "-m", "vcage.cli.main"]
+
+
+def goes_on_with(command: str, run: Path, subcommands: Collection[str]) -> bool:
+    """Whether a command that a file of a run folder gives is one of ours on that run, and names nothing to execute.
+
+    The folder may come from someone else, and whoever reads an error may run what it says.
+    """
+    try:
+        words = shlex.split(command)
+    except ValueError:
+        return False
+    program = _program()
+    named, options = words[: len(program)], words[len(program) :]
+    ours = (
+        joined(words) == command
+        and named == program
+        and bool(options)
+        and options[0] in subcommands
+        and str(run) in options
+    )
+    return ours and not any(word.startswith("--script") for word in options)
 
 
 def joined(words: Iterable[object]) -> str:

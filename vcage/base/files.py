@@ -13,12 +13,14 @@ import json
 import os
 import shutil
 from collections.abc import Iterator
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 from vcage.base import reading
-from vcage.base.errors import DiskFull, OutputFolderError
+from vcage.base.errors import DiskFull, InputFileError, OutputFolderError
 from vcage.base.folders import require_utf8
+from vcage.base.inside import path_complaint, require_no_links
 
 PARTIAL = ".partial-"
 """Marks what is being written; anything so named may be deleted when nothing runs."""
@@ -249,8 +251,16 @@ def maker_of(path: Path) -> str:
     return PRODUCERS.get(folder.name) or PRODUCERS.get(folder.parent.name, "")
 
 
+OWN = frozenset(
+    (*PRODUCERS, "renders", "exchanges", "ask", "report", "timings", "options", "unfinished", "in-use", "probe")
+)
+"""What is ours in a run folder, up to the first dot."""
+
+
 class RunFolder:
     """The folder of one run: where each stage's files lie (see ``docs/architecture.md``, "The chain").
+
+    Raises :class:`InputFileError` as soon as one of its files is asked for, where anything of it is a link.
 
     Example:
         >>> RunFolder("runs/blocks").layout  # the optimised scene
@@ -265,15 +275,32 @@ class RunFolder:
     def __str__(self) -> str:
         return str(self.root)
 
-    scene = property(lambda self: self.root / "place" / "scene.json")
-    plan = property(lambda self: self.root / "inpaint" / "plan.json")
-    matches = property(lambda self: self.root / "match" / "matches.json")
-    layout = property(lambda self: self.root / "optimize" / "scene.json")
-    subtasks = property(lambda self: self.root / "subtasks" / "subtasks.json")
-    episodes = property(lambda self: self.root / "episodes" / "episodes.json")
-    verdicts = property(lambda self: self.root / "verify" / "verdicts.json")
-    compression = property(lambda self: self.root / "compress" / "compression.json")
-    export = property(lambda self: self.root / "export" / "export.json")
+    @cached_property
+    def _own(self) -> Path:
+        """The root, once it is sure that nothing of ours in it leads elsewhere."""
+        self.require_no_links()
+        return self.root
+
+    def require_no_links(self) -> None:
+        """Nothing, if all of ours in the folder is folders and regular files; done by itself before a file is named.
+
+        Raises:
+            InputFileError: something is a link, or a pipe, socket or device.
+        """
+        require_no_links(self.root, OWN)
+
+    scene = property(lambda self: self._own / "place" / "scene.json")
+    plan = property(lambda self: self._own / "inpaint" / "plan.json")
+    matches = property(lambda self: self._own / "match" / "matches.json")
+    layout = property(lambda self: self._own / "optimize" / "scene.json")
+    subtasks = property(lambda self: self._own / "subtasks" / "subtasks.json")
+    episodes = property(lambda self: self._own / "episodes" / "episodes.json")
+    verdicts = property(lambda self: self._own / "verify" / "verdicts.json")
+    compression = property(lambda self: self._own / "compress" / "compression.json")
+    export = property(lambda self: self._own / "export" / "export.json")
+    renders = property(lambda self: self._own / "renders" / "renders.json")
+    exchanges = property(lambda self: self._own / "exchanges", doc="The folder of what models were asked.")
+    questions = property(lambda self: self._own / "ask", doc="The folder of what the agent is asked.")
     documents = property(
         lambda self: (
             *(self.scene, self.plan, self.matches, self.layout, self.subtasks),
@@ -281,10 +308,20 @@ class RunFolder:
         ),
         doc="The JSON of each stage, in the order of the chain.",
     )
-    report = property(lambda self: self.root / "report.html")
-    timings = property(lambda self: self.root / "timings.json")
-    options = property(lambda self: self.root / "options.json")
-    unfinished = property(lambda self: self.root / "unfinished.json")
+    report = property(lambda self: self._own / "report.html")
+    timings = property(lambda self: self._own / "timings.json")
+    options = property(lambda self: self._own / "options.json")
+    unfinished = property(lambda self: self._own / "unfinished.json")
+
+    def file(self, name: str) -> Path:
+        """The file that a record names by its path in the run folder.
+
+        Raises:
+            InputFileError: the path leads out of the folder.
+        """
+        if complaint := path_complaint(name):
+            raise InputFileError(f"{self}: {complaint}", hint="mend the record that says so")
+        return self._own / name
 
     def relative(self, path: Path) -> str:
         """``path`` as written into records: relative to the run folder, with forward slashes."""

@@ -13,7 +13,7 @@ from pathlib import Path
 from filelock import FileLock, Timeout
 
 from vcage.base.commands import CALLED
-from vcage.base.errors import FolderInUse
+from vcage.base.errors import FolderInUse, OutputFolderError
 
 IN_USE = "in-use"
 """File in a folder in which a process works: says which."""
@@ -25,8 +25,11 @@ def held(folder: Path) -> Iterator[None]:
 
     Raises:
         FolderInUse: another process holds it; says which.
+        OutputFolderError: the file that says so is a link.
     """
     path = folder / IN_USE
+    if path.is_symlink():
+        raise OutputFolderError(f"{path} is a symbolic link, through which nothing is written", hint="remove it")
     lock = FileLock(path)
     try:
         lock.acquire(timeout=0)

@@ -143,6 +143,13 @@ def folder(text: str) -> Path:
     return Path(text)
 
 
+def file(text: str) -> Path:
+    """A file's path from the root: what was said in one folder is read in any."""
+    if not text.strip():
+        raise ValueError("the file has no name")
+    return Path(text).expanduser().absolute()
+
+
 def png(text: str) -> Path:
     """The path of a PNG file, which may be there already."""
     path = Path(text)
@@ -152,5 +159,6 @@ def png(text: str) -> Path:
 
 
 POSITIVE, NATURAL, FOLDER = value(positive, "N"), value(natural, "N"), value(folder, "DIR")
+FILE = value(file, "FILE")
 RANGES = value(name_or_file, "{none,light,full,FILE}")
 """Ranges of what differs from episode to episode; those of the project are in ``assets/randomisation``."""

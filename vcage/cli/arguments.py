@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Annotated, Any, Literal, TypeVar, get_type_hints
 
 import tyro
-from tyro.conf import Positional, arg
+from tyro.conf import Positional, UseAppendAction, arg
 from tyro.constructors import PrimitiveConstructorSpec
 
 from vcage.base.errors import UsageError
@@ -86,12 +86,25 @@ class _Option:
     def is_positional(self) -> bool:
         return any(mark is Positional for mark in self.marks)
 
+    @property
+    def name(self) -> str:
+        """On a command line, after the two hyphens."""
+        named = [name for mark in self.marks if (name := getattr(mark, "name", None))]
+        return named[0] if named else self.key.rpartition(".")[2].replace("_", "-")
+
+    def is_said_by(self, words: Sequence[str]) -> bool:
+        """Whether words, which may come from a file of others, say this option and no other."""
+        said = words if self.is_positional else words[1:]
+        ours = self.is_positional or words[:1] in ([f"--{self.name}"], [f"--no-{self.name}"])
+        return ours and not any(word.startswith("--") for word in said)
+
     def words(self) -> list[str]:
         """As a command line says it."""
-        named = [name for mark in self.marks if (name := getattr(mark, "name", None))]
-        name = named[0] if named else self.key.rpartition(".")[2].replace("_", "-")
+        name = self.name
         if isinstance(self.value, bool):
             return [f"--{name}" if self.value else f"--no-{name}"]
+        if UseAppendAction in self.marks:
+            return [word for one in self.value for word in (f"--{name}", str(one))]
         return [*([] if self.is_positional else [f"--{name}"]), *self._values()]
 
     def _values(self) -> list[str]:

@@ -29,6 +29,8 @@ NAMES = several("NAME ...", least=0)
 class ListAssets(Command):
     """List the objects of the library: words, sizes, and what they can do.
 
+    Of folders that VCAGE_ASSETS names only the annotations are read: an object has a size once something has built it.
+
     examples:
       vcage assets list
       vcage assets list --scene kitchen
@@ -60,7 +62,8 @@ class ListAssets(Command):
         facts = {**count_kinds(annotations), "left_out": left_out}
         if self.json:
             return Result(facts=facts)
-        return Result(text=catalogue_text(library.entry(a.name) for a in annotations), facts=facts)
+        names = {annotation.name for annotation in annotations}
+        return Result(text=catalogue_text(entry for entry in library.listing() if entry.name in names), facts=facts)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -87,7 +90,7 @@ class SearchAssets(Command):
 
         engine = best_search()
         query = " ".join(self.words)
-        found = [pair for pair in engine.search(query, Library.load().entries(), self.top) if pair[1] > 0]
+        found = [pair for pair in engine.search(query, Library.load().listing(), self.top) if pair[1] > 0]
         lines = [f"{score:5.2f}  {entry.name}: {entry.words.description}" for entry, score in found]
         return Result(
             text="\n".join(lines) or "nothing found",

@@ -5,13 +5,17 @@ from __future__ import annotations
 import contextlib
 import shlex
 from collections.abc import Iterator, Mapping
+from typing import Any
 
 from vcage.base.commands import CALLED, vcage_command
-from vcage.base.errors import InputFileError, MissingStage, NotJudged, StaleStage, VcageError
+from vcage.base.errors import DamagedFile, MissingStage, NotJudged, StaleStage, VcageError
 from vcage.base.files import PRODUCERS, RunFolder, read_json, write_json
 from vcage.cli.arguments import options_of
 from vcage.stages.running import stage_of
 from vcage.stages.stage import StageOptions
+
+NOT_KEPT = ("force", "script")
+"""Options that every call gives anew: what throws something away, and what executes a file."""
 
 
 def following(name: str, run: RunFolder) -> str:
@@ -28,9 +32,10 @@ def stage_command(name: str, run: RunFolder, instead: Mapping[str, list[str]] | 
 
 def words_of(name: str, run: RunFolder, instead: Mapping[str, list[str]] | None = None) -> list[str]:
     """What comes after a stage's name in :func:`stage_command`; ``instead`` stands for options given before."""
-    takes = [option.key for option in options_of(stage_of(name).Options())]
-    given = _given(run) | dict(instead or {})
-    words = [word for key in takes for word in given.get(key, [])]
+    takes = list(options_of(stage_of(name).Options()))
+    given, before = dict(instead or {}), _given(run)
+    given |= {o.key: before[o.key] for o in takes if o.key in before.keys() - given and o.is_said_by(before[o.key])}
+    words = [word for option in takes for word in given.get(option.key, [])]
     return ["--out" if name == "select_place" else "--run", str(run), *words]
 
 
@@ -52,7 +57,7 @@ def _remember(run: RunFolder, options: StageOptions, *, instead: bool = False) -
     """Add options to those kept; or put all that the stage takes, said or not, in their place."""
     if not any((run.root / folder).is_dir() for folder in PRODUCERS):
         return  # it has not begun
-    own = [option for option in options_of(options) if option.key != "force"]
+    own = [option for option in options_of(options) if option.key not in NOT_KEPT]
     others = {option.key for option in own} if instead else set()
     kept = {key: words for key, words in _given(run).items() if key not in others}
     write_json(run.options, kept | {option.key: option.words() for option in own if option.is_said})
@@ -60,10 +65,15 @@ def _remember(run: RunFolder, options: StageOptions, *, instead: bool = False) -
 
 def _given(run: RunFolder) -> dict[str, list[str]]:
     """Option → the words that gave it last; none where that is not known (it is a by-product)."""
-    with contextlib.suppress(InputFileError):
+    given: Any = None
+    with contextlib.suppress(DamagedFile, MissingStage):
         given = read_json(run.options)
-        return given if isinstance(given, dict) else {}
-    return {}
+    found = given.items() if isinstance(given, dict) else ()
+    return {key: words for key, words in found if key not in NOT_KEPT and _are_words(words)}
+
+
+def _are_words(words: Any) -> bool:
+    return isinstance(words, list) and all(isinstance(word, str) for word in words)
 
 
 def not_dry() -> str:

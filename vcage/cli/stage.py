@@ -85,11 +85,12 @@ def execute_stage(name: str, command: StageCommand) -> Result:
 
 
 def about(done: StageResult[Any]) -> dict[str, Any]:
-    """Who answered in a stage, by role; where its pictures are; and what was edited by hand of its files."""
+    """Who answered in a stage, by role; where its pictures are; what was edited by hand of its files; and notes."""
     found = sorted(done.path.parent.rglob("*.png"))
     shown = found if len(found) <= MOST_PICTURES else sorted({picture.parent for picture in found})
     return {
         "answered_by": done.record.provenance.providers,
         "pictures": [str(path) for path in shown],
         "edited": done.record.edited,
+        **({"notes": list(done.notes)} if done.notes else {}),
     }

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated
 
@@ -50,4 +50,4 @@ def _run(path: Path, arguments: Sequence[str]) -> Result | None:
     with stray_output_on_stderr(), naming_stages(None):  # its run has no stages before
         with at_work(run):
             prepare_run(run, path, seed=command.stage.seed or 0, force=command.stage.force)
-        return execute_stage("collect", command)
+        return execute_stage("collect", replace(command, stage=replace(command.stage, script=(path,))))

@@ -17,6 +17,7 @@ from pathlib import Path
 
 from vcage.base.commands import vcage_command
 from vcage.base.errors import InputFileError, UnknownName, UsageError
+from vcage.base.files import RunFolder
 from vcage.models import agent
 from vcage.models.exchange import Answerer
 from vcage.models.kept import Exchanges, Keeping, Replayed, who_answered
@@ -108,7 +109,7 @@ class Choice:
         Raises:
             UsageError: there is no run.
         """
-        return Exchanges(self._run() / "exchanges")
+        return Exchanges(self._run().exchanges)
 
     def answerer(self, role: Asked) -> Answerer | None:
         """Who answers the role's questions; None where rules do.
@@ -126,7 +127,7 @@ class Choice:
             return self._replayed(role)
         if chosen == agent.PROVIDER:
             # It keeps its answers itself, beside the questions.
-            return Keeping(agent.Agent(self._run() / "ask"), self.exchanges, anew=True)
+            return Keeping(agent.Agent(self._run().questions), self.exchanges, anew=True)
         provider = PROVIDERS[chosen]
         who = provider.connect(require_key(provider), picture=role == "editor")
         if self.fallback is not None and (reason := who.not_served()):
@@ -139,7 +140,7 @@ class Choice:
 
     def _replayed(self, role: Asked) -> Replayed | None:
         """What was answered in the role; None where nobody was asked, as rules answer alike each time."""
-        exchanges = self.exchanges if self.replayed is None else Exchanges(self.replayed / "exchanges")
+        exchanges = self.exchanges if self.replayed is None else Exchanges(RunFolder(self.replayed).exchanges)
         answered = who_answered(exchanges)
         if not answered:
             raise InputFileError(
@@ -148,10 +149,10 @@ class Choice:
             )
         return Replayed(exchanges, answered[role]) if role in answered else None
 
-    def _run(self) -> Path:
+    def _run(self) -> RunFolder:
         if self.run is None:
             raise UsageError("there is no run folder to keep exchanges in", hint="give one with --run")
-        return self.run
+        return RunFolder(self.run)
 
 
 def build_models(choice: Choice, detector: str = DETECTORS[0], embedder: str = EMBEDDERS[0]) -> Models:

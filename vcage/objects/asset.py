@@ -99,16 +99,8 @@ class Asset:
 
     def entry(self) -> CatalogueEntry:
         """What a model sees of it."""
-        return CatalogueEntry(
-            name=self.name,
-            words=self.annotation.words,
-            variants=self.annotation.variants,
-            size=tuple(float(x) for x in self.size),
-            contact_points=self.annotation.contact_points,
-            functional_points=self.annotation.functional_points,
-            faces=self.annotation.faces,
-            moving_parts=[link.name for link in self.model.links],
-        )
+        size, parts = tuple(float(x) for x in self.size), [link.name for link in self.model.links]
+        return unbuilt_entry(self.annotation).model_copy(update={"size": size, "moving_parts": parts})
 
     def grasp_width(self, contact: ContactPoint) -> float:
         """How far apart the fingers are that close at a contact point, metres; 0 where they would meet nothing."""
@@ -148,3 +140,15 @@ class Asset:
         if point.holds == "in":
             return openings.room_inside(pieces, point.position, standing=standing)
         return openings.surface_on_top(pieces, point.position)
+
+
+def unbuilt_entry(annotation: Annotation) -> CatalogueEntry:
+    """What is known of a kind without its model."""
+    return CatalogueEntry(
+        name=annotation.name,
+        words=annotation.words,
+        variants=annotation.variants,
+        contact_points=annotation.contact_points,
+        functional_points=annotation.functional_points,
+        faces=annotation.faces,
+    )

@@ -13,6 +13,8 @@ from vcage.schema.asset import Annotation, CatalogueEntry
 LEGEND = "name = what it is (category; scenes); size class and size in cm; what can be done with it; looks"
 """What the parts of a line are."""
 
+UNBUILT = "not built yet"
+"""In place of a size."""
 
 SCENES = ("kitchen", "bathroom", "office_desk", "cashier_desk", "cabinet")
 """The scenes of the paper's experiments, as the annotations' scene tags call them."""
@@ -26,12 +28,10 @@ def catalogue_text(entries: Iterable[CatalogueEntry]) -> str:
 def catalogue_line(entry: CatalogueEntry) -> str:
     """The line of one kind; see :data:`LEGEND`."""
     words = entry.words
-    size = "x".join(f"{100 * edge:.0f}" for edge in entry.size)
+    size = f"{size_class(entry)} {'x'.join(f'{100 * edge:.0f}' for edge in entry.size)}" if any(entry.size) else UNBUILT
     kind = "; ".join([words.category, *([",".join(words.scene_tags)] if words.scene_tags else [])])
     looks = ", ".join(_look(variant.id, variant.colour) for variant in entry.variants)
-    return one_line(
-        f"- {entry.name} = {_called(entry)} ({kind}); {size_class(entry)} {size}; {_abilities(entry)}; {looks}"
-    )
+    return one_line(f"- {entry.name} = {_called(entry)} ({kind}); {size}; {_abilities(entry)}; {looks}")
 
 
 def size_class(entry: CatalogueEntry) -> str:

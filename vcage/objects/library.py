@@ -13,7 +13,7 @@ from vcage.base.files import data_path, resource, whole
 from vcage.base.progress import Progress, silent
 from vcage.base.workers import cores, in_processes
 from vcage.objects import sources
-from vcage.objects.asset import Asset
+from vcage.objects.asset import Asset, unbuilt_entry
 from vcage.objects.points import check_meshes, check_points, check_size
 from vcage.schema.asset import Annotation, CatalogueEntry, Variant
 
@@ -142,9 +142,25 @@ class Library:
         Raises:
             InputFileError: see :meth:`asset`.
         """
-        firsts = {(name, self.annotation(name).variants[0].id) for name in self.names}
-        self._make([key for key in self.unbuilt() if key in firsts])
+        self._make(self._unbuilt_firsts())
         return [self.entry(name) for name in self.names]
+
+    def listing(self) -> list[CatalogueEntry]:
+        """As :meth:`entries`, but no ``model.py`` is executed that is not the project's own: a kind that takes it has
+        no size.
+
+        Raises:
+            InputFileError: see :meth:`asset`.
+        """
+        ours, firsts = resource("assets", "objects"), self._unbuilt_firsts()
+        foreign = {name for name, _ in firsts if self._folders[name].parent != ours}
+        self._make([key for key in firsts if key[0] not in foreign])
+        return [unbuilt_entry(self.annotation(name)) if name in foreign else self.entry(name) for name in self.names]
+
+    def _unbuilt_firsts(self) -> list[tuple[str, str]]:
+        """(name, variant) of every first variant whose model is not in the cache."""
+        firsts = {(name, self.annotation(name).variants[0].id) for name in self.names}
+        return [key for key in self.unbuilt() if key in firsts]
 
     def unbuilt(self) -> list[tuple[str, str]]:
         """(name, variant) of every model that is not in the cache."""

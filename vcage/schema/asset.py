@@ -183,7 +183,9 @@ class CatalogueEntry(Record):
     name: Identifier
     words: Words
     variants: list[Variant]
-    size: Vec3 = Field(description="size of the first variant's bounding box, metres")
+    size: Vec3 = Field(
+        default=(0.0, 0.0, 0.0), description="of the first variant's bounding box, metres; 0 while it is not built"
+    )
     contact_points: list[ContactPoint] = []
     functional_points: list[FunctionalPoint] = []
     faces: list[Face] = []

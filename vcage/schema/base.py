@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Self
 
@@ -11,6 +13,7 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationErr
 from vcage.base.errors import SchemaMismatch
 from vcage.base.files import maker_of, read_json, write_json
 from vcage.base.geometry import Camera, Pose, world_aabb
+from vcage.base.inside import name_complaint, path_complaint
 from vcage.base.version import __version__
 
 Identifier = Annotated[str, Field(pattern=r"^[a-z0-9][a-z0-9_-]*$", max_length=80)]
@@ -44,6 +47,25 @@ def _unit(vector: Vec3) -> Vec3:
 
 
 UnitVec3 = Annotated[Vec3, AfterValidator(_unit)]
+
+
+def _stays(complaint: Callable[[str], str | None]) -> AfterValidator:
+    def check(path: str) -> str:
+        if found := complaint(path):
+            raise ValueError(found)
+        return path
+
+    return AfterValidator(check)
+
+
+RunPath = Annotated[str, _stays(path_complaint)]
+"""A file of a run, by its path in the run folder; see :meth:`vcage.base.files.RunFolder.file`."""
+
+NearPath = Annotated[str, _stays(partial(path_complaint, up=1))]
+"""A file of a run, by its path from the folder of a stage: in it, or in that of another stage."""
+
+FileName = Annotated[str, _stays(name_complaint)]
+"""A file in a folder that is known."""
 
 
 class Record(BaseModel):

@@ -6,7 +6,7 @@ from typing import ClassVar, Literal
 
 from pydantic import Field
 
-from vcage.schema.base import Document, Finite, Record, StageDocument
+from vcage.schema.base import Document, Finite, Record, RunPath, StageDocument
 
 Reduce = Literal["max", "mean"]
 SharedBy = Literal["camera", "episode"]
@@ -38,9 +38,9 @@ class HeldOutLoss(Record):
 class VideoStream(Record):
     """One encoded video, how it was found, and its baselines in bytes."""
 
-    episode: str = Field(description="the recording it was made of")
+    episode: RunPath = Field(description="the recording it was made of")
     camera: str
-    file: str
+    file: RunPath
     frames: int
     bytes: int
     raw_bytes: int = Field(description="uint8 RGB")
@@ -123,11 +123,11 @@ class Compression(StageDocument):
     notes: dict[str, list[str]] = Field(
         default_factory=dict, description="recording → what a user must know about how it was read"
     )
-    packed: dict[str, str] = Field(
+    packed: dict[RunPath, str] = Field(
         default_factory=dict,
         description="of a run: episode → SHA-256 of its file once it refers to its videos in place of raw pictures",
     )
-    set_aside: dict[str, SetAside] = Field(
+    set_aside: dict[RunPath, SetAside] = Field(
         default_factory=dict, description="of a run: refused episode → what it takes to count it again; in no figure"
     )
     reduction_raw: Finite = Field(description="1 − bytes / raw bytes")

@@ -9,7 +9,17 @@ import numpy as np
 from pydantic import Field
 
 from vcage.base.proportions import wilson
-from vcage.schema.base import Document, Finite, Identifier, PoseRecord, Record, StageDocument, Vec2
+from vcage.schema.base import (
+    Document,
+    Finite,
+    Identifier,
+    NearPath,
+    PoseRecord,
+    Record,
+    RunPath,
+    StageDocument,
+    Vec2,
+)
 from vcage.schema.randomisation import Drawn
 from vcage.schema.scene import ObjectRecord, Scene
 from vcage.schema.subtasks import Chain
@@ -37,7 +47,7 @@ class Verdict(Record):
     confidence: Finite = Field(ge=0, le=1)
     provider: str
     failure: Failure | None = Field(default=None, description="what went wrong, where it is a no and that can be told")
-    pictures: list[str] = Field(
+    pictures: list[NearPath] = Field(
         default=[], description="paths of the pictures, relative to the file that holds the verdict"
     )
     question: str = Field(default="", description="SHA-256 of what was asked: text, goals, and the pictures' pixels")
@@ -90,7 +100,7 @@ class Episode(Record):
     seed: int = Field(ge=0)
     accepted: bool
     reason: str
-    file: str | None = Field(default=None, description="HDF5 in the run folder; none when nothing was recorded")
+    file: RunPath | None = Field(default=None, description="HDF5 in the run folder; none when nothing was recorded")
     frames: int = Field(default=0, ge=0)
     fps: Finite
     layout: Literal["varied", "fixed"] | None = Field(
@@ -219,7 +229,9 @@ class Difference(Record):
     earlier_verdict: Verdict = Field(description="of the critic that collected")
     verdict: Verdict
     truth: Truth
-    picture: str = Field(description="what both looked at, side by side with what they said; relative to this file")
+    picture: NearPath = Field(
+        description="what both looked at, side by side with what they said; relative to this file"
+    )
 
 
 class Verdicts(StageDocument):

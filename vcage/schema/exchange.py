@@ -8,7 +8,7 @@ from typing import Any, ClassVar, Literal
 
 from pydantic import Field
 
-from vcage.schema.base import Document, Record
+from vcage.schema.base import Document, FileName, Record
 
 Asked = Literal["reasoner", "editor", "critic"]
 """The roles that answer questions."""
@@ -19,7 +19,7 @@ class Turn(Record):
 
     speaker: Literal["user", "model"]
     text: str
-    pictures: list[str] = Field(default=[], description="names of files in pictures/, PNG")
+    pictures: list[FileName] = Field(default=[], description="names of files in pictures/, PNG")
 
 
 class Exchange(Document):
@@ -35,7 +35,7 @@ class Exchange(Document):
     provider: str = Field(description="who was asked")
     model: str = Field(description="version, as the reply names it; empty where it does not")
     answer: str
-    picture: str | None = Field(description="name of a file in pictures/, PNG, where the answer is one")
+    picture: FileName | None = Field(description="name of a file in pictures/, PNG, where the answer is one")
     tokens_in: int | None
     tokens_out: int | None
     usd: float | None = Field(

@@ -6,14 +6,14 @@ from typing import ClassVar
 
 from pydantic import Field
 
-from vcage.schema.base import Record, StageDocument
+from vcage.schema.base import Record, RunPath, StageDocument
 
 
 class ExportedDataset(Record):
     """One dataset folder."""
 
     format: str = Field(description="'lerobot-v2.1', 'lerobot-v3.0', 'lerobot-v3.1' or 'robotwin'")
-    path: str
+    path: RunPath = Field(description="in the run folder")
     episodes: int
     frames: int
     bytes: int

@@ -6,7 +6,7 @@ from typing import Any, ClassVar, Literal
 
 from pydantic import Field
 
-from vcage.schema.base import Finite, Identifier, Record, StageDocument, Vec2
+from vcage.schema.base import Finite, Identifier, Record, RunPath, StageDocument, Vec2
 
 MatchMethod = Literal["feature", "name", "kept"]
 """By cosine similarity above τ; below it, by the name that the detector gave; not found or in doubt, so kept."""
@@ -39,6 +39,6 @@ class Matches(StageDocument):
     unclaimed: list[tuple[Finite, Finite, Finite, Finite]] = Field(
         description="boxes of detections that no object claimed"
     )
-    overlay: str = Field(description="path of the overlay picture in the run folder")
+    overlay: RunPath = Field(description="path of the overlay picture in the run folder")
     notes: list[str] = Field(default=[], description="what was strange about the picture, in sentences")
     checks: dict[str, Any] = Field(default={}, description="relations_shown: share of the plan that the picture shows…")

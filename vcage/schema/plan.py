@@ -8,7 +8,7 @@ from typing import Any, ClassVar, Literal
 from pydantic import Field, model_validator
 
 from vcage.base.graphs import circles
-from vcage.schema.base import Identifier, Record, StageDocument
+from vcage.schema.base import Identifier, Record, RunPath, StageDocument
 from vcage.schema.scene import Role
 
 RelationWord = Literal["inside", "on", "left_of", "right_of", "in_front_of", "behind", "beside", "near", "center"]
@@ -92,6 +92,6 @@ class Plan(StageDocument):
     instruction: str | None
     text: str
     relations: list[Relation]
-    target: str = Field(description="path of the target picture in the run folder")
+    target: RunPath = Field(description="path of the target picture in the run folder")
     checks: dict[str, Any] = Field(default={}, description="relations_solvable: share that can be kept at once…")
     notes: list[str] = Field(default=[], description="what a person should know about the picture")

@@ -6,7 +6,7 @@ from typing import ClassVar
 
 from pydantic import Field
 
-from vcage.schema.base import Record, StageDocument
+from vcage.schema.base import Record, RunPath, StageDocument
 
 
 class Render(Record):
@@ -16,7 +16,7 @@ class Render(Record):
     look: int = Field(ge=0, description="number of the look, from 0")
     ranges: str = Field(description="name of the ranges that the look was drawn from")
     seed: int = Field(ge=0, description="of the looks")
-    file: str = Field(description="path in the run folder")
+    file: RunPath = Field(description="path in the run folder")
     frames: int = Field(ge=1)
 
 

@@ -17,6 +17,7 @@ from vcage.schema.base import (
     Identifier,
     PoseRecord,
     Record,
+    RunPath,
     StageDocument,
     Vec2,
 )
@@ -146,7 +147,7 @@ class Scene(StageDocument):
     workspace: Workspace
     top_camera: CameraRecord
     objects: list[ObjectRecord] = Field(min_length=1)
-    pictures: dict[str, str] = Field(
+    pictures: dict[str, RunPath] = Field(
         default={}, description="source, background, segmentation: paths in the run folder"
     )
     segmentation_ids: dict[str, int] = Field(

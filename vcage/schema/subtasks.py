@@ -6,7 +6,7 @@ from typing import ClassVar, Literal
 
 from pydantic import Field, ValidationInfo, field_validator
 
-from vcage.schema.base import Finite, Identifier, Record, StageDocument, Vec3
+from vcage.schema.base import Finite, Identifier, Record, RunPath, StageDocument, Vec3
 from vcage.schema.goals import Goal
 
 TemplateName = Literal[
@@ -56,7 +56,7 @@ class Subtask(Record):
     hand_to: Identifier | None = Field(default=None, description="arm that takes it from the one that grasped it")
     requires: list[Goal] = Field(default=[], description="what must be true before")
     goals: list[Goal] = Field(min_length=1, description="what it brings about")
-    script: str = Field(description="path in the run folder")
+    script: RunPath = Field(description="path in the run folder")
     checks: list[Check] = Field(description="of the best grasp")
 
 

@@ -58,7 +58,7 @@ def append_to(root: Path, run: RunFolder, progress: Progress = silent) -> dict[s
     export = Export.read(run.export)
     if any(export.provenance.inputs.get(run.relative(path)) != sha256_file(path) for path in decided_by(run)):
         raise StaleStage(f"{run.export} was made of other episodes")
-    sets = {one.format: run.root / one.path for one in export.datasets if one.format in FORMATS}
+    sets = {one.format: run.file(one.path) for one in export.datasets if one.format in FORMATS}
     if not sets:
         raise UsageError("only LeRobot data sets can be added to", hint=f"give --formats {' '.join(FORMATS)}")
     episodes = {str(record.file): export.provenance.inputs[str(record.file)] for record in accepted_episodes(run)}

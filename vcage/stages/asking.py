@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from vcage.base.errors import UsageError
-from vcage.base.files import RunFolder
+from vcage.base.files import PRODUCERS, RunFolder
 from vcage.models.exchange import Answerer, Question, Reply
 from vcage.models.kept import Exchanges, Replayed, who_answered
 from vcage.models.llm_critic import LlmCritic
@@ -16,6 +16,7 @@ from vcage.models.llm_editor import LlmEditor
 from vcage.models.llm_reasoner import LlmReasoner
 from vcage.models.protocols import Models
 from vcage.models.registry import Choice, build_models
+from vcage.stages import inpaint_plan
 from vcage.stages.context import StageContext
 from vcage.stages.running import stage_of
 from vcage.stages.stage import StageOptions
@@ -30,8 +31,9 @@ ASKED_BY = {
 }
 """Prompt → the stage that asks it (collecting asks the last one, too)."""
 
-_HEAVY = ("*.hdf5", "*.mp4", "*.mkv", "exchanges", "ask", "export")
-"""What no stage that asks reads."""
+_READ = tuple(folder for folder in PRODUCERS if folder not in ("compress", "export"))
+_HEAVY = ("*.hdf5", "*.mp4", "*.mkv")
+"""Folders that stages read which ask, and files in them that these do not read."""
 
 
 class _Asked(Exception):
@@ -71,12 +73,16 @@ def question_of(name: str, run: RunFolder, options: StageOptions) -> Question:
         VcageError: what the stage raises before it asks, for one :class:`vcage.base.errors.MissingStage`.
     """
     stage = stage_of(ASKED_BY[name])
+    if isinstance(options, inpaint_plan.Options):
+        options = replace(options, target=None)  # a file anywhere, which no answer takes part in
     context = StageContext(Choice("offline"))
     context.__dict__["models"] = _models(name, run)
     stage.job(run, options, context).provenance()  # what is missing is told by its own path
     with tempfile.TemporaryDirectory() as folder:
         copy = RunFolder(Path(folder) / run.root.name)
-        shutil.copytree(run.root, copy.root, ignore=shutil.ignore_patterns(*_HEAVY))
+        for name in _READ:
+            if (run.root / name).is_dir():
+                shutil.copytree(run.root / name, copy.root / name, ignore=shutil.ignore_patterns(*_HEAVY))
         output = stage.job(copy, options, context).output.parent
         shutil.rmtree(output, ignore_errors=True)
         try:
@@ -87,7 +93,7 @@ def question_of(name: str, run: RunFolder, options: StageOptions) -> Question:
 
 
 def _models(name: str, run: RunFolder) -> Models:
-    exchanges = Exchanges(run.root / "exchanges")
+    exchanges = Exchanges(run.exchanges)
     answered = who_answered(exchanges)
     kept = Replayed(exchanges, answered["reasoner"]) if "reasoner" in answered else None
     showing, rules = _Showing(name, kept), build_models(Choice("offline"))

@@ -14,15 +14,18 @@ from __future__ import annotations
 import logging
 from collections import Counter
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache, lru_cache, partial
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from vcage.base.errors import TooFewVerified, UsageError
-from vcage.base.files import RunFolder
+from tyro.conf import UseAppendAction
+
+from vcage.base.commands import joined
+from vcage.base.errors import InputFileError, TooFewVerified, UnknownName, UsageError
+from vcage.base.files import RunFolder, sha256_file
 from vcage.base.memory import free_memory
-from vcage.base.options import NATURAL, POSITIVE, RANGES, UNSAID
+from vcage.base.options import FILE, NATURAL, POSITIVE, RANGES, UNSAID
 from vcage.base.progress import Progress, silent
 from vcage.base.workers import Processes, ThisProcess, cores
 from vcage.schema.episodes import Accept, Attempt, Episode, Episodes
@@ -30,11 +33,20 @@ from vcage.schema.randomisation import Randomisation
 from vcage.schema.subtasks import Subtasks
 from vcage.sim.robots import load_randomisation
 from vcage.stages.context import StageContext
-from vcage.stages.edits import by_hand, reason_by_hand, refuse, require_evidence, require_only, written_record
+from vcage.stages.edits import (
+    by_hand,
+    edited_scripts,
+    reason_by_hand,
+    refuse,
+    require_evidence,
+    require_only,
+    written_record,
+)
 from vcage.stages.episode_runner import EpisodeRunner
 from vcage.stages.episode_store import EpisodeStore
 from vcage.stages.stage import Job, ModelOptions, StageResult, stage_seed
 from vcage.tasks.loop import OnFailure
+from vcage.tasks.synthesis import load_script
 
 logger = logging.getLogger(__name__)
 
@@ -82,27 +94,65 @@ class Options(ModelOptions):
     share evenly)"""
     episode_limit: Annotated[float, POSITIVE] = 900.0
     """seconds after which an episode is given up"""
+    script: Annotated[tuple[Annotated[Path, FILE], ...], UseAppendAction, UNSAID] = ()
+    """an edited script, executed for the sub-task that its file is named after, instead of a generated one; may be
+    repeated"""
 
 
 def job(run: RunFolder, options: Options, context: StageContext) -> Job:
     """What the stage has to do. The number of episodes is left out, as more can be added later, and so is what changes
     no episode: processes, and how long one may take."""
-    scripts = []
-    if run.subtasks.exists():
-        record = Subtasks.read(run.subtasks)
-        scripts = [run.root / s.script for s in record.kept if any(s.id in chain.subtasks for chain in record.chains)]
+    scripts = {name: sha256_file(path) for name, path in _named_scripts(run, options).items()}
     planned = [run.plan] if options.layout == "varied" and run.plan.exists() else []
     ranges = required_ranges(options, lone=run.subtasks.exists() and not run.plan.exists())
     return Job(
         run=run,
         output=run.episodes,
-        inputs=[run.layout, run.subtasks, *planned, *scripts],
+        inputs=[run.layout, run.subtasks, *planned],
         seed=stage_seed(run, options.seed),
         options={"accept": options.accept, "on_failure": options.on_failure, "retries": options.retries}
         | {"layout": options.layout, "fps": options.fps}
-        | {"randomise": ranges.model_dump(mode="json", exclude={"schema_id", "description"})},
+        | {"randomise": ranges.model_dump(mode="json", exclude={"schema_id", "description"})}
+        | ({"scripts": scripts} if scripts else {}),
         providers=context.at_once.models.providers("critic"),
     )
+
+
+def _named_scripts(run: RunFolder, options: Options) -> dict[str, Path]:
+    """Sub-task → the script that is executed for it in place of the generated one.
+
+    Raises:
+        InputFileError: there is no such file.
+        UsageError: two are named for one sub-task.
+        UnknownName: one is named after no sub-task of a chain.
+    """
+    found: dict[str, Path] = {}
+    known = _chained(run) if options.script else set()
+    for path in options.script:
+        if not path.is_file():
+            raise InputFileError(f"--script: there is no file {path}", hint="check the path")
+        if path.stem not in known:
+            raise UnknownName("sub-task with a script", path.stem, known)
+        if path.stem in found:
+            raise UsageError(f"--script: {found[path.stem]} and {path} are for the same sub-task", hint="name one")
+        found[path.stem] = path
+    return found
+
+
+def _chained(run: RunFolder) -> set[str]:
+    """Ids of the sub-tasks that are carried out."""
+    return {name for chain in Subtasks.read(run.subtasks).chains for name in chain.subtasks}
+
+
+def _left_out(run: RunFolder, scripts: Collection[str]) -> list[str]:
+    """A sentence on each script of a chain that was edited by hand and is not among those that are executed."""
+    folder, of_chains = run.subtasks.parent, _chained(run)
+    return [
+        f"{folder.name}/{name} was edited by hand and is not executed: its sub-task is carried out as "
+        f"{run.subtasks.name} says; to execute it, add {joined(['--script', folder / name])}"
+        for name in edited_scripts(run.subtasks)
+        if Path(name).stem in of_chains and Path(name).stem not in scripts
+    ]
 
 
 def required_ranges(options: Options, lone: bool = False) -> Randomisation:
@@ -156,10 +206,13 @@ def execute(
     context = context.at_once
     stage = job(run, options, context)
     stage.provenance()
+    notes = _left_out(run, stage.options.get("scripts", ()))
+    for note in notes:
+        logger.warning("%s", note)
     wanted = _Wanted.of(options, Subtasks.read(run.subtasks))
     done = stage.finished(Episodes, force=options.force)
     if done is not None and wanted.missing(done.record.episodes) == 0:
-        return done
+        return replace(done, notes=notes)
     store = EpisodeStore(stage, Path(f"{run.episodes.parent}.collecting"))
     store.begin(done)
     _fill(store, wanted, options, context, progress)
@@ -169,7 +222,8 @@ def execute(
             f"none of {len(record.episodes)} episodes was verified: {record.episodes[-1].reason}",
             hint=f"see {run.episodes.parent / 'log.jsonl'}; another --seed gives another layout",
         )
-    return StageResult(record, run.episodes, fresh=True, grown=done is not None, short=_shortfall(record, wanted))
+    grown, short = done is not None, _shortfall(record, wanted)
+    return StageResult(record, run.episodes, fresh=True, grown=grown, short=short, notes=notes)
 
 
 def take_over(run: RunFolder, folder: Path, edited: Collection[str], context: StageContext) -> Episodes:
@@ -200,7 +254,7 @@ def _verified(run: RunFolder, episode: Episode, record: Episodes) -> bool:
     """Whether an episode has what an accepted one has."""
     chain = record.chains[episode.chain]
     recorded = episode.file is not None and Path(episode.file).parent == Path(run.episodes.parent.name)
-    there = recorded and (run.root / str(episode.file)).is_file()
+    there = recorded and run.file(str(episode.file)).is_file()
     judged = record.accept == "state" or all(v.accepted for v in episode.verdicts)
     holds = record.accept == "critic" or (episode.goals_hold is not None and episode.goals_hold.success)
     return there and episode.subtasks == chain.subtasks and judged and holds
@@ -353,4 +407,6 @@ def _shared(run: Path, options: Options) -> EpisodeRunner:
 
 def _runner(run: Path, options: Options, context: StageContext) -> EpisodeRunner:
     ranges = load_randomisation(options.randomise)
-    return EpisodeRunner(job(RunFolder(run), options, context), ranges, context, options.episode_limit)
+    folder = RunFolder(run)
+    scripts = {name: load_script(path) for name, path in _named_scripts(folder, options).items()}
+    return EpisodeRunner(job(folder, options, context), ranges, context, options.episode_limit, scripts)

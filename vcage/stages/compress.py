@@ -51,7 +51,7 @@ def job(run: RunFolder, options: Options, _context: StageContext) -> Job:
     return Job(
         run=run,
         output=run.compression,
-        inputs=[*decided_by(run), *(run.root / str(e.file) for e in accepted_episodes(run))],
+        inputs=[*decided_by(run), *(run.file(str(e.file)) for e in accepted_episodes(run))],
         seed=stage_seed(run, options.seed),
         options=options.compression.options(),
         stand_for=originals(run),
@@ -104,7 +104,7 @@ def execute(
             progress=progress,
         )
         found = [(video.file, files[name], video.stream) for (name, _), video in videos.items()]
-        found += [((run.root / s.episode).with_name(Path(s.file).name), s.episode, s) for s in earlier]
+        found += [(run.file(s.episode).with_name(Path(s.file).name), s.episode, s) for s in earlier]
         streams = []
         for video, episode, stream in sorted(found, key=lambda one: (one[1], one[2].camera)):
             file = Path(stream.file).name
@@ -145,8 +145,8 @@ def clips_of(run: RunFolder) -> tuple[list[Clip], dict[str, str]]:
     files = {Path(str(episode.file)).stem: str(episode.file) for episode in accepted_episodes(run)}
     clips = []
     for name, file in files.items():
-        if not holds_links(run.root / file):
-            recording = open_hdf5(run.root / file)
+        if not holds_links(run.file(file)):
+            recording = open_hdf5(run.file(file))
             clips += [Clip(name, recording, camera.name, float(recording.fps or 0)) for camera in recording.cameras]
     return clips, files
 
@@ -157,7 +157,7 @@ def _earlier(run: RunFolder, provenance: Provenance) -> list[VideoStream]:
     Raises:
         MissingStage: they would have to be made again, for it is not other episodes that are asked for.
     """
-    gone = {str(e.file): run.root / str(e.file) for e in accepted_episodes(run) if holds_links(run.root / str(e.file))}
+    gone = {str(e.file): run.file(str(e.file)) for e in accepted_episodes(run) if holds_links(run.file(str(e.file)))}
     if not gone:
         return []
     record = Compression.read(run.compression) if run.compression.exists() else None
@@ -185,5 +185,5 @@ def _set_aside(run: RunFolder, provenance: Provenance) -> dict[str, SetAside]:
         streams = [stream for stream in record.streams if stream.episode == file]
         known[file] = SetAside(original=record.provenance.inputs[file], packed=packed, streams=streams)
     left = known.keys() - {str(episode.file) for episode in accepted_episodes(run)}
-    there = [file for file in sorted(left) if (run.root / file).is_file()]
-    return {file: known[file] for file in there if sha256_file(run.root / file) == known[file].packed}
+    there = [file for file in sorted(left) if run.file(file).is_file()]
+    return {file: known[file] for file in there if sha256_file(run.file(file)) == known[file].packed}

@@ -1,18 +1,19 @@
 """What was changed by hand in a stage's folder: known by what the stage wrote, which :data:`SEAL` keeps beside it.
 
-Pictures, scripts and JSON are for people and agents to edit. Each stage says in its ``take_over`` what must be true of
+Pictures and JSON are for people and agents to edit. Each stage says in its ``take_over`` what must be true of
 an edited file, and makes again what follows from it (:mod:`vcage.stages.running` calls it).
 """
 
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Collection, Iterator, Mapping
 from pathlib import Path
 from typing import Any, NoReturn, TypeVar
 
 from vcage.base.errors import InputFileError
 from vcage.base.files import maker_of, read_json, sha256_file, write_json
+from vcage.base.inside import path_complaint
 from vcage.schema.base import StageDocument
 from vcage.schema.episodes import BY_HAND, Verdict
 
@@ -22,19 +23,23 @@ SEAL = ".written.json"
 """Beside the JSON of a stage: ``record``, which is that JSON as it was written, and ``files``, name → SHA-256 of the
 others. It is not in the JSON itself, so that one that is put back from a copy is no older than the rest."""
 
-EDITABLE = (".json", ".jsonl", ".png", ".py")
+SCRIPT = ".py"
+"""Ends the names of scripts, which no stage reads: an edited one changes nothing, and is executed only when named."""
+
+EDITABLE = (".json", ".jsonl", ".png", SCRIPT)
 """Kinds of files beside the JSON of a stage that are looked at. Videos and episodes are inputs of later stages."""
 
 Place = tuple[str, ...]
 """Where in a JSON: ``("episodes", "0", "reason")``; in a pattern ``*`` stands for any one part."""
 
 
-def seal(record: D, path: Path) -> D:
+def seal(record: D, path: Path, by_hand: Mapping[str, str] | None = None) -> D:
     """Write the JSON of a stage, beside which the other files lie by now, and note what was written.
 
     Args:
         record: what goes into ``path``.
         path: its file.
+        by_hand: name → SHA-256 as the stage wrote it, of files that remain edited.
     """
     record.write(path)
     files = {
@@ -42,12 +47,14 @@ def seal(record: D, path: Path) -> D:
         for file in sorted(path.parent.rglob("*"))
         if file.suffix in EDITABLE and file.name != SEAL and file != path and file.is_file()
     }
-    write_json(path.with_name(SEAL), {"record": record.model_dump(mode="json", by_alias=True), "files": files})
+    sealed = {"record": record.model_dump(mode="json", by_alias=True), "files": files | dict(by_hand or {})}
+    write_json(path.with_name(SEAL), sealed)
     return record
 
 
 def edits(path: Path) -> list[str]:
-    """Names of the files in a stage's folder that are not as the stage left them; what is gone is not among them.
+    """Names of the files in a stage's folder that are not as the stage left them, but for its scripts; what is gone is
+    not among them.
 
     Args:
         path: the stage's JSON.
@@ -58,10 +65,22 @@ def edits(path: Path) -> list[str]:
     """
     written = _written(path)
     changed = [] if read_json(path) == written["record"] else [path.name]
+    return changed + [name for name in _changed_files(path, written) if not name.endswith(SCRIPT)]
+
+
+def edited_scripts(path: Path) -> dict[str, str]:
+    """Name → SHA-256 as the stage wrote it, of the scripts in its folder that a hand changed; raises as :func:`edits`.
+
+    Args:
+        path: the stage's JSON.
+    """
+    written = _written(path)
+    return {name: written["files"][name] for name in _changed_files(path, written) if name.endswith(SCRIPT)}
+
+
+def _changed_files(path: Path, written: dict[str, Any]) -> list[str]:
     others = {name: path.parent / name for name in written["files"]}
-    return changed + [
-        name for name, file in others.items() if file.is_file() and sha256_file(file) != written["files"][name]
-    ]
+    return [name for name, file in others.items() if file.is_file() and sha256_file(file) != written["files"][name]]
 
 
 def lost(path: Path) -> list[str]:
@@ -161,6 +180,9 @@ def _written(path: Path) -> dict[str, Any]:
     found = read_json(path.with_name(SEAL))
     if not isinstance(found, dict) or not all(isinstance(found.get(key), dict) for key in ("record", "files")):
         raise InputFileError(f"{path.with_name(SEAL)} does not say what was written", maker=maker_of(path))
+    for name, digest in found["files"].items():
+        if complaint := path_complaint(name) or (None if isinstance(digest, str) else "expected a SHA-256"):
+            refuse(path.with_name(SEAL), f"files.{name[:80]}", complaint, "what the stage wrote")
     return found
 
 

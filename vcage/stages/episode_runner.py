@@ -14,7 +14,6 @@ from typing import Any
 import numpy as np
 
 from vcage.base.errors import InfeasibleScene
-from vcage.base.files import RunFolder
 from vcage.base.pictures import write_picture
 from vcage.base.time_limit import TimeIsUp, time_limit
 from vcage.base.version import __version__
@@ -44,7 +43,7 @@ from vcage.stages.worlds import reworded
 from vcage.tasks.assemble import episode_data
 from vcage.tasks.loop import EpisodeRun, Seen, Setting, run_episode
 from vcage.tasks.readiness import ready_for
-from vcage.tasks.synthesis import Script, load_script
+from vcage.tasks.synthesis import Script, script_of
 from vcage.tasks.task import Asked
 from vcage.tasks.wording import in_other_words
 
@@ -64,12 +63,14 @@ class _Work:
     Args:
         text: what that is called.
         steps: sub-tasks with their scripts, in order.
+        own_grasps: ids of those whose named script has other grasps than were planned: it keeps them.
         goals: what must be true at the end.
         starts: draws where it begins.
     """
 
     text: str
     steps: list[tuple[Subtask, Script]]
+    own_grasps: frozenset[str]
     goals: list[Goal]
     starts: Starts
 
@@ -81,18 +82,20 @@ class _Work:
         scene: Scene,
         relations: Sequence[Relation] | None,
         ranges: WorldRanges,
-        run: RunFolder,
+        named: Mapping[str, Script],
         context: StageContext,
     ) -> _Work:
         """The scripts of a chain, and where it starts: an instruction's where the scene is, as its plan has proven.
 
-        ``relations`` are those of the plan that layouts keep which are drawn; None where none are.
+        ``relations`` are those of the plan that layouts keep which are drawn; None where none are. ``named`` are the
+        scripts that are executed in place of generated ones.
         """
-        steps = [(kept[name], load_script(run.root / kept[name].script)) for name in chain.subtasks]
+        steps = [(kept[name], named.get(name) or script_of(kept[name])) for name in chain.subtasks]
+        own_grasps = frozenset(subtask.id for subtask, script in steps if not script.tries(subtask.grasps))
         start = ready_for(steps[0][0], scene, context.objects(scene))
         goals = lasting(in_steps(scene.goals) or [subtask.goals for subtask, _ in steps])
         starts = Starts(start, relations, [subtask for subtask, _ in steps], ranges, context)
-        return cls(chain.text, steps, goals, starts)
+        return cls(chain.text, steps, own_grasps, goals, starts)
 
 
 class EpisodeRunner:
@@ -103,9 +106,17 @@ class EpisodeRunner:
         ranges: of what differs from episode to episode.
         context: the library and the models.
         limit_s: seconds after which an episode is given up.
+        scripts: by sub-task, in place of generated ones.
     """
 
-    def __init__(self, stage: Job, ranges: Randomisation, context: StageContext, limit_s: float):
+    def __init__(
+        self,
+        stage: Job,
+        ranges: Randomisation,
+        context: StageContext,
+        limit_s: float,
+        scripts: Mapping[str, Script] | None = None,
+    ):
         run = stage.run
         self._stage, self._ranges, self._context, self._limit_s = stage, ranges, context, limit_s
         self._scene = Scene.read(run.layout)
@@ -113,10 +124,9 @@ class EpisodeRunner:
         self._mild = any(ranges.look == load_randomisation(name).look for name in MILD)
         subtasks = Subtasks.read(run.subtasks)
         kept = {s.id: s for s in subtasks.kept}
-        self._edited = subtasks.edited
         varied = stage.options["layout"] == "varied" and run.plan.exists()  # a script that runs alone has no plan
         relations = read_plan(run, Scene.read(run.scene), context).relations if varied else None
-        given = (kept, self._scene, relations, ranges.world, run, context)
+        given = (kept, self._scene, relations, ranges.world, scripts or {}, context)
         self._chains = [_Work.of(chain, *given) for chain in subtasks.chains]
 
     def one(self, index: int, folder: Path) -> tuple[Episode, list[Attempt]]:
@@ -168,7 +178,7 @@ class EpisodeRunner:
     def _steps(self, work: _Work, start: Start) -> list[tuple[Subtask, Script]]:
         """The sub-tasks in the words of an episode, and their scripts with the grasps that are feasible there."""
         for subtask, script in work.steps:
-            if script.path.name not in self._edited:
+            if subtask.id not in work.own_grasps:
                 script.try_grasps(start.grasps[subtask.id])
         return [(reworded(subtask, start.phrases), script) for subtask, script in work.steps]
 
@@ -224,6 +234,7 @@ class EpisodeRunner:
             "reason": done.reason,
             **world_facts(start.scene, drawn),
             "wordings": {subtask.id: [subtask.text, *subtask.texts] for subtask in said},
+            **{name: told for name, told in self._stage.options.items() if name == "scripts"},
             "providers": self._context.models.providers("reasoner", "editor", "detector", "embedder", "critic"),
             "versions": versions(),
         }

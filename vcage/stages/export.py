@@ -81,8 +81,8 @@ def job(run: RunFolder, options: Options, _context: StageContext) -> Job:
     """What the stage has to do."""
     videos = []
     if run.compression.exists():
-        videos = [run.root / stream.file for stream in Compression.read(run.compression).streams]
-    episodes = [run.root / str(episode.file) for episode in accepted_episodes(run)]
+        videos = [run.file(stream.file) for stream in Compression.read(run.compression).streams]
+    episodes = [run.file(str(episode.file)) for episode in accepted_episodes(run)]
     return Job(
         run=run,
         output=run.export,
@@ -148,9 +148,9 @@ def find_footage(run: RunFolder, options: Options, progress: Progress = silent) 
     compression = Compression.read(run.compression)
     wanted = _other_encoding(CompressionSettings(**compression.provenance.options), options)
     if wanted is None:
-        files = {(stream.episode, stream.camera): run.root / stream.file for stream in compression.streams}
+        files = {(stream.episode, stream.camera): run.file(stream.file) for stream in compression.streams}
         return Footage(files, encodings(compression.streams, compression.encoding.preset))
-    require_raw(run.root / str(episode.file) for episode in accepted_episodes(run))
+    require_raw(run.file(str(episode.file)) for episode in accepted_episodes(run))
     clips, names = clips_of(run)
     videos = search_data_set(clips, wanted, run.root / WORKING, workers=options.workers, progress=progress)
     streams = [video.stream for video in videos.values()]
@@ -207,7 +207,7 @@ def lerobot_episodes(
 
 
 def _lerobot_episode(run: RunFolder, footage: Footage, file: str) -> LeRobotEpisode:
-    recording = open_hdf5(run.root / file)
+    recording = open_hdf5(run.file(file))
     cameras = [camera.name for camera in recording.cameras]
     missing = [camera for camera in cameras if (file, camera) not in footage.files]
     if missing:
@@ -229,7 +229,7 @@ def _write_robotwin(run: RunFolder, out: Path, progress: Progress) -> None:
     out.mkdir(parents=True)
     for number, record in enumerate(accepted):
         progress(f"episode{number}.hdf5", number, len(accepted))
-        with EpisodeReader(run.root / str(record.file)) as reader:
+        with EpisodeReader(run.file(str(record.file))) as reader:
             export_robotwin(reader, out / f"episode{number}.hdf5")
 
 

@@ -142,7 +142,7 @@ def take_over(run: RunFolder, folder: Path, edited: Collection[str], context: St
     if plan.target != there:
         refuse(run.plan, "target", repr(plan.target), f"{there!r}, where the picture can be edited")
     if TARGET in edited:
-        read_picture(run.root / there)
+        read_picture(run.file(there))
     if run.plan.name not in edited:
         return plan
     said = LayoutPlan(text=plan.text, relations=plan.relations)

@@ -78,12 +78,12 @@ def read_pictures(run: RunFolder, scene: Scene) -> ScenePictures:
         InputFileError: one has not the size of the scene's camera.
     """
     read = {"source": read_picture, "segmentation": read_labels, "background": read_picture}
-    pictures = {name: reader(run.root / scene.pictures[name]) for name, reader in read.items()}
+    pictures = {name: reader(run.file(scene.pictures[name])) for name, reader in read.items()}
     expected = (scene.top_camera.height, scene.top_camera.width)
     for name, picture in pictures.items():
         if picture.shape[:2] != expected:
             raise InputFileError(
-                f"{run.root / scene.pictures[name]} has {picture.shape[1]} x {picture.shape[0]} pixels, the scene's "
+                f"{run.file(scene.pictures[name])} has {picture.shape[1]} x {picture.shape[0]} pixels, the scene's "
                 f"camera {expected[1]} x {expected[0]}",
                 maker="select_place",
             )

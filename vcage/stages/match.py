@@ -116,7 +116,7 @@ def execute(
             scene,
             plan,
             read_pictures(run, scene),
-            read_picture(run.root / plan.target),
+            read_picture(run.file(plan.target)),
             Recogniser(context.models.detector, context.models.embedder, options.threshold),
             Looks({o.id: context.symmetry(o) for o in scene.objects}, ModelDrawer(context.physical_models(scene))),
         )

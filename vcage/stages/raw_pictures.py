@@ -93,14 +93,14 @@ def refer_to_videos(run: RunFolder, record: Compression, scratch: Path) -> None:
     waiting = {
         file: [stream for stream in record.streams if stream.episode == file]
         for file in record.packed
-        if not holds_links(run.root / file)
+        if not holds_links(run.file(file))
     }
     with ThreadPoolExecutor(cores()) as pool:  # FFmpeg releases the interpreter
         list(pool.map(partial(_verify, run), chain(*waiting.values())))
     for file, streams in waiting.items():
-        path = run.root / file
+        path = run.file(file)
         for stream in streams:
-            _beside(run.root / stream.file, path)
+            _beside(run.file(stream.file), path)
         packed = _packed(run, streams, scratch)
         if sha256_file(packed) != record.packed[file]:
             raise StaleStage(
@@ -111,7 +111,7 @@ def refer_to_videos(run: RunFolder, record: Compression, scratch: Path) -> None:
 
 
 def _packed(run: RunFolder, streams: list[VideoStream], scratch: Path) -> Path:
-    path = run.root / streams[0].episode
+    path = run.file(streams[0].episode)
     recording = open_hdf5(path)
     return write_packed(path, scratch / path.name, [link_to(recording, stream) for stream in streams])
 
@@ -122,7 +122,7 @@ def _verify(run: RunFolder, stream: VideoStream) -> None:
     Raises:
         DamagedFile: it does not hold what was written.
     """
-    video = run.root / stream.file
+    video = run.file(stream.file)
     frames = decoded_count(video)
     if frames != stream.frames or video.stat().st_size != stream.bytes:
         raise DamagedFile(

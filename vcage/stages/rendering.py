@@ -96,7 +96,7 @@ def render_run(run: RunFolder, order: Order, progress: Progress = silent) -> Ren
     folder = run.root / FOLDER
     _sweep(run, folder)
     tasks = [
-        _Task(run.root / str(e.file), e.index, look, order.ranges, order.seed, folder / _name(e.index, look))
+        _Task(run.file(str(e.file)), e.index, look, order.ranges, order.seed, folder / _name(e.index, look))
         for look in range(order.looks)
         for e in chosen
     ]
@@ -141,7 +141,7 @@ def _name(episode: int, look: int) -> str:
 
 def _sweep(run: RunFolder, folder: Path) -> None:
     """Remove what a killed call left, and what was drawn of an episode that does not count any more or is another."""
-    sources = {episode.index: run.root / str(episode.file) for episode in accepted_episodes(run)}
+    sources = {episode.index: run.file(str(episode.file)) for episode in accepted_episodes(run)}
 
     @cache
     def now(episode: int) -> str | None:
@@ -245,7 +245,7 @@ def write_sheet(run: RunFolder, record: Renders, path: Path, columns: int = 5) -
         path: of the PNG.
         columns: renders side by side.
     """
-    cells = [_cell(run.root / render.file, render.frames // 2) for render in record.renders]
+    cells = [_cell(run.file(render.file), render.frames // 2) for render in record.renders]
     blank = np.full_like(cells[0], 255)
     cells += [blank] * (-len(cells) % columns)
     rows = [np.hstack(cells[i : i + columns]) for i in range(0, len(cells), columns)]

@@ -12,14 +12,14 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, Protocol, cast
 
-from vcage.base.commands import CALLED
-from vcage.base.errors import AnswerNeeded, FolderInUse, InputFileError, MissingStage, StageInterrupted, VcageError
+from vcage.base.commands import CALLED, goes_on_with
+from vcage.base.errors import AnswerNeeded, DamagedFile, FolderInUse, MissingStage, StageInterrupted, VcageError
 from vcage.base.files import RunFolder, atomic_folder, read_json, recover, write_json
 from vcage.base.hold import held
 from vcage.base.progress import Progress, silent
 from vcage.schema.base import StageDocument
 from vcage.stages.context import StageContext
-from vcage.stages.edits import edits, require_same, seal, written_record
+from vcage.stages.edits import edited_scripts, edits, require_same, seal, written_record
 from vcage.stages.stage import PRODUCERS, Job, StageOptions, StageResult
 
 logger = logging.getLogger(__name__)
@@ -89,7 +89,7 @@ def run_stage(
             note = unfinished(run).get(error.maker)
             if note is None:
                 raise
-            raise _interrupted(error.maker, note) from error
+            raise _interrupted(run, error.maker, note) from error
 
 
 def timed(
@@ -130,10 +130,12 @@ def take_over_edits(job: Job, context: StageContext, *, force: bool) -> None:
     recover(job.output.parent)
     for path in job.run.documents:
         own = path == job.output
-        if not (path.is_file() and (own or path in job.inputs)) or not (changed := edits(path)):
+        if not (path.is_file() and (own or path in job.inputs)):
             continue
-        if own and force:
-            logger.warning("%s: what was edited by hand is made again: %s", job.stage, ", ".join(changed))
+        changed, scripts = edits(path), edited_scripts(path)
+        if own and force and (changed or scripts):
+            logger.warning("%s: what was edited by hand is made again: %s", job.stage, ", ".join([*changed, *scripts]))
+        if not changed or (own and force):
             continue
         stage = PRODUCERS[path.parent.name]
         logger.warning("%s of %s was edited by hand: checking it", ", ".join(changed), stage)
@@ -142,7 +144,7 @@ def take_over_edits(job: Job, context: StageContext, *, force: bool) -> None:
             require_same(path, "provenance")
             record = stage_of(stage).take_over(job.run, folder, changed, context)
             edited = sorted({*written_record(path, type(record)).edited, *changed})
-            seal(record.model_copy(update={"edited": edited}), folder / path.name)
+            seal(record.model_copy(update={"edited": edited}), folder / path.name, by_hand=scripts)
 
 
 def _link(source: str, target: str) -> None:
@@ -160,7 +162,9 @@ def at_work(run: RunFolder) -> Iterator[None]:
     Raises:
         FolderInUse: another process works there; says which, and how far it is.
         OutputFolderError: the folder cannot be written.
+        InputFileError: something in it is a link.
     """
+    run.require_no_links()
     begun = run.root.exists()
     run.make()
     try:
@@ -211,18 +215,32 @@ def _note(run: RunFolder, stage: str, note: dict[str, Any] | None) -> None:
 def unfinished(run: RunFolder) -> dict[str, dict[str, Any]]:
     """Stages that were begun and not finished → the ``command`` that makes it, and how far it is: ``done`` of
     ``total``; none when the file is damaged (it is a by-product)."""
-    with contextlib.suppress(InputFileError):
+    notes: Any = None
+    with contextlib.suppress(DamagedFile, MissingStage):
         notes = read_json(run.unfinished)
-        return notes if isinstance(notes, dict) else {}
-    return {}
+    found = notes.items() if isinstance(notes, dict) else ()
+    return {stage: note for stage, note in found if stage in _COMMANDS and _is_note(note)}
 
 
-def _interrupted(stage: str, note: dict[str, Any]) -> StageInterrupted:
+_COMMANDS = {stage: stage.replace("_", "-") for stage in PRODUCERS.values()}
+"""Stage → its command."""
+
+
+def _is_note(note: Any) -> bool:
+    kinds = {"command": str, "done": int, "total": int}
+    return isinstance(note, dict) and all(type(note.get(key)) is kind for key, kind in kinds.items())
+
+
+def _interrupted(run: RunFolder, stage: str, note: dict[str, Any]) -> StageInterrupted:
     steps = "episodes" if stage == "collect" else "steps"
     far = f" after {note['done']} of {note['total']} {steps}" if note["total"] else ""
     details = {"stage": stage, "done": note["done"], "total": note["total"]}
     message = f"{stage} was interrupted{far}"
-    return StageInterrupted(message, hint="go on with it", command=note["command"], maker=stage, details=details)
+    if goes_on_with(note["command"], run.root, ("run", *_COMMANDS.values())):
+        return StageInterrupted(message, hint="go on with it", command=note["command"], maker=stage, details=details)
+    if not run.scene.exists():  # a script was run by itself
+        return StageInterrupted(message, hint="start its script again", details=details)
+    return StageInterrupted(message, hint="go on with it", maker=stage, details=details)
 
 
 def note_seconds(run: RunFolder, stage: str, seconds: float, *, grown: bool = False) -> None:
@@ -244,6 +262,7 @@ def read_timings(run: RunFolder) -> dict[str, float]:
     """Seconds by stage; empty when nothing was timed or the file is damaged (it is a by-product)."""
     try:
         timings = read_json(run.timings)
-    except InputFileError:
+    except (DamagedFile, MissingStage):
         return {}
-    return timings if isinstance(timings, dict) else {}
+    found = timings.items() if isinstance(timings, dict) else ()
+    return {stage: seconds for stage, seconds in found if isinstance(seconds, int | float)}

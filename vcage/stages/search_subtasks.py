@@ -22,7 +22,7 @@ from vcage.schema.goals import in_steps
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Chain, Subtasks
 from vcage.stages.context import StageContext
-from vcage.stages.edits import refuse, written_record
+from vcage.stages.edits import edited_scripts, refuse, written_record
 from vcage.stages.possible import require_possible
 from vcage.stages.stage import Job, ModelOptions, StageResult, stage_seed
 from vcage.tasks.ground import Ground
@@ -30,7 +30,7 @@ from vcage.tasks.readiness import ready_for
 from vcage.tasks.rehearsal import proven
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.search import action_of, compose, find_subtasks, initial_state
-from vcage.tasks.synthesis import load_script, note_python, write_script
+from vcage.tasks.synthesis import note_python, write_script
 
 DRAWS = 20
 """Sets of slots that are tried for the chain: there is no other layout to go to."""
@@ -103,18 +103,15 @@ def take_over(run: RunFolder, folder: Path, edited: Collection[str], context: St
 
     Raises:
         InputFileError: a sub-task is about what there is not, or a chain does not bring about what is asked for.
-        DamagedFile: a script cannot be loaded.
     """
     record, scene = Subtasks.read(run.subtasks), Scene.read(run.layout)
-    objects = context.objects(scene)
+    objects, by_hand = context.objects(scene), edited_scripts(run.subtasks)
     for number, subtask in enumerate(record.kept):
         require_possible(run.subtasks, f"kept.{number}", subtask, scene, objects)
         script = f"{subtask.id}.py"
         if subtask.script != run.relative(run.subtasks.with_name(script)):
             refuse(run.subtasks, f"kept.{number}.script", repr(subtask.script), repr(f"subtasks/{script}"))
-        if script in edited:
-            load_script(run.root / subtask.script)
-        elif run.subtasks.name in edited:
+        if script not in by_hand:
             write_script(subtask, ready_for(subtask, scene, objects), folder / script)
     if record.instruction != scene.instruction:
         refuse(run.subtasks, "instruction", repr(record.instruction), repr(scene.instruction))

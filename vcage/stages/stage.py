@@ -27,7 +27,7 @@ from vcage.schema.base import Provenance, StageDocument
 from vcage.schema.exchange import Asked
 from vcage.schema.scene import Scene
 from vcage.stages.context import StageContext
-from vcage.stages.edits import lost, seal
+from vcage.stages.edits import edited_scripts, lost, seal
 
 logger = logging.getLogger(__name__)
 
@@ -113,6 +113,7 @@ class StageResult(Generic[D]):
         fresh: whether it was made just now.
         grown: whether something was added to what an earlier call had finished.
         short: the error to end with where it is whole, but less than was asked for.
+        notes: what a person should know of this call.
     """
 
     record: D
@@ -120,6 +121,7 @@ class StageResult(Generic[D]):
     fresh: bool
     grown: bool = False
     short: VcageError | None = None
+    notes: Sequence[str] = ()
 
 
 @dataclass(frozen=True)
@@ -196,13 +198,14 @@ class Job:
         except InputFileError as error:
             error.maker = error.maker or self.stage
             raise
+        edited = [*record.edited, *edited_scripts(self.output)]
         if gone := lost(self.output):
-            if record.edited or self.stage == "collect":
+            if edited or self.stage == "collect":
                 raise InputFileError(
                     f"{self.output.parent / gone[0]} is gone, which {self.stage} had written",
                     hint="put it back",
                     maker=self.stage,
-                    details={"missing": gone, "edited": record.edited},
+                    details={"missing": gone, "edited": edited},
                 )
             logger.warning("%s: made again, as %s is gone", self.stage, ", ".join(gone))
             return None
@@ -212,7 +215,7 @@ class Job:
         raise StaleStage(
             f"{self.output} is finished, but was made with another {', '.join(changed)}",
             hint="give another run folder",
-            details={"changed": changed, "edited": record.edited},
+            details={"changed": changed, "edited": edited},
         )
 
     def _refuse_foreign_files(self) -> None:

@@ -283,7 +283,14 @@ def _seen(pictures: Sequence[Path], scene: Scene) -> dict[str, dict[str, np.ndar
     """Pictures by what their names say that they show, and by camera."""
     found: dict[str, dict[str, np.ndarray]] = {}
     for path in pictures:
-        when, camera = _NAMED.search(path.name).groups()  # pyrefly: ignore
+        named = _NAMED.search(path.name)
+        if named is None:
+            raise InputFileError(
+                f"{path} is not named as collect names the pictures of a verdict: field pictures",
+                hint="put back what was written",
+                maker="collect",
+            )
+        when, camera = named.groups()
         found.setdefault(when, {})[camera] = _view(path, scene) if camera == TOP else read_picture(path)
     return found
 

@@ -20,7 +20,7 @@ from vcage.tasks.ground import Ground
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.search import compose, find_subtasks
 from vcage.tasks.slots import Slot, slots_for_chain
-from vcage.tasks.synthesis import play
+from vcage.tasks.synthesis import script_of
 from vcage.tasks.task import Task
 from vcage.tasks.templates import TEMPLATES
 from vcage.tasks.workcell import TaskFailed
@@ -146,7 +146,7 @@ def rehearsed(
             moved.add(subtask.object)
         task = Rehearsal(world, by_id, goes)
         try:
-            play(subtask, task)
+            script_of(subtask).play(task)
         except TaskFailed as error:
             kind, why = _NotWithTheseSlots, f"{subtask.id} cannot be planned"
             if not again and subtask.id not in slots:

@@ -63,17 +63,12 @@ def note_python() -> None:
         write_text(cache_path("python"), f"{sys.executable}\n")
 
 
-def play(subtask: Subtask, task: object) -> None:
-    """Do with a task what the sub-task's script does."""
-    exec("\n".join(TEMPLATES[subtask.template].calls(subtask)), {"task": task, "GRASPS": _told(subtask.grasps)})
-
-
 @dataclass(frozen=True)
 class Script:
-    """A loaded sub-task script.
+    """What the robot does for a sub-task, and what the critic is asked: generated, or loaded from a file.
 
     Args:
-        path: where it lies.
+        path: where it lies; of a generated one the name that its file has.
         play: what the robot does, called with a task.
         verify: what the critic is asked, called with a task.
         values: its upper-case names (SCENE, TEXT, GRASPS…).
@@ -88,13 +83,30 @@ class Script:
         """Let the script try these, best first, in place of those that it was written with."""
         self.values["GRASPS"][:] = _told(grasps)
 
+    def tries(self, grasps: Sequence[Grasp]) -> bool:
+        """Whether it tries just these grasps."""
+        return self.values.get("GRASPS") == _told(grasps)
+
 
 def _told(grasps: Sequence[Grasp]) -> list[tuple[int, str, float]]:
     return [(grasp.contact, grasp.arm, grasp.score) for grasp in grasps]
 
 
+def script_of(subtask: Subtask) -> Script:
+    """The script of a sub-task, generated from its validated slots; no file is executed."""
+    values = {"GRASPS": _told(subtask.grasps)}
+    goals = [(g.subject, g.relation, g.reference, g.part) for g in subtask.goals]
+    calls = compile("\n".join(TEMPLATES[subtask.template].calls(subtask)), f"{subtask.id}.py", "exec")
+    return Script(
+        path=Path(f"{subtask.id}.py"),
+        play=lambda task: exec(calls, {"task": task, **values}),
+        verify=lambda task: task.ask(subtask.text, goals=goals),
+        values=values,
+    )
+
+
 def load_script(path: Path) -> Script:
-    """Load a sub-task script; it may have been edited by hand.
+    """Execute the file of a sub-task script; only for one that a person named or started.
 
     Raises:
         MissingStage: it is not there.

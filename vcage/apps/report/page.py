@@ -18,7 +18,7 @@ import jinja2
 from vcage.apps.report.previews import previews
 from vcage.base.drawing import distinct_colours
 from vcage.base.errors import InputFileError, MissingStage, StaleStage
-from vcage.base.files import RunFolder, recover, write_text
+from vcage.base.files import RunFolder, recover, write_bytes
 from vcage.base.pictures import jpeg, read_picture
 from vcage.base.version import __version__
 from vcage.models.kept import Exchanges
@@ -63,7 +63,8 @@ def write_report(run: RunFolder) -> Path:
             f"{run} holds no run: {run.scene} does not exist", hint="run select_place first", maker="select_place"
         )
     recover(run.report)
-    return write_text(run.report, _template().render(**_context(run)))
+    page = _template().render(**_context(run))
+    return write_bytes(run.report, page.encode(errors="replace"))  # what is no text, as JSON may hold, cannot be shown
 
 
 _OVERVIEWS = (f"-{TOP}.png", f"-{CUSTOMER}.png")
@@ -117,7 +118,7 @@ def _context(run: RunFolder) -> dict[str, Any]:
         "differences": [_difference_card(run, found) for found in judged_again.differences] if judged_again else [],
         "timings": read_timings(run),
         **_starts(scene, episodes),
-        "exchanges": Exchanges(run.root / "exchanges").all(),
+        "exchanges": Exchanges(run.exchanges).all(),
         "asked_by": ASKED_BY | {"judge_subtask": "collect, verify"},
         "documents": [d for d in documents.values() if d is not None],
         "refusals": Counter(r.reason for r in subtasks.refused).most_common() if subtasks else [],
@@ -156,7 +157,7 @@ def _stage_pictures(run: RunFolder) -> list[dict[str, str]]:
     ]
     found = []
     for title, caption, path in wanted:
-        url = _picture_url(run.root / path)
+        url = _picture_url(run.file(path))
         if url is not None:
             found.append({"title": title, "caption": caption, "url": url, "path": path})
     return found
@@ -165,9 +166,9 @@ def _stage_pictures(run: RunFolder) -> list[dict[str, str]]:
 def _episode_cards(run: RunFolder, episodes: Episodes | None) -> list[dict[str, Any]]:
     shown = episodes.episodes if episodes else []
     refused = _refused_by_verify(run)
-    seen = [e for e in shown if e.accepted and e.file and e.file not in refused and (run.root / e.file).is_file()]
+    seen = [e for e in shown if e.accepted and e.file and e.file not in refused and run.file(e.file).is_file()]
     seen = seen[:PREVIEWED]
-    videos = previews([(run.root / str(e.file), e.fps) for e in seen])
+    videos = previews([(run.file(str(e.file)), e.fps) for e in seen])
     by_index = {e.index: video for e, video in zip(seen, videos, strict=True)}
     return [_episode_card(run, e, by_index.get(e.index), refused.get(e.file or "")) for e in shown]
 

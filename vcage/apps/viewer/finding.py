@@ -29,7 +29,7 @@ def find_episodes(path: Path) -> dict[int, Path | Recording]:
         return {0: path} if _is_whole(path) else dict(enumerate(open_recordings(path)))
     run = RunFolder(path.parent if (path / "episodes.json").is_file() else path)
     if run.episodes.is_file():
-        return {e.index: run.root / e.file for e in Episodes.read(run.episodes).episodes if e.file is not None}
+        return {e.index: run.file(e.file) for e in Episodes.read(run.episodes).episodes if e.file is not None}
     found = open_recordings(path)
     return dict(enumerate(one.path if one.path.is_file() and _is_whole(one.path) else one for one in found))
 

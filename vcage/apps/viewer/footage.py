@@ -67,7 +67,7 @@ def compressed_videos(episode: Path) -> dict[str, Path]:
     run = RunFolder(episode.resolve().parents[1])
     record = run.compression
     streams = Compression.read(record).streams if record.is_file() else []
-    videos = {s.camera: run.root / s.file for s in streams if s.episode == run.relative(episode)}
+    videos = {s.camera: run.file(s.file) for s in streams if s.episode == run.relative(episode)}
     if not videos:
         raise MissingStage(
             f"{episode} has no compressed videos: looked in {record}",
