@@ -20,13 +20,15 @@ import psutil
 import pytest
 
 from tests.runs import FPS, INSTRUCTION, OPTIONS, Finished, clean_environment, copied, digests
-from vcage.base.errors import DamagedFile, PartlyDone, StaleStage, UsageError
-from vcage.base.files import RunFolder, read_json, write_json
+from vcage.base.errors import DamagedFile, InputFileError, PartlyDone, StaleStage, UnknownName, UsageError
+from vcage.base.files import RunFolder, read_json, sha256_file, write_json
 from vcage.datasets.reader import EpisodeReader
 from vcage.schema.episodes import Attempt, CriticCounts, Episode, Episodes, Truth, Verdict
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Subtasks
-from vcage.stages import collect, episode_store
+from vcage.stages import collect, episode_store, search_subtasks
+from vcage.stages.edits import seal
+from vcage.stages.running import run_stage
 
 KILLS = 20
 WITH_WORKERS = ["collect", "--models", "offline", "--episodes", "2", "--fps", str(FPS), "--workers", "2"]
@@ -368,22 +370,65 @@ def test_an_episode_that_takes_too_long_is_given_up_and_says_so(finished, begun)
     assert {episode.layout for episode in Episodes.read(begun.episodes).episodes} == {None}
 
 
-def test_a_damaged_script_is_named_before_anything_is_collected(finished, begun):
-    record = Subtasks.read(begun.subtasks)
-    script = begun.root / {s.id: s.script for s in record.kept}[record.chains[0].subtasks[0]]
+# --- scripts -------------------------------------------------------------------------------------------
+
+
+def first_script(run: RunFolder) -> Path:
+    return run.subtasks.with_name(f"{Subtasks.read(run.subtasks).chains[0].subtasks[0]}.py")
+
+
+@pytest.fixture
+def script(begun) -> Path:
+    """The first script of the chain, edited: executed, it leaves a file."""
+    path = first_script(begun)
+    path.write_text(f"open({str(begun.root / 'executed')!r}, 'w')\n{path.read_text()}")
+    return path
+
+
+@pytest.mark.parametrize("sealed", [False, True], ids=["edited", "edited and sealed"])
+def test_no_script_of_a_run_is_executed(finished, begun, script, sealed):
+    if sealed:
+        seal(Subtasks.read(begun.subtasks), begun.subtasks)
+    run_stage(search_subtasks, begun, search_subtasks.Options(models="offline"), finished.context)
+    collect._runner(begun.root, options(), finished.context)
+    assert not (begun.root / "executed").exists()
+
+
+def test_a_script_that_is_named_is_executed_and_said_to_be_in_the_provenance(finished, begun, script):
+    named = options(script=(script,))
+    collect._runner(begun.root, named, finished.context)
+    assert (begun.root / "executed").exists()
+    told = collect.job(begun, named, finished.context).provenance().options
+    assert told["scripts"] == {script.stem: sha256_file(script)}
+
+
+def test_an_edited_script_that_is_not_named_is_told_with_the_way_out(finished, begun, script, cheap):
+    (note,) = collect.execute(begun, options(), finished.context).notes
+    assert f"subtasks/{script.name}" in note and note.endswith(f"--script {script}")
+    assert not collect.execute(begun, options(script=(script,), force=True), finished.context).notes
+
+
+def test_episodes_of_generated_scripts_are_not_those_of_a_named_one(finished):
+    named = options(script=(first_script(finished.run),))
+    with pytest.raises(StaleStage, match="option scripts"):
+        collect.execute(finished.run, named, finished.context)
+
+
+def test_a_named_script_that_is_damaged_is_told_before_anything_is_collected(finished, begun, script):
     script.write_text("def play(:")
     with pytest.raises(DamagedFile, match=script.name):
-        collect.execute(begun, options(), finished.context)
+        collect.execute(begun, options(script=(script,)), finished.context)
     assert not begun.episodes.exists()
 
 
-def test_an_edited_script_makes_the_episodes_stale(finished, tmp_path):
-    run = copied(finished.run, tmp_path / "run")
-    record = Subtasks.read(run.subtasks)
-    script = run.root / {s.id: s.script for s in record.kept}[record.chains[0].subtasks[0]]
-    script.write_text(script.read_text() + "\n# edited by hand\n")
-    with pytest.raises(StaleStage, match=f"input subtasks/{script.name}"):
-        collect.execute(run, options(), finished.context)
+def test_a_named_script_belongs_to_one_sub_task(finished, begun, script, tmp_path):
+    other = tmp_path / "other.py"
+    for named, error in (((other,), InputFileError), ((script, script), UsageError)):
+        with pytest.raises(error):
+            collect.job(begun, options(script=named), finished.context)
+    other.write_text("")
+    with pytest.raises(UnknownName, match="other"):
+        collect.job(begun, options(script=(other,)), finished.context)
 
 
 def test_force_makes_a_damaged_collection_again(finished, begun, cheap):

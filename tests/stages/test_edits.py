@@ -31,7 +31,7 @@ from vcage.stages import (
     select_place,
     verify,
 )
-from vcage.stages.edits import BY_HAND, SEAL, edits
+from vcage.stages.edits import BY_HAND, SEAL, edited_scripts, edits
 from vcage.stages.episode_store import log_path
 from vcage.stages.running import run_stage, take_over_edits
 from vcage.stages.stage import StageOptions
@@ -179,11 +179,22 @@ def test_words_of_an_edited_sub_task_reach_its_script(run, finished):
     assert "TEXT = 'Do it gently.'" in (run.root / record.kept[0].script).read_text()
 
 
-def test_an_edited_script_is_recorded_and_kept(run, finished):
+def test_an_edited_script_changes_no_record_and_is_kept(run, finished):
     script = run.root / Subtasks.read(run.subtasks).kept[0].script
     script.write_text(script.read_text() + "\n# mine\n")
-    assert again(search_subtasks, run, finished).record.edited == [script.name]
-    assert script.read_text().endswith("# mine\n")
+    assert not again(search_subtasks, run, finished).record.edited
+    edit(run.subtasks, lambda found: found["kept"][0].update(text="Do it gently."))
+    assert again(search_subtasks, run, finished).record.edited == ["subtasks.json"]
+    assert script.read_text().endswith("# mine\n") and list(edited_scripts(run.subtasks)) == [script.name]
+
+
+def test_an_edited_script_is_not_thrown_away_where_another_layout_asks_for_other_sub_tasks(run, finished):
+    script = run.root / Subtasks.read(run.subtasks).kept[0].script
+    script.write_text(script.read_text() + "\n# mine\n")
+    edit(run.layout, moved(x=-0.01, y=-0.01))
+    with pytest.raises(StaleStage) as told:
+        again(search_subtasks, run, finished)
+    assert told.value.details["edited"] == [script.name]
 
 
 def test_a_verdict_that_was_changed_by_hand_counts(run, finished):

@@ -11,11 +11,13 @@ from pydantic import TypeAdapter, ValidationError
 from vcage.base.errors import DamagedFile, StaleStage, UsageError
 from vcage.base.files import RunFolder, read_json, recover, sha256_file, write_json
 from vcage.base.hold import held
+from vcage.base.inside import name_complaint
 from vcage.base.progress import Progress, silent
 from vcage.datasets.lerobot.features import CAMERA, ENCODER
 from vcage.datasets.lerobot.formats import FORMATS, open_writer
 from vcage.datasets.lerobot.meta import INFO, appendable_info, data_set_info
 from vcage.datasets.lerobot.places import placed
+from vcage.datasets.lerobot.repack import VIDEO_PATHS
 from vcage.schema.export import Export
 from vcage.stages.accepted import accepted_episodes, decided_by
 from vcage.stages.export import Footage, lerobot_episodes
@@ -100,16 +102,31 @@ def _read_added(path: Path) -> dict[str, dict[str, int]]:
 
 
 def _footage_of(exported: Path, files: Sequence[str]) -> Footage:
-    """The videos of a data set that the export wrote of these episodes, in this order."""
+    """The videos of a data set that the export wrote of these episodes, in this order.
+
+    Raises:
+        DamagedFile: it is not as the export wrote it; names the field.
+    """
     info = data_set_info(exported)
+    cameras = {key: feature for key, feature in info["features"].items() if feature["dtype"] == "video"}
+    pattern, size = VIDEO_PATHS[info["codebase_version"]], info["chunks_size"]
+    if cameras and info["video_path"] != pattern:
+        raise _not_exported(exported, "video_path", info["video_path"], repr(pattern))
+    if not isinstance(size, int):
+        raise _not_exported(exported, "chunks_size", size, "a whole number")
     videos, facts = {}, {}
-    for key, feature in info["features"].items():
-        if feature["dtype"] != "video":
-            continue
-        camera = key.removeprefix(CAMERA)
-        facts[camera] = {fact: feature["info"].get(fact) for fact in ENCODER}
+    for key, feature in cameras.items():
+        camera, encoding = key.removeprefix(CAMERA), feature.get("info")
+        if name_complaint(camera) or not isinstance(encoding, dict):
+            raise _not_exported(exported, f"features.{key}", encoding, "a camera's name, and info on its videos")
+        facts[camera] = {fact: encoding.get(fact) for fact in ENCODER}
         for number, file in enumerate(files):
-            chunk, index = divmod(number, info["chunks_size"])
+            chunk, index = divmod(number, size)
             place = {"episode_chunk": chunk, "episode_index": number, "chunk_index": chunk, "file_index": index}
-            videos[file, camera] = placed(exported, "video_path", info["video_path"], video_key=key, **place)
+            videos[file, camera] = placed(exported, "video_path", pattern, video_key=key, **place)
     return Footage(videos, facts)
+
+
+def _not_exported(exported: Path, field: str, found: object, expected: str) -> DamagedFile:
+    message = f"{exported / INFO}: field {field}: {str(found)[:80]!r}; expected {expected}, as export wrote it"
+    return DamagedFile(message, hint="mend it", maker="export", details={"path": str(exported / INFO), "field": field})
