@@ -41,7 +41,13 @@ FIELDS: list[tuple[type[Document], str, str]] = [
     (Compression, "compress/compression.json", f"packed.{KEY}"),
     (Export, "export/export.json", "datasets.0.path"),
 ]
-VALUES = {"absolute": "/etc/passwd", "up": "../../../etc/passwd", "NUL": "a\0b", "long": "x" * 300, "device": "/dev/zero"}
+VALUES = {
+    "absolute": "/etc/passwd",
+    "up": "../../../etc/passwd",
+    "NUL": "a\0b",
+    "long": "x" * 300,
+    "device": "/dev/zero",
+}
 
 
 def put(data: Any, field: str, value: str) -> None:

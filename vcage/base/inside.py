@@ -31,7 +31,7 @@ def path_complaint(path: str, up: int = 0) -> str | None:
     while up > 0 and parts[:1] == [".."]:
         parts, up = parts[1:], up - 1
     if not parts or ".." in parts or path.startswith("/"):
-        return f"expected a relative path that stays in the run folder, got {path[:80]!r}"
+        return f"expected a relative path that stays inside its folder, got {path[:80]!r}"
     if "\0" in path:
         return f"expected a path without NUL, got {path[:80]!r}"
     try:

@@ -12,6 +12,7 @@ import trimesh
 from scipy.spatial.transform import Rotation
 
 from vcage.base.errors import DamagedFile
+from vcage.base.inside import path_complaint
 from vcage.objects.importers.looks import load_surfaces
 from vcage.objects.importers.robotwin_data import mismatch
 
@@ -154,7 +155,10 @@ def _shape(path: Path, link: str, kind: str, element: ElementTree.Element) -> Sh
     if mesh is None:
         return Shape(origin, _solid(path, field, geometry), np.ones(3))
     name = mesh.get("filename", "")
-    file = path.parent / name.removeprefix("package://").removeprefix("file://")
+    inside = name.removeprefix("package://").removeprefix("file://")
+    if complaint := path_complaint(inside):
+        raise mismatch(path, f"{field}.mesh", complaint, "leave the object out")
+    file = path.parent / inside
     if not file.is_file():
         raise mismatch(path, f"{field}.mesh", f"{name!r} is missing; expected the file {file}", "download it again")
     return Shape(origin, file, _vector(path, f"{field}.mesh", mesh, "scale", (1.0, 1.0, 1.0)))
