@@ -37,7 +37,7 @@ from vcage.tasks.ground import Ground
 from vcage.tasks.loop import EpisodeRun, Seen, Setting, run_episode
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.slots import slots_for_chain
-from vcage.tasks.synthesis import Script, load_script
+from vcage.tasks.synthesis import Script, script_of
 from vcage.tasks.task import Asked
 from vcage.tasks.variation import shifted_poses
 
@@ -191,7 +191,7 @@ def _chain(run: RunFolder) -> list[tuple[Subtask, Script]]:
     """The first :data:`SUBTASKS` sub-tasks of a run, with their scripts."""
     subtasks = Subtasks.read(run.subtasks)
     kept = {s.id: s for s in subtasks.kept}
-    return [(kept[i], load_script(run.root / kept[i].script)) for i in subtasks.chains[0].subtasks[:SUBTASKS]]
+    return [(kept[i], script_of(kept[i])) for i in subtasks.chains[0].subtasks[:SUBTASKS]]
 
 
 def sharp(robot: Robot) -> Robot:

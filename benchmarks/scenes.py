@@ -35,7 +35,7 @@ from vcage.stages.context import StageContext
 from vcage.stages.stage import ModelOptions
 from vcage.tasks.readiness import ready_for
 from vcage.tasks.search import sensible
-from vcage.tasks.synthesis import load_script
+from vcage.tasks.synthesis import script_of
 
 logger = logging.getLogger(__name__)
 
@@ -183,15 +183,15 @@ def _played(run: RunFolder, names: Sequence[str], seed: int, context: StageConte
     scene, searched = Scene.read(run.layout), Subtasks.read(run.subtasks)
     kept = {_name(subtask): subtask for subtask in searched.kept}
     return {
-        name: _failure(kept[name], run, scene, seed, context) if name in kept else _refusal(name, searched)
+        name: _failure(kept[name], scene, seed, context) if name in kept else _refusal(name, searched)
         for name in names
     }
 
 
-def _failure(subtask: Subtask, run: RunFolder, scene: Scene, seed: int, context: StageContext) -> str:
+def _failure(subtask: Subtask, scene: Scene, seed: int, context: StageContext) -> str:
     """Why a simulated episode of a sub-task does not do what it should; "" where it does."""
     start = ready_for(subtask, scene, context.objects(scene))
-    chain = [(subtask, load_script(run.root / subtask.script))]
+    chain = [(subtask, script_of(subtask))]
     try:
         done = play(start, chain, lasting([subtask.goals]), seed, context)
     except VcageError as error:

@@ -38,7 +38,7 @@ from vcage.stages.stage import ModelOptions
 from vcage.stages.starts import Starts
 from vcage.tasks.loop import EpisodeRun, Seen, Setting, run_episode
 from vcage.tasks.readiness import ready_for
-from vcage.tasks.synthesis import Script, load_script
+from vcage.tasks.synthesis import Script, script_of
 from vcage.tasks.task import Asked
 
 logger = logging.getLogger(__name__)
@@ -159,7 +159,7 @@ def simulated(
         scene, found = Scene.read(made.layout), Subtasks.read(made.subtasks)
         kept = {subtask.id: subtask for subtask in found.kept}
         chain = [kept[name] for name in found.chains[0].subtasks]
-        scripts = [(subtask, load_script(made.root / subtask.script)) for subtask in chain]
+        scripts = [(subtask, script_of(subtask)) for subtask in chain]
         start = ready_for(chain[0], scene, context.objects(scene))
         relations = read_plan(made, Scene.read(made.scene), context).relations if layout == "varied" else None
         return chain, play(start, scripts, lasting(in_steps(scene.goals)), seed, context, relations)

@@ -32,7 +32,7 @@ from vcage.tasks.ground import Ground
 from vcage.tasks.loop import EpisodeRun, PicturesByCamera, Seen, Setting, run_episode
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.slots import slots_for_chain
-from vcage.tasks.synthesis import Script, load_script
+from vcage.tasks.synthesis import Script, script_of
 from vcage.tasks.task import Asked, Task
 from vcage.tasks.truth import subtask_done
 
@@ -64,7 +64,7 @@ class Chain:
             search_subtasks.execute(run, ModelOptions(models="offline"), self._context)
             self._scene, found = Scene.read(run.layout), Subtasks.read(run.subtasks)
             kept = {subtask.id: subtask for subtask in found.kept}
-            self._chain = [(kept[n], load_script(run.root / kept[n].script)) for n in found.chains[0].subtasks]
+            self._chain = [(kept[n], script_of(kept[n])) for n in found.chains[0].subtasks]
         if len(self._chain) != steps:
             raise VcageError(f"{sentence!r} became {len(self._chain)} sub-tasks, not {steps}")
         self._objects = {o.id: o for o in self._context.objects(self._scene)}

@@ -1,4 +1,4 @@
-"""Commands on a run folder of somebody else: nothing outside of it is read or written, and nothing in it is executed."""
+"""Commands on a run folder of somebody else neither read nor write outside of it, and execute nothing in it."""
 
 from __future__ import annotations
 

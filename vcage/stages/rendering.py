@@ -160,9 +160,10 @@ def _sweep(run: RunFolder, folder: Path) -> None:
 
 
 def _made(path: Path) -> dict[str, Any] | None:
-    """What a render says of itself; None for what a killed call left."""
-    with suppress(OSError, KeyError, ValueError), h5py.File(path) as file:
-        return {**json.loads(file["meta/render"][()]), "frames": len(file["timestamp"])}
+    """What a render says of itself; None for what a killed call left, or what is no render of ours."""
+    with suppress(OSError, KeyError, ValueError, TypeError), h5py.File(path) as file:
+        made = {**json.loads(file["meta/render"][()]), "frames": len(file["timestamp"])}
+        return made if _record(path, made, made["frames"]) and isinstance(made["sha256"], str) else None
     return None
 
 

@@ -99,10 +99,9 @@ def test_a_joint_that_turns_without_end_is_kept_with_a_warning(cabinet, into):
 
 @pytest.mark.parametrize("name", ["/etc/passwd", "file:///etc/passwd", "../../elsewhere.obj"])
 def test_a_mesh_outside_the_objects_folder_is_refused(cabinet, into, name):
-    folder = cabinet.write()
-    (urdf,) = folder.rglob("mobility.urdf")
+    urdf = cabinet.write().folder / "mobility.urdf"
     urdf.write_text(urdf.read_text().replace("body.obj", name))
-    assert "mobility.urdf: field link body.visual.mesh: expected a relative path" in refused(folder, into)
+    assert "mobility.urdf: field link body.visual.mesh: expected a relative path" in refused(cabinet, into)
 
 
 def test_a_missing_mesh_is_named(cabinet, into):
