@@ -183,8 +183,7 @@ def _played(run: RunFolder, names: Sequence[str], seed: int, context: StageConte
     scene, searched = Scene.read(run.layout), Subtasks.read(run.subtasks)
     kept = {_name(subtask): subtask for subtask in searched.kept}
     return {
-        name: _failure(kept[name], scene, seed, context) if name in kept else _refusal(name, searched)
-        for name in names
+        name: _failure(kept[name], scene, seed, context) if name in kept else _refusal(name, searched) for name in names
     }
 
 

@@ -298,7 +298,6 @@ class RunFolder:
     verdicts = property(lambda self: self._own / "verify" / "verdicts.json")
     compression = property(lambda self: self._own / "compress" / "compression.json")
     export = property(lambda self: self._own / "export" / "export.json")
-    renders = property(lambda self: self._own / "renders" / "renders.json")
     exchanges = property(lambda self: self._own / "exchanges", doc="The folder of what models were asked.")
     questions = property(lambda self: self._own / "ask", doc="The folder of what the agent is asked.")
     documents = property(

@@ -9,15 +9,28 @@ from __future__ import annotations
 
 import os
 from collections.abc import Collection, Iterator
+from dataclasses import dataclass
 from pathlib import Path
 
 from vcage.base.errors import InputFileError
 
-LONGEST_PATH, LONGEST_NAME = 1024, 255
-"""Bytes of a path in a record, and of each name in it: with more, systems refuse to look."""
 
-DEEPEST = 64
-"""Folders in one another that are looked into."""
+@dataclass(frozen=True)
+class PathLimits:
+    """The most that is followed.
+
+    Args:
+        max_path_bytes: of a path in a record.
+        max_name_bytes: of each name in it: with more, systems refuse to look.
+        max_depth: folders in one another.
+    """
+
+    max_path_bytes: int = 1024
+    max_name_bytes: int = 255
+    max_depth: int = 64
+
+
+LIMITS = PathLimits()
 
 
 def path_complaint(path: str, up: int = 0) -> str | None:
@@ -38,8 +51,9 @@ def path_complaint(path: str, up: int = 0) -> str | None:
         names = [os.fsencode(part) for part in parts]
     except UnicodeEncodeError:
         return f"expected a path that can be written as bytes, got {path[:80]!r}"
-    if max(map(len, names)) > LONGEST_NAME or len(os.fsencode(path)) > LONGEST_PATH:
-        return f"expected names of at most {LONGEST_NAME} bytes and {LONGEST_PATH} in all, got {len(path)}"
+    if max(map(len, names)) > LIMITS.max_name_bytes or len(os.fsencode(path)) > LIMITS.max_path_bytes:
+        most = f"names of at most {LIMITS.max_name_bytes} bytes and {LIMITS.max_path_bytes} in all"
+        return f"expected {most}, got {len(os.fsencode(path))}"
     return None
 
 
@@ -59,15 +73,17 @@ def require_no_links(root: Path, names: Collection[str]) -> None:
         InputFileError: something is a symbolic link, or a pipe, socket or device; names it.
     """
     found = [entry for entry in _entries(root) if entry.name.partition(".")[0] in names]
-    for depth in range(DEEPEST + 1):
+    for depth in range(LIMITS.max_depth + 1):
         folders = []
         for entry in found:
             if entry.is_symlink() or not (entry.is_file(follow_symlinks=False) or entry.is_dir(follow_symlinks=False)):
                 raise _leads_out(entry)
             if entry.is_dir(follow_symlinks=False):
                 folders.append(entry)
-        if depth == DEEPEST and folders:
-            raise InputFileError(f"{root} has folders in one another, more than {DEEPEST}", hint="see what is in it")
+        if depth == LIMITS.max_depth and folders:
+            raise InputFileError(
+                f"{folders[0].path} lies in more than {LIMITS.max_depth} folders of {root}", hint="see what is in it"
+            )
         found = [entry for folder in folders for entry in _entries(Path(folder.path))]
 
 
@@ -78,17 +94,16 @@ def _entries(folder: Path) -> Iterator[os.DirEntry[str]]:
             yield from entries
     except (FileNotFoundError, NotADirectoryError):
         return
+    except PermissionError as error:
+        raise InputFileError(f"{folder} cannot be read: {error.strerror}", hint="make it readable") from error
 
 
 def _leads_out(entry: os.DirEntry[str]) -> InputFileError:
+    named = {"path": entry.path}
     if not entry.is_symlink():
-        return InputFileError(f"{entry.path} is neither a file nor a folder", hint="remove it", details=_named(entry))
+        return InputFileError(f"{entry.path} is neither a file nor a folder", hint="remove it", details=named)
     return InputFileError(
         f"{entry.path} is a symbolic link: nothing is read or written through links in a run folder",
         hint="put what it names there in its place, or remove it",
-        details=_named(entry),
+        details=named,
     )
-
-
-def _named(entry: os.DirEntry[str]) -> dict[str, str]:
-    return {"path": entry.path}
