@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import ClassVar, Literal
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from vcage.schema.base import Document, Finite, Record, RunPath, StageDocument
 
@@ -133,3 +133,9 @@ class Compression(StageDocument):
     reduction_raw: Finite = Field(description="1 − bytes / raw bytes")
     reduction_jpeg: Finite
     reduction_stored: Finite = Field(description="1 − bytes / bytes before")
+
+    @model_validator(mode="after")
+    def _packs_what_it_read(self) -> Compression:
+        if unknown := sorted(self.packed.keys() - self.provenance.inputs):
+            raise ValueError(f"expected packed episodes among the inputs, got {unknown[0]!r}")
+        return self

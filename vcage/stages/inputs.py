@@ -77,6 +77,13 @@ def read_pictures(run: RunFolder, scene: Scene) -> ScenePictures:
         MissingStage, DamagedFile: one is not there, or not a picture.
         InputFileError: one has not the size of the scene's camera.
     """
+    for name in ("source", "segmentation", "background"):
+        if name not in scene.pictures:
+            raise InputFileError(
+                f"{run.scene}: field pictures.{name}: nothing; expected the path of a picture",
+                hint="mend the field",
+                maker="select_place",
+            )
     read = {"source": read_picture, "segmentation": read_labels, "background": read_picture}
     pictures = {name: reader(run.file(scene.pictures[name])) for name, reader in read.items()}
     expected = (scene.top_camera.height, scene.top_camera.width)

@@ -14,10 +14,11 @@ from typing import Any, TypeVar
 
 import cv2
 import jinja2
+from pydantic import ValidationError
 
 from vcage.apps.report.previews import previews
 from vcage.base.drawing import distinct_colours
-from vcage.base.errors import InputFileError, MissingStage, StaleStage
+from vcage.base.errors import DamagedFile, InputFileError, MissingStage, StaleStage
 from vcage.base.files import RunFolder, recover, write_bytes
 from vcage.base.pictures import jpeg, read_picture
 from vcage.base.version import __version__
@@ -131,7 +132,7 @@ def _starts(scene: Scene, episodes: Episodes | None) -> dict[str, Any]:
     colours = zip(spread, distinct_colours(len(spread)), strict=True)
     lower, upper = scene.table.rectangle.tolist()
     refused = sum((Counter(e.layouts_refused) for e in episodes.episodes), Counter()) if episodes else Counter()
-    ranges = WorldRanges.model_validate(episodes.provenance.options["randomise"]["world"] if episodes else {})
+    ranges = _world_ranges(episodes) if episodes else WorldRanges()
     return {
         "ranges": ranges.model_dump(exclude_defaults=True),
         "spread": spread,
@@ -139,6 +140,22 @@ def _starts(scene: Scene, episodes: Episodes | None) -> dict[str, Any]:
         "tabletop": (*lower, *upper),
         "refused_layouts": dict(refused.most_common()),
     }
+
+
+def _world_ranges(episodes: Episodes) -> WorldRanges:
+    """What differed between the worlds of a collection.
+
+    Raises:
+        DamagedFile: its provenance does not say so.
+    """
+    try:
+        return WorldRanges.model_validate(episodes.provenance.options["randomise"]["world"])
+    except (KeyError, TypeError, ValidationError) as error:
+        raise DamagedFile(
+            "episodes.json: field provenance.options.randomise does not say what differed between the episodes",
+            hint="put back what was written",
+            maker="collect",
+        ) from error
 
 
 def _read(path: Path, document: type[D]) -> D | None:
