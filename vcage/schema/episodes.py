@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from typing import ClassVar, Literal, Self
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from vcage.base.proportions import wilson
 from vcage.schema.base import (
@@ -117,12 +117,6 @@ class Episode(Record):
     goals_hold: Truth | None = Field(
         default=None, description="whether all goals of the chain are true at the end, by the simulator's state"
     )
-
-    @model_validator(mode="after")
-    def _has_a_verdict_on_each_sub_task(self) -> Episode:
-        if len(self.verdicts) != len(self.subtasks):
-            raise ValueError(f"expected a verdict on each of {len(self.subtasks)} sub-tasks, got {len(self.verdicts)}")
-        return self
 
     @property
     def poses(self) -> dict[str, PoseRecord]:

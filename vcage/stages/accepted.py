@@ -9,9 +9,9 @@ import logging
 import shutil
 from pathlib import Path
 
-from vcage.base.errors import MissingStage, NotJudged
+from vcage.base.errors import DamagedFile, MissingStage, NotJudged
 from vcage.base.files import RunFolder, sha256_file
-from vcage.schema.episodes import Episode, Episodes, Verdicts
+from vcage.schema.episodes import Episode, Episodes, Verdict, Verdicts
 
 logger = logging.getLogger(__name__)
 
@@ -26,6 +26,22 @@ def accepted_episodes(run: RunFolder) -> list[Episode]:
     collected = Episodes.read(run.episodes).episodes if run.episodes.exists() else []
     refused = refusals(run)
     return [e for e in collected if e.accepted and e.file is not None and e.file not in refused]
+
+
+def judged_steps(run: RunFolder, episode: Episode) -> list[tuple[str, Verdict]]:
+    """The sub-tasks of an episode, each with its verdict.
+
+    Raises:
+        DamagedFile: there are not as many of the one as of the other.
+    """
+    if len(episode.subtasks) != len(episode.verdicts):
+        raise DamagedFile(
+            f"{run.episodes}: field episodes: episode {episode.index} has {len(episode.verdicts)} verdicts on "
+            f"{len(episode.subtasks)} sub-tasks; expected one on each",
+            hint="put back what was written",
+            maker="collect",
+        )
+    return list(zip(episode.subtasks, episode.verdicts, strict=True))
 
 
 def refusals(run: RunFolder) -> dict[str, str]:

@@ -19,6 +19,7 @@ from vcage.schema.base import Provenance
 from vcage.schema.episodes import BY_HAND, Attempt, Difference, Episode, Episodes, SingleVerdict, Verdict, Verdicts
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Subtask, Subtasks
+from vcage.stages.accepted import judged_steps
 from vcage.stages.context import StageContext
 from vcage.stages.differences import draw_difference
 from vcage.stages.edits import by_hand, require_evidence, require_only, written_record
@@ -136,7 +137,7 @@ def _judged(run: RunFolder, judge: _Judge, folder: Path, provenance: Provenance,
     """Judge every verified sub-task, without whose pictures there is an error, and every other attempt that can be."""
     collected = Episodes.read(run.episodes)
     accepted = [episode for episode in collected.episodes if episode.accepted]
-    steps = [_Question(e.index, *step) for e in accepted for step in zip(e.subtasks, e.verdicts, strict=True)]
+    steps = [_Question(e.index, *step) for e in accepted for step in judged_steps(run, e)]
     tried = [(a, _Question(a.episode, a.subtask, a.verdict)) for a in read_log(run.episodes.parent) if a.verdict]
     kept = [(attempt, question) for attempt, question in tried if attempt.truth and judge.sees(question)]
     if not kept:

@@ -33,7 +33,7 @@ from vcage.schema.plan import Plan
 from vcage.schema.randomisation import WorldRanges
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Subtasks
-from vcage.stages.accepted import refusals
+from vcage.stages.accepted import judged_steps, refusals
 from vcage.stages.asking import ASKED_BY
 from vcage.stages.episode_store import read_log
 from vcage.stages.question import CUSTOMER, TOP
@@ -199,13 +199,12 @@ def _refused_by_verify(run: RunFolder) -> dict[str, str]:
 
 
 def _episode_card(run: RunFolder, episode: Episode, video: str | None, refused: str | None) -> dict[str, Any]:
-    judged = zip(episode.verdicts, episode.subtasks, strict=True)
     return {
         "episode": episode,
         "accepted": episode.accepted and refused is None,
         "why_not": refused if episode.accepted else episode.reason,
         "video": video,
-        "verdicts": [_verdict_card(run, v, s) for v, s in judged],
+        "verdicts": [_verdict_card(run, verdict, subtask) for subtask, verdict in judged_steps(run, episode)],
     }
 
 
