@@ -188,7 +188,7 @@ def whole(folder: Path) -> bool:
     return PARTIAL not in folder.name and REPLACED not in folder.name
 
 
-def _is_written(part: Path) -> bool:
+def is_written(part: Path) -> bool:
     """Whether another process of this machine, by the number in the name, is still at work on something partial."""
     number = part.name.partition(PARTIAL)[2].partition(".")[0]
     if not number.isdecimal() or int(number) == os.getpid():
@@ -220,7 +220,7 @@ def recover(path: Path) -> None:
         path.parent.glob(f"{path.stem}{PARTIAL}*{path.suffix}")
     )
     for part in leftovers:
-        if _is_written(part):
+        if is_written(part):
             continue
         if part.is_dir():
             shutil.rmtree(part, ignore_errors=True)

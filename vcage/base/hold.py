@@ -14,6 +14,7 @@ from filelock import FileLock, Timeout
 
 from vcage.base.commands import CALLED
 from vcage.base.errors import FolderInUse, OutputFolderError
+from vcage.base.leftovers import sweep_scratch
 
 IN_USE = "in-use"
 """File in a folder in which a process works: says which."""
@@ -27,6 +28,7 @@ def held(folder: Path) -> Iterator[None]:
         FolderInUse: another process holds it; says which.
         OutputFolderError: the file that says so is a link.
     """
+    sweep_scratch()
     path = folder / IN_USE
     if path.is_symlink():
         raise OutputFolderError(f"{path} is a symbolic link, through which nothing is written", hint="remove it")

@@ -1,9 +1,16 @@
-"""How much memory this process may still take."""
+"""How much memory this process may still take, and answers that it remembers for a while."""
 
 from __future__ import annotations
 
+import functools
 import re
+from collections.abc import Callable
 from pathlib import Path
+from typing import ParamSpec, TypeVar
+from weakref import WeakSet
+
+P = ParamSpec("P")
+R = TypeVar("R")
 
 MEMINFO = Path("/proc/meminfo")
 OWN_GROUPS = Path("/proc/self/cgroup")
@@ -49,3 +56,27 @@ def _left(folder: Path, limit: str, usage: str) -> list[int]:
     except OSError:
         return []
     return [] if most == "max" else [int(most) - used + max(map(int, reclaimable), default=0)]
+
+
+_remembering: WeakSet[functools._lru_cache_wrapper] = WeakSet()
+
+
+def remembered(most: int) -> Callable[[Callable[P, R]], Callable[P, R]]:
+    """A decorator like :func:`functools.lru_cache`, for answers about one scene: :func:`forget` drops them.
+
+    Args:
+        most: answers that are remembered.
+    """
+
+    def remembering(function: Callable[P, R]) -> Callable[P, R]:
+        cached = functools.lru_cache(most)(function)
+        _remembering.add(cached)
+        return cached  # pyrefly: ignore
+
+    return remembering
+
+
+def forget() -> None:
+    """Drop all answers that are remembered, once the scene that they are about is done with: the next differs."""
+    for cached in list(_remembering):
+        cached.cache_clear()

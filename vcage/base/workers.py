@@ -8,6 +8,7 @@ from __future__ import annotations
 import logging
 import multiprocessing
 import os
+import pickle
 import shutil
 import signal
 import sys
@@ -15,20 +16,21 @@ import threading
 import time
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from functools import cache
-from multiprocessing import forkserver, resource_tracker
+from multiprocessing import forkserver, resource_tracker, spawn
 from multiprocessing.connection import Connection, wait
 from multiprocessing.context import ForkServerContext, SpawnContext
 from multiprocessing.process import BaseProcess
 from multiprocessing.util import get_temp_dir
-from pickle import PicklingError
+from pathlib import Path
 from typing import Any, Generic, Self, TypeVar
 
 from threadpoolctl import ThreadpoolController
 
-from vcage.base.errors import PartlyDone
+from vcage.base.errors import PartlyDone, UsageError
+from vcage.base.leftovers import mark_scratch, sweep_scratch
 
 log = logging.getLogger(__name__)
 
@@ -56,6 +58,10 @@ def cores() -> int:
     return len(os.sched_getaffinity(0))
 
 
+_preloaded: list[str] = []
+"""Modules that the process imports from which others are forked."""
+
+
 def load_ahead(module: str) -> None:
     """Begin to import a module that processes will need, in a process of its own, beside what this one does meanwhile.
 
@@ -66,7 +72,7 @@ def load_ahead(module: str) -> None:
         module: its name. An ImportError is left to whoever needs it; with another error no process can be begun.
     """
     if cores() > 1:
-        multiprocessing.set_forkserver_preload([module])
+        _preloaded.append(module)
         _context()
 
 
@@ -74,6 +80,8 @@ def load_ahead(module: str) -> None:
 def _context() -> SpawnContext | ForkServerContext:
     """How processes are begun: forked from one that never works, for the threads of a renderer would be missing in a
     child of this one; each by itself where there can be no socket, as when the path in ``TMPDIR`` is too long."""
+    sweep_scratch()
+    multiprocessing.set_forkserver_preload(_preloaded)  # Python's default is the script that runs
     sys.warnoptions.append(UNTOLD)
     resource_tracker.ensure_running()  # which would let Ctrl-C through again
     sys.warnoptions.remove(UNTOLD)
@@ -81,6 +89,7 @@ def _context() -> SpawnContext | ForkServerContext:
     safe = os.environ.get(SAFE_PATH)
     os.environ[SAFE_PATH] = safe or "1"  # else it would import what lies in the current folder
     try:
+        mark_scratch(Path(get_temp_dir()))  # in which its socket lies
         forkserver.ensure_running()
     except OSError:
         return multiprocessing.get_context("spawn")
@@ -241,9 +250,11 @@ class Processes(Generic[T, R]):
     def _started(self) -> _Process:
         ours, theirs = _context().Pipe()
         level = logging.getLogger().getEffectiveLevel()
-        process = _context().Process(target=_serve, args=(self._work, theirs, level, dict(os.environ)), daemon=True)
-        process.start()
+        process = _context().Process(target=_serve, args=(theirs, level, dict(os.environ)), daemon=True)
+        _start(process)
         theirs.close()  # so that ours ends with the process
+        with suppress(OSError):  # it has ended already: its pipe says so when it is read
+            ours.send(self._work)
         return _Process(process, ours, None, 0.0)
 
     def _that_answered(self) -> list[_Process]:
@@ -270,34 +281,89 @@ class Processes(Generic[T, R]):
         self._begin()
 
 
-def _serve(work: Callable[[Any], Any], connection: Connection, level: int, environment: Mapping[str, str]) -> None:
-    """What a process does: answers each task with (DONE, result) or (FAILED, error), until it is ended.
+_starting = threading.Lock()
+
+
+def _start(process: BaseProcess) -> None:
+    """Start a process that does not run this program's script, as Python's own do to find what the script defines: so a
+    script needs no ``if __name__ == "__main__"``."""
+    with _starting:
+        usual = spawn.get_preparation_data
+
+        def without_script(name: str) -> dict[str, Any]:
+            return {
+                key: value
+                for key, value in usual(name).items()
+                if name != process.name or not key.startswith("init_main")
+            }
+
+        spawn.get_preparation_data = without_script
+        try:
+            process.start()
+        finally:
+            spawn.get_preparation_data = usual
+
+
+def _serve(connection: Connection, level: int, environment: Mapping[str, str]) -> None:
+    """What a process does: takes the work, then answers each task with (DONE, result) or (FAILED, error), until it is
+    ended.
 
     Args:
-        work: see :class:`Processes`.
-        connection: to the process that gives the tasks.
+        connection: to the process that gives work and tasks.
         level: of what is logged.
-        environment: of the process that gives the tasks, which may have changed since the one that this is forked from
-            was begun.
+        environment: of the process that gives the tasks.
     """
-    os.environ.clear()
-    os.environ.update(environment)
+    _follow(environment)
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the parent's business
     threading.Thread(target=_end_with_parent, daemon=True).start()
     logging.basicConfig(level=level, format="%(message)s", handlers=[_ToParent(connection)], force=True)
+    work: Callable[[Any], Any] | None = None
     while True:
         try:
-            task = connection.recv()
+            received = connection.recv_bytes()
         except EOFError:  # nothing more to do
             return
         try:
-            answer = (DONE, work(task))
+            if work is None:
+                work = _loaded(received)
+                continue
+            answer = (DONE, work(_loaded(received)))
         except Exception as error:  # it is raised again where the result was waited for
             answer = (FAILED, error)
         try:
             connection.send(answer)
-        except (TypeError, AttributeError, PicklingError) as error:
+        except (TypeError, AttributeError, pickle.PicklingError) as error:
             connection.send((FAILED, TypeError(f"{answer[1]!r} cannot be sent between processes: {error}")))
+
+
+def _loaded(pickled: bytes) -> Any:
+    """What was sent to this process.
+
+    Raises:
+        UsageError: the script of the process that sent it defines it, which is not run here.
+    """
+    try:
+        return pickle.loads(pickled)
+    except AttributeError as error:
+        if "__main__" not in str(error):
+            raise
+        raise UsageError(
+            f"worker processes do not know what the script itself defines: {error}",
+            hint="define it in a module of its own and import that, or take one worker",
+        ) from error
+
+
+def _follow(environment: Mapping[str, str]) -> None:
+    """Take over another process's environment, except that what was imported here has set stays.
+
+    A library may tell itself through the environment where its parts lie (SAPIEN does), whether or not the other
+    process has imported it too.
+    """
+    began = Path("/proc/self/environ").read_bytes()  # as it was for this process, or the one that it is forked from
+    began = dict(os.fsdecode(entry).partition("=")[::2] for entry in began.split(b"\0") if entry)
+    for name in began.keys() - environment.keys():
+        os.environ.pop(name, None)
+    os.environ.update({name: value for name, value in environment.items() if began.get(name) != value})
 
 
 class _ToParent(logging.Handler):

@@ -5,7 +5,6 @@ from __future__ import annotations
 import contextlib
 import io
 import re
-import sys
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Sequence
 from dataclasses import MISSING, dataclass, fields, is_dataclass
@@ -18,7 +17,7 @@ from tyro.constructors import PrimitiveConstructorSpec
 
 from vcage.base.errors import UsageError
 from vcage.base.options import Flag
-from vcage.cli.output import Result
+from vcage.cli.output import Result, print_text
 
 T = TypeVar("T")
 
@@ -64,7 +63,7 @@ def parse(options: type[T], arguments: Sequence[str], *, prog: str, text: str, a
             what, meant = _in_one_line(complaint.getvalue())
             raise UsageError(f"{prog}: {what}", hint=f"{meant}see", command=about) from None
     usage, _, boxes = printed.getvalue().partition("\n\n")
-    sys.stdout.write(f"{usage}\n\n{text}\n\n{_without_frames(boxes)}\n")
+    print_text(f"{usage}\n\n{text}\n\n{_without_frames(boxes)}")
     return None
 
 

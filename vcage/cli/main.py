@@ -14,7 +14,8 @@ from typing import TYPE_CHECKING, Any
 from vcage.base.commands import CALLED, vcage_command
 from vcage.base.errors import UnknownName, UsageError
 from vcage.base.version import __version__
-from vcage.cli.output import Result, end_process, naming_stages, run_cli, stray_output_on_stderr
+from vcage.cli.output import Result, end_process, naming_stages, print_text, run_cli, stray_output_on_stderr
+from vcage.cli.process import prepare, require_fit
 from vcage.cli.progress import set_up
 
 if TYPE_CHECKING:
@@ -80,12 +81,15 @@ def load(name: str) -> Entry:
 
 def main(argv: list[str] | None = None) -> int:
     """Entry of the ``vcage`` command; returns the exit code."""
-    code = run_cli(_run, sys.argv[1:] if argv is None else argv)
-    return end_process(code) if argv is None else code
+    if argv is not None:
+        return run_cli(_run, argv)
+    prepare()
+    return end_process(run_cli(_run, sys.argv[1:]))
 
 
 def script_main(command: str) -> int:
     """Entry of a script that is one sub-command; its help shows the script's own name."""
+    prepare()
     return end_process(run_cli(_run, [*command.split(), *sys.argv[1:]], Path(sys.argv[0]).name))
 
 
@@ -93,8 +97,9 @@ def _run(arguments: Sequence[str], prog: str = "") -> Result | None:
     """Run the command that the arguments begin with; None where only something about commands was asked."""
     about = _about(arguments)
     if about:
-        sys.stdout.write(about)
+        print_text(about.rstrip("\n"))
         return None
+    require_fit()
     from vcage.cli.arguments import parse, words
 
     CALLED.set("")

@@ -24,9 +24,19 @@ from pathlib import Path
 from types import FrameType
 from typing import Any, ParamSpec, TextIO
 
-from vcage.base.commands import CALLED
-from vcage.base.errors import DiskFull, OutputFolderError, StaleStage, VcageError
+from vcage.base.commands import CALLED, vcage_command
+from vcage.base.errors import (
+    ConfigurationError,
+    DiskFull,
+    MissingDependency,
+    OutputFolderError,
+    PartlyDone,
+    StaleStage,
+    UsageError,
+    VcageError,
+)
 from vcage.base.files import NO_ROOM, RunFolder
+from vcage.cli.process import folder_is_gone
 
 logger = logging.getLogger(__name__)
 
@@ -96,16 +106,15 @@ def run_cli(function: Callable[P, Result | None], *arguments: P.args, **options:
     except KeyboardInterrupt as error:
         return _report_interruption(error)
     except Exception as error:
-        if isinstance(error, OSError) and (known := _of_the_disk(error)):
-            return _report_error(known)
-        return _report_interruption(error) if _interrupted.is_set() else _report_bug(error)
+        if _interrupted.is_set():
+            return _report_interruption(error)
+        known = _of_the_machine(error)
+        return _report_error(known) if known else _report_bug(error)
     if result is None:
         return 0
-    if result.text:
-        _print(result.text)
     if result.error is not None:
-        return _report(result.as_record(), result.error.exit_code, result.error.as_line())
-    return _report(result.as_record(), 0)
+        return _report(result.as_record(), result.error.exit_code, result.error.as_line(), text=result.text)
+    return _report(result.as_record(), 0, text=result.text)
 
 
 @contextlib.contextmanager
@@ -124,13 +133,36 @@ def naming_stages(run: Path | None) -> Iterator[None]:
         raise
 
 
-def _of_the_disk(error: OSError) -> VcageError | None:
-    """What an error of the system means to whoever chose the folder; None for a bug."""
+def _of_the_machine(error: Exception) -> VcageError | None:
+    """What an error of the system, or of a package of others, means to the user; None for a bug."""
+    if isinstance(error, MemoryError):
+        return PartlyDone("not enough memory", hint="free some, or run the same command again with fewer --workers")
+    if isinstance(error, ImportError):
+        return _of_a_package(error)
+    if not isinstance(error, OSError):
+        return None
     if error.errno in NO_ROOM:
         return DiskFull(f"no space left: {error}", hint="free some space and run the command again")
     if error.errno == errno.ENAMETOOLONG:
         return OutputFolderError(f"too long a name: {error.filename}", hint="give a shorter --out")
+    if error.errno in (errno.EMFILE, errno.ENFILE):
+        return ConfigurationError(f"too many open files: {error}", hint="raise the limit: ulimit -n 4096")
+    if folder_is_gone():
+        return UsageError("the current folder was removed", hint="go to one that exists: cd")
     return None
+
+
+def _of_a_package(error: ImportError) -> ConfigurationError | None:
+    """That a package of others is missing, or does not load; None where it is a module of ours."""
+    name = (error.name or "").partition(".")[0]
+    if name == "vcage":
+        return None
+    where = f" ({error.path})" if error.path and error.path not in str(error) else ""
+    return MissingDependency(
+        f"a Python package cannot be imported: {error}{where}",
+        hint="see what is missing",
+        command=vcage_command("doctor"),
+    )
 
 
 def _report_error(error: VcageError) -> int:
@@ -209,17 +241,33 @@ def _error_record(code: str, message: str, hint: str, *, retryable: bool) -> dic
     }
 
 
-def _report(record: dict[str, Any], code: int, complaint: str = "") -> int:
+def _report(record: dict[str, Any], code: int, complaint: str = "", text: str = "") -> int:
+    """Say on stderr what went wrong, print text and record; the exit code, that of a full disk where stdout takes
+    nothing and nothing else went wrong."""
     if complaint:
-        sys.stderr.write(f"vcage: error: {complaint}\n")
-        sys.stderr.flush()
-    print_record(record)
+        _complain(complaint)
+    try:
+        if text:
+            print_text(text)
+        print_record(record)
+    except OSError as error:
+        _complain(f"the result cannot be written to stdout: {error.strerror} (run the same command again)")
+        return code or DiskFull.exit_code
     return code
+
+
+def _complain(text: str) -> None:
+    """One line on stderr, if that takes any."""
+    try:
+        sys.stderr.write(f"vcage: error: {text}\n")
+        sys.stderr.flush()
+    except OSError:
+        _lead_nowhere(sys.stderr)
 
 
 def print_record(record: dict[str, Any]) -> None:
     """Print a line of JSON to stdout, also inside :func:`stray_output_on_stderr`."""
-    _print(json.dumps(record, ensure_ascii=not _can_print(json.dumps(record, ensure_ascii=False))))
+    print_text(json.dumps(record, ensure_ascii=not _can_print(json.dumps(record, ensure_ascii=False))))
 
 
 def _can_print(text: str) -> bool:
@@ -230,14 +278,26 @@ def _can_print(text: str) -> bool:
     return True
 
 
-def _print(text: str) -> None:
-    """Print to stdout; a reader that has gone away (``| head``) is no error."""
+def print_text(text: str) -> None:
+    """Print to stdout, also inside :func:`stray_output_on_stderr`; a reader that went away (``| head``) is no error.
+
+    Raises:
+        OSError: stdout takes nothing; it leads nowhere from now on.
+    """
     try:
         _stdout().write(text + "\n")
         _stdout().flush()
-    except BrokenPipeError:
-        # The interpreter flushes stdout once more at exit, which must not complain either.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), _stdout().fileno())
+    except OSError as error:
+        _lead_nowhere(_stdout())
+        if not isinstance(error, BrokenPipeError):
+            raise
+
+
+def _lead_nowhere(stream: TextIO) -> None:
+    """Let a stream take all and keep nothing: the interpreter flushes it once more at exit, which must not complain."""
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, stream.fileno())
+    os.close(nowhere)
 
 
 _real_stdout: ContextVar[TextIO | None] = ContextVar("real_stdout", default=None)

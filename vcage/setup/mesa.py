@@ -10,11 +10,11 @@ import json
 import logging
 import re
 import subprocess
-import tempfile
 from pathlib import Path
 
 from vcage.base import files
 from vcage.base.errors import ConfigurationError, FetchFailed, NoRenderer
+from vcage.base.leftovers import scratch_folder
 from vcage.setup import apt
 
 logger = logging.getLogger(__name__)
@@ -50,8 +50,8 @@ def install(folder: Path) -> Path:
         NoRenderer: the machine has no apt, or its mirrors do not answer or do not hold the driver.
     """
     try:
-        with tempfile.TemporaryDirectory(prefix="vcage-apt-") as work, files.atomic_folder(folder) as part:
-            for package in _download(Path(work)):
+        with scratch_folder() as work, files.atomic_folder(folder) as part:
+            for package in _download(work):
                 apt.unpack_deb(package, part)
             _install_driver(part, folder)
     except NoRenderer:

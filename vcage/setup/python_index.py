@@ -10,11 +10,11 @@ from __future__ import annotations
 import importlib.util
 import shlex
 import sys
-import tempfile
 from pathlib import Path
 from typing import Literal
 
 from vcage.base.errors import FetchFailed, MissingDependency
+from vcage.base.leftovers import scratch_folder
 from vcage.setup.commands import run
 
 Kind = Literal["wheel", "sdist"]
@@ -67,15 +67,15 @@ def download(name: str, version: str, kind: Kind, folder: Path) -> Path:
         raise MissingDependency(f"this environment has no pip to download {name} with", command=command)
     form = {"wheel": ["--only-binary=:all:"], "sdist": ["--no-binary=:all:", "--no-build-isolation", "--use-pep517"]}
     options = ["--no-deps", "--no-cache-dir", "--disable-pip-version-check", "--quiet", "--dest", str(folder)]
-    with tempfile.TemporaryDirectory(prefix="vcage-pip-") as work:
-        backend = Path(work) / "setuptools"
+    with scratch_folder() as work:
+        backend = work / "setuptools"
         backend.mkdir()
         (backend / "__init__.py").touch()
         (backend / "build_meta.py").write_text(_BACKEND)
         run(
             [sys.executable, "-m", "pip", "download", *options, *form[kind], wanted],
             tool="pip",
-            environment={"PYTHONPATH": work} if kind == "sdist" else None,
+            environment={"PYTHONPATH": str(work)} if kind == "sdist" else None,
             hint="check the package index that pip uses, then run the same command again",
         )
     suffixes = {"wheel": (".whl",), "sdist": (".tar.gz", ".zip")}[kind]

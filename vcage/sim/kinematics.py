@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vcage.base.geometry import Pose
+from vcage.base.memory import remembered
 from vcage.schema.robot import Arm
 from vcage.sim.arms import build_arm
 from vcage.sim.poses import from_sapien, to_sapien
@@ -81,7 +82,7 @@ class ArmKinematics:
         self._shoulder, self._to_wrist = first, self.fk(self.home).inverse().apply(last)
         off = POSITION_TOLERANCE + ROTATION_TOLERANCE * float(np.linalg.norm(self._to_wrist))
         self._stretch = self._longest_stretch() + off
-        self._first = functools.lru_cache(REMEMBERED)(self._first_solution)
+        self._first = remembered(REMEMBERED)(self._first_solution)
 
     def fk(self, q: Sequence[float] | np.ndarray) -> Pose:
         """Pose of the gripper frame in the world at arm joints ``q`` (n,), rad."""

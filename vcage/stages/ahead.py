@@ -1,12 +1,13 @@
 """What the processes that collect and compress need: imported, while the first stages work, by the one that these are
 forked from (:func:`vcage.base.workers.load_ahead`)."""
 
-# ruff: noqa: F401
+# ruff: noqa: F401, I001
 
 import gc
 from contextlib import suppress
 
 with suppress(Exception):  # whoever needs it says what is wrong with it
+    import vcage.sim  # without which SAPIEN may not load
     import sapien
 
     import vcage.stages.collect

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import shutil
-import tempfile
 from dataclasses import replace
-from pathlib import Path
 
 from vcage.base.errors import UsageError
 from vcage.base.files import PRODUCERS, RunFolder
+from vcage.base.leftovers import scratch_folder
 from vcage.models.exchange import Answerer, Question, Reply
 from vcage.models.kept import Exchanges, Replayed, who_answered
 from vcage.models.llm_critic import LlmCritic
@@ -78,8 +77,8 @@ def question_of(name: str, run: RunFolder, options: StageOptions) -> Question:
     context = StageContext(Choice("offline"))
     context.__dict__["models"] = _models(name, run)
     stage.job(run, options, context).provenance()  # what is missing is told by its own path
-    with tempfile.TemporaryDirectory() as folder:
-        copy = RunFolder(Path(folder) / run.root.name)
+    with scratch_folder() as folder:
+        copy = RunFolder(folder / run.root.name)
         for name in _READ:
             if (run.root / name).is_dir():
                 shutil.copytree(run.root / name, copy.root / name, ignore=shutil.ignore_patterns(*_HEAVY))

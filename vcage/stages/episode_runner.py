@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from vcage.base.errors import InfeasibleScene
+from vcage.base.memory import forget
 from vcage.base.pictures import write_picture
 from vcage.base.time_limit import TimeIsUp, time_limit
 from vcage.base.version import __version__
@@ -140,6 +141,7 @@ class EpisodeRunner:
         except InfeasibleScene as error:
             return self._given_up(index, error.message), []
         finally:
+            forget()
             gc.collect()  # worlds refer to themselves, and Python does not count what a driver holds for them
 
     def _given_up(self, index: int, reason: str) -> Episode:

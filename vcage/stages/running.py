@@ -16,6 +16,7 @@ from vcage.base.commands import CALLED, goes_on_with
 from vcage.base.errors import AnswerNeeded, DamagedFile, FolderInUse, MissingStage, StageInterrupted, VcageError
 from vcage.base.files import RunFolder, atomic_folder, read_json, recover, write_json
 from vcage.base.hold import held
+from vcage.base.leftovers import sweep_cache, sweep_folder
 from vcage.base.progress import Progress, silent
 from vcage.schema.base import StageDocument
 from vcage.stages.context import StageContext
@@ -23,6 +24,12 @@ from vcage.stages.edits import edited_scripts, edits, require_same, seal, writte
 from vcage.stages.stage import PRODUCERS, Job, StageOptions, StageResult
 
 logger = logging.getLogger(__name__)
+
+OURS = frozenset(
+    (*PRODUCERS, "episodes.collecting", "compress.working", "renders", "exchanges", "ask")
+    + ("report", "timings", "options", "unfinished", "probe")
+)
+"""Folders of a run, and files without their suffix, in which calls write."""
 
 
 class Stage(Protocol):
@@ -169,6 +176,8 @@ def at_work(run: RunFolder) -> Iterator[None]:
     run.make()
     try:
         with held(run.root):
+            sweep_folder(run.root, OURS)
+            sweep_cache()
             yield
     except FolderInUse as error:
         error.details["done_so_far"] = unfinished(run)

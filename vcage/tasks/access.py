@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import functools
-
 import numpy as np
 
+from vcage.base.memory import remembered
 from vcage.schema.asset import FunctionalPoint
 from vcage.schema.subtasks import Check
 from vcage.sim.joints import link_poses
@@ -34,7 +33,7 @@ def access(receptacle: SceneObject, point: FunctionalPoint) -> Check:
     return Check(name="way_free", passed=True, message=f"{where} is open at the top")
 
 
-@functools.lru_cache(256)
+@remembered(256)
 def headroom(receptacle: SceneObject, point: FunctionalPoint) -> float:
     """How tall a thing may be so that what keeps the point in can be closed over it, metres; infinite without that.
 

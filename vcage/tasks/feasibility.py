@@ -6,7 +6,6 @@ was measured against what is allowed, in a sentence that a person can read.
 
 from __future__ import annotations
 
-import functools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -16,6 +15,7 @@ from typing import Literal
 import numpy as np
 
 from vcage.base.geometry import Pose
+from vcage.base.memory import remembered
 from vcage.schema.asset import ContactPoint, FunctionalPoint
 from vcage.schema.goals import part_words
 from vcage.schema.robot import Gripper
@@ -297,7 +297,7 @@ class Pick:
     path: list[np.ndarray] | None
 
 
-@functools.lru_cache(REMEMBERED)
+@remembered(REMEMBERED)
 def picks(
     target: SceneObject,
     contact_id: int,
@@ -324,7 +324,7 @@ def picks(
     return [pick for some in found.values() for pick in some]
 
 
-@functools.lru_cache(REMEMBERED)
+@remembered(REMEMBERED)
 def _hands(
     target: SceneObject, contact_id: int, others: tuple[SceneObject, ...], gripper: Gripper
 ) -> list[tuple[GraspPose, str | None]]:

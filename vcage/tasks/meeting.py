@@ -5,7 +5,6 @@ Geometry and inverse kinematics only: what stands in the way is for the planner 
 
 from __future__ import annotations
 
-import functools
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import islice, product
@@ -15,6 +14,7 @@ import numpy as np
 from scipy.spatial import ConvexHull
 
 from vcage.base.geometry import Pose, frame_from_axes
+from vcage.base.memory import remembered
 from vcage.objects.asset import Asset
 from vcage.schema.asset import ContactPoint
 from vcage.schema.robot import Gripper
@@ -135,7 +135,7 @@ def holds_beside(asset: Asset, given: Hold, contacts: Sequence[ContactPoint], gr
     return sorted(found, key=lambda hold: round(float(np.linalg.norm(hold.in_object.p[:2] - balance[:2])), 3))
 
 
-@functools.lru_cache(REMEMBERED)
+@remembered(REMEMBERED)
 def _holds(thing: SceneObject, given: Hold, gripper: Gripper) -> list[Hold]:
     """:func:`holds_beside` for whatever an object is carried by: a search asks for each place that it may go to."""
     return holds_beside(thing.asset, given, thing.asset.annotation.carrying_points, gripper)

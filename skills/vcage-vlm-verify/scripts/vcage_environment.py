@@ -55,10 +55,19 @@ def give_up(message):
     elif os.path.exists(os.path.join(home, "Makefile")) and os.path.exists(os.path.join(home, "vcage")):
         command = "make -C {} setup".format(shlex.quote(os.path.abspath(home)))
         hint = "make its environment: " + command
-    sys.stderr.write("vcage: error: {}; {}\n".format(message, hint))
     error = {"code": "configuration", "message": message, "hint": hint, "retryable": False, "details": {}}
-    print(json.dumps({"ok": False, "error": error, "next": command}))
-    sys.exit(4)
+    write(sys.stderr, "vcage: error: {}; {}\n".format(message, hint))
+    write(sys.stdout, json.dumps({"ok": False, "error": error, "next": command}) + "\n")
+    os._exit(4)
+
+
+def write(stream, text):
+    """Write to a stream, unless it is closed or takes nothing."""
+    try:
+        stream.write(text)
+        stream.flush()
+    except (AttributeError, OSError):
+        pass
 
 
 def main(command):
@@ -71,7 +80,6 @@ def main(command):
         # Search paths set for another interpreter would mix its packages with ours.
         kept = {name: value for name, value in os.environ.items() if name not in ("PYTHONPATH", "PYTHONHOME")}
         kept[RESTARTED] = "1"
-        sys.stdout.flush()
         os.execve(existing[0], [existing[0], os.path.abspath(sys.argv[0])] + sys.argv[1:], kept)
     missing = [name for name in NEEDED if importlib.util.find_spec(name) is None]
     if missing:

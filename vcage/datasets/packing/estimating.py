@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import tempfile
 import time
 from collections.abc import Sequence
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from vcage.base.leftovers import scratch_folder
 from vcage.base.progress import Progress, silent
 from vcage.datasets.packing.clips import Clip
 from vcage.datasets.packing.dataset_search import (
@@ -71,8 +70,8 @@ def estimate_clips(
     workers = workers_for(clips, workers)
     sample = [_middle(clip) for clip in sample_of(clips)]
     begun = time.perf_counter()
-    with tempfile.TemporaryDirectory() as folder:
-        videos = search_data_set(sample, settings, Path(folder), workers=1, progress=progress)
+    with scratch_folder() as folder:
+        videos = search_data_set(sample, settings, folder, workers=1, progress=progress)
         streams = [video.stream for video in videos.values()]
     seconds = time.perf_counter() - begun
     cameras = {

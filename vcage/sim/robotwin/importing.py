@@ -7,7 +7,6 @@ in the embodiment's folder, which must stay where it is.
 from __future__ import annotations
 
 import re
-import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 from xml.etree.ElementTree import Element
@@ -17,6 +16,7 @@ import yaml
 
 from vcage.base.errors import UsageError
 from vcage.base.files import atomic_folder, data_path, resource, write_text
+from vcage.base.leftovers import scratch_folder
 from vcage.schema.base import PoseRecord, Vec3
 from vcage.schema.robot import Arm, Robot, RobotCamera
 from vcage.sim.robotwin.arm_urdf import ArmFiles, arm_files, held_joints, links_of_arm, read_robot
@@ -116,10 +116,10 @@ def _claim(name: str, path: Path, force: bool) -> None:
 
 def _measured(embodiment: Embodiment, root: Element, side: str) -> Measured:
     """The gripper of an arm; two arms alike are measured by themselves all the same."""
-    with tempfile.TemporaryDirectory() as scratch:
-        _write_files(Path(scratch), side, arm_files(root, embodiment, side, visuals=False))
+    with scratch_folder() as scratch:
+        _write_files(scratch, side, arm_files(root, embodiment, side, visuals=False))
         field = f"{embodiment.path}: {side} gripper"
-        return measure_gripper(Path(scratch) / f"{side}.urdf", embodiment.arms[side], field)
+        return measure_gripper(scratch / f"{side}.urdf", embodiment.arms[side], field)
 
 
 def _write_files(folder: Path, side: str, files: ArmFiles) -> None:

@@ -1,0 +1,138 @@
+"""What a killed process leaves behind, and temporary folders that the next one removes in that case.
+
+A temporary folder is locked by its process, however that ends, so one that can be locked belongs to nobody any more.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import fcntl
+import os
+import re
+import shutil
+import tempfile
+import time
+from collections.abc import Collection, Iterator
+from pathlib import Path
+
+from vcage.base.files import PARTIAL, REPLACED, cache_path, is_written, recover
+
+SCRATCH = ".vcage-scratch-"
+"""Begins the name of a temporary folder of ours."""
+
+OURS = "vcage"
+"""File that marks a temporary folder of Python's as one that this project uses."""
+
+OF_PYTHON = "pymp-"
+
+PARTIAL_NAME = re.compile(rf"(?P<of>.+){re.escape(PARTIAL)}\d+(\..*)?", re.DOTALL)
+REPLACED_NAME = re.compile(rf"(?P<of>.+){re.escape(REPLACED)}\d+", re.DOTALL)
+
+CACHE_AGE_S = 3600.0
+"""Age from which partial work in the cache, which other machines and containers may share, is taken for left over."""
+
+
+@contextlib.contextmanager
+def scratch_folder() -> Iterator[Path]:
+    """A temporary folder for this process, removed at the end, or by the next process if this one is killed."""
+    sweep_scratch()
+    folder, lock = _new_scratch()
+    try:
+        yield folder
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
+        os.close(lock)
+
+
+def mark_scratch(folder: Path) -> None:
+    """Let a temporary folder that Python keeps until this process ends be removed by the next one if it is killed."""
+    if not (folder / OURS).exists():
+        _lock(folder)  # until the process ends
+        (folder / OURS).touch()
+
+
+def sweep_scratch() -> None:
+    """Remove the temporary folders that killed processes of this user left."""
+    with contextlib.suppress(OSError), os.scandir(tempfile.gettempdir()) as entries:
+        for entry in entries:
+            if not entry.name.startswith((SCRATCH, OF_PYTHON)) or not entry.is_dir(follow_symlinks=False):
+                continue
+            folder = Path(entry.path)
+            marked = entry.name.startswith(SCRATCH) or (folder / OURS).is_file()
+            if marked and entry.stat(follow_symlinks=False).st_uid == os.getuid():
+                _remove_unless_locked(folder)
+
+
+def sweep_folder(folder: Path, names: Collection[str]) -> None:
+    """Remove what killed processes were writing in a folder that this process holds, and put back what they replaced.
+
+    Args:
+        folder: held by this process.
+        names: of files, without their suffix, and of folders in ``folder`` that are ours, with all that is in them.
+    """
+    with os.scandir(folder) as entries:
+        there = sorted(Path(entry.path) for entry in entries)
+    for path in there:
+        name = PARTIAL_NAME.fullmatch(path.name) or REPLACED_NAME.fullmatch(path.name)
+        if name and name["of"] in names:
+            _mend(path)
+        elif path.name in names and path.is_dir() and not path.is_symlink():
+            for part in sorted(path.rglob(f"*{PARTIAL}*")):
+                _mend(part)
+
+
+def sweep_cache() -> None:
+    """Remove what processes left in the cache that were killed while they made something for it."""
+    with contextlib.suppress(OSError):
+        for path in cache_path().glob(f"*/*{PARTIAL}*"):
+            if time.time() - path.lstat().st_mtime > CACHE_AGE_S:
+                _mend(path)
+
+
+def _mend(path: Path) -> None:
+    """Remove partial work of a process that is gone; put back, or remove, what was to be replaced."""
+    if replaced := REPLACED_NAME.fullmatch(path.name):
+        recover(path.with_name(replaced["of"]))
+    elif PARTIAL_NAME.fullmatch(path.name) and not is_written(path):
+        if path.is_dir() and not path.is_symlink():
+            shutil.rmtree(path, ignore_errors=True)
+        else:
+            path.unlink(missing_ok=True)
+
+
+def _new_scratch() -> tuple[Path, int]:
+    """A locked folder, and the lock."""
+    while True:
+        folder = Path(tempfile.mkdtemp(prefix=SCRATCH))
+        with contextlib.suppress(BlockingIOError, FileNotFoundError):  # swept before it was locked
+            lock = _lock(folder)
+            if folder.exists():
+                return folder, lock
+            os.close(lock)
+
+
+def _lock(folder: Path) -> int:
+    """Lock a folder until the file that is returned is closed; where the file system knows no locks, nobody can.
+
+    Raises:
+        BlockingIOError: another process has locked it.
+    """
+    file = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW)
+    try:
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        os.close(file)
+        raise
+    except OSError:
+        pass
+    return file
+
+
+def _remove_unless_locked(folder: Path) -> None:
+    with contextlib.suppress(OSError):
+        file = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW)
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            shutil.rmtree(folder, ignore_errors=True)
+        finally:
+            os.close(file)

@@ -1,0 +1,92 @@
+"""The process that a command runs in, made fit for it: its streams, its search path, its folder, its open files."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import resource
+import sys
+import sysconfig
+from pathlib import Path
+
+from vcage.base.errors import ConfigurationError, UsageError
+
+STREAMS = ("stdin", "stdout", "stderr")
+
+FILES_NEEDED, FILES_WANTED = 256, 4096
+"""Files that must, and that should, be open at a time; a run with two workers has up to a hundred."""
+
+
+def prepare() -> None:
+    """Make this process fit for a command; to be called first, before anything but Python's own is imported."""
+    _open_closed_streams()
+    _own_packages_first()
+    with contextlib.suppress(OSError, ValueError):
+        most = resource.getrlimit(resource.RLIMIT_NOFILE)
+        wanted = FILES_WANTED if most[1] == resource.RLIM_INFINITY else min(FILES_WANTED, most[1])
+        if most[0] != resource.RLIM_INFINITY and most[0] < wanted:
+            resource.setrlimit(resource.RLIMIT_NOFILE, (wanted, most[1]))
+
+
+def require_fit() -> None:
+    """Nothing if a command can work in this process.
+
+    Raises:
+        UsageError: the current folder was removed.
+        ConfigurationError: too few files may be open at a time.
+    """
+    if folder_is_gone():
+        raise UsageError("the current folder was removed", hint="go to one that exists: cd")
+    most = resource.getrlimit(resource.RLIMIT_NOFILE)[0]
+    if most != resource.RLIM_INFINITY and most < FILES_NEEDED:
+        raise ConfigurationError(
+            f"only {most} files may be open at a time; at least {FILES_NEEDED} are needed",
+            hint=f"raise the limit, in a new shell if need be: ulimit -n {FILES_WANTED}",
+        )
+
+
+def folder_is_gone() -> bool:
+    """Whether the current folder was removed."""
+    try:
+        Path.cwd()
+    except FileNotFoundError:
+        return True
+    return False
+
+
+def _open_closed_streams() -> None:
+    """Let stdin, stdout and stderr lead nowhere where the caller closed them, or the next file that is opened would
+    take their place and get what libraries print. What stdout cannot show of a name is written with escapes."""
+    for number, name in enumerate(STREAMS):
+        try:
+            os.fstat(number)
+        except OSError:
+            os.open(os.devnull, os.O_RDWR)  # takes the lowest number that is free
+            setattr(sys, name, os.fdopen(number, "r" if number == 0 else "w", encoding="utf-8", closefd=False))
+            setattr(sys, f"__{name}__", getattr(sys, name))
+            if name == "stdout":
+                with contextlib.suppress(OSError):
+                    os.write(2, b"vcage: stdout is closed, so the result is not printed\n")
+    with contextlib.suppress(AttributeError):  # something else stands in its place
+        sys.stdout.reconfigure(errors="backslashreplace")  # pyrefly: ignore
+
+
+def _own_packages_first() -> None:
+    """Find the packages of this environment before those that ``PYTHONPATH`` names, here and in processes that this one
+    starts.
+
+    Robots' systems (ROS) and clusters name folders there for other interpreters, whose packages may not load in this
+    one. What only they have is still found; the folder that this vcage was found in stays first.
+    """
+    if folder_is_gone():  # no command works there
+        return
+    listed = [str(Path(path).absolute()) for path in os.environ.get("PYTHONPATH", "").split(os.pathsep) if path]
+    home = str(Path(__file__).parents[2])
+    foreign = [path for path in listed if path != home]
+    if not foreign:
+        return
+    later = [path for path in sys.path if path in foreign]
+    sys.path[:] = [path for path in sys.path if path not in foreign] + later
+    own = [sysconfig.get_path("purelib"), sysconfig.get_path("platlib")]
+    first = [home] if home in listed else []
+    os.environ["PYTHONPATH"] = os.pathsep.join(dict.fromkeys([*first, *own, *foreign]))
