@@ -273,3 +273,100 @@ def test_workers_end_with_the_process_that_started_them(number):
         parent.send_signal(number)
         assert parent.wait(WAIT) != 0
     assert not psutil.wait_procs(children, WAIT)[1]
+
+
+# --- what a worker knows of the process that started it ------------------------------------------------
+
+SETS_A_VARIABLE = "import os; os.environ['OF_AN_IMPORT'] = 'set'"
+
+ENVIRONMENT_AFTER_IMPORT = """
+import os
+from vcage.base.workers import Processes, load_ahead
+os.environ["LEFT_OUT_LATER"] = os.environ["CHANGED_LATER"] = "before"
+load_ahead("sets_a_variable")
+del os.environ["LEFT_OUT_LATER"]
+os.environ["CHANGED_LATER"] = "after"
+with Processes(eval, 1) as processes:
+    for name in ("OF_AN_IMPORT", "LEFT_OUT_LATER", "CHANGED_LATER", "PYTHONSAFEPATH"):
+        processes.submit(f"__import__('os').environ.get('{name}')")
+    print(*processes.results(), os.environ.get("OF_AN_IMPORT"))
+"""
+
+
+@pytest.mark.skipif(cores() == 1, reason="nothing is loaded ahead on one core")
+def test_what_an_import_sets_in_the_environment_stays_there_whatever_this_process_has_imported(tmp_path):
+    (tmp_path / "sets_a_variable.py").write_text(SETS_A_VARIABLE)
+    done = subprocess.run(
+        [sys.executable, "-c", ENVIRONMENT_AFTER_IMPORT],
+        capture_output=True,
+        text=True,
+        env=os.environ | {"PYTHONPATH": str(tmp_path)},
+    )
+    assert (done.stdout, done.stderr) == ("set None after None None\n", "")
+
+
+BARE_SCRIPT = """
+import math, os
+from vcage.base.errors import UsageError
+from vcage.base.workers import in_processes
+print("begun")
+print(sorted(in_processes(math.factorial, [3, 4], 2)))
+
+class Mine(int):
+    pass
+
+try:
+    list(in_processes(math.factorial, [Mine(3), Mine(4)], 2))
+except UsageError as error:
+    print(error.as_line())
+"""
+
+
+@pytest.mark.parametrize("deep", [False, True], ids=["forked", "spawned"])
+@pytest.mark.parametrize("way", ["file", "stdin", "module"])
+def test_a_script_needs_no_main_guard_and_what_it_defines_itself_is_refused_by_name(tmp_path, way, deep):
+    script = tmp_path / "bare_script.py"
+    script.write_text(BARE_SCRIPT)
+    temporary = tmp_path / ("deep" * 30 if deep else "t")
+    temporary.mkdir()
+    done = subprocess.run(
+        [sys.executable, *{"file": [str(script)], "stdin": ["-"], "module": ["-m", "bare_script"]}[way]],
+        input=BARE_SCRIPT if way == "stdin" else None,
+        capture_output=True,
+        text=True,
+        cwd=tmp_path,
+        env=os.environ | {"TMPDIR": str(temporary)},
+    )
+    begun, results, refused = done.stdout.splitlines()
+    assert (begun, results, done.stderr) == ("begun", "[6, 24]", "")
+    assert "'Mine'" in refused and "in a module of its own" in refused
+
+
+# --- what is left of one that was killed ---------------------------------------------------------------
+
+KILLED = """
+import os, signal
+from vcage.base.workers import in_processes
+list(in_processes(abs, [1, 2], 2))
+print("begun", flush=True)
+signal.pause()
+"""
+
+
+def test_the_folder_of_a_killed_process_is_removed_by_the_next_and_that_of_a_living_one_is_not(tmp_path):
+    environment = os.environ | {"TMPDIR": str(tmp_path)}
+    (tmp_path / "pymp-of-others").mkdir()
+
+    def begun() -> subprocess.Popen:
+        process = subprocess.Popen([sys.executable, "-c", KILLED], stdout=subprocess.PIPE, text=True, env=environment)
+        assert process.stdout is not None and process.stdout.readline() == "begun\n"
+        return process
+
+    with begun() as killed:
+        killed.kill()
+    (left,) = set(tmp_path.iterdir()) - {tmp_path / "pymp-of-others"}
+    with begun() as first, begun() as second:
+        names = {path.name for path in tmp_path.iterdir()}
+        for process in (first, second):
+            process.terminate()
+    assert len(names) == 3 and "pymp-of-others" in names and left.name not in names

@@ -1,0 +1,103 @@
+"""What a killed process left goes; what belongs to a living one, or to others, stays."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+import pytest
+
+from vcage.base.files import PARTIAL, REPLACED
+from vcage.base.leftovers import SCRATCH, scratch_folder, sweep_cache, sweep_folder, sweep_scratch
+
+HOLDER = """
+import signal
+from vcage.base.leftovers import scratch_folder
+with scratch_folder() as folder:
+    (folder / "a file").touch()
+    print(folder, flush=True)
+    signal.pause()
+"""
+
+NOBODY = 2**22 + 1
+"""More than the largest number of a process."""
+
+
+@pytest.fixture(autouse=True)
+def temporary(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.setenv("TMPDIR", str(tmp_path))
+    monkeypatch.setattr(tempfile, "tempdir", None)
+    return tmp_path
+
+
+def started() -> tuple[subprocess.Popen, Path]:
+    process = subprocess.Popen([sys.executable, "-c", HOLDER], stdout=subprocess.PIPE, text=True)
+    assert process.stdout is not None
+    return process, Path(process.stdout.readline().strip())
+
+
+def test_a_temporary_folder_is_removed_at_the_end():
+    with scratch_folder() as folder:
+        (folder / "a file").touch()
+    assert not folder.exists()
+
+
+def test_that_of_a_killed_process_is_removed_by_the_next_and_not_while_it_lives():
+    process, folder = started()
+    with process:
+        sweep_scratch()
+        assert (folder / "a file").exists()
+        process.kill()
+    assert folder.exists()
+    with scratch_folder():
+        assert not folder.exists()
+
+
+def test_folders_of_others_and_links_stay(tmp_path):
+    (tmp_path / "pymp-1").mkdir()
+    (tmp_path / "elsewhere").mkdir()
+    (tmp_path / f"{SCRATCH}link").symlink_to(tmp_path / "elsewhere")
+    (tmp_path / "vcage-my-run").mkdir()
+    sweep_scratch()
+    assert len(list(tmp_path.iterdir())) == 4
+
+
+def test_partial_work_in_a_held_folder_goes_but_for_that_of_living_processes_and_names_of_others(tmp_path):
+    living = os.getppid()
+    gone = [f"place{PARTIAL}{NOBODY}/a.png", f"options{PARTIAL}{NOBODY}.json", f"place/deep/b{PARTIAL}{NOBODY}.png"]
+    stays = [
+        f"place{PARTIAL}{living}/a.png",
+        f"notes{PARTIAL}{NOBODY}.txt",
+        f"mine/b{PARTIAL}{NOBODY}.png",
+        f"place/b{PARTIAL}one.png",
+        "place/c.png",
+    ]
+    for name in (*gone, *stays):
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).touch()
+    sweep_folder(tmp_path, {"place", "options"})
+    assert sorted(p.relative_to(tmp_path).as_posix() for p in tmp_path.rglob("*") if p.is_file()) == sorted(stays)
+
+
+def test_what_was_to_be_replaced_is_put_back_where_nothing_came_in_its_place(tmp_path):
+    for name in (f"place{REPLACED}{NOBODY}", f"match{REPLACED}{NOBODY}", "match"):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "of").write_text(name)
+    sweep_folder(tmp_path, {"place", "match"})
+    assert {path.name: (path / "of").read_text() for path in tmp_path.iterdir()} == {
+        "place": f"place{REPLACED}{NOBODY}",
+        "match": "match",
+    }
+
+
+def test_partial_work_in_the_cache_goes_when_it_is_old(tmp_path, monkeypatch):
+    monkeypatch.setenv("VCAGE_CACHE", str(tmp_path))
+    old, new = (tmp_path / "assets" / f"{name}{PARTIAL}{NOBODY}" for name in ("old", "new"))
+    for folder in (old, new):
+        folder.mkdir(parents=True)
+    os.utime(old, (0, 0))
+    sweep_cache()
+    assert new.exists() and not old.exists()
