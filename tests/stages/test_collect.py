@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import shutil
 import signal
 import subprocess
 import sys
 import time
+from collections import Counter
 from contextlib import suppress
 from dataclasses import replace
 from itertools import pairwise
@@ -443,3 +445,13 @@ def test_force_makes_a_damaged_collection_again(finished, begun, cheap):
 def test_ranges_that_need_layouts_are_refused_where_none_are_drawn(finished: Finished):
     with pytest.raises(UsageError, match="not --layout fixed"):
         collect.job(finished.run, replace(OPTIONS, layout="fixed", randomise="full"), finished.context)
+
+
+def test_memory_does_not_grow_with_episodes(finished, tmp_path):
+    runner = collect._runner(finished.run.root, options(), finished.context)
+    held = []
+    for index in (1, 2):
+        runner.one(index, tmp_path)
+        held.append(Counter(type(thing) for thing in gc.get_objects()))
+    grown = {kind.__qualname__: number - held[0][kind] for kind, number in held[1].items()}
+    assert {kind: number for kind, number in grown.items() if number > 20} == {}

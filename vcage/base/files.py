@@ -47,7 +47,7 @@ def cache_path(*parts: str) -> Path:
     """A path in the user's cache, made or not: ``$VCAGE_CACHE`` or ``$XDG_CACHE_HOME/vcage``."""
     base = os.environ.get("VCAGE_CACHE")
     if not base:
-        base = os.path.join(os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache"), "vcage")
+        base = os.path.join(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache", "vcage")
     return Path(base).joinpath(*parts)
 
 
@@ -65,7 +65,7 @@ def data_path(*parts: str) -> Path:
     """
     base = os.environ.get("VCAGE_DATA")
     if not base:
-        base = os.path.join(os.environ.get("XDG_DATA_HOME") or os.path.expanduser("~/.local/share"), "vcage")
+        base = os.path.join(os.environ.get("XDG_DATA_HOME") or Path.home() / ".local" / "share", "vcage")
     return Path(base).joinpath(*parts)
 
 

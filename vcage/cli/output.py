@@ -137,6 +137,8 @@ def _of_the_machine(error: Exception) -> VcageError | None:
     """What an error of the system, or of a package of others, means to the user; None for a bug."""
     if isinstance(error, MemoryError):
         return PartlyDone("not enough memory", hint="free some, or run the same command again with fewer --workers")
+    if isinstance(error, RuntimeError) and "home directory" in str(error):
+        return ConfigurationError("no home folder is known", hint="set HOME, and name folders without ~")
     if isinstance(error, ImportError):
         return _of_a_package(error)
     if not isinstance(error, OSError):
