@@ -359,8 +359,9 @@ def _follow(environment: Mapping[str, str]) -> None:
     A library may tell itself through the environment where its parts lie (SAPIEN does), whether or not the other
     process has imported it too.
     """
-    began = Path("/proc/self/environ").read_bytes()  # as it was for this process, or the one that it is forked from
-    began = dict(os.fsdecode(entry).partition("=")[::2] for entry in began.split(b"\0") if entry)
+    block = Path("/proc/self/environ").read_bytes()  # as it was for this process, or the one that it is forked from
+    entries = [os.fsdecode(entry).partition("=") for entry in block.split(b"\0") if entry]
+    began = {name: value for name, _, value in entries}
     for name in began.keys() - environment.keys():
         os.environ.pop(name, None)
     os.environ.update({name: value for name, value in environment.items() if began.get(name) != value})
