@@ -7,6 +7,7 @@ import logging
 import platform
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 from importlib import metadata
 from pathlib import Path
 from typing import Any
@@ -242,12 +243,15 @@ class EpisodeRunner:
         }
 
 
+_version = cache(metadata.version)
+
+
 def versions() -> dict[str, str]:
     """What made the data: programs, and the device that drew its pictures."""
     packages = ("sapien", "mani_skill", "mplib", "numpy")
     return {
         "vcage": __version__,
         "python": platform.python_version(),
-        **{package: metadata.version(package) for package in packages},
+        **{package: _version(package) for package in packages},
         "driver": device_name(),
     }
