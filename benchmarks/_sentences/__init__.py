@@ -1,0 +1,1 @@
+"""Sentences that others and our own pages give, and a whole run of each."""

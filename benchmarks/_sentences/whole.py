@@ -1,0 +1,200 @@
+"""A sentence run whole, from its words to the verification, and what came of it."""
+
+from __future__ import annotations
+
+import hashlib
+import logging
+import re
+import shutil
+import tempfile
+import time
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+from typing import ClassVar, Literal
+
+from benchmarks._sentences.sources import Sentence
+from vcage.base.errors import VcageError
+from vcage.base.files import RunFolder
+from vcage.schema.base import Document, Record
+from vcage.schema.episodes import Episodes
+from vcage.schema.subtasks import Subtasks
+from vcage.stages.chain import STAGES, ChainOptions
+from vcage.stages.context import StageContext
+from vcage.stages.episode_store import read_log
+from vcage.stages.running import run_stage
+
+logger = logging.getLogger(__name__)
+
+THROUGH = list(STAGES)[: list(STAGES).index("verify") + 1]
+"""The stages of a run: the others judge nothing, and take longest."""
+
+BUG = 1
+"""Exit code of a command that ends with an error of our own."""
+
+
+class Tried(Record):
+    """One attempt at a sub-task.
+
+    ``true`` and ``accepted`` are none where the robot gave up before anyone looked.
+    """
+
+    template: str
+    subtask: str
+    step: int
+    attempt: int
+    true: bool | None
+    accepted: bool | None
+    stage: str
+    reason: str
+    truth: str
+
+    @property
+    def false_accepted(self) -> bool:
+        """The critic said yes of what is not so."""
+        return self.accepted is True and not self.true
+
+    @property
+    def false_refused(self) -> bool:
+        """The critic said no of what is so."""
+        return self.true is True and not self.accepted
+
+
+class Ran(Document):
+    """What came of a sentence."""
+
+    SCHEMA: ClassVar[str] = "vcage.benchmarks.sentence/1"
+
+    sentence: str
+    source: str
+    seed: int
+    exit_code: int
+    reason: str
+    templates: list[str]
+    tried: list[Tried]
+    wrong_episode: str
+    seconds: float
+
+
+@dataclass(frozen=True)
+class Whole:
+    """A sentence to be run.
+
+    Args:
+        sentence: what is asked for.
+        seed: of all choices.
+        robot: by name; the scene's where not given.
+        keep: folder below which the run folder stays, and in which a finished one is not run again.
+        fps: frames per second, one of those of ``collect``.
+        randomise: as of ``collect``.
+    """
+
+    sentence: Sentence
+    seed: int = 0
+    robot: str | None = None
+    keep: Path | None = None
+    fps: Literal[5, 10, 25, 50] = ChainOptions.fps
+    randomise: str = ChainOptions.randomise
+
+    @property
+    def name(self) -> str:
+        """Of its folder: of the sentence, and of all that changes what comes of it."""
+        slug = re.sub(r"[^a-z0-9]+", "-", self.sentence.text.lower()).strip("-")[:60]
+        what = repr((self.sentence.text, self.seed, self.robot, self.fps, self.randomise))
+        return f"{slug}-{self.seed}-{hashlib.sha256(what.encode()).hexdigest()[:8]}"
+
+    @property
+    def options(self) -> ChainOptions:
+        """Those of ``vcage run SENTENCE --episodes 1 --models offline``, in one process."""
+        return ChainOptions(
+            instruction=self.sentence.text,
+            seed=self.seed,
+            robot=self.robot,
+            models="offline",
+            episodes=1,
+            fps=self.fps,
+            randomise=self.randomise,
+            workers=1,
+        )
+
+
+def ran(task: Whole) -> Ran:
+    """Run a sentence, unless that was done and kept."""
+    if task.keep is None:
+        with tempfile.TemporaryDirectory() as folder:
+            return _run(task, Path(folder) / "run")
+    folder = task.keep / task.name
+    told = folder / "sentence.json"
+    if told.exists():
+        return Ran.read(told)
+    shutil.rmtree(folder, ignore_errors=True)  # begun, and not finished
+    found = _run(task, folder / "run")
+    found.write(told)
+    return found
+
+
+@lru_cache(maxsize=1)
+def _context() -> StageContext:
+    return StageContext("offline")
+
+
+def _run(task: Whole, folder: Path) -> Ran:
+    run, start = RunFolder(folder), time.perf_counter()
+    code, reason = _through_verify(task.options, run)
+    seconds = round(time.perf_counter() - start, 2)
+    templates, tried, wrong = _found(run)
+    said = task.sentence
+    return Ran(
+        sentence=said.text,
+        source=said.source,
+        seed=task.seed,
+        exit_code=code,
+        reason=reason,
+        templates=templates,
+        tried=tried,
+        wrong_episode=wrong,
+        seconds=seconds,
+    )
+
+
+def _through_verify(options: ChainOptions, run: RunFolder) -> tuple[int, str]:
+    """The exit code that the command would have, and the reason; nothing where all is well."""
+    try:
+        done = {name: run_stage(STAGES[name], run, options, _context()) for name in THROUGH}
+    except VcageError as error:
+        return error.exit_code, error.message
+    except Exception as error:  # what the command would call a bug
+        logger.exception("%s", options.instruction)
+        return BUG, f"{type(error).__name__}: {error}"
+    if short := done["collect"].short:
+        return short.exit_code, short.message
+    refused = list(done["verify"].record.refused.values())
+    return 0, f"refused by verify: {refused[0]}" if refused else ""
+
+
+def _found(run: RunFolder) -> tuple[list[str], list[Tried], str]:
+    """Templates of the chain, all attempts, and why an accepted episode is none, as far as the run came."""
+    if not run.subtasks.exists():
+        return [], [], ""
+    subtasks = Subtasks.read(run.subtasks)
+    kept = {subtask.id: subtask.template for subtask in subtasks.kept}
+    templates = list(dict.fromkeys(kept[name] for chain in subtasks.chains for name in chain.subtasks))
+    if not run.episodes.exists():
+        return templates, [], ""
+    tried = [
+        Tried(
+            template=kept[attempt.subtask],
+            subtask=attempt.subtask,
+            step=attempt.step,
+            attempt=attempt.attempt,
+            true=attempt.truth and attempt.truth.success,
+            accepted=attempt.verdict and attempt.verdict.accepted,
+            stage=attempt.stage,
+            reason=attempt.reason,
+            truth=attempt.truth.reason if attempt.truth else "",
+        )
+        for attempt in read_log(run.episodes.parent)
+    ]
+    accepted = [e for e in Episodes.read(run.episodes).episodes if e.accepted]
+    wrong = [e.goals_hold.reason for e in accepted if e.goals_hold and not e.goals_hold.success]
+    return templates, tried, wrong[0] if wrong else ""
