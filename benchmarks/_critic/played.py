@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
@@ -19,6 +20,9 @@ from vcage.tasks.slots import Slot
 from vcage.tasks.synthesis import Script
 from vcage.tasks.task import Task, TaskFailed
 from vcage.tasks.truth import goals_hold, subtask_done
+
+DROP = 0.03
+"""Height above where it could lie from which a thing is dropped by hand, metres."""
 
 SETTLE = 500
 """Physics steps in which what was moved by hand comes to rest."""
@@ -124,6 +128,71 @@ class Played:
             for name, o in self.case.objects.items()
         }
 
+    @property
+    def subject(self) -> SceneObject:
+        """What the goal is about, as it was before."""
+        return self.now(self.shots.before)[self.goal.subject]
+
+    @property
+    def place(self) -> SceneObject:
+        """What was to receive it, as it is afterwards."""
+        return self.now(self.shots.after)[str(self.subtask.receptacle)]
+
+    @property
+    def ends(self) -> tuple[Pose, Pose]:
+        """Where what the goal is about was before, and where it is afterwards."""
+        shots, name = self.shots, self.goal.subject
+        return shots.before.objects[name], shots.after.objects[name]
+
+    @property
+    def table(self) -> float:
+        """Height of the table top, metres."""
+        return min(o.aabb[0, 2] for o in self.case.objects.values())
+
+    @property
+    def loose(self) -> list[SceneObject]:
+        """What could be carried, and lies in nothing and under nothing."""
+        now = self.now(self.shots.before)
+        holding = {o.record.container for o in now.values()}
+        return [
+            o
+            for o in now.values()
+            if o.record.container is None and o.id not in holding and o.asset.annotation.carrying_points
+        ]
+
+    def surface(self, at: np.ndarray, thing: SceneObject) -> float:
+        """How high the tops are above which a thing is dropped, metres."""
+        under = [
+            o.around_boxes[1, 2]
+            for o in self.now(self.shots.before).values()
+            if o.id != thing.id and np.all((o.around_boxes[0, :2] <= at[:2]) & (at[:2] <= o.around_boxes[1, :2]))
+        ]
+        return max([self.table, *under])
+
+    def step(self, far: tuple[float, float]) -> np.ndarray:
+        """(2,) a way along the table in any direction, of a length between two, metres."""
+        angle, length = self.rng.uniform(0, 2 * np.pi), self.rng.uniform(*far)
+        return length * np.array([np.cos(angle), np.sin(angle)])
+
+    def leaning(self, pose: Pose, most: float = 1.0) -> Pose:
+        """A pose tilted by chance, by ``most`` radians at most."""
+        tilt, angle = self.rng.uniform(0.2, most), self.rng.uniform(0, 2 * np.pi)
+        axis = np.sin(tilt / 2) * np.array([np.cos(angle), np.sin(angle), 0.0])
+        return Pose(pose.p, (Pose(q=pose.q) * Pose(q=[np.cos(tilt / 2), *axis])).q)
+
+    def tumbled(self, pose: Pose) -> Pose:
+        """A pose turned by chance, as of what falls."""
+        return self.leaning(Pose(pose.p, Pose.from_yaw([0, 0, 0], self.rng.uniform(0, 2 * np.pi)).q), most=0.6)
+
+    def with_objects(self, objects: Mapping[str, Pose]) -> WorldState | None:
+        """The moment that tells most with objects elsewhere; None where there is none."""
+        moment = self.shots.moment
+        return None if moment is None else replace(moment, objects=dict(objects))
+
+    def untrue(self, reason: str, **states: Any) -> Shots:
+        """What was played with other states, which is no success."""
+        return replace(self.shots, **states, truth=Truth(success=False, reason=reason))
+
     def instead(
         self,
         poses: Mapping[str, Pose] | None = None,
@@ -162,6 +231,10 @@ class Played:
         truth = goals_hold(other.goals, self.now(world.state()), watch)
         watch.stop()
         return replace(self.shots, truth=truth, asked=other)
+
+
+Kind = Callable[[Played], Shots | None]
+"""Makes an outcome from one that was played; None where that makes no sense, or does not come out as it should."""
 
 
 def _done(subtask: Subtask, watch: Watch) -> Truth:
