@@ -13,11 +13,16 @@ def lines(figures: Mapping[str, Any]) -> Iterator[str]:
     """The figures of a benchmark: its ``rows`` as a table, then everything else as one line each.
 
     Args:
-        figures: what ``run`` returned; without ``rows`` it is one row itself. Records in it become lines of their own.
+        figures: what ``run`` returned; without ``rows`` it is one row itself. Lists of records are tables too; what
+            else is in it becomes lines of their own.
     """
     rows = figures.get("rows", [figures])
     yield from table(rows)
-    rest = {} if "rows" not in figures else dict(_flat({k: v for k, v in figures.items() if k != "rows"}))
+    others = {} if "rows" not in figures else {name: value for name, value in figures.items() if name != "rows"}
+    tables = {name: value for name, value in others.items() if _is_table(value)}
+    for name, records in tables.items():
+        yield from ("", f"{name}:", *table(records))
+    rest = dict(_flat({name: value for name, value in others.items() if name not in tables}))
     width = max(map(len, rest), default=0)
     yield from (f"{name:<{width}}{GAP}{cell(value)}" for name, value in rest.items())
 
@@ -45,6 +50,10 @@ def cell(value: object) -> str:
     if isinstance(value, bool):
         return "yes" if value else "no"
     return f"{value:.6g}" if isinstance(value, float) else str(value)
+
+
+def _is_table(value: object) -> bool:
+    return isinstance(value, list) and bool(value) and all(isinstance(row, Mapping) for row in value)
 
 
 def _flat(record: Mapping[str, Any], before: str = "") -> Iterator[tuple[str, Any]]:

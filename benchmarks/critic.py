@@ -1,10 +1,12 @@
 """The critic, counted: on outcomes of sub-tasks whose truth the simulator knows.
 
 Half of them are successes, some of them ugly; the others failed, each in one of a score of ways that were made in the
-simulator, by the robot or by hand. The critic is shown what it is shown while data is collected. Half of the kinds of
-objects and two of the scenes (``untouched``) are never looked at while the offline critic is tuned. Precision and
-recall stand with the lower end of their Wilson interval (95 %). ``--keep`` leaves the outcomes in a folder, for other
-critics; ``--pictures`` reads such a folder.
+simulator, by the robot or by hand. Scenes are those of five templates and of the sentences that ``benchmarks
+sentences`` runs whole. They are drawn until there are twenty successes and as many failures of each template of
+sub-tasks, or too many have been drawn; what is missing then is said. The critic is shown what it is shown while data
+is collected. Half of the kinds of objects and two of the scenes (``untouched``) are never looked at while the offline
+critic is tuned. Precision and recall stand with the lower end of their Wilson interval (95 %). ``--keep`` leaves the
+outcomes in a folder, for other critics; ``--pictures`` reads such a folder.
 """
 
 from __future__ import annotations
@@ -21,8 +23,11 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks._critic.making import SCENES, Draw, outcomes
+from benchmarks._critic.making import outcomes
 from benchmarks._critic.outcome import Outcome, OutcomeRecord, read_outcomes, write_list
+from benchmarks._critic.quotas import Quotas, filled
+from benchmarks._critic.scenes import SCENES, Draw, settings
+from benchmarks._sentences.sources import by_template, slug
 from vcage.base.errors import VcageError
 from vcage.base.proportions import wilson
 from vcage.base.workers import cores, in_processes
@@ -33,7 +38,10 @@ from vcage.stages.question import Asking, verdict
 logger = logging.getLogger(__name__)
 
 DRAWS, SUBTASKS = 5, 12
-"""Draws of each scene, and sub-tasks that are carried out in each."""
+"""Draws of each scene of a template, and sub-tasks that are carried out in each."""
+
+ASKED = 3
+"""Sub-tasks that are carried out in a scene of a sentence, which is drawn once."""
 
 PARTS = ("tuning", "untouched", "all")
 CONFIDENCES = (0.5, 0.7, 0.9, 1.0)
@@ -64,7 +72,7 @@ def run(
     """Rows for each part, template and kind of outcome.
 
     Args:
-        quick: about 60 outcomes, not 600.
+        quick: about 100 outcomes, not 1000.
         models: whose critic.
         robot: by name.
         part: which outcomes are made.
@@ -76,9 +84,11 @@ def run(
     with tempfile.TemporaryDirectory() as temporary:
         folder = pictures or keep or Path(temporary)
         if pictures is None:
-            count, subtasks = (1, 5) if quick else (DRAWS, SUBTASKS)
-            seeds = range(first, first + count)
-            make([Draw(scene, seed, robot, subtasks, part) for seed in seeds for scene in SCENES], folder, workers)
+            draws = drawn(first, robot, part, quick)
+            if quick:
+                make(draws, folder, workers)
+            else:
+                filled(draws, lambda more, before: make(more, folder, workers, before), Quotas())
         tasks = [_Task(folder, models, n, workers) for n in range(workers)]
         judged = [one for some in in_processes(_judged, tasks, workers) for one in some]
     judged.sort(key=lambda one: one.record.id)
@@ -88,15 +98,36 @@ def run(
     return figures(judged, models)
 
 
-def make(draws: Sequence[Draw], folder: Path, workers: int) -> None:
-    """Write a folder of outcomes."""
+def drawn(first: int, robot: str, part: str, quick: bool) -> list[Draw]:
+    """What is made in any case; see :func:`run`."""
+    count, subtasks, asked = (1, 5, 2) if quick else (DRAWS, SUBTASKS, ASKED)
+    of_templates = [Draw(scene, first + n, robot, subtasks, part) for n in range(count) for scene in SCENES]
+    chosen = map(slug, dict.fromkeys(by_template().values())) if quick else (s for s in settings() if s not in SCENES)
+    return [*of_templates, *(Draw(scene, first, robot, asked, part) for scene in chosen)]
+
+
+def make(
+    draws: Sequence[Draw], folder: Path, workers: int, before: Sequence[OutcomeRecord] = ()
+) -> list[OutcomeRecord]:
+    """Write outcomes to a folder, and the list of all that lie there.
+
+    Args:
+        draws: what they are of.
+        folder: where they are written.
+        workers: processes.
+        before: outcomes that lie there already.
+
+    Returns:
+        The new ones.
+    """
     records: list[OutcomeRecord] = []
     for made in in_processes(outcomes, draws, workers):
         for outcome in made:
             outcome.write(folder)
             records.append(outcome.record)
-        logger.info("%d outcomes", len(records))
-        write_list(sorted(records, key=lambda record: record.id), folder)
+        logger.info("%d outcomes", len(before) + len(records))
+        write_list(sorted([*before, *records], key=lambda record: record.id), folder)
+    return records
 
 
 @dataclass(frozen=True)
@@ -162,7 +193,7 @@ def figures(judged: Sequence[Judged], critic: str = "offline") -> dict[str, Any]
     rows = [_row(critic, part, [j for j in judged if part in ("all", j.record.part)]) for part in PARTS]
     return {
         "rows": rows,
-        "by_template": _shares(judged, lambda j: j.record.goals[0].relation),
+        "by_template": _shares(judged, lambda j: j.record.template),
         "by_failure": _shares(judged, lambda j: j.record.kind),
         "by_confidence": _calibration(judged),
     }
@@ -192,10 +223,11 @@ def _share(some: int, of: int) -> float | None:
 
 
 def _shares(judged: Iterable[Judged], key: Any) -> dict[str, dict[str, int]]:
-    """How many were judged, and how many of these wrongly, each way."""
+    """How many were judged, how many of these succeeded and failed, and how many were judged wrongly, each way."""
     found: dict[str, Counter[str]] = defaultdict(Counter)
     for j in judged:
-        found[key(j)].update(n=1, false_yes=int(j.accepted and j.wrong), false_no=int(not j.accepted and j.wrong))
+        done, yes, no = j.record.success, j.accepted and j.wrong, not j.accepted and j.wrong
+        found[key(j)].update(n=1, successes=int(done), failures=int(not done), false_yes=int(yes), false_no=int(no))
     return {name: dict(counts) for name, counts in sorted(found.items())}
 
 

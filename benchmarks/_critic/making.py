@@ -2,22 +2,24 @@
 
 from __future__ import annotations
 
-import hashlib
 import logging
 import tempfile
+import zlib
 from collections import Counter
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Collection, Iterator, Sequence
+from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
 
-from benchmarks._critic.kinds import FAILURES, UGLY
-from benchmarks._critic.outcome import SUCCESS, Outcome, OutcomeRecord, Part, picture_paths
+from benchmarks._critic.kinds import FAILURES
+from benchmarks._critic.outcome import SUCCESS, Outcome, OutcomeRecord, picture_paths
 from benchmarks._critic.played import Case, Shots
+from benchmarks._critic.scenes import UNTOUCHED_SCENES, Draw, part_of, settings
+from benchmarks._critic.ugly import UGLY
 from benchmarks._laying_out import lay_out
-from vcage.base.errors import InfeasibleScene, VcageError
+from vcage.base.errors import InfeasibleScene, UsageError, VcageError
 from vcage.base.files import RunFolder
 from vcage.schema.base import PoseRecord
 from vcage.schema.goals import Goal
@@ -26,7 +28,6 @@ from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Subtask
 from vcage.sim.robots import load_robot
 from vcage.sim.world import World
-from vcage.stages import select_place
 from vcage.stages.context import StageContext
 from vcage.stages.photographs import Photographer, light_look
 from vcage.tasks.ground import Ground
@@ -36,64 +37,29 @@ from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.search import find_subtasks
 from vcage.tasks.slots import slots_for_chain
 from vcage.tasks.synthesis import load_script, write_script
+from vcage.tasks.templates import TEMPLATES
 from vcage.tasks.variation import shifted_poses
 
 logger = logging.getLogger(__name__)
 
-SCENES = {
-    "bathroom": select_place.Options(template="bathroom"),
-    "cabinet": select_place.Options(template="cabinet"),
-    "cashier_desk": select_place.Options(template="cashier_desk"),
-    "kitchen": select_place.Options(template="kitchen"),
-    "office_desk": select_place.Options(template="office_desk"),
-    "scale": select_place.Options(instruction="Weigh the tomato and the chocolate bar, then put both in the basket"),
-}
-"""What a scene is made from: a template as it is, or what an instruction asks for."""
-
-UNTOUCHED_SCENES = ("bathroom", "office_desk")
-"""Never looked at while a critic is tuned; nor are half of the kinds of objects of the others."""
-
 ASKED = 3
 """Of each goal that is sensible only when somebody asks for it, how many are asked for in a scene."""
 
+RELATIONS = ("left_of", "right_of", "in_front_of", "behind", "beside", "near")
+
 FRONTS = ("sign", "carton", "box")
 """Categories of things that have a front to show."""
-
-
-@dataclass(frozen=True)
-class Draw:
-    """A scene to make outcomes in.
-
-    Args:
-        scene: name, one of :data:`SCENES`.
-        seed: of all choices.
-        robot: by name.
-        subtasks: how many are carried out.
-        part: what the outcomes may be of: that which may be looked at while tuning, the other, or ``all``.
-    """
-
-    scene: str
-    seed: int
-    robot: str
-    subtasks: int
-    part: str = "all"
-
-
-def part_of(scene: str, asset: str) -> Part:
-    """Whether outcomes of a kind of object in a scene may be looked at while a critic is tuned."""
-    odd = hashlib.sha256(asset.encode()).digest()[0] % 2
-    return "untouched" if scene in UNTOUCHED_SCENES or odd else "tuning"
 
 
 def outcomes(draw: Draw) -> list[Outcome]:
     """Of every sub-task a success or two, where it succeeds, and as many failures; none of what does not fit."""
     if draw.part == "tuning" and draw.scene in UNTOUCHED_SCENES:
         return []
-    context, rng = _context(), np.random.default_rng([draw.seed, list(SCENES).index(draw.scene)])
+    context, rng = _context(), np.random.default_rng([draw.seed, zlib.crc32(draw.scene.encode())])
     with tempfile.TemporaryDirectory() as folder:
         try:
             scene = _laid_out(draw, RunFolder(Path(folder) / "run"), context)
-        except InfeasibleScene as error:
+        except UsageError as error:
             logger.warning("%s, draw %d, is left out: %s", draw.scene, draw.seed, error.message)
             return []
         return list(_made(draw, scene, Path(folder), context, rng))
@@ -105,19 +71,21 @@ def _context() -> StageContext:
 
 
 def _laid_out(draw: Draw, run: RunFolder, context: StageContext) -> Scene:
-    lay_out(run, replace(SCENES[draw.scene], models="offline", seed=draw.seed, robot=draw.robot), context)
+    lay_out(run, replace(settings()[draw.scene], models="offline", seed=draw.seed, robot=draw.robot), context)
     return Scene.read(run.layout)
 
 
 def _made(draw: Draw, scene: Scene, folder: Path, context: StageContext, rng: np.random.Generator) -> Iterator[Outcome]:
     objects = context.objects(scene)
-    asked = _asked(objects, sorted(load_robot(scene.robot).arms), rng)
+    own = {asked.goal for asked in scene.goals}
+    asked = own | _asked(objects, sorted(load_robot(scene.robot).arms), rng)
     arms, judge = context.kinematics(scene.robot), context.models.reasoner.judge_pairs
     kept = find_subtasks(objects, arms, judge, Ground.of(scene), rng, asked).kept
     used: Counter[str] = Counter()
     assets = {o.id: o.record.asset for o in objects}
     wanted = [s for s in kept if draw.part in ("all", part_of(draw.scene, assets[s.object]))]
-    for number, subtask in enumerate(_spread(wanted, rng)[: draw.subtasks]):
+    wanted = [s for s in wanted if s.template in (draw.templates or TEMPLATES)]
+    for number, subtask in enumerate(_spread(wanted, own, rng)[: draw.subtasks]):
         name = f"{draw.scene}-{draw.seed:03d}-{number:02d}"
         try:
             yield from _Maker(draw, scene, subtask, kept, folder, context, rng, name).outcomes(used)
@@ -127,31 +95,38 @@ def _made(draw: Draw, scene: Scene, folder: Path, context: StageContext, rng: np
 
 def _asked(objects: Sequence[SceneObject], arms: Sequence[str], rng: np.random.Generator) -> set[Goal]:
     """Goals that are tried only where somebody asks for them."""
-    carried = [o for o in objects if o.asset.annotation.carrying_points and o.record.container is None]
     others = [o for o in objects if o.record.container is None]
+    carried = [o for o in others if o.asset.annotation.carrying_points]
+    pushed = [o for o in others if not o.asset.annotation.carrying_points]
     found: set[Goal] = set()
     for _ in range(ASKED if len(carried) > 1 else 0):
         thing, handed, back = (carried[int(i)] for i in rng.integers(len(carried), size=3))
-        other = others[int(rng.integers(len(others)))]
-        word = ("left_of", "right_of", "in_front_of", "behind", "beside", "near")[int(rng.integers(6))]
-        if other.id != thing.id:
-            found.add(Goal(subject=thing.id, relation=word, reference=other.id))
+        found |= _beside(thing, others, rng)
         if len(arms) > 1:
             found.add(Goal(subject=handed.id, relation="handed", reference=arms[int(rng.integers(len(arms)))]))
         found.add(Goal(subject=back.id, relation="back"))
+    for thing in pushed[:ASKED]:
+        found |= _beside(thing, others, rng)
     fronted = [o for o in carried if o.asset.annotation.words.category in FRONTS]
     found |= {Goal(subject=o.id, relation="presented") for o in fronted[:ASKED]}
     return found
 
 
-def _spread(kept: Sequence[Subtask], rng: np.random.Generator) -> list[Subtask]:
-    """The sub-tasks, of each template in turn."""
+def _beside(thing: SceneObject, others: Sequence[SceneObject], rng: np.random.Generator) -> set[Goal]:
+    """That a thing stands beside another in some way; nothing where that is the thing itself."""
+    other = others[int(rng.integers(len(others)))]
+    word = RELATIONS[int(rng.integers(len(RELATIONS)))]
+    return {Goal(subject=thing.id, relation=word, reference=other.id)} if other.id != thing.id else set()
+
+
+def _spread(kept: Sequence[Subtask], own: Collection[Goal], rng: np.random.Generator) -> list[Subtask]:
+    """The sub-tasks, of each template in turn, those first that the scene's instruction asks for."""
     order = [kept[int(i)] for i in rng.permutation(len(kept))]
     seen: Counter[str] = Counter()
     turns = []
     for subtask in order:
-        turns.append((seen[subtask.goals[0].relation], len(turns), subtask))
-        seen[subtask.goals[0].relation] += 1
+        turns.append((subtask.goals[0] not in own, seen[subtask.template], subtask))
+        seen[subtask.template] += 1
     return [subtask for _, _, subtask in sorted(turns, key=lambda turn: turn[:2])]
 
 
@@ -250,7 +225,7 @@ class _Maker:
             scene=f"{self._name}/scene.json",
             setting=self._draw.scene,
             part=part_of(self._draw.scene, asset),
-            template=subtask.template,
+            template=asked.template,
             text=asked.text,
             goals=asked.goals,
             requires=asked.requires,

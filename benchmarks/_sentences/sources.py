@@ -67,6 +67,11 @@ def examples(page: str) -> Iterator[str]:
     yield from (found[1] for found in _EXAMPLE.finditer(page))
 
 
+def slug(text: str) -> str:
+    """A short name for files of a sentence, of letters and digits."""
+    return re.sub(r"[^a-z0-9]+", "-", text.lower()).strip("-")[:60]
+
+
 def of_libero() -> list[Sentence]:
     """Those of LIBERO."""
     return [Sentence(task["text"], task["id"]) for task in yaml.safe_load(LIBERO.read_text(encoding="utf-8"))]

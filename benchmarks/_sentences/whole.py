@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import logging
-import re
 import shutil
 import tempfile
 import time
@@ -13,7 +12,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import ClassVar, Literal
 
-from benchmarks._sentences.sources import Sentence
+from benchmarks._sentences.sources import Sentence, slug
 from vcage.base.errors import VcageError
 from vcage.base.files import RunFolder
 from vcage.schema.base import Document, Record
@@ -99,9 +98,8 @@ class Whole:
     @property
     def name(self) -> str:
         """Of its folder: of the sentence, and of all that changes what comes of it."""
-        slug = re.sub(r"[^a-z0-9]+", "-", self.sentence.text.lower()).strip("-")[:60]
         what = repr((self.sentence.text, self.seed, self.robot, self.fps, self.randomise))
-        return f"{slug}-{self.seed}-{hashlib.sha256(what.encode()).hexdigest()[:8]}"
+        return f"{slug(self.sentence.text)}-{self.seed}-{hashlib.sha256(what.encode()).hexdigest()[:8]}"
 
     @property
     def options(self) -> ChainOptions:

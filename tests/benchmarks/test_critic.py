@@ -10,8 +10,9 @@ import pytest
 
 from benchmarks import critic
 from benchmarks._critic.kinds import FAILURES
-from benchmarks._critic.making import SCENES, UNTOUCHED_SCENES, Draw, outcomes, part_of
+from benchmarks._critic.making import outcomes
 from benchmarks._critic.outcome import Outcome, OutcomeRecord, read_outcomes
+from benchmarks._critic.scenes import SCENES, UNTOUCHED_SCENES, Draw, part_of
 from benchmarks.critic import Judged, figures, make
 from vcage.base.errors import InputFileError
 from vcage.schema.goals import Goal
@@ -44,7 +45,7 @@ def test_parts_are_counted_apart_and_wrong_verdicts_by_kind() -> None:
     found = figures(told)
     rows = {row["part"]: row["n"] for row in found["rows"]}
     assert rows == {"tuning": 1, "untouched": 1, "all": 2}
-    assert found["by_failure"]["beside"] == {"n": 1, "false_yes": 1, "false_no": 0}
+    assert found["by_failure"]["beside"] == {"n": 1, "successes": 0, "failures": 1, "false_yes": 1, "false_no": 0}
 
 
 def test_a_stated_confidence_is_compared_with_how_often_it_is_right() -> None:

@@ -1,0 +1,62 @@
+"""How many outcomes of each kind of sub-task there are to be, and which scenes give those that are missing."""
+
+from __future__ import annotations
+
+import logging
+from collections import Counter, defaultdict
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
+
+from benchmarks._critic.outcome import OutcomeRecord
+from benchmarks._critic.scenes import Draw
+from vcage.tasks.templates import TEMPLATES
+
+logger = logging.getLogger(__name__)
+
+Make = Callable[[Sequence[Draw], Sequence[OutcomeRecord]], list[OutcomeRecord]]
+"""Makes the outcomes of draws, beside those that there are."""
+
+
+@dataclass(frozen=True)
+class Quotas:
+    """What is made beyond the draws that there are in any case.
+
+    Args:
+        each: successes, and failures, of each template.
+        rounds: most further draws of a scene.
+    """
+
+    each: int = 20
+    rounds: int = 25
+
+
+def filled(draws: Sequence[Draw], make: Make, quotas: Quotas) -> list[OutcomeRecord]:
+    """Make the outcomes of some draws, then of further ones of the scenes that gave what is missing, until there is
+    enough of every template; what is missing at last is logged.
+
+    Args:
+        draws: what is made in any case.
+        make: makes outcomes; called for each round.
+        quotas: how many there are to be, and when to stop.
+    """
+    records, last = make(draws, []), max(draw.seed for draw in draws)
+    for seed in range(last + 1, last + 1 + quotas.rounds):
+        missing = lacking(records, quotas.each)
+        gave = {record.setting for record in records if record.template in missing}
+        again = {draw.scene: draw for draw in draws if draw.scene in gave}
+        if not again:
+            break
+        further = [replace(draw, seed=seed, templates=tuple(missing)) for draw in again.values()]
+        records += make(further, records)
+    for template, (successes, failures) in lacking(records, quotas.each).items():
+        logger.warning("%s: %d successes and %d failures, of %d each", template, successes, failures, quotas.each)
+    return records
+
+
+def lacking(records: Iterable[OutcomeRecord], each: int) -> dict[str, tuple[int, int]]:
+    """Template of which there is not enough → how many successes and failures there are."""
+    counts: dict[str, Counter[bool]] = defaultdict(Counter)
+    for record in records:
+        counts[record.template][record.success] += 1
+    found = {template: (counts[template][True], counts[template][False]) for template in TEMPLATES}
+    return {template: both for template, both in found.items() if min(both) < each}

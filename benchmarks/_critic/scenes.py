@@ -1,0 +1,67 @@
+"""Scenes that outcomes are made in: of templates, and of the sentences that ``benchmarks sentences`` runs."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+
+from benchmarks._critic.outcome import Part
+from benchmarks._sentences.sources import sentences, slug
+from vcage.stages import select_place
+
+SCENES = {
+    "bathroom": select_place.Options(template="bathroom"),
+    "cabinet": select_place.Options(template="cabinet"),
+    "cashier_desk": select_place.Options(template="cashier_desk"),
+    "kitchen": select_place.Options(template="kitchen"),
+    "office_desk": select_place.Options(template="office_desk"),
+    "scale": select_place.Options(instruction="Weigh the tomato and the chocolate bar, then put both in the basket"),
+}
+"""What a scene is made from: a template as it is, or what an instruction asks for."""
+
+FURTHER = (
+    "Stack the three blocks",
+    "Put the egg in the pot",
+    "Put the bowl on the microwave",
+    "Push the plate next to the mug",
+)
+"""Sentences beside those that are run whole: piles, deep walls, tall tops, and what can only be pushed."""
+
+UNTOUCHED_SCENES = ("bathroom", "office_desk")
+"""Never looked at while a critic is tuned; nor are half of the kinds of objects of the others."""
+
+
+@dataclass(frozen=True)
+class Draw:
+    """A scene to make outcomes in.
+
+    Args:
+        scene: name, one of :func:`settings`.
+        seed: of all choices.
+        robot: by name.
+        subtasks: how many are carried out.
+        part: what the outcomes may be of: that which may be looked at while tuning, the other, or ``all``.
+        templates: kinds of sub-tasks that are carried out; any where none is named.
+    """
+
+    scene: str
+    seed: int
+    robot: str
+    subtasks: int
+    part: str = "all"
+    templates: tuple[str, ...] = ()
+
+
+@cache
+def settings() -> Mapping[str, select_place.Options]:
+    """All that a scene is made from, by name: :data:`SCENES`, then one for each sentence."""
+    texts = dict.fromkeys([*(sentence.text for sentence in sentences()), *FURTHER])
+    return SCENES | {slug(text): select_place.Options(instruction=text) for text in texts}
+
+
+def part_of(scene: str, asset: str) -> Part:
+    """Whether outcomes of a kind of object in a scene may be looked at while a critic is tuned."""
+    odd = hashlib.sha256(asset.encode()).digest()[0] % 2
+    return "untouched" if scene in UNTOUCHED_SCENES or odd else "tuning"
