@@ -17,11 +17,11 @@ PAGES = ("README.md", "docs/*.md", "skills/**/*.md")
 
 _OPTIONS = r"(?:[\s\\]+--[\w-]+(?:[ =][^\s\"-]\S*)?)*"
 _COMMAND = rf"(?:vcage (?:run|select-place)|(?:run|select_place)\.py){_OPTIONS}[\s\\]+"
-_EXAMPLE = re.compile(rf'(?:{_COMMAND}|\binstruction=)"([^"…]+)"')
-"""A command, or a call from Python, that takes an instruction, and the instruction in quotes."""
+_EXAMPLE = re.compile(rf'(?:{_COMMAND}|\binstruction=)"([^"…/]+)"')
+"""A command, or a call from Python, that takes an instruction, and the instruction in quotes; a path is none."""
 
 LIBERO = Path(__file__).with_name("libero.yml")
-WHOLE = Path(__file__).with_name("by_template.yml")
+BY_TEMPLATE = Path(__file__).with_name("by_template.yml")
 
 
 @dataclass(frozen=True)
@@ -79,4 +79,4 @@ def of_libero() -> list[Sentence]:
 
 def by_template() -> dict[str, str]:
     """Kind of sub-task → one of the sentences, whose chain has it."""
-    return yaml.safe_load(WHOLE.read_text(encoding="utf-8"))
+    return yaml.safe_load(BY_TEMPLATE.read_text(encoding="utf-8"))

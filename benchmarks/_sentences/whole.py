@@ -85,7 +85,7 @@ class Whole:
         robot: by name; the scene's where not given.
         keep: folder below which the run folder stays, and in which a finished one is not run again.
         fps: frames per second, one of those of ``collect``.
-        randomise: as of ``collect``.
+        randomise, layout: as of ``collect``.
     """
 
     sentence: Sentence
@@ -94,11 +94,12 @@ class Whole:
     keep: Path | None = None
     fps: Literal[5, 10, 25, 50] = ChainOptions.fps
     randomise: str = ChainOptions.randomise
+    layout: Literal["varied", "fixed"] = ChainOptions.layout
 
     @property
     def name(self) -> str:
         """Of its folder: of the sentence, and of all that changes what comes of it."""
-        what = repr((self.sentence.text, self.seed, self.robot, self.fps, self.randomise))
+        what = repr((self.sentence.text, self.seed, self.robot, self.fps, self.randomise, self.layout))
         return f"{slug(self.sentence.text)}-{self.seed}-{hashlib.sha256(what.encode()).hexdigest()[:8]}"
 
     @property
@@ -112,6 +113,7 @@ class Whole:
             episodes=1,
             fps=self.fps,
             randomise=self.randomise,
+            layout=self.layout,
             workers=1,
         )
 
