@@ -13,13 +13,13 @@ def lines(figures: Mapping[str, Any]) -> Iterator[str]:
     """The figures of a benchmark: its ``rows`` as a table, then everything else as one line each.
 
     Args:
-        figures: what ``run`` returned; without ``rows`` it is one row itself. Lists of records are tables too; what
-            else is in it becomes lines of their own.
+        figures: what ``run`` returned; without ``rows`` it is one row itself. Lists of records, and records by name,
+            are tables too; what else is in it becomes lines of their own.
     """
     rows = figures.get("rows", [figures])
     yield from table(rows)
     others = {} if "rows" not in figures else {name: value for name, value in figures.items() if name != "rows"}
-    tables = {name: value for name, value in others.items() if _is_table(value)}
+    tables = {name: records for name, value in others.items() if (records := _records(name, value))}
     for name, records in tables.items():
         yield from ("", f"{name}:", *table(records))
     rest = dict(_flat({name: value for name, value in others.items() if name not in tables}))
@@ -52,8 +52,13 @@ def cell(value: object) -> str:
     return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
-def _is_table(value: object) -> bool:
-    return isinstance(value, list) and bool(value) and all(isinstance(row, Mapping) for row in value)
+def _records(name: str, value: object) -> list[Mapping[str, Any]]:
+    """The rows of a list of records, or of records by name; none of anything else."""
+    if isinstance(value, Mapping) and value and all(isinstance(row, Mapping) for row in value.values()):
+        return [{name.removeprefix("by_"): key, **row} for key, row in value.items()]
+    if isinstance(value, list) and all(isinstance(row, Mapping) for row in value):
+        return value
+    return []
 
 
 def _flat(record: Mapping[str, Any], before: str = "") -> Iterator[tuple[str, Any]]:

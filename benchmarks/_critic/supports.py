@@ -18,7 +18,7 @@ DIRECTIONS = 12
 CLEAR, STRAY = 0.005, 0.1
 """Room between things that are put beside each other, and how far a support may stray from all that stands, metres."""
 
-LOWEST = 0.02
+LOWEST = 0.03
 """Height of a support that a thing can slide off and lean against, metres."""
 
 

@@ -12,7 +12,8 @@ from benchmarks import critic
 from benchmarks._critic.kinds import FAILURES
 from benchmarks._critic.making import outcomes
 from benchmarks._critic.outcome import Outcome, OutcomeRecord, read_outcomes
-from benchmarks._critic.scenes import SCENES, UNTOUCHED_SCENES, Draw, part_of
+from benchmarks._critic.scenes import SCENES, UNTOUCHED_SCENES, Draw, part_of, settings
+from benchmarks._sentences.sources import by_template, sentences, slug
 from benchmarks.critic import Judged, figures, make
 from vcage.base.errors import InputFileError
 from vcage.schema.goals import Goal
@@ -62,6 +63,21 @@ def test_two_scenes_and_about_half_of_the_kinds_are_never_looked_at() -> None:
     kinds = [f"kind_{n}" for n in range(200)]
     assert 70 < sum(part_of("kitchen", kind) == "untouched" for kind in kinds) < 130
     assert set(UNTOUCHED_SCENES) < set(SCENES)
+
+
+def test_the_critic_is_counted_by_template() -> None:
+    found = figures([judged(True, True), judged(True, False), judged(False, False, "beside")])
+    assert found["by_template"] == {"place": {"n": 3, "successes": 2, "failures": 1, "false_yes": 0, "false_no": 1}}
+
+
+def test_scenes_are_made_of_every_sentence_too_and_quick_takes_one_of_each_template() -> None:
+    names = {slug(sentence.text) for sentence in sentences()}
+    assert names <= set(settings()) and set(SCENES) <= set(settings())
+    full = critic.drawn(7, "dual_panda", "all", quick=False)
+    assert {draw.scene for draw in full} == set(settings())
+    assert len({(draw.scene, draw.seed) for draw in full}) == len(full)
+    quick = {draw.scene for draw in critic.drawn(7, "dual_panda", "all", quick=True)}
+    assert quick == {*SCENES, *(slug(text) for text in by_template().values())}
 
 
 def test_a_folder_without_a_list_is_named(tmp_path: Path) -> None:

@@ -31,6 +31,13 @@ def test_what_stands_beside_the_rows_follows_them() -> None:
     assert [line.split() for line in text] == [["n"], ["1"], ["seeds", "50"], ["goals.kept", "0.999"]]
 
 
+def test_lists_of_records_and_records_of_records_are_tables_of_their_own() -> None:
+    text = list(lines({"rows": [{"n": 1}], "cases": [{"id": "a", "n": 2}], "by_kind": {"x": {"n": 3}, "y": {"n": 4}}}))
+    assert [line.split() for line in text] == [
+        ["n"], ["1"], [], ["cases:"], ["id", "n"], ["a", "2"], [], ["by_kind:"], ["kind", "n"], ["x", "3"], ["y", "4"],
+    ]  # fmt: skip
+
+
 def test_no_rows_make_no_table() -> None:
     assert list(lines({"rows": []})) == []
 
