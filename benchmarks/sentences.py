@@ -5,8 +5,8 @@ when the benchmark runs (README.md, docs/, skills/), so it follows them. Attempt
 (template) that was attempted. A sentence counts under each template of its chain; one that is refused before there is a
 chain, under ``refused``; under ``all`` each counts once. ``exit_0`` are those of them that end with exit code 0.
 ``true`` are attempts that the simulator's state calls a success, ``accepted`` those of which the critic says yes:
-``false_accepted`` are not true, ``false_refused`` are true and not accepted. ``wrong_episodes`` are episodes that
-count though a goal does not hold at their end.
+``false_accepted`` are not true, ``false_refused`` are true and not accepted. ``wrong_episodes`` are sentences of
+which an episode counts though a goal does not hold at its end. ``seconds`` are those of a sentence, on average.
 """
 
 from __future__ import annotations
@@ -61,6 +61,8 @@ def run(
     Raises:
         UsageError: no sentence is left.
     """
+    if seeds < 1:
+        raise UsageError("no seed leaves nothing to run", hint="give --seeds a number from 1 on")
     tasks = [Whole(s, seed, robot, keep) for seed in range(seeds) for s in chosen(quick, only)]
     done = []
     for one in in_processes(ran, tasks, workers):

@@ -177,7 +177,7 @@ def _found(run: RunFolder) -> tuple[list[str], list[Tried], str]:
     if not run.subtasks.exists():
         return [], [], ""
     subtasks = Subtasks.read(run.subtasks)
-    kept = {subtask.id: subtask.template for subtask in subtasks.kept}
+    kept: dict[str, str] = {subtask.id: subtask.template for subtask in subtasks.kept}
     templates = list(dict.fromkeys(kept[name] for chain in subtasks.chains for name in chain.subtasks))
     if not run.episodes.exists():
         return templates, [], ""
@@ -187,8 +187,8 @@ def _found(run: RunFolder) -> tuple[list[str], list[Tried], str]:
             subtask=attempt.subtask,
             step=attempt.step,
             attempt=attempt.attempt,
-            true=attempt.truth and attempt.truth.success,
-            accepted=attempt.verdict and attempt.verdict.accepted,
+            true=attempt.truth.success if attempt.truth else None,
+            accepted=attempt.verdict.accepted if attempt.verdict else None,
             stage=attempt.stage,
             reason=attempt.reason,
             truth=attempt.truth.reason if attempt.truth else "",

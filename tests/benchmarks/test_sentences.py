@@ -198,5 +198,7 @@ def test_a_run_goes_as_far_as_the_verification() -> None:
 
 
 def test_no_sentence_that_is_left_is_an_error_of_usage() -> None:
-    with pytest.raises(UsageError):
+    with pytest.raises(UsageError, match="zebra"):
         benchmark.run(quick=False, only="zebra")
+    with pytest.raises(UsageError, match="seed"):
+        benchmark.run(quick=False, seeds=0)
