@@ -190,7 +190,7 @@ def _found(run: RunFolder) -> tuple[list[str], list[Tried], str]:
             true=attempt.truth.success if attempt.truth else None,
             accepted=attempt.verdict.accepted if attempt.verdict else None,
             stage=attempt.stage,
-            reason=attempt.reason,
+            reason=attempt.verdict.reason if attempt.verdict else attempt.reason,
             truth=attempt.truth.reason if attempt.truth else "",
         )
         for attempt in read_log(run.episodes.parent)
