@@ -34,8 +34,9 @@ from vcage.stages.context import StageContext
 from vcage.stages.photographs import light_look
 from vcage.tasks.assemble import episode_data
 from vcage.tasks.ground import Ground
-from vcage.tasks.loop import EpisodeRun, Seen, Setting, run_episode
+from vcage.tasks.loop import EpisodeRun, run_episode
 from vcage.tasks.scene_objects import SceneObject
+from vcage.tasks.setting import Seen, Setting
 from vcage.tasks.slots import slots_for_chain
 from vcage.tasks.synthesis import Script, script_of
 from vcage.tasks.task import Asked

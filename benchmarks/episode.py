@@ -31,9 +31,10 @@ from vcage.sim.replay import render_log
 from vcage.sim.robots import load_robot, load_template
 from vcage.sim.world import World
 from vcage.tasks.ground import Ground
-from vcage.tasks.loop import EpisodeRun, Seen, Setting, run_episode
+from vcage.tasks.loop import EpisodeRun, run_episode
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.search import find_subtasks
+from vcage.tasks.setting import Seen, Setting
 from vcage.tasks.slots import slots_for_chain
 from vcage.tasks.synthesis import Script, load_script, write_script
 from vcage.tasks.task import Asked

@@ -36,8 +36,9 @@ from vcage.stages.context import StageContext
 from vcage.stages.inputs import read_plan
 from vcage.stages.stage import ModelOptions
 from vcage.stages.starts import Starts
-from vcage.tasks.loop import EpisodeRun, Seen, Setting, run_episode
+from vcage.tasks.loop import EpisodeRun, run_episode
 from vcage.tasks.readiness import ready_for
+from vcage.tasks.setting import Seen, Setting
 from vcage.tasks.synthesis import Script, script_of
 from vcage.tasks.task import Asked
 

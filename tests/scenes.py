@@ -22,8 +22,9 @@ from vcage.sim.kinematics import ArmKinematics, kinematics_of
 from vcage.sim.robots import load_robot, load_template
 from vcage.sim.world import World
 from vcage.tasks.ground import Ground
-from vcage.tasks.loop import EpisodeRun, Seen, Setting, run_episode
+from vcage.tasks.loop import EpisodeRun, run_episode
 from vcage.tasks.scene_objects import SceneObject
+from vcage.tasks.setting import Seen, Setting
 from vcage.tasks.slots import Slot
 from vcage.tasks.synthesis import Script
 from vcage.tasks.task import Asked, Task

@@ -31,10 +31,10 @@ from vcage.sim.world import World
 from vcage.stages.context import StageContext
 from vcage.stages.photographs import Photographer, light_look
 from vcage.tasks.ground import Ground
-from vcage.tasks.loop import Seen
 from vcage.tasks.readiness import ready_for
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.search import find_subtasks
+from vcage.tasks.setting import Seen
 from vcage.tasks.slots import slots_for_chain
 from vcage.tasks.synthesis import load_script, write_script
 from vcage.tasks.templates import TEMPLATES

@@ -15,7 +15,7 @@ from vcage.base.pictures import read_picture, write_picture
 from vcage.schema.base import Document, Record
 from vcage.schema.goals import Goal
 from vcage.schema.scene import Scene
-from vcage.tasks.loop import Seen
+from vcage.tasks.setting import Seen
 
 Part = Literal["tuning", "untouched"]
 

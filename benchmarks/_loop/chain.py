@@ -29,8 +29,9 @@ from vcage.stages.question import Asking, verdict
 from vcage.stages.stage import ModelOptions
 from vcage.tasks.events import Watch
 from vcage.tasks.ground import Ground
-from vcage.tasks.loop import EpisodeRun, PicturesByCamera, Seen, Setting, run_episode
+from vcage.tasks.loop import EpisodeRun, run_episode
 from vcage.tasks.scene_objects import SceneObject
+from vcage.tasks.setting import PicturesByCamera, Seen, Setting
 from vcage.tasks.slots import slots_for_chain
 from vcage.tasks.synthesis import Script, script_of
 from vcage.tasks.task import Asked, Task

@@ -45,7 +45,7 @@ from vcage.stages.edits import (
 from vcage.stages.episode_runner import EpisodeRunner
 from vcage.stages.episode_store import EpisodeStore
 from vcage.stages.stage import Job, ModelOptions, StageResult, stage_seed
-from vcage.tasks.loop import OnFailure
+from vcage.tasks.setting import OnFailure
 from vcage.tasks.synthesis import load_script
 
 logger = logging.getLogger(__name__)

@@ -9,7 +9,7 @@ import numpy as np
 
 from vcage.base.drawing import EDGE, INK, PAPER, WARNING, WORDS, Canvas, Colour, contact_sheet
 from vcage.schema.episodes import Difference, Truth, Verdict
-from vcage.tasks.loop import Seen
+from vcage.tasks.setting import Seen
 
 LINE = 28
 """Height of a line of words, pixels."""

@@ -43,8 +43,9 @@ from vcage.stages.starts import Start, Starts
 from vcage.stages.wordings import said_of
 from vcage.stages.worlds import reworded
 from vcage.tasks.assemble import episode_data
-from vcage.tasks.loop import EpisodeRun, Seen, Setting, run_episode
+from vcage.tasks.loop import EpisodeRun, run_episode
 from vcage.tasks.readiness import ready_for
+from vcage.tasks.setting import Seen, Setting
 from vcage.tasks.synthesis import Script, script_of
 from vcage.tasks.task import Asked
 from vcage.tasks.wording import in_other_words

@@ -20,9 +20,9 @@ from vcage.sim.drawer import Drawing, Window
 from vcage.sim.joints import link_poses
 from vcage.stages.context import StageContext
 from vcage.tasks.ground import TOWARDS_CUSTOMER
-from vcage.tasks.loop import Seen
 from vcage.tasks.reading import reading_poses
 from vcage.tasks.scene_objects import SceneObject
+from vcage.tasks.setting import Seen
 from vcage.vision.protocols import View
 
 TOP, CUSTOMER = "top", "customer"
@@ -63,7 +63,7 @@ class Asking:
 
     Args:
         text, goals: the sub-task in words and in the closed vocabulary.
-        seen: pictures (H, W, 3) uint8 RGB by what they show and by camera (see :data:`vcage.tasks.loop.Seen`).
+        seen: pictures (H, W, 3) uint8 RGB by what they show and by camera (see :data:`vcage.tasks.setting.Seen`).
         background: the top view of the empty table.
         requires: what was true before, by the plan: which drawers are open.
         grasped: id of what the robot was to take hold of, where that is not the goals' object.

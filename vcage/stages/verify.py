@@ -27,7 +27,7 @@ from vcage.stages.episode_store import background_name, confusion, log_path, rea
 from vcage.stages.question import TOP, Asking, verdict
 from vcage.stages.stage import Job, ModelOptions, StageResult, stage_seed
 from vcage.stages.worlds import other_phrases, reworded
-from vcage.tasks.loop import Seen
+from vcage.tasks.setting import Seen
 
 logger = logging.getLogger(__name__)
 

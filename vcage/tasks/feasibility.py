@@ -26,7 +26,7 @@ from vcage.tasks.access import headroom
 from vcage.tasks.grasps import GRIP_ROOM, GraspPose, approach_opening, grasp_poses, hand_boxes
 from vcage.tasks.primitives.handles import Handle, operating_ways
 from vcage.tasks.primitives.pick import lift_heights, reached_lift, transfer_heights
-from vcage.tasks.primitives.place import MAX_DROP, place_way, reached_place
+from vcage.tasks.primitives.place_way import MAX_DROP, place_way, reached_place
 from vcage.tasks.scene_objects import REMEMBERED, Obstacles, SceneObject, SolidBox, first_met
 from vcage.tasks.truth import resting_point
 

@@ -9,15 +9,14 @@ ends the episode. An episode is accepted if every sub-task was and, where the st
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Literal
 
 import numpy as np
 
 from vcage.base.errors import DamagedFile
 from vcage.datasets.episode import Segment
-from vcage.schema.episodes import Accept, Attempt, AttemptStage, Truth, Verdict, accepts
+from vcage.schema.episodes import Attempt, AttemptStage, Truth, Verdict, accepts
 from vcage.schema.goals import Goal
 from vcage.schema.subtasks import Subtask
 from vcage.sim.recording import StateLog
@@ -25,56 +24,13 @@ from vcage.sim.state import WorldState
 from vcage.sim.world import World
 from vcage.tasks.events import Watch
 from vcage.tasks.retry import Failed, Retry, blamed
-from vcage.tasks.scene_objects import SceneObject
+from vcage.tasks.setting import PicturesByCamera, Seen, Setting
 from vcage.tasks.slots import Slot
 from vcage.tasks.synthesis import Script
 from vcage.tasks.task import Asked, Task, TaskFailed
 from vcage.tasks.truth import goals_hold, subtask_done
 
 logger = logging.getLogger(__name__)
-
-OnFailure = Literal["resample", "abort"]
-
-PicturesByCamera = Mapping[str, np.ndarray]
-"""Camera name → (H, W, 3) uint8."""
-
-Seen = Mapping[str, PicturesByCamera]
-"""Pictures ``before`` and ``after`` a sub-task, at the ``moment`` that tells most and, where something is put back, of
-the ``start`` of the episode."""
-
-
-@dataclass(frozen=True)
-class Setting:
-    """Where an episode happens, and who looks at it.
-
-    Args:
-        build: makes the world of the episode's start, robot at home, physics only.
-        objects: by id, with their geometry.
-        slots: id of a sub-task → where it puts its object.
-        photograph: pictures of a state for a sub-task with some goals; at the moment also from an arm's wrist.
-        judge: the critic's verdict on a question about a sub-task and the pictures.
-        accept: whose yes a sub-task needs.
-        on_failure: what follows a failed sub-task.
-        retries: further attempts per sub-task, when resampling.
-        fps: frames per second of the recording.
-        start: arm → offset of each joint from home at which the episode begins, radians; at home where not given.
-    """
-
-    build: Callable[[], World]
-    objects: Mapping[str, SceneObject]
-    slots: Mapping[str, Slot]
-    photograph: Callable[[WorldState, Sequence[Goal], str | None], PicturesByCamera]
-    judge: Callable[[Asked, Subtask, Seen], Verdict]
-    accept: Accept
-    on_failure: OnFailure
-    retries: int
-    fps: int
-    start: Mapping[str, Sequence[float]] = field(default_factory=dict)
-
-    def now(self, world: World) -> dict[str, SceneObject]:
-        """The objects as they are in a world, by id."""
-        bodies = {key: world.body(key) for key in self.objects}
-        return {key: o.moved(bodies[key].pose, bodies[key].joints) for key, o in self.objects.items()}
 
 
 @dataclass(frozen=True)

@@ -27,7 +27,7 @@ from vcage.tasks.access import closed_part
 from vcage.tasks.feasibility import Transfer, examine
 from vcage.tasks.grasps import grasp_poses
 from vcage.tasks.ground import SPOTS, Ground
-from vcage.tasks.primitives.place import SET_DOWN, place_way
+from vcage.tasks.primitives.place_way import SET_DOWN, place_way
 from vcage.tasks.pushing import examine_pushes
 from vcage.tasks.scene_objects import Obstacles, SceneObject
 from vcage.tasks.truth import place_complaint

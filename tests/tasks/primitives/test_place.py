@@ -16,7 +16,8 @@ from vcage.sim.kinematics import kinematics_of
 from vcage.sim.motion import MotionFailed, MotionPlanner
 from vcage.sim.robots import load_robot
 from vcage.tasks.grasps import GraspPose, approach_opening, grasp_poses, hand_boxes
-from vcage.tasks.primitives.place import RAISES, SET_DOWN, SLACK, PlaceWay, Surroundings, place_way, reached_place
+from vcage.tasks.primitives.place import RAISES, SLACK, Surroundings
+from vcage.tasks.primitives.place_way import SET_DOWN, PlaceWay, place_way, reached_place
 from vcage.tasks.scene_objects import Obstacles, SceneObject, SolidBox
 
 GRIPPER = robot().arms["left"].gripper

@@ -10,22 +10,16 @@ import numpy as np
 
 from vcage.base.geometry import Pose
 from vcage.schema.plan import TABLE
-from vcage.schema.robot import Gripper
 from vcage.sim.collision import Held
-from vcage.sim.kinematics import ArmKinematics, follow
+from vcage.sim.kinematics import ArmKinematics
 from vcage.sim.motion import MotionFailed, MotionPlanner
 from vcage.sim.paths import JointPath, Load
-from vcage.tasks.grasps import approach_opening, command_of, hand_boxes
+from vcage.tasks.grasps import approach_opening, command_of
 from vcage.tasks.primitives.pick import Grip, feel, minding, transfer_heights
-from vcage.tasks.scene_objects import Obstacles, SolidBox
+from vcage.tasks.primitives.place_way import MAX_DROP, PlaceWay, place_way, reached_place
+from vcage.tasks.scene_objects import Obstacles
 from vcage.tasks.touching import at_rest
 from vcage.tasks.workcell import CAREFUL, TaskFailed, Workcell, failing_at, first_reasons
-
-SET_DOWN = 0.004
-"""Metres above its support at which an object is let go when nothing is in the way."""
-
-MAX_DROP = 0.075
-"""An object may fall this far into a receptacle whose rim keeps the hand out, metres."""
 
 SLACK = 0.006
 """What is held comes to lie otherwise between the fingers by up to so much, metres: a place must not be at the very end
@@ -36,22 +30,6 @@ CARRY_CLEARANCE_M = 0.01
 
 RAISES = (0.01, 0.02, 0.035)
 """How much higher an object is let go where the hand meets something at the lowest height, metres."""
-
-
-@dataclass(frozen=True)
-class PlaceWay:
-    """Gripper poses of a place, in order, and how far the object falls when it is let go (metres)."""
-
-    above: Pose
-    release: Pose
-    after: Pose
-    drop: float
-
-    def raised(self, rise: float) -> PlaceWay:
-        """The same, but let go higher, metres."""
-        up = np.array([0.0, 0.0, rise])
-        higher = (Pose(pose.p + up, pose.q) for pose in (self.above, self.release, self.after))
-        return PlaceWay(*higher, drop=self.drop + rise)
 
 
 @dataclass(frozen=True)
@@ -71,55 +49,10 @@ class PlacePlan:
     path: JointPath
 
 
-def place_way(held: Pose, goal: Pose, obstacles: Obstacles, gripper: Gripper, width: float, height: float) -> PlaceWay:
-    """From ``height`` down to where the object is let go, as low as the hand can without touching an obstacle.
-
-    Args:
-        held: gripper frame in the object frame.
-        goal: where the object shall come to rest, in the world.
-        obstacles: walls and contents of the receptacle, and the neighbours.
-        gripper: that holds it.
-        width: material between the fingers, metres.
-        height: z that the object's bottom keeps on the way, metres.
-    """
-    lowest = Pose(goal.p + [0, 0, SET_DOWN], goal.q) * held
-    hand = hand_boxes(gripper, approach_opening(width, gripper), width)
-    rise = _rise_to_clear(lowest, obstacles, hand)
-    release = Pose(lowest.p + [0, 0, rise], lowest.q)
-    above = Pose(release.p + [0, 0, max(height - goal.p[2] - SET_DOWN - rise, 0.02)], release.q)
-    after = Pose(release.p + [0, 0, max(above.p[2] - release.p[2], gripper.approach)], release.q)
-    return PlaceWay(above=above, release=release, after=after, drop=rise + SET_DOWN)
-
-
-def reached_place(
-    kinematics: ArmKinematics, way: PlaceWay, start: np.ndarray
-) -> tuple[PlaceWay, list[np.ndarray]] | None:
-    """The way, at its end no higher than the arm reaches, and the joints on it; None where the arm cannot follow it.
-
-    Args:
-        kinematics: of the arm.
-        way: which may end where it begins, if it does not reach higher.
-        start: (n,) joints before, rad.
-    """
-    for after in (way.after, way.above):
-        path = follow(kinematics, [way.above, way.release, after], start)
-        if path is not None:
-            return replace(way, after=after), path
-    return None
-
-
 def _farther(kinematics: ArmKinematics, pose: Pose) -> Pose:
     """The pose :data:`SLACK` farther from where the arm stands."""
     away = (pose.p - kinematics.arm.base.pose().p) * [1.0, 1.0, 0.0]
     return Pose(pose.p + SLACK * away / np.linalg.norm(away), pose.q)
-
-
-def _rise_to_clear(pose: Pose, obstacles: Obstacles, hand: Sequence[np.ndarray]) -> float:
-    """How far the hand must go up so that none of its boxes touches an obstacle below it."""
-    rise = 0.0
-    for part, below in obstacles.under([SolidBox(bounds, pose) for bounds in hand]):
-        rise = max(rise, obstacles.tops[below].max(initial=-np.inf) + SET_DOWN - part.bottom)
-    return float(np.round(rise, 6))
 
 
 Choice = TypeVar("Choice")

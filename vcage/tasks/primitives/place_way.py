@@ -1,0 +1,81 @@
+"""The gripper poses of a place: from above its slot down to where an object is let go, and away."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from vcage.base.geometry import Pose
+from vcage.schema.robot import Gripper
+from vcage.sim.kinematics import ArmKinematics, follow
+from vcage.tasks.grasps import approach_opening, hand_boxes
+from vcage.tasks.scene_objects import Obstacles, SolidBox
+
+SET_DOWN = 0.004
+"""Metres above its support at which an object is let go when nothing is in the way."""
+
+MAX_DROP = 0.075
+"""An object may fall this far into a receptacle whose rim keeps the hand out, metres."""
+
+
+@dataclass(frozen=True)
+class PlaceWay:
+    """Gripper poses of a place, in order, and how far the object falls when it is let go (metres)."""
+
+    above: Pose
+    release: Pose
+    after: Pose
+    drop: float
+
+    def raised(self, rise: float) -> PlaceWay:
+        """The same, but let go higher, metres."""
+        up = np.array([0.0, 0.0, rise])
+        higher = (Pose(pose.p + up, pose.q) for pose in (self.above, self.release, self.after))
+        return PlaceWay(*higher, drop=self.drop + rise)
+
+
+def place_way(held: Pose, goal: Pose, obstacles: Obstacles, gripper: Gripper, width: float, height: float) -> PlaceWay:
+    """From ``height`` down to where the object is let go, as low as the hand can without touching an obstacle.
+
+    Args:
+        held: gripper frame in the object frame.
+        goal: where the object shall come to rest, in the world.
+        obstacles: walls and contents of the receptacle, and the neighbours.
+        gripper: that holds it.
+        width: material between the fingers, metres.
+        height: z that the object's bottom keeps on the way, metres.
+    """
+    lowest = Pose(goal.p + [0, 0, SET_DOWN], goal.q) * held
+    hand = hand_boxes(gripper, approach_opening(width, gripper), width)
+    rise = _rise_to_clear(lowest, obstacles, hand)
+    release = Pose(lowest.p + [0, 0, rise], lowest.q)
+    above = Pose(release.p + [0, 0, max(height - goal.p[2] - SET_DOWN - rise, 0.02)], release.q)
+    after = Pose(release.p + [0, 0, max(above.p[2] - release.p[2], gripper.approach)], release.q)
+    return PlaceWay(above=above, release=release, after=after, drop=rise + SET_DOWN)
+
+
+def reached_place(
+    kinematics: ArmKinematics, way: PlaceWay, start: np.ndarray
+) -> tuple[PlaceWay, list[np.ndarray]] | None:
+    """The way, at its end no higher than the arm reaches, and the joints on it; None where the arm cannot follow it.
+
+    Args:
+        kinematics: of the arm.
+        way: which may end where it begins, if it does not reach higher.
+        start: (n,) joints before, rad.
+    """
+    for after in (way.after, way.above):
+        path = follow(kinematics, [way.above, way.release, after], start)
+        if path is not None:
+            return replace(way, after=after), path
+    return None
+
+
+def _rise_to_clear(pose: Pose, obstacles: Obstacles, hand: Sequence[np.ndarray]) -> float:
+    """How far the hand must go up so that none of its boxes touches an obstacle below it."""
+    rise = 0.0
+    for part, below in obstacles.under([SolidBox(bounds, pose) for bounds in hand]):
+        rise = max(rise, obstacles.tops[below].max(initial=-np.inf) + SET_DOWN - part.bottom)
+    return float(np.round(rise, 6))
