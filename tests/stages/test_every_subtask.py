@@ -17,9 +17,10 @@ from vcage.schema.episodes import Episode, Episodes
 from vcage.schema.plan import Plan
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Subtasks
-from vcage.stages import collect, select_place
+from vcage.stages import select_place
 from vcage.stages.chain import run_chain
 from vcage.stages.context import StageContext
+from vcage.stages.wanted import RUNS_PER_EPISODE, Wanted
 
 CONTENTS = [{"assets": ["plate"], "role": "receptacle"}, {"assets": ["apple", "orange"], "count": 2}]
 
@@ -105,7 +106,7 @@ def ran(chain: int, accepted: bool) -> Episode:
 
 @pytest.fixture
 def wanted() -> Iterator[Any]:
-    return collect._Wanted(chains=3, each=2)
+    return Wanted(chains=3, each=2)
 
 
 def test_episodes_are_shared_out_over_the_chains(wanted):
@@ -114,7 +115,7 @@ def test_episodes_are_shared_out_over_the_chains(wanted):
 
 
 def test_what_fails_is_tried_again_but_not_for_ever(wanted):
-    failed = [ran(1, False)] * (2 * collect.RUNS_PER_EPISODE)
+    failed = [ran(1, False)] * (2 * RUNS_PER_EPISODE)
     done = [ran(chain, True) for chain in (0, 0, 2, 2)]
     assert wanted.next([*done, *failed[:-1]], []) == [3 * (len(failed) - 1) + 1]
     assert wanted.next([*done, *failed], []) == []

@@ -8,14 +8,13 @@ from __future__ import annotations
 import logging
 import multiprocessing
 import os
-import pickle
 import shutil
 import signal
 import sys
 import threading
 import time
 from collections import deque
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from functools import cache
@@ -29,8 +28,9 @@ from typing import Any, Generic, Self, TypeVar
 
 from threadpoolctl import ThreadpoolController
 
-from vcage.base.errors import PartlyDone, UsageError
+from vcage.base.errors import PartlyDone
 from vcage.base.leftovers import mark_scratch, sweep_scratch
+from vcage.base.worker_process import FAILED, SAID, serve
 
 log = logging.getLogger(__name__)
 
@@ -48,9 +48,6 @@ SAFE_PATH = "PYTHONSAFEPATH"
 
 UNTOLD = "ignore:resource_tracker:UserWarning"
 """What libraries open in a process that is killed, Python's resource tracker removes, and would tell the user."""
-
-DONE, FAILED, SAID = range(3)
-"""What a process sends: a result, an error, or a record of its log."""
 
 
 def cores() -> int:
@@ -250,7 +247,7 @@ class Processes(Generic[T, R]):
     def _started(self) -> _Process:
         ours, theirs = _context().Pipe()
         level = logging.getLogger().getEffectiveLevel()
-        process = _context().Process(target=_serve, args=(theirs, level, dict(os.environ)), daemon=True)
+        process = _context().Process(target=serve, args=(theirs, level, dict(os.environ)), daemon=True)
         _start(process)
         theirs.close()  # so that ours ends with the process
         with suppress(OSError):  # it has ended already: its pipe says so when it is read
@@ -302,88 +299,6 @@ def _start(process: BaseProcess) -> None:
             process.start()
         finally:
             spawn.get_preparation_data = usual
-
-
-def _serve(connection: Connection, level: int, environment: Mapping[str, str]) -> None:
-    """What a process does: takes the work, then answers each task with (DONE, result) or (FAILED, error), until it is
-    ended.
-
-    Args:
-        connection: to the process that gives work and tasks.
-        level: of what is logged.
-        environment: of the process that gives the tasks.
-    """
-    _follow(environment)
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the parent's business
-    threading.Thread(target=_end_with_parent, daemon=True).start()
-    logging.basicConfig(level=level, format="%(message)s", handlers=[_ToParent(connection)], force=True)
-    work: Callable[[Any], Any] | None = None
-    while True:
-        try:
-            received = connection.recv_bytes()
-        except EOFError:  # nothing more to do
-            return
-        try:
-            if work is None:
-                work = _loaded(received)
-                continue
-            answer = (DONE, work(_loaded(received)))
-        except Exception as error:  # it is raised again where the result was waited for
-            answer = (FAILED, error)
-        try:
-            connection.send(answer)
-        except (TypeError, AttributeError, pickle.PicklingError) as error:
-            connection.send((FAILED, TypeError(f"{answer[1]!r} cannot be sent between processes: {error}")))
-
-
-def _loaded(pickled: bytes) -> Any:
-    """What was sent to this process.
-
-    Raises:
-        UsageError: the script of the process that sent it defines it, which is not run here.
-    """
-    try:
-        return pickle.loads(pickled)
-    except AttributeError as error:
-        if "__main__" not in str(error):
-            raise
-        raise UsageError(
-            f"worker processes do not know what the script itself defines: {error}",
-            hint="define it in a module of its own and import that, or take one worker",
-        ) from error
-
-
-def _follow(environment: Mapping[str, str]) -> None:
-    """Take over another process's environment, except that what was imported here has set stays.
-
-    A library may tell itself through the environment where its parts lie (SAPIEN does), whether or not the other
-    process has imported it too.
-    """
-    block = Path("/proc/self/environ").read_bytes()  # as it was for this process, or the one that it is forked from
-    entries = [os.fsdecode(entry).partition("=") for entry in block.split(b"\0") if entry]
-    began = {name: value for name, _, value in entries}
-    for name in began.keys() - environment.keys():
-        os.environ.pop(name, None)
-    os.environ.update({name: value for name, value in environment.items() if began.get(name) != value})
-
-
-class _ToParent(logging.Handler):
-    """Sends what is logged to the process that logs it for all."""
-
-    def __init__(self, connection: Connection):
-        super().__init__()
-        self._connection = connection
-
-    def emit(self, record: logging.LogRecord) -> None:
-        self._connection.send((SAID, (record.name, record.levelno, self.format(record))))
-
-
-def _end_with_parent() -> None:
-    """A parent that is killed cannot end its workers."""
-    parent = multiprocessing.parent_process()
-    if parent is not None:
-        parent.join()
-        os._exit(1)
 
 
 @contextmanager

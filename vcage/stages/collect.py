@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import logging
 from collections import Counter
-from collections.abc import Collection, Sequence
+from collections.abc import Collection
 from dataclasses import dataclass, replace
 from functools import cache, lru_cache, partial
 from pathlib import Path
@@ -21,8 +21,7 @@ from typing import Annotated, Any, Literal
 
 from tyro.conf import UseAppendAction
 
-from vcage.base.commands import joined
-from vcage.base.errors import InputFileError, TooFewVerified, UnknownName, UsageError
+from vcage.base.errors import TooFewVerified, UsageError
 from vcage.base.files import RunFolder, sha256_file
 from vcage.base.memory import free_memory
 from vcage.base.options import FILE, NATURAL, POSITIVE, RANGES, UNSAID
@@ -35,7 +34,6 @@ from vcage.sim.robots import load_randomisation
 from vcage.stages.context import StageContext
 from vcage.stages.edits import (
     by_hand,
-    edited_scripts,
     reason_by_hand,
     refuse,
     require_evidence,
@@ -44,14 +42,13 @@ from vcage.stages.edits import (
 )
 from vcage.stages.episode_runner import EpisodeRunner
 from vcage.stages.episode_store import EpisodeStore
+from vcage.stages.named_scripts import named_scripts, unnamed_edits
 from vcage.stages.stage import Job, ModelOptions, StageResult, stage_seed
+from vcage.stages.wanted import Wanted
 from vcage.tasks.setting import OnFailure
 from vcage.tasks.synthesis import load_script
 
 logger = logging.getLogger(__name__)
-
-RUNS_PER_EPISODE = 3
-"""Episodes that are tried for each that is wanted, before the collection gives up."""
 
 OF_A_PROCESS = 1_000_000_000
 """Bytes of memory that there must be for a process that collects; measured, it takes half of them."""
@@ -102,7 +99,7 @@ class Options(ModelOptions):
 def job(run: RunFolder, options: Options, context: StageContext) -> Job:
     """What the stage has to do. The number of episodes is left out, as more can be added later, and so is what changes
     no episode: processes, and how long one may take."""
-    scripts = {name: sha256_file(path) for name, path in _named_scripts(run, options).items()}
+    scripts = {name: sha256_file(path) for name, path in named_scripts(run, options.script).items()}
     planned = [run.plan] if options.layout == "varied" and run.plan.exists() else []
     ranges = required_ranges(options, lone=run.subtasks.exists() and not run.plan.exists())
     return Job(
@@ -116,43 +113,6 @@ def job(run: RunFolder, options: Options, context: StageContext) -> Job:
         | ({"scripts": scripts} if scripts else {}),
         providers=context.at_once.models.providers("critic"),
     )
-
-
-def _named_scripts(run: RunFolder, options: Options) -> dict[str, Path]:
-    """Sub-task → the script that is executed for it in place of the generated one.
-
-    Raises:
-        InputFileError: there is no such file.
-        UsageError: two are named for one sub-task.
-        UnknownName: one is named after no sub-task of a chain.
-    """
-    found: dict[str, Path] = {}
-    known = _chained(run) if options.script else set()
-    for path in options.script:
-        if not path.is_file():
-            raise InputFileError(f"--script: there is no file {path}", hint="check the path")
-        if path.stem not in known:
-            raise UnknownName("sub-task with a script", path.stem, known)
-        if path.stem in found:
-            raise UsageError(f"--script: {found[path.stem]} and {path} are for the same sub-task", hint="name one")
-        found[path.stem] = path
-    return found
-
-
-def _chained(run: RunFolder) -> set[str]:
-    """Ids of the sub-tasks that are carried out."""
-    return {name for chain in Subtasks.read(run.subtasks).chains for name in chain.subtasks}
-
-
-def _left_out(run: RunFolder, scripts: Collection[str]) -> list[str]:
-    """A sentence on each script of a chain that was edited by hand and is not among those that are executed."""
-    folder, of_chains = run.subtasks.parent, _chained(run)
-    return [
-        f"{folder.name}/{name} was edited by hand and is not executed: its sub-task is carried out as "
-        f"{run.subtasks.name} says; to execute it, add {joined(['--script', folder / name])}"
-        for name in edited_scripts(run.subtasks)
-        if Path(name).stem in of_chains and Path(name).stem not in scripts
-    ]
 
 
 def required_ranges(options: Options, lone: bool = False) -> Randomisation:
@@ -206,10 +166,10 @@ def execute(
     context = context.at_once
     stage = job(run, options, context)
     stage.provenance()
-    notes = _left_out(run, stage.options.get("scripts", ()))
+    notes = unnamed_edits(run, stage.options.get("scripts", ()))
     for note in notes:
         logger.warning("%s", note)
-    wanted = _Wanted.of(options, Subtasks.read(run.subtasks))
+    wanted = Wanted.of(options.episodes, Subtasks.read(run.subtasks))
     done = stage.finished(Episodes, force=options.force)
     if done is not None and wanted.missing(done.record.episodes) == 0:
         return replace(done, notes=notes)
@@ -260,7 +220,7 @@ def _verified(run: RunFolder, episode: Episode, record: Episodes) -> bool:
     return there and episode.subtasks == chain.subtasks and judged and holds
 
 
-def _shortfall(record: Episodes, wanted: _Wanted) -> TooFewVerified | None:
+def _shortfall(record: Episodes, wanted: Wanted) -> TooFewVerified | None:
     """The error of a collection that has fewer verified episodes than were asked for; what it has is whole."""
     missing, ran = wanted.missing(record.episodes), len(record.episodes)
     if missing == 0:
@@ -305,44 +265,7 @@ class _Task:
 _Done = tuple[Episode, list[Attempt]]
 
 
-@dataclass(frozen=True)
-class _Wanted:
-    """How many verified episodes there are to be.
-
-    Args:
-        chains: how many there are; the n-th episode of chain c has the number n · chains + c.
-        each: verified episodes of each chain.
-    """
-
-    chains: int
-    each: int
-
-    @classmethod
-    def of(cls, options: Options, subtasks: Subtasks) -> _Wanted:
-        """What the options ask for; without a number, three of an instruction and one of each sub-task."""
-        return cls(len(subtasks.chains), options.episodes or (1 if subtasks.instruction is None else 3))
-
-    @property
-    def total(self) -> int:
-        return self.chains * self.each
-
-    def missing(self, episodes: Sequence[Episode]) -> int:
-        """Verified episodes that there are not yet."""
-        verified = Counter(episode.chain for episode in episodes if episode.accepted)
-        return sum(max(self.each - verified[chain], 0) for chain in range(self.chains))
-
-    def next(self, episodes: Sequence[Episode], running: Collection[int]) -> list[int]:
-        """Numbers of the episodes to begin, of which none would not be needed if all that run were accepted."""
-        ran, verified = Counter(e.chain for e in episodes), Counter(e.chain for e in episodes if e.accepted)
-        busy, numbers = Counter(number % self.chains for number in running), []
-        for chain in range(self.chains):
-            begun = ran[chain] + busy[chain]
-            needed = min(self.each - verified[chain] - busy[chain], RUNS_PER_EPISODE * self.each - begun)
-            numbers += [n * self.chains + chain for n in range(begun, begun + needed)]
-        return sorted(numbers)
-
-
-def _fill(store: EpisodeStore, wanted: _Wanted, options: Options, context: StageContext, progress: Progress) -> None:
+def _fill(store: EpisodeStore, wanted: Wanted, options: Options, context: StageContext, progress: Progress) -> None:
     """Run episodes until as many as are wanted of each chain are accepted, or :data:`RUNS_PER_EPISODE` times as many
     were run.
 
@@ -408,5 +331,5 @@ def _shared(run: Path, options: Options) -> EpisodeRunner:
 def _runner(run: Path, options: Options, context: StageContext) -> EpisodeRunner:
     ranges = load_randomisation(options.randomise)
     folder = RunFolder(run)
-    scripts = {name: load_script(path) for name, path in _named_scripts(folder, options).items()}
+    scripts = {name: load_script(path) for name, path in named_scripts(folder, options.script).items()}
     return EpisodeRunner(job(folder, options, context), ranges, context, options.episode_limit, scripts)

@@ -1,0 +1,50 @@
+"""How many verified episodes of each chain a collection is to have, and which to begin next."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
+
+from vcage.schema.episodes import Episode
+from vcage.schema.subtasks import Subtasks
+
+RUNS_PER_EPISODE = 3
+"""Episodes that are tried for each that is wanted, before the collection gives up."""
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """How many verified episodes there are to be.
+
+    Args:
+        chains: how many there are; the n-th episode of chain c has the number n · chains + c.
+        each: verified episodes of each chain.
+    """
+
+    chains: int
+    each: int
+
+    @classmethod
+    def of(cls, episodes: int | None, subtasks: Subtasks) -> Wanted:
+        """What is asked for; without a number, three of an instruction and one of each sub-task."""
+        return cls(len(subtasks.chains), episodes or (1 if subtasks.instruction is None else 3))
+
+    @property
+    def total(self) -> int:
+        return self.chains * self.each
+
+    def missing(self, episodes: Sequence[Episode]) -> int:
+        """Verified episodes that there are not yet."""
+        verified = Counter(episode.chain for episode in episodes if episode.accepted)
+        return sum(max(self.each - verified[chain], 0) for chain in range(self.chains))
+
+    def next(self, episodes: Sequence[Episode], running: Collection[int]) -> list[int]:
+        """Numbers of the episodes to begin, of which none would not be needed if all that run were accepted."""
+        ran, verified = Counter(e.chain for e in episodes), Counter(e.chain for e in episodes if e.accepted)
+        busy, numbers = Counter(number % self.chains for number in running), []
+        for chain in range(self.chains):
+            begun = ran[chain] + busy[chain]
+            needed = min(self.each - verified[chain] - busy[chain], RUNS_PER_EPISODE * self.each - begun)
+            numbers += [n * self.chains + chain for n in range(begun, begun + needed)]
+        return sorted(numbers)
