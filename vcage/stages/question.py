@@ -34,6 +34,10 @@ FROM_CUSTOMER = {"presented", "scanned", "handed"}
 AT_THE_MOMENT = {"pressed", "scanned", "weighed", "handed"}
 """Goals that are told by what those cameras see at the moment, and not only the wrist's."""
 
+HIDES, TALL = 0.3, 0.025
+"""Share of the area of a support that what lies on it may cover, and height of that support in metres, from which on
+the customer's side is looked at too: from above, a stack looks like its upper block."""
+
 LOW = 0.01
 """A top that is lower than this is as high as the table, metres."""
 
@@ -47,7 +51,7 @@ AWAY, ABOVE, FOVY = 0.75, 0.5, 0.75
 def cameras(scene: Scene, goals: Collection[Goal]) -> dict[str, Camera]:
     """The cameras through which the critic looks at a sub-task, by name; their calibration is known."""
     found = {TOP: scene.top_camera.camera()}
-    if any(goal.relation in FROM_CUSTOMER for goal in goals):
+    if any(goal.relation in FROM_CUSTOMER or _hides_its_support(scene, goal) for goal in goals):
         (x, y), height = scene.table.rectangle.mean(axis=0), scene.table.height
         edge = np.array([x, y, height]) + TOWARDS_CUSTOMER * scene.table.size[1] / 2
         eye = edge + TOWARDS_CUSTOMER * AWAY + np.array([0.0, 0.0, ABOVE])
@@ -55,6 +59,15 @@ def cameras(scene: Scene, goals: Collection[Goal]) -> dict[str, Camera]:
         at = [x, y, height + IN_THE_AIR * any(goal.relation == "handed" for goal in goals)]
         found[CUSTOMER] = Camera(top.width, top.height, FOVY, look_at(eye, at, up=(0, 0, 1)))
     return found
+
+
+def _hides_its_support(scene: Scene, goal: Goal) -> bool:
+    """Whether little of what an object is put on is seen from above afterwards, and its side can be seen."""
+    boxes = {o.id: np.ptp(np.array(o.aabb), axis=0) for o in scene.objects}
+    if goal.relation != "on" or goal.reference not in boxes:
+        return False
+    thing, support = boxes[goal.subject], boxes[goal.reference]
+    return bool(support[2] > TALL and np.prod(thing[:2]) > HIDES * np.prod(support[:2]))
 
 
 @dataclass(frozen=True)

@@ -13,6 +13,7 @@ from vcage.base.geometry import Camera, Pose
 from vcage.models.protocols import CriticQuestion, DrawObject
 from vcage.models.rules import PROVIDER
 from vcage.models.rules.change import Change, displaced, grown
+from vcage.models.rules.drawings import drawn_whole
 from vcage.models.rules.evidence import CHANGED, salience
 from vcage.models.rules.evidence_of_parts import DrawPart, gather_part
 from vcage.models.rules.evidence_of_places import (
@@ -23,7 +24,7 @@ from vcage.models.rules.evidence_of_places import (
     gather_shown,
 )
 from vcage.models.rules.evidence_of_placing import AROUND, gather_placed
-from vcage.models.rules.standing import Sought, Standing, drawn_whole
+from vcage.models.rules.standing import Sought, Standing
 from vcage.models.rules.verdicts import (
     UNLIKE,
     decide_handed,

@@ -62,8 +62,8 @@ def places(image: LabImage, template: ObjectTemplate, standing: np.ndarray) -> F
     return found.best_first()
 
 
-def changed(before: np.ndarray, after: np.ndarray) -> np.ndarray:
-    """(H, W) bool: pixels that differ by more than noise, without specks."""
+def changed(before: np.ndarray, after: np.ndarray, least: float = CHANGED) -> np.ndarray:
+    """(H, W) bool: pixels that differ by more than noise and than a colour distance, without specks."""
     away = distance(before, after)
-    change = away > np.clip(NOISE_FACTOR * float(np.median(away)), CHANGED, NOISIEST)
+    change = away > np.clip(NOISE_FACTOR * float(np.median(away)), least, NOISIEST)
     return cv2.morphologyEx(change.astype(np.uint8), cv2.MORPH_OPEN, np.ones((2, 2), np.uint8)).astype(bool)

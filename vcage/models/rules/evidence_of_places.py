@@ -9,19 +9,10 @@ import numpy as np
 
 from vcage.base.geometry import Camera, Pose
 from vcage.models.rules.change import Change
+from vcage.models.rules.drawings import Draw, as_bright, cut, drawn_whole, inside, window_around
 from vcage.models.rules.evidence import changed, salience
 from vcage.models.rules.evidence_of_placing import looks_like
-from vcage.models.rules.standing import (
-    Draw,
-    Sought,
-    Standing,
-    as_bright,
-    cut,
-    drawn_whole,
-    inside,
-    refined,
-    window_around,
-)
+from vcage.models.rules.standing import Sought, Standing, refined
 from vcage.vision.colour import distance, smoothed, to_lab
 from vcage.vision.protocols import View
 

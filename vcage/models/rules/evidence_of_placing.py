@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 
 import cv2
 import numpy as np
@@ -11,6 +11,7 @@ import numpy as np
 from vcage.base.geometry import Camera, Pose
 from vcage.models.rules.change import Change, grown
 from vcage.models.rules.evidence import changed
+from vcage.models.rules.evidence_of_support import Lying, Support, find_lying, find_support, redrawn, stands_on
 from vcage.models.rules.standing import Sought, Standing
 from vcage.vision.colour import palette, palette_distance, smoothed, to_lab
 from vcage.vision.protocols import Reference, View
@@ -30,18 +31,14 @@ BORDER = 4
 NEARBY = 40
 """So near to a receptacle lies what was brought to it and is not in or on it, pixels."""
 
-STAYED = 0.5
-"""A receptacle of whose border less than this changed stands where it stood."""
-
 MOVING = 2.0
 """Where more than so many times the object's area changed in its receptacle, that may have moved a little."""
 
 HARDLY = 0.4
 """Share of the object's area that must be seen at once; where less is, and as much changed, it is looked for."""
 
-LIKE, SPEAKS = 9.0, 0.7
-"""Colour distance to drawings of it at most, and share of what tells these from what was there that must speak for it,
-where an object is of the colour of what it lies on."""
+LIKE = 9.0
+"""Largest colour distance to a drawing of an object that has the colours of what it lies on."""
 
 FARTHEST = 16
 """So far at most, pixels along each side of the picture."""
@@ -61,6 +58,9 @@ class Placed:
         beside: what came to be seen around the receptacle, far from where the object was, over the object's area.
         margin: how far inside the edge of where it should be the middle of what looks like it is, metres.
         explained: (H, W) bool, where the sub-task changes the picture.
+        visible: share of the receptacle's outline that the object leaves to be seen.
+        aloft: share of what views from the side tell of the object at the height of its place that shows it there; None
+            where none can tell.
     """
 
     left: float
@@ -72,6 +72,8 @@ class Placed:
     beside: float
     margin: float
     explained: np.ndarray
+    visible: float = 1.0
+    aloft: float | None = None
 
 
 def gather_placed(
@@ -94,43 +96,67 @@ def gather_placed(
     camera = before["top"].camera
     stands = place.found({"top": before["top"]})
     room = None if stands is None else _covered(rooms, stands.pose, camera)
-    old = thing.found(before, change.all if room is None else change.all & ~room)
+    old = thing.found({"top": before["top"]}, change.all if room is None else change.all & ~room)
     if stands is None or room is None or old is None:
         return None
-    now = _stands_now(place, stands, change, after, unlike)
-    if now is not None and now is not stands:
-        room = _covered(rooms, now.pose, camera)
-    here, wide, area = grown(room, EDGE), grown(room | stands.covered, AROUND), max(1, int(old.covered.sum()))
-    floors = sorted({round(float((now or stands).pose.apply(corners)[:, 2].min()), 3) for corners in rooms})
-    put = replace(thing, table_height=floors[0], tops=floors[1:]) if floors else thing
-    came, alike, stirred = _came(before["top"], after["top"], put, old, change, here, wide)
+    lies, support = None, Support(stands)
+    aside = len(before.keys() & after.keys()) > 1
+    if aside or not stands_on(place, stands, change, before["top"], after["top"]):
+        lies = find_lying(thing, rooms, stands.pose, before, after, grown(room, EDGE))
+        support = find_support(place, stands, lies, change, before, after, unlike)
+    now = support.now or stands
+    if now is not stands:
+        before = {**before, "top": redrawn(before["top"], place.background, stands, now)}
+        change, room, lies = Change.between(before["top"], after["top"]), _covered(rooms, now.pose, camera), None
+    here, wide, area = (
+        grown(room, EDGE),
+        grown(room | stands.covered | now.covered, AROUND),
+        max(1, int(old.covered.sum())),
+    )
+    if aside and lies is None:
+        lies = find_lying(thing, rooms, now.pose, before, after, here)
+
+    def lying() -> Lying | None:
+        return lies or find_lying(thing, rooms, now.pose, before, after, here)
+
+    came, alike, stirred = _came(before["top"], after["top"], thing, old, change, here, wide, lying)
     seen, size = max(1, int((came & here).sum())), float(np.hypot(*np.ptp(np.argwhere(old.covered), axis=0)))
     reaching = _reaching(change.things & ~old.covered, here) & grown(here, size / 2)
     near = change.things & _about(wide) & ~here & ~_about(old.covered)
     return Placed(
         left=thing.left(old, change.all, after["top"]),
-        shifted=np.inf if now is None else float(np.linalg.norm(now.pose.p - stands.pose.p)),
+        shifted=np.inf if support.now is None else float(np.linalg.norm(now.pose.p - stands.pose.p)),
         stirred=float(stirred[stands.covered].mean()) if stands.covered.any() else 0.0,
         inside=float((came & here).sum()) / area,
         share=float((alike & here).sum()) / max(1, int(alike.sum())),
         alike=float((alike & here).sum()) / min(seen, area),
         beside=float(near.sum()) / area,
-        margin=_margin(alike & here, rooms, (now or stands).pose, camera),
+        margin=_margin(alike & here, rooms, now.pose, camera),
         explained=grown(old.covered, AROUND) | wide | grown(reaching, AROUND),
+        visible=support.visible,
+        aloft=None if lies is None else lies.aloft,
     )
 
 
 def _came(
-    before: View, after: View, thing: Sought, old: Standing, change: Change, here: np.ndarray, wide: np.ndarray
+    before: View,
+    after: View,
+    thing: Sought,
+    old: Standing,
+    change: Change,
+    here: np.ndarray,
+    wide: np.ndarray,
+    lying: Callable[[], Lying | None],
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """(H, W) bool each: what came to be seen around a receptacle, what of it looks like an object, and what changed
     there and does not.
 
     Args:
         before, after: from above.
-        thing, old: the object as it is looked for there, and where it stood.
+        thing, old: the object, and where it stood.
         change: between the views.
         here, wide: (H, W) bool, where the object should be, and what is around that.
+        lying: finds the object there by drawing it.
     """
     area, came = max(1, int(old.covered.sum())), change.things & ~grown(old.covered, AROUND) & wide
     alike = np.zeros_like(came)
@@ -139,38 +165,19 @@ def _came(
     if (came & here).sum() > MOVING * area:
         came = _besides_shift(before.picture, after.picture, came)
         alike &= came
-    if (alike & here).sum() < HARDLY * area < (change.all & here).sum():
-        found = _of_its_colour(thing, before, after, change.all & wide & ~old.covered)
-        came, alike = came | found, alike | found
+    if (alike & here).sum() < HARDLY * area:
+        # What has the colours of what it lies on changes as little as a shadow does: only a drawing tells.
+        lies = lying()
+        if lies is not None and lies.standing.unlike <= LIKE and lies.seen:
+            came, alike = came | lies.standing.covered, alike | lies.standing.covered
+            stirred = stirred & ~lies.standing.covered
     return came, alike, stirred
-
-
-def _of_its_colour(thing: Sought, before: View, after: View, among: np.ndarray) -> np.ndarray:
-    """(H, W) bool: where an object is seen among what changed that has the colours of what it lies on: what changes
-    there looks like shadows, and only a drawing of it tells."""
-    found = thing.standing({"top": after}, among)
-    if found is None or found.unlike > LIKE or thing.speaks(found, after, before.picture) < SPEAKS:
-        return np.zeros_like(among)
-    return found.covered
 
 
 def _about(mask: np.ndarray) -> np.ndarray:
     """(H, W) bool: a mask and what is beside it, in a square, which is a hundred times as fast as a circle."""
     side = 2 * NEARBY + 1
     return cv2.dilate(mask.astype(np.uint8), np.ones((side, side), np.uint8)).astype(bool)
-
-
-def _stands_now(
-    place: Sought, stands: Standing, change: Change, after: Mapping[str, View], unlike: float
-) -> Standing | None:
-    """Where a receptacle stands afterwards; None where it is not found."""
-    inner = cv2.erode(stands.covered.astype(np.uint8), np.ones((BORDER, BORDER), np.uint8)).astype(bool)
-    border = stands.covered & ~inner
-    moved = border.any() and change.things[border].mean() > STAYED
-    if not moved and not place.gone(stands, after["top"]):
-        return stands
-    now = place.standing({"top": after["top"]})
-    return now if now is not None and now.unlike < unlike and not place.gone(now, after["top"]) else None
 
 
 def _besides_shift(before: np.ndarray, after: np.ndarray, change: np.ndarray) -> np.ndarray:

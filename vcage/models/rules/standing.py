@@ -9,8 +9,9 @@ from functools import cached_property
 import numpy as np
 
 from vcage.base.geometry import Camera, Pose
+from vcage.models.rules.drawings import Draw, as_bright, cut, drawn_whole, inside, window_around
 from vcage.models.rules.evidence import CHANGED, FILLED, middles, places, salience
-from vcage.sim.drawer import Drawing, Window
+from vcage.sim.drawer import Window
 from vcage.vision.colour import LabImage, distance, smoothed, to_lab
 from vcage.vision.detector import MIN_AREA, components
 from vcage.vision.object_templates import template_from_reference
@@ -37,14 +38,11 @@ NEAR = 12
 FEW = 3
 """Rounds in which a pose is refined that is known to be nearly right."""
 
-ENOUGH = 1000
-"""Pixels by which it is told how bright a drawing should be."""
-
-BRIGHTER, TINTED = (0.5, 2.0), (0.85, 1.18)
-"""How much brighter than a drawing a picture may be, and how much more so in one colour than in the others."""
-
 UNFILLED = 20.0
 """Colour distance that a pixel of an outline costs which a drawing leaves open."""
+
+UNSEEN = 6.0
+"""Colour distance that a pixel costs which something hides."""
 
 CLEARLY, SURELY = 3.0, 9.0
 """So much more like an object another place must be than that where the layout put it; and so unlike at most is what is
@@ -56,8 +54,8 @@ GONE = 0.2
 APART = 0.02
 """Poses that are nearer to each other than this are at one place, metres."""
 
-Draw = Callable[[Pose, Camera, Window], Drawing]
-"""An object alone at a pose, as a camera sees it through a window."""
+
+_NOTHING: Mapping[str, np.ndarray] = {}
 
 
 @dataclass(frozen=True)
@@ -135,15 +133,37 @@ class Sought:
         Args:
             outline: (H, W) bool, what it should fill from above.
         """
-        camera, size, draw = views["top"].camera, self.look.size, self.draw
+        camera = views["top"].camera
         template, standing = template_from_reference(self.look, camera, height), middles(patches)
-        tries: list[tuple[float, tuple[float, ...], list[_Sight]]] = []
         roughs = [*_apart(places(image, template, standing).poses), *_upon(patches, camera, height)]
         if self.planned is not None:
             roughs.append(np.array([*self.planned.p[:2], self.planned.yaw]))
+        shown = [rough for rough in roughs if _shown(rough, patches, camera, height)]
+        return self._likeliest(shown, height, views, outline)
+
+    def lying(self, views: Mapping[str, View], floor: Pose, among: np.ndarray) -> Standing:
+        """Where the object is likeliest to lie on a floor.
+
+        Args:
+            views: of one moment; the ``top`` one tells.
+            floor: pose of the middle of the floor.
+            among: (H, W) bool, where something changed there; its largest patches are tried, and the middle.
+        """
+        top, height = views["top"], float(floor.p[2])
+        patches = components(among, MIN_AREA * among.size)
+        roughs = [np.array([*floor.p[:2], floor.yaw]), *(_upon(patches, top.camera, height) if patches else [])]
+        outline = np.any(patches, axis=0) if patches else None
+        found = self._likeliest(roughs, height, {"top": top}, outline)
+        assert found is not None  # there is at least the middle
+        return found
+
+    def _likeliest(
+        self, roughs: Sequence[np.ndarray], height: float, views: Mapping[str, View], outline: np.ndarray | None
+    ) -> Standing | None:
+        """The likeliest of rough poses (3,) on something of a height, at one of their flips; None without any."""
+        size, draw = self.look.size, self.draw
+        tries: list[tuple[float, tuple[float, ...], list[_Sight]]] = []
         for rough in roughs:
-            if not _shown(rough, patches, camera, height):
-                continue
             middle = np.array([rough[0], rough[1], height + size[2] / 2])
             sights = [_Sight.of(view, middle, size, outline if name == "top" else None) for name, view in views.items()]
             tries += [(_unlike(p, height, sights, draw), tuple(p), sights) for p in rough + FLIPS[:, None] * [0, 0, 1]]
@@ -153,7 +173,7 @@ class Sought:
         for least, start, sights in sorted(tries, key=lambda tried: tried[0])[:REFINED]:
             nearby = refined(np.array(start), least, lambda p, s=sights: _unlike(p, height, s, draw))
             best = min(best, (*nearby, sights), key=lambda found: found[0])
-        return self._seen_at(best[1], height, best[2], camera)
+        return self._seen_at(best[1], height, best[2], views["top"].camera)
 
     def where_planned(self, views: Mapping[str, View]) -> Standing | None:
         """Where the object stands if it does so about where the layout put it; None where that is not known.
@@ -163,11 +183,21 @@ class Sought:
         """
         if self.planned is None:
             return None
-        x, y, height = self.planned.p
-        start, middle = np.array([x, y, self.planned.yaw]), np.array([x, y, height + self.look.size[2] / 2])
-        sights = [_Sight.of(view, middle, self.look.size, None) for view in views.values()]
-        least = _unlike(start, height, sights, self.draw)
-        _, pose = refined(start, least, lambda p: _unlike(p, height, sights, self.draw), rounds=FEW)
+        return self.near(self.planned, views)
+
+    def near(self, start: Pose, views: Mapping[str, View], hidden: Mapping[str, np.ndarray] = _NOTHING) -> Standing:
+        """Where the object stands if it does so near a pose, and as high.
+
+        Args:
+            start: that pose.
+            views: of the same moment.
+            hidden: (H, W) bool by view, where something hides what is behind it.
+        """
+        x, y, height = start.p
+        at, middle = np.array([x, y, start.yaw]), np.array([x, y, height + self.look.size[2] / 2])
+        sights = [_Sight.of(view, middle, self.look.size, None, hidden.get(name)) for name, view in views.items()]
+        least = _unlike(at, height, sights, self.draw)
+        _, pose = refined(at, least, lambda p: _unlike(p, height, sights, self.draw), rounds=FEW)
         return self._seen_at(pose, height, sights, views["top"].camera)
 
     def found(self, views: Mapping[str, View], among: np.ndarray | None = None) -> Standing | None:
@@ -194,17 +224,28 @@ class Sought:
         """Whether a view from above shows the empty table where the object would stand."""
         if self.background is None:
             return float(salience(top.picture, None)[there.covered].mean()) < FILLED
-        return self.speaks(there, top, self.background) < GONE
+        return self.speaks(there, top, self.background)[0] < GONE
 
-    def speaks(self, there: Standing, top: View, without: np.ndarray) -> float:
-        """Share of what tells a drawing of the object from a picture without it (H, W, 3) that a view from above shows
-        as drawn; 1 where nothing tells them apart."""
-        window = window_around(there.pose.p + [0, 0, self.look.size[2] / 2], self.look.size, top.camera)
-        drawing, picture = self.draw(there.pose, top.camera, window), cut(top.picture, window)
-        own = to_lab(as_bright(drawing, picture).astype(np.uint8))
+    def speaks(
+        self, there: Standing, view: View, without: np.ndarray, hidden: np.ndarray | None = None
+    ) -> tuple[float, int]:
+        """Share of the pixels that tell a drawing of the object from a picture without it that a view shows as drawn,
+        and the number of these pixels; the share is 1 where there are none.
+
+        Args:
+            there: where the object would stand.
+            view: that may show it.
+            without: (H, W, 3) a picture of the same camera that does not show it there.
+            hidden: (H, W) bool, where something else hides it.
+        """
+        window = window_around(there.pose.p + [0, 0, self.look.size[2] / 2], self.look.size, view.camera)
+        drawing, picture = self.draw(there.pose, view.camera, window), cut(view.picture, window)
+        unseen = np.zeros_like(drawing.covered) if hidden is None else cut(hidden, window)
+        own = to_lab(as_bright(drawing, picture, unseen).astype(np.uint8))
         seen, bare = smoothed(picture), smoothed(cut(without, window))
-        telling = drawing.covered & inside(top.picture, window) & (distance(own, bare) > CHANGED)
-        return float((distance(seen, own) < distance(seen, bare))[telling].mean()) if telling.any() else 1.0
+        telling = drawing.covered & inside(view.picture, window) & ~unseen & (distance(own, bare) > CHANGED)
+        share = float((distance(seen, own) < distance(seen, bare))[telling].mean()) if telling.any() else 1.0
+        return share, int(telling.sum())
 
     def left(self, there: Standing, change: np.ndarray, top: View) -> float:
         """Share of where the object stood that has changed (H, W); all of it where a view from above shows the bare
@@ -217,53 +258,6 @@ class Sought:
         unlike = _unlike(pose, height, [replace(s, outline=np.zeros_like(s.outline)) for s in sights], self.draw)
         at = Pose.from_yaw([pose[0], pose[1], height], float(pose[2]))
         return Standing(at, self.look.size, unlike, drawn_whole(self.draw, at, camera).covered)
-
-
-def drawn_whole(draw: Draw, pose: Pose, camera: Camera) -> Drawing:
-    """A drawing of an object in all of a camera's picture, as large as that."""
-    drawing = draw(pose, camera, Window(0, 0, max(camera.width, camera.height), 1))
-    layers = (drawing.picture, drawing.covered, drawing.depth)
-    return Drawing(*(layer[: camera.height, : camera.width] for layer in layers))
-
-
-def window_around(middle: np.ndarray, size: Sequence[float], camera: Camera) -> Window:
-    """The part of a camera's picture that an object of a size may cover, its middle (3,) in the world."""
-    away = float(np.linalg.norm(camera.pose.p - middle))
-    side = int(np.ceil(1.3 * float(np.linalg.norm(size)) * camera.focal / away)) + 16
-    left, top = np.round(camera.project(middle[None])[0] - side / 2).astype(int)
-    return Window(int(left), int(top), side, 1)
-
-
-def cut(picture: np.ndarray, window: Window) -> np.ndarray:
-    """What a window shows of a picture; black outside it."""
-    shown = np.zeros((window.side, window.side, *picture.shape[2:]), picture.dtype)
-    (v0, v1), (u0, u1) = (
-        np.clip([start, start + window.side], 0, end)
-        for start, end in zip((window.top, window.left), picture.shape, strict=False)
-    )
-    shown[v0 - window.top : v1 - window.top, u0 - window.left : u1 - window.left] = picture[v0:v1, u0:u1]
-    return shown
-
-
-def inside(picture: np.ndarray, window: Window) -> np.ndarray:
-    """(side, side) bool: what a window shows of a picture and not of what is beside it."""
-    return cut(np.ones(picture.shape[:2], bool), window)
-
-
-def brightness(drawing: Drawing, picture: np.ndarray) -> np.ndarray:
-    """(3,) by which a drawing is multiplied to be as bright as a picture is where it is covered."""
-    covered = drawing.covered
-    if not covered.any():
-        return np.ones(3, np.float32)
-    some = slice(None, None, 1 + int(covered.sum()) // ENOUGH)
-    gain = np.median((picture[covered][some] + 4.0) / (drawing.picture[covered][some] + np.float32(4.0)), axis=0)
-    level = float(np.median(gain))
-    return np.clip(level, *BRIGHTER) * np.clip(gain / max(level, 1e-3), *TINTED)
-
-
-def as_bright(drawing: Drawing, picture: np.ndarray) -> np.ndarray:
-    """(side, side, 3) float32, a drawing as bright as a picture is where it is covered."""
-    return np.clip(drawing.picture.astype(np.float32) * brightness(drawing, picture), 0, 255)
 
 
 def refined(
@@ -290,6 +284,7 @@ class _Sight:
         picture: (side, side, 3) uint8.
         lab: the same, smoothed.
         outline: (side, side) bool, what a drawing should fill.
+        hidden: (side, side) bool, where something hides what is behind it.
     """
 
     camera: Camera
@@ -297,14 +292,23 @@ class _Sight:
     picture: np.ndarray
     lab: np.ndarray
     outline: np.ndarray
+    hidden: np.ndarray
 
     @classmethod
-    def of(cls, view: View, middle: np.ndarray, size: Sequence[float], outline: np.ndarray | None) -> _Sight:
+    def of(
+        cls,
+        view: View,
+        middle: np.ndarray,
+        size: Sequence[float],
+        outline: np.ndarray | None,
+        hidden: np.ndarray | None = None,
+    ) -> _Sight:
         window = window_around(middle, size, view.camera)
         picture = cut(view.picture, window)
         lab = smoothed(picture)
-        filled = np.zeros(picture.shape[:2], bool) if outline is None else cut(outline, window)
-        return cls(view.camera, window, picture, lab, filled)
+        none = np.zeros(picture.shape[:2], bool)
+        masks = [none if mask is None else cut(mask, window) for mask in (outline, hidden)]
+        return cls(view.camera, window, picture, lab, *masks)
 
 
 def _unlike(pose: np.ndarray, height: float, sights: Sequence[_Sight], draw: Draw) -> float:
@@ -314,8 +318,8 @@ def _unlike(pose: np.ndarray, height: float, sights: Sequence[_Sight], draw: Dra
         drawing = draw(Pose.from_yaw([pose[0], pose[1], height], float(pose[2])), sight.camera, sight.window)
         if not drawing.covered.any():
             return CAP
-        drawn = to_lab(as_bright(drawing, sight.picture).astype(np.uint8))
-        apart = np.minimum(distance(sight.lab, drawn)[drawing.covered], CAP).mean()
+        drawn = to_lab(as_bright(drawing, sight.picture, sight.hidden).astype(np.uint8))
+        apart = np.where(sight.hidden, UNSEEN, np.minimum(distance(sight.lab, drawn), CAP))[drawing.covered].mean()
         costs.append(apart + UNFILLED * (sight.outline & ~drawing.covered).sum() / drawing.covered.sum())
     return float(np.mean(costs))
 

@@ -42,7 +42,7 @@ FEWEST = 25
 TOUCHED = 0.15
 """Share of what is seen of a button that the hand covers while it presses it."""
 
-MAX_SHIFT = 0.06
+MAX_SHIFT = 0.05
 """A receptacle that moved farther was knocked away, metres."""
 
 OTHERS = 3e-4
@@ -78,6 +78,9 @@ REACHING = 0.09
 STILL = 0.25
 """Share of the outline of what lies on a scale that may change while it is weighed."""
 
+
+ALOFT = 0.6
+"""Share of what a view from the side tells of an object at the height of its place that must show it there."""
 
 BESIDE = 0.2
 """Share of an object's area that must be seen beside a receptacle for it to have been brought there."""
@@ -124,6 +127,9 @@ def decide_placed(evidence: Placed | None, goal: Goal, thing: str, place: str) -
     if evidence.inside < INSIDE[goal.relation]:
         failure: Failure = "astray" if evidence.beside >= BESIDE else "lost"
         return refuse(f"the {thing} left its place and is not found {word} the {place}: {seen}", 0.8, failure)
+    if evidence.aloft is not None and evidence.aloft < ALOFT:
+        seen = f"{100 * evidence.aloft:.0f} % of it is seen there from the side"
+        return refuse(f"the {thing} does not lie as high as {word} the {place}: {seen}", 0.8, "astray")
     if evidence.alike < LOOKS:
         return refuse(f"what came to be {word} the {place} does not look like the {thing}", 0.7)
     if evidence.share < (MOSTLY if evidence.margin > WELL_IN else NEARLY_ALL):

@@ -1,0 +1,238 @@
+"""What pictures show of a support under what was put on it: whether it stands where it stood, and what lies on it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from vcage.base.geometry import Pose
+from vcage.models.rules.change import Change, grown
+from vcage.models.rules.drawings import drawn_whole
+from vcage.models.rules.evidence import CHANGED, changed
+from vcage.models.rules.standing import Sought, Standing
+from vcage.vision.colour import distance, smoothed
+from vcage.vision.protocols import View
+
+
+@dataclass(frozen=True)
+class SupportSettings:
+    """Limits of what counts as seen of a support and of what lies on it.
+
+    Args:
+        faint_lab: least colour distance of a change where an object has the colours of what it lies on.
+        border_px: width of the strip along a support's outline that shows whether it moved.
+        border_changed: share of that strip from which on the support may have moved.
+        bare_share: share of the support's outline that may come to show the empty table.
+        fewest_px: pixels of a thing that must be seen to tell anything of it.
+        visible_share: share of a support's outline that must be seen beside what lies on it to tell by it alone.
+        hidden_margin_px: so much around what lies on a support hides it too.
+        stays_share: share of what was seen of a support before that must be seen of it where it now stands.
+        aloft_share: share of what the side view tells of an object at the height of the top that must show it there.
+        outline_share: share of an object's outline that must have changed, be it faintly, so that its place is plain.
+        told_share, told_share_changed: share of what tells an object from what was there before that the view from
+            above must show; where its outline changed.
+    """
+
+    faint_lab: float = 1.5
+    border_px: int = 4
+    border_changed: float = 0.5
+    bare_share: float = 0.06
+    fewest_px: int = 25
+    visible_share: float = 0.15
+    hidden_margin_px: int = 2
+    stays_share: float = 0.9
+    aloft_share: float = 0.6
+    outline_share: float = 0.8
+    told_share: float = 0.7
+    told_share_changed: float = 0.5
+
+
+SETTINGS = SupportSettings()
+
+
+@dataclass(frozen=True)
+class Lying:
+    """Where an object would lie in or on its support, and what speaks for it.
+
+    Args:
+        standing: its likeliest pose there.
+        told: share of what tells it from what was there before that the view from above shows.
+        outline: share of its outline that changed, be it faintly.
+        aloft: the same share as ``told`` in views from the side; None where none can tell.
+        hides: (H, W) bool by view, what it hides there.
+    """
+
+    standing: Standing
+    told: float
+    outline: float
+    aloft: float | None
+    hides: Mapping[str, np.ndarray]
+
+    @property
+    def seen(self) -> bool:
+        """Whether it is seen there: from the side where that can tell, else from above."""
+        if self.aloft is not None:
+            return self.aloft >= SETTINGS.aloft_share
+        changed = self.outline >= SETTINGS.outline_share
+        return self.told >= (SETTINGS.told_share_changed if changed else SETTINGS.told_share)
+
+
+def find_lying(
+    thing: Sought,
+    rooms: np.ndarray,
+    pose: Pose,
+    before: Mapping[str, View],
+    after: Mapping[str, View],
+    room: np.ndarray,
+) -> Lying | None:
+    """The likeliest place of an object in or on its support; None where that has no room.
+
+    Args:
+        thing: the object.
+        rooms: (n, 8, 3) corners of where it may be, in the support's frame.
+        pose: of the support.
+        before, after: views of one moment each, by camera.
+        room: (H, W) bool, where the view from above shows the rooms.
+    """
+    was, now = (smoothed(views["top"].picture) for views in (before, after))
+    faint = changed(was, now, SETTINGS.faint_lab)
+    floors: dict[float, Pose] = {}
+    for corners in rooms:
+        inside = pose.apply(corners)
+        height = round(float(inside[:, 2].min()), 3)
+        floors.setdefault(height, Pose.from_yaw([*inside.mean(axis=0)[:2], height], pose.yaw))
+    found = [thing.lying(after, floor, faint & room) for floor in floors.values()]
+    if not found:
+        return None
+    lies = min(found, key=lambda one: one.unlike)
+    hides = {
+        name: grown(drawn_whole(thing.draw, lies.pose, view.camera).covered, SETTINGS.hidden_margin_px)
+        for name, view in after.items()
+    }
+    told = thing.speaks(lies, after["top"], before["top"].picture)[0]
+    outline = float(faint[lies.covered].mean()) if lies.covered.any() else 0.0
+    return Lying(lies, told, outline, _aloft(thing, lies, before, after), hides)
+
+
+def _aloft(thing: Sought, lies: Standing, before: Mapping[str, View], after: Mapping[str, View]) -> float | None:
+    """Share of what tells an object at a height from what was there before that views from the side show."""
+    shares = [
+        thing.speaks(lies, after[name], before[name].picture) for name in sorted(before.keys() & after.keys() - {"top"})
+    ]
+    pixels = sum(count for _, count in shares)
+    return sum(share * count for share, count in shares) / pixels if pixels >= SETTINGS.fewest_px else None
+
+
+@dataclass(frozen=True)
+class Support:
+    """A support afterwards.
+
+    Args:
+        now: where it stands; None where it is not found.
+        visible: share of its outline from above that what lies on it leaves to be seen.
+    """
+
+    now: Standing | None
+    visible: float = 1.0
+
+
+def stands_on(place: Sought, stands: Standing, change: Change, before: View, after: View) -> bool:
+    """Whether the view from above shows at first sight that a support stands where it stood."""
+    return _stays(place, stands, change, before, after, np.zeros_like(change.all))
+
+
+def find_support(
+    place: Sought,
+    stands: Standing,
+    lies: Lying | None,
+    change: Change,
+    before: Mapping[str, View],
+    after: Mapping[str, View],
+    unlike: float,
+) -> Support:
+    """Where a support stands afterwards: what hides it cannot show that it moved.
+
+    Args:
+        place: the support.
+        stands: where it stood.
+        lies: what may hide it.
+        change: between the views from above.
+        before, after: views of one moment each, by camera.
+        unlike: colour distance from which on what stands somewhere is another object.
+    """
+    if lies is not None and not lies.seen:
+        lies = None
+    hides = {} if lies is None else lies.hides
+    hidden = hides.get("top", np.zeros_like(change.all))
+    visible = stands.covered & ~hidden
+    share = float(visible.sum()) / max(1, int(stands.covered.sum()))
+    enough = visible.sum() >= SETTINGS.fewest_px and share >= SETTINGS.visible_share
+    if enough and _stays(place, stands, change, before["top"], after["top"], hidden):
+        return Support(stands, share)
+    near = [stands.pose]
+    if lies is not None:
+        under = lies.standing.pose.p
+        near.append(Pose([under[0], under[1], stands.pose.p[2]], stands.pose.q))
+    found = [place.near(pose, after, hides) for pose in near]
+    best = min(found, key=lambda one: one.unlike)
+    shown = _shown(place, best, after["top"], hidden)
+    if best.unlike < unlike and shown >= SETTINGS.stays_share * _shown(place, stands, before["top"], hidden):
+        return Support(best, share)
+    now = place.standing({"top": after["top"]})
+    there = now is not None and now.unlike < unlike and not place.gone(now, after["top"])
+    return Support(now if there else None, share)
+
+
+def _shown(place: Sought, there: Standing, top: View, hidden: np.ndarray) -> float:
+    """Share of what a view from above can show of a support that it shows."""
+    if place.background is None:
+        return 1.0
+    share, pixels = place.speaks(there, top, place.background, hidden)
+    return share if pixels >= SETTINGS.fewest_px else 1.0
+
+
+def _stays(place: Sought, stands: Standing, change: Change, before: View, after: View, hidden: np.ndarray) -> bool:
+    side = SETTINGS.border_px
+    border = stands.covered & ~cv2.erode(stands.covered.astype(np.uint8), np.ones((side, side), np.uint8)).astype(bool)
+    border &= ~hidden
+    if border.any() and change.things[border].mean() > SETTINGS.border_changed:
+        return False
+    if not hidden.any() and place.gone(stands, after):
+        return False
+    return _bared(place, stands, before, after, hidden) <= SETTINGS.bare_share
+
+
+def _bared(place: Sought, stands: Standing, before: View, after: View, hidden: np.ndarray) -> float:
+    """Share of what was seen of a support that has come to show the empty table."""
+    if place.background is None or not stands.covered.any():
+        return 0.0
+    v, u = (slice(axis.min(), axis.max() + 1) for axis in np.nonzero(stands.covered))
+    was, now, bare = (
+        smoothed(np.ascontiguousarray(p[v, u])) for p in (before.picture, after.picture, place.background)
+    )
+    seen = (stands.covered & ~hidden)[v, u] & (distance(was, bare) > CHANGED)
+    lost = seen & (distance(now, bare) < distance(now, was)) & (distance(was, now) > CHANGED)
+    return float(lost.sum()) / max(1, int(seen.sum()))
+
+
+def redrawn(before: View, background: np.ndarray | None, stands: Standing, now: Standing) -> View:
+    """A view from above with a support where it stands by now, and all else as it was.
+
+    Args:
+        before: the view.
+        background: (H, W, 3) the empty table.
+        stands, now: the support before and after.
+    """
+    if background is None:
+        return before
+    x, y, z = stands.size
+    top = np.array([[sx * x / 2, sy * y / 2, z] for sx, sy in ((-1, -1), (1, -1), (1, 1), (-1, 1))])
+    was, goes = (before.camera.project(one.pose.apply(top)).astype(np.float32) for one in (stands, now))
+    camera = before.camera
+    moved = cv2.warpPerspective(before.picture, cv2.getPerspectiveTransform(was, goes), (camera.width, camera.height))
+    bare = grown(stands.covered, SETTINGS.hidden_margin_px)[..., None]
+    picture = np.where(now.covered[..., None], moved, np.where(bare, background, before.picture))
+    return View(picture.astype(np.uint8), camera)
