@@ -113,13 +113,15 @@ def gather_placed(
         grown(room | stands.covered | now.covered, AROUND),
         max(1, int(old.covered.sum())),
     )
-    if aside and lies is None:
+    if lies is None and (aside or now is not stands):
         lies = find_lying(thing, rooms, now.pose, before, after, here)
 
     def lying() -> Lying | None:
         return lies or find_lying(thing, rooms, now.pose, before, after, here)
 
     came, alike, stirred = _came(before["top"], after["top"], thing, old, change, here, wide, lying)
+    if lies is not None and lies.seen and now is not stands:  # the rest is of the support, which moved
+        came, alike = (mask & grown(lies.standing.covered, EDGE) for mask in (came, alike))
     seen, size = max(1, int((came & here).sum())), float(np.hypot(*np.ptp(np.argwhere(old.covered), axis=0)))
     reaching = _reaching(change.things & ~old.covered, here) & grown(here, size / 2)
     near = change.things & _about(wide) & ~here & ~_about(old.covered)

@@ -29,6 +29,7 @@ class SupportSettings:
         fewest_px: pixels of a thing that must be seen to tell anything of it.
         visible_share: share of a support's outline that must be seen beside what lies on it to tell by it alone.
         hidden_margin_px: so much around what lies on a support hides it too.
+        nudge_m, nudges: how far from where it stood a support is looked for that was nudged, in how many directions.
         stays_share: share of what was seen of a support before that must be seen of it where it now stands.
         aloft_share: share of what the side view tells of an object at the height of the top that must show it there.
         outline_share: share of an object's outline that must have changed, be it faintly, so that its place is plain.
@@ -43,6 +44,8 @@ class SupportSettings:
     fewest_px: int = 25
     visible_share: float = 0.15
     hidden_margin_px: int = 2
+    nudge_m: float = 0.025
+    nudges: int = 8
     stays_share: float = 0.9
     aloft_share: float = 0.6
     outline_share: float = 0.8
@@ -172,12 +175,13 @@ def find_support(
     enough = visible.sum() >= SETTINGS.fewest_px and share >= SETTINGS.visible_share
     if enough and _stays(place, stands, change, before["top"], after["top"], hidden):
         return Support(stands, share)
-    near = [stands.pose]
+    angles = np.linspace(0, 2 * np.pi, SETTINGS.nudges, endpoint=False)
+    nudged = [np.array([np.cos(angle), np.sin(angle), 0.0]) * SETTINGS.nudge_m for angle in angles]
+    starts = [stands.pose, *(Pose(stands.pose.p + step, stands.pose.q) for step in nudged)]
     if lies is not None:
         under = lies.standing.pose.p
-        near.append(Pose([under[0], under[1], stands.pose.p[2]], stands.pose.q))
-    found = [place.near(pose, after, hides) for pose in near]
-    best = min(found, key=lambda one: one.unlike)
+        starts.append(Pose([under[0], under[1], stands.pose.p[2]], stands.pose.q))
+    best = place.near(starts, after, hides)
     shown = _shown(place, best, after["top"], hidden)
     if best.unlike < unlike and shown >= SETTINGS.stays_share * _shown(place, stands, before["top"], hidden):
         return Support(best, share)

@@ -183,21 +183,26 @@ class Sought:
         """
         if self.planned is None:
             return None
-        return self.near(self.planned, views)
+        return self.near([self.planned], views)
 
-    def near(self, start: Pose, views: Mapping[str, View], hidden: Mapping[str, np.ndarray] = _NOTHING) -> Standing:
-        """Where the object stands if it does so near a pose, and as high.
+    def near(
+        self, starts: Sequence[Pose], views: Mapping[str, View], hidden: Mapping[str, np.ndarray] = _NOTHING
+    ) -> Standing:
+        """Where the object stands if it does so near one of some poses of one height.
 
         Args:
-            start: that pose.
+            starts: those poses.
             views: of the same moment.
             hidden: (H, W) bool by view, where something hides what is behind it.
         """
-        x, y, height = start.p
-        at, middle = np.array([x, y, start.yaw]), np.array([x, y, height + self.look.size[2] / 2])
-        sights = [_Sight.of(view, middle, self.look.size, None, hidden.get(name)) for name, view in views.items()]
-        least = _unlike(at, height, sights, self.draw)
-        _, pose = refined(at, least, lambda p: _unlike(p, height, sights, self.draw), rounds=FEW)
+        height, tries = float(starts[0].p[2]), []
+        for start in starts:
+            at, middle = np.array([*start.p[:2], start.yaw]), start.p + [0.0, 0.0, self.look.size[2] / 2]
+            sights = [_Sight.of(view, middle, self.look.size, None, hidden.get(name)) for name, view in views.items()]
+            tries.append((_unlike(at, height, sights, self.draw), tuple(at), sights))
+        least, at, sights = min(tries, key=lambda tried: tried[0])
+        rounds = FEW if len(starts) == 1 else ROUNDS
+        _, pose = refined(np.array(at), least, lambda p: _unlike(p, height, sights, self.draw), rounds=rounds)
         return self._seen_at(pose, height, sights, views["top"].camera)
 
     def found(self, views: Mapping[str, View], among: np.ndarray | None = None) -> Standing | None:
