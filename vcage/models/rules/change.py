@@ -17,6 +17,9 @@ GREY, DEEPEST = 0.16, 1.5
 SMOOTH, AROUND = 0.1, 5
 """Standard deviation of that logarithm within a square of so many pixels that only edges and textures exceed."""
 
+DARKEST = 0.001
+"""Light, of 1 for white, that is added to all, for black has no logarithm; more of it tints shadows on dark wood."""
+
 BLOB = 11
 """What is nowhere as wide as this may be the edge of what was nudged, pixels."""
 
@@ -41,7 +44,7 @@ class Change:
         """Of two views of one camera in the same light."""
         smooth = [cv2.GaussianBlur(view.picture, (3, 3), 0) for view in (one, other)]
         change = changed(*map(to_lab, smooth))
-        light = [np.log((picture.astype(np.float32) / 255) ** 2.2 + 0.004) for picture in smooth]
+        light = [np.log((picture.astype(np.float32) / 255) ** 2.2 + DARKEST) for picture in smooth]
         ratio = light[1] - light[0]
         mean = ratio.mean(axis=2)
         square = cv2.blur(mean * mean, (AROUND, AROUND)) - cv2.blur(mean, (AROUND, AROUND)) ** 2
