@@ -40,6 +40,9 @@ HARDLY = 0.4
 LIKE = 9.0
 """Largest colour distance to a drawing of an object that has the colours of what it lies on."""
 
+THIN = 0.025
+"""A receptacle that is lower cannot be seen from the side, metres: where it is hidden it is taken to be there."""
+
 FARTHEST = 16
 """So far at most, pixels along each side of the picture."""
 
@@ -58,7 +61,7 @@ class Placed:
         beside: what came to be seen around the receptacle, far from where the object was, over the object's area.
         margin: how far inside the edge of where it should be the middle of what looks like it is, metres.
         explained: (H, W) bool, where the sub-task changes the picture.
-        visible: share of the receptacle's outline that the object leaves to be seen.
+        told: whether the receptacle is seen; a thin one that the object hides cannot be.
         aloft: share of what views from the side tell of the object at the height of its place that shows it there; None
             where none can tell.
     """
@@ -72,7 +75,7 @@ class Placed:
     beside: float
     margin: float
     explained: np.ndarray
-    visible: float = 1.0
+    told: bool = True
     aloft: float | None = None
 
 
@@ -135,7 +138,7 @@ def gather_placed(
         beside=float(near.sum()) / area,
         margin=_margin(alike & here, rooms, now.pose, camera),
         explained=grown(old.covered, AROUND) | wide | grown(reaching, AROUND),
-        visible=support.visible,
+        told=support.told or place.look.size[2] < THIN,
         aloft=None if lies is None else lies.aloft,
     )
 

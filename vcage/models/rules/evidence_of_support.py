@@ -30,6 +30,7 @@ class SupportSettings:
         visible_share: share of a support's outline that must be seen beside what lies on it to tell by it alone.
         hidden_margin_px: so much around what lies on a support hides it too.
         nudge_m, nudges: how far from where it stood a support is looked for that was nudged, in how many directions.
+        still_m, still_deg: what seems to have moved and turned by less stands where it stood.
         stays_share: share of what was seen of a support before that must be seen of it where it now stands.
         aloft_share: share of what the side view tells of an object at the height of the top that must show it there.
         outline_share: share of an object's outline that must have changed, be it faintly, so that its place is plain.
@@ -46,6 +47,8 @@ class SupportSettings:
     hidden_margin_px: int = 2
     nudge_m: float = 0.025
     nudges: int = 8
+    still_m: float = 0.006
+    still_deg: float = 6.0
     stays_share: float = 0.9
     aloft_share: float = 0.6
     outline_share: float = 0.8
@@ -135,11 +138,11 @@ class Support:
 
     Args:
         now: where it stands; None where it is not found.
-        visible: share of its outline from above that what lies on it leaves to be seen.
+        told: whether it is seen: enough of it from above, or from the side what lies on it at its height.
     """
 
     now: Standing | None
-    visible: float = 1.0
+    told: bool = True
 
 
 def stands_on(place: Sought, stands: Standing, change: Change, before: View, after: View) -> bool:
@@ -174,20 +177,35 @@ def find_support(
     share = float(visible.sum()) / max(1, int(stands.covered.sum()))
     enough = visible.sum() >= SETTINGS.fewest_px and share >= SETTINGS.visible_share
     if enough and _stays(place, stands, change, before["top"], after["top"], hidden):
-        return Support(stands, share)
-    angles = np.linspace(0, 2 * np.pi, SETTINGS.nudges, endpoint=False)
-    nudged = [np.array([np.cos(angle), np.sin(angle), 0.0]) * SETTINGS.nudge_m for angle in angles]
-    starts = [stands.pose, *(Pose(stands.pose.p + step, stands.pose.q) for step in nudged)]
+        return Support(stands)
+    borne = lies is not None and lies.aloft is not None  # something bears what lies there
+    best = place.near(_starts(stands, lies, around=not borne or enough), after, hides)
+    least = SETTINGS.stays_share * _shown(place, stands, before["top"], hidden) if enough or not borne else 0.0
+    if best.unlike < unlike and _shown(place, best, after["top"], hidden) >= least:
+        return Support(stands if _at(best, stands) else best, enough or borne)
+    now = place.standing({"top": after["top"]})
+    there = now is not None and now.unlike < unlike and not place.gone(now, after["top"])
+    return Support(now if there else None, enough or borne)
+
+
+def _starts(stands: Standing, lies: Lying | None, *, around: bool) -> list[Pose]:
+    """Where a support may stand: where it stood, under what lies on it, and nudged ``around``."""
+    starts = [stands.pose]
     if lies is not None:
         under = lies.standing.pose.p
         starts.append(Pose([under[0], under[1], stands.pose.p[2]], stands.pose.q))
-    best = place.near(starts, after, hides)
-    shown = _shown(place, best, after["top"], hidden)
-    if best.unlike < unlike and shown >= SETTINGS.stays_share * _shown(place, stands, before["top"], hidden):
-        return Support(best, share)
-    now = place.standing({"top": after["top"]})
-    there = now is not None and now.unlike < unlike and not place.gone(now, after["top"])
-    return Support(now if there else None, share)
+    if around:
+        angles = np.linspace(0, 2 * np.pi, SETTINGS.nudges, endpoint=False)
+        steps = SETTINGS.nudge_m * np.stack([np.cos(angles), np.sin(angles), np.zeros_like(angles)], axis=-1)
+        starts += [Pose(stands.pose.p + step, stands.pose.q) for step in steps]
+    return starts
+
+
+def _at(one: Standing, other: Standing) -> bool:
+    """Whether two places are one, as well as pictures tell."""
+    turn = (one.pose.yaw - other.pose.yaw + np.pi) % (2 * np.pi) - np.pi
+    near = np.linalg.norm(one.pose.p - other.pose.p) < SETTINGS.still_m
+    return bool(near and abs(np.degrees(turn)) < SETTINGS.still_deg)
 
 
 def _shown(place: Sought, there: Standing, top: View, hidden: np.ndarray) -> float:

@@ -132,6 +132,8 @@ def decide_placed(evidence: Placed | None, goal: Goal, thing: str, place: str) -
         return refuse(f"the {thing} does not lie as high as {word} the {place}: {seen}", 0.8, "astray")
     if evidence.alike < LOOKS:
         return refuse(f"what came to be {word} the {place} does not look like the {thing}", 0.7)
+    if not evidence.told:
+        return refuse(f"whether the {place} is under the {thing}, which hides it, cannot be told from above", 0.5)
     balances = evidence.margin <= (WELL_IN if evidence.aloft is None else 0.0)
     if evidence.share < (NEARLY_ALL if balances else MOSTLY):
         return refuse(
