@@ -40,6 +40,14 @@ def test_what_came_is_a_thing_and_its_shadow_is_none() -> None:
     assert found.all[64:86, 49:71].all() and not found.things[66:88, 40:80].any()
 
 
+def test_a_shadow_on_dark_wood_is_no_thing() -> None:
+    wood = np.clip(TABLE * np.array([60, 40, 26]) / [150, 115, 80], 0, 255)
+    shaded = wood.copy()
+    shaded[40:80, 50:90] = ((wood[40:80, 50:90] / 255) ** 2.2 * 0.45) ** (1 / 2.2) * 255
+    found = change(wood.astype(np.uint8), shaded.astype(np.uint8))
+    assert found.all[44:76, 54:86].all() and found.things[44:76, 54:86].mean() < 0.1
+
+
 def test_what_went_and_came_elsewhere_is_displaced() -> None:
     old, new = np.s_[20:40, 20:40], np.s_[70:90, 100:120]
     found = change(picture(old), picture(new))

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from tests.models.tabletop import BLOCKS, ERASER, HEIGHT, Thing, critic_question, draw
-from vcage.base.geometry import Camera, look_at
+from vcage.base.geometry import Camera, Pose, look_at
+from vcage.models.protocols import CriticQuestion
 from vcage.models.rules.critic import OfflineCritic
 from vcage.schema.episodes import Verdict
 from vcage.schema.goals import Goal
@@ -21,13 +22,19 @@ TALL = Thing("cabinet", (225, 225, 222), (0.28, 0.2, 0.29), (0.05, 0.08))
 BOWL = Thing("white-bowl", (228, 228, 224), (0.14, 0.14, 0.06), (-0.25, 0.0), round=True, hollow=True)
 
 
-def judge(before: list[Thing], after: list[Thing], thing: Thing, place: Thing, *, side: bool = True) -> Verdict:
-    """The verdict on ``thing`` on ``place``, with a view from the side or without."""
+def question(
+    before: list[Thing], after: list[Thing], thing: Thing, place: Thing, *, side: bool = True
+) -> CriticQuestion:
+    """Whether ``thing`` is on ``place``, with a view from the side or without."""
     asked = critic_question(before, after, Goal(subject=thing.id, relation="on", reference=place.id))
-    if side:
-        seen = [View(draw(things, SIDE)[0], SIDE) for things in (before, after)]
-        asked = replace(asked, before={**asked.before, "customer": seen[0]}, after={**asked.after, "customer": seen[1]})
-    return OfflineCritic().judge(asked)
+    if not side:
+        return asked
+    seen = [View(draw(things, SIDE)[0], SIDE) for things in (before, after)]
+    return replace(asked, before={**asked.before, "customer": seen[0]}, after={**asked.after, "customer": seen[1]})
+
+
+def judge(before: list[Thing], after: list[Thing], thing: Thing, place: Thing, *, side: bool = True) -> Verdict:
+    return OfflineCritic().judge(question(before, after, thing, place, side=side))
 
 
 def upon(thing: Thing, place: Thing, dx: float = 0.0, dy: float = 0.0) -> Thing:
@@ -45,10 +52,11 @@ def test_whether_a_block_is_on_one_that_it_hides_is_not_told_from_above_alone() 
     assert not judge([BLUE, RED, ERASER], [hidden, ERASER], RED, BLUE, side=False).accepted
 
 
-def test_a_third_block_is_on_the_second() -> None:
-    green = BLOCKS[1]
-    second = upon(RED, BLUE)
-    verdict = judge([BLUE, second, green], [BLUE, second, upon(green, second)], green, second)
+def test_a_third_block_is_on_one_that_was_put_on_another_before() -> None:
+    second, third = upon(RED, BLUE), BLOCKS[1]
+    asked = question([BLUE, second, third], [BLUE, second, upon(third, second)], third, second)
+    laid_out = {**asked.planned, RED.id: Pose.from_yaw((*RED.at, HEIGHT), RED.yaw)}
+    verdict = OfflineCritic().judge(replace(asked, planned=laid_out, tops=[HEIGHT + BLUE.size[2]]))
     assert verdict.accepted, verdict.reason
 
 
@@ -76,8 +84,7 @@ def test_a_white_bowl_on_a_tall_white_top_is_on_it() -> None:
     assert verdict.accepted, verdict.reason
 
 
-@pytest.mark.parametrize("side", [True, False], ids=["two views", "from above alone"])
-@pytest.mark.parametrize("push", [0.04, 0.14])
+@pytest.mark.parametrize(("push", "side"), [(0.04, True), (0.14, False)], ids=["two views", "from above alone"])
 def test_a_white_bowl_beside_a_tall_white_top_that_it_pushed_is_not_on_it(push: float, side: bool) -> None:
     pushed = TALL.moved(at=(TALL.at[0] + push, TALL.at[1]), yaw=0.3)
     beside = BOWL.moved(at=(TALL.at[0] + push - 0.14 - 0.1, TALL.at[1]))

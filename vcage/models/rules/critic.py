@@ -153,7 +153,7 @@ class OfflineCritic:
         return decide_part(evidence, goal, look.phrase), grown(evidence.covered, AROUND)
 
     def _judge_place(self, question: CriticQuestion, goal: Goal) -> _Told:
-        thing, place = _sought(question, goal.subject), _sought(question, goal.reference or "")
+        thing, place = _sought(question, goal.subject), _sought(question, goal.reference or "", question.tops)
         if goal not in question.rooms:
             raise InputFileError(f"nothing says where in or on {goal.reference!r} {goal.subject!r} may be")
         evidence = gather_placed(question.before, question.after, thing, place, question.rooms[goal], UNLIKE)
@@ -185,27 +185,24 @@ class OfflineCritic:
     def _judge_returned(self, question: CriticQuestion, goal: Goal) -> _Told:
         thing = _sought(question, goal.subject)
         if "top" not in question.start:
-            told = refuse(f"no picture shows where the {thing.look.phrase} stood at the start", 0.5)
-            return told, _nowhere(question)
+            return _unseen(question, f"where the {thing.look.phrase} stood at the start")
         evidence = gather_returned(question.start, question.before, question.after, thing)
-        explained = _nowhere(question) if evidence is None else _around(question, evidence.stood, evidence.was)
-        return decide_returned(evidence, thing.look.phrase), explained
+        places = () if evidence is None else (evidence.stood, evidence.was)
+        return decide_returned(evidence, thing.look.phrase), _around(question, *places)
 
     def _judge_handed(self, question: CriticQuestion, goal: Goal) -> _Told:
         thing = _sought(question, goal.subject)
         if "top" not in question.moment:
-            told = refuse(f"no picture shows the moment at which the {thing.look.phrase} changes hands", 0.5)
-            return told, _nowhere(question)
+            return _unseen(question, f"the moment at which the {thing.look.phrase} changes hands")
         evidence = gather_handed(question.before, question.moment, question.after, thing)
-        explained = _nowhere(question) if evidence is None else _around(question, evidence.old, evidence.new)
-        return decide_handed(evidence, thing.look.phrase), explained
+        places = () if evidence is None else (evidence.old, evidence.new)
+        return decide_handed(evidence, thing.look.phrase), _around(question, *places)
 
     def _judge_scan(self, question: CriticQuestion, goal: Goal) -> _Told:
         """Of the scanner held before the thing, or the thing before the scanner."""
         phrase = _look(question, goal.subject).phrase
         if question.readings is None or "top" not in question.moment:
-            told = refuse(f"no picture shows the moment at which the {phrase} is read", 0.5)
-            return told, _nowhere(question)
+            return _unseen(question, f"the moment at which the {phrase} is read")
         moved = question.grasped or goal.subject
         others = [goal.subject] if moved in question.readers else question.readers
         told = [self._judge_shown(question, moved, still) for still in others]
@@ -235,6 +232,11 @@ _Told = tuple[Verdict, np.ndarray]
 
 def _nowhere(question: CriticQuestion) -> np.ndarray:
     return np.zeros(_top(question.before).picture.shape[:2], bool)
+
+
+def _unseen(question: CriticQuestion, what: str) -> _Told:
+    """A no for want of a picture."""
+    return refuse(f"no picture shows {what}", 0.5), _nowhere(question)
 
 
 def _around(question: CriticQuestion, *standing: Standing | None) -> np.ndarray:

@@ -97,7 +97,7 @@ def gather_placed(
     """
     change = Change.between(before["top"], after["top"])
     camera = before["top"].camera
-    stands = place.found({"top": before["top"]})
+    stands = place.found(before)  # it may itself stand on another: only the side tells how high
     room = None if stands is None else _covered(rooms, stands.pose, camera)
     old = thing.found({"top": before["top"]}, change.all if room is None else change.all & ~room)
     if stands is None or room is None or old is None:
