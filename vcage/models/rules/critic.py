@@ -156,7 +156,12 @@ class OfflineCritic:
         thing, place = _sought(question, goal.subject), _sought(question, goal.reference or "", question.tops)
         if goal not in question.rooms:
             raise InputFileError(f"nothing says where in or on {goal.reference!r} {goal.subject!r} may be")
-        evidence = gather_placed(question.before, question.after, thing, place, question.rooms[goal], UNLIKE)
+        others = [
+            (_sought(question, name).draw, pose)
+            for name, pose in question.planned.items()
+            if name not in (goal.subject, goal.reference)
+        ]
+        evidence = gather_placed(question.before, question.after, thing, place, question.rooms[goal], UNLIKE, others)
         verdict = decide_placed(evidence, goal, thing.look.phrase, place.look.phrase)
         return verdict, _nowhere(question) if evidence is None else evidence.explained
 

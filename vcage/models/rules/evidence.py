@@ -62,7 +62,7 @@ def places(image: LabImage, template: ObjectTemplate, standing: np.ndarray) -> F
     return found.best_first()
 
 
-def changed(before: np.ndarray, after: np.ndarray, least: float = CHANGED) -> np.ndarray:
+def changed(before: np.ndarray, after: np.ndarray, *, least: float = CHANGED) -> np.ndarray:
     """(H, W) bool: pixels that differ by more than noise and than a colour distance, without specks."""
     away = distance(before, after)
     change = away > np.clip(NOISE_FACTOR * float(np.median(away)), least, NOISIEST)

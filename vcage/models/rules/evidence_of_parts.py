@@ -10,7 +10,8 @@ import numpy as np
 from vcage.base.geometry import Camera, Pose
 from vcage.models.rules.drawings import brightness, drawn_whole
 from vcage.models.rules.evidence import changed
-from vcage.models.rules.standing import CAP, Sought
+from vcage.models.rules.sights import CAP
+from vcage.models.rules.standing import Sought
 from vcage.sim.drawer import Drawing, Window
 from vcage.vision.colour import distance, smoothed, to_lab
 from vcage.vision.protocols import View

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import cv2
@@ -10,6 +10,7 @@ import numpy as np
 
 from vcage.base.geometry import Camera, Pose
 from vcage.models.rules.change import Change, grown
+from vcage.models.rules.drawings import Draw
 from vcage.models.rules.evidence import changed
 from vcage.models.rules.evidence_of_support import Lying, Support, find_lying, find_support, redrawn, stands_on
 from vcage.models.rules.standing import Sought, Standing
@@ -86,6 +87,7 @@ def gather_placed(
     place: Sought,
     rooms: np.ndarray,
     unlike: float,
+    others: Sequence[tuple[Draw, Pose]] = (),
 ) -> Placed | None:
     """Measure one sub-task: ``thing`` was to be put in or on ``place``; None where one of them is not found before.
 
@@ -94,6 +96,7 @@ def gather_placed(
         thing, place: the object and the receptacle, parts open as they are.
         rooms: (n, 8, 3) corners of where the object may be, in the receptacle's frame.
         unlike: colour distance from which on what stands somewhere is another object.
+        others: what else stands there, by the plan.
     """
     change = Change.between(before["top"], after["top"])
     camera = before["top"].camera
@@ -105,22 +108,19 @@ def gather_placed(
     lies, support = None, Support(stands)
     aside = len(before.keys() & after.keys()) > 1
     if aside or not stands_on(place, stands, change, before["top"], after["top"]):
-        lies = find_lying(thing, rooms, stands.pose, before, after, grown(room, EDGE))
+        lies = find_lying(thing, rooms, stands.pose, before, after, grown(room, EDGE), others)
         support = find_support(place, stands, lies, change, before, after, unlike)
     now = support.now or stands
     if now is not stands:
         before = {**before, "top": redrawn(before["top"], place.background, stands, now)}
         change, room, lies = Change.between(before["top"], after["top"]), _covered(rooms, now.pose, camera), None
-    here, wide, area = (
-        grown(room, EDGE),
-        grown(room | stands.covered | now.covered, AROUND),
-        max(1, int(old.covered.sum())),
-    )
+    here, wide = grown(room, EDGE), grown(room | stands.covered | now.covered, AROUND)
+    area = max(1, int(old.covered.sum()))
     if lies is None and (aside or now is not stands):
-        lies = find_lying(thing, rooms, now.pose, before, after, here)
+        lies = find_lying(thing, rooms, now.pose, before, after, here, others)
 
     def lying() -> Lying | None:
-        return lies or find_lying(thing, rooms, now.pose, before, after, here)
+        return lies or find_lying(thing, rooms, now.pose, before, after, here, others)
 
     came, alike, stirred = _came(before["top"], after["top"], thing, old, change, here, wide, lying)
     if lies is not None and lies.seen and now is not stands:  # the rest is of the support, which moved

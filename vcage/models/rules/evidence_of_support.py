@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import cv2
@@ -10,7 +10,7 @@ import numpy as np
 
 from vcage.base.geometry import Pose
 from vcage.models.rules.change import Change, grown
-from vcage.models.rules.drawings import drawn_whole
+from vcage.models.rules.drawings import Draw, drawn_whole
 from vcage.models.rules.evidence import CHANGED, changed
 from vcage.models.rules.standing import Sought, Standing
 from vcage.vision.colour import distance, smoothed
@@ -93,6 +93,7 @@ def find_lying(
     before: Mapping[str, View],
     after: Mapping[str, View],
     room: np.ndarray,
+    others: Sequence[tuple[Draw, Pose]] = (),
 ) -> Lying | None:
     """The likeliest place of an object in or on its support; None where that has no room.
 
@@ -102,9 +103,10 @@ def find_lying(
         pose: of the support.
         before, after: views of one moment each, by camera.
         room: (H, W) bool, where the view from above shows the rooms.
+        others: what else stands there, by the plan: it may hide the object from the side.
     """
     was, now = (smoothed(views["top"].picture) for views in (before, after))
-    faint = changed(was, now, SETTINGS.faint_lab)
+    faint = changed(was, now, least=SETTINGS.faint_lab)
     floors: dict[float, Pose] = {}
     for corners in rooms:
         inside = pose.apply(corners)
@@ -120,16 +122,34 @@ def find_lying(
     }
     told = thing.speaks(lies, after["top"], before["top"].picture)[0]
     outline = float(faint[lies.covered].mean()) if lies.covered.any() else 0.0
-    return Lying(lies, told, outline, _aloft(thing, lies, before, after), hides)
+    return Lying(lies, told, outline, _aloft(thing, lies, before, after, others), hides)
 
 
-def _aloft(thing: Sought, lies: Standing, before: Mapping[str, View], after: Mapping[str, View]) -> float | None:
+def _aloft(
+    thing: Sought,
+    lies: Standing,
+    before: Mapping[str, View],
+    after: Mapping[str, View],
+    others: Sequence[tuple[Draw, Pose]],
+) -> float | None:
     """Share of what tells an object at a height from what was there before that views from the side show."""
-    shares = [
-        thing.speaks(lies, after[name], before[name].picture) for name in sorted(before.keys() & after.keys() - {"top"})
-    ]
+    shares = []
+    for name in sorted(before.keys() & after.keys() - {"top"}):
+        hidden = _in_front(lies.pose, others, after[name])
+        shares.append(thing.speaks(lies, after[name], before[name].picture, hidden))
     pixels = sum(count for _, count in shares)
     return sum(share * count for share, count in shares) / pixels if pixels >= SETTINGS.fewest_px else None
+
+
+def _in_front(pose: Pose, others: Sequence[tuple[Draw, Pose]], view: View) -> np.ndarray:
+    """(H, W) bool: what a view shows of things that are nearer to its camera than a pose."""
+    camera = view.camera
+    away = np.linalg.norm(pose.p - camera.pose.p)
+    nearer = [(draw, at) for draw, at in others if np.linalg.norm(at.p - camera.pose.p) < away]
+    hidden = np.zeros(view.picture.shape[:2], bool)
+    for draw, at in nearer:
+        hidden |= drawn_whole(draw, at, camera).covered
+    return hidden
 
 
 @dataclass(frozen=True)

@@ -11,14 +11,11 @@ import numpy as np
 from vcage.base.geometry import Camera, Pose
 from vcage.models.rules.drawings import Draw, as_bright, cut, drawn_whole, inside, window_around
 from vcage.models.rules.evidence import CHANGED, FILLED, middles, places, salience
-from vcage.sim.drawer import Window
+from vcage.models.rules.sights import Sight, unlikeness
 from vcage.vision.colour import LabImage, distance, smoothed, to_lab
 from vcage.vision.detector import MIN_AREA, components
 from vcage.vision.object_templates import template_from_reference
 from vcage.vision.protocols import Reference, View
-
-CAP = 30.0
-"""Largest colour distance that a pixel can cost."""
 
 FLIPS = np.radians([0.0, 90.0, 180.0, 270.0])
 """Headings besides that at which an object seems to stand: a plain box looks the same from several sides."""
@@ -37,12 +34,6 @@ NEAR = 12
 
 FEW = 3
 """Rounds in which a pose is refined that is known to be nearly right."""
-
-UNFILLED = 20.0
-"""Colour distance that a pixel of an outline costs which a drawing leaves open."""
-
-UNSEEN = 6.0
-"""Colour distance that a pixel costs which something hides."""
 
 CLEARLY, SURELY = 3.0, 9.0
 """So much more like an object another place must be than that where the layout put it; and so unlike at most is what is
@@ -65,7 +56,7 @@ class Standing:
     Args:
         pose: of the object in the world.
         size: (3,) its bounding box, metres.
-        unlike: mean colour distance between the pictures and drawings of it there, at most :data:`CAP`.
+        unlike: mean colour distance between the pictures and drawings of it there, capped for each pixel.
         covered: (H, W) bool, where it is in the view from above.
     """
 
@@ -162,16 +153,18 @@ class Sought:
     ) -> Standing | None:
         """The likeliest of rough poses (3,) on something of a height, at one of their flips; None without any."""
         size, draw = self.look.size, self.draw
-        tries: list[tuple[float, tuple[float, ...], list[_Sight]]] = []
+        tries: list[tuple[float, tuple[float, ...], list[Sight]]] = []
         for rough in roughs:
             middle = np.array([rough[0], rough[1], height + size[2] / 2])
-            sights = [_Sight.of(view, middle, size, outline if name == "top" else None) for name, view in views.items()]
-            tries += [(_unlike(p, height, sights, draw), tuple(p), sights) for p in rough + FLIPS[:, None] * [0, 0, 1]]
+            sights = [Sight.of(view, middle, size, outline if name == "top" else None) for name, view in views.items()]
+            tries += [
+                (unlikeness(p, height, sights, draw), tuple(p), sights) for p in rough + FLIPS[:, None] * [0, 0, 1]
+            ]
         if not tries:
             return None
-        best: tuple[float, np.ndarray, list[_Sight]] = (np.inf, np.zeros(3), [])
+        best: tuple[float, np.ndarray, list[Sight]] = (np.inf, np.zeros(3), [])
         for least, start, sights in sorted(tries, key=lambda tried: tried[0])[:REFINED]:
-            nearby = refined(np.array(start), least, lambda p, s=sights: _unlike(p, height, s, draw))
+            nearby = refined(np.array(start), least, lambda p, s=sights: unlikeness(p, height, s, draw))
             best = min(best, (*nearby, sights), key=lambda found: found[0])
         return self._seen_at(best[1], height, best[2], views["top"].camera)
 
@@ -198,11 +191,11 @@ class Sought:
         height, tries = float(starts[0].p[2]), []
         for start in starts:
             at, middle = np.array([*start.p[:2], start.yaw]), start.p + [0.0, 0.0, self.look.size[2] / 2]
-            sights = [_Sight.of(view, middle, self.look.size, None, hidden.get(name)) for name, view in views.items()]
-            tries.append((_unlike(at, height, sights, self.draw), tuple(at), sights))
+            sights = [Sight.of(view, middle, self.look.size, None, hidden.get(name)) for name, view in views.items()]
+            tries.append((unlikeness(at, height, sights, self.draw), tuple(at), sights))
         least, at, sights = min(tries, key=lambda tried: tried[0])
         rounds = FEW if len(starts) == 1 else ROUNDS
-        _, pose = refined(np.array(at), least, lambda p: _unlike(p, height, sights, self.draw), rounds=rounds)
+        _, pose = refined(np.array(at), least, lambda p: unlikeness(p, height, sights, self.draw), rounds=rounds)
         return self._seen_at(pose, height, sights, views["top"].camera)
 
     def found(self, views: Mapping[str, View], among: np.ndarray | None = None) -> Standing | None:
@@ -259,8 +252,8 @@ class Sought:
             return 0.0
         return 1.0 if self.gone(there, top) else float(change[there.covered].mean())
 
-    def _seen_at(self, pose: np.ndarray, height: float, sights: Sequence[_Sight], camera: Camera) -> Standing:
-        unlike = _unlike(pose, height, [replace(s, outline=np.zeros_like(s.outline)) for s in sights], self.draw)
+    def _seen_at(self, pose: np.ndarray, height: float, sights: Sequence[Sight], camera: Camera) -> Standing:
+        unlike = unlikeness(pose, height, [replace(s, outline=np.zeros_like(s.outline)) for s in sights], self.draw)
         at = Pose.from_yaw([pose[0], pose[1], height], float(pose[2]))
         return Standing(at, self.look.size, unlike, drawn_whole(self.draw, at, camera).covered)
 
@@ -278,55 +271,6 @@ def refined(
         value, nearby = min(((unlike(p), tuple(p)) for p in around), key=lambda found: found[0])
         pose, least, steps = (np.array(nearby), value, steps) if value < least else (pose, least, steps / 2)
     return least, pose
-
-
-@dataclass(frozen=True)
-class _Sight:
-    """A view around a place.
-
-    Args:
-        camera, window: that see it.
-        picture: (side, side, 3) uint8.
-        lab: the same, smoothed.
-        outline: (side, side) bool, what a drawing should fill.
-        hidden: (side, side) bool, where something hides what is behind it.
-    """
-
-    camera: Camera
-    window: Window
-    picture: np.ndarray
-    lab: np.ndarray
-    outline: np.ndarray
-    hidden: np.ndarray
-
-    @classmethod
-    def of(
-        cls,
-        view: View,
-        middle: np.ndarray,
-        size: Sequence[float],
-        outline: np.ndarray | None,
-        hidden: np.ndarray | None = None,
-    ) -> _Sight:
-        window = window_around(middle, size, view.camera)
-        picture = cut(view.picture, window)
-        lab = smoothed(picture)
-        none = np.zeros(picture.shape[:2], bool)
-        masks = [none if mask is None else cut(mask, window) for mask in (outline, hidden)]
-        return cls(view.camera, window, picture, lab, *masks)
-
-
-def _unlike(pose: np.ndarray, height: float, sights: Sequence[_Sight], draw: Draw) -> float:
-    """Mean colour distance between sights and drawings of the object at (3,) x, y and heading."""
-    costs = []
-    for sight in sights:
-        drawing = draw(Pose.from_yaw([pose[0], pose[1], height], float(pose[2])), sight.camera, sight.window)
-        if not drawing.covered.any():
-            return CAP
-        drawn = to_lab(as_bright(drawing, sight.picture, sight.hidden).astype(np.uint8))
-        apart = np.where(sight.hidden, UNSEEN, np.minimum(distance(sight.lab, drawn), CAP))[drawing.covered].mean()
-        costs.append(apart + UNFILLED * (sight.outline & ~drawing.covered).sum() / drawing.covered.sum())
-    return float(np.mean(costs))
 
 
 def _apart(poses: np.ndarray) -> list[np.ndarray]:
