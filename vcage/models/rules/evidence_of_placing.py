@@ -12,7 +12,15 @@ from vcage.base.geometry import Camera, Pose
 from vcage.models.rules.change import Change, grown
 from vcage.models.rules.drawings import Draw
 from vcage.models.rules.evidence import changed
-from vcage.models.rules.evidence_of_support import Lying, Support, find_lying, find_support, redrawn, stands_on
+from vcage.models.rules.evidence_of_support import (
+    Lying,
+    Support,
+    faintly_changed,
+    find_lying,
+    find_support,
+    redrawn,
+    stands_on,
+)
 from vcage.models.rules.standing import Sought, Standing
 from vcage.vision.colour import palette, palette_distance, smoothed, to_lab
 from vcage.vision.protocols import Reference, View
@@ -120,7 +128,9 @@ def gather_placed(
         lies = find_lying(thing, rooms, now.pose, before, after, here, others)
 
     def lying() -> Lying | None:
-        return lies or find_lying(thing, rooms, now.pose, before, after, here, others)
+        if lies is not None or not faintly_changed(before["top"], after["top"], here, HARDLY * area):
+            return lies
+        return find_lying(thing, rooms, now.pose, before, after, here, others)
 
     came, alike, stirred = _came(before["top"], after["top"], thing, old, change, here, wide, lying)
     if lies is not None and lies.seen and now is not stands:  # the rest is of the support, which moved

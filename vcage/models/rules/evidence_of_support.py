@@ -86,6 +86,12 @@ class Lying:
         return self.told >= (SETTINGS.told_share_changed if changed else SETTINGS.told_share)
 
 
+def faintly_changed(before: View, after: View, here: np.ndarray, least: float) -> bool:
+    """Whether more than so many pixels of a mask (H, W) changed, be it faintly."""
+    faint = changed(smoothed(before.picture), smoothed(after.picture), least=SETTINGS.faint_lab)
+    return int((faint & here).sum()) > least
+
+
 def find_lying(
     thing: Sought,
     rooms: np.ndarray,
