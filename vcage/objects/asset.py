@@ -19,6 +19,9 @@ from vcage.schema.asset import (
     Variant,
 )
 
+ROUND_ANGLES, ROUND_SHARE = 12, 0.05
+"""Directions in which the width of an object is measured, and share by which those of a round one may differ."""
+
 
 @dataclass(frozen=True)
 class Asset:
@@ -60,6 +63,14 @@ class Asset:
     def footprint(self) -> np.ndarray:
         """(2,) edge lengths of the bounding rectangle seen from above."""
         return self.size[:2]
+
+    @cached_property
+    def round(self) -> bool:
+        """Whether it is about as wide in every direction seen from above, so that its heading is of no matter."""
+        angles = np.linspace(0, np.pi, ROUND_ANGLES, endpoint=False)
+        points = np.concatenate([piece.vertices for piece in self.pieces])[:, :2]
+        widths = np.ptp(points @ np.stack([np.cos(angles), np.sin(angles)]), axis=0)
+        return bool(widths.max() <= (1 + ROUND_SHARE) * widths.min())
 
     @cached_property
     def pieces(self) -> list[Convex]:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
+from typing import TypeVar
 
 import numpy as np
 
@@ -14,6 +15,7 @@ from vcage.layout.capacities import opening_for
 from vcage.layout.hands import hand_clearance
 from vcage.layout.items import TableItem, table_item
 from vcage.layout.optimize import LayoutOptions, LayoutResult, optimize_layout
+from vcage.plans.relations import DIRECTIONS
 from vcage.schema.plan import Relation
 from vcage.schema.scene import Role, Scene
 from vcage.sim.robots import load_robot
@@ -22,6 +24,8 @@ from vcage.tasks.one_arm import for_one_arm
 from vcage.tasks.scene_objects import SceneObject
 
 logger = logging.getLogger(__name__)
+
+T = TypeVar("T")
 
 
 def nearest_layout(
@@ -36,7 +40,8 @@ def nearest_layout(
     """The nearest layout without collisions (:func:`~vcage.layout.optimize.optimize_layout`) in which arms reach all.
 
     What one arm must reach (:mod:`~vcage.tasks.one_arm`) it does where there is room for that. Where there is none,
-    some arm reaches each object however it is turned, or else as it is turned.
+    some arm reaches each object however it is turned, or else as it is turned. Beside a thing that something is to be
+    put beside, there is room for that, if the table has it.
 
     Args:
         scene, targets, inside, context: as :func:`layout_items` takes them.
@@ -49,6 +54,13 @@ def nearest_layout(
     """
     items = layout_items(scene, targets, inside, context)
     workspace = np.array([scene.workspace.lower, scene.workspace.upper])
+    room, beside = _room_beside(scene, items)
+    if room:
+        try:
+            found = optimize_layout([*items, *room], workspace, scene.table, rng(), [*relations, *beside], options)
+            return _without(found, {item.id for item in room})
+        except InfeasibleScene as error:
+            logger.debug("no room is kept free: %s", error.message)
     for asked in (_in_reach_of_one_arm(items, scene, context), items):
         try:
             return optimize_layout(asked, workspace, scene.table, rng(), relations, options)
@@ -56,6 +68,38 @@ def nearest_layout(
             logger.debug("less is asked of the arms: %s", error.message)
     items = layout_items(scene, targets, inside, context, headed=True)
     return optimize_layout(items, workspace, scene.table, rng(), relations, options)
+
+
+def _room_beside(scene: Scene, items: Sequence[TableItem]) -> tuple[list[TableItem], list[Relation]]:
+    """Room on the table for what the instruction wants on one side of a thing: an item and a relation for each."""
+    by_id, room, beside = {item.id: item for item in items}, list[TableItem](), list[Relation]()
+    for goal in (asked.goal for asked in scene.goals):
+        if goal.relation not in DIRECTIONS or goal.reference not in by_id:
+            continue
+        thing, other = by_id[goal.subject], by_id[goal.reference]
+        apart = np.array(DIRECTIONS[goal.relation]) * (np.array(thing.size[:2]) + other.size[:2]) / 2
+        x, y = (np.array(other.target) + apart).tolist()
+        room.append(replace(thing, id=f"room-{len(room)}", target=(x, y), inside=None, opening=None, hand=None))
+        beside.append(Relation(subject=room[-1].id, relation=goal.relation, reference=other.id))
+    return room, beside
+
+
+def _without(layout: LayoutResult, names: Collection[str]) -> LayoutResult:
+    """A layout without some of its items."""
+
+    def rest(values: Mapping[str, T]) -> dict[str, T]:
+        return {name: value for name, value in values.items() if name not in names}
+
+    return replace(
+        layout,
+        positions=rest(layout.positions),
+        containers=rest(layout.containers),
+        displaced=rest(layout.displaced),
+        **{
+            field: [name for name in getattr(layout, field) if name not in names]
+            for field in ("repaired", "released", "out_of_reach")
+        },
+    )
 
 
 def layout_items(

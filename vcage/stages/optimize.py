@@ -236,10 +236,11 @@ def _checks(kept: Kept, result: LayoutResult) -> dict[str, Any]:
 
 
 def _heading(record: ObjectRecord, yaw: float, context: StageContext) -> float:
-    """The heading that was matched; what opens at its front is turned back until that faces the robot."""
+    """The heading that was matched; what opens at its front is turned back until that faces the robot. What is round
+    has none, and takes the one at which its box needs the least room."""
     asset = context.asset(record)
     if not asset.articulated:
-        return yaw
+        return float(np.round(yaw / (np.pi / 2)) * np.pi / 2) if asset.round else yaw
     turned = float(np.clip(wrap_angle(yaw), min(FRONT_YAWS), max(FRONT_YAWS)))
     if abs(wrap_angle(turned - yaw)) > 1e-6:
         logger.warning("%s is turned by %.0f°, so that its front faces the robot", record.id, np.degrees(turned - yaw))

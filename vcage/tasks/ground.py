@@ -166,7 +166,8 @@ def _yaws(thing: SceneObject, goal: Goal) -> list[tuple[float, ...]]:
     """Headings that do, and others for where no arm reaches it with those."""
     if goal.relation == "presented":
         return [tuple(np.pi + np.radians(off)) for off in ([0, -10, 10], [-20, 20])]
-    return [tuple(thing.pose.yaw + np.radians([0, 90, 180, 270]))]
+    quarters = np.radians([0, 90, 180, 270])
+    return [tuple(thing.pose.yaw + quarters), tuple(quarters)]  # along the table's edges a box needs least room
 
 
 def _side(box: np.ndarray, direction: np.ndarray, depth: float) -> np.ndarray:
