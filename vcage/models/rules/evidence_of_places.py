@@ -12,6 +12,7 @@ from vcage.models.rules.change import Change
 from vcage.models.rules.drawings import Draw, as_bright, cut, drawn_whole, inside, window_around
 from vcage.models.rules.evidence import changed, salience
 from vcage.models.rules.evidence_of_placing import looks_like
+from vcage.models.rules.evidence_of_support import SETTINGS
 from vcage.models.rules.standing import Sought, Standing, refined
 from vcage.vision.colour import distance, smoothed, to_lab
 from vcage.vision.protocols import View
@@ -47,7 +48,8 @@ class Moved:
         left: share of its old outline that has changed.
         old, new: where it stood and stands; None where it is not found.
         bare: share of its new outline that was empty table before.
-        alike: share of what came to be seen there that looks like it.
+        alike: share of what came to be seen there that looks like it; of what has the table's colour the share of
+            what tells a drawing of it from the table.
     """
 
     left: float
@@ -79,12 +81,16 @@ def gather_moved(
     stood = salience(before["top"].picture, thing.background) > 0.5
     here = new.covered & ~taken if new is not None else taken
     seen = smoothed(after["top"].picture)[came & here]
+    alike = float(looks_like(thing.look, seen).mean()) if len(seen) else 0.0
+    if new is not None and len(seen) < SETTINGS.fewest_px:  # what has the table's colour changes it as a shadow does
+        share, pixels = thing.speaks(new, after["top"], before["top"].picture)
+        alike = share if pixels >= SETTINGS.fewest_px and share >= SETTINGS.told_share else 0.0
     return Moved(
         left=0.0 if old is None else thing.left(old, change.all, after["top"]),
         old=old,
         new=new,
         bare=1 - _share(stood, here) if here.any() else 0.0,
-        alike=float(looks_like(thing.look, seen).mean()) if len(seen) else 0.0,
+        alike=alike,
     )
 
 

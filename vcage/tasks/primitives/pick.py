@@ -34,6 +34,12 @@ SWING_LEVER_M = 0.03
 """An object that is held farther from its middle than this, seen from above, may turn between the fingers: bowls and
 plates, held by their rim, do so by 30 degrees."""
 
+SAG_SHARE = 0.6
+"""By so much of that distance it then hangs lower: the sine of 35 degrees."""
+
+HANGING_SPEED = 0.4
+"""Share of the speed limit at which what hangs so is carried: faster it slips out of the fingers."""
+
 EVERY = 10
 """Physics steps between two looks at whether the fingers still hold what is carried."""
 
@@ -198,7 +204,9 @@ def _plans(
         yield f"{contact.name!r} is on a moving part: {target.record.phrase} is not carried by it"
         return
     gripper = cell.world.arms[arm].arm.gripper
+    sag = SAG_SHARE * _lever(target, target.pose.apply([contact.position])[0])
     heights = lift_heights(target, cell.objects_but(target.id), cell.world.table.height)
+    heights = tuple(height + sag for height in heights)
     planner = cell.planner(arm)
     opening = command_of(approach_opening(target.asset.grasp_width(contact), gripper), gripper)
     closing = Load(opening, ignore=cell.parts(target.id), speed=CAREFUL)
@@ -254,8 +262,13 @@ def carry_out_pick(cell: Workcell, plan: PickPlan) -> Grip:
     grip = Grip(plan.arm, target.id, Load(control.opening, held), contents=_contents(cell, target))
     with failing_at("grasp"):
         cell.put_off(plan.arm, cell.planner(plan.arm).line(plan.path.end, plan.way.lifted, lift), allowed)
-    lever = (target.aabb.mean(axis=0) - plan.way.grasp.p)[:2]
-    return _hanging(cell, grip, held) if np.linalg.norm(lever) > SWING_LEVER_M else grip
+    return _hanging(cell, grip, held) if _lever(target, plan.way.grasp.p) else grip
+
+
+def _lever(target: SceneObject, at: np.ndarray) -> float:
+    """How far from its middle an object is held at a point (3,), seen from above, metres; 0 where it hardly turns."""
+    lever = float(np.linalg.norm((target.aabb.mean(axis=0) - at)[:2]))
+    return lever if lever > SWING_LEVER_M else 0.0
 
 
 def _hanging(cell: Workcell, grip: Grip, grasped: Held) -> Grip:
@@ -264,7 +277,7 @@ def _hanging(cell: Workcell, grip: Grip, grasped: Held) -> Grip:
         cell.carry_out(grip.arm, cell.begun(grip.arm), grip.allowed)
     feel(cell, grip)
     held = _held(cell.object(grip.object_id), cell.world.arms[grip.arm].tool_pose)
-    return replace(grip, load=replace(grip.load, held=held), grasped=grasped)
+    return replace(grip, load=replace(grip.load, held=held, speed=HANGING_SPEED), grasped=grasped)
 
 
 def _contents(cell: Workcell, target: SceneObject) -> frozenset[str]:

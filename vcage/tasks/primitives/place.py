@@ -100,14 +100,13 @@ def plan_place(
 
 
 def _holds(cell: Workcell, grip: Grip, around: Surroundings) -> Iterator[tuple[Held, Surroundings]]:
-    """Ways to put down what is held, each with what it is carried above: as it hangs, the hand turned so that the
-    object stands; and with the hand as it took the object, which turns back when it meets its support."""
+    """Ways to put down what is held, each with what it is carried above: with the hand as it took the object, which
+    turns back when it meets its support; and as it hangs, the hand turned so that the object stands."""
     thing, gripper = cell.object(grip.object_id), cell.world.arms[grip.arm].tool_pose
-    now = Held(thing.id, thing.asset.model, gripper.inverse() * thing.pose, thing.joints)
-    yield now, around
     if grip.grasped is not None:
         sag = max(0.0, thing.moved(gripper * grip.grasped.in_gripper).lowest - thing.lowest)
         yield grip.grasped, replace(around, heights=tuple(height + sag for height in around.heights))
+    yield Held(thing.id, thing.asset.model, gripper.inverse() * thing.pose, thing.joints), around
 
 
 @dataclass(frozen=True)
