@@ -32,6 +32,19 @@ def test_a_path_that_leads_out_is_refused(path: str) -> None:
         RunFolder("/tmp").file(path)
 
 
+@pytest.mark.parametrize(("path", "stage"), [("mine/x.png", ""), ("../mine/x.png", "episodes"), ("../../x", "episodes")])
+def test_a_record_names_only_files_of_stages_as_all_else_may_be_a_link(path: str, stage: str, tmp_path: Path) -> None:
+    (tmp_path / "mine").symlink_to("/")
+    with pytest.raises(InputFileError):
+        RunFolder(tmp_path).file(path, stage)
+
+
+def test_a_path_from_the_folder_of_a_stage_may_lead_to_another_stage(tmp_path: Path) -> None:
+    run = RunFolder(tmp_path)
+    assert run.file("../episodes/critic/a.png", "verify") == tmp_path / "episodes" / "critic" / "a.png"
+    assert run.file("critic/a.png", "episodes") == run.file("episodes/critic/a.png")
+
+
 @pytest.mark.parametrize("path", ["place/source.png", "./x", "episodes//e.hdf5", "..x/y..", "Ä ö/…"])
 def test_a_path_that_stays_inside_is_taken(path: str) -> None:
     assert path_complaint(path) is None

@@ -11,6 +11,7 @@ import errno
 import hashlib
 import json
 import os
+import posixpath
 import shutil
 from collections.abc import Iterator
 from functools import cached_property
@@ -312,15 +313,24 @@ class RunFolder:
     options = property(lambda self: self._own / "options.json")
     unfinished = property(lambda self: self._own / "unfinished.json")
 
-    def file(self, name: str) -> Path:
-        """The file that a record names by its path in the run folder.
+    def file(self, name: str, stage: str = "") -> Path:
+        """The file that a record names.
+
+        Args:
+            name: its path in the run folder, or from a stage's folder.
+            stage: name of that folder.
 
         Raises:
-            InputFileError: the path leads out of the folder.
+            InputFileError: the path leads out of the run folder, or to what is not a part of a run: only in these is it
+                sure that nothing is a link.
         """
-        if complaint := path_complaint(name):
+        inside = posixpath.normpath(posixpath.join(stage, name)) if stage else name
+        complaint = path_complaint(inside)
+        if complaint is None and Path(inside).parts[0].partition(".")[0] not in OWN:
+            complaint = f"expected a path in a folder of a stage, got {name[:80]!r}"
+        if complaint:
             raise InputFileError(f"{self}: {complaint}", hint="mend the record that says so")
-        return self._own / name
+        return self._own / inside
 
     def relative(self, path: Path) -> str:
         """``path`` as written into records: relative to the run folder, with forward slashes."""

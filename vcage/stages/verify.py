@@ -219,7 +219,7 @@ class _Judge:
     """
 
     def __init__(self, run: RunFolder, context: StageContext, *, take_over: bool):
-        self._folder, self._context, self._take_over = run.episodes.parent, context, take_over
+        self._run, self._context, self._take_over = run, context, take_over
         self._scene = Scene.read(run.layout)
         self._episodes = {episode.index: episode for episode in Episodes.read(run.episodes).episodes}
         self._subtasks = {s.id: s for s in Subtasks.read(run.subtasks).kept}
@@ -233,19 +233,23 @@ class _Judge:
     def sees(self, question: _Question) -> bool:
         """Whether all that was looked at is kept."""
         pictures = (*question.pictures, background_name(question.episode))
-        return bool(question.pictures) and all((self._folder / name).is_file() for name in pictures)
+        return bool(question.pictures) and all(self._picture(name).is_file() for name in pictures)
 
     def seen(self, question: _Question) -> Seen:
         """The pictures that were looked at."""
-        return _seen([self._folder / name for name in question.pictures], self._scene)
+        return _seen([self._picture(name) for name in question.pictures], self._scene)
+
+    def _picture(self, name: str) -> Path:
+        """A picture by its path from the folder of the episodes."""
+        return self._run.file(name, self._run.episodes.parent.name)
 
     def from_verify(self, question: _Question) -> list[str]:
         """Their paths, relative to the folder of the verdicts."""
-        return [f"../{self._folder.name}/{name}" for name in question.pictures]
+        return [f"../{self._run.episodes.parent.name}/{name}" for name in question.pictures]
 
     def again(self, question: _Question) -> Verdict:
         """A verdict on it, or the earlier one where that stands."""
-        empty = read_picture(self._folder / background_name(question.episode))
+        empty = read_picture(self._picture(background_name(question.episode)))
         asking = Asking.of(self.subtask(question), self.seen(question), empty)
         known = self._take_over and question.earlier.question == asking.hash
         self.taken_over += known

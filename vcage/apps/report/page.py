@@ -210,12 +210,12 @@ def _episode_card(run: RunFolder, episode: Episode, video: str | None, refused: 
 
 def _verdict_card(run: RunFolder, verdict: Verdict, subtask: str) -> dict[str, Any]:
     shown = [name for name in verdict.pictures if "-moment-" in name or name.endswith(_OVERVIEWS)]
-    urls = [_picture_url(run.episodes.parent / picture, max_width=480) for picture in shown]
+    urls = [_picture_url(run.file(picture, "episodes"), max_width=480) for picture in shown]
     return {"verdict": verdict, "subtask": subtask, "pictures": [url for url in urls if url]}
 
 
 def _difference_card(run: RunFolder, found: Difference) -> dict[str, Any]:
-    return {"difference": found, "url": _picture_url(run.verdicts.parent / found.picture)}
+    return {"difference": found, "url": _picture_url(run.file(found.picture, "verify"))}
 
 
 @cache
