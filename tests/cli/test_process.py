@@ -86,14 +86,18 @@ import subprocess, sys
 from vcage.cli.process import prepare
 prepare()
 import yaml, only_there
-assert subprocess.run([sys.executable, "-c", "import yaml, only_there"]).returncode == 0
+assert subprocess.run([sys.executable, "-Pc", "import yaml, only_there"]).returncode == 0
 """
 
 
-def test_packages_of_another_interpreter_do_not_come_before_ours_here_or_in_processes_of_ours(tmp_path: Path) -> None:
+@pytest.mark.parametrize("named", ["{}", "{}/", "{}/../{name}", ":/usr"])
+def test_packages_of_another_interpreter_do_not_come_before_ours_here_or_in_processes_of_ours(
+    tmp_path: Path, named: str
+) -> None:
     (tmp_path / "yaml.py").write_text("raise SyntaxError('for another Python')")
     (tmp_path / "only_there.py").touch()
-    done = shell(f"{sys.executable} -c '{IMPORTS}'", Path("/"), PYTHONPATH=str(tmp_path))
+    path = named.format(tmp_path, name=tmp_path.name)
+    done = shell(f"{sys.executable} -Pc '{IMPORTS}'", tmp_path, PYTHONPATH=path)
     assert (done.returncode, done.stderr) == (0, "")
 
 

@@ -80,7 +80,9 @@ def _own_packages_first() -> None:
     """
     if folder_is_gone():  # no command works there
         return
-    listed = [str(Path(path).absolute()) for path in os.environ.get("PYTHONPATH", "").split(os.pathsep) if path]
+    named = os.environ.get("PYTHONPATH")
+    parts = named.split(os.pathsep) if named else []
+    listed = [os.path.normpath(Path(path).absolute()) for path in parts]  # as Python does: an empty one is this folder
     home = str(Path(__file__).parents[2])
     foreign = [path for path in listed if path != home]
     if not foreign:
