@@ -28,8 +28,9 @@ OF_PYTHON = "pymp-"
 PARTIAL_NAME = re.compile(rf"(?P<of>.+){re.escape(PARTIAL)}\d+(\..*)?", re.DOTALL)
 REPLACED_NAME = re.compile(rf"(?P<of>.+){re.escape(REPLACED)}\d+", re.DOTALL)
 
-CACHE_AGE_S = 3600.0
-"""Age from which partial work in the cache, which other machines and containers may share, is taken for left over."""
+CACHE_AGE_S = 24 * 3600.0
+"""Age from which partial work in the cache is taken for left over: other machines and containers may share the cache,
+and a slow download does not touch the folder that it will fill."""
 
 
 @contextlib.contextmanager

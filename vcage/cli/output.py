@@ -32,11 +32,10 @@ from vcage.base.errors import (
     OutputFolderError,
     PartlyDone,
     StaleStage,
-    UsageError,
     VcageError,
 )
 from vcage.base.files import NO_ROOM, RunFolder
-from vcage.cli.process import folder_is_gone
+from vcage.cli.process import LIMITS, folder_is_gone, removed_folder
 
 logger = logging.getLogger(__name__)
 
@@ -148,10 +147,8 @@ def _of_the_machine(error: Exception) -> VcageError | None:
     if error.errno == errno.ENAMETOOLONG:
         return OutputFolderError(f"too long a name: {error.filename}", hint="give a shorter --out")
     if error.errno in (errno.EMFILE, errno.ENFILE):
-        return ConfigurationError(f"too many open files: {error}", hint="raise the limit: ulimit -n 4096")
-    if folder_is_gone():
-        return UsageError("the current folder was removed", hint="go to one that exists: cd")
-    return None
+        return ConfigurationError(f"too many open files: {error}", hint=f"raise the limit: ulimit -n {LIMITS.wanted}")
+    return removed_folder() if folder_is_gone() else None
 
 
 def _of_a_package(error: ImportError) -> ConfigurationError | None:

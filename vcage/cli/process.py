@@ -7,14 +7,28 @@ import os
 import resource
 import sys
 import sysconfig
+from dataclasses import dataclass
 from pathlib import Path
 
 from vcage.base.errors import ConfigurationError, UsageError
 
 STREAMS = ("stdin", "stdout", "stderr")
 
-FILES_NEEDED, FILES_WANTED = 256, 4096
-"""Files that must, and that should, be open at a time; a run with two workers has up to a hundred."""
+
+@dataclass(frozen=True)
+class FileLimits:
+    """How many files may be open at a time; a run with two workers has up to a hundred.
+
+    Args:
+        required: with fewer, no command is begun.
+        wanted: the limit is raised to this where the system allows it.
+    """
+
+    required: int = 256
+    wanted: int = 4096
+
+
+LIMITS = FileLimits()
 
 
 def prepare() -> None:
@@ -23,7 +37,7 @@ def prepare() -> None:
     _own_packages_first()
     with contextlib.suppress(OSError, ValueError):
         most = resource.getrlimit(resource.RLIMIT_NOFILE)
-        wanted = FILES_WANTED if most[1] == resource.RLIM_INFINITY else min(FILES_WANTED, most[1])
+        wanted = LIMITS.wanted if most[1] == resource.RLIM_INFINITY else min(LIMITS.wanted, most[1])
         if most[0] != resource.RLIM_INFINITY and most[0] < wanted:
             resource.setrlimit(resource.RLIMIT_NOFILE, (wanted, most[1]))
 
@@ -36,12 +50,12 @@ def require_fit() -> None:
         ConfigurationError: too few files may be open at a time.
     """
     if folder_is_gone():
-        raise UsageError("the current folder was removed", hint="go to one that exists: cd")
+        raise removed_folder()
     most = resource.getrlimit(resource.RLIMIT_NOFILE)[0]
-    if most != resource.RLIM_INFINITY and most < FILES_NEEDED:
+    if most != resource.RLIM_INFINITY and most < LIMITS.required:
         raise ConfigurationError(
-            f"only {most} files may be open at a time; at least {FILES_NEEDED} are needed",
-            hint=f"raise the limit, in a new shell if need be: ulimit -n {FILES_WANTED}",
+            f"only {most} files may be open at a time; at least {LIMITS.required} are needed",
+            hint=f"raise the limit, in a new shell if need be: ulimit -n {LIMITS.wanted}",
         )
 
 
@@ -52,6 +66,11 @@ def folder_is_gone() -> bool:
     except FileNotFoundError:
         return True
     return False
+
+
+def removed_folder() -> UsageError:
+    """The error where :func:`folder_is_gone`."""
+    return UsageError("the current folder was removed", hint="go to one that exists: cd")
 
 
 def _open_closed_streams() -> None:

@@ -238,7 +238,7 @@ class EpisodeRunner:
             "reason": done.reason,
             **world_facts(start.scene, drawn),
             "wordings": {subtask.id: [subtask.text, *subtask.texts] for subtask in said},
-            **{name: told for name, told in self._stage.options.items() if name == "scripts"},
+            **{name: value for name, value in self._stage.options.items() if name == "scripts"},
             "providers": self._context.models.providers("reasoner", "editor", "detector", "embedder", "critic"),
             "versions": versions(),
         }

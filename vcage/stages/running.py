@@ -14,7 +14,7 @@ from typing import Any, Protocol, cast
 
 from vcage.base.commands import CALLED, goes_on_with
 from vcage.base.errors import AnswerNeeded, DamagedFile, FolderInUse, MissingStage, StageInterrupted, VcageError
-from vcage.base.files import RunFolder, atomic_folder, read_json, recover, write_json
+from vcage.base.files import OWN, RunFolder, atomic_folder, read_json, recover, write_json
 from vcage.base.hold import held
 from vcage.base.leftovers import sweep_cache, sweep_folder
 from vcage.base.progress import Progress, silent
@@ -25,10 +25,7 @@ from vcage.stages.stage import PRODUCERS, Job, StageOptions, StageResult
 
 logger = logging.getLogger(__name__)
 
-OURS = frozenset(
-    (*PRODUCERS, "episodes.collecting", "compress.working", "renders", "exchanges", "ask")
-    + ("report", "timings", "options", "unfinished", "probe")
-)
+SWEPT = OWN | {"episodes.collecting", "compress.working"}
 """Folders of a run, and files without their suffix, in which calls write."""
 
 
@@ -176,7 +173,7 @@ def at_work(run: RunFolder) -> Iterator[None]:
     run.make()
     try:
         with held(run.root):
-            sweep_folder(run.root, OURS)
+            sweep_folder(run.root, SWEPT)
             sweep_cache()
             yield
     except FolderInUse as error:
