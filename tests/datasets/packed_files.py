@@ -21,7 +21,7 @@ def streams(source: Path) -> list[Stream]:
             width=camera.width,
             height=camera.height,
             storage=camera.storage,
-            swapped=recording.swapped(camera.name),
+            swapped=recording.put_back_swapped(camera.name),
         )
         for camera in recording.cameras
     ]

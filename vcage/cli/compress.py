@@ -18,9 +18,11 @@ from vcage.cli.output import Result
 from vcage.cli.progress import progress
 from vcage.cli.stage import StageCommand, execute_stage
 from vcage.datasets.packing.estimating import estimate, estimate_clips
+from vcage.datasets.packing.frames import FRAMES, as_text, show_frames
 from vcage.datasets.packing.inspecting import as_lines, inspect, totals
 from vcage.datasets.packing.output import TARGETS, OutputSpec
 from vcage.datasets.packing.pack import Order, pack
+from vcage.datasets.recordings.colours import AUTO, CHOICES, as_json
 from vcage.stages import compress
 
 
@@ -40,6 +42,8 @@ class Recordings:
     """for LeRobot: the robot's type, where nothing says"""
     cameras: Annotated[tuple[str, ...], several("NAME ..."), UNSAID] = ()
     """only these; in a LeRobot data set that stays one, others keep their videos (default: all)"""
+    colours: Annotated[str | None, choice(CHOICES), UNSAID] = None
+    """order of red and blue as stored; auto: as the layout has it, unless file or pictures differ (default: auto)"""
     skip_damaged: Flag = False
     """leave out damaged recordings instead of refusing"""
     inspect: Flag = False
@@ -59,6 +63,11 @@ class Compress(Command):
     or a folder of pictures, which are only read. Writes a new folder: HDF5 with its videos beside it and everything
     else as it was (`vcage decompress` puts the pictures back), a LeRobot data set, or videos; and compression.json. An
     interrupted call goes on when started again.
+
+    RoboTwin swaps red and blue in its JPEGs, the other layouts do not; where pictures do not show which holds, that is
+    said, frames.png (--inspect and --dry-run name one too) shows both, and --colours decides. Depth, labels and
+    pictures of more than 8 bits are never encoded: they stay as they are in HDF5, and are left out of all else;
+    `other_streams` of the summary names them.
 
     A file of robomimic's stays one file, and each of its demonstrations is a recording: FILE.demo_0, FILE.demo_1, … and
     so an episode of a LeRobot data set. One that is left out with --skip-damaged stays in the file as it was. Its frame
@@ -95,20 +104,26 @@ class Compress(Command):
         if self.stage.keep_raw:
             raise UsageError("--keep-raw is for --run", hint="leave it out: INPUT is only read")
         if self.recordings.inspect:
-            found = inspect(self.input)
-            return Result(text=as_lines(found), summary=totals(found))
+            found = inspect(self.input, self.recordings.colours or AUTO)
+            shown = show_frames(self.input, [one.recording for one in found if one.recording is not None])
+            return Result(text=as_lines(found), summary={**totals(found), "frames_picture": as_text(shown)})
         order, workers = self._order(self.input), self.stage.workers
         if self.dry_run:
             with progress("estimate") as show:
                 return Result(summary=estimate(order, workers=workers, progress=show), next=not_dry())
         with progress("compress") as show:
             done = pack(order, workers=workers, force=self.stage.force, progress=show)
-        stored = {"reduction_stored": done.record.reduction_stored}
-        return Result(
-            output=done.path,
-            schema=done.record.SCHEMA,
-            summary={"fresh": done.fresh, **compress.summary(done.record), **stored},
-        )
+        record, shown = done.record, done.path.with_name(FRAMES)
+        told = {
+            "fresh": done.fresh,
+            **compress.summary(record),
+            "reduction_stored": record.reduction_stored,
+            "colours": as_json(record.colours),
+            "other_streams": as_json(record.other_streams),
+            "frames_picture": str(shown) if shown.is_file() else None,
+            "notes": record.notes,
+        }
+        return Result(output=done.path, schema=record.SCHEMA, summary=told)
 
     def _compress_run(self, run: Path) -> Result:
         for name, given in vars(self.recordings).items():
@@ -134,4 +149,5 @@ class Compress(Command):
             OutputSpec(asked.to, asked.fps, asked.task, asked.robot),
             asked.cameras,
             asked.skip_damaged,
+            asked.colours or AUTO,
         )

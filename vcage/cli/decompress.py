@@ -20,8 +20,8 @@ class Decompress(Command):
 
     INPUT is what `vcage compress` wrote: an HDF5 file whose videos lie beside it, or a folder of them. Arrays of pixels
     come back as arrays, encoded pictures as PNG in the same kind of data set, so that they lose nothing more and every
-    reader of the layout sees what it saw before. The pictures are those of the videos: what compression lost stays
-    lost.
+    reader of the layout sees what it saw before; where the file keeps their lengths, it keeps those of the PNGs then.
+    The pictures are those of the videos: what compression lost stays lost.
 
     examples:
       vcage decompress small --out restored

@@ -24,6 +24,7 @@ from vcage.datasets.hdf5 import GZIP_LEVEL
 from vcage.datasets.hdf5_contents import require_not_virtual
 from vcage.datasets.hdf5_copy import Replacement, copy_attributes, copy_file
 from vcage.datasets.hdf5_files import damage, new_hdf5, open_hdf5_file, spooled
+from vcage.datasets.picture_lengths import LengthsPlace, find_lengths, update_encoding, update_lengths
 from vcage.datasets.picture_links import OURS, Link, Original, Stream, find_links, read_link, write_link
 from vcage.datasets.stored_pictures import ARRAY, FIXED, VLEN
 
@@ -46,7 +47,9 @@ def write_packed(source: Path, target: Path, streams: Sequence[Stream]) -> Path:
         OutputFolderError, DiskFull: the file cannot be written.
     """
     with _rebuilt(source, target) as (old, new):
-        replacements = {stream.key: _pack(old, stream) for stream in streams}
+        keys = [stream.key for stream in streams if _is_own(old.get(stream.key))]
+        lengths = find_lengths(old, keys)
+        replacements = {stream.key: _pack(old, stream, lengths.get(stream.key, ())) for stream in streams}
         require_not_virtual(old, replacements)
         copy_file(old, new, replacements)
     return Path(target)
@@ -57,7 +60,8 @@ def unpack(packed: Path, target: Path, storage: Literal["same", "raw"] = "same")
 
     Arrays of pixels come back in the same type, chunks and compression. Encoded pictures come back as PNG, since a
     second JPEG would lose again, in the same kind of dataset, with red and blue swapped where they were, so that
-    whoever reads the layout sees what was seen before. Grey pictures come back grey; alpha does not come back.
+    whoever reads the layout sees what was seen before. What the file says of their lengths and encoding is made true
+    of them. Grey pictures come back grey; alpha does not come back.
 
     One picture is in memory at a time, or as many as share a chunk of an array.
 
@@ -86,6 +90,9 @@ def unpack(packed: Path, target: Path, storage: Literal["same", "raw"] = "same")
             return put
 
         copy_file(old, new, {key: restore(key) for key in links})
+        update_lengths(new, {key: link.lengths for key, link in links.items()})
+        encoded = [key for key, link in links.items() if link.original.kind != ARRAY]
+        update_encoding(new, encoded, raw=storage == "raw")
     return Path(target)
 
 
@@ -106,7 +113,12 @@ def _rebuilt(source: Path, target: Path) -> Iterator[tuple[h5py.File, h5py.File]
 # --- packing -------------------------------------------------------------------------------------------
 
 
-def _pack(file: h5py.File, stream: Stream) -> Replacement:
+def _is_own(dataset: h5py.Dataset | h5py.Group | None) -> bool:
+    """Whether a dataset holds pictures itself."""
+    return isinstance(dataset, h5py.Dataset) and bool(dataset.shape and dataset.size) and read_link(dataset) is None
+
+
+def _pack(file: h5py.File, stream: Stream, lengths: Sequence[LengthsPlace]) -> Replacement:
     dataset = file.get(stream.key)
     link = read_link(dataset) if isinstance(dataset, h5py.Dataset) else None
     if link is not None:
@@ -117,8 +129,8 @@ def _pack(file: h5py.File, stream: Stream) -> Replacement:
         )
 
     def put(old: h5py.Dataset, group: h5py.Group, name: str) -> None:
-        original = Original.of(old) if link is None else link.original
-        copy_attributes(old, write_link(group, name, Link(stream, original)), leave=OURS)
+        new = Link(stream, Original.of(old), tuple(lengths)) if link is None else replace(link, stream=stream)
+        copy_attributes(old, write_link(group, name, new), leave=OURS)
 
     return put
 
@@ -148,14 +160,14 @@ def _restored(group: h5py.Group, name: str, link: Link, video: Path, storage: st
 
 
 def _restored_array(group: h5py.Group, name: str, link: Link, video: Path) -> h5py.Dataset:
-    """Pixels, stored as they were; RGB where they had alpha."""
+    """Pixels, stored as they were, with red and blue swapped where they were; RGB where they had alpha."""
     original = link.original
     shape = (*original.shape[:3], *([min(original.shape[3], 3)] if len(original.shape) == 4 else []))
     dataset = _alike(group, name, original, shape, np.uint8)
-    found = _pictures(link, video)
+    found, order = _pictures(link, video), -1 if link.stream.swapped else 1
     rows = dataset.chunks[0] if dataset.chunks else 1
     for start in range(0, link.stream.frames, rows):
-        some = [_grey(picture) if original.channels == 1 else picture for picture in islice(found, rows)]
+        some = [_grey(one) if original.channels == 1 else one[..., ::order] for one in islice(found, rows)]
         dataset[start : start + rows] = np.stack(some).reshape(-1, *shape[1:])
     return dataset
 

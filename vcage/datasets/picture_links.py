@@ -17,6 +17,7 @@ import numpy as np
 from vcage.base.errors import DamagedFile
 from vcage.base.videos import frame_count
 from vcage.datasets.hdf5_contents import datasets_in
+from vcage.datasets.picture_lengths import LengthsPlace
 from vcage.datasets.stored_pictures import picture_channels, picture_kind
 
 LINK_SCHEMA = "vcage.pictures_in_video/1"
@@ -38,7 +39,8 @@ class Stream:
         frames: how many pictures there are.
         width, height: pixels.
         storage: how the dataset held them: ``raw``, ``jpeg`` or ``png``.
-        swapped: whether red and blue had changed places there; in the video they are right.
+        swapped: whether red and blue change places in what is put back, as they had there for readers of the layout;
+            in the video they are right.
 
     Raises:
         ValueError: ``file`` is not the bare name of a file.
@@ -110,10 +112,17 @@ class Original:
 
 @dataclass(frozen=True)
 class Link:
-    """A link as it stands in a file."""
+    """A link as it stands in a file.
+
+    Args:
+        stream: the video.
+        original: the dataset that held the pictures.
+        lengths: where the file keeps how many bytes each of them had.
+    """
 
     stream: Stream
     original: Original
+    lengths: tuple[LengthsPlace, ...] = ()
 
     def video(self, path: Path) -> Path:
         """The video of a link in the HDF5 file ``path``.
@@ -156,6 +165,8 @@ def write_link(group: h5py.Group, name: str, link: Link) -> h5py.Dataset:
         dataset.attrs[f"{OURS}{key}"] = value
     for key, value in asdict(link.original).items():
         dataset.attrs[f"{OURS}original_{key}"] = json.dumps(value)
+    if link.lengths:
+        dataset.attrs[f"{OURS}lengths"] = json.dumps([asdict(place) for place in link.lengths])
     return dataset
 
 
@@ -175,7 +186,8 @@ def read_link(dataset: h5py.Dataset) -> Link | None:
         attributes = {name.removeprefix(OURS): value for name, value in dataset.attrs.items() if name.startswith(OURS)}
         stream = {name: _plain(attributes[name]) for name in Stream.__dataclass_fields__}
         original = {name: json.loads(attributes[f"original_{name}"]) for name in Original.__dataclass_fields__}
-        return Link(Stream(**stream), Original(**original))
+        lengths = tuple(LengthsPlace(**place) for place in json.loads(attributes.get("lengths", "[]")))
+        return Link(Stream(**stream), Original(**original), lengths)
     except (KeyError, ValueError, TypeError) as error:
         raise DamagedFile(f"{what} is not a whole link to a video: {error}", hint="compress it again") from error
 

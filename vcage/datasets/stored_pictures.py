@@ -1,56 +1,98 @@
-"""Pictures as files hold them: JPEG or PNG, or arrays of pixels, one by one or in datasets of HDF5; read as RGB."""
+"""Pictures as files hold them: encoded, or arrays of pixels, one by one or in datasets of HDF5; read as 8-bit RGB."""
 
 from __future__ import annotations
 
+import io
+import struct
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, BinaryIO
 
 import cv2
 import h5py
 import numpy as np
 from numpy.typing import NDArray
+from PIL.TiffImagePlugin import BITSPERSAMPLE, TiffImageFile
 
 from vcage.base.errors import DamagedFile, OversizedFile
 from vcage.base.pictures import picture_header, rgb_of_decoded, three_channels
 
-PNG = b"\x89P"
-MAGIC = {b"\xff\xd8": "jpeg", PNG: "png"}
-"""First bytes of a picture file → its storage."""
+MAGIC = (
+    (b"\xff\xd8", 0, "jpeg"),
+    (b"\x89P", 0, "png"),
+    (b"WEBP", 8, "webp"),
+    (b"BM", 0, "bmp"),
+    (b"II*\0", 0, "tiff"),
+    (b"MM\0*", 0, "tiff"),
+)
+"""Bytes of a picture file, where they stand in it, and its storage."""
 
-COLOURED = 24
-"""Least difference of a pixel's largest and smallest channel that counts as a colour, levels."""
+ENCODED = ("jpeg", "png", "webp", "bmp", "tiff")
+"""Storages that are picture files."""
 
-CLEARLY = 0.6
-"""Share of the coloured pixels of one warmth that decides."""
+WITH_ALPHA = ("png", "webp", "tiff")
+"""Storages whose fourth channel is alpha. In a bitmap it is filling, and JPEG says in its EXIF data how it is to be
+turned, which OpenCV ignores where it is to leave a picture unchanged."""
 
-ENOUGH = 0.01
-"""Share of the pixels that must be coloured for them to say anything."""
+UNREADABLE = (OSError, EOFError, ValueError, KeyError, TypeError, SyntaxError, struct.error)
+"""What Pillow raises on the head of a damaged file."""
+
+PNG_HEAD = 26
+"""Bytes at the start of a PNG file, of which the one before the last says how many bits a channel has."""
 
 
 def storage_of(data: bytes, what: str) -> str:
-    """``jpeg`` or ``png``.
+    """One of :data:`ENCODED`.
 
     Raises:
-        DamagedFile: it is neither.
+        DamagedFile: it is no such file; ``what`` names it.
     """
-    found = MAGIC.get(bytes(data[:2]))
-    if found is None:
-        raise DamagedFile(f"{what} is no JPEG and no PNG", hint="only pictures in these two formats are understood")
-    return found
+    for magic, place, storage in MAGIC:
+        if bytes(data[place : place + len(magic)]) == magic:
+            return storage
+    raise DamagedFile(
+        f"{what} is no picture file that is known", hint=f"pictures are read from {', '.join(ENCODED)}; convert it"
+    )
+
+
+def sixteen_bits(data: bytes) -> bool:
+    """Whether a picture file has more than 8 bits a channel, as depth has; it is not decoded."""
+    try:
+        return picture_bits(io.BytesIO(data)) > 8
+    except UNREADABLE:  # which is complained of where it is decoded
+        return False
+
+
+def picture_bits(file: BinaryIO) -> int:
+    """Bits a channel of a PNG or TIFF file, which is not decoded; 0 of another file.
+
+    Raises:
+        UNREADABLE: its head is damaged.
+    """
+    head = file.read(PNG_HEAD)
+    if head[:2] == b"\x89P":
+        return head[PNG_HEAD - 2] if len(head) == PNG_HEAD else 0
+    if head[:4] not in (b"II*\0", b"MM\0*"):
+        return 0
+    file.seek(0)
+    return max(TiffImageFile(file).tag_v2.get(BITSPERSAMPLE, (1,)))
 
 
 def decode_picture(data: bytes | NDArray[np.uint8], what: str) -> NDArray[np.uint8]:
     """(H, W, 3) uint8 RGB as any reader of picture files shows it; padding behind the file's end is ignored.
 
-    Alpha is laid over white; 16 bits become 8.
+    Alpha is laid over white.
 
     Raises:
-        DamagedFile: it is damaged; ``what`` names it.
+        DamagedFile: it is damaged, or has more than 8 bits a channel; ``what`` names it.
         OversizedFile: it is too large; see :class:`vcage.base.pictures.PictureLimits`.
     """
     raw = np.frombuffer(data, np.uint8) if isinstance(data, bytes) else np.ascontiguousarray(data, np.uint8)
-    # JPEG knows no alpha, and says in its EXIF data how it is to be turned, which IMREAD_UNCHANGED ignores
-    picture = _decode(raw, cv2.IMREAD_UNCHANGED if raw[:2].tobytes() == PNG else cv2.IMREAD_COLOR, what)
+    picture = _decode(raw, what)
+    if picture.dtype != np.uint8:
+        raise DamagedFile(
+            f"{what} is {picture.dtype}, which 8-bit pictures do not keep",
+            hint="put depth into a folder or a dataset of its own; it is left as it is",
+        )
     return np.asarray(rgb_of_decoded(picture), np.uint8)
 
 
@@ -60,11 +102,17 @@ def channels_of(data: bytes, what: str) -> int:
     Raises:
         DamagedFile: it is damaged; ``what`` names it.
     """
-    picture = _decode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED, what)
-    return 1 if picture.ndim == 2 else picture.shape[2]
+    picture = _decode(np.frombuffer(data, np.uint8), what, cv2.IMREAD_UNCHANGED)
+    if picture.ndim == 2:
+        return 1
+    return picture.shape[2] if storage_of(data, what) in WITH_ALPHA else 3
 
 
-def _decode(raw: NDArray[np.uint8], flags: int, what: str) -> NDArray[Any]:
+def _decode(raw: NDArray[np.uint8], what: str, flags: int | None = None) -> NDArray[Any]:
+    """As the file has it where it may have alpha, else BGR."""
+    if flags is None:
+        keeps = len(raw) and storage_of(raw[:16].tobytes(), what) in WITH_ALPHA
+        flags = cv2.IMREAD_UNCHANGED if keeps else cv2.IMREAD_COLOR
     try:
         picture_header(raw.tobytes(), what)  # which refuses what would not fit in memory
         picture = cv2.imdecode(raw, flags)
@@ -106,21 +154,6 @@ def stacked(pictures: Sequence[NDArray[np.uint8]], what: str) -> NDArray[np.uint
                 hint="a video has one size: resize the pictures, or split the recording where the size changes",
             )
     return np.stack(pictures)
-
-
-def looks_swapped(pictures: Sequence[NDArray[np.uint8]]) -> bool | None:
-    """Whether red and blue changed places in RGB pictures of rooms and tables; None where the colours do not say.
-
-    What is coloured in a room is mostly warm: wood, skin, cardboard, food, lamplight. Swapped, it is blue.
-    """
-    pixels = np.concatenate([picture.reshape(-1, 3).astype(np.int16) for picture in pictures])
-    coloured = pixels[np.ptp(pixels, axis=1) >= COLOURED]
-    if len(coloured) < ENOUGH * len(pixels):
-        return None
-    warm = float((coloured[:, 0] > coloured[:, 2]).mean())
-    if max(warm, 1 - warm) < CLEARLY:
-        return None
-    return warm < 0.5
 
 
 # --- datasets of HDF5 ----------------------------------------------------------------------------------

@@ -12,6 +12,7 @@ Reduce = Literal["max", "mean"]
 SharedBy = Literal["camera", "episode"]
 Effort = Literal["fast", "default", "best"]
 Scope = Literal["camera", "episode", "fixed"]
+ColourSource = Literal["option", "file", "layout", "pictures"]
 
 
 class Evaluation(Record):
@@ -104,6 +105,27 @@ class CameraCompression(Record):
     held_out_max: Finite | None
 
 
+class ColourOrder(Record):
+    """How red and blue lie in the encoded pictures of some recordings; in the videos they are where they belong."""
+
+    stored: Literal["rgb", "bgr"] = Field(description="bgr: red and blue had changed places")
+    source: ColourSource = Field(
+        description="a user's option, the file, its layout's convention, or the pictures against that convention"
+    )
+    sure: bool = Field(description="false: look at the pictures")
+    recordings: int
+
+
+class OtherStream(Record):
+    """Depth, labels and the like, which are no 8-bit pictures and are never encoded as such."""
+
+    stream: str = Field(description="where it is in the recording")
+    shows: str = Field(description="depth, labels, or numbers of more than 8 bits")
+    stored: str = Field(description="type of its numbers, or of its picture files")
+    done: Literal["left as it was", "left out"]
+    recordings: int
+
+
 class SetAside(Record):
     """An episode that was compressed and is refused since: its file refers to its videos, which lie beside it."""
 
@@ -123,6 +145,8 @@ class Compression(StageDocument):
     notes: dict[str, list[str]] = Field(
         default_factory=dict, description="recording → what a user must know about how it was read"
     )
+    colours: list[ColourOrder] = Field(default_factory=list, description="of recordings with encoded pictures")
+    other_streams: list[OtherStream] = Field(default_factory=list, description="of all recordings")
     packed: dict[RunPath, str] = Field(
         default_factory=dict,
         description="of a run: episode → SHA-256 of its file once it refers to its videos in place of raw pictures",

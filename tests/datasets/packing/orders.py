@@ -22,7 +22,7 @@ def settings(**changes: Any) -> CompressionSettings:
 
 def order(root: Path, out: Path, *, target: str | None = None, task: str | None = None, **changes: Any) -> Order:
     """An order of recordings that do not say their frame rate; ``changes`` are the order's or the settings'."""
-    own = {name: changes.pop(name) for name in ("cameras", "skip_damaged") if name in changes}
+    own = {name: changes.pop(name) for name in ("cameras", "skip_damaged", "colours") if name in changes}
     return Order(root, out, settings(**changes), OutputSpec(target, FPS, task), **own)
 
 

@@ -1,9 +1,11 @@
 from __future__ import annotations
 
+import h5py
 import numpy as np
 import pytest
 
 from tests.datasets.packing.orders import act_folder, filled, packed, robotwin_folder
+from tests.datasets.recordings.layouts import FRAMES, robotwin
 from tests.recordings import written
 from tests.runs import digests
 from vcage.base.errors import InputFileError
@@ -64,3 +66,24 @@ def test_totals_add_up(tmp_path):
 def test_nothing_there_is_said(tmp_path):
     with pytest.raises(InputFileError, match="none"):
         inspect(tmp_path / "none")
+
+
+def test_what_is_no_camera_is_told(tmp_path):
+    path = act_folder(tmp_path / "in", "a") / "a.hdf5"
+    with h5py.File(path, "r+") as file:
+        file["observations/images/cam_high_depth"] = np.zeros((FRAMES, 32, 48), np.uint16)
+    found = inspect(path)
+    assert totals(found)["other_streams"] == [
+        {"stream": "observations/images/cam_high_depth", "shows": "depth", "stored": "uint16", "recordings": 1}
+    ]
+    assert "note: observations/images/cam_high_depth (depth, uint16) is no camera: it stays as it is" in as_lines(found)
+    assert totals(found)["cameras"] == ["cam_high"]
+
+
+def test_colours_are_told_and_whether_they_are_sure(tmp_path):
+    grey = np.full((FRAMES, 32, 48, 3), 120, np.uint8)
+    robotwin(tmp_path / "a.hdf5", pictures=grey)
+    (told,) = totals(inspect(tmp_path))["colours"]
+    assert told == {"stored": "bgr", "source": "layout", "sure": False, "recordings": 1}
+    (told,) = totals(inspect(tmp_path, "rgb"))["colours"]
+    assert told == {"stored": "rgb", "source": "option", "sure": True, "recordings": 1}

@@ -21,7 +21,8 @@ from vcage.datasets.packing.output import OutputSpec, output_notes, require_alik
 from vcage.datasets.packing.pack import Order, pack
 from vcage.datasets.packing.settings import CompressionSettings
 from vcage.datasets.packing.sources import find_sources
-from vcage.datasets.recordings.opening import open_recordings
+from vcage.datasets.recordings.opening import open_all, open_recordings
+from vcage.datasets.recordings.recording import VIDEOS
 from vcage.video.codec import EncoderSettings, encode
 
 LENGTHS = (6, 5)
@@ -130,3 +131,12 @@ def test_depth_is_refused_before_anything_is_searched(dataset):
     with pytest.raises(UsageError, match="cam_high shows depth"):
         require_alike(sources.clips(), wanted)
     require_alike(sources.clips(["cam_left_wrist"]), wanted)
+    with pytest.raises(UsageError, match="cam_high shows depth"):
+        require_alike(sources.clips(), OutputSpec(VIDEOS))
+    assert any("cam_high shows depth" in note for note in sources.sources[0].notes)
+
+
+def test_a_data_set_is_rgb_whatever_a_user_says(dataset):
+    assert open_all(dataset, "rgb").recordings
+    with pytest.raises(UsageError, match="RGB"):
+        open_all(dataset, "bgr")

@@ -60,6 +60,13 @@ def test_swapped_colours_come_back_swapped(tmp_path):
     assert np.array_equal(old.pictures("head_camera"), new.pictures("head_camera"))
 
 
+def test_arrays_in_which_a_user_says_red_and_blue_are_swapped_come_back_as_they_were(tmp_path):
+    packed(act_folder(tmp_path / "in", "a"), tmp_path / "small", crf=LOSSLESS, colours="bgr")
+    unpack_all(tmp_path / "small", tmp_path / "back")
+    old, small, new = (open_recordings(tmp_path / name)[0].pictures("cam_high") for name in ("in", "small", "back"))
+    assert np.array_equal(old, new) and np.array_equal(old, small[..., ::-1])
+
+
 def test_one_file_is_taken_alone(small, tmp_path):
     assert unpack_all(small / "b.hdf5", tmp_path / "back") == [tmp_path / "back/b.hdf5"]
 

@@ -106,6 +106,7 @@ class SearchTask:
             str(recording.path.resolve()),
             str(recording),
             [(stat.st_size, stat.st_mtime_ns) for stat in (file.stat() for file in recording.files)],
+            recording.swapped(self.clip.camera),
             self.clip.fps,
             self.clip.window,
             self.choices,

@@ -18,8 +18,11 @@ from vcage.datasets.packing.dataset_search import (
     stored_per_frame,
     workers_for,
 )
-from vcage.datasets.packing.pack import Order, prepare
+from vcage.datasets.packing.frames import as_text, show_frames
+from vcage.datasets.packing.output import other_streams
+from vcage.datasets.packing.pack import Order, notes_of, prepare
 from vcage.datasets.packing.settings import CompressionSettings
+from vcage.datasets.recordings.colours import as_json, colour_orders
 from vcage.schema.compression import VideoStream
 
 SAMPLE = 3
@@ -38,15 +41,26 @@ def estimate(order: Order, *, workers: int | None = None, progress: Progress = s
         progress: told of each clip of the sample.
 
     Returns:
-        JSON-serialisable: what :func:`estimate_clips` tells, and the recordings that are left.
+        JSON-serialisable: what :func:`estimate_clips` tells, the recordings that are left, and what a user must know.
 
     Raises:
         VcageError: see :func:`vcage.datasets.packing.pack.pack`.
     """
-    sources, told = prepare(order).without_damaged(
+    prepared = prepare(order)
+    sources, told = prepared.without_damaged(
         lambda clips: estimate_clips(clips, order.settings, workers=workers, progress=progress)
     )
-    return {"would": "write", "out": str(order.out), "recordings": len(sources.sources), **told}
+    others = other_streams(sources.sources, prepared.output)
+    return {
+        "would": "write",
+        "out": str(order.out),
+        "recordings": len(sources.sources),
+        **told,
+        "colours": as_json(colour_orders(source.recording.colours for source in sources.sources)),
+        "other_streams": as_json(others),
+        "frames_picture": as_text(show_frames(order.root, [source.recording for source in sources.sources])),
+        "notes": {name: texts for name, texts in notes_of(sources, prepared.output).items() if texts},
+    }
 
 
 def estimate_clips(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,8 +11,9 @@ from typing import Any
 from vcage.base.errors import DamagedFile
 from vcage.base.folders import natural_key
 from vcage.datasets.packing.sources import sound_notes
+from vcage.datasets.recordings.colours import AUTO, as_json, colour_orders
 from vcage.datasets.recordings.opening import open_all
-from vcage.datasets.recordings.recording import RecordedCamera, Recording
+from vcage.datasets.recordings.recording import HDF5, RecordedCamera, Recording
 
 MIB = 2**20
 
@@ -38,20 +40,26 @@ class Inspected:
         return self.recording.cameras if self.recording is not None else []
 
 
-def inspect(root: Path) -> list[Inspected]:
+def inspect(root: Path, colours: str = AUTO) -> list[Inspected]:
     """All recordings at a path, the damaged ones too.
+
+    Args:
+        root: the path.
+        colours: see :func:`vcage.datasets.recordings.opening.open_all`.
 
     Raises:
         InputFileError: there is nothing at the path, or nothing that is known.
     """
-    opened = open_all(Path(root))
+    opened = open_all(Path(root), colours)
     found = [_look(recording) for recording in opened.recordings]
     return found + [Inspected(str(path), None, error.message) for path, error in opened.damaged.items()]
 
 
 def _look(recording: Recording) -> Inspected:
     try:
-        return Inspected(str(recording), recording, notes=tuple(sound_notes(recording)))
+        becomes = "it stays as it is in HDF5, and is left out of all else" if recording.TARGET == HDF5 else "left out"
+        others = (f"{stream} is no camera: {becomes}" for stream in recording.other_streams)
+        return Inspected(str(recording), recording, notes=(*sound_notes(recording), *others))
     except DamagedFile as error:
         return Inspected(str(recording), None, error.message)
 
@@ -84,6 +92,8 @@ def _camera(camera: RecordedCamera) -> str:
 def totals(found: Sequence[Inspected]) -> dict[str, Any]:
     """The recordings in numbers."""
     cameras = [camera for one in found for camera in one.cameras]
+    sound = [one.recording for one in found if one.recording is not None]
+    others = Counter(stream for recording in sound for stream in recording.other_streams)
     return {
         "recordings": sum(one.recording is not None for one in found),
         "layouts": sorted({one.recording.LAYOUT for one in found if one.recording is not None}),
@@ -91,6 +101,11 @@ def totals(found: Sequence[Inspected]) -> dict[str, Any]:
         "frames": sum(camera.frames for camera in cameras),
         "raw_bytes": sum(camera.raw_bytes for camera in cameras),
         "stored_bytes": sum(camera.stored_bytes for camera in cameras),
+        "colours": as_json(colour_orders(recording.colours for recording in sound)),
+        "other_streams": [
+            {"stream": stream.key, "shows": stream.shows, "stored": stream.stored, "recordings": count}
+            for stream, count in others.items()
+        ],
         "damaged": {one.name: one.damage for one in found if one.recording is None},
         "notes": {one.name: list(one.notes) for one in found if one.notes},
     }

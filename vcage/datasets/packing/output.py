@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import groupby
-from typing import Any
+from typing import Any, Literal
 
 from vcage.base.errors import UsageError
 from vcage.datasets.lerobot.formats import FORMATS
@@ -13,6 +14,7 @@ from vcage.datasets.lerobot.repack import require_whole
 from vcage.datasets.packing.clips import Clip
 from vcage.datasets.packing.sources import SourceRecording
 from vcage.datasets.recordings.recording import HDF5, VIDEOS
+from vcage.schema.compression import OtherStream
 
 TARGETS = (HDF5, *FORMATS, VIDEOS)
 
@@ -71,11 +73,32 @@ def keeps_version(sources: Sequence[SourceRecording], output: OutputSpec) -> boo
 
 def output_notes(sources: Sequence[SourceRecording], output: OutputSpec) -> dict[str, list[str]]:
     """Recording → what a user must know about what is written of it, besides how it was understood."""
+    done = stays_or_not(sources, output)
+    notes = {source.name: [f"{one}: {done}" for one in source.recording.other_streams] for source in sources}
     if not output.lerobot:
-        return {source.name: [] for source in sources}
+        return notes
     left_out = [] if keeps_version(sources, output) else sources[0].recording.left_out()
-    notes = [f"left out, as another version is written: {', '.join(left_out)}"] if left_out else []
-    return {source.name: notes + source.recording.state_notes for source in sources}
+    if left_out:
+        notes = {
+            name: [f"left out, as another version is written: {', '.join(left_out)}", *own]
+            for name, own in notes.items()
+        }
+    return {source.name: notes[source.name] + source.recording.state_notes for source in sources}
+
+
+def stays_or_not(sources: Sequence[SourceRecording], output: OutputSpec) -> Literal["left as it was", "left out"]:
+    """What becomes of the streams that no 8-bit video keeps: they stay in files that are written again."""
+    return "left as it was" if output.target == HDF5 or keeps_version(sources, output) else "left out"
+
+
+def other_streams(sources: Sequence[SourceRecording], output: OutputSpec) -> list[OtherStream]:
+    """Depth, labels and the like of all recordings, and what becomes of them."""
+    done = stays_or_not(sources, output)
+    counts = Counter(stream for source in sources for stream in source.recording.other_streams)
+    return [
+        OtherStream(stream=one.key, shows=one.shows, stored=one.stored, done=done, recordings=count)
+        for one, count in counts.items()
+    ]
 
 
 def require_alike(clips: Sequence[Clip], output: OutputSpec) -> None:
@@ -83,14 +106,14 @@ def require_alike(clips: Sequence[Clip], output: OutputSpec) -> None:
 
     Raises:
         UsageError: one differs from the first in its cameras, their sizes, its frame rate or its numbers; names both.
-            Or a camera of a LeRobot data set shows depth or grey.
+            Or a camera of a LeRobot data set shows depth or grey, whatever is written.
         DamagedFile: the state of one holds NaN, or has not as many rows as there are pictures.
     """
-    if not output.lerobot:
-        return
     episodes = [list(group) for _, group in groupby(clips, key=lambda clip: clip.name)]
     for episode in episodes:
         episode[0].recording.require_rgb([clip.camera for clip in episode])
+    if not output.lerobot:
+        return
     first = _facts(episodes[0])
     for episode in episodes[1:]:
         for what, value in _facts(episode).items():

@@ -21,11 +21,13 @@ from vcage.base.keeper import Keeper
 from vcage.base.progress import Progress, silent
 from vcage.datasets.packing.clips import Clip
 from vcage.datasets.packing.dataset_search import require_tools, search_data_set
-from vcage.datasets.packing.output import OutputSpec, output_notes, require_alike, resolve_output
+from vcage.datasets.packing.frames import FRAMES, write_frames
+from vcage.datasets.packing.output import OutputSpec, other_streams, output_notes, require_alike, resolve_output
 from vcage.datasets.packing.records import compression_record
 from vcage.datasets.packing.settings import CompressionSettings
 from vcage.datasets.packing.sources import Sources, find_sources, require_apart
 from vcage.datasets.packing.writing import Compressed, write_output
+from vcage.datasets.recordings.colours import AUTO, colour_orders
 from vcage.schema.base import Provenance
 from vcage.schema.compression import Compression
 
@@ -52,6 +54,7 @@ class Order:
         wanted: what is to be written; none suits it to the recordings.
         cameras: names of those to be kept; none for all.
         skip_damaged: leave out damaged recordings instead of refusing all.
+        colours: see :func:`vcage.datasets.recordings.opening.open_all`.
     """
 
     root: Path
@@ -60,6 +63,7 @@ class Order:
     wanted: OutputSpec
     cameras: tuple[str, ...] = ()
     skip_damaged: bool = False
+    colours: str = AUTO
 
 
 @dataclass(frozen=True)
@@ -98,7 +102,8 @@ class Prepared:
 
     def provenance(self) -> Provenance:
         """Of what is made: the options, and the recordings as they are."""
-        options = {**self.order.settings.options(), **asdict(self.output), "cameras": list(self.order.cameras)}
+        chosen = {"cameras": list(self.order.cameras), "colours": self.order.colours}
+        options = {**self.order.settings.options(), **asdict(self.output), **chosen}
         return Provenance(producer="compress", seed=0, options=options, inputs=self.sources.hashes())
 
 
@@ -122,7 +127,7 @@ def prepare(order: Order) -> Prepared:
     """
     require_apart(order.root, order.out)
     require_tools(order.settings)
-    sources = find_sources(order.root, order.settings, skip_damaged=order.skip_damaged)
+    sources = find_sources(order.root, order.settings, skip_damaged=order.skip_damaged, colours=order.colours)
     output = resolve_output(order.wanted, sources.sources)
     require_alike(sources.clips(order.cameras, output.fps), output)
     return Prepared(order, sources, output)
@@ -163,12 +168,19 @@ def pack(order: Order, *, workers: int | None = None, force: bool = False, progr
         sources, videos = work.without_damaged(
             lambda clips: search_data_set(clips, order.settings, working / "videos", workers=workers, progress=progress)
         )
-        notes = _notes(sources, work.output)
-        streams = [video.stream for video in videos.values()]
-        record = compression_record(provenance, order.settings, streams, notes)
+        notes = notes_of(sources, work.output)
+        record = compression_record(
+            provenance,
+            order.settings,
+            [video.stream for video in videos.values()],
+            notes,
+            colour_orders(source.recording.colours for source in sources.sources),
+            other_streams(sources.sources, work.output),
+        )
         whole = working / "whole"
         shutil.rmtree(whole, ignore_errors=True)
         write_output(Compressed(sources.sources, videos, record.encoding.preset), work.output, whole, progress)
+        write_frames(whole / FRAMES, [source.recording for source in sources.sources])
         record.write(whole / RECORD)
         _move(whole, out)
         shutil.rmtree(working)
@@ -214,7 +226,7 @@ def _finished(out: Path, provenance: Provenance, *, force: bool) -> Packed | Non
     )
 
 
-def _notes(sources: Sources, output: OutputSpec) -> dict[str, list[str]]:
+def notes_of(sources: Sources, output: OutputSpec) -> dict[str, list[str]]:
     """Recording → what a user must know of it, those that were left out as damaged too."""
     told = output_notes(sources.sources, output)
     notes = {source.name: [*source.notes, *told[source.name]] for source in sources.sources}

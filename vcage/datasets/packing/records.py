@@ -8,7 +8,15 @@ from typing import TypeVar
 from vcage.base.folders import natural_key
 from vcage.datasets.packing.settings import CompressionSettings
 from vcage.schema.base import Provenance
-from vcage.schema.compression import CameraCompression, Compression, Encoding, SetAside, VideoStream
+from vcage.schema.compression import (
+    CameraCompression,
+    ColourOrder,
+    Compression,
+    Encoding,
+    OtherStream,
+    SetAside,
+    VideoStream,
+)
 from vcage.video.codec import is_rgb
 from vcage.video.encoders import CODECS, encoder_version
 from vcage.video.jod import metric_version
@@ -21,6 +29,8 @@ def compression_record(
     settings: CompressionSettings,
     streams: Sequence[VideoStream],
     notes: Mapping[str, Sequence[str]] | None = None,
+    colours: Sequence[ColourOrder] = (),
+    other_streams: Sequence[OtherStream] = (),
     packed: Mapping[str, str] | None = None,
     set_aside: Mapping[str, SetAside] | None = None,
 ) -> Compression:
@@ -31,6 +41,7 @@ def compression_record(
         settings: how the streams were made.
         streams: none where nothing is left that counts.
         notes: recording → what a user must know of it.
+        colours, other_streams: see :class:`Compression`.
         packed, set_aside: of a run, see :class:`Compression`.
     """
     cameras = sorted({stream.camera for stream in streams}, key=natural_key)
@@ -40,6 +51,8 @@ def compression_record(
         cameras=[_camera(name, [s for s in streams if s.camera == name]) for name in cameras],
         streams=list(streams),
         notes={name: list(texts) for name, texts in (notes or {}).items() if texts},
+        colours=list(colours),
+        other_streams=list(other_streams),
         packed=dict(packed or {}),
         set_aside=dict(set_aside or {}),
         reduction_raw=_reduction(streams, "raw_bytes"),

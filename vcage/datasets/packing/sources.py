@@ -8,12 +8,20 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
-from vcage.base.errors import DamagedFile, OutputFolderError, OversizedFile, UnknownName, UsageError
+from vcage.base.errors import (
+    DamagedFile,
+    InputFileError,
+    OutputFolderError,
+    OversizedFile,
+    UnknownName,
+    UsageError,
+)
 from vcage.base.files import sha256_file
 from vcage.base.folders import natural_key, require_utf8
 from vcage.base.memory import free_memory
 from vcage.datasets.packing.clips import Clip
 from vcage.datasets.packing.settings import CompressionSettings
+from vcage.datasets.recordings.colours import AUTO
 from vcage.datasets.recordings.opening import open_all
 from vcage.datasets.recordings.recording import Recording, relative_name
 from vcage.video.codec import formats_for
@@ -62,14 +70,15 @@ class Sources:
 
         Raises:
             UnknownName: a recording has no such camera.
-            UsageError: neither the recording nor ``fps`` says how fast the pictures follow each other.
+            UsageError: it has one that shows depth or labels; or neither the recording nor ``fps`` says how fast the
+                pictures follow each other.
         """
         clips = []
         for source in self.sources:
             there = [camera.name for camera in source.recording.cameras]
             for camera in cameras:
                 if camera not in there:
-                    raise UnknownName(f"camera of {source.recording}", camera, there)
+                    raise _no_camera(source.recording, camera)
             rate = source.recording.fps or fps
             if rate is None:
                 raise UsageError(
@@ -108,13 +117,16 @@ class Sources:
         return Sources(self.root, left, damaged)
 
 
-def find_sources(root: Path, settings: CompressionSettings, *, skip_damaged: bool = False) -> Sources:
+def find_sources(
+    root: Path, settings: CompressionSettings, *, skip_damaged: bool = False, colours: str = AUTO
+) -> Sources:
     """Open all recordings at a path, and look at what can be seen without decoding them.
 
     Args:
         root: a file or a folder.
         settings: how they are to be encoded.
         skip_damaged: leave out those that are damaged, and say so, instead of refusing all.
+        colours: see :func:`vcage.datasets.recordings.opening.open_all`.
 
     Raises:
         InputFileError: there is nothing at the path, or nothing that is known.
@@ -123,7 +135,7 @@ def find_sources(root: Path, settings: CompressionSettings, *, skip_damaged: boo
             recordings would be written under one name.
     """
     root = Path(root)
-    opened = open_all(root)
+    opened = open_all(root, colours)
     complaints = {relative_name(path, root): error for path, error in opened.damaged.items()}
     sources: dict[str, SourceRecording] = {}
     taken: dict[str, Recording] = {}
@@ -181,6 +193,11 @@ def sound_notes(recording: Recording) -> list[str]:
 
 
 def _require_encodable(recording: Recording, settings: CompressionSettings) -> None:
+    if not recording.cameras and recording.other_streams:
+        raise InputFileError(
+            f"{recording} holds no camera's pictures, only {', '.join(map(str, recording.other_streams))}",
+            hint="leave it as it is: videos are for colours, and would change these numbers",
+        )
     if not recording.cameras:
         raise UsageError(f"{recording} holds no pictures", hint="leave it out: there is nothing to compress")
     for camera in recording.cameras:
@@ -199,6 +216,16 @@ def _require_memory(recording: Recording, free: int) -> None:
                 f"{camera.raw_bytes:,} bytes; {free:,} bytes of memory are free",
                 hint="split the recording, or use a machine with more memory",
             )
+
+
+def _no_camera(recording: Recording, name: str) -> UsageError:
+    for stream in recording.other_streams:
+        if name == stream.key.rpartition("/")[2]:
+            return UsageError(
+                f"{recording}: {stream} is no camera, and no 8-bit video keeps it",
+                hint="leave it out of --cameras: in HDF5 it stays as it is",
+            )
+    return UnknownName(f"camera of {recording}", name, [camera.name for camera in recording.cameras])
 
 
 def _refusal(complaints: dict[str, DamagedFile], left: int) -> DamagedFile:

@@ -123,7 +123,7 @@ def link_to(recording: Recording, stream: VideoStream) -> Stream:
         width=camera.width,
         height=camera.height,
         storage=camera.storage,
-        swapped=recording.swapped(camera.name),
+        swapped=recording.put_back_swapped(camera.name),
     )
 
 

@@ -25,7 +25,7 @@ class ActEpisode(Hdf5Recording):
 
     LAYOUT = "act"
     PICTURES = r"observations/images/([^/]+)"
-    SWAPPED = None
+    COLOURS_SURE = False
 
     def _commands(self, part: h5py.Group) -> Columns | None:
         return numbers_of(part, "action", self._names)
@@ -42,7 +42,7 @@ class VcageEpisode(ActEpisode):
     """An episode of ours."""
 
     LAYOUT = "vcage"
-    SWAPPED = False
+    COLOURS_SURE = True
 
     @classmethod
     def found_in(cls, path: Path, file: h5py.File, keys: Collection[str]) -> list[Self]:

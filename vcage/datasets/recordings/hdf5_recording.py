@@ -10,7 +10,6 @@ import re
 from abc import abstractmethod
 from collections.abc import Collection, Iterator, Sequence
 from contextlib import contextmanager
-from copy import copy
 from functools import cached_property
 from pathlib import Path
 from typing import Any, ClassVar, Self
@@ -25,11 +24,13 @@ from vcage.base.videos import codec_name, decode, frame_rate
 from vcage.datasets.hdf5_contents import datasets_in, require_utf8_text
 from vcage.datasets.hdf5_files import damage, open_hdf5_file
 from vcage.datasets.hdf5_limits import require_numbers_fit, require_pictures_fit
+from vcage.datasets.picture_lengths import digests_beside
 from vcage.datasets.picture_links import Link, find_links, read_link
-from vcage.datasets.recordings.recording import HDF5, Columns, RecordedCamera, Recording
+from vcage.datasets.recordings.hdf5_colours import COLOURS, Hdf5Colours
+from vcage.datasets.recordings.other_streams import MeasuredStream, measured_stream, measured_streams
+from vcage.datasets.recordings.recording import HDF5, Columns, RecordedCamera
 from vcage.datasets.stored_pictures import (
     VLEN,
-    looks_swapped,
     picture_channels,
     picture_kind,
     picture_storage,
@@ -37,34 +38,19 @@ from vcage.datasets.stored_pictures import (
     stored_picture,
 )
 
-LOOKED_AT = 5
-"""Pictures of a camera that say whether colours are swapped."""
-
 CHUNK_CACHE = 64 << 20
 """Bytes of decompressed chunks that are kept: those of arrays often span many pictures."""
-
-ENCODED = ("jpeg", "png")
-
-COLOURS = "jpeg_colours"
-"""Attribute of files that say whether red and blue are ``swapped`` in their encoded pictures, or ``true``."""
 
 ATTRIBUTES = ("fps", "instruction", "task", "robot", "state_names", COLOURS)
 
 
-class Hdf5Recording(Recording):
+class Hdf5Recording(Hdf5Colours):
     """What the layouts have in common; each says where its pictures, its commands and its state are."""
 
     PICTURES: ClassVar[str]
     """Pattern of the keys of its pictures; its group is the camera's name."""
 
-    SWAPPED: ClassVar[bool | None] = False
-    """Whether red and blue of encoded pictures are swapped where neither the file nor the colours say; None does not
-    know either, and False does not ask them."""
-
     TARGET = HDF5
-
-    _agreed: bool | None = None
-    """Whether colours are swapped in the recordings that lie beside it."""
 
     @classmethod
     def found_in(cls, path: Path, file: h5py.File, keys: Collection[str]) -> list[Self]:
@@ -77,17 +63,18 @@ class Hdf5Recording(Recording):
         """
         return [cls(path)] if any(re.fullmatch(cls.PICTURES, key) for key in keys) else []
 
-    def with_colours(self, swapped: bool) -> Self:
-        """The same, taken for made like those beside it, whose red and blue are swapped or not."""
-        other = copy(self)
-        other._agreed = swapped
-        return other
-
     @cached_property
     def cameras(self) -> list[RecordedCamera]:
         with self._file() as file:
             found = self._picture_datasets(self._part(file))
-            return [self._camera(name, found[name]) for name in sorted(found, key=natural_key)]
+            seen = [name for name in sorted(found, key=natural_key) if measured_stream(name, found[name]) is None]
+            return [self._camera(name, found[name]) for name in seen]
+
+    @cached_property
+    def other_streams(self) -> list[MeasuredStream]:
+        with self._file() as file:
+            places = {item.name.lstrip("/") for item in self._picture_datasets(self._part(file)).values()}
+            return measured_streams(self._part(file), {camera.key for camera in self.cameras}, places)
 
     @property
     def fps(self) -> float | None:
@@ -126,9 +113,6 @@ class Hdf5Recording(Recording):
                 found = stacked([stored_picture(dataset, index, what) for index in wanted], what)
                 return found[..., ::-1] if self.swapped(camera) else found
         return decode(link.video(self.path), indices)
-
-    def swapped(self, camera: str) -> bool:
-        return self.camera(camera).storage in ENCODED and self._swapped
 
     def _part(self, file: h5py.File) -> h5py.Group:
         """Where the recording is in the open file."""
@@ -172,33 +156,11 @@ class Hdf5Recording(Recording):
         found = self._attributes.get(name)
         return found if isinstance(found, str) else None
 
-    @property
-    def says_colours(self) -> bool:
-        """Whether it is known without a look at them if the colours of encoded pictures are swapped."""
-        encoded = any(camera.storage in ENCODED for camera in self.cameras)
-        return self.SWAPPED is False or not encoded or COLOURS in self._attributes
-
-    @cached_property
-    def _swapped(self) -> bool:
-        if self.SWAPPED is False:
-            return False
-        said = self._attributes.get(COLOURS)
-        if said is not None:
-            return said == "swapped"
-        seen = self.looks_swapped() if self._agreed is None else self._agreed
-        return bool(self.SWAPPED) if seen is None else seen
-
     def _camera_notes(self) -> list[str]:
-        swapped = any(self.swapped(camera.name) for camera in self.cameras)
-        return super()._camera_notes() + ["red and blue were swapped in its JPEGs and are put back"] * swapped
-
-    def looks_swapped(self) -> bool | None:
-        """What the colours of the first camera with encoded pictures say; None where they do not."""
-        camera = next(camera for camera in self.cameras if camera.storage in ENCODED)
-        some = np.unique(np.linspace(0, camera.frames - 1, LOOKED_AT).astype(int))
         with self._file() as file:
-            what = f"{self.path}:{camera.key}"
-            return looks_swapped([stored_picture(file[camera.key], int(index), what) for index in some])
+            digests = digests_beside(file, [camera.key for camera in self.cameras])
+        note = f"{', '.join(digests)}: made of the pictures as they are, and not true of those of the videos"
+        return super()._camera_notes() + [note] * bool(digests)
 
     def _read_commands(self) -> Columns | None:
         with self._file() as file:

@@ -8,7 +8,7 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 import av
 import numpy as np
@@ -28,6 +28,7 @@ from vcage.datasets.lerobot.language import LANGUAGE
 from vcage.datasets.lerobot.meta import data_set_info, episode_rows
 from vcage.datasets.lerobot.parquet import MEND, read_table
 from vcage.datasets.lerobot.places import inside, own_file, own_files, placed
+from vcage.datasets.recordings.colours import Colours
 from vcage.datasets.recordings.recording import Columns, RecordedCamera, Recording
 from vcage.datasets.stored_pictures import channels_of, decode_picture, stacked, storage_of
 
@@ -83,10 +84,27 @@ class LeRobotRecording(Recording):
         names = [name for name in other_columns(features) if features[name]["dtype"] != "image"]
         return names + [name for name in OF_SUBTASKS if name in features]
 
+    def with_colours(self, colours: Colours) -> Self:
+        if colours.swapped:
+            raise UsageError(
+                f"{self.path} is a LeRobot data set, whose pictures and their statistics are RGB",
+                hint="leave --colours out, or change the recordings that it was made of",
+            )
+        return self
+
     def require_rgb(self, cameras: Collection[str]) -> None:
         for camera in cameras:
             key = self.camera(camera).key
             require_rgb(key, self._info["features"][key])
+
+    def _camera_notes(self) -> list[str]:
+        notes = super()._camera_notes()
+        for camera in self.cameras:
+            try:
+                self.require_rgb([camera.name])
+            except UsageError as error:
+                notes.append(f"{error.message}: {error.hint}")
+        return notes
 
     @cached_property
     def cameras(self) -> list[RecordedCamera]:

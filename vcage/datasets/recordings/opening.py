@@ -5,20 +5,23 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
 
 import numpy as np
 
-from vcage.base.errors import DamagedFile, InputFileError
+from vcage.base.errors import DamagedFile, InputFileError, UnknownName
 from vcage.base.folders import entries, files_below, require_utf8
 from vcage.base.placeholders import require_fetched
 from vcage.datasets.hdf5_contents import walk
 from vcage.datasets.hdf5_files import damage, open_hdf5_file
 from vcage.datasets.lerobot.meta import INFO
 from vcage.datasets.recordings.act import ActEpisode, VcageEpisode
+from vcage.datasets.recordings.colours import AUTO, BGR, CHOICES, Colours, settle
 from vcage.datasets.recordings.hdf5_recording import Hdf5Recording
 from vcage.datasets.recordings.lerobot import open_lerobot
-from vcage.datasets.recordings.picture_folder import PictureFolder, pictures_in
+from vcage.datasets.recordings.picture_folder import SUFFIXES as PICTURE_SUFFIXES
+from vcage.datasets.recordings.picture_folder import PictureFolder, pictures_in, unread_in
 from vcage.datasets.recordings.recording import Recording
 from vcage.datasets.recordings.robomimic import RobomimicDemo
 from vcage.datasets.recordings.robotwin import RoboTwinEpisode, RoboTwinVisionEpisode
@@ -64,16 +67,32 @@ def open_recordings(path: Path) -> list[Recording]:
     return list(opened.recordings)
 
 
-def open_all(path: Path) -> Opened:
+def open_all(path: Path, colours: str = AUTO) -> Opened:
     """The recordings in a file or a folder: an HDF5 file or the demonstrations in it, the episodes of a LeRobot data
     set, all HDF5 files below a folder, or the pictures of a folder or of its folders.
 
+    Args:
+        path: the file or the folder.
+        colours: the order of red and blue in stored pictures, ``rgb`` or ``bgr``; ``auto`` finds it out.
+
     Raises:
+        UnknownName: there is no such order.
+        UsageError: what is there has its colours in one order only, and another is asked for.
         InputFileError: there is nothing at the path, or nothing that is known.
         DamagedFile: the file is damaged, or in no layout that is known; or what describes the data set is.
     """
+    if colours not in CHOICES:
+        raise UnknownName("order of colours", colours, CHOICES)
     path = Path(path)
     require_utf8(path)
+    opened = _open(path)
+    if colours == AUTO:
+        return opened
+    order = Colours(colours == BGR, "option", sure=True)
+    return Opened([recording.with_colours(order) for recording in opened.recordings], opened.damaged)
+
+
+def _open(path: Path) -> Opened:
     if path.is_file():
         return Opened(_recordings_in(path), {})
     if not path.is_dir():
@@ -89,9 +108,11 @@ def open_all(path: Path) -> Opened:
         return _open_files(files)
     if pictures_in(path) or any(pictures_in(folder) for folder in entries(path) if folder.is_dir()):
         return Opened([PictureFolder(path)], {})
+    unread = [name for folder in (path, *entries(path)) if folder.is_dir() for name in unread_in(folder)]
     raise InputFileError(
-        f"{path} holds no recording",
-        hint=f"known are {', '.join(SUFFIXES)} files, LeRobot data sets, and folders of PNG or JPEG pictures",
+        f"{path} holds no recording" + (f"; {unread[0]} is of a format that is not read" if unread else ""),
+        hint=f"known are {', '.join(SUFFIXES)} files, LeRobot data sets, and folders of pictures "
+        f"({', '.join(PICTURE_SUFFIXES)})",
     )
 
 
@@ -120,7 +141,7 @@ def _open_files(files: Sequence[Path]) -> Opened:
             found += _recordings_in(file)
         except DamagedFile as error:
             damaged[file] = error
-    return Opened(_with_colours_agreed(found), damaged)
+    return Opened(_with_colours_settled(found), damaged)
 
 
 def _recordings_in(path: Path) -> list[Hdf5Recording]:
@@ -137,21 +158,27 @@ def _recordings_in(path: Path) -> list[Hdf5Recording]:
     )
 
 
-def _with_colours_agreed(recordings: Sequence[Hdf5Recording]) -> list[Hdf5Recording]:
-    """Recordings of one layout that lie together are taken for made alike: whether red and blue are swapped in most of
-    them holds for all. Only some are looked at, and those that say themselves how their colours are, are believed."""
-    agreed: dict[type[Hdf5Recording], bool] = {}
-    for layout in {type(recording) for recording in recordings}:
+def _with_colours_settled(recordings: Sequence[Hdf5Recording]) -> list[Hdf5Recording]:
+    """Recordings of one layout that lie together are taken for made alike: whether red and blue are swapped is settled
+    for all. Only some are looked at, and those that say themselves how their colours are, are believed."""
+    settled: dict[type[Hdf5Recording], Colours] = {}
+    for layout in {type(recording) for recording in recordings if not recording.COLOURS_SURE}:
         own = [one for one in recordings if type(one) is layout]
         some = np.unique(np.linspace(0, len(own) - 1, min(len(own), VOTERS)).astype(int))
-        votes = [vote for index in some if (vote := _colour_vote(own[index])) is not None]
+        votes = list(chain.from_iterable(_colour_votes(own[index]) for index in some))
         if votes:
-            agreed[layout] = 2 * sum(votes) > len(votes)
-    return [one.with_colours(agreed[type(one)]) if type(one) in agreed else one for one in recordings]
+            settled[layout] = settle(layout.SWAPPED, votes)
+    return [_settled(one, settled.get(type(one))) for one in recordings]
 
 
-def _colour_vote(recording: Hdf5Recording) -> bool | None:
+def _settled(recording: Hdf5Recording, colours: Colours | None) -> Hdf5Recording:
     with suppress(DamagedFile):  # which is complained of where the recording is read
-        if not recording.says_colours:
-            return recording.looks_swapped()
-    return None
+        if colours is not None and recording.has_encoded_pictures and recording.stated_colours() is None:
+            return recording.with_colours(colours)
+    return recording
+
+
+def _colour_votes(recording: Hdf5Recording) -> list[int]:
+    with suppress(DamagedFile):
+        return [] if recording.stated_colours() is not None else recording.colour_votes()
+    return []

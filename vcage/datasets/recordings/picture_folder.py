@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from functools import cached_property
 from pathlib import Path
@@ -13,10 +14,24 @@ from vcage.base.errors import DamagedFile
 from vcage.base.folders import entries, require_utf8
 from vcage.base.pictures import picture_header
 from vcage.base.placeholders import require_fetched
+from vcage.datasets.recordings.other_streams import UNNAMED, MeasuredStream, shown_by_name
 from vcage.datasets.recordings.recording import Columns, RecordedCamera, Recording
-from vcage.datasets.stored_pictures import channels_of, decode_picture, stacked, storage_of
+from vcage.datasets.stored_pictures import (
+    UNREADABLE,
+    channels_of,
+    decode_picture,
+    picture_bits,
+    stacked,
+    storage_of,
+)
 
-SUFFIXES = (".png", ".jpg", ".jpeg")
+SUFFIXES = (".png", ".jpg", ".jpeg", ".webp", ".bmp", ".tif", ".tiff")
+UNREAD = (
+    *(".gif", ".exr", ".hdr", ".ppm", ".pgm", ".pnm", ".heic", ".heif", ".avif", ".jp2", ".tga", ".dng"),
+    *(".npy", ".npz"),
+)
+"""Formats of pictures and arrays that are named where they are passed over."""
+
 LEAVE_OUT = "remove it, or leave the recording out"
 ONLY = "camera"
 """Name of the camera whose pictures lie in the folder itself."""
@@ -38,17 +53,43 @@ class PictureFolder(Recording):
     def pictures(self, camera: str, indices: Sequence[int] | None = None) -> NDArray[np.uint8]:
         files = self._files[self.camera(camera).name]
         wanted = range(len(files)) if indices is None else indices
-        return stacked(
+        found = stacked(
             [decode_picture(files[index].read_bytes(), str(files[index])) for index in wanted],
             str(self.path / self.camera(camera).key),
         )
+        return found[..., ::-1] if self.swapped(camera) else found
+
+    @cached_property
+    def other_streams(self) -> list[MeasuredStream]:
+        found = [_measured(name, files) for name, files in self._folders.items()]
+        return [stream for stream in found if stream is not None]
+
+    def _camera_notes(self) -> list[str]:
+        inside = [path for path in entries(self.path) if path.is_dir()]
+        notes = [note for name, files in self._files.items() if (note := _gap(name, files))]
+        for folder in (self.path, *inside):
+            if names := unread_in(folder):
+                more = f" and {len(names) - 1} more" if names[1:] else ""
+                notes.append(f"{folder.name}: {names[0]}{more} left out: of a format that is not read")
+        if pictures_in(self.path):
+            passed = [path.name for path in inside if pictures_in(path)]
+            notes += [
+                f"{name}: left out, as the pictures beside this folder are taken for the camera" for name in passed
+            ]
+        return [*super()._camera_notes(), *notes]
 
     def _read_commands(self) -> Columns | None:
         return None
 
-    @cached_property
+    @property
     def _files(self) -> dict[str, list[Path]]:
         """Camera → its pictures, in order."""
+        measured = {stream.key for stream in self.other_streams}
+        return {name: files for name, files in self._folders.items() if name not in measured}
+
+    @cached_property
+    def _folders(self) -> dict[str, list[Path]]:
+        """Folder with pictures of whatever kind → these, in order."""
         own = pictures_in(self.path)
         if own:
             return {ONLY: own}
@@ -56,24 +97,114 @@ class PictureFolder(Recording):
         return {folder.name: files for folder in folders if (files := pictures_in(folder))}
 
     def _camera(self, name: str, files: list[Path]) -> RecordedCamera:
-        picture_header(files[0])
+        _require_one_series(files)
         first = files[0].read_bytes()
         height, width = decode_picture(first, str(files[0])).shape[:2]
         size = sum(path.stat().st_size for path in files)
         key = "." if name == ONLY and files[0].parent == self.path else name
+        look = _header(files[0])[0]
         for file in files:
-            _require_size(file, (width, height))
+            _require_like_first(file, look)
         channels = channels_of(first, str(files[0]))
         return RecordedCamera(name, key, len(files), width, height, storage_of(first, str(files[0])), size, channels)
 
 
-def _require_size(file: Path, size: tuple[int, int]) -> None:
-    """Raise DamagedFile unless the head of a picture file says this width and height; it is not decoded."""
-    found = picture_header(file)
-    if (found.width, found.height) != size:
+def _measured(name: str, files: Sequence[Path]) -> MeasuredStream | None:
+    """What the pictures of a folder are if no 8-bit video keeps them, as its name and its first file say."""
+    folder = files[0].parent.name
+    named = folder == name or folder.isalpha()  # the name of a whole recording may hold such a word, too
+    shows = (shown_by_name(folder) if named else None) or shown_by_name(files[0].stem)
+    deep = _header(files[0])[1]
+    if deep:
+        return MeasuredStream(name, shows or UNNAMED, f"{deep}-bit {files[0].suffix[1:]}")
+    return MeasuredStream(name, shows, files[0].suffix[1:]) if shows else None
+
+
+def _header(file: Path) -> tuple[tuple[int, int], int]:
+    """Width and height of a picture file, which is not decoded, and bits of a channel where these are more than 8.
+
+    Raises:
+        DamagedFile: it is no picture, or several.
+        OversizedFile: it is too large; see :class:`vcage.base.pictures.PictureLimits`.
+    """
+    header = picture_header(file)
+    try:
+        with file.open("rb") as data:
+            bits = picture_bits(data)
+    except UNREADABLE as error:
+        raise DamagedFile(f"{file} is damaged: {error}", hint=LEAVE_OUT) from error
+    return (header.width, header.height), bits if bits > 8 else 0
+
+
+def _require_like_first(file: Path, size: tuple[int, int]) -> None:
+    """Raise DamagedFile unless the head of a picture file says this width and height, and 8 bits a channel."""
+    found, deep = _header(file)
+    if found != size:
         raise DamagedFile(
-            f"{file} is {found.width}x{found.height}, the first of its folder {size[0]}x{size[1]}", hint=LEAVE_OUT
+            f"{file} is {found[0]}x{found[1]}, the first of its folder {size[0]}x{size[1]}", hint=LEAVE_OUT
         )
+    if deep:
+        raise DamagedFile(
+            f"{file} has {deep} bits a channel, the first of its folder 8", hint="put depth into a folder of its own"
+        )
+
+
+# --- names of files ------------------------------------------------------------------------------------
+
+
+def _series(files: Sequence[Path]) -> dict[str, dict[tuple[int, ...], Path]]:
+    """Name with ``*`` for each number → these numbers → the file.
+
+    Raises:
+        DamagedFile: two files have one name and number; names both.
+    """
+    found: dict[str, dict[tuple[int, ...], Path]] = {}
+    for file in files:
+        numbers = tuple(map(int, re.findall(r"[0-9]+", file.stem)))
+        own = found.setdefault(re.sub(r"[0-9]+", "*", file.stem), {})
+        if numbers in own:
+            raise DamagedFile(
+                f"{own[numbers]} and {file.name} are one frame twice", hint="remove one, or put it into another folder"
+            )
+        own[numbers] = file
+    return found
+
+
+def _require_one_series(files: Sequence[Path]) -> None:
+    """Raise DamagedFile where a folder holds frames of several cameras under the same numbers."""
+    first: dict[tuple[int, ...], str] = {}
+    for name, numbered in _series(files).items():
+        for numbers in numbered if len(numbered) > 1 else ():
+            other = first.setdefault(numbers, name)
+            if numbers and other != name:
+                raise DamagedFile(
+                    f"{files[0].parent} holds the frames of several cameras: {other} and {name}",
+                    hint="put those of each camera into a folder of its own",
+                )
+
+
+def _gap(camera: str, files: Sequence[Path]) -> str | None:
+    """A note where numbers are missing between frames that else follow in even steps."""
+    series = list(_series(files).values())
+    numbers = list(series[0]) if len(series) == 1 else []
+    if len(numbers) < 3 or len({one[:-1] for one in numbers}) != 1 or not numbers[0]:
+        return None
+    last = sorted(one[-1] for one in numbers)
+    steps = np.diff(last)
+    values, counts = np.unique(steps, return_counts=True)
+    even = 1 in values or (counts.max() > 1 and 2 * counts.max() >= len(steps))  # else they are times, not numbers
+    wide = np.flatnonzero(steps > (1 if 1 in values else values[counts.argmax()]))
+    if not even or len(wide) == 0:
+        return None
+    return (
+        f"{camera}: frames are missing, first between the numbers {last[wide[0]]} and {last[wide[0] + 1]}; "
+        "the others follow each other as if there were none"
+    )
+
+
+def unread_in(folder: Path) -> list[str]:
+    """Names of a folder's files that hold pictures or arrays in a format that is not read, in natural order."""
+    return [path.name for path in entries(folder) if path.suffix.lower() in UNREAD]
 
 
 def pictures_in(folder: Path) -> list[Path]:

@@ -4,16 +4,19 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Collection, Sequence
+from copy import copy
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import ClassVar
+from typing import ClassVar, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vcage.base.errors import DamagedFile, UnknownName
 from vcage.datasets.lerobot.episode import SubtaskSpan
+from vcage.datasets.recordings.colours import Colours
+from vcage.datasets.recordings.other_streams import MeasuredStream
 
 ARM_JOINTS = 6
 """Joints of an arm in ACT's 7- and 14-number commands; each arm's gripper follows them."""
@@ -123,6 +126,9 @@ class Recording(ABC):
     TARGET: ClassVar[str] = VIDEOS
     """What recordings of the kind are packed as unless something else is asked for: their own kind of files."""
 
+    _settled: Colours | None = None
+    """The order of colours, once somebody settled it: a user, or all recordings that lie together."""
+
     def __init__(self, path: Path, number: int = 0):
         self.path = Path(path)
         self.number = number
@@ -158,7 +164,10 @@ class Recording(ABC):
 
     @property
     def frames(self) -> int:
-        """How many frames it has; of the camera that has most where they differ."""
+        """How many frames it has; of the camera that has most where they differ, of the commands without a camera."""
+        if not self.cameras:
+            motion = self.motion
+            return 0 if motion is None else len(motion.values)
         return max(camera.frames for camera in self.cameras)
 
     @property
@@ -229,6 +238,16 @@ class Recording(ABC):
         """Parts of the task in order; none where the recording does not say."""
         return []
 
+    @property
+    def colours(self) -> Colours | None:
+        """In which order the stored pictures have red and blue; None where there is no question."""
+        return self._settled
+
+    @property
+    def other_streams(self) -> Sequence[MeasuredStream]:
+        """What no 8-bit video keeps: depth, labels."""
+        return ()
+
     def left_out(self) -> list[str]:
         """Numbers of each frame, by name, that a LeRobot data set of another version does not take over."""
         return []
@@ -252,6 +271,16 @@ class Recording(ABC):
             DamagedFile: a picture cannot be read, or is not as large as the first.
         """
 
+    def with_colours(self, colours: Colours) -> Self:
+        """The same, with another order of red and blue in its stored pictures.
+
+        Raises:
+            UsageError: a user asks for what cannot be of such a recording.
+        """
+        other = copy(self)
+        other._settled = colours
+        return other
+
     def swapped(self, camera: str) -> bool:
         """Whether red and blue have changed places in the camera's pictures as they are stored.
 
@@ -259,7 +288,16 @@ class Recording(ABC):
             UnknownName: there is no such camera.
         """
         self.camera(camera)
-        return False
+        return self.colours is not None and self.colours.swapped
+
+    def put_back_swapped(self, camera: str) -> bool:
+        """Whether they change places in the PNG files that take the place of the stored pictures, so that readers of
+        the layout see the same: where they had, and where only a mark said that they had not, which PNG cannot carry.
+
+        Raises:
+            UnknownName: there is no such camera.
+        """
+        return self.swapped(camera)
 
     def camera(self, name: str) -> RecordedCamera:
         """The camera of that name.

@@ -2,7 +2,8 @@
 
 The first: ``observation/<camera>/rgb`` holds JPEG as fixed-length bytes, made with OpenCV from RGB arrays and so with
 red and blue swapped (https://github.com/robotwin-Platform/RoboTwin/issues/438); ``joint_action`` the commands, which it
-takes for the state too. The second: ``vision/<camera>/colors`` and the groups ``state`` and ``action``.
+takes for the state too. The second: ``vision/<camera>/colors``, swapped as well unless a comment in each JPEG says
+otherwise, and the groups ``state`` and ``action``.
 """
 
 from __future__ import annotations
@@ -24,6 +25,7 @@ class RoboTwinEpisode(Hdf5Recording):
     LAYOUT = "robotwin"
     PICTURES = r"observation/([^/]+)/rgb"
     SWAPPED = True
+    COLOURS_SURE = False
 
     def _commands(self, part: h5py.Group) -> Columns | None:
         return _joints(part.get("joint_action"))
@@ -43,7 +45,8 @@ class RoboTwinVisionEpisode(Hdf5Recording):
 
     LAYOUT = "robotwin-1.0"
     PICTURES = r"vision/([^/]+)/colors"
-    SWAPPED = None
+    SWAPPED = True
+    COLOURS_SURE = False
 
     def _commands(self, part: h5py.Group) -> Columns | None:
         return columns(part.get("action", part.get("state")))

@@ -1,0 +1,147 @@
+"""In which order stored pictures hold red and blue, and how that is known.
+
+Nothing in a JPEG says that red and blue changed places in it, and a blue cube looks like a red one then. So whoever
+calls decides (``--colours``), else the file or its pictures say it, else the layout's own convention holds. What the
+pictures show overrules a convention only where large parts of most of them have the colour of wood, which is that of
+no blue object with red and blue changed; and it is said.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from vcage.schema.base import Record
+from vcage.schema.compression import ColourOrder, ColourSource
+
+AUTO, RGB, BGR = "auto", "rgb", "bgr"
+CHOICES = (AUTO, RGB, BGR)
+"""What a user may say of stored pictures; the last: red and blue changed places."""
+
+MARK = b"\xff\xfe\x00\x0aXPL-RGB1"
+"""JPEG comment with which newer files of RoboTwin's layouts say that red and blue are where they belong."""
+
+MARK_WITHIN = 4096
+"""Bytes of a JPEG, from its start, among which a comment is looked for."""
+
+
+@dataclass(frozen=True)
+class ColourSettings:
+    """When pictures say in which order their colours are; tried on drawn scenes, see ``test_colours.py``."""
+
+    lowest_hue_deg: float = 18.0
+    highest_hue_deg: float = 50.0
+    """hues of wood, cardboard and straw: from sienna to burlywood"""
+    least_saturation: float = 0.25
+    """more than a white table has under cool light"""
+    least_value: float = 0.25
+    least_share: float = 0.3
+    """of a picture's pixels that must have such a hue"""
+    most_contrary: float = 0.2
+    """of that share, what may have such a hue with red and blue changed"""
+    least_pictures: int = 5
+    """that must say something, and say the same"""
+    least_saying: float = 0.5
+    """of the pictures looked at, those that say something"""
+    least_agreeing: float = 0.9
+    """of those, the ones that say the same"""
+
+
+SETTINGS = ColourSettings()
+
+
+@dataclass(frozen=True)
+class Colours:
+    """The order of red and blue in stored pictures.
+
+    Args:
+        swapped: whether they changed places.
+        source: how it is known: a user said so, the file or its pictures are marked, it is the layout's convention, or
+            the pictures show it against that convention.
+        sure: false where it may be otherwise.
+    """
+
+    swapped: bool
+    source: ColourSource
+    sure: bool
+
+    @property
+    def note(self) -> str | None:
+        """What a user must know; None where pictures are read as they are stored, and that is sure."""
+        read = "red and blue are taken as stored"
+        if self.swapped:
+            read = "red and blue were swapped in its pictures and are put back"
+        if self.sure:
+            return read if self.swapped else None
+        why = "as its layout has it, but unsure: the pictures do not show it"
+        if self.source == "pictures":
+            why = "unlike its layout's convention, as the pictures are full of the colours of wood so"
+        return f"{read}, {why}; if that is wrong, give --colours {RGB if self.swapped else BGR}"
+
+
+def settle(convention: bool, votes: Sequence[int]) -> Colours:
+    """The order of colours that neither a user nor the files state.
+
+    Args:
+        convention: whether the layout's own writer swaps red and blue.
+        votes: of the pictures that were looked at, see :func:`leaning`.
+    """
+    seen = verdict(votes)
+    if seen is None:
+        return Colours(convention, "layout", sure=False)
+    return Colours(seen, "layout" if seen == convention else "pictures", sure=seen == convention)
+
+
+def verdict(votes: Sequence[int]) -> bool | None:
+    """Whether pictures show that red and blue changed places; None where they do not show it clearly.
+
+    Args:
+        votes: one of each picture, see :func:`leaning`.
+    """
+    saying = [vote for vote in votes if vote]
+    agreeing = max(saying.count(1), saying.count(-1))
+    if len(saying) < SETTINGS.least_saying * len(votes) or agreeing < SETTINGS.least_pictures:
+        return None
+    return None if agreeing < SETTINGS.least_agreeing * len(saying) else saying.count(1) == agreeing
+
+
+def leaning(picture: NDArray[np.uint8]) -> int:
+    """1 where a (H, W, 3) uint8 picture has the colours of a room with red and blue changed, -1 as it is, else 0."""
+    hsv = cv2.cvtColor(np.ascontiguousarray(picture, np.float32) / 255, cv2.COLOR_RGB2HSV)
+    hue, saturation, value = hsv[..., 0], hsv[..., 1], hsv[..., 2]
+    coloured = (saturation >= SETTINGS.least_saturation) & (value >= SETTINGS.least_value)
+    as_it_is, changed = (  # red and blue change places where a hue becomes 240° less it
+        float((coloured & (one >= SETTINGS.lowest_hue_deg) & (one <= SETTINGS.highest_hue_deg)).mean())
+        for one in (hue, 240 - hue)
+    )
+    larger, smaller = max(as_it_is, changed), min(as_it_is, changed)
+    if larger < SETTINGS.least_share or smaller > SETTINGS.most_contrary * larger:
+        return 0
+    return 1 if changed > as_it_is else -1
+
+
+def is_marked(data: bytes) -> bool:
+    """Whether a JPEG file itself says that red and blue are where they belong."""
+    return MARK in data[:MARK_WITHIN]
+
+
+def colour_orders(found: Iterable[Colours | None]) -> list[ColourOrder]:
+    """How the colours of recordings were understood, and of how many; None of a recording says nothing of it."""
+    counts: dict[Colours, int] = {}
+    for one in found:
+        if one is not None:
+            counts[one] = counts.get(one, 0) + 1
+    return [
+        ColourOrder(stored=BGR if one.swapped else RGB, source=one.source, sure=one.sure, recordings=count)
+        for one, count in counts.items()
+    ]
+
+
+def as_json(records: Sequence[Record]) -> list[dict[str, Any]]:
+    """Records for a summary."""
+    return [record.model_dump() for record in records]

@@ -1,0 +1,112 @@
+"""In which order the encoded pictures of HDF5 recordings have red and blue."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Mapping
+from contextlib import AbstractContextManager
+from functools import cached_property
+from typing import Any, ClassVar, Self
+
+import h5py
+import numpy as np
+
+from vcage.base.errors import UsageError
+from vcage.datasets.recordings.colours import Colours, is_marked, leaning, settle
+from vcage.datasets.recordings.recording import RecordedCamera, Recording
+from vcage.datasets.stored_pictures import ENCODED, encoded_bytes, stored_picture
+
+LOOKED_AT = 5
+"""Pictures of a camera that show whether colours are swapped."""
+
+COLOURS = "jpeg_colours"
+"""Attribute of files that say whether red and blue are ``swapped`` in their encoded pictures, or ``true``."""
+
+STORED = (*ENCODED, "raw")
+"""Storages of pictures that lie in the file itself."""
+
+
+class Hdf5Colours(Recording):
+    """What settles the order of colours of a recording in an open file; how it is opened is the subclass's."""
+
+    SWAPPED: ClassVar[bool] = False
+    """Whether the layout's own writer swaps red and blue of encoded pictures."""
+
+    COLOURS_SURE: ClassVar[bool] = True
+    """Whether nobody writes them otherwise."""
+
+    def with_colours(self, colours: Colours) -> Self:
+        other = super().with_colours(colours)
+        other.__dict__.pop("colours", None)  # what the copy remembers
+        return other
+
+    def swapped(self, camera: str) -> bool:
+        storage, colours = self.camera(camera).storage, self.colours
+        if colours is None or not colours.swapped:
+            return False
+        return storage in (STORED if colours.source == "option" else ENCODED)
+
+    def put_back_swapped(self, camera: str) -> bool:
+        return self.swapped(camera) or (self.SWAPPED and self._marked(self.camera(camera)))
+
+    @cached_property
+    def colours(self) -> Colours | None:
+        if self._settled is not None:
+            return self._settled
+        if not self.has_encoded_pictures:
+            return None
+        return self.stated_colours() or settle(self.SWAPPED, self.colour_votes())
+
+    def stated_colours(self) -> Colours | None:
+        """The order of colours as it is known without a look at them; None where it is not."""
+        said = self._attributes.get(COLOURS)
+        if said is not None:
+            return Colours(said == "swapped", "file", sure=True)
+        if self._encoded and all(map(self._marked, self._encoded)):
+            return Colours(False, "file", sure=True)
+        return Colours(self.SWAPPED, "layout", sure=True) if self.COLOURS_SURE else None
+
+    def colour_votes(self) -> list[int]:
+        """What some pictures of each camera with encoded pictures show of red and blue."""
+        votes = []
+        with self._file() as file:
+            for camera in self._encoded:
+                what, dataset = f"{self.path}:{camera.key}", file[camera.key]
+                some = np.unique(np.linspace(0, camera.frames - 1, LOOKED_AT).astype(int))
+                votes += [leaning(stored_picture(dataset, int(index), what)) for index in some]
+        return votes
+
+    @property
+    def has_encoded_pictures(self) -> bool:
+        """Whether there is a question in which order they have red and blue."""
+        return bool(self._encoded)
+
+    @property
+    def _encoded(self) -> list[RecordedCamera]:
+        return [camera for camera in self.cameras if camera.storage in ENCODED]
+
+    def _marked(self, camera: RecordedCamera) -> bool:
+        """Whether its pictures themselves say that red and blue are where they belong."""
+        if camera.storage != "jpeg":
+            return False
+        with self._file() as file:
+            return is_marked(encoded_bytes(file[camera.key], 0))
+
+    def _camera_notes(self) -> list[str]:
+        told = self.colours is not None and self.colours.source == "option"
+        if told and not any(camera.storage in STORED for camera in self.cameras):
+            raise UsageError(
+                f"the pictures of {self} lie in videos, whose colours are settled",
+                hint="leave --colours out; or compress the recording that they were made of again, with --colours",
+            )
+        note = None if self.colours is None else self.colours.note
+        return super()._camera_notes() + ([] if note is None else [note])
+
+    @property
+    @abstractmethod
+    def _attributes(self) -> Mapping[str, Any]:
+        """Attributes of the file that are understood."""
+
+    @abstractmethod
+    def _file(self) -> AbstractContextManager[h5py.File]:
+        """The file, open for reading."""

@@ -1,0 +1,115 @@
+"""Depth, labels and the like beside the pictures of a recording: found, so that none of it is encoded as a picture."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection
+from dataclasses import dataclass
+
+import h5py
+import numpy as np
+
+from vcage.base.errors import DamagedFile
+from vcage.datasets.hdf5_contents import address, datasets_in
+from vcage.datasets.hdf5_limits import require_pictures_fit
+from vcage.datasets.picture_links import read_link
+from vcage.datasets.stored_pictures import ARRAY, encoded_bytes, picture_kind, sixteen_bits, storage_of
+
+DEPTH = r".*depth.*|disparity"
+LABELS = r"seg|segs|segm.*|.*segmentation|semantics?|panoptic|instances?|masks?|labels?"
+COLOUR = r"rgb|colou?rs?"
+"""Words in names of streams."""
+
+UNNAMED = "depth or other numbers"
+"""What is shown by pictures of other than 8 bits whose name says nothing."""
+
+NO_FILES = "no picture files"
+"""How bytes are stored that are no pictures in a format that is known."""
+
+LEAST_SIDE = 8
+"""Pixels of the side of a picture: what has fewer is a matrix."""
+
+
+@dataclass(frozen=True)
+class MeasuredStream:
+    """A stream of a recording that no 8-bit video keeps.
+
+    Args:
+        key: where in the recording it is: of a demonstration in a file of many, from its group on.
+        shows: what it shows, in words.
+        stored: type of its numbers, or of its picture files.
+    """
+
+    key: str
+    shows: str
+    stored: str
+
+    def __str__(self) -> str:
+        return f"{self.key} ({self.shows}, {self.stored})"
+
+
+def shown_by_name(name: str) -> str | None:
+    """``depth`` or ``labels``, where the last part of a name says so; None of what may be a camera."""
+    words = re.findall(r"[a-z]+", re.sub(r"([a-z])([A-Z])", r"\1_\2", name.rsplit("/", 1)[-1]).lower())
+    for pattern, shows in ((COLOUR, None), (DEPTH, "depth"), (LABELS, "labels")):
+        if any(re.fullmatch(pattern, word) for word in words):
+            return shows
+    return None
+
+
+def measured_stream(name: str, dataset: h5py.Dataset) -> MeasuredStream | None:
+    """What a dataset holds where pictures may be, one for each point in time, if these are no 8-bit pictures.
+
+    Args:
+        name: of the dataset, from the recording's group on, or of the camera that it would be.
+        dataset: in an open file.
+
+    Returns:
+        None of 8-bit pictures, links to videos, and what holds no picture at all.
+    """
+    if read_link(dataset) is not None or not dataset.shape or len(dataset) == 0:
+        return None
+    named = shown_by_name(name)
+    if picture_kind(dataset) == ARRAY:
+        if dataset.dtype.kind not in "fiub" or dataset.ndim not in (3, 4) or min(dataset.shape[1:3]) < LEAST_SIDE:
+            return None
+        if named is None and dataset.dtype == np.uint8:
+            return None
+        return MeasuredStream(name, named or UNNAMED, str(dataset.dtype))
+    data = _first_file(dataset)
+    if sixteen_bits(data):
+        return MeasuredStream(name, named or UNNAMED, f"16-bit {storage_of(data, name)}")
+    return MeasuredStream(name, named, storage_of(data, name) if data else NO_FILES) if named else None
+
+
+def _first_file(dataset: h5py.Dataset) -> bytes:
+    """The first picture file of a dataset; nothing where it holds no such file, or none that can be read."""
+    try:
+        require_pictures_fit(dataset)
+        data = encoded_bytes(dataset, 0)
+        storage_of(data, dataset.name)
+    except (DamagedFile, TypeError, ValueError):  # text, references; damage is named where the pictures are read
+        return b""
+    return data
+
+
+def measured_streams(part: h5py.Group, cameras: Collection[str], places: Collection[str]) -> list[MeasuredStream]:
+    """All such streams of a recording's part of an open file, in natural order: those with a telling name, and those
+    where pictures are.
+
+    Args:
+        part: of the file.
+        cameras: keys of what is read as pictures.
+        places: keys of what lies where the layout has pictures.
+    """
+    beside = {key.rpartition("/")[0] for key in places}
+    taken = {address(part.file[key]) for key in cameras}
+    found: list[MeasuredStream] = []
+    for key, dataset in datasets_in(part).items():
+        if address(dataset) in taken:
+            continue
+        near = dataset.name.lstrip("/").rpartition("/")[0] in beside
+        stream = measured_stream(key, dataset) if near or shown_by_name(key) else None
+        if stream is not None and (near or stream.stored != NO_FILES):
+            found.append(stream)
+    return found
