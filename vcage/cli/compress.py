@@ -20,7 +20,7 @@ from vcage.cli.stage import StageCommand, execute_stage
 from vcage.datasets.packing.estimating import estimate, estimate_clips
 from vcage.datasets.packing.frames import FRAMES, as_text, show_frames
 from vcage.datasets.packing.inspecting import as_lines, inspect, totals
-from vcage.datasets.packing.output import TARGETS, OutputSpec
+from vcage.datasets.packing.output import TARGETS, OutputSpec, omitted_in
 from vcage.datasets.packing.pack import Order, pack
 from vcage.datasets.recordings.colours import AUTO, CHOICES, as_json
 from vcage.stages import compress
@@ -59,20 +59,23 @@ class Compress(Command):
 
     With --run: reads episodes/ of a run; writes compress/*.mp4 and compress/compression.json. The episodes' files then
     refer to the videos in place of raw pictures, which only --keep-raw keeps: without them nothing is compressed again.
-    With INPUT: an HDF5 file or a folder of them (this project's, RoboTwin's, ACT's, robomimic's), a LeRobot data set,
-    or a folder of pictures, which are only read. Writes a new folder: HDF5 with its videos beside it and everything
-    else as it was (`vcage decompress` puts the pictures back), a LeRobot data set, or videos; and compression.json. An
-    interrupted call goes on when started again.
+    With INPUT: an HDF5 file or a folder of them (this project's, RoboTwin's, ACT's, robomimic's, LIBERO's, Isaac Lab's,
+    ManiSkill's), a LeRobot data set, or a folder of pictures, which are only read. Writes a new folder: HDF5 with its
+    videos beside it and everything else as it was (`vcage decompress` puts the pictures back), a LeRobot data set, or
+    videos; and compression.json. An interrupted call goes on when started again.
 
     RoboTwin swaps red and blue in its JPEGs, the other layouts do not; where pictures do not show which holds, that is
     said, frames.png (--inspect and --dry-run name one too) shows both, and --colours decides. Depth, labels and
     pictures of more than 8 bits are never encoded: they stay as they are in HDF5, and are left out of all else;
     `other_streams` of the summary names them.
 
-    A file of robomimic's stays one file, and each of its demonstrations is a recording: FILE.demo_0, FILE.demo_1, … and
-    so an episode of a LeRobot data set. One that is left out with --skip-damaged stays in the file as it was. Its frame
-    rate is the control_freq of env_args, where that is said; the last of every 7 numbers of a command is taken for a
-    gripper's.
+    A file of demonstrations stays one file, and each of them is a recording: FILE.demo_0, FILE.demo_1, … and so an
+    episode of a LeRobot data set, unless it says that it failed. One that is left out with --skip-damaged stays in the
+    file as it was. The frame rate is the control_freq of the environment, where that is said; the last of every 7
+    numbers of a robomimic command is taken for a gripper's. The summary names what a LeRobot data set does not hold
+    (left_out) and demonstrations that failed (failed).
+
+    Times that leave a doubt which picture belongs to which row are refused.
 
     examples:
       vcage compress --run runs/stationery
@@ -122,6 +125,7 @@ class Compress(Command):
             "other_streams": as_json(record.other_streams),
             "frames_picture": str(shown) if shown.is_file() else None,
             "notes": record.notes,
+            **omitted_in(record),
         }
         return Result(output=done.path, schema=record.SCHEMA, summary=told)
 

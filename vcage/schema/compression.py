@@ -147,6 +147,13 @@ class Compression(StageDocument):
     )
     colours: list[ColourOrder] = Field(default_factory=list, description="of recordings with encoded pictures")
     other_streams: list[OtherStream] = Field(default_factory=list, description="of all recordings")
+    left_out: dict[str, str] = Field(
+        default_factory=dict, description="recorded data that a LeRobot data set does not hold: key → reason"
+    )
+    failed: dict[str, str] = Field(
+        default_factory=dict,
+        description="recording → why it is no demonstration of its task; LeRobot data sets leave it out",
+    )
     packed: dict[RunPath, str] = Field(
         default_factory=dict,
         description="of a run: episode → SHA-256 of its file once it refers to its videos in place of raw pictures",

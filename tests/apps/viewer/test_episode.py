@@ -9,6 +9,7 @@ import pytest
 from tests.apps.viewer.conftest import FRAMES, ReadBack, meta
 from tests.datasets.recordings.layouts import FRAMES as OTHERS_FRAMES
 from tests.datasets.recordings.layouts import act, jpeg, robotwin, room, rooms
+from tests.datasets.recordings.simulators import maniskill
 from tests.recordings import CAMERAS, FPS, HEIGHT, INSTRUCTION, STATE_NAMES, WIDTH, clip, episode, segment, written
 from tests.scenes import kinematics, library, robot, scene_of, template, thing
 from vcage.apps.viewer.show import view
@@ -187,6 +188,13 @@ def test_its_state_and_commands_are_curves_under_their_names(tmp_path):
     assert seen.under("/joints") == set(recording.action_names)
     name = recording.action_names[0]
     assert list(seen.rows(f"/joints/{name}/commanded", "Scalar").values()) == recording.motion.action[:, 0].tolist()
+
+
+def test_a_trajectory_with_a_picture_after_the_last_command_is_shown_whole(tmp_path):
+    view(maniskill(tmp_path / "a.h5"), save=tmp_path / "look.rrd")
+    seen = ReadBack(tmp_path / "look.rrd")
+    assert len(seen.rows("/joints/action_0/commanded", "Scalar")) == OTHERS_FRAMES
+    assert len(seen.rows("/cameras/base_camera", "MediaType")) == OTHERS_FRAMES + 1
 
 
 def test_without_a_frame_rate_there_are_frames_and_no_times(tmp_path):

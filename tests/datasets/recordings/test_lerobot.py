@@ -19,6 +19,9 @@ from tests.recordings import CAMERAS, FPS, INSTRUCTION, STATE_NAMES, clip, episo
 from vcage.base.errors import DamagedFile
 from vcage.datasets.lerobot import meta
 from vcage.datasets.lerobot.meta import MetaLimits, data_set_info, read_lines
+from vcage.datasets.packing.output import OutputSpec
+from vcage.datasets.packing.pack import Order, pack
+from vcage.datasets.packing.settings import CompressionSettings
 from vcage.datasets.recordings.opening import open_recordings
 
 
@@ -314,3 +317,46 @@ def test_chunk_numbers_that_are_texts_are_refused(v3, tmp_path):
     pq.write_table(pa.Table.from_pylist(rows), table)
     with pytest.raises(DamagedFile, match=r"data/chunk_index of 0 is '../../x', not a number"):
         _ = open_recordings(copy)[0].motion
+
+
+# --- older versions ------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def v20(v21, tmp_path):
+    """The same as lerobot wrote it before v2.1: statistics of all episodes together, none of each."""
+    copy = changed(v21, tmp_path / "v20", lambda info: info.update(codebase_version="v2.0"))
+    rows = [json.loads(line) for line in (copy / "meta/episodes_stats.jsonl").read_text().splitlines()]
+    (copy / "meta/episodes_stats.jsonl").unlink()
+    (copy / "meta/stats.json").write_text(json.dumps(rows[0]["stats"]))
+    return copy
+
+
+def test_version_2_0_is_read_like_2_1(v20, v21):
+    for old, new in zip(open_recordings(v20), open_recordings(v21), strict=True):
+        assert (old.LAYOUT, old.fps, old.task, old.robot) == ("lerobot-v2.0", new.fps, new.task, new.robot)
+        assert np.array_equal(old.state, new.state) and old.state_names == new.state_names
+        assert np.array_equal(old.motion.action, new.motion.action)
+        assert np.array_equal(old.pictures("cam_high"), new.pictures("cam_high"))
+
+
+def test_version_2_0_stays_one_or_becomes_another(v20, tmp_path):
+    settings = CompressionSettings(crf=20, keyframes=2, effort="fast")
+    for target, version in ((None, "lerobot-v2.0"), ("lerobot-v2.1", "lerobot-v2.1"), ("lerobot-v3.0", "lerobot-v3.0")):
+        out = tmp_path / version
+        pack(Order(v20, out, settings, OutputSpec(target), ("cam_high",)), workers=1)
+        for old, new in zip(open_recordings(v20), open_recordings(out), strict=True):
+            assert (new.LAYOUT, new.task, new.fps) == (version, old.task, old.fps)
+            assert np.array_equal(new.state, old.state) and np.array_equal(new.motion.action, old.motion.action)
+    assert (tmp_path / "lerobot-v2.0/meta/stats.json").read_bytes() == (v20 / "meta/stats.json").read_bytes()
+    assert (tmp_path / "lerobot-v2.1/meta/episodes_stats.jsonl").is_file()
+
+
+@pytest.mark.parametrize("place", ["meta/info.json", "meta_data/info.json"])
+def test_versions_1_are_refused_by_name_with_the_converter(tmp_path, place):
+    (tmp_path / place).parent.mkdir()
+    (tmp_path / place).write_text(json.dumps({"codebase_version": "v1.6", "fps": 50, "video": True}))
+    (tmp_path / "videos").mkdir()
+    with pytest.raises(DamagedFile, match=r"version v1\.6; v2\.0, v2\.1, v3\.0 are known") as refused:
+        open_recordings(tmp_path)
+    assert "convert_dataset_v1_to_v2" in refused.value.hint

@@ -130,8 +130,9 @@ def log_recording(
         DamagedFile: a picture or a number cannot be read.
     """
     cameras = recording.cameras
-    clock = Clock.steady(recording.frames, recording.fps or fps)
-    plots = log_motion(log, clock, recording)
+    clock = Clock.steady(recording.frames, recording.fps or fps or recording.rate_guess)
+    commanded = recording.commanded
+    plots = log_motion(log, clock if commanded is None else clock.at(commanded), recording)
     shown: dict[str, str] = {}
     for number, camera in enumerate(cameras if pictures else []):
         progress(camera.name, number, len(cameras))

@@ -24,7 +24,15 @@ EPISODE_TABLES = Path("meta/episodes")
 
 NEW_SET = "write a new data set, or convert this one with lerobot's own tools first"
 
-VERSIONS = ("v2.1", "v3.0")
+PER_EPISODE = ("v2.0", "v2.1")
+"""Versions with a file per episode and camera, and lists of lines; the first lacks statistics of single episodes."""
+
+VERSIONS = (*PER_EPISODE, "v3.0")
+
+FIRST_INFO = Path("meta_data/info.json")
+"""Where versions 1.x describe themselves."""
+
+FROM_FIRST = "convert it first: lerobot/common/datasets/v2/convert_dataset_v1_to_v2.py of lerobot before 0.2 makes v2.0"
 
 PATHS = ("data_path", "video_path", "image_path")
 
@@ -71,11 +79,25 @@ def data_set_info(root: Path) -> dict[str, Any]:
         raise DamagedFile(f"{path} does not say codebase_version", hint=MEND)
     if version not in VERSIONS:
         raise DamagedFile(
-            f"{root} is a LeRobot data set of version {version}; {' and '.join(VERSIONS)} are known",
-            hint="convert it with lerobot's own converter first",
+            f"{root} is a LeRobot data set of version {version}; {', '.join(VERSIONS)} are known",
+            hint=FROM_FIRST if str(version).startswith("v1") else "convert it with lerobot's own converter first",
         )
     _require_described(path, info)
     return info
+
+
+def refuse_first_versions(root: Path) -> None:
+    """Raise DamagedFile where a folder holds a LeRobot data set of a version 1.x, which lies in other files."""
+    if not (root / FIRST_INFO).is_file():
+        return
+    try:
+        info = json.loads((root / FIRST_INFO).read_text(encoding="utf-8-sig"))
+    except (OSError, ValueError):
+        info = None
+    version = info.get("codebase_version", "v1") if isinstance(info, dict) else "v1"
+    raise DamagedFile(
+        f"{root} is a LeRobot data set of version {version}; {', '.join(VERSIONS)} are known", hint=FROM_FIRST
+    )
 
 
 def _require_described(path: Path, info: Mapping[str, Any]) -> None:
@@ -171,14 +193,14 @@ def episode_rows(root: Path, info: Mapping[str, Any]) -> list[dict[str, Any]]:
     ``episode_index`` and a ``length``, integers.
 
     Args:
-        root: folder of the data set, v2.1 or v3.0.
+        root: folder of the data set.
         info: its ``meta/info.json``.
 
     Raises:
         DamagedFile: the list cannot be read, is empty, does not say so much, or names an episode twice.
         OversizedFile: an episode is too long.
     """
-    old = info["codebase_version"] == "v2.1"
+    old = info["codebase_version"] in PER_EPISODE
     where = root / (EPISODES if old else EPISODE_TABLES)
     rows = list(read_lines(where)) if old else _table_rows(root)
     if not rows:

@@ -24,11 +24,11 @@ from vcage.base.folders import natural_path
 from vcage.base.progress import Progress, silent
 from vcage.datasets.lerobot import v3, v21
 from vcage.datasets.lerobot.features import require_rgb, video_facts, video_info
-from vcage.datasets.lerobot.meta import INFO, data_set_info, episode_lengths, episode_tables
+from vcage.datasets.lerobot.meta import INFO, PER_EPISODE, data_set_info, episode_lengths, episode_tables
 from vcage.datasets.lerobot.parquet import numbered, rewrite, texts_of
 from vcage.datasets.lerobot.places import inside, is_own, own_files, placed
 
-VIDEO_PATHS = {"v2.1": v21.VIDEO_PATH, "v3.0": v3.VIDEO_PATH}
+VIDEO_PATHS = {"v2.0": v21.VIDEO_PATH, "v2.1": v21.VIDEO_PATH, "v3.0": v3.VIDEO_PATH}
 """Where videos go in a data set that had none."""
 
 LISTED = 5
@@ -56,7 +56,7 @@ def repack(
     In memory are the names of files, and one row group of a Parquet file without its pictures.
 
     Args:
-        root: the data set, v2.1 or v3.0; only read.
+        root: the data set, v2.0, v2.1 or v3.0; only read.
         out: the folder to write; one that is there is replaced.
         videos: all episodes of every camera that changes. Cameras that are not named keep what they have.
         encodings: key of a camera's feature → facts about its encoding that its videos do not tell, such as
@@ -153,7 +153,7 @@ class _Repacking:
         return sorted(found, key=natural_path)
 
     def _episode_tables(self) -> list[Path]:
-        return [] if self.info["codebase_version"] == "v2.1" else episode_tables(self.root)
+        return [] if self.info["codebase_version"] in PER_EPISODE else episode_tables(self.root)
 
     def _named_in(self, file: Path, key: str) -> Iterator[str]:
         """Picture files that a table of frames names; where it holds the pictures themselves, there are none."""
@@ -171,7 +171,7 @@ def _require_all(root: Path, info: Mapping[str, Any], there: Collection[int], gi
     missing = sorted(set(there) - set(given))
     if missing:
         named = ", ".join(map(str, missing[:LISTED])) + (", …" if len(missing) > LISTED else "")
-        other = next(version for version in VIDEO_PATHS if version != info["codebase_version"])
+        other = "v2.1" if info["codebase_version"] == "v3.0" else "v3.0"
         raise UsageError(
             f"{root} keeps the numbers of its episodes, so none can be left out; missing: {named}",
             hint=f"mend or fetch them, or give --to lerobot-{other}, which numbers those that are left anew",

@@ -57,6 +57,11 @@ class Clip:
         """Name of the encoded video."""
         return f"{self.name}.{self.camera}.mp4"
 
+    @property
+    def frames(self) -> range:
+        """Those that count."""
+        return range(self.recording.camera(self.camera).frames) if self.window is None else self.window
+
     def pictures(self) -> NDArray[np.uint8]:
         """(T, H, W, 3) uint8 RGB."""
         return self.recording.pictures(self.camera, self.window)
@@ -66,8 +71,10 @@ class Clip:
         motion = self.recording.motion
         if motion is None:
             return picture_keyframes(pictures, count)
-        action = motion.action if self.window is None else motion.action[self.window]
-        return keyframes(action, motion.grippers, count)
+        action = motion.action
+        if spare := self.recording.SPARE_PICTURES:  # what the last command led to
+            action = np.concatenate([action, np.repeat(action[-1:], spare, axis=0)])
+        return keyframes(action if self.window is None else action[self.window], motion.grippers, count)
 
 
 @dataclass(frozen=True)

@@ -19,7 +19,7 @@ from vcage.datasets.packing.dataset_search import (
     workers_for,
 )
 from vcage.datasets.packing.frames import as_text, show_frames
-from vcage.datasets.packing.output import other_streams
+from vcage.datasets.packing.output import omitted, other_streams
 from vcage.datasets.packing.pack import Order, notes_of, prepare
 from vcage.datasets.packing.settings import CompressionSettings
 from vcage.datasets.recordings.colours import as_json, colour_orders
@@ -41,7 +41,8 @@ def estimate(order: Order, *, workers: int | None = None, progress: Progress = s
         progress: told of each clip of the sample.
 
     Returns:
-        JSON-serialisable: what :func:`estimate_clips` tells, the recordings that are left, and what a user must know.
+        JSON-serialisable: what :func:`estimate_clips` tells, the recordings that are left, what a user must know, and
+        what is left out.
 
     Raises:
         VcageError: see :func:`vcage.datasets.packing.pack.pack`.
@@ -60,6 +61,7 @@ def estimate(order: Order, *, workers: int | None = None, progress: Progress = s
         "other_streams": as_json(others),
         "frames_picture": as_text(show_frames(order.root, [source.recording for source in sources.sources])),
         "notes": {name: texts for name, texts in notes_of(sources, prepared.output).items() if texts},
+        **omitted(sources, prepared.output),
     }
 
 
@@ -107,7 +109,7 @@ def estimate_clips(
 
 def _camera(clips: Sequence[Clip], streams: Sequence[VideoStream]) -> dict[str, Any]:
     """What all clips of a camera come to, if they are like the sample."""
-    frames = sum(clip.recording.camera(clip.camera).frames for clip in clips)
+    frames = sum(len(clip.frames) for clip in clips)
     share = frames / sum(stream.frames for stream in streams)
     return {
         "crf": [stream.crf for stream in streams],
@@ -120,9 +122,8 @@ def _camera(clips: Sequence[Clip], streams: Sequence[VideoStream]) -> dict[str, 
 
 def _middle(clip: Clip) -> Clip:
     """The clip, as if no more had been recorded than the frames in its middle."""
-    frames = clip.recording.camera(clip.camera).frames
-    first = max(0, (frames - WINDOW) // 2)
-    return replace(clip, window=range(first, min(frames, first + WINDOW)))
+    first = max(0, (len(clip.frames) - WINDOW) // 2)
+    return replace(clip, window=clip.frames[first : first + WINDOW])
 
 
 def sample_of(clips: Sequence[Clip]) -> list[Clip]:

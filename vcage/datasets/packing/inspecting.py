@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from vcage.base.errors import DamagedFile
 from vcage.base.folders import natural_key
+from vcage.datasets.packing.output import failures, listed
 from vcage.datasets.packing.sources import sound_notes
 from vcage.datasets.recordings.colours import AUTO, as_json, colour_orders
 from vcage.datasets.recordings.opening import open_all
@@ -27,12 +28,16 @@ class Inspected:
         recording: None where the file is damaged.
         damage: what is wrong; empty where nothing is.
         notes: what a user must know about how it was understood.
+        left_out: what a LeRobot data set does not get of it: key → reason.
+        failed: why it is no demonstration of its task, if it says so.
     """
 
     name: str
     recording: Recording | None
     damage: str = ""
     notes: tuple[str, ...] = ()
+    left_out: Mapping[str, str] = field(default_factory=dict)
+    failed: str | None = None
 
     @property
     def cameras(self) -> Sequence[RecordedCamera]:
@@ -59,14 +64,22 @@ def _look(recording: Recording) -> Inspected:
     try:
         becomes = "it stays as it is in HDF5, and is left out of all else" if recording.TARGET == HDF5 else "left out"
         others = (f"{stream} is no camera: {becomes}" for stream in recording.other_streams)
-        return Inspected(str(recording), recording, notes=(*sound_notes(recording), *others))
+        notes = (*sound_notes(recording), *others)
+        return Inspected(str(recording), recording, notes=notes, left_out=recording.left_out(), failed=recording.failed)
     except DamagedFile as error:
         return Inspected(str(recording), None, error.message)
 
 
 def as_lines(found: Sequence[Inspected]) -> str:
     """The recordings as lines for people."""
-    return "\n".join(line for one in found for line in _lines(one))
+    lines = [line for one in found for line in _lines(one)]
+    if left_out := _left_out(found):
+        lines.append(f"not for a LeRobot data set: {listed(left_out)}")
+    return "\n".join(lines)
+
+
+def _left_out(found: Sequence[Inspected]) -> dict[str, str]:
+    return {key: why for one in reversed(found) for key, why in one.left_out.items()}
 
 
 def _lines(found: Inspected) -> list[str]:
@@ -78,6 +91,8 @@ def _lines(found: Inspected) -> list[str]:
     numbers = f"{motion.action.shape[1]} numbers in a command" if motion is not None else "no commands"
     lines = [f"{found.name}: {recording.LAYOUT}, {rate}, {numbers}"]
     lines += [f"  {_camera(camera)}" for camera in recording.cameras]
+    if found.failed is not None:
+        lines.append(f"  failed: {found.failed}")
     return lines + [f"  note: {note}" for note in found.notes]
 
 
@@ -108,4 +123,6 @@ def totals(found: Sequence[Inspected]) -> dict[str, Any]:
         ],
         "damaged": {one.name: one.damage for one in found if one.recording is None},
         "notes": {one.name: list(one.notes) for one in found if one.notes},
+        "left_out": _left_out(found),
+        "failed": failures({one.name: one.failed for one in found if one.failed is not None}),
     }

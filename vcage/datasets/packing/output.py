@@ -2,21 +2,27 @@
 
 from __future__ import annotations
 
+import os
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from itertools import groupby
+from pathlib import Path
 from typing import Any, Literal
 
-from vcage.base.errors import UsageError
+from vcage.base.errors import DamagedFile, UsageError
 from vcage.datasets.lerobot.formats import FORMATS
 from vcage.datasets.lerobot.repack import require_whole
 from vcage.datasets.packing.clips import Clip
-from vcage.datasets.packing.sources import SourceRecording
-from vcage.datasets.recordings.recording import HDF5, VIDEOS
-from vcage.schema.compression import OtherStream
+from vcage.datasets.packing.sources import SourceRecording, Sources, rate_of
+from vcage.datasets.recordings.lerobot import LeRobotV20
+from vcage.datasets.recordings.recording import HDF5, VIDEOS, Recording
+from vcage.schema.compression import Compression, OtherStream
 
 TARGETS = (HDF5, *FORMATS, VIDEOS)
+
+LISTED = 10
+"""Names that one line names."""
 
 
 @dataclass(frozen=True)
@@ -37,7 +43,7 @@ class OutputSpec:
     @property
     def lerobot(self) -> bool:
         """Whether it is a LeRobot data set."""
-        return self.target in FORMATS
+        return self.target in FORMATS or self.target == LeRobotV20.TARGET
 
 
 def resolve_output(wanted: OutputSpec, sources: Sequence[SourceRecording]) -> OutputSpec:
@@ -46,24 +52,50 @@ def resolve_output(wanted: OutputSpec, sources: Sequence[SourceRecording]) -> Ou
     Raises:
         UsageError: one cannot; names it, and the option that is missing. Or episodes of a LeRobot data set are left out
             that is to keep its version, and with it the numbers of its episodes.
+        DamagedFile: the times of one are not those of evenly spaced frames, as a LeRobot data set has them.
     """
     output = replace(wanted, target=wanted.target or sources[0].recording.TARGET)
     keeps = keeps_version(sources, output)
     if keeps:
         require_whole(sources[0].recording.path, [source.recording.number for source in sources])
     for source in sources:
-        recording = source.recording
-        if output.target == HDF5 != recording.TARGET:
-            raise UsageError(
-                f"{recording} is no HDF5 file, so none can be written with its videos beside it",
-                hint=f"give --to {recording.TARGET}",
-            )
-        if output.lerobot and not (keeps or recording.task or output.task):
-            raise UsageError(
-                f"{recording} does not say what the robot was told, which LeRobot wants to know",
-                hint='give --task "what it was told"',
-            )
+        try:
+            _require_writable(source.recording, output, keeps=keeps)
+        except DamagedFile as error:
+            error.details.setdefault("recording", source.name)
+            raise
     return output
+
+
+def _require_writable(recording: Recording, output: OutputSpec, *, keeps: bool) -> None:
+    """Nothing, if a recording can be written as is wanted; ``keeps`` says that a data set keeps its version."""
+    if output.target == HDF5 != recording.TARGET:
+        raise UsageError(
+            f"{recording} is no HDF5 file, so none can be written with its videos beside it",
+            hint=f"give --to {recording.TARGET}",
+        )
+    if output.lerobot and not (keeps or task_of(recording, output)):
+        raise UsageError(
+            f"{recording} does not say what the robot was told, which LeRobot wants to know",
+            hint='give --task "what it was told"',
+        )
+    if output.lerobot:
+        _require_even(recording, output)
+
+
+def _require_even(recording: Recording, output: OutputSpec) -> None:
+    """Raise DamagedFile where a LeRobot data set would state other times than the recording has."""
+    rate = rate_of(recording, output.fps)
+    fault = None if rate is None else recording.time_fault(str(output.target), rate)
+    if fault is not None:
+        other = "hdf5" if recording.TARGET == HDF5 else "lerobot-v2.1" if "v3" in recording.TARGET else "lerobot-v3.0"
+        does = "keeps the times as they are" if other == "hdf5" else "counts time by frames"
+        raise DamagedFile(f"{recording}: {fault}", hint=f"give --to {other}, which {does}; or mend the times")
+
+
+def task_of(recording: Recording, output: OutputSpec) -> str:
+    """What the robot was told: as the recording states, else as a user does, else what can be guessed; may be empty."""
+    return recording.task or output.task or recording.task_guess or ""
 
 
 def keeps_version(sources: Sequence[SourceRecording], output: OutputSpec) -> bool:
@@ -73,17 +105,12 @@ def keeps_version(sources: Sequence[SourceRecording], output: OutputSpec) -> boo
 
 def output_notes(sources: Sequence[SourceRecording], output: OutputSpec) -> dict[str, list[str]]:
     """Recording → what a user must know about what is written of it, besides how it was understood."""
+    write = _exported_notes if output.lerobot else _kept_notes
     done = stays_or_not(sources, output)
-    notes = {source.name: [f"{one}: {done}" for one in source.recording.other_streams] for source in sources}
-    if not output.lerobot:
-        return notes
-    left_out = [] if keeps_version(sources, output) else sources[0].recording.left_out()
-    if left_out:
-        notes = {
-            name: [f"left out, as another version is written: {', '.join(left_out)}", *own]
-            for name, own in notes.items()
-        }
-    return {source.name: notes[source.name] + source.recording.state_notes for source in sources}
+    return {
+        source.name: [*(f"{one}: {done}" for one in source.recording.other_streams), *write(source, output)]
+        for source in sources
+    }
 
 
 def stays_or_not(sources: Sequence[SourceRecording], output: OutputSpec) -> Literal["left as it was", "left out"]:
@@ -99,6 +126,64 @@ def other_streams(sources: Sequence[SourceRecording], output: OutputSpec) -> lis
         OtherStream(stream=one.key, shows=one.shows, stored=one.stored, done=done, recordings=count)
         for one, count in counts.items()
     ]
+
+
+def _exported_notes(source: SourceRecording, output: OutputSpec) -> list[str]:
+    recording, notes = source.recording, list(source.recording.state_notes)
+    if not (recording.task or output.task) and recording.task_guess:
+        notes.append(f'its task is "{recording.task_guess}", after its environment; give --task for another')
+    if output.fps and recording.fps and abs(output.fps - recording.fps) > 1e-6 * recording.fps:
+        notes.append(f"--fps {output.fps:g} is not used: it states {recording.fps:g} frames per second itself")
+    return notes
+
+
+def _kept_notes(source: SourceRecording, output: OutputSpec) -> list[str]:
+    outside = [file for file, place in companion_places(source) if place is None] if output.target == HDF5 else []
+    return [f"{file} describes it and is not copied, as it is not in the folder given" for file in outside]
+
+
+def companion_places(source: SourceRecording) -> list[tuple[Path, Path | None]]:
+    """The files beside a recording that describe it, and their places in an HDF5 output; None where that has none."""
+    found: list[tuple[Path, Path | None]] = []
+    for file in source.recording.companions:
+        way = os.path.relpath(file, source.recording.path.parent)
+        place = Path(os.path.normpath(Path(source.file).parent / way))
+        found.append((file, None if place.parts[:1] == ("..",) else place))
+    return found
+
+
+def left_out(sources: Sequence[SourceRecording], output: OutputSpec) -> dict[str, str]:
+    """Recorded data that a LeRobot data set does not get: key → reason, of all recordings together."""
+    if not output.lerobot or keeps_version(sources, output):
+        return {}
+    return {key: why for source in reversed(sources) for key, why in source.recording.left_out().items()}
+
+
+def omitted(sources: Sources, output: OutputSpec) -> dict[str, Any]:
+    """What an output does not hold, and which demonstrations failed, JSON-serialisable; no entry where that is none."""
+    return _omitted(left_out(sources.sources, output), sources.failed or sources.failures())
+
+
+def omitted_in(record: Compression) -> dict[str, Any]:
+    """The same of an output that was written."""
+    return _omitted(record.left_out, record.failed)
+
+
+def _omitted(left_out: dict[str, str], failed: dict[str, str]) -> dict[str, Any]:
+    found = {"left_out": left_out, "failed": failures(failed)}
+    return {name: value for name, value in found.items() if value}
+
+
+def listed(names: Iterable[str]) -> str:
+    """The first few names, and how many more there are."""
+    every = list(names)
+    more = f" and {len(every) - LISTED} more" if len(every) > LISTED else ""
+    return ", ".join(every[:LISTED]) + more
+
+
+def failures(failed: dict[str, str]) -> dict[str, Any]:
+    """How many demonstrations failed, and which; nothing where none did."""
+    return {"count": len(failed), "recordings": sorted(failed)} if failed else {}
 
 
 def require_alike(clips: Sequence[Clip], output: OutputSpec) -> None:

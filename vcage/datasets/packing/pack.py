@@ -22,7 +22,15 @@ from vcage.base.progress import Progress, silent
 from vcage.datasets.packing.clips import Clip
 from vcage.datasets.packing.dataset_search import require_tools, search_data_set
 from vcage.datasets.packing.frames import FRAMES, write_frames
-from vcage.datasets.packing.output import OutputSpec, other_streams, output_notes, require_alike, resolve_output
+from vcage.datasets.packing.output import (
+    OutputSpec,
+    left_out,
+    listed,
+    other_streams,
+    output_notes,
+    require_alike,
+    resolve_output,
+)
 from vcage.datasets.packing.records import compression_record
 from vcage.datasets.packing.settings import CompressionSettings
 from vcage.datasets.packing.sources import Sources, find_sources, require_apart
@@ -92,13 +100,17 @@ class Prepared:
         sources = self.sources
         while True:
             try:
-                return sources, work(sources.clips(self.order.cameras, self.output.fps))
+                return sources, work(self.clips(sources))
             except DamagedFile as error:
                 if not self.order.skip_damaged or "recording" not in error.details:
                     more = "; or go on without it: --skip-damaged" if len(sources.sources) > 1 else ""
                     raise DamagedFile(error.message, hint=error.hint + more, details=error.details) from error
                 sources = sources.without(error.details["recording"], error.message)
                 resolve_output(self.output, sources.sources)
+
+    def clips(self, sources: Sources) -> list[Clip]:
+        """Those of the sources that are written."""
+        return sources.clips(self.order.cameras, self.output.fps, commanded=self.output.lerobot)
 
     def provenance(self) -> Provenance:
         """Of what is made: the options, and the recordings as they are."""
@@ -128,9 +140,23 @@ def prepare(order: Order) -> Prepared:
     require_apart(order.root, order.out)
     require_tools(order.settings)
     sources = find_sources(order.root, order.settings, skip_damaged=order.skip_damaged, colours=order.colours)
-    output = resolve_output(order.wanted, sources.sources)
-    require_alike(sources.clips(order.cameras, output.fps), output)
-    return Prepared(order, sources, output)
+    if order.wanted.lerobot:
+        sources = sources.without_failed()
+    sources, output = _resolved(order, sources)
+    prepared = Prepared(order, sources, output)
+    require_alike(prepared.clips(sources), output)
+    return prepared
+
+
+def _resolved(order: Order, sources: Sources) -> tuple[Sources, OutputSpec]:
+    """The sources, without damaged ones if the order allows that, and what is written of them."""
+    while True:
+        try:
+            return sources, resolve_output(order.wanted, sources.sources)
+        except DamagedFile as error:
+            if not order.skip_damaged:
+                raise
+            sources = sources.without(error.details["recording"], error.message)
 
 
 def pack(order: Order, *, workers: int | None = None, force: bool = False, progress: Progress = silent) -> Packed:
@@ -169,13 +195,16 @@ def pack(order: Order, *, workers: int | None = None, force: bool = False, progr
             lambda clips: search_data_set(clips, order.settings, working / "videos", workers=workers, progress=progress)
         )
         notes = notes_of(sources, work.output)
+        streams = [video.stream for video in videos.values()]
         record = compression_record(
             provenance,
             order.settings,
-            [video.stream for video in videos.values()],
+            streams,
             notes,
             colour_orders(source.recording.colours for source in sources.sources),
             other_streams(sources.sources, work.output),
+            left_out=left_out(sources.sources, work.output),
+            failed=sources.failed or sources.failures(),
         )
         whole = working / "whole"
         shutil.rmtree(whole, ignore_errors=True)
@@ -185,6 +214,7 @@ def pack(order: Order, *, workers: int | None = None, force: bool = False, progr
         _move(whole, out)
         shutil.rmtree(working)
     _tell(notes)
+    _tell_omitted(record, kept=not work.output.lerobot)
     return Packed(record, out / RECORD, fresh=True)
 
 
@@ -239,3 +269,12 @@ def _tell(notes: Mapping[str, Sequence[str]]) -> None:
     """Say each note once, and of how many recordings it holds."""
     for text, count in Counter(chain.from_iterable(notes.values())).items():
         logger.warning("%s%s", text, f" ({count} of {len(notes)} recordings)" if len(notes) > 1 else "")
+
+
+def _tell_omitted(record: Compression, *, kept: bool) -> None:
+    """Name once what a LeRobot data set does not hold, and which demonstrations failed."""
+    if record.left_out:
+        logger.warning("not in the data set, with the reasons in %s: %s", RECORD, listed(record.left_out))
+    if record.failed:
+        what = "stay as they are" if kept else "are left out"
+        logger.warning("failed demonstrations %s (%d): %s", what, len(record.failed), listed(record.failed))

@@ -33,6 +33,8 @@ def compression_record(
     other_streams: Sequence[OtherStream] = (),
     packed: Mapping[str, str] | None = None,
     set_aside: Mapping[str, SetAside] | None = None,
+    left_out: Mapping[str, str] | None = None,
+    failed: Mapping[str, str] | None = None,
 ) -> Compression:
     """The record of streams that were all made with the same settings.
 
@@ -43,6 +45,7 @@ def compression_record(
         notes: recording → what a user must know of it.
         colours, other_streams: see :class:`Compression`.
         packed, set_aside: of a run, see :class:`Compression`.
+        left_out, failed: of recordings of others, likewise.
     """
     cameras = sorted({stream.camera for stream in streams}, key=natural_key)
     return Compression(
@@ -53,6 +56,8 @@ def compression_record(
         notes={name: list(texts) for name, texts in (notes or {}).items() if texts},
         colours=list(colours),
         other_streams=list(other_streams),
+        left_out=dict(left_out or {}),
+        failed=dict(failed or {}),
         packed=dict(packed or {}),
         set_aside=dict(set_aside or {}),
         reduction_raw=_reduction(streams, "raw_bytes"),

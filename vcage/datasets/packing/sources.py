@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import hashlib
+import os
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import cache
 from pathlib import Path
 
@@ -55,18 +56,21 @@ class Sources:
         root: the path.
         sources: what can be used, in order; at least one.
         damaged: name → what is wrong with those that were left out.
+        failed: name → why those that were left out are no demonstrations of their task.
     """
 
     root: Path
     sources: Sequence[SourceRecording]
     damaged: dict[str, str]
+    failed: dict[str, str] = field(default_factory=dict)
 
-    def clips(self, cameras: Sequence[str] = (), fps: float | None = None) -> list[Clip]:
+    def clips(self, cameras: Sequence[str] = (), fps: float | None = None, *, commanded: bool = False) -> list[Clip]:
         """Every camera of every recording, or those named.
 
         Args:
             cameras: their names; none for all.
             fps: for recordings that do not say.
+            commanded: only the frames that have a command.
 
         Raises:
             UnknownName: a recording has no such camera.
@@ -79,12 +83,14 @@ class Sources:
             for camera in cameras:
                 if camera not in there:
                     raise _no_camera(source.recording, camera)
-            rate = source.recording.fps or fps
+            rate = rate_of(source.recording, fps)
             if rate is None:
                 raise UsageError(
-                    f"{source.recording} does not say how many frames per second it has", hint="give --fps N"
+                    f"{source.recording} does not say how many frames per second it has",
+                    hint=source.recording.rate_hint,
                 )
-            clips += [Clip(source.name, source.recording, camera, rate) for camera in cameras or there]
+            window = source.recording.commanded if commanded else None
+            clips += [Clip(source.name, source.recording, camera, rate, window) for camera in cameras or there]
         return clips
 
     def hashes(self) -> dict[str, str]:
@@ -94,7 +100,7 @@ class Sources:
         found = {}
         for source in self.sources:
             files = source.recording.files
-            told = "\n".join(f"{file.relative_to(folder).as_posix()} {digest(file)}" for file in files)
+            told = "\n".join(f"{Path(os.path.relpath(file, folder)).as_posix()} {digest(file)}" for file in files)
             found[source.name] = digest(files[0]) if len(files) == 1 else hashlib.sha256(told.encode()).hexdigest()
         return found
 
@@ -114,7 +120,32 @@ class Sources:
         damaged = {**self.damaged, name: complaint}
         if not left:
             raise DamagedFile("; ".join(damaged.values()), hint="none is sound", details={"damaged": damaged})
-        return Sources(self.root, left, damaged)
+        return replace(self, sources=left, damaged=damaged)
+
+    def failures(self) -> dict[str, str]:
+        """Name → why a recording is no demonstration of its task, of those that say so."""
+        return {source.name: why for source in self.sources if (why := source.recording.failed) is not None}
+
+    def without_failed(self) -> Sources:
+        """The same without recordings that say that they failed.
+
+        Raises:
+            InputFileError: all do.
+        """
+        failed = self.failures()
+        left = [source for source in self.sources if source.name not in failed]
+        if not left:
+            raise InputFileError(
+                f"{self.root} holds failed demonstrations only ({len(failed)}: {next(iter(failed.values()))})",
+                hint="give --to hdf5, which keeps them as they are and marked so",
+                details={"failed": failed},
+            )
+        return replace(self, sources=left, failed=failed)
+
+
+def rate_of(recording: Recording, fps: float | None) -> float | None:
+    """Frames per second: what the recording states, else what a user states, else what its timestamps give."""
+    return recording.fps or fps or recording.rate_guess
 
 
 def find_sources(

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+import shutil
+from collections.abc import Collection, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Literal
 
-from vcage.base.errors import InputFileError, OutputFolderError
+from vcage.base.errors import DamagedFile, InputFileError, OutputFolderError
 from vcage.base.files import atomic_folder
 from vcage.base.folders import files_below
 from vcage.base.progress import Progress, silent
 from vcage.datasets.packed import unpack
 from vcage.datasets.packing.sources import require_apart
-from vcage.datasets.recordings.opening import hdf5_files
+from vcage.datasets.recordings.opening import hdf5_files, open_hdf5
 
 
 def unpack_all(
@@ -49,13 +51,26 @@ def unpack_all(
     if not files:
         raise InputFileError(f"{root} holds no HDF5 file", hint="give a folder that compress wrote")
     names = [file.relative_to(folder) for file in files]
-    _require_replaceable(out, names, force=force)
+    described = _companions(files, folder)
+    _require_replaceable(out, [*names, *described], force=force)
     with atomic_folder(out) as part:
         for number, (file, name) in enumerate(zip(files, names, strict=True)):
             progress(str(name), number, len(files))
             (part / name).parent.mkdir(parents=True, exist_ok=True)
             unpack(file, part / name, storage)
+        for name in described:
+            (part / name).parent.mkdir(parents=True, exist_ok=True)
+            shutil.copyfile(folder / name, part / name)
     return [out / name for name in names]
+
+
+def _companions(files: Sequence[Path], folder: Path) -> set[Path]:
+    """Files beside recordings in a folder that describe them, relative to it."""
+    found: set[Path] = set()
+    for file in files:
+        with suppress(DamagedFile):  # any packed HDF5 is unpacked, of whatever layout
+            found.update(open_hdf5(file).companions)
+    return {file.relative_to(folder) for file in found if file.is_relative_to(folder)}
 
 
 def _require_replaceable(out: Path, names: Collection[Path], *, force: bool) -> None:

@@ -21,8 +21,8 @@ from vcage.datasets.lerobot.repack import repack
 from vcage.datasets.lerobot.statistics import picture_histogram
 from vcage.datasets.packed import write_packed
 from vcage.datasets.packing.clips import EncodedVideo, Key
-from vcage.datasets.packing.output import OutputSpec, keeps_version
-from vcage.datasets.packing.sources import SourceRecording
+from vcage.datasets.packing.output import OutputSpec, companion_places, keeps_version, task_of
+from vcage.datasets.packing.sources import SourceRecording, rate_of
 from vcage.datasets.picture_links import Stream, find_links
 from vcage.datasets.recordings.recording import HDF5, Recording
 from vcage.schema.compression import VideoStream
@@ -101,6 +101,10 @@ def _write_hdf5(compressed: Compressed, out: Path, progress: Progress) -> None:
         write_packed(path, target, links[file])
         for video in _kept_videos(path, links[file]):
             _copy(video, target.with_name(video.name))
+    for source in compressed.sources:
+        for described, place in companion_places(source):
+            if place is not None and not (out / place).exists():
+                _copy(described, out / place)
 
 
 def _kept_videos(path: Path, replaced: Sequence[Stream]) -> list[Path]:
@@ -162,12 +166,13 @@ def lerobot_episode(recording: Recording, videos: Mapping[str, Path], output: Ou
         DamagedFile: the recording cannot be read.
     """
     subtasks, motion = recording.subtasks, recording.motion
-    frames = recording.camera(next(iter(videos))).frames
+    commanded = recording.commanded
+    frames = recording.camera(next(iter(videos))).frames if commanded is None else len(commanded)
     sample = np.unique(np.linspace(0, frames - 1, SAMPLES).astype(int)).tolist()
     return LeRobotEpisode(
-        fps=recording.fps or output.fps or 0.0,
+        fps=rate_of(recording, output.fps) or 0.0,
         robot=recording.robot or output.robot or "unknown",
-        task=recording.task or output.task or "",
+        task=task_of(recording, output),
         videos=videos,
         histograms={camera: picture_histogram(recording.pictures(camera, sample)) for camera in videos},
         sampled=len(sample),

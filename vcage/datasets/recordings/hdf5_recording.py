@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from abc import abstractmethod
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import cached_property
 from pathlib import Path
@@ -26,7 +26,9 @@ from vcage.datasets.hdf5_files import damage, open_hdf5_file
 from vcage.datasets.hdf5_limits import require_numbers_fit, require_pictures_fit
 from vcage.datasets.picture_lengths import digests_beside
 from vcage.datasets.picture_links import Link, find_links, read_link
+from vcage.datasets.recordings.clocks import Clock, read_clock
 from vcage.datasets.recordings.hdf5_colours import COLOURS, Hdf5Colours
+from vcage.datasets.recordings.leftovers import leftovers
 from vcage.datasets.recordings.other_streams import MeasuredStream, measured_stream, measured_streams
 from vcage.datasets.recordings.recording import HDF5, Columns, RecordedCamera
 from vcage.datasets.stored_pictures import (
@@ -49,6 +51,9 @@ class Hdf5Recording(Hdf5Colours):
 
     PICTURES: ClassVar[str]
     """Pattern of the keys of its pictures; its group is the camera's name."""
+
+    LEFT_OUT: ClassVar[Mapping[str, str]] = {}
+    """Pattern of the keys that an export leaves out → reason, where the layout knows better than their names say."""
 
     TARGET = HDF5
 
@@ -85,8 +90,22 @@ class Hdf5Recording(Hdf5Colours):
         return frame_rate(next(iter(videos.values()))) if videos else None
 
     @property
+    def rate_guess(self) -> float | None:
+        return None if self._clock is None else self._clock.nominal_rate
+
+    def time_fault(self, target: str, fps: float) -> str | None:
+        return None if self._clock is None else self._clock.fault(fps)
+
+    @property
+    def notes(self) -> list[str]:
+        notes, clock, guess = super().notes, self._clock, self.rate_guess
+        if self.fps is None and clock is not None and guess is not None:
+            notes.append(f"its frame rate is that of {clock.key}, {guess:g} Hz")
+        return notes
+
+    @property
     def files(self) -> list[Path]:
-        return [self.path, *sorted(set(self.videos.values()), key=natural_path)]
+        return [self.path, *sorted(set(self.videos.values()), key=natural_path), *self.companions]
 
     @property
     def task(self) -> str | None:
@@ -113,6 +132,21 @@ class Hdf5Recording(Hdf5Colours):
                 found = stacked([stored_picture(dataset, index, what) for index in wanted], what)
                 return found[..., ::-1] if self.swapped(camera) else found
         return decode(link.video(self.path), indices)
+
+    def left_out(self) -> dict[str, str]:
+        with self._file() as file:
+            return leftovers(self._part(file), self._taken(), self.LEFT_OUT)
+
+    def _taken(self) -> set[str]:
+        """Keys of the datasets that an export uses: of pictures, commands and state, from the root of the file."""
+        numbers = (self._read_commands(), self._read_state())
+        used = {source for found in numbers if found is not None for source in found.sources}
+        return used | {camera.key for camera in self.cameras}
+
+    @cached_property
+    def _clock(self) -> Clock | None:
+        with self._file() as file:
+            return read_clock(self._part(file), self.frames) if self.cameras else None
 
     def _part(self, file: h5py.File) -> h5py.Group:
         """Where the recording is in the open file."""
@@ -209,7 +243,7 @@ def numbers_of(part: h5py.Group, key: str, names: tuple[str, ...] = ()) -> Colum
             f"{found.file.filename}:{found.name} is {found.shape} {found.dtype}, no row of numbers for each picture",
             hint="leave the episode out, or mend it",
         )
-    return Columns(_rows(found), names)
+    return Columns(_rows(found), names, sources=(found.name.lstrip("/"),))
 
 
 def columns(group: h5py.Group | None, wanted: Sequence[str] | None = None) -> Columns | None:
@@ -227,6 +261,7 @@ def columns(group: h5py.Group | None, wanted: Sequence[str] | None = None) -> Co
     found = _wanted_in(group, wanted)
     parts: list[NDArray[np.float64]] = []
     names: list[str] = []
+    sources: list[str] = []
     for key, dataset in found.items():
         if not _are_numbers(dataset):
             continue
@@ -237,9 +272,10 @@ def columns(group: h5py.Group | None, wanted: Sequence[str] | None = None) -> Co
                 hint="frames are missing; leave the episode out",
             )
         parts.append(values)
+        sources.append(dataset.name.lstrip("/"))
         width = values.shape[1]
         names += [key.replace("/", "_")] if width == 1 else [f"{key.replace('/', '_')}_{i}" for i in range(width)]
-    return Columns(np.concatenate(parts, axis=1), tuple(names)) if parts else None
+    return Columns(np.concatenate(parts, axis=1), tuple(names), sources=tuple(sources)) if parts else None
 
 
 def _wanted_in(group: h5py.Group, wanted: Sequence[str] | None) -> dict[str, h5py.Dataset]:

@@ -1,11 +1,10 @@
-"""The episodes of a LeRobot data set, v2.1 and v3.0: https://huggingface.co/docs/lerobot/lerobot-dataset-v3."""
+"""The episodes of a LeRobot data set, v2.0, v2.1 and v3.0: https://huggingface.co/docs/lerobot/lerobot-dataset-v3."""
 
 from __future__ import annotations
 
 import math
 from abc import abstractmethod
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any, Self
@@ -23,12 +22,21 @@ from vcage.base.placeholders import require_fetched
 from vcage.base.video_files import open_video
 from vcage.base.videos import decode
 from vcage.datasets.lerobot.episode import ACTION, STATE
-from vcage.datasets.lerobot.features import CAMERA, OF_SUBTASKS, number_names, other_columns, require_rgb, video_facts
+from vcage.datasets.lerobot.features import (
+    CAMERA,
+    OF_SUBTASKS,
+    number_names,
+    other_columns,
+    require_rgb,
+    video_facts,
+)
 from vcage.datasets.lerobot.language import LANGUAGE
 from vcage.datasets.lerobot.meta import data_set_info, episode_rows
 from vcage.datasets.lerobot.parquet import MEND, read_table
 from vcage.datasets.lerobot.places import inside, own_file, own_files, placed
 from vcage.datasets.recordings.colours import Colours
+from vcage.datasets.recordings.lerobot_rows import Clip, TimedRows
+from vcage.datasets.recordings.lerobot_times import Share, shares
 from vcage.datasets.recordings.recording import Columns, RecordedCamera, Recording
 from vcage.datasets.stored_pictures import channels_of, decode_picture, stacked, storage_of
 
@@ -36,26 +44,22 @@ CHANNELS = (1, 3, 4)
 """Of a picture; what tells them from its height and width."""
 
 
-@dataclass(frozen=True)
-class _Clip:
-    """Where an episode's pictures of one camera are: from ``start`` on in a video that holds others too."""
-
-    file: Path
-    start: int
-
-
-class LeRobotRecording(Recording):
+class LeRobotRecording(TimedRows, Recording):
     """One episode of a data set.
 
     Args:
         root: folder of the data set; it is the recording's path.
         info: its ``meta/info.json``.
         row: what the data set says of the episode.
+        shares: key of a camera → the episode's part of a video that holds several.
     """
 
-    def __init__(self, root: Path, info: Mapping[str, Any], row: Mapping[str, Any]):
+    def __init__(
+        self, root: Path, info: Mapping[str, Any], row: Mapping[str, Any], shares: Mapping[str, Share] | None = None
+    ):
         super().__init__(root, int(row["episode_index"]))
-        self._info, self._row = info, row
+        self._info, self._row, self._shares = info, row, shares or {}
+        self._placed: dict[str, tuple[Sequence[int], str]] = {}
 
     def __str__(self) -> str:
         return f"{self.path} episode {self.number}"
@@ -79,10 +83,11 @@ class LeRobotRecording(Recording):
     def frames(self) -> int:
         return int(self._row["length"])
 
-    def left_out(self) -> list[str]:
+    def left_out(self) -> dict[str, str]:
         features = self._info["features"]
         names = [name for name in other_columns(features) if features[name]["dtype"] != "image"]
-        return names + [name for name in OF_SUBTASKS if name in features]
+        parts = dict.fromkeys((name for name in OF_SUBTASKS if name in features), "parts of the task are not read")
+        return dict.fromkeys(names, "another version is written with state, action and cameras alone") | parts
 
     def with_colours(self, colours: Colours) -> Self:
         if colours.swapped:
@@ -96,15 +101,6 @@ class LeRobotRecording(Recording):
         for camera in cameras:
             key = self.camera(camera).key
             require_rgb(key, self._info["features"][key])
-
-    def _camera_notes(self) -> list[str]:
-        notes = super()._camera_notes()
-        for camera in self.cameras:
-            try:
-                self.require_rgb([camera.name])
-            except UsageError as error:
-                notes.append(f"{error.message}: {error.hint}")
-        return notes
 
     @cached_property
     def cameras(self) -> list[RecordedCamera]:
@@ -122,18 +118,25 @@ class LeRobotRecording(Recording):
         one = self.camera(camera)
         wanted = list(range(one.frames) if indices is None else indices)
         if self._info["features"][one.key]["dtype"] == "video":
-            return self._decoded(self._clip(one.key), wanted)
+            frames, _ = self._frames_in_video(one.key)
+            return decode(self._clip(one.key).file, [frames[index] for index in wanted])
         stored = self._column(one.key)
         what = f"{self} {one.key}"
         return stacked(
             [decode_picture(self._stored(stored[index].as_py()), f"{what}[{index}]") for index in wanted], what
         )
 
-    def _decoded(self, clip: _Clip, wanted: Sequence[int]) -> NDArray[np.uint8]:
-        try:
-            return decode(clip.file, [clip.start + index for index in wanted])
-        except UsageError as error:
-            raise DamagedFile(f"{self} is longer than its video: {error}", hint=MEND) from error
+    def _camera_notes(self) -> list[str]:
+        videos = [key for key, feature in self._info["features"].items() if feature["dtype"] == "video"]
+        found = [(key, self._frames_in_video(key)[1]) for key in sorted(videos, key=natural_key)]
+        times = self._row_times.note
+        notes = super()._camera_notes() + [times] * bool(times) + [f"{key}: {note}" for key, note in found if note]
+        for camera in self.cameras:
+            try:
+                self.require_rgb([camera.name])
+            except UsageError as error:
+                notes.append(f"{error.message}: {error.hint}")
+        return notes
 
     def _read_commands(self) -> Columns | None:
         return self._numbers(ACTION)
@@ -183,15 +186,6 @@ class LeRobotRecording(Recording):
         except OSError as error:
             raise DamagedFile(f"{file} cannot be read: {error.strerror}", hint=MEND) from error
 
-    @property
-    @abstractmethod
-    def _data_file(self) -> Path:
-        """The table that holds the episode's frames."""
-
-    @abstractmethod
-    def _clip(self, key: str) -> _Clip:
-        """Where the pictures of a camera are."""
-
     @abstractmethod
     def _video_bytes(self, key: str) -> int:
         """What the pictures of a camera take; a share of a video that holds other episodes too."""
@@ -206,8 +200,8 @@ class LeRobotV21(LeRobotRecording):
     def _data_file(self) -> Path:
         return self._file("data_path")
 
-    def _clip(self, key: str) -> _Clip:
-        return _Clip(self._file("video_path", video_key=key), 0)
+    def _clip(self, key: str) -> Clip:
+        return Clip(self._file("video_path", video_key=key), 0.0, Share(0, self.frames))
 
     def _video_bytes(self, key: str) -> int:
         file = self._clip(key).file
@@ -220,6 +214,12 @@ class LeRobotV21(LeRobotRecording):
         return placed(self.path, pattern, self._info[pattern], **names)
 
 
+class LeRobotV20(LeRobotV21):
+    """The same with statistics of all episodes together."""
+
+    LAYOUT = TARGET = "lerobot-v2.0"
+
+
 class LeRobotV30(LeRobotRecording):
     """Many episodes in a file."""
 
@@ -229,9 +229,9 @@ class LeRobotV30(LeRobotRecording):
     def _data_file(self) -> Path:
         return self._file("data_path", "data")
 
-    def _clip(self, key: str) -> _Clip:
-        start = round(float(self._said(f"videos/{key}/from_timestamp")) * float(self._info["fps"]))
-        return _Clip(self._file("video_path", f"videos/{key}", video_key=key), start)
+    def _clip(self, key: str) -> Clip:
+        begin = float(self._said(f"videos/{key}/from_timestamp"))
+        return Clip(self._file("video_path", f"videos/{key}", video_key=key), begin, self._shares.get(key))
 
     def _video_bytes(self, key: str) -> int:
         file = self._clip(key).file
@@ -266,8 +266,19 @@ def open_lerobot(root: Path) -> list[LeRobotRecording]:
     """
     info = data_set_info(root)
     in_words = not set(LANGUAGE).isdisjoint(info["features"])
-    kind = LeRobotV21 if info["codebase_version"] == "v2.1" else LeRobotV31 if in_words else LeRobotV30
-    return [kind(root, info, row) for row in episode_rows(root, info)]
+    rows = episode_rows(root, info)
+    old: dict[str, type[LeRobotRecording]] = {"v2.0": LeRobotV20, "v2.1": LeRobotV21}
+    if info["codebase_version"] in old:
+        return [old[info["codebase_version"]](root, info, row) for row in rows]
+    kind = LeRobotV31 if in_words else LeRobotV30
+    videos = [key for key, feature in info["features"].items() if feature["dtype"] == "video"]
+    parts = {key: shares(rows, key, float(info["fps"])) for key in videos}
+    return [kind(root, info, row, _own(parts, row["episode_index"])) for row in rows]
+
+
+def _own(parts: Mapping[str, Mapping[int, Share]], episode: int) -> dict[str, Share]:
+    """Camera → the part of its video that an episode has."""
+    return {key: own[episode] for key, own in parts.items() if episode in own}
 
 
 def _picture_size(shape: Sequence[int]) -> tuple[int, int]:

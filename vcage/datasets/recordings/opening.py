@@ -15,11 +15,14 @@ from vcage.base.folders import entries, files_below, require_utf8
 from vcage.base.placeholders import require_fetched
 from vcage.datasets.hdf5_contents import walk
 from vcage.datasets.hdf5_files import damage, open_hdf5_file
-from vcage.datasets.lerobot.meta import INFO
+from vcage.datasets.lerobot.meta import INFO, refuse_first_versions
 from vcage.datasets.recordings.act import ActEpisode, VcageEpisode
 from vcage.datasets.recordings.colours import AUTO, BGR, CHOICES, Colours, settle
 from vcage.datasets.recordings.hdf5_recording import Hdf5Recording
+from vcage.datasets.recordings.isaac_lab import IsaacLabDemo
 from vcage.datasets.recordings.lerobot import open_lerobot
+from vcage.datasets.recordings.libero import LiberoDemo
+from vcage.datasets.recordings.maniskill import ManiSkillTrajectory
 from vcage.datasets.recordings.picture_folder import SUFFIXES as PICTURE_SUFFIXES
 from vcage.datasets.recordings.picture_folder import PictureFolder, pictures_in, unread_in
 from vcage.datasets.recordings.recording import Recording
@@ -29,7 +32,10 @@ from vcage.datasets.recordings.robotwin import RoboTwinEpisode, RoboTwinVisionEp
 SUFFIXES = (".hdf5", ".h5")
 
 HDF5_LAYOUTS: tuple[type[Hdf5Recording], ...] = (
+    LiberoDemo,
+    IsaacLabDemo,
     RobomimicDemo,
+    ManiSkillTrajectory,
     VcageEpisode,
     RoboTwinEpisode,
     RoboTwinVisionEpisode,
@@ -103,6 +109,7 @@ def _open(path: Path) -> Opened:
         )
     if (path / INFO).is_file() or (path / INFO).is_symlink():
         return Opened(open_lerobot(path), {})
+    refuse_first_versions(path)
     files = hdf5_files(path)
     if files:
         return _open_files(files)
@@ -154,7 +161,8 @@ def _recordings_in(path: Path) -> list[Hdf5Recording]:
     raise DamagedFile(
         f"{path} holds no pictures where a known layout has them (it has: {', '.join(keys[:8]) or 'nothing'})",
         hint="known are RoboTwin's observation/<camera>/rgb and vision/<camera>/colors, ACT's "
-        "observations/images/<camera>, and robomimic's data/demo_<number>/obs/<camera>_image",
+        "observations/images/<camera>, ManiSkill's traj_<number>/obs/sensor_data/<camera>/rgb, and "
+        "robomimic's data/demo_<number>/obs/<camera>_image",
     )
 
 

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from vcage.base.errors import DamagedFile, UnknownName
 from vcage.datasets.lerobot.episode import SubtaskSpan
 from vcage.datasets.recordings.colours import Colours
+from vcage.datasets.recordings.exporting import Exportable
 from vcage.datasets.recordings.other_streams import MeasuredStream
 
 ARM_JOINTS = 6
@@ -70,11 +71,13 @@ class Columns:
         values: (T, D).
         names: of the D numbers; none where nobody says.
         notes: what a user must know about how they were understood.
+        sources: keys of the datasets that they were read from, from the root of their file.
     """
 
     values: NDArray[np.float64]
     names: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
+    sources: tuple[str, ...] = ()
 
     def all_names(self) -> list[str]:
         """Names of the D numbers: ``joint_0``… where nobody says."""
@@ -110,7 +113,7 @@ def act_grippers(numbers: int) -> tuple[int, ...]:
     return tuple(range(ARM_JOINTS, numbers, per_arm)) if numbers % per_arm == 0 else ()
 
 
-class Recording(ABC):
+class Recording(Exportable, ABC):
     """One episode of somebody's data set; nothing is read before it is asked for.
 
     A recording can be pickled and read in another process.
@@ -183,7 +186,7 @@ class Recording(ABC):
             return None
         self._check("action", found.values)
         grippers = tuple(column for column, name in enumerate(found.names) if "gripper" in name)
-        return Motion(found.values, found.names, found.notes, grippers or act_grippers(found.values.shape[1]))
+        return Motion(found.values, found.names, found.notes, grippers=grippers or act_grippers(found.values.shape[1]))
 
     @property
     def state(self) -> NDArray[np.float64] | None:
@@ -248,9 +251,10 @@ class Recording(ABC):
         """What no 8-bit video keeps: depth, labels."""
         return ()
 
-    def left_out(self) -> list[str]:
-        """Numbers of each frame, by name, that a LeRobot data set of another version does not take over."""
-        return []
+    @property
+    def commanded(self) -> range | None:
+        """The frames that have a command, and are exported; None for all."""
+        return range(self.frames - self.SPARE_PICTURES) if self.SPARE_PICTURES else None
 
     def require_rgb(self, cameras: Collection[str]) -> None:
         """Nothing, if a video in RGB keeps what these cameras show.
@@ -336,8 +340,9 @@ class Recording(ABC):
                 hint=f"leave the episode out, or mend the {what}",
             )
         for camera in self.cameras:
-            if camera.frames != len(values):
+            if camera.frames - self.SPARE_PICTURES != len(values):
                 raise DamagedFile(
-                    f"{self}: {camera.name} has {camera.frames} pictures, the {what} {len(values)} rows",
+                    f"{self}: {camera.name} has {camera.frames} pictures, the {what} {len(values)} rows"
+                    + (f", not {self.SPARE_PICTURES} fewer" if self.SPARE_PICTURES else ""),
                     hint="frames are missing; leave the episode out",
                 )

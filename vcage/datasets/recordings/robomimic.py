@@ -3,6 +3,8 @@
 Each holds ``actions`` and, in ``obs``, pictures as ``<camera>_image`` beside what was measured of the robot. The
 attribute ``env_args`` of ``data`` describes the simulation as JSON. ``next_obs``, where it is, repeats the pictures of
 ``obs`` one step later.
+
+LIBERO and Isaac Lab write the same tree with other names: :mod:`.libero`, :mod:`.isaac_lab`.
 """
 
 from __future__ import annotations
@@ -10,10 +12,11 @@ from __future__ import annotations
 import json
 import math
 import re
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
+from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any, Self
+from typing import Any, ClassVar, Self
 
 import h5py
 import numpy as np
@@ -21,6 +24,7 @@ import numpy as np
 from vcage.base.errors import DamagedFile
 from vcage.datasets.picture_links import read_link
 from vcage.datasets.recordings.hdf5_recording import Hdf5Recording, columns, numbers_of
+from vcage.datasets.recordings.leftovers import UNKNOWN
 from vcage.datasets.recordings.recording import Columns, act_grippers
 
 DATA = "data"
@@ -30,6 +34,12 @@ SUFFIX = "_image"
 
 STATE = r"robot(\d+)_(joint_pos|gripper_qpos)"
 """What is taken for the state: joints of every robot in radians, then those of its gripper."""
+
+FALSE = ("false", "0", "no")
+"""How text says that a demonstration failed."""
+
+NOT_COLOUR = r"(^|_)(depths?|segmentation|seg|normals|motion_vectors)($|_)"
+"""Names of arrays that look like pictures and are none."""
 
 
 class RobomimicDemo(Hdf5Recording):
@@ -43,6 +53,12 @@ class RobomimicDemo(Hdf5Recording):
     """
 
     LAYOUT = "robomimic"
+
+    LEFT_OUT: ClassVar[Mapping[str, str]] = {
+        r"^obs/object": "where objects are in the simulator",
+        r"^obs/datagen_info": "notes of the generator of demonstrations",
+        r"joint_pos_(cos|sin)$": "the joints once more",
+    }
 
     def __init__(self, path: Path, demo: str):
         super().__init__(path, int(demo.removeprefix("demo_")))
@@ -60,7 +76,13 @@ class RobomimicDemo(Hdf5Recording):
         matches = [match for name in data if (match := re.fullmatch(DEMO, name))]
         demos = [match[0] for match in sorted(matches, key=lambda match: int(match[1]))]
         seen = any(_pictures_in(data.get(f"{demo}/obs")) for demo in demos)
-        return [cls(path, demo) for demo in demos] if seen else []
+        return [cls(path, demo) for demo in demos] if seen and cls.wrote(data, demos) else []
+
+    @classmethod
+    def wrote(cls, data: h5py.Group, demos: Collection[str]) -> bool:
+        """Whether the group of these demonstrations is of this layout, of those that share the tree."""
+        del data, demos
+        return True
 
     def name(self, root: Path) -> str:
         return f"{super().name(root)}.{self.demo}"
@@ -75,15 +97,38 @@ class RobomimicDemo(Hdf5Recording):
         told = [] if rate is None else [f"its frame rate is the control_freq of env_args, {rate:g} Hz"]
         return super().notes + told
 
+    @property
+    def failed(self) -> str | None:
+        with self._file() as file:
+            return stated_failure(self._part(file))
+
+    def left_out(self) -> dict[str, str]:
+        with self._file() as file:
+            beside = [name for name in file if name != DATA]
+            beside += [f"{DATA}/{name}" for name in file[DATA] if not re.fullmatch(DEMO, name)]
+        groups = "names of groups of demonstrations"
+        return super().left_out() | {name: groups if name == "mask" else UNKNOWN for name in sorted(beside)}
+
     @cached_property
     def _control_rate(self) -> float | None:
         """How often the robot was told something, and a picture taken, Hz; None where nothing says."""
+        kwargs = self._env_args.get("env_kwargs")
+        rate = kwargs.get("control_freq") if isinstance(kwargs, dict) else None
+        return float(rate) if isinstance(rate, (int, float)) and 0 < rate < math.inf else None
+
+    @cached_property
+    def _env_args(self) -> dict[str, Any]:
+        """What the file says of the simulation; nothing where it does not."""
+        return self._described("env_args")
+
+    def _described(self, attribute: str) -> dict[str, Any]:
+        """The JSON object in an attribute of the group of all demonstrations; empty where there is none."""
         with self._file() as file:
             try:
-                rate = json.loads(file[DATA].attrs["env_args"])["env_kwargs"]["control_freq"]
+                found = json.loads(file[DATA].attrs[attribute])
             except (KeyError, TypeError, ValueError):
-                return None
-        return float(rate) if isinstance(rate, (int, float)) and 0 < rate < math.inf else None
+                return {}
+        return found if isinstance(found, dict) else {}
 
     def _part(self, file: h5py.File) -> h5py.Group:
         return file[f"{DATA}/{self.demo}"]
@@ -110,7 +155,7 @@ class RobomimicDemo(Hdf5Recording):
         note = f"of the {numbers} numbers of a command none is known to move a gripper"
         if grippers:
             note = f"of the {numbers} numbers of a command, counted from 0, {grippers} is taken for a gripper's"
-        return Columns(found.values, tuple(f"action_{column}" for column in range(numbers)), (note,))
+        return replace(found, names=tuple(f"action_{column}" for column in range(numbers)), notes=(note,))
 
     def _measured(self, part: h5py.Group) -> Columns | None:
         obs = part["obs"]
@@ -122,7 +167,25 @@ class RobomimicDemo(Hdf5Recording):
 def _pictures_in(group: Any) -> dict[str, h5py.Dataset]:
     """Name → pictures, (T, H, W, C) uint8, or the link to them; none where it is no group."""
     items = group.items() if isinstance(group, h5py.Group) else ()
-    return {name: item for name, item in items if isinstance(item, h5py.Dataset) and _are_pictures(item)}
+    return {
+        name: item
+        for name, item in items
+        if isinstance(item, h5py.Dataset) and _are_pictures(item) and not re.search(NOT_COLOUR, name)
+    }
+
+
+def stated_failure(part: h5py.Group) -> str | None:
+    """That a demonstration says of itself that it failed, by ``success`` as attribute or, at its end, as dataset;
+    None where it says nothing of the kind."""
+    stated = part.attrs.get("success")
+    if stated is None and isinstance(part.get("success"), h5py.Dataset) and part["success"].size:
+        stated = part["success"][()].reshape(-1)[-1]
+    if stated is None or np.size(stated) != 1:
+        return None
+    value = np.reshape(stated, -1)[0]
+    text = value.decode("utf-8", "replace") if isinstance(value, bytes) else value
+    failed = text.strip().lower() in FALSE if isinstance(text, str) else not text
+    return "its success is false" if failed else None
 
 
 def _are_pictures(dataset: h5py.Dataset) -> bool:

@@ -2,30 +2,95 @@
 
 The first: ``observation/<camera>/rgb`` holds JPEG as fixed-length bytes, made with OpenCV from RGB arrays and so with
 red and blue swapped (https://github.com/robotwin-Platform/RoboTwin/issues/438); ``joint_action`` the commands, which it
-takes for the state too. The second: ``vision/<camera>/colors``, swapped as well unless a comment in each JPEG says
-otherwise, and the groups ``state`` and ``action``.
+takes for the state too; ``instructions/episode<N>.json`` lies beside the folder ``data`` of the episodes. The second:
+``vision/<camera>/colors``, swapped as well unless a comment in each JPEG says otherwise, the groups ``state`` and
+``action``, and ``instructions``.
 """
 
 from __future__ import annotations
 
+import json
+import re
+from collections.abc import Mapping
 from dataclasses import replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any, ClassVar
 
 import h5py
 
+from vcage.base.errors import DamagedFile
+from vcage.datasets.lerobot.episode import SubtaskSpan
+from vcage.datasets.recordings.beside import read_beside
 from vcage.datasets.recordings.hdf5_recording import Hdf5Recording, columns
 from vcage.datasets.recordings.recording import Columns
 
 ARM_PARTS = ("left_arm", "left_gripper", "right_arm", "right_gripper")
 """RoboTwin's datasets of a robot's joints, in the order of its ``vector``, which holds them all."""
 
+INSTRUCTIONS = "instructions"
 
-class RoboTwinEpisode(Hdf5Recording):
+FREQUENCY = "additional_info/frequency"
+
+
+class _Instructed(Hdf5Recording):
+    """What both layouts have in common: instructions, of which the first for training is the task."""
+
+    @property
+    def task(self) -> str | None:
+        return super().task or next(iter(self._wordings), None)
+
+    @property
+    def subtasks(self) -> list[SubtaskSpan]:
+        """One of all frames that carries the other wordings, where there are any."""
+        own, task = self._wordings, self.task
+        return [SubtaskSpan(task, 0, self.frames, own)] if task is not None and len(own) > 1 else []
+
+    @cached_property
+    def _wordings(self) -> list[str]:
+        return wordings_of(self._instructions())
+
+    def _instructions(self) -> Any:
+        """What says how the episode's task is put; None where nothing does."""
+        raise NotImplementedError
+
+
+class RoboTwinEpisode(_Instructed):
     """RoboTwin's first layout; ``joint_state`` beside ``joint_action`` is ours (:mod:`vcage.datasets.robotwin`)."""
 
     LAYOUT = "robotwin"
     PICTURES = r"observation/([^/]+)/rgb"
     SWAPPED = True
     COLOURS_SURE = False
+
+    LEFT_OUT: ClassVar[Mapping[str, str]] = {r"^joint_action/vector$": "the same numbers as those of arms and grippers"}
+
+    @property
+    def companions(self) -> list[Path]:
+        found = self._instruction_file
+        return [] if found is None else [found]
+
+    def left_out(self) -> dict[str, str]:
+        return super().left_out() | left_out_wordings(self._instructions())
+
+    @property
+    def _instruction_file(self) -> Path | None:
+        folders = (self.path.parent.parent / INSTRUCTIONS, self.path.parent / INSTRUCTIONS)
+        digits = re.search(r"\d+$", self.path.stem)
+        names = (self.path.stem, f"episode{int(digits[0])}" if digits else "")
+        files = (folder / f"{name}.json" for folder in folders for name in names if name)
+        return next((file for file in files if file.is_file() and not file.is_symlink()), None)
+
+    def _instructions(self) -> Any:
+        file = self._instruction_file
+        if file is None:
+            return None
+        found = read_beside(file)
+        if not wordings_of(found):
+            raise DamagedFile(
+                f'{file} names no instruction in "seen"', hint="mend the file, or remove it and give --task"
+            )
+        return found
 
     def _commands(self, part: h5py.Group) -> Columns | None:
         return _joints(part.get("joint_action"))
@@ -40,7 +105,7 @@ class RoboTwinEpisode(Hdf5Recording):
         return None
 
 
-class RoboTwinVisionEpisode(Hdf5Recording):
+class RoboTwinVisionEpisode(_Instructed):
     """RoboTwin's second layout."""
 
     LAYOUT = "robotwin-1.0"
@@ -48,11 +113,63 @@ class RoboTwinVisionEpisode(Hdf5Recording):
     SWAPPED = True
     COLOURS_SURE = False
 
+    LEFT_OUT: ClassVar[Mapping[str, str]] = {
+        r"^additional_info": "RoboTwin's settings",
+        r"^data_format_version$": "version of the layout",
+    }
+
+    @property
+    def notes(self) -> list[str]:
+        with self._file() as file:
+            found = file.get(FREQUENCY)
+            steps = found[()] if isinstance(found, h5py.Dataset) and found.size == 1 else None
+        note = f"its {FREQUENCY}, {steps}, counts steps of the simulation between frames and is no frame rate"
+        return super().notes + [note] * (steps is not None)
+
+    def left_out(self) -> dict[str, str]:
+        return super().left_out() | left_out_wordings(self._instructions())
+
+    def _taken(self) -> set[str]:
+        return super()._taken() | {INSTRUCTIONS}
+
+    def _instructions(self) -> Any:
+        with self._file() as file:
+            found = file.get(INSTRUCTIONS)
+            stored = found[()] if isinstance(found, h5py.Dataset) else file.attrs.get(INSTRUCTIONS)
+        return None if stored is None else _decoded(stored)
+
     def _commands(self, part: h5py.Group) -> Columns | None:
         return columns(part.get("action", part.get("state")))
 
     def _measured(self, part: h5py.Group) -> Columns | None:
         return columns(part.get("state"))
+
+
+def wordings_of(stated: Any) -> list[str]:
+    """The instructions for training in RoboTwin's ``{"seen": […], "unseen": […]}``, or in a list or a text of them."""
+    seen = stated.get("seen") if isinstance(stated, dict) else stated
+    texts = [seen] if isinstance(seen, str) else seen if isinstance(seen, list) else []
+    tidy = [" ".join(text.split()) for text in texts if isinstance(text, str)]
+    return list(dict.fromkeys(text for text in tidy if text))
+
+
+def left_out_wordings(stated: Any) -> dict[str, str]:
+    """The instructions that are for evaluation alone, as an entry of what an export leaves out."""
+    unseen = stated.get("unseen") if isinstance(stated, dict) else None
+    return {f"{INSTRUCTIONS}/unseen": "wordings that are kept for evaluation"} if unseen else {}
+
+
+def _decoded(stored: Any) -> Any:
+    """Instructions in a dataset or an attribute: JSON, a text, or an array of either."""
+    values = stored.tolist() if hasattr(stored, "tolist") else stored
+    values = values if isinstance(values, list) else [values]
+    texts = [value.decode("utf-8", "replace") if isinstance(value, bytes) else value for value in values]
+    if len(texts) != 1 or not isinstance(texts[0], str):
+        return texts
+    try:
+        return json.loads(texts[0])
+    except ValueError:
+        return texts
 
 
 def _joints(group: h5py.Group | None) -> Columns | None:

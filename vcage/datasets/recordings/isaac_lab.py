@@ -1,0 +1,74 @@
+"""Isaac Lab's HDF5, robomimic's tree with other names: https://isaac-sim.github.io/IsaacLab (imitation learning)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Mapping
+from typing import Any, ClassVar
+
+import h5py
+
+from vcage.datasets.recordings.hdf5_recording import columns
+from vcage.datasets.recordings.recording import Columns
+from vcage.datasets.recordings.robomimic import RobomimicDemo
+
+STATE = ("joint_pos", "gripper_pos")
+"""What is taken for the state."""
+
+POSE = ("eef_pos", "eef_quat", "gripper_pos")
+"""What is taken for it where nobody recorded the joints."""
+
+MARKS = (
+    "initial_state/articulation",
+    "states/articulation",
+    "obs/datagen_info",
+    "obs/joint_pos",
+    "obs/gripper_pos",
+    "obs/eef_quat",
+)
+"""Keys in a demonstration that Isaac Lab alone writes."""
+
+
+class IsaacLabDemo(RobomimicDemo):
+    """One demonstration of a file of Isaac Lab's; ``success`` says whether it is one."""
+
+    LAYOUT = "isaac-lab"
+
+    LEFT_OUT: ClassVar[Mapping[str, str]] = {
+        r"^obs/actions$": "the commands once more",
+        r"^(processed_actions|obs/datagen_info)": "notes of the generator of demonstrations",
+        r"^obs/(object|cube|rigid)": "where objects are in the simulator",
+    }
+
+    @classmethod
+    def wrote(cls, data: h5py.Group, demos: Collection[str]) -> bool:
+        first = data[next(iter(demos))] if demos else data
+        return any(mark in first for mark in MARKS)
+
+    @property
+    def fps(self) -> float | None:
+        return super().fps or self._simulated_rate
+
+    @property
+    def rate_hint(self) -> str:
+        return "give --fps N: 1 / (sim.dt · decimation) of the task's configuration, which the file does not hold"
+
+    @property
+    def notes(self) -> list[str]:
+        rate = self._simulated_rate
+        told = [] if rate is None else [f"its frame rate is 1 / (dt · decimation) of env_args, {rate:g} Hz"]
+        return super().notes + told
+
+    @property
+    def _simulated_rate(self) -> float | None:
+        """Steps per second of newer files; None where they do not say."""
+        args = self._env_args.get("sim_args")
+        step: Any = [args.get("dt"), args.get("decimation")] if isinstance(args, dict) else [None]
+        if not all(isinstance(one, int | float) and 0 < one < math.inf for one in step):
+            return None
+        return round(1 / (step[0] * step[1]), 6)
+
+    def _measured(self, part: h5py.Group) -> Columns | None:
+        obs = part["obs"]
+        wanted = STATE if "joint_pos" in obs else POSE
+        return columns(obs, [name for name in wanted if name in obs]) or super()._measured(part)

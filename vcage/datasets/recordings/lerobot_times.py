@@ -1,0 +1,276 @@
+"""Which frame of a video belongs to which row of a LeRobot table.
+
+LeRobot looks pictures up by time: the video's frame nearest to ``from_timestamp + timestamp``, which may not be further
+away than ``tolerance_s`` (https://huggingface.co/docs/lerobot/lerobot-dataset-v3). Where that succeeds, its answer
+counts. Where times are off by more, but by so little that numbers of rows and of frames leave no doubt, frames are
+counted instead, and that is said. Everything else is refused: a row never gets its neighbour's picture.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vcage.base.errors import DamagedFile
+from vcage.base.videos import frame_times
+from vcage.datasets.lerobot.features import TIME_TOLERANCE
+from vcage.datasets.lerobot.parquet import MEND
+
+
+@dataclass(frozen=True)
+class LookupSettings:
+    """How far times may be off.
+
+    Args:
+        tolerance_s: of LeRobot's own lookup.
+        counted_frames: in frames, where the rows of all episodes in a video are as many as its frames.
+        alone_frames: in frames, where only the times say at which frame of a video an episode begins.
+    """
+
+    tolerance_s: float = TIME_TOLERANCE
+    counted_frames: float = 0.5
+    alone_frames: float = 0.25
+
+
+SETTINGS = LookupSettings()
+
+ROUNDING = 1e-6
+"""Share of a limit that numbers in double precision may lie beyond it."""
+
+
+class Unclear(Exception):
+    """Times that leave it open which frame is meant.
+
+    Args:
+        message: what is off, and by how much.
+        off_s: the largest distance, seconds.
+    """
+
+    def __init__(self, message: str, off_s: float):
+        super().__init__(message)
+        self.message, self.off_s = message, off_s
+
+
+class TooShort(Unclear):
+    """A video with fewer frames than its episode has rows."""
+
+
+@dataclass(frozen=True)
+class RowTimes:
+    """When the rows of an episode were recorded.
+
+    Args:
+        seconds: (T,) from the episode's begin, as its pictures are looked up.
+        off_s: the largest distance from evenly spaced rows; 0 within the tolerance.
+        note: how they were understood where they are off; empty else.
+    """
+
+    seconds: NDArray[np.float64]
+    off_s: float = 0.0
+    note: str = ""
+
+
+def row_times(timestamps: NDArray[Any], fps: float) -> RowTimes:
+    """The times of rows that are meant to be evenly spaced from 0 on.
+
+    Args:
+        timestamps: (T,) seconds as stored, T ≥ 1.
+        fps: of the data set.
+
+    Raises:
+        Unclear: they are not finite, do not grow, or are off by half a frame or more.
+    """
+    stored = np.asarray(timestamps, np.float64)
+    even = np.arange(len(stored)) / fps
+    if not np.all(np.isfinite(stored)):
+        raise Unclear("its timestamps hold NaN or infinity", float("inf"))
+    off = np.abs(stored - even)
+    if off.max() <= _tolerance(timestamps):
+        return RowTimes(stored)
+    _require_growing(stored)
+    by_clock = abs(stored[0]) >= len(stored) / fps  # no frame of the episode can be meant by such a time
+    off = np.abs(stored - even - (stored[0] if by_clock else 0.0))
+    worst = int(off.argmax())
+    if off[worst] * fps >= SETTINGS.counted_frames:
+        raise Unclear(_far_off(stored, worst, even[worst], off[worst], fps, by_clock), float(off[worst]))
+    if by_clock:
+        note = (
+            f"its timestamps begin at {stored[0]:g} s and are taken for a clock's: time is counted from its first row"
+        )
+        return RowTimes(even, float(abs(stored[0])), note)
+    note = (
+        f"its timestamps are up to {1000 * off[worst]:.2g} ms off {fps:g} frames per second (LeRobot's tolerance is "
+        f"{1000 * SETTINGS.tolerance_s:g} ms): its rows are counted"
+    )
+    return RowTimes(stored, float(off[worst]), note)
+
+
+def _require_growing(stored: NDArray[np.float64]) -> None:
+    steps = np.diff(stored)
+    if np.any(steps <= 0):
+        row = int(np.argmax(steps <= 0)) + 1
+        how = "repeats" if steps[row - 1] == 0 else "goes back to"
+        raise Unclear(f"its timestamp of frame {row} {how} {stored[row]:.4f} s", float(-steps.min()))
+
+
+def _far_off(stored: NDArray[np.float64], worst: int, even: float, off: float, fps: float, by_clock: bool) -> str:
+    since = stored[worst] - (stored[0] if by_clock else 0.0)
+    rate = (len(stored) - 1) / (stored[-1] - stored[0]) if len(stored) > 1 else fps
+    return (
+        f"its timestamps put frame {worst} at {since:.4f} s, at {fps:g} frames per second it is {even:.4f} s: "
+        f"{1000 * off:.1f} ms off, {off * fps:.2f} of a frame (LeRobot's tolerance is {1000 * SETTINGS.tolerance_s:g} "
+        f"ms); they are those of {rate:.2f} frames per second"
+    )
+
+
+@dataclass(frozen=True)
+class Share:
+    """The part of a video that is an episode's, counted in frames: the lengths of all episodes in it, in order.
+
+    Args:
+        start: frames of the episodes before it.
+        total: frames of all episodes.
+        overlaps: an episode that begins before it and has not ended when it begins, by their times; None without.
+    """
+
+    start: int
+    total: int
+    overlaps: int | None = None
+
+
+def frames_of_rows(
+    shown: NDArray[np.float64], begin: float, times: RowTimes, fps: float, share: Share | None
+) -> tuple[Sequence[int], str]:
+    """The frame of a video for each row, and how they were found where LeRobot's lookup would fail.
+
+    Args:
+        shown: when each frame of the video is shown, seconds, increasing.
+        begin: when the episode begins in it, seconds.
+        times: of its rows.
+        fps: of the data set.
+        share: where frames say that it begins; None where nothing but ``begin`` does.
+
+    Raises:
+        Unclear: it is not certain which frames are meant.
+    """
+    rows = len(times.seconds)
+    counted = share is not None and share.total == len(shown)
+    nearest, off = _looked_up(shown, begin + times.seconds)
+    if off.max() <= _tolerance(times.seconds) and np.all(np.diff(nearest) > 0):
+        if counted and share is not None and nearest[0] != share.start:
+            gap = abs(int(nearest[0]) - share.start)
+            raise Unclear(
+                f"it begins at frame {nearest[0]} of the video by its time, and at frame {share.start} by the lengths "
+                f"of the episodes before it: {gap} frames off",
+                gap / fps,
+            )
+        return _compact(nearest), _remark(shown, rows, share)
+    start = share.start if counted and share is not None else int(nearest[0])
+    if start + rows > len(shown):
+        raise TooShort(f"has {len(shown)} frames, and {rows} are asked for from frame {start} on", float(off.max()))
+    off = np.abs(shown[start : start + rows] - begin - times.seconds)
+    limit = SETTINGS.counted_frames if counted else SETTINGS.alone_frames
+    worst = int(off.argmax())
+    words = (
+        f"{1000 * off[worst]:.2g} ms off the video's frame {start + worst}, {off[worst] * fps:.2f} of a frame "
+        f"(LeRobot's tolerance is {1000 * SETTINGS.tolerance_s:g} ms)"
+    )
+    if not off[worst] * fps <= limit * (1 + ROUNDING):  # which NaN is not either
+        raise Unclear(f"its frame {worst} is looked up {words}", float(off[worst]))
+    even = np.abs(shown[start : start + rows] - begin - np.arange(rows) / fps).max() <= SETTINGS.tolerance_s
+    if times.note and even:  # which says it already
+        return range(start, start + rows), ""
+    return range(start, start + rows), f"its times are up to {words}: its frames are counted"
+
+
+def _remark(shown: NDArray[np.float64], rows: int, share: Share | None) -> str:
+    """What is odd about an episode that LeRobot's lookup finds; empty where nothing is."""
+    if share is None:
+        return ""
+    if share.overlaps is not None:
+        return f"by its times it shows frames of episode {share.overlaps} too"
+    more = len(shown) - rows
+    return f"its video has {more} frames that belong to no row" if share.total == rows and more > 0 else ""
+
+
+def _looked_up(
+    shown: NDArray[np.float64], wanted: NDArray[np.float64]
+) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    """The frame nearest to each time, and how far away it is."""
+    after = np.clip(np.searchsorted(shown, wanted), 0, len(shown) - 1)
+    before = np.maximum(after - 1, 0)
+    nearest = np.where(np.abs(shown[before] - wanted) <= np.abs(shown[after] - wanted), before, after)
+    return nearest, np.abs(shown[nearest] - wanted)
+
+
+def _tolerance(times: NDArray[Any]) -> float:
+    """LeRobot's tolerance, and what times in single precision are rounded by."""
+    largest = np.float32(np.max(np.abs(times)))
+    return SETTINGS.tolerance_s + (float(np.spacing(largest)) if np.isfinite(largest) and largest < 1e5 else 0.0)
+
+
+def _compact(frames: NDArray[np.int64]) -> Sequence[int]:
+    """Frames that follow each other as a range."""
+    first, last = int(frames[0]), int(frames[-1])
+    return range(first, last + 1) if last - first + 1 == len(frames) else frames.tolist()
+
+
+def shown_times(video: Path) -> NDArray[np.float64]:
+    """When each frame of a video is shown, seconds; that of the last few videos is kept, as episodes share them.
+
+    Raises:
+        DamagedFile: it cannot be read.
+    """
+    try:
+        stat = video.stat()
+    except OSError as error:
+        raise DamagedFile(f"{video} cannot be read: {error.strerror}", hint=MEND) from error
+    return _kept_times(video, stat.st_size, stat.st_mtime_ns)
+
+
+@lru_cache(maxsize=16)
+def _kept_times(video: Path, _size: int, _changed: int) -> NDArray[np.float64]:
+    return np.array(frame_times(video))
+
+
+def shares(rows: Sequence[Mapping[str, Any]], key: str, fps: float) -> dict[int, Share]:
+    """Number of an episode → its part of the video of a camera, of a v3.0 list of episodes.
+
+    Args:
+        rows: the list.
+        key: feature of the camera.
+        fps: of the data set.
+
+    Returns:
+        Nothing of episodes whose video, or place in it, the list does not say.
+    """
+    files: dict[tuple[Any, Any], list[Mapping[str, Any]]] = {}
+    for row in rows:
+        files.setdefault((row.get(f"videos/{key}/chunk_index"), row.get(f"videos/{key}/file_index")), []).append(row)
+    found: dict[int, Share] = {}
+    for own in files.values():
+        stated = [row.get(f"videos/{key}/from_timestamp") for row in own]
+        begins = [float(begin) for begin in stated if isinstance(begin, int | float)]
+        if len(begins) < len(own):
+            continue
+        total, start, end, before = sum(row["length"] for row in own), 0, 0.0, None
+        for begin, number, length in sorted(zip(begins, map(_number, own), map(_length, own), strict=True)):
+            overlaps = before if begin * fps < end - SETTINGS.counted_frames - ROUNDING else None
+            found[number] = Share(start, total, overlaps)
+            start, before = start + length, number if begin * fps + length > end else before
+            end = max(end, begin * fps + length)
+    return found
+
+
+def _number(row: Mapping[str, Any]) -> int:
+    return int(row["episode_index"])
+
+
+def _length(row: Mapping[str, Any]) -> int:
+    return int(row["length"])

@@ -1,0 +1,185 @@
+"""ManiSkill's trajectories: groups ``traj_0``, ``traj_1``, … of an HDF5 file, described by a JSON file of its name.
+
+Each holds T ``actions`` and T + 1 observations, the last of which follows the last action:
+``obs/sensor_data/<camera>/rgb`` and ``obs/agent/qpos``. See
+https://maniskill.readthedocs.io/en/latest/user_guide/datasets/demos.html.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Collection, Mapping
+from dataclasses import replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any, ClassVar, Self
+
+import h5py
+
+from vcage.base.errors import DamagedFile
+from vcage.datasets.recordings.beside import read_beside
+from vcage.datasets.recordings.hdf5_recording import Hdf5Recording, numbers_of
+from vcage.datasets.recordings.recording import Columns
+from vcage.datasets.recordings.robomimic import stated_failure
+
+TRAJECTORY = r"traj_(\d+)"
+
+STATE, FLAT = "obs/agent/qpos", "obs/state"
+"""The robot's joints; or all numbers of the simulation in one row."""
+
+
+class ManiSkillTrajectory(Hdf5Recording):
+    """One trajectory of a file.
+
+    Args:
+        path: of the file.
+        trajectory: its name, as in ``traj_0``.
+        labelled: whether the file's ``success`` tells anything: some trajectory of it ends with true.
+    """
+
+    LAYOUT = "maniskill"
+    PICTURES = r"obs/(?:sensor_data|image)/([^/]+)/rgb"
+    SPARE_PICTURES = 1
+
+    LEFT_OUT: ClassVar[Mapping[str, str]] = {
+        r"^obs/extra": "the task's own observations, such as poses of goals",
+        r"^obs/state$": "all numbers of the simulation in one row",
+    }
+
+    def __init__(self, path: Path, trajectory: str, labelled: bool = True):
+        super().__init__(path, int(trajectory.removeprefix("traj_")))
+        self.trajectory, self._labelled = trajectory, labelled
+
+    def __str__(self) -> str:
+        return f"{self.path}:{self.trajectory}"
+
+    @classmethod
+    def found_in(cls, path: Path, file: h5py.File, keys: Collection[str]) -> list[Self]:
+        """The trajectories by their numbers; none where there is none.
+
+        Raises:
+            DamagedFile: there are, but without pictures.
+        """
+        matches = sorted((match for name in file if (match := re.fullmatch(TRAJECTORY, name))), key=_number)
+        if matches and not any(re.fullmatch(f"{TRAJECTORY}/{cls.PICTURES}", key) for key in keys):
+            raise DamagedFile(
+                f"{path} holds ManiSkill's trajectories without pictures",
+                hint="let ManiSkill draw them: python -m mani_skill.trajectory.replay_trajectory "
+                f"--traj-path {path} --save-traj --obs-mode rgb --use-env-states",
+            )
+        labelled = any(_last(file[match[0]].get("success")) for match in matches)
+        return [cls(path, match[0], labelled) for match in matches]
+
+    def name(self, root: Path) -> str:
+        return f"{super().name(root)}.{self.trajectory}"
+
+    @property
+    def fps(self) -> float | None:
+        return self._control_rate or super().fps
+
+    @property
+    def rate_hint(self) -> str:
+        return "give --fps N: the control_freq of its environment, 20 unless it was changed"
+
+    @property
+    def task_guess(self) -> str | None:
+        found = self._environment.get("env_id")
+        return words_of(found) or None if isinstance(found, str) else None
+
+    @property
+    def companions(self) -> list[Path]:
+        file = self._description_file
+        return [file] if file.is_file() and not file.is_symlink() else []
+
+    @property
+    def failed(self) -> str | None:
+        stated = self._episode.get("success")
+        if stated is False or self._episode.get("fail") is True:
+            return f"{'success is false' if stated is False else 'fail is true'} in {self._description_file.name}"
+        with self._file() as file:
+            part = self._part(file)
+            if _last(part.get("fail")):
+                return "its fail is true"
+            return stated_failure(part) if stated is None and self._labelled else None
+
+    @property
+    def notes(self) -> list[str]:
+        notes = super().notes
+        rate, steps, motion = self._control_rate, self._episode.get("elapsed_steps"), self.motion
+        if rate is not None:
+            notes.append(f"its frame rate is the control_freq of its environment, {rate:g} Hz")
+        if not self._labelled and self._episode.get("success") is None:
+            notes.append("no trajectory of its file ends with success, so nobody seems to have recorded that")
+        if not self.companions:
+            notes.append(f"there is no {self._description_file.name}, which would describe it")
+        if isinstance(steps, int) and motion is not None and steps != len(motion.values):
+            notes.append(f"it has {len(motion.values)} actions, its elapsed_steps are {steps}")
+        return notes
+
+    def left_out(self) -> dict[str, str]:
+        last = {"the last picture": "it follows the last action, so that no action belongs to it"}
+        return super().left_out() | last
+
+    @cached_property
+    def _description_file(self) -> Path:
+        return self.path.with_suffix(".json")
+
+    @cached_property
+    def _environment(self) -> dict[str, Any]:
+        """``env_info`` of the file's description; empty where nothing says."""
+        return _as_dict(_as_dict(read_beside(self._description_file)).get("env_info"))
+
+    @cached_property
+    def _episode(self) -> dict[str, Any]:
+        """What the description says of this trajectory; empty where it does not."""
+        episodes = _as_dict(read_beside(self._description_file)).get("episodes")
+        rows = (_as_dict(row) for row in episodes) if isinstance(episodes, list) else ()
+        return next((row for row in rows if row.get("episode_id") == self.number), {})
+
+    @property
+    def _control_rate(self) -> float | None:
+        """Actions per second; None where the description does not say."""
+        kwargs = _as_dict(self._environment.get("env_kwargs"))
+        places = (_as_dict(kwargs.get("sim_config")), kwargs, self._environment)
+        rates = [rate for place in places if isinstance(rate := place.get("control_freq"), int | float)]
+        return next((float(rate) for rate in rates if 0 < rate < math.inf), None)
+
+    def _part(self, file: h5py.File) -> h5py.Group:
+        return file[self.trajectory]
+
+    def _commands(self, part: h5py.Group) -> Columns | None:
+        found = numbers_of(part, "actions")
+        if found is None:
+            return None
+        return replace(found, names=tuple(f"action_{column}" for column in range(found.values.shape[1])))
+
+    def _measured(self, part: h5py.Group) -> Columns | None:
+        flat = STATE not in part
+        found = numbers_of(part, FLAT if flat else STATE)
+        if found is None:
+            return None
+        name = "state" if flat else "qpos"
+        names = tuple(f"{name}_{column}" for column in range(found.values.shape[1]))
+        notes = ("its state is obs/state, all numbers of the simulation in one row",) * flat
+        return replace(found, values=found.values[:-1], names=names, notes=notes)
+
+
+def words_of(environment: str) -> str:
+    """The name of an environment as words: ``PickCube-v1`` is "Pick cube"."""
+    plain = re.sub(r"-v\d+$", "", environment)
+    parts = re.findall(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+", plain)
+    return " ".join(parts).capitalize()
+
+
+def _last(labels: Any) -> bool:
+    """Whether a dataset of labels, one for each step, ends with true."""
+    return isinstance(labels, h5py.Dataset) and bool(labels.size) and bool(labels[()].reshape(-1)[-1])
+
+
+def _number(match: re.Match[str]) -> int:
+    return int(match[1])
+
+
+def _as_dict(found: Any) -> dict[str, Any]:
+    return found if isinstance(found, dict) else {}
