@@ -12,6 +12,7 @@ import pytest
 from tests.datasets.packed_files import pack, streams
 from tests.datasets.recordings.layouts import HEIGHT, WIDTH, act, jpeg
 from vcage.datasets.packed import unpack, write_packed
+from vcage.datasets.picture_lengths import find_lengths
 from vcage.datasets.recordings.opening import open_recordings
 from vcage.video.codec import EncoderSettings, encode
 
@@ -140,3 +141,12 @@ def test_checksums_of_pictures_are_named_as_they_do_not_hold_for_videos(tmp_path
     (recording,) = open_recordings(source)
     (note,) = recording.notes
     assert note.startswith("observations/images/cam_high@sha256: made of the pictures as they are")
+
+
+def test_numbers_too_many_to_be_lengths_are_not_read(tmp_path):
+    path = act_plus_plus(tmp_path / "a.hdf5")
+    with h5py.File(path, "r+") as file:
+        file.create_dataset("cloud", (FRAMES, 2**33), np.float64, chunks=(1, 1024))
+    with h5py.File(path) as file:
+        found = find_lengths(file, ["observations/images/cam_high"])
+    assert [place.key for place in found["observations/images/cam_high"]] == ["compress_len"]

@@ -17,16 +17,16 @@ from pathlib import Path
 from typing import Any
 
 import cv2
-import h5py
 import numpy as np
 
-from vcage.base.errors import MissingStage, UnknownName, UsageError
+from vcage.base.errors import DamagedFile, MissingStage, UnknownName, UsageError
 from vcage.base.files import RunFolder, sha256_file
 from vcage.base.pictures import write_picture
 from vcage.base.progress import Progress, silent
 from vcage.base.workers import Processes, ThisProcess
 from vcage.datasets.episode import DRAWN
 from vcage.datasets.hdf5 import write_episode
+from vcage.datasets.hdf5_files import open_hdf5_file
 from vcage.datasets.reader import EpisodeReader
 from vcage.schema.base import Provenance
 from vcage.schema.episodes import Episode
@@ -161,7 +161,7 @@ def _sweep(run: RunFolder, folder: Path) -> None:
 
 def _made(path: Path) -> dict[str, Any] | None:
     """What a render says of itself; None for what a killed call left, or what is no render of ours."""
-    with suppress(OSError, KeyError, ValueError, TypeError), h5py.File(path) as file:
+    with suppress(DamagedFile, OSError, KeyError, ValueError, TypeError), open_hdf5_file(path) as file:
         made = {**json.loads(file["meta/render"][()]), "frames": len(file["timestamp"])}
         return made if _record(path, made, made["frames"]) and isinstance(made["sha256"], str) else None
     return None
@@ -221,7 +221,7 @@ def _both(world: str, look: str) -> str:
 
 def _is_there(path: Path, meta: Mapping[str, Any]) -> bool:
     """Whether a file was drawn from the same states under the same look."""
-    with suppress(OSError, KeyError, ValueError), h5py.File(path) as file:
+    with suppress(DamagedFile, OSError, KeyError, ValueError), open_hdf5_file(path) as file:
         return all(json.loads(file["meta"][name][()]) == meta[name] for name in (DRAWN, "render"))
     return False
 

@@ -222,7 +222,7 @@ def test_a_description_that_is_missing_or_differs_is_said(tmp_path):
     path.with_suffix(".json").write_text("\ufeff" + json.dumps(told), encoding="utf-8")
     assert "it has 6 actions, its elapsed_steps are 9" in open_recordings(path)[0].notes
     path.with_suffix(".json").write_text("{")
-    with pytest.raises(DamagedFile, match=r"a\.json cannot be read as JSON"):
+    with pytest.raises(DamagedFile, match=r"a\.json is not valid JSON"):
         _ = open_recordings(path)[0].fps
     path.with_suffix(".json").unlink()
     assert any("there is no a.json" in note for note in open_recordings(path)[0].notes)

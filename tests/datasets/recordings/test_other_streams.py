@@ -174,3 +174,30 @@ def test_text_and_references_elsewhere_are_no_pictures(tmp_path):
 )
 def test_the_last_part_of_a_name_says_what_is_shown(name, shows):
     assert shown_by_name(name) == shows
+
+
+def test_depth_behind_a_soft_link_is_found_and_named(tmp_path):
+    path = robomimic(tmp_path / "a.hdf5")
+    with h5py.File(path, "r+") as file:
+        file["raw/top"] = depth(np.uint16, 1)
+        file["data/demo_0/obs/top"] = h5py.SoftLink("/raw/top")
+    recording = open_recordings(path)[0]
+    assert "obs/top (depth or other numbers, uint16)" in map(str, recording.other_streams)
+    assert "obs/top" in recording.left_out()
+
+
+def test_a_stream_that_declares_too_much_is_not_read(tmp_path):
+    path = act(tmp_path / "a.hdf5")
+    with h5py.File(path, "r+") as file:
+        file.create_dataset("observations/images/cam_high_mask", (FRAMES, 2**31), np.uint8, chunks=(1, 2**31))
+    (stream,) = open_recordings(path)[0].other_streams
+    assert str(stream) == "observations/images/cam_high_mask (labels, no picture files)"
+
+
+def test_normals_are_no_camera(tmp_path):
+    path = robomimic(tmp_path / "a.hdf5")
+    with h5py.File(path, "r+") as file:
+        file["data/demo_0/obs/agentview_normals"] = PALETTE
+    recording = open_recordings(path)[0]
+    assert "obs/agentview_normals (directions, uint8)" in map(str, recording.other_streams)
+    assert "agentview_normals" not in [camera.name for camera in recording.cameras]

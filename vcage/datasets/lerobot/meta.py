@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -90,10 +91,9 @@ def refuse_first_versions(root: Path) -> None:
     """Raise DamagedFile where a folder holds a LeRobot data set of a version 1.x, which lies in other files."""
     if not (root / FIRST_INFO).is_file():
         return
-    try:
-        info = json.loads((root / FIRST_INFO).read_text(encoding="utf-8-sig"))
-    except (OSError, ValueError):
-        info = None
+    info = None
+    with suppress(InputFileError):  # which it is refused for anyway
+        info = read_json(root / FIRST_INFO)
     version = info.get("codebase_version", "v1") if isinstance(info, dict) else "v1"
     raise DamagedFile(
         f"{root} is a LeRobot data set of version {version}; {', '.join(VERSIONS)} are known", hint=FROM_FIRST

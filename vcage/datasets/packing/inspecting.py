@@ -14,7 +14,7 @@ from vcage.datasets.packing.output import failures, listed
 from vcage.datasets.packing.sources import sound_notes
 from vcage.datasets.recordings.colours import AUTO, as_json, colour_orders
 from vcage.datasets.recordings.opening import open_all
-from vcage.datasets.recordings.recording import HDF5, RecordedCamera, Recording
+from vcage.datasets.recordings.recording import HDF5, VIDEOS, RecordedCamera, Recording
 
 MIB = 2**20
 
@@ -74,7 +74,8 @@ def as_lines(found: Sequence[Inspected]) -> str:
     """The recordings as lines for people."""
     lines = [line for one in found for line in _lines(one)]
     if left_out := _left_out(found):
-        lines.append(f"not for a LeRobot data set: {listed(left_out)}")
+        is_one = any(one.recording is not None and one.recording.TARGET not in (HDF5, VIDEOS) for one in found)
+        lines.append(f"not for a LeRobot data set{' of another version' * is_one}: {listed(left_out)}")
     return "\n".join(lines)
 
 

@@ -6,9 +6,9 @@ Pictures are arrays of pixels, or JPEG. Ours say more: the frame rate, names of 
 from __future__ import annotations
 
 import json
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from pathlib import Path
-from typing import Self
+from typing import ClassVar, Self
 
 import h5py
 
@@ -26,6 +26,8 @@ class ActEpisode(Hdf5Recording):
     LAYOUT = "act"
     PICTURES = r"observations/images/([^/]+)"
     COLOURS_SURE = False
+
+    LEFT_OUT: ClassVar[Mapping[str, str]] = {r"^compress_len$": "lengths of the encoded pictures"}
 
     def _commands(self, part: h5py.Group) -> Columns | None:
         return numbers_of(part, "action", self._names)

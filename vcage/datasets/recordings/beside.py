@@ -2,35 +2,54 @@
 
 from __future__ import annotations
 
-import json
+from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-from vcage.base.errors import DamagedFile
+from vcage.base.errors import DamagedFile, OversizedFile
+from vcage.base.placeholders import require_fetched
+from vcage.base.reading import read_json
 
-LARGEST_BYTES = 64 << 20
+
+@dataclass(frozen=True)
+class BesideLimits:
+    """The largest file that is read.
+
+    Args:
+        max_bytes: of the file.
+    """
+
+    max_bytes: int = 64 << 20
+
+
+LIMITS = BesideLimits()
 
 
 def read_beside(path: Path) -> Any:
     """The content of a JSON file beside a recording; None where there is none, or a link in its place.
 
     Raises:
-        DamagedFile: it is too large, cannot be read, or is no JSON.
+        DamagedFile: it was not fetched, or is no JSON.
+        OversizedFile: it is too large.
+        InputFileError: it may not be read.
     """
     if path.is_symlink() or not path.is_file():
         return None
-    hint = "mend the file, or remove it and give with options what it says"
+    require_fetched(path)
+    stat = path.stat()
+    if stat.st_size > LIMITS.max_bytes:
+        raise OversizedFile(
+            f"{path} has {stat.st_size:,} bytes; at most {LIMITS.max_bytes:,} are read", hint="leave its recordings out"
+        )
     try:
-        stat = path.stat()
-        if stat.st_size > LARGEST_BYTES:
-            raise DamagedFile(f"{path} is larger than {LARGEST_BYTES >> 20} MiB", hint=hint)
         return _kept_content(path, stat.st_size, stat.st_mtime_ns)
-    except (OSError, ValueError, RecursionError) as error:
-        raise DamagedFile(f"{path} cannot be read as JSON: {error}", hint=hint) from error
+    except DamagedFile as error:
+        hint = "mend the file, or remove it and give with options what it says"
+        raise DamagedFile(error.message, hint=hint, details=error.details) from error
 
 
 @lru_cache(maxsize=8)
 def _kept_content(path: Path, _size: int, _changed: int) -> Any:
     """The content of a file that describes many recordings, each of which asks for it."""
-    return json.loads(path.read_text(encoding="utf-8-sig"))
+    return read_json(path, nan=True)

@@ -9,6 +9,8 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
+from vcage.datasets.hdf5_limits import require_numbers_fit
+
 KEYS = ("timestamps", "timestamp", "observations/timestamps", "observations/timestamp", "obs/timestamps", "time")
 
 
@@ -78,6 +80,7 @@ def read_clock(part: h5py.Group, frames: int) -> Clock | None:
         found = part.get(key)
         if not (isinstance(found, h5py.Dataset) and found.dtype.kind in "fiu" and found.size == frames >= 2):
             continue
+        require_numbers_fit(found)
         values = found[()].reshape(-1)
         whole = values - values[0] if values.dtype.kind == "f" else values.astype(np.int64) - np.int64(values[0])
         return Clock(key, whole.astype(np.float64) * _unit(np.abs(np.diff(whole.astype(np.float64)))))

@@ -7,6 +7,8 @@ from collections.abc import Collection, Mapping
 
 import h5py
 
+from vcage.datasets.hdf5_contents import address, datasets_in
+
 UNKNOWN = "not understood as picture, command or state"
 
 REASONS: Mapping[str, str] = {
@@ -37,16 +39,15 @@ def leftovers(part: h5py.Group, taken: Collection[str], reasons: Mapping[str, st
     """
     prefix = part.name.strip("/")
     used = {key.removeprefix(f"{prefix}/") if prefix else key for key in taken}
+    places = {address(part.file[key]) for key in taken if key in part.file}
     kept_groups = {parent for key in used for parent in _parents(key)}
     found: list[str] = []
 
-    def look(key: str, item: h5py.Dataset | h5py.Group) -> None:
-        if isinstance(item, h5py.Dataset) and item.size and key not in used:
+    for key, dataset in datasets_in(part).items():
+        if dataset.size and address(dataset) not in places:
             found.append(next((parent for parent in _parents(key) if parent not in kept_groups), key))
-
-    part.visititems(look)
     every = {**(reasons or {}), **REASONS}
-    return {key: reason_for(key, every) for key in sorted(set(found))}
+    return {key: reason_for(key, every) for key in dict.fromkeys(found)}
 
 
 def reason_for(key: str, reasons: Mapping[str, str] = REASONS) -> str:

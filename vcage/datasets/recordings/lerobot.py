@@ -22,14 +22,7 @@ from vcage.base.placeholders import require_fetched
 from vcage.base.video_files import open_video
 from vcage.base.videos import decode
 from vcage.datasets.lerobot.episode import ACTION, STATE
-from vcage.datasets.lerobot.features import (
-    CAMERA,
-    OF_SUBTASKS,
-    number_names,
-    other_columns,
-    require_rgb,
-    video_facts,
-)
+from vcage.datasets.lerobot.features import CAMERA, OF_SUBTASKS, number_names, other_columns, require_rgb, video_facts
 from vcage.datasets.lerobot.language import LANGUAGE
 from vcage.datasets.lerobot.meta import data_set_info, episode_rows
 from vcage.datasets.lerobot.parquet import MEND, read_table
@@ -86,7 +79,8 @@ class LeRobotRecording(TimedRows, Recording):
     def left_out(self) -> dict[str, str]:
         features = self._info["features"]
         names = [name for name in other_columns(features) if features[name]["dtype"] != "image"]
-        parts = dict.fromkeys((name for name in OF_SUBTASKS if name in features), "parts of the task are not read")
+        words = [name for name in OF_SUBTASKS if name in features]
+        parts = dict.fromkeys(words, "parts of the task are not taken over by another version")
         return dict.fromkeys(names, "another version is written with state, action and cameras alone") | parts
 
     def with_colours(self, colours: Colours) -> Self:

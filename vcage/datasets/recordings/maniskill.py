@@ -16,8 +16,10 @@ from pathlib import Path
 from typing import Any, ClassVar, Self
 
 import h5py
+import numpy as np
 
 from vcage.base.errors import DamagedFile
+from vcage.datasets.hdf5_limits import require_numbers_fit
 from vcage.datasets.recordings.beside import read_beside
 from vcage.datasets.recordings.hdf5_recording import Hdf5Recording, numbers_of
 from vcage.datasets.recordings.recording import Columns
@@ -41,6 +43,7 @@ class ManiSkillTrajectory(Hdf5Recording):
     LAYOUT = "maniskill"
     PICTURES = r"obs/(?:sensor_data|image)/([^/]+)/rgb"
     SPARE_PICTURES = 1
+    COLOURS_SURE = False
 
     LEFT_OUT: ClassVar[Mapping[str, str]] = {
         r"^obs/extra": "the task's own observations, such as poses of goals",
@@ -174,7 +177,10 @@ def words_of(environment: str) -> str:
 
 def _last(labels: Any) -> bool:
     """Whether a dataset of labels, one for each step, ends with true."""
-    return isinstance(labels, h5py.Dataset) and bool(labels.size) and bool(labels[()].reshape(-1)[-1])
+    if not isinstance(labels, h5py.Dataset) or not labels.size:
+        return False
+    require_numbers_fit(labels)
+    return bool(np.reshape(labels[()], -1)[-1])
 
 
 def _number(match: re.Match[str]) -> int:

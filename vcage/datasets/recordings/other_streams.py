@@ -1,4 +1,4 @@
-"""Depth, labels and the like beside the pictures of a recording: found, so that none of it is encoded as a picture."""
+"""Depth, labels, normals and the like beside a recording's pictures: found, so that none of it is encoded as one."""
 
 from __future__ import annotations
 
@@ -17,6 +17,7 @@ from vcage.datasets.stored_pictures import ARRAY, encoded_bytes, picture_kind, s
 
 DEPTH = r".*depth.*|disparity"
 LABELS = r"seg|segs|segm.*|.*segmentation|semantics?|panoptic|instances?|masks?|labels?"
+VECTORS = r"normals|vectors"
 COLOUR = r"rgb|colou?rs?"
 """Words in names of streams."""
 
@@ -49,9 +50,9 @@ class MeasuredStream:
 
 
 def shown_by_name(name: str) -> str | None:
-    """``depth`` or ``labels``, where the last part of a name says so; None of what may be a camera."""
+    """``depth``, ``labels`` or ``directions``, where the last part of a name says so; None of what may be a camera."""
     words = re.findall(r"[a-z]+", re.sub(r"([a-z])([A-Z])", r"\1_\2", name.rsplit("/", 1)[-1]).lower())
-    for pattern, shows in ((COLOUR, None), (DEPTH, "depth"), (LABELS, "labels")):
+    for pattern, shows in ((COLOUR, None), (DEPTH, "depth"), (LABELS, "labels"), (VECTORS, "directions")):
         if any(re.fullmatch(pattern, word) for word in words):
             return shows
     return None
@@ -108,7 +109,8 @@ def measured_streams(part: h5py.Group, cameras: Collection[str], places: Collect
     for key, dataset in datasets_in(part).items():
         if address(dataset) in taken:
             continue
-        near = dataset.name.lstrip("/").rpartition("/")[0] in beside
+        names = (dataset.name, f"{part.name}/{key}")  # they differ where a soft link leads there
+        near = any(name.strip("/").rpartition("/")[0] in beside for name in names)
         stream = measured_stream(key, dataset) if near or shown_by_name(key) else None
         if stream is not None and (near or stream.stored != NO_FILES):
             found.append(stream)

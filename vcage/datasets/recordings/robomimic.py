@@ -9,7 +9,6 @@ LIBERO and Isaac Lab write the same tree with other names: :mod:`.libero`, :mod:
 
 from __future__ import annotations
 
-import json
 import math
 import re
 from collections.abc import Collection, Mapping
@@ -22,6 +21,8 @@ import h5py
 import numpy as np
 
 from vcage.base.errors import DamagedFile
+from vcage.base.reading import parse_json
+from vcage.datasets.hdf5_limits import require_numbers_fit
 from vcage.datasets.picture_links import read_link
 from vcage.datasets.recordings.hdf5_recording import Hdf5Recording, columns, numbers_of
 from vcage.datasets.recordings.leftovers import UNKNOWN
@@ -37,9 +38,6 @@ STATE = r"robot(\d+)_(joint_pos|gripper_qpos)"
 
 FALSE = ("false", "0", "no")
 """How text says that a demonstration failed."""
-
-NOT_COLOUR = r"(^|_)(depths?|segmentation|seg|normals|motion_vectors)($|_)"
-"""Names of arrays that look like pictures and are none."""
 
 
 class RobomimicDemo(Hdf5Recording):
@@ -125,8 +123,8 @@ class RobomimicDemo(Hdf5Recording):
         """The JSON object in an attribute of the group of all demonstrations; empty where there is none."""
         with self._file() as file:
             try:
-                found = json.loads(file[DATA].attrs[attribute])
-            except (KeyError, TypeError, ValueError):
+                found = parse_json(file[DATA].attrs[attribute], nan=True)
+            except (KeyError, TypeError, AttributeError, ValueError):
                 return {}
         return found if isinstance(found, dict) else {}
 
@@ -167,19 +165,17 @@ class RobomimicDemo(Hdf5Recording):
 def _pictures_in(group: Any) -> dict[str, h5py.Dataset]:
     """Name → pictures, (T, H, W, C) uint8, or the link to them; none where it is no group."""
     items = group.items() if isinstance(group, h5py.Group) else ()
-    return {
-        name: item
-        for name, item in items
-        if isinstance(item, h5py.Dataset) and _are_pictures(item) and not re.search(NOT_COLOUR, name)
-    }
+    return {name: item for name, item in items if isinstance(item, h5py.Dataset) and _are_pictures(item)}
 
 
 def stated_failure(part: h5py.Group) -> str | None:
     """That a demonstration says of itself that it failed, by ``success`` as attribute or, at its end, as dataset;
     None where it says nothing of the kind."""
     stated = part.attrs.get("success")
-    if stated is None and isinstance(part.get("success"), h5py.Dataset) and part["success"].size:
-        stated = part["success"][()].reshape(-1)[-1]
+    labels = part.get("success")
+    if stated is None and isinstance(labels, h5py.Dataset) and labels.size:
+        require_numbers_fit(labels)
+        stated = np.reshape(labels[()], -1)[-1]
     if stated is None or np.size(stated) != 1:
         return None
     value = np.reshape(stated, -1)[0]

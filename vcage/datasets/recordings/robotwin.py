@@ -9,7 +9,6 @@ takes for the state too; ``instructions/episode<N>.json`` lies beside the folder
 
 from __future__ import annotations
 
-import json
 import re
 from collections.abc import Mapping
 from dataclasses import replace
@@ -18,8 +17,12 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 import h5py
+import numpy as np
 
 from vcage.base.errors import DamagedFile
+from vcage.base.reading import parse_json
+from vcage.datasets.hdf5_contents import require_utf8_text
+from vcage.datasets.hdf5_limits import require_numbers_fit
 from vcage.datasets.lerobot.episode import SubtaskSpan
 from vcage.datasets.recordings.beside import read_beside
 from vcage.datasets.recordings.hdf5_recording import Hdf5Recording, columns
@@ -122,7 +125,10 @@ class RoboTwinVisionEpisode(_Instructed):
     def notes(self) -> list[str]:
         with self._file() as file:
             found = file.get(FREQUENCY)
-            steps = found[()] if isinstance(found, h5py.Dataset) and found.size == 1 else None
+            steps = None
+            if isinstance(found, h5py.Dataset) and found.size == 1:
+                require_numbers_fit(found)
+                steps = np.reshape(found[()], -1)[0]
         note = f"its {FREQUENCY}, {steps}, counts steps of the simulation between frames and is no frame rate"
         return super().notes + [note] * (steps is not None)
 
@@ -135,7 +141,11 @@ class RoboTwinVisionEpisode(_Instructed):
     def _instructions(self) -> Any:
         with self._file() as file:
             found = file.get(INSTRUCTIONS)
-            stored = found[()] if isinstance(found, h5py.Dataset) else file.attrs.get(INSTRUCTIONS)
+            stored = file.attrs.get(INSTRUCTIONS)
+            require_utf8_text(file, INSTRUCTIONS, stored)
+            if isinstance(found, h5py.Dataset):
+                require_numbers_fit(found)
+                stored = found[()]
         return None if stored is None else _decoded(stored)
 
     def _commands(self, part: h5py.Group) -> Columns | None:
@@ -167,7 +177,7 @@ def _decoded(stored: Any) -> Any:
     if len(texts) != 1 or not isinstance(texts[0], str):
         return texts
     try:
-        return json.loads(texts[0])
+        return parse_json(texts[0])
     except ValueError:
         return texts
 
