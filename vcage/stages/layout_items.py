@@ -95,10 +95,9 @@ def _without(layout: LayoutResult, names: Collection[str]) -> LayoutResult:
         positions=rest(layout.positions),
         containers=rest(layout.containers),
         displaced=rest(layout.displaced),
-        **{
-            field: [name for name in getattr(layout, field) if name not in names]
-            for field in ("repaired", "released", "out_of_reach")
-        },
+        repaired=[name for name in layout.repaired if name not in names],
+        released=[name for name in layout.released if name not in names],
+        out_of_reach=[name for name in layout.out_of_reach if name not in names],
     )
 
 
