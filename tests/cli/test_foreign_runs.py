@@ -87,7 +87,7 @@ def test_a_data_set_that_says_its_videos_are_elsewhere_is_not_added_to_others(fo
         write_json(info, {**read_json(info), "video_path": "/etc/passwd"})
     seal(Export.read(foreign.export), foreign.export)
     answer = command(capsys, "export", "--run", foreign.root, "--append-to", tmp_path / "sets")
-    assert answer.code == 3 and "field video_path" in answer.error["message"]
+    assert answer.code == 3 and "info.json: video_path" in answer.error["message"]
 
 
 FOREIGN_WORDS = {

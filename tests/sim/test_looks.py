@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from vcage.base.errors import DamagedFile, MissingStage, SchemaMismatch, UnknownName
+from vcage.base.errors import DamagedFile, InputFileError, MissingStage, SchemaMismatch, UnknownName
 from vcage.schema.randomisation import MOST_LIGHTS, CameraRanges, Light, Look, Surface, Tint
 from vcage.schema.scene import ObjectRecord, Scene
 from vcage.sim.cameras import placed
@@ -130,8 +130,8 @@ def test_a_file_that_cannot_be_read_is_told(tmp_path, monkeypatch):
     def refused(*_: object, **__: object) -> str:
         raise PermissionError(13, "Permission denied")
 
-    monkeypatch.setattr(Path, "read_text", refused)
-    with pytest.raises(DamagedFile, match=r"mine\.yml cannot be read: Permission denied"):
+    monkeypatch.setattr(Path, "open", refused)
+    with pytest.raises(InputFileError, match=r"mine\.yml cannot be read: .*Permission denied"):
         load_randomisation(str(file))
 
 

@@ -113,6 +113,8 @@ class Workcell:
     def carry_out(self, arm: str, path: JointPath, allowed: Sequence[Allowance] = ()) -> None:
         """Move an arm along a path that begins with what it is to do first.
 
+        What is let go on the way may be touched by the hand, and touch anything.
+
         Args:
             arm: its name.
             path: from where it is.
@@ -122,9 +124,11 @@ class Workcell:
             TaskFailed: the arm, or what it holds, presses on something else.
         """
         _, before = self._put_off.pop(arm, (None, ()))
-        load = next((leg.load.held.object_id for leg in path.legs if leg.load.held is not None), None)
+        last = path.legs[-1].load.held
+        load = None if last is None else last.object_id
+        let_go = frozenset(leg.load.held.object_id for leg in path.legs if leg.load.held is not None) - {load}
         try:
-            with only_touching(self.world, arm, load, [*before, *allowed]):
+            with only_touching(self.world, arm, load, [*before, *allowed, Allowance("hand", let_go)]):
                 self.world.arms[arm].move(self.planner(arm).fastest(path))
         except Touched as touched:
             raise TaskFailed(*self._touch(arm, load, touched)) from touched
