@@ -38,7 +38,7 @@ class Stream:
         file: name of the MP4 file in the folder of the HDF5 file.
         frames: how many pictures there are.
         width, height: pixels.
-        storage: how the dataset held them: ``raw``, ``jpeg`` or ``png``.
+        storage: how the dataset held them: ``raw``, or a kind of picture file such as ``jpeg``.
         swapped: whether red and blue change places in what is put back, as they had there for readers of the layout;
             in the video they are right.
 

@@ -29,7 +29,7 @@ from vcage.base.errors import UsageError
 from vcage.datasets.episode import CameraTrack
 from vcage.datasets.hdf5_files import new_hdf5, spooled
 from vcage.datasets.reader import EpisodeReader, Pictures
-from vcage.datasets.recordings.hdf5_recording import COLOURS
+from vcage.datasets.recordings.hdf5_colours import COLOURS
 from vcage.datasets.recordings.robotwin import ARM_PARTS
 
 CAMERA_NAMES = {"cam_high": "head_camera", "cam_left_wrist": "left_camera", "cam_right_wrist": "right_camera"}

@@ -179,7 +179,7 @@ def picture_kind(dataset: h5py.Dataset) -> str:
 
 
 def picture_storage(dataset: h5py.Dataset, what: str) -> str:
-    """``raw``, ``jpeg`` or ``png``, as the first picture is.
+    """``raw``, or one of :data:`ENCODED`, as the first picture is.
 
     Raises:
         DamagedFile: it is neither; ``what`` names the dataset.

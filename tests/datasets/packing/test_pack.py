@@ -30,9 +30,10 @@ from vcage.base.videos import decode
 from vcage.datasets.packing import clips as clip_module
 from vcage.datasets.packing.pack import RECORD, WORKING, pack
 from vcage.datasets.recordings import opening
-from vcage.datasets.recordings.hdf5_recording import Hdf5Recording, numbers_of
+from vcage.datasets.recordings.columns import Columns
+from vcage.datasets.recordings.hdf5_numbers import numbers_of
+from vcage.datasets.recordings.hdf5_recording import Hdf5Recording
 from vcage.datasets.recordings.opening import open_recordings
-from vcage.datasets.recordings.recording import Columns
 from vcage.schema.compression import Compression
 from vcage.video.choices import LOSSLESS
 

@@ -10,7 +10,7 @@ import pytest
 from tests.datasets.recordings import layouts
 from tests.datasets.recordings.layouts import act, jpeg, png_that_declares, robotwin, robotwin_vision, room
 from vcage.base.errors import DamagedFile, InputFileError, OversizedFile
-from vcage.datasets.recordings.hdf5_recording import COLOURS
+from vcage.datasets.recordings.hdf5_colours import COLOURS
 from vcage.datasets.recordings.opening import open_all, open_hdf5, open_recordings
 
 

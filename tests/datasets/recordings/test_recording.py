@@ -5,12 +5,6 @@ import pytest
 from tests.datasets.packed_files import pack
 from tests.datasets.recordings.layouts import act, jpeg, robotwin, room
 from vcage.datasets.recordings.opening import open_recordings
-from vcage.datasets.recordings.recording import act_grippers
-
-
-@pytest.mark.parametrize(("numbers", "columns"), [(14, (6, 13)), (7, (6,)), (6, ()), (16, ())])
-def test_each_arm_of_six_joints_has_a_gripper(numbers, columns):
-    assert act_grippers(numbers) == columns
 
 
 def test_an_hdf5_file_is_all_that_its_recording_is_read_from(tmp_path):

@@ -8,8 +8,8 @@ from typing import Any, ClassVar
 
 import h5py
 
-from vcage.datasets.recordings.hdf5_recording import columns
-from vcage.datasets.recordings.recording import Columns
+from vcage.datasets.recordings.columns import Columns
+from vcage.datasets.recordings.hdf5_numbers import columns
 from vcage.datasets.recordings.robomimic import RobomimicDemo
 
 STATE = ("joint_pos", "gripper_pos")

@@ -28,9 +28,10 @@ from vcage.datasets.lerobot.meta import data_set_info, episode_rows
 from vcage.datasets.lerobot.parquet import MEND, read_table
 from vcage.datasets.lerobot.places import inside, own_file, own_files, placed
 from vcage.datasets.recordings.colours import Colours
+from vcage.datasets.recordings.columns import Columns
 from vcage.datasets.recordings.lerobot_rows import Clip, TimedRows
 from vcage.datasets.recordings.lerobot_times import Share, shares
-from vcage.datasets.recordings.recording import Columns, RecordedCamera, Recording
+from vcage.datasets.recordings.recording import RecordedCamera, Recording
 from vcage.datasets.stored_pictures import channels_of, decode_picture, stacked, storage_of
 
 CHANNELS = (1, 3, 4)

@@ -9,8 +9,8 @@ from typing import Any, ClassVar
 import h5py
 
 from vcage.datasets.lerobot.episode import SubtaskSpan
-from vcage.datasets.recordings.hdf5_recording import columns
-from vcage.datasets.recordings.recording import Columns
+from vcage.datasets.recordings.columns import Columns
+from vcage.datasets.recordings.hdf5_numbers import columns
 from vcage.datasets.recordings.robomimic import RobomimicDemo
 
 STATE = ("joint_states", "gripper_states", "ee_states")

@@ -21,8 +21,9 @@ import numpy as np
 from vcage.base.errors import DamagedFile
 from vcage.datasets.hdf5_limits import require_numbers_fit
 from vcage.datasets.recordings.beside import read_beside
-from vcage.datasets.recordings.hdf5_recording import Hdf5Recording, numbers_of
-from vcage.datasets.recordings.recording import Columns
+from vcage.datasets.recordings.columns import Columns
+from vcage.datasets.recordings.hdf5_numbers import numbers_of
+from vcage.datasets.recordings.hdf5_recording import Hdf5Recording
 from vcage.datasets.recordings.robomimic import stated_failure
 
 TRAJECTORY = r"traj_(\d+)"

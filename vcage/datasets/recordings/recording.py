@@ -16,12 +16,9 @@ from numpy.typing import NDArray
 from vcage.base.errors import DamagedFile, UnknownName
 from vcage.datasets.lerobot.episode import SubtaskSpan
 from vcage.datasets.recordings.colours import Colours
+from vcage.datasets.recordings.columns import Columns, Motion, act_grippers
 from vcage.datasets.recordings.exporting import Exportable
 from vcage.datasets.recordings.other_streams import MeasuredStream
-
-ARM_JOINTS = 6
-"""Joints of an arm in ACT's 7- and 14-number commands; each arm's gripper follows them."""
-
 
 HDF5, VIDEOS = "hdf5", "videos"
 """What recordings are packed as, besides LeRobot data sets: HDF5 files with videos beside them, or videos alone."""
@@ -36,7 +33,7 @@ class RecordedCamera:
         key: where in the file they are.
         frames: how many there are.
         width, height: of the first picture, pixels.
-        storage: ``raw``, ``jpeg`` or ``png``, or the codec of a video, such as ``hevc``.
+        storage: ``raw``, a kind of picture file such as ``jpeg``, or the codec of a video, such as ``hevc``.
         stored_bytes: what they take now.
         channels: of the pictures in the file: 1 grey, 3 RGB, 4 RGBA; they are read as RGB.
     """
@@ -63,54 +60,9 @@ class RecordedCamera:
         return [f"{self.name} has an alpha channel; it is laid over white"] if self.channels == 4 else []
 
 
-@dataclass(frozen=True)
-class Columns:
-    """Numbers over time.
-
-    Args:
-        values: (T, D).
-        names: of the D numbers; none where nobody says.
-        notes: what a user must know about how they were understood.
-        sources: keys of the datasets that they were read from, from the root of their file.
-    """
-
-    values: NDArray[np.float64]
-    names: tuple[str, ...] = ()
-    notes: tuple[str, ...] = ()
-    sources: tuple[str, ...] = ()
-
-    def all_names(self) -> list[str]:
-        """Names of the D numbers: ``joint_0``… where nobody says."""
-        if len(self.names) == self.values.shape[1]:
-            return list(self.names)
-        return [f"joint_{column}" for column in range(self.values.shape[1])]
-
-
-@dataclass(frozen=True)
-class Motion(Columns):
-    """What the robot was told: joint positions, or poses.
-
-    Args:
-        grippers: columns that open and close a gripper.
-    """
-
-    grippers: tuple[int, ...] = ()
-
-    @property
-    def action(self) -> NDArray[np.float64]:
-        """(T, D) commands."""
-        return self.values
-
-
 def relative_name(path: Path, root: Path) -> str:
     """A path without suffix, relative to the file or the folder ``root``."""
     return path.stem if path == root else path.relative_to(root).with_suffix("").as_posix()
-
-
-def act_grippers(numbers: int) -> tuple[int, ...]:
-    """Columns of the grippers in commands of arms with six joints and a gripper each; none for other commands."""
-    per_arm = ARM_JOINTS + 1
-    return tuple(range(ARM_JOINTS, numbers, per_arm)) if numbers % per_arm == 0 else ()
 
 
 class Recording(Exportable, ABC):

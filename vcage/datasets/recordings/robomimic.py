@@ -24,9 +24,10 @@ from vcage.base.errors import DamagedFile
 from vcage.base.reading import parse_json
 from vcage.datasets.hdf5_limits import require_numbers_fit
 from vcage.datasets.picture_links import read_link
-from vcage.datasets.recordings.hdf5_recording import Hdf5Recording, columns, numbers_of
+from vcage.datasets.recordings.columns import Columns, act_grippers
+from vcage.datasets.recordings.hdf5_numbers import columns, numbers_of
+from vcage.datasets.recordings.hdf5_recording import Hdf5Recording
 from vcage.datasets.recordings.leftovers import UNKNOWN
-from vcage.datasets.recordings.recording import Columns, act_grippers
 
 DATA = "data"
 DEMO = r"demo_(\d+)"

@@ -25,8 +25,9 @@ from vcage.datasets.hdf5_contents import require_utf8_text
 from vcage.datasets.hdf5_limits import require_numbers_fit
 from vcage.datasets.lerobot.episode import SubtaskSpan
 from vcage.datasets.recordings.beside import read_beside
-from vcage.datasets.recordings.hdf5_recording import Hdf5Recording, columns
-from vcage.datasets.recordings.recording import Columns
+from vcage.datasets.recordings.columns import Columns
+from vcage.datasets.recordings.hdf5_numbers import columns
+from vcage.datasets.recordings.hdf5_recording import Hdf5Recording
 
 ARM_PARTS = ("left_arm", "left_gripper", "right_arm", "right_gripper")
 """RoboTwin's datasets of a robot's joints, in the order of its ``vector``, which holds them all."""
