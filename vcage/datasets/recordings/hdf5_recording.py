@@ -1,4 +1,4 @@
-"""HDF5 files that hold recordings: what their layouts have in common, and numbers over time in their datasets.
+"""HDF5 files that hold recordings: what their layouts have in common.
 
 A layout says where its pictures, its commands and its state are. Any of them may be packed: its pictures lie in videos
 beside the file (:mod:`vcage.datasets.packed`).
