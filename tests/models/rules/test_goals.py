@@ -180,6 +180,7 @@ def test_what_shall_be_left_alone_is_told() -> None:
         ("office_desk", "Open the top drawer. Put the stapler in the box before that", "not there"),
         ("cashier_desk", "Ring the bell for the customer", "no use"),
         ("cashier_desk", "He wants the juice, the lemon and the lime scanned", "asks for nothing"),
+        ("office_desk", "Put the lid of the box on the book", "its lid is not moved by itself"),
     ],
 )
 def test_what_leaves_a_doubt_is_refused(scene: str, instruction: str, why: str) -> None:

@@ -48,6 +48,21 @@ def test_what_only_qualifies_a_name_is_not_that_thing() -> None:
         select("Put the whiteboard into the box")
 
 
+@pytest.mark.parametrize(
+    ("instruction", "named"),
+    [
+        ("Put the apple's stem on the plate", "apple's stem"),
+        ("Put the apple\u2019s stem on the plate", "apple\u2019s stem"),
+        ("Put the stem of the apple on the plate", "stem of the apple"),
+        ("Put the rim of the mug on the plate", "rim of the mug"),
+    ],
+)
+def test_a_piece_of_a_thing_is_not_that_thing(instruction: str, named: str) -> None:
+    with pytest.raises(NoAssetFits) as caught:
+        select(instruction)
+    assert caught.value.details["unmatched"] == [named]
+
+
 def test_the_nearest_in_meaning_are_suggested_for_what_matches_nothing() -> None:
     with pytest.raises(NoAssetFits) as caught:
         select("Put the pupil's stationery set into the box")

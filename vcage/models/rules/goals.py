@@ -311,6 +311,9 @@ class _Grounding:
 
     def _goals(self, request: Request) -> list[Goal]:
         """What must be true after a request."""
+        for phrase in request.things:
+            if phrase.part is not None and phrase.part not in phrase.lemmas:  # 'the lid of the jar'
+                raise self._refusal(phrase, f"its {phrase.part} is not moved by itself")
         names = [name for phrase in request.things for name in self._meant[phrase]]
         self._know_tools(request)
         if request.asked in ("open", "close", "press", "turn"):

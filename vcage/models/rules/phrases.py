@@ -18,6 +18,7 @@ from vcage.models.rules.words import (
     NUMBERS,
     ORDINALS,
     PARTS,
+    PIECES,
     colour_of,
     is_plural,
     lemma,
@@ -266,12 +267,28 @@ def _participle(token: Token) -> bool:
     )
 
 
+def _piece_last(texts: list[str], owned: str) -> list[str]:
+    """Move a piece of a thing to the end, as the head of its phrase: 'the stem of the apple' is not an apple.
+
+    Args:
+        texts: words of a noun phrase, such as "stem of apple".
+        owned: last word of what the phrase calls a thing's own ("stem" in "apple's stem"); empty without a possessive.
+    """
+    at = texts.index("of") if "of" in texts[1:] else 0
+    named = lemma(texts[at - 1])
+    piece = named in PIECES or (named == owned and named not in ("code", "barcode"))  # a code is shown with its thing
+    return [*texts[at + 1 :], *texts[:at]] if at and piece and named not in PARTS else texts
+
+
 def _phrase(words: Sequence[Token], quantity: Quantity | None, numbers: Sequence[int | None], start: int) -> Phrase:
     texts = [text for word in words if (text := word.text.removesuffix("'s"))] or ["one"]
+    owned = ""
     if any(word.text.endswith("'s") for word in words):  # 'the cabinet's top drawer': what owns it comes first
         owner = next(i for i, word in enumerate(words) if word.text.endswith("'s"))
+        owned = lemma(texts[-1])
         texts = [*texts[owner + 1 :], "of", *texts[: owner + 1]]
     text = " ".join(texts)
+    texts = _piece_last(texts, owned)
     if texts[0] in _EVERY and len(texts) > 1:  # 'everything yellow'
         named = _phrase([w for w in words[1:] if w.text != "else"], quantity, numbers, start)
         is_colour = len(texts) == 2 and texts[1] in COLOURS

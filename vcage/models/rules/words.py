@@ -97,6 +97,12 @@ PARTS = frozenset(
 )  # fmt: skip
 """Words for parts of things."""
 
+PIECES = frozenset(
+    ["stem", "rim", "spout", "tip", "neck", "cap", "blade", "bristle", "string", "label", "peel", "core", "crust",
+     "wheel", "leg", "seed", "leaf", "skin", "shell"]
+)  # fmt: skip
+"""Words for pieces of things that nothing is done with by themselves."""
+
 ORDINALS = {
     "top": 2, "upper": 2, "uppermost": 2, "topmost": 2, "highest": 2, "bottom": 2, "lower": 2, "lowest": 2,
     "bottommost": 2, "first": 2, "second": 2, "other": 2, "middle": 3, "third": 3, "last": 2, "fourth": 4, "fifth": 5,
