@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks._critic.kinds import FAILURES
+from benchmarks._critic.kinds import FAILURES, RELATED
 from benchmarks._critic.outcome import SUCCESS, Outcome, OutcomeRecord, picture_paths
 from benchmarks._critic.played import Case, Shots
 from benchmarks._critic.scenes import UNTOUCHED_SCENES, Draw, part_of, settings
@@ -44,8 +44,6 @@ logger = logging.getLogger(__name__)
 
 ASKED = 3
 """Of each goal that is sensible only when somebody asks for it, how many are asked for in a scene."""
-
-RELATIONS = ("left_of", "right_of", "in_front_of", "behind", "beside", "near")
 
 FRONTS = ("sign", "carton", "box")
 """Categories of things that have a front to show."""
@@ -115,7 +113,7 @@ def _asked(objects: Sequence[SceneObject], arms: Sequence[str], rng: np.random.G
 def _beside(thing: SceneObject, others: Sequence[SceneObject], rng: np.random.Generator) -> set[Goal]:
     """That a thing stands beside another in some way; nothing where that is the thing itself."""
     other = others[int(rng.integers(len(others)))]
-    word = RELATIONS[int(rng.integers(len(RELATIONS)))]
+    word = RELATED[int(rng.integers(len(RELATED)))]
     return {Goal(subject=thing.id, relation=word, reference=other.id)} if other.id != thing.id else set()
 
 

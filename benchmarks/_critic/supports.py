@@ -19,7 +19,7 @@ CLEAR, STRAY = 0.005, 0.1
 """Room between things that are put beside each other, and how far a support may stray from all that stands, metres."""
 
 LOWEST = 0.03
-"""Height of a support that a thing can slide off and lean against, metres."""
+"""Height of a support that can tip over, and that a thing can slide off and lean against, metres."""
 
 
 def beside(played: Played) -> Shots | None:
@@ -51,7 +51,7 @@ def knocked_over(played: Played) -> Shots | None:
     if played.goal.relation not in HOLDING or played.subtask.receptacle in (None, TABLE):
         return None
     place = played.place
-    if place.asset.articulated or place.asset.size[2] < 0.03:
+    if place.asset.articulated or place.asset.size[2] < LOWEST:
         return None
     axis = [np.sin(np.pi / 4), 0.0, 0.0] if played.rng.random() < 0.5 else [0.0, np.sin(np.pi / 4), 0.0]
     tipped = Pose(

@@ -72,6 +72,10 @@ class EditRequest:
 DrawObject: TypeAlias = "Callable[[str, Pose, Camera, Window, Mapping[str, float]], Drawing]"
 """An object, by id, alone at a pose, as a camera sees it through a window, with its parts at shares of their ranges."""
 
+THIN_SUPPORT_M = 0.025
+"""A support that is lower, metres, shows no side: no camera looks at it, and critics take it to be under what hides
+it."""
+
 
 @dataclass(frozen=True)
 class CriticQuestion:

@@ -10,7 +10,7 @@ import numpy as np
 
 from vcage.base.errors import InputFileError
 from vcage.base.geometry import Camera, Pose, box_corners, look_at
-from vcage.models.protocols import CriticQuestion
+from vcage.models.protocols import THIN_SUPPORT_M, CriticQuestion
 from vcage.plans.actions import HOLDING
 from vcage.schema.episodes import Verdict
 from vcage.schema.goals import OF_A_PART, Goal
@@ -34,18 +34,29 @@ FROM_CUSTOMER = {"presented", "scanned", "handed"}
 AT_THE_MOMENT = {"pressed", "scanned", "weighed", "handed"}
 """Goals that are told by what those cameras see at the moment, and not only the wrist's."""
 
-HIDES, TALL = 0.3, 0.025
-"""Share of the area of a support that what lies on it may cover, and height of that support in metres, from which on
-the customer's side is looked at too: from above, a stack looks like its upper block."""
 
-LOW = 0.01
-"""A top that is lower than this is as high as the table, metres."""
+@dataclass(frozen=True)
+class CameraSettings:
+    """Where the critic looks from the customer's side, and when.
 
-IN_THE_AIR = 0.2
-"""So much higher that camera looks where something changes hands, metres."""
+    Args:
+        covered_share: share of a support's area, from above, that an object on it may cover before the customer's
+            side is looked at too: from above, a stack looks like its upper block.
+        low_m: a top that is lower is as high as the table.
+        in_the_air_m: how much higher the camera looks where something changes hands.
+        away_m, above_m: how far beyond the table's far edge and above its top the camera is.
+        fovy_rad: its vertical field of view.
+    """
 
-AWAY, ABOVE, FOVY = 0.75, 0.5, 0.75
-"""How far beyond the table's far edge and above its top the customer's camera is, metres; its field of view."""
+    covered_share: float = 0.3
+    low_m: float = 0.01
+    in_the_air_m: float = 0.2
+    away_m: float = 0.75
+    above_m: float = 0.5
+    fovy_rad: float = 0.75
+
+
+SETTINGS = CameraSettings()
 
 
 def cameras(scene: Scene, goals: Collection[Goal]) -> dict[str, Camera]:
@@ -54,20 +65,21 @@ def cameras(scene: Scene, goals: Collection[Goal]) -> dict[str, Camera]:
     if any(goal.relation in FROM_CUSTOMER or _hides_its_support(scene, goal) for goal in goals):
         (x, y), height = scene.table.rectangle.mean(axis=0), scene.table.height
         edge = np.array([x, y, height]) + TOWARDS_CUSTOMER * scene.table.size[1] / 2
-        eye = edge + TOWARDS_CUSTOMER * AWAY + np.array([0.0, 0.0, ABOVE])
+        eye = edge + TOWARDS_CUSTOMER * SETTINGS.away_m + np.array([0.0, 0.0, SETTINGS.above_m])
         top = scene.top_camera
-        at = [x, y, height + IN_THE_AIR * any(goal.relation == "handed" for goal in goals)]
-        found[CUSTOMER] = Camera(top.width, top.height, FOVY, look_at(eye, at, up=(0, 0, 1)))
+        at = [x, y, height + SETTINGS.in_the_air_m * any(goal.relation == "handed" for goal in goals)]
+        found[CUSTOMER] = Camera(top.width, top.height, SETTINGS.fovy_rad, look_at(eye, at, up=(0, 0, 1)))
     return found
 
 
 def _hides_its_support(scene: Scene, goal: Goal) -> bool:
-    """Whether little of what an object is put on is seen from above afterwards, and its side can be seen."""
+    """True when an object covers much of what it is put on, seen from above, and the side of that can be seen."""
     boxes = {o.id: np.ptp(np.array(o.aabb), axis=0) for o in scene.objects}
     if goal.relation != "on" or goal.reference not in boxes:
         return False
     thing, support = boxes[goal.subject], boxes[goal.reference]
-    return bool(support[2] > TALL and np.prod(thing[:2]) > HIDES * np.prod(support[:2]))
+    covers = np.prod(thing[:2]) > SETTINGS.covered_share * np.prod(support[:2])
+    return bool(support[2] > THIN_SUPPORT_M and covers)
 
 
 @dataclass(frozen=True)
@@ -204,7 +216,8 @@ def _rooms(goal: Goal, objects: Mapping[str, SceneObject], opened: Mapping[str, 
 def _tops(objects: Iterable[SceneObject]) -> list[float]:
     """How high over their bottoms things can stand on them, the low ones first, metres; rounded to centimetres."""
     points = [point for o in objects for point in o.asset.annotation.functional_points if point.link is None]
-    return sorted({round(point.position[2], 2) for point in points if point.holds == "on" and point.position[2] > LOW})
+    tops = [point.position[2] for point in points if point.holds == "on"]
+    return sorted({round(top, 2) for top in tops if top > SETTINGS.low_m})
 
 
 def _opened(goals: Sequence[Goal], requires: Sequence[Goal]) -> dict[str, list[str]]:

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from functools import partial
+from functools import cache, partial
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from vcage.models.rules.drawings import drawn_whole
 from vcage.models.rules.evidence import CHANGED, salience
 from vcage.models.rules.evidence_of_parts import DrawPart, gather_part
 from vcage.models.rules.evidence_of_places import (
+    Moved,
     gather_handed,
     gather_moved,
     gather_restless,
@@ -76,7 +77,8 @@ class OfflineCritic:
         """
         if not question.goals:
             raise InputFileError("the critic was asked about no goal", hint="give the sub-task's goals")
-        told = [self._judge(question, goal) for goal in question.goals]
+        moved = cache(lambda name: gather_moved(question.before, question.after, _sought(question, name)))
+        told = [self._judge(question, goal, moved) for goal in question.goals]
         failed = [verdict for verdict, _ in told if not verdict.accepted]
         if failed:
             return max(failed, key=lambda v: v.confidence)
@@ -109,7 +111,8 @@ class OfflineCritic:
                 found.append(thing.look.phrase)
         return sorted(found)
 
-    def _judge(self, question: CriticQuestion, goal: Goal) -> _Told:
+    def _judge(self, question: CriticQuestion, goal: Goal, moved: Callable[[str], Moved]) -> _Told:
+        """Judge one goal; ``moved`` tells where an object was and is, and remembers it for further goals."""
         if goal.relation in OF_A_PART:
             return self._judge_part(question, goal)
         if goal.relation == "weighed":
@@ -122,7 +125,7 @@ class OfflineCritic:
             return self._judge_returned(question, goal)
         if goal.relation in ("inside", "on") and goal.reference != TABLE:
             return self._judge_place(question, goal)
-        return self._judge_moved(question, goal)
+        return self._judge_moved(question, goal, moved(goal.subject))
 
     def _judge_part(self, question: CriticQuestion, goal: Goal) -> _Told:
         before, after, moment = _top(question.before), _top(question.after), question.moment.get("top")
@@ -174,10 +177,9 @@ class OfflineCritic:
         lies, explained = self._judge_place(question, on)
         return decide_weighed(lies, restless, thing), explained
 
-    def _judge_moved(self, question: CriticQuestion, goal: Goal) -> _Told:
+    def _judge_moved(self, question: CriticQuestion, goal: Goal, moved: Moved) -> _Told:
         """Of what stands on the table: anywhere, beside another, or shown to the customer."""
-        thing = _sought(question, goal.subject)
-        look, moved = thing.look, gather_moved(question.before, question.after, thing)
+        look = _look(question, goal.subject)
         explained = _around(question, moved.old, moved.new)
         if goal.relation == "presented":
             return decide_presented(moved, question.towards_customer, look.phrase), explained

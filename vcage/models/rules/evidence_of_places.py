@@ -84,7 +84,7 @@ def gather_moved(
     alike = float(looks_like(thing.look, seen).mean()) if len(seen) else 0.0
     if new is not None and len(seen) < SETTINGS.fewest_px:  # what has the table's colour changes it as a shadow does
         share, pixels = thing.speaks(new, after["top"], before["top"].picture)
-        alike = share if pixels >= SETTINGS.fewest_px and share >= SETTINGS.told_share else 0.0
+        alike = share if pixels >= SETTINGS.fewest_px and share >= SETTINGS.shown_share else 0.0
     return Moved(
         left=0.0 if old is None else thing.left(old, change.all, after["top"]),
         old=old,

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import cv2
 import numpy as np
 
 from vcage.base.geometry import Camera, Pose
+from vcage.models.protocols import THIN_SUPPORT_M
 from vcage.models.rules.change import Change, grown
 from vcage.models.rules.drawings import Draw
 from vcage.models.rules.evidence import changed
@@ -49,9 +51,6 @@ HARDLY = 0.4
 LIKE = 9.0
 """Largest colour distance to a drawing of an object that has the colours of what it lies on."""
 
-THIN = 0.025
-"""A receptacle that is lower cannot be seen from the side, metres: where it is hidden it is taken to be there."""
-
 FARTHEST = 16
 """So far at most, pixels along each side of the picture."""
 
@@ -70,7 +69,7 @@ class Placed:
         beside: what came to be seen around the receptacle, far from where the object was, over the object's area.
         margin: how far inside the edge of where it should be the middle of what looks like it is, metres.
         explained: (H, W) bool, where the sub-task changes the picture.
-        told: whether the receptacle is seen; a thin one that the object hides cannot be.
+        support_seen: the receptacle is seen; or it is thin, and the object hides it.
         aloft: share of what views from the side tell of the object at the height of its place that shows it there; None
             where none can tell.
     """
@@ -84,7 +83,7 @@ class Placed:
     beside: float
     margin: float
     explained: np.ndarray
-    told: bool = True
+    support_seen: bool = True
     aloft: float | None = None
 
 
@@ -106,83 +105,125 @@ def gather_placed(
         unlike: colour distance from which on what stands somewhere is another object.
         others: what else stands there, by the plan.
     """
-    change = Change.between(before["top"], after["top"])
-    camera = before["top"].camera
+    change, camera = Change.between(before["top"], after["top"]), before["top"].camera
     stands = place.found(before)  # it may itself stand on another: only the side tells how high
     room = None if stands is None else _covered(rooms, stands.pose, camera)
     old = thing.found({"top": before["top"]}, change.all if room is None else change.all & ~room)
     if stands is None or room is None or old is None:
         return None
+
+    def find(at: Standing, before: Mapping[str, View], room: np.ndarray) -> Lying | None:
+        return find_lying(thing, rooms, at.pose, before, after, grown(room, EDGE), others)
+
     lies, support = None, Support(stands)
-    aside = len(before.keys() & after.keys()) > 1
-    if aside or not stands_on(place, stands, change, before["top"], after["top"]):
-        lies = find_lying(thing, rooms, stands.pose, before, after, grown(room, EDGE), others)
+    if len(before.keys() & after.keys()) > 1 or not stands_on(place, stands, change, before["top"], after["top"]):
+        lies = find(stands, before, room)
         support = find_support(place, stands, lies, change, before, after, unlike)
     now = support.now or stands
     if now is not stands:
         before = {**before, "top": redrawn(before["top"], place.background, stands, now)}
-        change, room, lies = Change.between(before["top"], after["top"]), _covered(rooms, now.pose, camera), None
-    here, wide = grown(room, EDGE), grown(room | stands.covered | now.covered, AROUND)
-    area = max(1, int(old.covered.sum()))
-    if lies is None and (aside or now is not stands):
-        lies = find_lying(thing, rooms, now.pose, before, after, here, others)
+        change, room = Change.between(before["top"], after["top"]), _covered(rooms, now.pose, camera)
+        lies = find(now, before, room)
+    return _measured(
+        _Places(old, stands, support, room, change, lies, lambda: find(now, before, room)),
+        before["top"],
+        after["top"],
+        thing,
+        place,
+        rooms,
+    )
 
-    def lying() -> Lying | None:
-        if lies is not None or not faintly_changed(before["top"], after["top"], here, HARDLY * area):
-            return lies
-        return find_lying(thing, rooms, now.pose, before, after, here, others)
 
-    came, alike, stirred = _came(before["top"], after["top"], thing, old, change, here, wide, lying)
-    if lies is not None and lies.seen and now is not stands:  # the rest is of the support, which moved
+@dataclass(frozen=True)
+class _Places:
+    """Where an object and its receptacle stood and stand, in views in which the receptacle was there all the time.
+
+    Args:
+        old: the object before.
+        stands, support: the receptacle before and after.
+        room: (H, W) bool, where the object should be.
+        change: between the views from above.
+        lies: the object in or on the receptacle; None where it was not looked for.
+        find: looks for it there.
+    """
+
+    old: Standing
+    stands: Standing
+    support: Support
+    room: np.ndarray
+    change: Change
+    lies: Lying | None
+    find: Callable[[], Lying | None]
+
+    @property
+    def now(self) -> Standing:
+        """The receptacle afterwards; before, where it is not found."""
+        return self.support.now or self.stands
+
+    @cached_property
+    def here(self) -> np.ndarray:
+        """(H, W) bool, where the object may be seen that is where it should be."""
+        return grown(self.room, EDGE)
+
+    @cached_property
+    def wide(self) -> np.ndarray:
+        """(H, W) bool, the receptacle before and after, and what is around it."""
+        return grown(self.room | self.stands.covered | self.now.covered, AROUND)
+
+    @property
+    def area(self) -> int:
+        """Pixels that the object covered before."""
+        return max(1, int(self.old.covered.sum()))
+
+
+def _measured(places: _Places, before: View, after: View, thing: Sought, place: Sought, rooms: np.ndarray) -> Placed:
+    """Measure what came to be seen in or on a receptacle, and around it.
+
+    Args:
+        places: where all stands.
+        before, after: from above.
+        thing, place, rooms: see :func:`gather_placed`.
+    """
+    old, now, change, lies = places.old, places.now, places.change, places.lies
+    came, alike, stirred = _came(places, before, after, thing)
+    if lies is not None and lies.seen and now is not places.stands:  # the rest is of the support, which moved
         came, alike = (mask & grown(lies.standing.covered, EDGE) for mask in (came, alike))
+    here, wide, area = places.here, places.wide, places.area
     seen, size = max(1, int((came & here).sum())), float(np.hypot(*np.ptp(np.argwhere(old.covered), axis=0)))
     reaching = _reaching(change.things & ~old.covered, here) & grown(here, size / 2)
     near = change.things & _about(wide) & ~here & ~_about(old.covered)
+    shift = np.inf if places.support.now is None else float(np.linalg.norm(now.pose.p - places.stands.pose.p))
     return Placed(
-        left=thing.left(old, change.all, after["top"]),
-        shifted=np.inf if support.now is None else float(np.linalg.norm(now.pose.p - stands.pose.p)),
-        stirred=float(stirred[stands.covered].mean()) if stands.covered.any() else 0.0,
+        left=thing.left(old, change.all, after),
+        shifted=shift,
+        stirred=float(stirred[places.stands.covered].mean()) if places.stands.covered.any() else 0.0,
         inside=float((came & here).sum()) / area,
         share=float((alike & here).sum()) / max(1, int(alike.sum())),
         alike=float((alike & here).sum()) / min(seen, area),
         beside=float(near.sum()) / area,
-        margin=_margin(alike & here, rooms, now.pose, camera),
+        margin=_margin(alike & here, rooms, now.pose, before.camera),
         explained=grown(old.covered, AROUND) | wide | grown(reaching, AROUND),
-        told=support.told or place.look.size[2] < THIN,
+        support_seen=places.support.seen or place.look.size[2] < THIN_SUPPORT_M,
         aloft=None if lies is None else lies.aloft,
     )
 
 
-def _came(
-    before: View,
-    after: View,
-    thing: Sought,
-    old: Standing,
-    change: Change,
-    here: np.ndarray,
-    wide: np.ndarray,
-    lying: Callable[[], Lying | None],
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """(H, W) bool each: what came to be seen around a receptacle, what of it looks like an object, and what changed
-    there and does not.
-
-    Args:
-        before, after: from above.
-        thing, old: the object, and where it stood.
-        change: between the views.
-        here, wide: (H, W) bool, where the object should be, and what is around that.
-        lying: finds the object there by drawing it.
-    """
-    area, came = max(1, int(old.covered.sum())), change.things & ~grown(old.covered, AROUND) & wide
+def _came(places: _Places, before: View, after: View, thing: Sought) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Tell apart what came to be seen around a receptacle, what of it looks like an object, and what changed there and
+    does not: (H, W) bool each. See :func:`_measured`."""
+    change, here = places.change, places.here
+    came = change.things & ~grown(places.old.covered, AROUND) & places.wide
     alike = np.zeros_like(came)
     alike[came] = looks_like(thing.look, smoothed(after.picture)[came])
     stirred = came & ~grown(alike, BORDER)
-    if (came & here).sum() > MOVING * area:
+    if (came & here).sum() > MOVING * places.area:
         came = _besides_shift(before.picture, after.picture, came)
         alike &= came
-    if (alike & here).sum() < HARDLY * area:
+    if (alike & here).sum() < HARDLY * places.area:
         # What has the colours of what it lies on changes as little as a shadow does: only a drawing tells.
-        lies = lying()
+        lies = places.lies
+        if lies is None and faintly_changed(before, after, here, HARDLY * places.area):
+            lies = places.find()
         if lies is not None and lies.standing.unlike <= LIKE and lies.seen:
             came, alike = came | lies.standing.covered, alike | lies.standing.covered
             stirred = stirred & ~lies.standing.covered

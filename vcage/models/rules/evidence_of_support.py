@@ -1,4 +1,4 @@
-"""What pictures show of a support under what was put on it: whether it stands where it stood, and what lies on it."""
+"""Find a support in pictures after something was put on it, and what lies on it: either may hide the other."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class SupportSettings:
         stays_share: share of what was seen of a support before that must be seen of it where it now stands.
         aloft_share: share of what the side view tells of an object at the height of the top that must show it there.
         outline_share: share of an object's outline that must have changed, be it faintly, so that its place is plain.
-        told_share, told_share_changed: share of what tells an object from what was there before that the view from
+        shown_share, shown_share_changed: share of what tells an object from what was there before that the view from
             above must show; where its outline changed.
     """
 
@@ -52,8 +52,8 @@ class SupportSettings:
     stays_share: float = 0.9
     aloft_share: float = 0.6
     outline_share: float = 0.8
-    told_share: float = 0.7
-    told_share_changed: float = 0.5
+    shown_share: float = 0.7
+    shown_share_changed: float = 0.5
 
 
 SETTINGS = SupportSettings()
@@ -65,29 +65,29 @@ class Lying:
 
     Args:
         standing: its likeliest pose there.
-        told: share of what tells it from what was there before that the view from above shows.
+        shown: share of what tells it from what was there before that the view from above shows.
         outline: share of its outline that changed, be it faintly.
-        aloft: the same share as ``told`` in views from the side; None where none can tell.
+        aloft: the same share as ``shown`` in views from the side; None where none can tell.
         hides: (H, W) bool by view, what it hides there.
     """
 
     standing: Standing
-    told: float
+    shown: float
     outline: float
     aloft: float | None
     hides: Mapping[str, np.ndarray]
 
     @property
     def seen(self) -> bool:
-        """Whether it is seen there: from the side where that can tell, else from above."""
+        """True when it is seen there: from the side where that can tell, else from above."""
         if self.aloft is not None:
             return self.aloft >= SETTINGS.aloft_share
         changed = self.outline >= SETTINGS.outline_share
-        return self.told >= (SETTINGS.told_share_changed if changed else SETTINGS.told_share)
+        return self.shown >= (SETTINGS.shown_share_changed if changed else SETTINGS.shown_share)
 
 
 def faintly_changed(before: View, after: View, here: np.ndarray, least: float) -> bool:
-    """Whether more than so many pixels of a mask (H, W) changed, be it faintly."""
+    """True when more than ``least`` pixels of a mask (H, W) changed, be it faintly."""
     faint = changed(smoothed(before.picture), smoothed(after.picture), least=SETTINGS.faint_lab)
     return int((faint & here).sum()) > least
 
@@ -126,9 +126,9 @@ def find_lying(
         name: grown(drawn_whole(thing.draw, lies.pose, view.camera).covered, SETTINGS.hidden_margin_px)
         for name, view in after.items()
     }
-    told = thing.speaks(lies, after["top"], before["top"].picture)[0]
+    shown = thing.speaks(lies, after["top"], before["top"].picture)[0]
     outline = float(faint[lies.covered].mean()) if lies.covered.any() else 0.0
-    return Lying(lies, told, outline, _aloft(thing, lies, before, after, others), hides)
+    return Lying(lies, shown, outline, _aloft(thing, lies, before, after, others), hides)
 
 
 def _aloft(
@@ -164,15 +164,15 @@ class Support:
 
     Args:
         now: where it stands; None where it is not found.
-        told: whether it is seen: enough of it from above, or from the side what lies on it at its height.
+        seen: enough of it is seen from above, or from the side what lies on it at its height.
     """
 
     now: Standing | None
-    told: bool = True
+    seen: bool = True
 
 
 def stands_on(place: Sought, stands: Standing, change: Change, before: View, after: View) -> bool:
-    """Whether the view from above shows at first sight that a support stands where it stood."""
+    """True when the view from above shows at first sight that a support stands where it stood."""
     return _stays(place, stands, change, before, after, np.zeros_like(change.all))
 
 
@@ -199,9 +199,7 @@ def find_support(
         lies = None
     hides = {} if lies is None else lies.hides
     hidden = hides.get("top", np.zeros_like(change.all))
-    visible = stands.covered & ~hidden
-    share = float(visible.sum()) / max(1, int(stands.covered.sum()))
-    enough = visible.sum() >= SETTINGS.fewest_px and share >= SETTINGS.visible_share
+    enough = _enough_visible(stands, hidden)
     if enough and _stays(place, stands, change, before["top"], after["top"], hidden):
         return Support(stands)
     borne = lies is not None and lies.aloft is not None  # something bears what lies there
@@ -209,9 +207,19 @@ def find_support(
     least = SETTINGS.stays_share * _shown(place, stands, before["top"], hidden) if enough or not borne else 0.0
     if best.unlike < unlike and _shown(place, best, after["top"], hidden) >= least:
         return Support(stands if _at(best, stands) else best, enough or borne)
-    now = place.standing({"top": after["top"]})
-    there = now is not None and now.unlike < unlike and not place.gone(now, after["top"])
-    return Support(now if there else None, enough or borne)
+    return Support(_elsewhere(place, after["top"], unlike), enough or borne)
+
+
+def _enough_visible(stands: Standing, hidden: np.ndarray) -> bool:
+    """True when enough of a support is beside what hides it to tell by that alone."""
+    visible = int((stands.covered & ~hidden).sum())
+    return visible >= SETTINGS.fewest_px and visible >= SETTINGS.visible_share * max(1, int(stands.covered.sum()))
+
+
+def _elsewhere(place: Sought, top: View, unlike: float) -> Standing | None:
+    """Where a support stands anywhere in the view from above; None where it is not found."""
+    now = place.standing({"top": top})
+    return now if now is not None and now.unlike < unlike and not place.gone(now, top) else None
 
 
 def _starts(stands: Standing, lies: Lying | None, *, around: bool) -> list[Pose]:
@@ -228,7 +236,7 @@ def _starts(stands: Standing, lies: Lying | None, *, around: bool) -> list[Pose]
 
 
 def _at(one: Standing, other: Standing) -> bool:
-    """Whether two places are one, as well as pictures tell."""
+    """True when two places are one, as well as pictures tell."""
     turn = (one.pose.yaw - other.pose.yaw + np.pi) % (2 * np.pi) - np.pi
     near = np.linalg.norm(one.pose.p - other.pose.p) < SETTINGS.still_m
     return bool(near and abs(np.degrees(turn)) < SETTINGS.still_deg)

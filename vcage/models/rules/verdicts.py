@@ -10,6 +10,7 @@ from vcage.models.rules import PROVIDER
 from vcage.models.rules.evidence_of_parts import POSITIONS, PartEvidence
 from vcage.models.rules.evidence_of_places import LEFT, Handed, Moved, Returned, Shown
 from vcage.models.rules.evidence_of_placing import Placed
+from vcage.models.rules.evidence_of_support import SETTINGS
 from vcage.models.rules.standing import Standing
 from vcage.plans.relations import holds
 from vcage.schema.episodes import Failure, Verdict
@@ -78,10 +79,6 @@ REACHING = 0.09
 STILL = 0.25
 """Share of the outline of what lies on a scale that may change while it is weighed."""
 
-
-ALOFT = 0.6
-"""Share of what a view from the side tells of an object at the height of its place that must show it there."""
-
 BESIDE = 0.2
 """Share of an object's area that must be seen beside a receptacle for it to have been brought there."""
 
@@ -127,12 +124,12 @@ def decide_placed(evidence: Placed | None, goal: Goal, thing: str, place: str) -
     if evidence.inside < INSIDE[goal.relation]:
         failure: Failure = "astray" if evidence.beside >= BESIDE else "lost"
         return refuse(f"the {thing} left its place and is not found {word} the {place}: {seen}", 0.8, failure)
-    if evidence.aloft is not None and evidence.aloft < ALOFT:
+    if evidence.aloft is not None and evidence.aloft < SETTINGS.aloft_share:
         seen = f"{100 * evidence.aloft:.0f} % of it is seen there from the side"
         return refuse(f"the {thing} does not lie as high as {word} the {place}: {seen}", 0.8, "astray")
     if evidence.alike < LOOKS:
         return refuse(f"what came to be {word} the {place} does not look like the {thing}", 0.7)
-    if not evidence.told:
+    if not evidence.support_seen:
         return refuse(f"whether the {place} is under the {thing}, which hides it, cannot be told from above", 0.5)
     balances = evidence.margin <= (WELL_IN if evidence.aloft is None else 0.0)
     if evidence.share < (NEARLY_ALL if balances else MOSTLY):
