@@ -130,12 +130,12 @@ class Played:
 
     @property
     def subject(self) -> SceneObject:
-        """What the goal is about, as it was before."""
+        """The goal's object, as it was before."""
         return self.now(self.shots.before)[self.goal.subject]
 
     @property
     def place(self) -> SceneObject:
-        """What was to receive it, as it is afterwards."""
+        """The receptacle or support, as it is afterwards."""
         return self.now(self.shots.after)[str(self.subtask.receptacle)]
 
     @property
@@ -151,7 +151,7 @@ class Played:
 
     @property
     def loose(self) -> list[SceneObject]:
-        """What could be carried, and lies in nothing and under nothing."""
+        """Objects that could be carried, with nothing on them and themselves in nothing."""
         now = self.now(self.shots.before)
         holding = {o.record.container for o in now.values()}
         return [
@@ -190,7 +190,7 @@ class Played:
         return None if moment is None else replace(moment, objects=dict(objects))
 
     def untrue(self, reason: str, **states: Any) -> Shots:
-        """What was played with other states, which is no success."""
+        """Replace states of the sub-task, which then is no success."""
         return replace(self.shots, **states, truth=Truth(success=False, reason=reason))
 
     def instead(

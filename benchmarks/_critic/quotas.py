@@ -19,7 +19,7 @@ Make = Callable[[Sequence[Draw], Sequence[OutcomeRecord]], list[OutcomeRecord]]
 
 @dataclass(frozen=True)
 class Quotas:
-    """What is made beyond the draws that there are in any case.
+    """Limits of what is made beyond the draws that there are in any case.
 
     Args:
         each: successes, and failures, of each template.

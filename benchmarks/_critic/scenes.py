@@ -19,7 +19,7 @@ SCENES = {
     "office_desk": select_place.Options(template="office_desk"),
     "scale": select_place.Options(instruction="Weigh the tomato and the chocolate bar, then put both in the basket"),
 }
-"""What a scene is made from: a template as it is, or what an instruction asks for."""
+"""Where the outcomes happen: in a template as it is, or in the scene of an instruction."""
 
 FURTHER = (
     "Stack the three blocks",
@@ -62,6 +62,6 @@ def settings() -> Mapping[str, select_place.Options]:
 
 
 def part_of(scene: str, asset: str) -> Part:
-    """Whether outcomes of a kind of object in a scene may be looked at while a critic is tuned."""
+    """Tell "tuning" from "untouched": the latter is never looked at while a critic is tuned."""
     odd = hashlib.sha256(asset.encode()).digest()[0] % 2
     return "untouched" if scene in UNTOUCHED_SCENES or odd else "tuning"

@@ -3,17 +3,30 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from vcage.base.geometry import Camera, Pose
 from vcage.sim.drawer import Drawing, Window
 
-ENOUGH = 1000
-"""Pixels by which it is told how bright a drawing should be."""
 
-BRIGHTER, TINTED = (0.5, 2.0), (0.85, 1.18)
-"""How much brighter than a drawing a picture may be, and how much more so in one colour than in the others."""
+@dataclass(frozen=True)
+class BrightnessSettings:
+    """How a drawing is made as bright as a picture.
+
+    Args:
+        samples_px: pixels by which the brightness is told.
+        factor: least and most by which a picture may be brighter than a drawing.
+        tint: the same of one colour beside the others.
+    """
+
+    samples_px: int = 1000
+    factor: tuple[float, float] = (0.5, 2.0)
+    tint: tuple[float, float] = (0.85, 1.18)
+
+
+SETTINGS = BrightnessSettings()
 
 Draw = Callable[[Pose, Camera, Window], Drawing]
 """An object alone at a pose, as a camera sees it through a window."""
@@ -35,7 +48,7 @@ def window_around(middle: np.ndarray, size: Sequence[float], camera: Camera) -> 
 
 
 def cut(picture: np.ndarray, window: Window) -> np.ndarray:
-    """What a window shows of a picture; black outside it."""
+    """Cut a window out of a picture; black outside it."""
     shown = np.zeros((window.side, window.side, *picture.shape[2:]), picture.dtype)
     (v0, v1), (u0, u1) = (
         np.clip([start, start + window.side], 0, end)
@@ -55,10 +68,10 @@ def brightness(drawing: Drawing, picture: np.ndarray, hidden: np.ndarray | None 
     covered = drawing.covered if hidden is None else drawing.covered & ~hidden
     if not covered.any():
         return np.ones(3, np.float32)
-    some = slice(None, None, 1 + int(covered.sum()) // ENOUGH)
+    some = slice(None, None, 1 + int(covered.sum()) // SETTINGS.samples_px)
     gain = np.median((picture[covered][some] + 4.0) / (drawing.picture[covered][some] + np.float32(4.0)), axis=0)
     level = float(np.median(gain))
-    return np.clip(level, *BRIGHTER) * np.clip(gain / max(level, 1e-3), *TINTED)
+    return np.clip(level, *SETTINGS.factor) * np.clip(gain / max(level, 1e-3), *SETTINGS.tint)
 
 
 def as_bright(drawing: Drawing, picture: np.ndarray, hidden: np.ndarray | None = None) -> np.ndarray:

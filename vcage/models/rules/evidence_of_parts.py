@@ -10,7 +10,7 @@ import numpy as np
 from vcage.base.geometry import Camera, Pose
 from vcage.models.rules.drawings import brightness, drawn_whole
 from vcage.models.rules.evidence import changed
-from vcage.models.rules.sights import CAP
+from vcage.models.rules.sights import SETTINGS
 from vcage.models.rules.standing import Sought
 from vcage.sim.drawer import Drawing, Window
 from vcage.vision.colour import distance, smoothed, to_lab
@@ -122,7 +122,7 @@ class _Sight:
         if not where.any():
             return np.zeros(len(self._labs))
         lab = smoothed(picture)
-        return np.array([np.minimum(distance(lab, drawn)[where], CAP).mean() for drawn in self._labs])
+        return np.array([np.minimum(distance(lab, drawn)[where], SETTINGS.cap_lab).mean() for drawn in self._labs])
 
 
 def likeliest(costs: np.ndarray) -> float:

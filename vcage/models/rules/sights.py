@@ -1,4 +1,4 @@
-"""What views show around a place, and how unlike a drawing of an object there they are."""
+"""Compare views around a place with drawings of an object there."""
 
 from __future__ import annotations
 
@@ -13,14 +13,23 @@ from vcage.sim.drawer import Window
 from vcage.vision.colour import distance, smoothed, to_lab
 from vcage.vision.protocols import View
 
-CAP = 30.0
-"""Largest colour distance that a pixel can cost."""
 
-UNFILLED = 20.0
-"""Colour distance that a pixel of an outline costs which a drawing leaves open."""
+@dataclass(frozen=True)
+class SightSettings:
+    """Colour distances (CIELAB) that pixels cost.
 
-UNSEEN = 6.0
-"""Colour distance that a pixel costs which something hides."""
+    Args:
+        cap_lab: most that a pixel can cost.
+        unfilled_lab: of a pixel of an outline that a drawing leaves open.
+        hidden_lab: of a pixel that something hides.
+    """
+
+    cap_lab: float = 30.0
+    unfilled_lab: float = 20.0
+    hidden_lab: float = 6.0
+
+
+SETTINGS = SightSettings()
 
 
 @dataclass(frozen=True)
@@ -51,6 +60,13 @@ class Sight:
         outline: np.ndarray | None,
         hidden: np.ndarray | None = None,
     ) -> Sight:
+        """Cut what an object of a size (3,) may cover out of a view, its middle (3,) in the world.
+
+        Args:
+            view: of the place.
+            middle, size: metres.
+            outline, hidden: (H, W) bool over the whole view; None for nothing.
+        """
         window = window_around(middle, size, view.camera)
         picture = cut(view.picture, window)
         lab = smoothed(picture)
@@ -65,8 +81,9 @@ def unlikeness(pose: np.ndarray, height: float, sights: Sequence[Sight], draw: D
     for sight in sights:
         drawing = draw(Pose.from_yaw([pose[0], pose[1], height], float(pose[2])), sight.camera, sight.window)
         if not drawing.covered.any():
-            return CAP
+            return SETTINGS.cap_lab
         drawn = to_lab(as_bright(drawing, sight.picture, sight.hidden).astype(np.uint8))
-        apart = np.where(sight.hidden, UNSEEN, np.minimum(distance(sight.lab, drawn), CAP))[drawing.covered].mean()
-        costs.append(apart + UNFILLED * (sight.outline & ~drawing.covered).sum() / drawing.covered.sum())
+        seen = np.minimum(distance(sight.lab, drawn), SETTINGS.cap_lab)
+        apart = np.where(sight.hidden, SETTINGS.hidden_lab, seen)[drawing.covered].mean()
+        costs.append(apart + SETTINGS.unfilled_lab * (sight.outline & ~drawing.covered).sum() / drawing.covered.sum())
     return float(np.mean(costs))
