@@ -77,3 +77,10 @@ def test_the_colour_of_the_reference_is_the_objects(models):
     view = reference_view(models["cube"])
     colour = view[view[..., 3] > 0][:, :3].mean(axis=0)
     assert colour[0] > 2 * colour[1]
+
+
+def test_windows_of_about_one_size_share_a_camera(models, template):
+    camera, drawer = template.top_camera.camera(), ModelDrawer(models)
+    drawings = [drawer.draw("bar", PLACE, camera, Window(200, 200, side, 1)) for side in range(65, 97)]
+    assert [len(drawing.covered) for drawing in drawings] == list(range(65, 97))
+    assert len(drawer._world._cameras) == 1

@@ -31,6 +31,9 @@ DISTANCE = 15.0
 MARGIN = 4
 """Empty pixels around the object."""
 
+SIDES = 32
+"""Drawings are made so many pixels wide, or a multiple of it, and cut: each size of camera keeps memory of its own."""
+
 
 @dataclass(frozen=True)
 class Window:
@@ -108,15 +111,16 @@ class ModelDrawer:
         self._show(object_id)
         self._world.set_object_pose(object_id, pose)
         self._world.set_object_joints(object_id, joints)
-        component = self._world.camera_component(window.side, window.side, camera.fovy, NEAR, FAR)
+        side = -(-window.side // SIDES) * SIDES
+        component = self._world.camera_component(side, side, 1.0, NEAR, FAR)
         focal, step = camera.focal / window.step, window.step
         middle = (camera.width / 2 - window.left) / step, (camera.height / 2 - window.top) / step
         component.set_perspective_parameters(NEAR, FAR, focal, focal, *middle, 0.0)
         component.entity.set_pose(to_sapien(camera.pose))
         self._world.scene.update_render()
         component.take_picture()
-        drawn = component.get_picture("Color")
-        depth = np.minimum(depth_picture(component), FAR)
+        drawn = component.get_picture("Color")[: window.side, : window.side]
+        depth = np.minimum(depth_picture(component)[: window.side, : window.side], FAR)
         return Drawing(np.ascontiguousarray(drawn[..., :3]), covered=drawn[..., 3] > 0, depth=depth)
 
     @functools.cached_property
