@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 from scipy.spatial import ConvexHull, QhullError
 
 from vcage.base.errors import DamagedFile
+from vcage.base.placeholders import require_fetched
 
 
 @dataclass(frozen=True)
@@ -71,10 +72,13 @@ def load_convex(path: str | Path) -> Convex:
     """Read a convex piece from an OBJ file.
 
     Raises:
-        DamagedFile: it is missing or holds no solid.
+        DamagedFile: it is missing, names another file, or holds no solid.
     """
+    require_fetched(Path(path))
     try:
         lines = Path(path).read_text(encoding="ascii").splitlines()
+        if any(line.lstrip().startswith("mtllib") for line in lines):
+            raise ValueError("it names a file of materials")
         vertices = [[float(x) for x in line.split()[1:4]] for line in lines if line.startswith("v ")]
         if len(vertices) < 4:
             raise ValueError(f"{len(vertices)} vertices")

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from vcage.base.errors import DamagedFile, SchemaMismatch
+from vcage.base.placeholders import require_fetched
 from vcage.objects.asset import Asset
 from vcage.objects.textures import tell_textures
 from vcage.schema.asset import IMPORTED, Annotation
@@ -67,6 +68,7 @@ def check_meshes(asset: Asset) -> None:
         OversizedFile: a texture is too large to be read.
     """
     for visual in (asset.model.visual, *(link.visual for link in asset.model.links)):
+        require_fetched(Path(visual))
         try:
             with open(visual, "rb") as handle:
                 magic, _, length = GLB_HEADER.unpack(handle.read(GLB_HEADER.size))

@@ -8,35 +8,34 @@ import struct
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
-from urllib.parse import unquote
 
 from vcage.base.errors import InputFileError, OversizedFile
 from vcage.base.pictures import picture_header
+from vcage.base.placeholders import require_fetched
+from vcage.objects.mesh_files import MeshFiles
 
 _JSON_CHUNK, _BIN_CHUNK = 0x4E4F534A, 0x004E4942
 """Types of the chunks of a binary glTF file."""
 
 Source = tuple[str, Path | bytes | None]
-"""What a texture is called, and its file or content; None where the mesh file is wrong about it."""
+"""Name of a texture, and its file or content; None where the object has no such file, or the mesh no such content."""
 
 
-def tell_textures(path: Path, tell: Callable[[str], None]) -> None:
+def tell_textures(path: Path, tell: Callable[[str], None], root: Path | None = None) -> None:
     """Tell of each colour texture that cannot be seen on a mesh: its plain colour is seen in its place.
 
     Args:
         path: of the mesh: glTF, binary glTF, or OBJ with its materials.
         tell: takes a sentence about each.
+        root: folder of the object; by default the mesh's own.
 
     Raises:
+        DamagedFile: the mesh, or a file that it names, is a pipe, a device or a folder, or was not fetched; names it.
         OversizedFile: a texture is too large to be read.
     """
-    for name, source in dict.fromkeys(_sources(path)):
-        if isinstance(source, Path) and not source.is_file():
-            why = "is missing"
-        elif source is None:
-            why = "is not in the file"
-        else:
-            why = _why_not(source, f"{path}: the texture {name!r}")
+    require_fetched(path)
+    for name, source in dict.fromkeys(_sources(path, MeshFiles(path, root))):
+        why = "is missing" if source is None else _why_not(source, f"{path}: the texture {name!r}")
         if why:
             tell(f"{path}: the texture {name!r} {why}; the plain colour of its material is seen")
 
@@ -51,34 +50,36 @@ def _why_not(source: Path | bytes, name: str) -> str:
     return ""
 
 
-def _sources(path: Path) -> Iterator[Source]:
+def _sources(path: Path, files: MeshFiles) -> Iterator[Source]:
     """The colour textures that a mesh file names; none of a file that is no mesh, which whoever reads it refuses."""
     try:
         if path.suffix.lower() == ".obj":
-            yield from _of_obj(path)
+            yield from _of_obj(path, files)
         elif path.suffix.lower() in (".glb", ".gltf"):
-            yield from _of_gltf(path)
+            yield from _of_gltf(path, files)
     except (OSError, ValueError, LookupError, TypeError, AttributeError, struct.error, RecursionError):
         return
 
 
-def _of_obj(path: Path) -> Iterator[Source]:
+def _of_obj(path: Path, files: MeshFiles) -> Iterator[Source]:
     for line in path.read_text(encoding="utf-8", errors="replace").splitlines():
         words = line.split(maxsplit=1)
         if len(words) < 2 or words[0] != "mtllib":
             continue
-        library = path.parent / words[1].strip()
-        if not library.is_file():
-            yield library.name, library
+        if files.locate(words[1]) is None:
+            yield words[1].strip(), None
             continue
-        for entry in library.read_text(encoding="utf-8", errors="replace").splitlines():
-            key, _, name = entry.strip().partition(" ")
-            if key.lower() == "map_kd" and name.strip():
-                yield name.strip(), library.parent / name.strip()
+        for entry in files.get(words[1]).decode(errors="replace").splitlines():
+            key, *name = entry.split(maxsplit=1)
+            if key.lower() == "map_kd" and name:
+                yield name[0].strip(), files.locate(name[0])
 
 
-def _of_gltf(path: Path) -> Iterator[Source]:
+def _of_gltf(path: Path, files: MeshFiles) -> Iterator[Source]:
     header, binary = _gltf(path.read_bytes())
+    for named in (*header.get("buffers", []), *header.get("images", [])):  # all of them are opened
+        if _is_file(named.get("uri")):
+            files.locate(named["uri"])
     for material in header.get("materials", []):
         used = material.get("pbrMetallicRoughness", {}).get("baseColorTexture")
         if used is None:
@@ -87,20 +88,27 @@ def _of_gltf(path: Path) -> Iterator[Source]:
         extended = (found["source"] for found in texture.get("extensions", {}).values() if "source" in found)
         number = next(extended, texture.get("source"))
         image = header["images"][number]
-        yield image.get("name") or image.get("uri", "")[:80] or f"image {number}", _image(header, binary, image, path)
+        yield image.get("name") or image.get("uri", "")[:80] or f"image {number}", _image(header, binary, image, files)
 
 
-def _image(header: dict[str, Any], binary: bytes, image: dict[str, Any], path: Path) -> Path | bytes | None:
+def _is_file(uri: str | None) -> bool:
+    return bool(uri) and not uri.startswith("data:")
+
+
+def _image(header: dict[str, Any], binary: bytes, image: dict[str, Any], files: MeshFiles) -> Path | bytes | None:
     if "bufferView" in image:
         view = header["bufferViews"][image["bufferView"]]
-        start = view.get("byteOffset", 0)
-        return binary[start : start + view["byteLength"]] if view.get("buffer", 0) == 0 else None
+        start, buffer = view.get("byteOffset", 0), header["buffers"][view.get("buffer", 0)]
+        return _content(buffer.get("uri"), binary, files)[start : start + view["byteLength"]]
     uri = image.get("uri")
-    if not uri:
-        return None
-    if uri.startswith("data:"):
-        return base64.b64decode(uri.partition(",")[2])
-    return path.parent / unquote(uri)
+    return files.locate(uri) if _is_file(uri) else _content(uri, b"", files) or None
+
+
+def _content(uri: str | None, binary: bytes, files: MeshFiles) -> bytes:
+    """What a URI stands for; without one, the binary chunk."""
+    if uri is None:
+        return binary
+    return files.get(uri) if _is_file(uri) else base64.b64decode(uri.partition(",")[2])
 
 
 def _gltf(data: bytes) -> tuple[dict[str, Any], bytes]:

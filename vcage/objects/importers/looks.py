@@ -11,8 +11,9 @@ import numpy as np
 import trimesh
 from PIL import Image
 
-from vcage.base.errors import DamagedFile
+from vcage.base.errors import DamagedFile, VcageError
 from vcage.base.placeholders import require_fetched
+from vcage.objects.mesh_files import MeshFiles
 from vcage.objects.modelling.parts import Part, paint
 
 GREY = (178, 178, 178)
@@ -28,16 +29,24 @@ PALETTE_STEPS = 32
 """Colours of single faces are rounded to so many steps per channel where there are very many."""
 
 
-def load_surfaces(path: Path) -> list[trimesh.Trimesh]:
+def load_surfaces(path: Path, root: Path | None = None) -> list[trimesh.Trimesh]:
     """The surfaces of a mesh file, each at its place in the file's scene.
 
+    Args:
+        path: of the mesh.
+        root: folder of the object, to which names in the mesh may lead; by default the mesh's own.
+
     Raises:
-        DamagedFile: it is not a mesh that can be read, or holds no triangle.
+        DamagedFile: it is not a mesh that can be read, or holds no triangle, or names a pipe, a device or a folder.
     """
     require_fetched(path)
+    files = MeshFiles(path, root)
     try:
-        scene = trimesh.load_scene(path, process=False)
+        scene = trimesh.load_scene(path, resolver=files, process=False)
         meshes = [_placed(scene, node) for node in scene.graph.nodes_geometry]
+        files.require_regular()
+    except VcageError:
+        raise
     except Exception as error:  # trimesh's readers raise whatever their file format makes them raise
         raise DamagedFile(
             f"{path} is not a mesh that can be read: {type(error).__name__}: {error}", hint="export it again"

@@ -7,6 +7,7 @@ their own, named after the first of them.
 
 from __future__ import annotations
 
+import os.path
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
@@ -163,7 +164,7 @@ def _converters(
 
 def _points_info(source: Path, tell: Callable[[str], None]) -> dict[str, Any]:
     path = source / "points_info.json"
-    if not path.is_file():
+    if not os.path.lexists(path):
         return {}
     try:
         return read_object(path)

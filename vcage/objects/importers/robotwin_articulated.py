@@ -80,7 +80,7 @@ def convert(folder: Path, info: dict[str, Any], tell: Callable[[str], None]) -> 
     urdf = read_urdf(folder / "mobility.urdf")
     for file in dict.fromkeys(shape.source for shapes in urdf.visuals.values() for shape in shapes):
         if isinstance(file, Path):
-            tell_textures(file, tell)
+            tell_textures(file, tell, folder)
     pose = _at_rest(urdf, model)
     built, origin = centred(_built(urdf, model, pose))
     check_scale(model.file.path, built, model.scale_assumed)

@@ -7,6 +7,7 @@ wrong costs the variant where nothing can be made without it, and the point othe
 from __future__ import annotations
 
 import difflib
+import os.path
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -139,7 +140,7 @@ def read_model_data(path: Path, info: dict[str, Any], tell: Callable[[str], None
         DamagedFile: the file is not JSON.
         SchemaMismatch: the scale, or another field that nothing works without, is not what it should be.
     """
-    if not path.is_file():
+    if not os.path.lexists(path):
         tell(f"{path}: missing; expected scale and points: scale 1 is assumed, and there are no points")
         return ModelData(AnnotationFile(path, tell), np.ones(3), scale_assumed=True)
     data = read_object(path)

@@ -6,6 +6,7 @@ which looks along its z, then looks towards the robot, as ours does.
 
 from __future__ import annotations
 
+import os.path
 import re
 from collections.abc import Callable
 from pathlib import Path
@@ -55,8 +56,8 @@ def convert(folder: Path, number: str, info: dict[str, Any], tell: Callable[[str
     model = read_model_data(folder / f"model_data{number}.json", info, tell)
     linear = Y_UP_TO_Z_UP * model.scale
     visual = _visual(folder, number, model)
-    tell_textures(visual, tell)
-    surfaces = load_surfaces(visual)
+    tell_textures(visual, tell, folder)
+    surfaces = load_surfaces(visual, folder)
     parts = parts_of(surfaces, linear, np.zeros(3))
     hulls = _collision(folder, number, linear, surfaces, model)
     check_scale(model.file.path, BuiltObject(parts, hulls, 0.0), model.scale_assumed)
@@ -83,10 +84,10 @@ def _candidates(folder: Path, kind: str, number: str) -> list[Path]:
 
 def _visual(folder: Path, number: str, model: ModelData) -> Path:
     wanted = _candidates(folder, "visual", number)
-    found = next((path for path in wanted if path.is_file()), None)
+    found = next(filter(os.path.lexists, wanted), None)
     if found is not None:
         return found
-    solid = next((path for path in _candidates(folder, "collision", number) if path.is_file()), None)
+    solid = next(filter(os.path.lexists, _candidates(folder, "collision", number)), None)
     if solid is None:
         raise InputFileError(
             f"{wanted[0]}: missing; expected a mesh there or at {', '.join(map(str, wanted[1:]))}",
@@ -101,12 +102,12 @@ def _collision(
     folder: Path, number: str, linear: np.ndarray, surfaces: list[trimesh.Trimesh], model: ModelData
 ) -> list[trimesh.Trimesh]:
     wanted = _candidates(folder, "collision", number)[:2]
-    found = next((path for path in wanted if path.is_file()), None)
+    found = next(filter(os.path.lexists, wanted), None)
     hulls: list[trimesh.Trimesh] = []
     if found is None:
         model.file.tell(f"{wanted[0]}: missing; the collision shape is made from what is seen")
     else:
-        hulls = _read_hulls(found, linear, model)
+        hulls = _read_hulls(found, folder, linear, model)
     if not hulls:
         hulls = hulls_of_surface(*_in_metres(surfaces, linear))
     if not hulls:
@@ -116,9 +117,9 @@ def _collision(
     return hulls
 
 
-def _read_hulls(path: Path, linear: np.ndarray, model: ModelData) -> list[trimesh.Trimesh]:
+def _read_hulls(path: Path, root: Path, linear: np.ndarray, model: ModelData) -> list[trimesh.Trimesh]:
     try:
-        hulls = component_hulls(*_in_metres(load_surfaces(path), linear))
+        hulls = component_hulls(*_in_metres(load_surfaces(path, root), linear))
     except DamagedFile as error:
         model.file.tell(f"{error.message}: the collision shape is made from what is seen")
         return []

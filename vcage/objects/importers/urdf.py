@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os.path
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -13,6 +14,7 @@ from scipy.spatial.transform import Rotation
 
 from vcage.base.errors import DamagedFile
 from vcage.base.inside import path_complaint
+from vcage.base.placeholders import require_fetched
 from vcage.objects.importers.looks import load_surfaces
 from vcage.objects.importers.robotwin_data import mismatch
 
@@ -27,15 +29,17 @@ class Shape:
         origin: (4, 4) in the link's frame.
         source: the file of a mesh, or a simple solid.
         scale: (3,) of the mesh.
+        root: folder of the URDF, to which names in the mesh may lead.
     """
 
     origin: np.ndarray
     source: Path | trimesh.Trimesh
     scale: np.ndarray
+    root: Path
 
     def surfaces(self) -> list[trimesh.Trimesh]:
         """Surfaces in the shape's own frame, before :attr:`scale`."""
-        return load_surfaces(self.source) if isinstance(self.source, Path) else [self.source]
+        return load_surfaces(self.source, self.root) if isinstance(self.source, Path) else [self.source]
 
 
 @dataclass(frozen=True)
@@ -81,9 +85,10 @@ def read_urdf(path: Path) -> Urdf:
     """Read an object's URDF; every mesh that it names is there.
 
     Raises:
-        DamagedFile: it is not XML.
+        DamagedFile: it is not XML, or no regular file.
         SchemaMismatch: it is no tree, or a link, joint or mesh is not what it should be; names it.
     """
+    require_fetched(path)
     try:
         robot = ElementTree.parse(path).getroot()
     except (OSError, ElementTree.ParseError) as error:
@@ -153,15 +158,15 @@ def _shape(path: Path, link: str, kind: str, element: ElementTree.Element) -> Sh
     origin, geometry = _origin(path, field, element.find("origin")), element.find("geometry")
     mesh = None if geometry is None else geometry.find("mesh")
     if mesh is None:
-        return Shape(origin, _solid(path, field, geometry), np.ones(3))
+        return Shape(origin, _solid(path, field, geometry), np.ones(3), path.parent)
     name = mesh.get("filename", "")
     inside = name.removeprefix("package://").removeprefix("file://")
     if complaint := path_complaint(inside):
         raise mismatch(path, f"{field}.mesh", complaint, "leave the object out")
     file = path.parent / inside
-    if not file.is_file():
+    if not os.path.lexists(file):
         raise mismatch(path, f"{field}.mesh", f"{name!r} is missing; expected the file {file}", "download it again")
-    return Shape(origin, file, _vector(path, f"{field}.mesh", mesh, "scale", (1.0, 1.0, 1.0)))
+    return Shape(origin, file, _vector(path, f"{field}.mesh", mesh, "scale", (1.0, 1.0, 1.0)), path.parent)
 
 
 def _solid(path: Path, field: str, geometry: ElementTree.Element | None) -> trimesh.Trimesh:
