@@ -1,6 +1,8 @@
 from __future__ import annotations
 
+import os
 import shutil
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -32,6 +34,18 @@ def test_a_video_that_is_gone_is_named(packed, tmp_path):
     alone = shutil.copyfile(packed[1], tmp_path / "alone.hdf5")
     with EpisodeReader(alone) as reader, pytest.raises(DamagedFile, match="which is not there"):
         reader.images(reader.cameras[0])
+
+
+def test_a_pipe_in_place_of_an_episode_or_its_video_is_refused(packed, tmp_path):
+    alone = shutil.copyfile(packed[1], tmp_path / "alone.hdf5")
+    with EpisodeReader(alone) as reader, pytest.raises(DamagedFile, match="which is not there") as gone:
+        reader.images(reader.cameras[0])
+    video = next(word for word in gone.value.message.split() if ".mp4" in word).strip(",")
+    os.mkfifo(video)
+    with EpisodeReader(alone) as reader, pytest.raises(DamagedFile, match=r"\.mp4 is no regular file"):
+        reader.images(reader.cameras[0])
+    with pytest.raises(DamagedFile, match=r"\.mp4 is no regular file"):
+        EpisodeReader(Path(video))
 
 
 def test_everything_else_of_it_is_read_as_ever(packed):

@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vcage.base.errors import DamagedFile, InputFileError, UsageError
+from vcage.base.placeholders import require_fetched
 from vcage.base.videos import pictures
 from vcage.datasets.hdf5 import GZIP_LEVEL
 from vcage.datasets.hdf5_contents import require_not_virtual
@@ -100,6 +101,7 @@ def unpack(packed: Path, target: Path, storage: Literal["same", "raw"] = "same")
 def _rebuilt(source: Path, target: Path) -> Iterator[tuple[h5py.File, h5py.File]]:
     """Both files, open; the second is new and appears when the block succeeds."""
     source, target = Path(source), Path(target)
+    require_fetched(source)
     if not source.is_file():
         raise InputFileError(f"{source} does not exist", hint="check the path")
     if target.exists() and target.samefile(source):

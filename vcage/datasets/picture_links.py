@@ -15,6 +15,7 @@ import h5py
 import numpy as np
 
 from vcage.base.errors import DamagedFile
+from vcage.base.placeholders import require_fetched
 from vcage.base.videos import frame_count
 from vcage.datasets.hdf5_contents import datasets_in
 from vcage.datasets.picture_lengths import LengthsPlace
@@ -128,9 +129,10 @@ class Link:
         """The video of a link in the HDF5 file ``path``.
 
         Raises:
-            DamagedFile: it is not there.
+            DamagedFile: it is not there, was not fetched, or is no regular file.
         """
         video = path.parent / self.stream.file
+        require_fetched(video)
         if not video.is_file():
             raise DamagedFile(f"{path} refers to {video}, which is not there", hint=MISSING)
         return video

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vcage.base.errors import DamagedFile, MissingStage, SchemaMismatch, UnknownName
+from vcage.base.placeholders import require_fetched
 from vcage.base.videos import decode, pictures
 from vcage.datasets.episode import CameraTrack, EpisodeData, Segment
 from vcage.datasets.hdf5 import RECORDED, SCHEMA, SEGMENT_NUMBERS
@@ -87,12 +88,13 @@ class EpisodeReader:
 
     Raises:
         MissingStage: there is no such file.
-        DamagedFile: it is not HDF5, is cut off, or lacks a part.
+        DamagedFile: it is no regular file, not HDF5, is cut off, or lacks a part.
         SchemaMismatch: it is an episode of another version, or of another program.
     """
 
     def __init__(self, path: Path):
         self.path = Path(path)
+        require_fetched(self.path)
         if not self.path.is_file():
             raise MissingStage(f"{self.path} does not exist", hint="check the path, or collect first", maker="collect")
         with _damage(self.path):

@@ -8,6 +8,7 @@ from pathlib import Path
 from vcage.base.commands import joined
 from vcage.base.errors import InputFileError, UnknownName, UsageError
 from vcage.base.files import RunFolder
+from vcage.base.placeholders import require_fetched
 from vcage.schema.subtasks import Subtasks
 from vcage.stages.edits import edited_scripts
 
@@ -16,13 +17,14 @@ def named_scripts(run: RunFolder, paths: Sequence[Path]) -> dict[str, Path]:
     """Sub-task → the script that is executed for it in place of the generated one.
 
     Raises:
-        InputFileError: there is no such file.
+        InputFileError: there is no such file, or it is no regular file.
         UsageError: two are named for one sub-task.
         UnknownName: one is named after no sub-task of a chain.
     """
     found: dict[str, Path] = {}
     known = _chained(run) if paths else set()
     for path in paths:
+        require_fetched(path)
         if not path.is_file():
             raise InputFileError(f"--script: there is no file {path}", hint="check the path")
         if path.stem not in known:

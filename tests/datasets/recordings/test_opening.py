@@ -7,7 +7,7 @@ import h5py
 import numpy as np
 import pytest
 
-from tests.datasets.recordings import layouts
+from tests.datasets.recordings import layouts, simulators
 from tests.datasets.recordings.layouts import act, jpeg, png_that_declares, robotwin, robotwin_vision, room
 from vcage.base.errors import DamagedFile, InputFileError, OversizedFile
 from vcage.datasets.recordings.hdf5_colours import COLOURS
@@ -139,3 +139,24 @@ def test_a_path_that_is_not_utf8_is_refused_before_any_work(tmp_path, name):
     layouts.act(path)
     with pytest.raises(InputFileError, match=r"x\\xff.* is not UTF-8"):
         open_all(tmp_path)
+
+
+def layout_with_a_pipe(root, name):
+    """A recording, or a data set, of which the file called so is a pipe."""
+    if name == "t.json":
+        simulators.maniskill(root / "t.h5")
+    elif name.startswith("instructions"):
+        simulators.robotwin_tree(root)
+    file = root / name
+    file.parent.mkdir(exist_ok=True)
+    file.unlink(missing_ok=True)
+    os.mkfifo(file)
+    return root
+
+
+@pytest.mark.parametrize("name", ["meta/info.json", "t.json", "instructions/episode1.json", "a.hdf5", "frame_0.png"])
+def test_a_pipe_in_place_of_a_file_of_a_recording_is_refused_by_name(tmp_path, name):
+    root = layout_with_a_pipe(tmp_path, name)
+    with pytest.raises(DamagedFile, match=rf"{name} is no regular file"):
+        for recording in open_recordings(root):
+            assert recording.failed is None and recording.left_out()

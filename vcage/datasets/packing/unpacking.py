@@ -11,6 +11,7 @@ from typing import Literal
 from vcage.base.errors import DamagedFile, InputFileError, OutputFolderError
 from vcage.base.files import atomic_folder
 from vcage.base.folders import files_below
+from vcage.base.placeholders import require_fetched
 from vcage.base.progress import Progress, silent
 from vcage.datasets.packed import unpack
 from vcage.datasets.packing.sources import require_apart
@@ -46,6 +47,8 @@ def unpack_all(
     require_apart(root, out)
     if not root.exists():
         raise InputFileError(f"{root} does not exist", hint="give an HDF5 file that compress wrote, or a folder")
+    if not root.is_dir():
+        require_fetched(root)
     folder = root.parent if root.is_file() else root
     files = [root] if root.is_file() else hdf5_files(root)
     if not files:

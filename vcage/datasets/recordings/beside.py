@@ -30,11 +30,11 @@ def read_beside(path: Path) -> Any:
     """The content of a JSON file beside a recording; None where there is none, or a link in its place.
 
     Raises:
-        DamagedFile: it was not fetched, or is no JSON.
+        DamagedFile: it was not fetched, is no regular file, or is no JSON.
         OversizedFile: it is too large.
         InputFileError: it may not be read.
     """
-    if path.is_symlink() or not path.is_file():
+    if path.is_symlink() or not path.exists():
         return None
     require_fetched(path)
     stat = path.stat()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os.path
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
@@ -107,7 +108,7 @@ def _open(path: Path) -> Opened:
             f"{path} does not exist",
             hint="give an HDF5 file, or a folder of them or of pictures, or a LeRobot data set",
         )
-    if (path / INFO).is_file() or (path / INFO).is_symlink():
+    if os.path.lexists(path / INFO):
         return Opened(open_lerobot(path), {})
     refuse_first_versions(path)
     files = hdf5_files(path)

@@ -83,7 +83,7 @@ class RoboTwinEpisode(_Instructed):
         digits = re.search(r"\d+$", self.path.stem)
         names = (self.path.stem, f"episode{int(digits[0])}" if digits else "")
         files = (folder / f"{name}.json" for folder in folders for name in names if name)
-        return next((file for file in files if file.is_file() and not file.is_symlink()), None)
+        return next((file for file in files if file.exists() and not file.is_symlink()), None)
 
     def _instructions(self) -> Any:
         file = self._instruction_file
