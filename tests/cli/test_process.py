@@ -83,8 +83,7 @@ def test_too_few_open_files_are_refused_and_a_low_soft_limit_is_raised(tmp_path:
 
 IMPORTS = """
 import subprocess, sys
-from vcage.cli.process import prepare
-prepare()
+import vcage.cli
 import yaml, only_there
 assert subprocess.run([sys.executable, "-Pc", "import yaml, only_there"]).returncode == 0
 """
@@ -99,6 +98,14 @@ def test_packages_of_another_interpreter_do_not_come_before_ours_here_or_in_proc
     path = named.format(tmp_path, name=tmp_path.name)
     done = shell(f"{sys.executable} -Pc '{IMPORTS}'", tmp_path, PYTHONPATH=path)
     assert (done.returncode, done.stderr) == (0, "")
+
+
+@pytest.mark.parametrize("variables", [{}, {"PYTHONPATH": "."}], ids=["beside", "PYTHONPATH"])
+def test_modules_of_others_do_not_come_before_pythons_own_and_ours(tmp_path: Path, variables: dict[str, str]) -> None:
+    for name in ("json", "dataclasses", "tyro"):
+        (tmp_path / f"{name}.py").write_text("raise RuntimeError('for another Python')")
+    done = shell(f"{VCAGE} {LIST}", tmp_path, **variables)
+    assert done.returncode == 0 and last_record(done)["ok"]
 
 
 def test_a_package_that_does_not_load_is_no_bug(tmp_path: Path) -> None:

@@ -1,4 +1,4 @@
-"""The process that a command runs in, made fit for it: its streams, its search path, its folder, its open files."""
+"""The process that a command runs in, made fit for it: its streams, its folder, its open files."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ import contextlib
 import os
 import resource
 import sys
-import sysconfig
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -32,9 +31,8 @@ LIMITS = FileLimits()
 
 
 def prepare() -> None:
-    """Make this process fit for a command; to be called first, before anything but Python's own is imported."""
+    """Make this process fit for a command; to be called first."""
     _open_closed_streams()
-    _own_packages_first()
     with contextlib.suppress(OSError, ValueError):
         most = resource.getrlimit(resource.RLIMIT_NOFILE)
         wanted = LIMITS.wanted if most[1] == resource.RLIM_INFINITY else min(LIMITS.wanted, most[1])
@@ -88,26 +86,3 @@ def _open_closed_streams() -> None:
                     os.write(2, b"vcage: stdout is closed, so the result is not printed\n")
     with contextlib.suppress(AttributeError):  # something else stands in its place
         sys.stdout.reconfigure(errors="backslashreplace")  # pyrefly: ignore
-
-
-def _own_packages_first() -> None:
-    """Find the packages of this environment before those that ``PYTHONPATH`` names, here and in processes that this one
-    starts.
-
-    Robots' systems (ROS) and clusters name folders there for other interpreters, whose packages may not load in this
-    one. What only they have is still found; the folder that this vcage was found in stays first.
-    """
-    if folder_is_gone():  # no command works there
-        return
-    named = os.environ.get("PYTHONPATH")
-    parts = named.split(os.pathsep) if named else []
-    listed = [os.path.normpath(Path(path).absolute()) for path in parts]  # as Python does: an empty one is this folder
-    home = str(Path(__file__).parents[2])
-    foreign = [path for path in listed if path != home]
-    if not foreign:
-        return
-    later = [path for path in sys.path if path in foreign]
-    sys.path[:] = [path for path in sys.path if path not in foreign] + later
-    own = [sysconfig.get_path("purelib"), sysconfig.get_path("platlib")]
-    first = [home] if home in listed else []
-    os.environ["PYTHONPATH"] = os.pathsep.join(dict.fromkeys([*first, *own, *foreign]))

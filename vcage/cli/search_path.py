@@ -1,0 +1,37 @@
+"""Where this process finds packages; put in order before any is imported that a folder of others may hold."""
+
+from __future__ import annotations
+
+import os
+import sys
+
+
+def own_packages_first() -> None:
+    """Find Python's own modules and the packages of this environment before those in folders that others name.
+
+    Those are the folders in ``PYTHONPATH``, for processes that this one starts too, and the current one, in which
+    ``python -m`` looks first.
+
+    Robots' systems (ROS) and clusters name folders for other interpreters, whose packages may not load in this one.
+    What only they have is still found; the folder that this vcage was found in stays first.
+    """
+    try:
+        current = os.getcwd()  # noqa: PTH109, as pathlib may be one of theirs
+    except FileNotFoundError:  # no command works there
+        return
+    home = os.path.abspath(__file__).rsplit(os.sep, 3)[0]  # noqa: PTH100
+    named = os.environ.get("PYTHONPATH")
+    listed = [os.path.abspath(path) for path in named.split(os.pathsep)] if named else []  # noqa: PTH100
+    beside = [current] if sys.argv[:1] == ["-m"] and sys.path[:1] == [current] else []
+    foreign = [path for path in (*beside, *listed) if path != home]
+    if not foreign:
+        return
+    later = [path for path in sys.path if path in foreign]
+    sys.path[:] = [path for path in sys.path if path not in foreign] + later
+    if not listed:
+        return
+    import sysconfig
+
+    own = [sysconfig.get_path("purelib"), sysconfig.get_path("platlib")]
+    first = [home] if home in listed else []
+    os.environ["PYTHONPATH"] = os.pathsep.join(dict.fromkeys([*first, *own, *(p for p in listed if p != home)]))
