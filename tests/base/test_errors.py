@@ -7,7 +7,7 @@ import pickle
 import pytest
 
 from vcage.base import errors
-from vcage.base.errors import InfeasibleScene, UnknownName, VcageError
+from vcage.base.errors import InfeasibleScene, UnknownName, UsageError, VcageError
 
 
 def test_unknown_name_suggests_the_nearest():
@@ -52,3 +52,12 @@ def test_an_error_with_arguments_of_its_own_comes_whole_from_another_process():
     error = UnknownName("asset", "markr", ["marker", "mug"])
     again = pickle.loads(pickle.dumps(error))
     assert again.as_record() == error.as_record() and again.as_line() == error.as_line()
+
+
+@pytest.mark.parametrize("unseen", ["\u200b", "\u202e", "\ufeff", "\xad"])
+def test_characters_that_nobody_sees_are_shown_as_escapes(unseen: str) -> None:
+    error = UsageError(f"cu{unseen}p fits nothing", hint=f"near cu{unseen}p", command=f"vcage run cu{unseen}p")
+    escape = repr(unseen)[1:-1]
+    assert error.as_line() == f"cu{escape}p fits nothing; near cu{escape}p: vcage run cu{unseen}p"
+    assert error.as_record()["message"] == f"cu{escape}p fits nothing"
+    assert error.as_record()["hint"].startswith(f"near cu{escape}p: ")

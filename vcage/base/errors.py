@@ -16,6 +16,8 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any, ClassVar
 
+from vcage.base.text import shown
+
 
 class VcageError(Exception):
     """Base of all errors that carry a way out.
@@ -56,7 +58,8 @@ class VcageError(Exception):
     @property
     def way_out(self) -> str:
         """The hint, and the command that mends it if there is one."""
-        return f"{self.hint or 'run'}: {self.command}" if self.command else self.hint
+        hint = shown(self.hint)
+        return f"{hint or 'run'}: {self.command}" if self.command else hint
 
     def offer(self, way_out: str) -> None:
         """Add another way out, in words."""
@@ -66,7 +69,7 @@ class VcageError(Exception):
         """The ``error`` object of a script's last line of stdout."""
         return {
             "code": self.code,
-            "message": self.message,
+            "message": shown(self.message),
             "hint": self.way_out,
             "retryable": self.retryable,
             "details": self.details,
@@ -74,7 +77,7 @@ class VcageError(Exception):
 
     def as_line(self) -> str:
         """The one line for stderr: what happened, then the way out; a command stands last, as it is to be typed."""
-        message, hint = (" ".join(map(str.strip, text.splitlines())) for text in (self.message, self.hint))
+        message, hint = (" ".join(map(str.strip, shown(text).splitlines())) for text in (self.message, self.hint))
         if self.command:
             return f"{message}; {hint or 'run'}: {self.command}"
         return f"{message} ({hint})" if hint else message

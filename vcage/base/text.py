@@ -19,3 +19,8 @@ _HALVES = re.compile("[\ud800-\udfff]")
 def one_line(text: str) -> str:
     """The text in one line: control characters and line ends become a space, what is unseen is left out."""
     return _HALVES.sub("\ufffd", _UNSEEN.sub("", _BREAKS.sub(" ", text)))
+
+
+def shown(text: str) -> str:
+    r"""The text with characters that are unseen, or turn the direction of others, as escapes: ``\u200b``."""
+    return _UNSEEN.sub(lambda found: found[0].encode("unicode_escape").decode(), text)
