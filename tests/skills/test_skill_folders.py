@@ -51,6 +51,15 @@ def test_the_head_is_what_every_client_accepts(folder: Path) -> None:
     assert "{" not in text, "metadata must be block YAML"
 
 
+def test_the_page_at_the_top_points_to_every_skill_and_has_the_head_of_the_whole_chain() -> None:
+    top = files.resource("skills").parent
+    text = (top / "SKILL.md").read_text(encoding="utf-8")
+    links = re.findall(r"^\| \[([\w-]+)\]\(([\w./-]+)\)", text, re.MULTILINE)
+    assert front_matter(top) == front_matter(SKILLS[0])
+    assert sorted(name for name, _ in links) == names(SKILLS)
+    assert all((top / path).parent.name == name and (top / path).is_file() for name, path in links)
+
+
 @pytest.mark.parametrize("folder", SKILLS, ids=lambda path: path.name)
 def test_no_key_is_required(folder: Path) -> None:
     _, head = front_matter(folder)
