@@ -39,3 +39,19 @@ def test_two_drawers_do_not_exclude_each_other() -> None:
 def test_of_two_places_one_after_another_the_last_is_what_lasts() -> None:
     on_tray = Goal(subject="pen", relation="on", reference="tray")
     assert lasting([[IN_CUP, OPEN], [on_tray], [CLOSED]]) == [on_tray, CLOSED]
+
+
+def test_what_lies_in_a_thing_moves_along_where_it_may() -> None:
+    on_tray = Goal(subject="cup", relation="on", reference="tray")
+    beside = Goal(subject="pen", relation="left_of", reference="plate")
+    move = Action("move", frozenset(), frozenset([on_tray]), moves="cup", along=True)
+    assert move.obstacle(frozenset([IN_CUP, CUP])) == ""
+    assert move.after(frozenset([IN_CUP, CUP, beside])) == {IN_CUP, on_tray}
+
+
+def test_what_lies_on_what_lies_in_a_thing_moves_along_too_and_what_lies_on_the_thing_itself_does_not() -> None:
+    on_tray = Goal(subject="cup", relation="on", reference="tray")
+    cap, lid = (Goal(subject=name, relation="on", reference=on) for name, on in (("cap", "pen"), ("lid", "cup")))
+    move = Action("move", frozenset(), frozenset([on_tray]), moves="cup", along=True)
+    assert move.after(frozenset([IN_CUP, CUP, cap])) == {IN_CUP, cap, on_tray}
+    assert move.obstacle(frozenset([IN_CUP, CUP, lid])) == "lid must be taken off cup first"

@@ -99,3 +99,16 @@ def test_a_layout_in_which_no_arm_reaches_what_is_asked_for_is_not():
     objects = [block, plate.moved(Pose([0.0, 3.0, 0.74]))]
     with pytest.raises(NoFeasibleTask, match="block"):
         require_chain(asked(objects), objects, kinematics(), rng())
+
+
+def test_what_lies_in_a_thing_goes_along_with_it():
+    mug, tray = thing("mug", (-0.2, 0.0)), thing("tray", (0.15, 0.05))
+    floor = mug.asset.opening(mug.asset.annotation.functional_points[0]).floor
+    block = thing("block", (-0.2, 0.0), height=TABLE_TOP + floor, container="mug")
+    objects = {o.id: o for o in (mug, tray, block)}
+    world = World(template().table, {o.id: Body(o.asset.model, o.pose) for o in objects.values()}, robot())
+    task = Rehearsal(world, objects, {"mug": Slot("tray", 0, Pose([0.0, 0.0, 0.005]))})
+    task.pick("mug", [(point.id, arm) for point in mug.asset.annotation.carrying_points for arm in ("left", "right")])
+    task.place("tray")
+    np.testing.assert_allclose(world.object_pose("block").p[:2], world.object_pose("mug").p[:2], atol=1e-6)
+    assert np.linalg.norm(world.object_pose("mug").p[:2] - tray.pose.p[:2]) < 0.01

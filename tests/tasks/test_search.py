@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
-from tests.scenes import GROUND, block_and_plate, kinematics, scene_of, sensible, thing
+from tests.scenes import GROUND, block_and_plate, kinematics, scene_of, sensible, subtask, thing
 from vcage.base.errors import NoFeasibleTask
 from vcage.schema.goals import AskedGoal, Goal
 from vcage.schema.subtasks import Check, PairAnswer, PairQuestion, Refusal
@@ -229,3 +229,17 @@ def test_goals_that_cannot_all_be_brought_about_in_any_order_are_told_as_that():
     with pytest.raises(NoFeasibleTask, match="each can be brought about, but in no order all of them") as caught:
         compose(scene_of(objects).model_copy(update={"goals": asked}), objects, found.kept, found.refused)
     assert caught.value.details == {"missing": [], "reasons": []}
+
+
+@pytest.mark.parametrize(("holder", "steps"), [("mug", 2), ("bowl", 4)])
+def test_a_filled_thing_is_moved_with_what_lies_in_it_where_it_can_be_held_level(holder: str, steps: int):
+    objects = [thing("block", (-0.2, 0.0)), thing(holder, (0.0, 0.1)), thing("tray", (0.25, 0.0))]
+    fill = subtask("block", holder, "inside")
+    aside = subtask("block", "table", id="aside", template="set_down", functional_point=None)
+    goals = [
+        AskedGoal(goal=goal, step=step, words="the words")
+        for step, goal in enumerate([fill.goals[0], Goal(subject=holder, relation="on", reference="tray")])
+    ]
+    scene = scene_of(objects, "Fill it, then move it").model_copy(update={"goals": goals})
+    (chain,) = compose(scene, objects, [fill, subtask(holder, "tray"), aside], [])
+    assert len(chain.subtasks) == steps

@@ -26,7 +26,8 @@ class Action:
         name: id of the sub-task.
         requires: what must be true before it.
         adds: what is true after it, or was done by it.
-        moves: the object that it carries: nothing may lie in or on it, and where it was it is no more.
+        moves: the object that it carries: nothing may lie on it, and where it was it is no more.
+        along: whether what lies in that object may stay in it and move along; else nothing may lie in it.
         empty: an object that nothing may lie in or on before: the scale, when something else is weighed.
     """
 
@@ -35,6 +36,7 @@ class Action:
     adds: State
     moves: str | None = None
     empty: str | None = None
+    along: bool = False
 
     def obstacle(self, state: State) -> str:
         """Why it cannot be done in a state; "" when it can."""
@@ -42,7 +44,8 @@ class Action:
         if missing:
             return f"{' and '.join(missing)} must be true first"
         bare = [name for name in (self.moves, self.empty) if name is not None]
-        laden = [g for g in state if g.relation in HOLDING and g.reference in bare]
+        carried = self._carried(state)
+        laden = [g for g in state if g.relation in HOLDING and g.reference in bare and g.subject not in carried]
         needs = sorted(f"{g.subject} must be taken off {g.reference}" for g in laden)
         return f"{' and '.join(needs)} first" if needs else ""
 
@@ -50,8 +53,28 @@ class Action:
         """The state that it leads to."""
         kept = (g for g in state if not any(overrides(new, g) for new in self.adds))
         if self.moves is not None:
-            kept = (g for g in kept if g.relation in EVENTS or self.moves not in _placed(g))
+            moved = {self.moves, *self._carried(state)}
+            kept = (g for g in kept if g.relation in EVENTS or not moved & {*_placed(g)} or _within(g, moved))
         return self.adds.union(kept)
+
+    def _carried(self, state: State) -> set[str]:
+        """What moves along: what lies in the object that is moved, and what lies in or on that."""
+        if not self.along:
+            return set()
+        lying = {g.subject: g for g in state if g.relation in HOLDING}
+        found: set[str] = set()
+        while more := {name for name, g in lying.items() if name not in found and self._goes_along(g, found)}:
+            found |= more
+        return found
+
+    def _goes_along(self, lies: Goal, carried: set[str]) -> bool:
+        inside = lies.reference == self.moves and lies.relation == "inside" and lies.part is None
+        return inside or lies.reference in carried
+
+
+def _within(goal: Goal, moved: set[str]) -> bool:
+    """Whether a goal says where a thing lies among those that are moved together."""
+    return goal.relation in HOLDING and goal.subject in moved and goal.reference in moved
 
 
 def _placed(goal: Goal) -> tuple[str | None, ...]:

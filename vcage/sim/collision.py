@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import itertools
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -41,6 +41,7 @@ class Held:
         in_gripper: object frame in the gripper frame.
         joints: positions of its moving parts; all at 0 when empty.
         clearance: what must stay free below it, metres.
+        contents: ids and bodies of what lies in it and moves along; their poses are in the object's frame.
     """
 
     object_id: str
@@ -48,6 +49,22 @@ class Held:
     in_gripper: Pose
     joints: tuple[float, ...] = ()
     clearance: float = 0.0
+    contents: tuple[tuple[str, Body], ...] = ()
+
+    @property
+    def parts(self) -> list[str]:
+        """The names of all parts of the object and of its contents, as obstacles are called."""
+        models = [(self.object_id, self.model), *((name, body.model) for name, body in self.contents)]
+        return [part for name, model in models for part in part_names(name, model)]
+
+    def shapes(self, gripper: sapien.Pose) -> Iterator[tuple[str, ConvexShape, sapien.Pose]]:
+        """The shapes of the object and its contents: the id of their owner, the shape, and its frame where the gripper
+        is at a pose."""
+        pose = gripper * to_sapien(self.in_gripper)
+        yield from ((self.object_id, shape, pose * local) for _, shape, local in model_shapes(self.model, self.joints))
+        for name, body in self.contents:
+            at = pose * to_sapien(body.pose)
+            yield from ((name, shape, at * local) for _, shape, local in model_shapes(body.model, body.joints))
 
 
 @dataclass(frozen=True)
@@ -162,13 +179,12 @@ class CollisionScene:
         parts = [(link, shape, poses[link]) for link, shape in self.kinematics.link_shapes]
         ranks = self.kinematics.link_ranks
         if held is not None:
-            pose = self.kinematics.base_pose_of_tool(q) * to_sapien(held.in_gripper)
-            shapes = model_shapes(held.model, held.joints)
-            at = [pose, self._below(held.clearance) * pose] if held.clearance else [pose]
-            carried = [(held.object_id, shape, one * local) for one in at for _, shape, local in shapes]
+            tool = self.kinematics.base_pose_of_tool(q)
+            at = [tool, self._below(held.clearance) * tool] if held.clearance else [tool]
+            carried = [solid for gripper in at for solid in held.shapes(gripper)]
             parts, ranks = parts + carried, np.append(ranks, np.full(len(carried), ranks.max()))
         moving = _Solids(parts)
-        skip = {*ignore, *part_names(held.object_id, held.model)} if held else set(ignore)
+        skip = {*ignore, *held.parts} if held else set(ignore)
         return self._with_obstacles(moving, ranks, skip, fingers_may_touch) or self._with_itself(moving, ranks)
 
     def _below(self, distance: float) -> sapien.Pose:

@@ -145,7 +145,8 @@ def _require_proven(path: Path, record: Subtasks, scene: Scene, objects: Sequenc
             joints = {o.id: o.joints for o in ready_for(steps[0], scene, objects).objects}
             ready = [o.moved(o.pose, joints[o.id]) for o in objects]
             task = Task(initial_state(ready), tuple(frozenset(step.goals) for step in steps))
-        unproven = complaints(task, [action_of(step) for step in steps])
+        by_id = {o.id: o for o in objects}
+        unproven = complaints(task, [action_of(step, by_id[step.object]) for step in steps])
         unproven += [f"{s.object} is to be left alone" for s in steps if s.object in scene.untouched]
         if unproven:
             refuse(path, f"chains.{number}.subtasks", "; ".join(unproven), "a chain that does what is asked, in order")

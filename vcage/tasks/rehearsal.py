@@ -79,13 +79,16 @@ class Rehearsal(Task):
         """Nothing."""
 
     def place(self, receptacle_id: str = TABLE, point: int | None = None) -> None:
-        """What was picked is in its slot, at that of its headings there that is nearest for the arm that picked it."""
+        """What was picked is in its slot with its contents, at that of its headings there that is nearest for the arm
+        that picked it."""
         if self.slot is not None:
             plan, arm = self._picked, self._cell.planner(self._picked.arm).kinematics
             held = plan.target.pose.inverse() * plan.way.grasp
             poses = self.slot.poses(self._cell.objects())
             nearest = min(poses, key=lambda pose: arm.distance(plan.path.end, pose * held))
-            self.world.set_object_pose(plan.target.id, nearest)
+            way = nearest * plan.target.pose.inverse()
+            for name in (plan.target.id, *self._cell.contents(plan.target.id)):
+                self.world.set_object_pose(name, way * self.world.object_pose(name))
 
     def push(self, object_id: str, arms: Sequence[str] = ()) -> None:
         """Plan it; the object is where it is pushed to."""
@@ -132,7 +135,8 @@ def rehearsed(
     goes = {subtask.object: slots[subtask.id] for subtask in chain if subtask.id in slots}
     moved = set[str]()
     for subtask in chain:
-        again = bool(moved & {subtask.object, subtask.tool, subtask.receptacle})
+        contents = {name for name in moved if lies[name] == subtask.object}
+        again = bool(contents or moved & {subtask.object, subtask.tool, subtask.receptacle})
         if again:
             now = [_as_it_is(o, world, lies[o.id]) for o in objects]
             then = examined(subtask, now, kinematics, ground, rng)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -18,10 +18,12 @@ from vcage.plans.planner import Task, complaints, find_chain
 from vcage.schema.goals import Goal, StateWord, in_steps, part_that
 from vcage.schema.plan import TABLE
 from vcage.schema.scene import Scene
-from vcage.schema.subtasks import Chain, PairAnswer, PairQuestion, Refusal, Subtask
+from vcage.schema.subtasks import Chain, PairAnswer, PairQuestion, Refusal, Subtask, TemplateName
 from vcage.sim.joints import joint_positions
 from vcage.sim.kinematics import ArmKinematics
+from vcage.tasks.filled import require_level
 from vcage.tasks.ground import Ground
+from vcage.tasks.primitives.grip import stays_level
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.templates import TEMPLATES
 from vcage.tasks.templates.proposal import Proposal
@@ -112,8 +114,10 @@ def require_way(scene: Scene, objects: Sequence[SceneObject]) -> None:
         objects: of the scene.
 
     Raises:
-        NoFeasibleTask: names each such goal with its words, and why.
+        NoFeasibleTask: names each such goal with its words, and why; also what would have to be carried with something
+            in it that would fall out.
     """
+    require_level(scene, objects)
     asked = [one.goal for one in scene.goals]
     found, refused, _ = sensible(objects, _all_sensible, asked)
     able = {goal for proposal in found for goal in proposal.goals}
@@ -172,8 +176,9 @@ def _fulfilling(
             maker="select_place",
         )
     task = Task(initial_state(objects), in_steps(scene.goals))
-    actions = [action_of(s) for s in kept if s.object not in scene.untouched]
-    chain = find_chain(task, actions)
+    by_id = {o.id: o for o in objects}
+    actions = [action_of(s, by_id[s.object]) for s in kept if s.object not in scene.untouched]
+    chain = _shortest(task, actions)
     if not chain:
         raise _unfulfilled(scene, kept, refused)
     by_name = {action.name: action for action in actions}
@@ -183,11 +188,29 @@ def _fulfilling(
     return chain
 
 
-def action_of(subtask: Subtask) -> Action:
-    """A sub-task as the planner sees it."""
+def _shortest(task: Task, actions: Sequence[Action]) -> list[str] | None:
+    """A shortest chain; things are moved with what lies in them only where that makes it shorter."""
+    emptied = find_chain(task, [replace(action, along=False) for action in actions])
+    filled = find_chain(task, actions)
+    shorter = filled and (not emptied or len(filled) < len(emptied))
+    return filled if shorter else emptied
+
+
+FILLED: tuple[TemplateName, ...] = ("place", "set_down")
+"""Sub-tasks that may carry an object with what lies in it."""
+
+
+def action_of(subtask: Subtask, thing: SceneObject) -> Action:
+    """A sub-task as the planner sees it.
+
+    Args:
+        subtask: which.
+        thing: the object of the sub-task.
+    """
     moves = subtask.object if subtask.receptacle is not None else None
     alone = subtask.receptacle if subtask.template == "weigh" else None
-    return Action(subtask.id, frozenset(subtask.requires), frozenset(subtask.goals), moves, alone)
+    along = subtask.template in FILLED and stays_level(thing)
+    return Action(subtask.id, frozenset(subtask.requires), frozenset(subtask.goals), moves, alone, along)
 
 
 def initial_state(objects: Sequence[SceneObject]) -> frozenset[Goal]:

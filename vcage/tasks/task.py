@@ -22,9 +22,10 @@ from vcage.sim.paths import JointPath
 from vcage.sim.state import WorldState
 from vcage.sim.world import PHYSICS_HZ, World
 from vcage.tasks.meeting import Hold
+from vcage.tasks.primitives.grip import Grip, feel, minding
 from vcage.tasks.primitives.hand_over import HandOver
 from vcage.tasks.primitives.operate import OperatePlan, Operation
-from vcage.tasks.primitives.pick import Grip, LeadsOn, PickPlan, PickWay, carry_out_pick, feel, minding, plan_pick
+from vcage.tasks.primitives.pick import LeadsOn, PickPlan, PickWay, carry_out_pick, plan_pick
 from vcage.tasks.primitives.place import RAISES, Surroundings, carry_out_place, plan_place
 from vcage.tasks.primitives.push import PushPlan, carry_out_push, plan_push
 from vcage.tasks.reading import reading_poses
@@ -308,7 +309,7 @@ class Task:
         """That an object gets to each of some places, that is to one of its poses there."""
 
         def check(planner: MotionPlanner, way: PickWay, lifted: np.ndarray, contact: ContactPoint) -> None:
-            held = Held(target.id, target.asset.model, way.grasp.inverse() * target.pose, target.joints)
+            held = self._cell.held(target.id, way.grasp)
             for poses in places:
                 around.check(planner, lifted, held, target.asset.grasp_width(contact), poses)
 

@@ -8,16 +8,18 @@ from contextlib import contextmanager
 import numpy as np
 
 from vcage.base.errors import UnknownName, VcageError
+from vcage.base.geometry import Pose
 from vcage.schema.episodes import AttemptStage
 from vcage.schema.plan import TABLE
 from vcage.sim.bodies import Body
-from vcage.sim.collision import CollisionScene
+from vcage.sim.collision import CollisionScene, Held
 from vcage.sim.joints import part_names
 from vcage.sim.motion import MotionFailed, MotionPlanner
 from vcage.sim.paths import OPEN_HAND, JointPath, Leg
 from vcage.sim.world import World
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.touching import Allowance, Touched, only_touching
+from vcage.tasks.truth import resting_point
 
 CAREFUL = 0.85
 """Share of the speed limit near things that are to be touched."""
@@ -71,6 +73,7 @@ class Workcell:
         self.world = world
         self._objects = objects
         self._put_off: dict[str, tuple[JointPath, tuple[Allowance, ...]]] = {}
+        self._taken: dict[str, frozenset[str]] = {}
 
     def object(self, object_id: str) -> SceneObject:
         """An object as it stands now.
@@ -94,6 +97,33 @@ class Workcell:
     def parts(self, *object_ids: str) -> list[str]:
         """The names of all parts of objects, as the planner's obstacles are called."""
         return [name for key in object_ids for name in part_names(key, self.world.bodies[key].model)]
+
+    def contents(self, object_id: str) -> frozenset[str]:
+        """Ids of what lies in or on an object, and of what lies in or on that.
+
+        Of what an arm has taken, they are those that lay there then: it may lean since.
+        """
+        if object_id in self._taken:
+            return self._taken[object_id]
+        thing, others = self.object(object_id), self.objects_but(object_id)
+        # a flat thing under it is within the tolerance of lying on it
+        lying = [o.id for o in others if o.lowest > thing.lowest and resting_point(o, thing) is not None]
+        return frozenset(lying).union(*(self.contents(name) for name in lying))
+
+    def take(self, object_id: str) -> None:
+        """Remember the contents of an object that an arm takes now."""
+        self._taken[object_id] = self.contents(object_id)
+
+    def let_go(self, object_id: str) -> None:
+        """Forget what :meth:`take` remembers."""
+        self._taken.pop(object_id, None)
+
+    def held(self, object_id: str, gripper: Pose) -> Held:
+        """An object and its contents where they are, in a gripper at a pose in the world."""
+        thing, contents = self.object(object_id), [self.object(name) for name in sorted(self.contents(object_id))]
+        to_thing = thing.pose.inverse()
+        lying = tuple((o.id, Body(o.asset.model, to_thing * o.pose, o.joints)) for o in contents)
+        return Held(thing.id, thing.asset.model, gripper.inverse() * thing.pose, thing.joints, contents=lying)
 
     def begun(self, arm: str) -> JointPath:
         """What the arm is to do first, before whatever is planned next: plans go on from its end without a jump."""

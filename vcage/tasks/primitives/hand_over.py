@@ -11,14 +11,14 @@ import numpy as np
 from vcage.base.geometry import Pose
 from vcage.schema.asset import ContactPoint
 from vcage.schema.robot import Gripper
-from vcage.sim.collision import Held
 from vcage.sim.kinematics import ArmKinematics, kinematics_of
 from vcage.sim.motion import MotionFailed, MotionPlanner
 from vcage.sim.paths import JointPath, Load
 from vcage.sim.state import WorldState
 from vcage.tasks.grasps import approach_opening, command_of
 from vcage.tasks.meeting import HOLDS, Hold, Meeting, Suits, holds_beside, meeting_height, meetings
-from vcage.tasks.primitives.pick import Grip, PickWay, feel
+from vcage.tasks.primitives.grip import Grip, feel
+from vcage.tasks.primitives.pick import PickWay
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.touching import Allowance
 from vcage.tasks.workcell import CAREFUL, TaskFailed, Workcell, failing_at, first_reasons
@@ -77,7 +77,7 @@ class HandOver:
         moment = cell.world.state()
         self._let_go(grip.arm, meeting)
         now = cell.object(self.object_id)
-        held = Held(now.id, now.asset.model, taker.tool_pose.inverse() * now.pose, now.joints)
+        held = cell.held(now.id, taker.tool_pose)
         grip = Grip(self.to, now.id, Load(opening=taker.opening, held=held), contents=grip.contents)
         feel(cell, grip)
         return grip, moment

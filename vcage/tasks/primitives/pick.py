@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
@@ -17,10 +16,10 @@ from vcage.sim.collision import Held
 from vcage.sim.kinematics import ArmKinematics, follow
 from vcage.sim.motion import MotionFailed, MotionPlanner
 from vcage.sim.paths import JointPath, Load
-from vcage.sim.world import World
 from vcage.tasks.grasps import GraspPose, approach_opening, command_of, grasp_poses
+from vcage.tasks.primitives.grip import Grip, feel, lever, minding, sag
 from vcage.tasks.scene_objects import SceneObject
-from vcage.tasks.touching import Allowance, at_rest
+from vcage.tasks.touching import at_rest
 from vcage.tasks.truth import resting_point
 from vcage.tasks.workcell import CAREFUL, TaskFailed, Workcell, failing_at, first_reasons
 
@@ -29,19 +28,6 @@ CLEARANCE = 0.03
 
 LIFTS = 3
 """Heights of a lift that are tried, from above everything to just above what the object comes out of or goes into."""
-
-SWING_LEVER_M = 0.03
-"""An object that is held farther from its middle than this, seen from above, may turn between the fingers: bowls and
-plates, held by their rim, do so by 30 degrees."""
-
-SAG_SHARE = 0.6
-"""By so much of that distance it then hangs lower: the sine of 35 degrees."""
-
-HANGING_SPEED = 0.4
-"""Share of the speed limit at which what hangs so is carried: faster it slips out of the fingers."""
-
-EVERY = 10
-"""Physics steps between two looks at whether the fingers still hold what is carried."""
 
 
 @dataclass(frozen=True)
@@ -72,30 +58,6 @@ class PickPlan:
     opening: float
     way: PickWay
     path: JointPath
-
-
-@dataclass(frozen=True)
-class Grip:
-    """What is in which hand, and how it moves with it.
-
-    Args:
-        arm: its name.
-        object_id: what it holds.
-        load: how that is held now.
-        grasped: how it was held before it was lifted, where it hangs otherwise since.
-        contents: ids of what lies in or on it.
-    """
-
-    arm: str
-    object_id: str
-    load: Load
-    grasped: Held | None = None
-    contents: frozenset[str] = frozenset()
-
-    @property
-    def allowed(self) -> list[Allowance]:
-        """What the held object may touch wherever it is carried."""
-        return [Allowance("load", self.contents)]
 
 
 LeadsOn = Callable[[MotionPlanner, PickWay, np.ndarray, ContactPoint], None]
@@ -204,9 +166,12 @@ def _plans(
         yield f"{contact.name!r} is on a moving part: {target.record.phrase} is not carried by it"
         return
     gripper = cell.world.arms[arm].arm.gripper
-    sag = SAG_SHARE * _lever(target, target.pose.apply([contact.position])[0])
-    heights = lift_heights(target, cell.objects_but(target.id), cell.world.table.height)
-    heights = tuple(height + sag for height in heights)
+    contents, hangs_lower = cell.contents(target.id), sag(target, contact)
+    if contents and hangs_lower:
+        yield f"held at {contact.name!r}, {target.record.phrase} tips with what lies in it"
+        return
+    heights = lift_heights(target, cell.objects_but(target.id, *contents), cell.world.table.height)
+    heights = tuple(height + hangs_lower for height in heights)
     planner = cell.planner(arm)
     opening = command_of(approach_opening(target.asset.grasp_width(contact), gripper), gripper)
     closing = Load(opening, ignore=cell.parts(target.id), speed=CAREFUL)
@@ -224,16 +189,11 @@ def _plans(
                     leads_on(planner, way, path[-1], contact)
                 reach = planner.move(begun.end, way.before, Load(opening), then=[way.grasp, way.lifted])
                 down = planner.line(reach.end, way.grasp, closing)
-                planner.line(down.end, way.lifted, _lifting(_held(target, way.grasp), grasped))
+                planner.line(down.end, way.lifted, _lifting(cell.held(target.id, way.grasp), grasped))
             except MotionFailed as error:
                 yield f"{arm} arm at {contact.name!r}: {error.message}"
             else:
                 yield PickPlan(target, contact_id, arm, opening, way, begun.then(reach).then(down))
-
-
-def _held(target: SceneObject, gripper: Pose) -> Held:
-    """An object where it is, in a gripper at a pose."""
-    return Held(target.id, target.asset.model, gripper.inverse() * target.pose, target.joints)
 
 
 def _lifting(held: Held, opening: float) -> Load:
@@ -252,65 +212,23 @@ def carry_out_pick(cell: Workcell, plan: PickPlan) -> Grip:
     """
     control, target = cell.world.arms[plan.arm], plan.target
     allowed = at_rest(plan.way.grasp, target.id, cell.beside(target.id))
+    cell.take(target.id)  # what the fingers push aside does not seem to lie there any more
     control.command_gripper(plan.opening)
     cell.carry_out(plan.arm, plan.path, allowed)
     control.grip(0.0)
     if control.empty:
         raise TaskFailed("grasp", f"the fingers closed on nothing where {target.record.phrase} should be")
-    held = _held(cell.object(target.id), control.tool_pose)
+    held = cell.held(target.id, control.tool_pose)
     lift = _lifting(held, control.opening)
-    grip = Grip(plan.arm, target.id, Load(control.opening, held), contents=_contents(cell, target))
+    grip = Grip(plan.arm, target.id, Load(control.opening, held), contents=cell.contents(target.id))
     with failing_at("grasp"):
         cell.put_off(plan.arm, cell.planner(plan.arm).line(plan.path.end, plan.way.lifted, lift), allowed)
-    return _hanging(cell, grip, held) if _lever(target, plan.way.grasp.p) else grip
+    return _hanging(cell, grip) if lever(target, plan.way.grasp.p) else grip
 
 
-def _lever(target: SceneObject, at: np.ndarray) -> float:
-    """How far from its middle an object is held at a point (3,), seen from above, metres; 0 where it hardly turns."""
-    lever = float(np.linalg.norm((target.aabb.mean(axis=0) - at)[:2]))
-    return lever if lever > SWING_LEVER_M else 0.0
-
-
-def _hanging(cell: Workcell, grip: Grip, grasped: Held) -> Grip:
+def _hanging(cell: Workcell, grip: Grip) -> Grip:
     """Lift what is held now, and look at how it hangs."""
     with minding(cell, grip):
         cell.carry_out(grip.arm, cell.begun(grip.arm), grip.allowed)
     feel(cell, grip)
-    held = _held(cell.object(grip.object_id), cell.world.arms[grip.arm].tool_pose)
-    return replace(grip, load=replace(grip.load, held=held, speed=HANGING_SPEED), grasped=grasped)
-
-
-def _contents(cell: Workcell, target: SceneObject) -> frozenset[str]:
-    """Ids of what lies in or on an object."""
-    return frozenset(o.id for o in cell.objects_but(target.id) if resting_point(o, target) is not None)
-
-
-def feel(cell: Workcell, grip: Grip) -> None:
-    """Check that the fingers still hold something.
-
-    Raises:
-        TaskFailed: they do not.
-    """
-    control = cell.world.arms[grip.arm]
-    if control.empty:
-        height = 100 * (control.tool_pose.p[2] - cell.world.table.height)
-        raise TaskFailed("grasp", f"{grip.object_id} slipped out of the fingers {height:.0f} cm above the table")
-
-
-@contextmanager
-def minding(cell: Workcell, grip: Grip) -> Iterator[None]:
-    """Whatever is done inside, the fingers must hold something all the time: also while it is lifted.
-
-    Raises:
-        TaskFailed: they do not any more; what was being done ends there.
-    """
-
-    def mind(world: World) -> None:
-        if world.steps % EVERY == 0:
-            feel(cell, grip)
-
-    cell.world.before_step.append(mind)
-    try:
-        yield
-    finally:
-        cell.world.before_step.remove(mind)
+    return grip.hanging(cell.held(grip.object_id, cell.world.arms[grip.arm].tool_pose))

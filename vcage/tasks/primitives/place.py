@@ -15,7 +15,8 @@ from vcage.sim.kinematics import ArmKinematics
 from vcage.sim.motion import MotionFailed, MotionPlanner
 from vcage.sim.paths import JointPath, Load
 from vcage.tasks.grasps import approach_opening, command_of
-from vcage.tasks.primitives.pick import Grip, feel, minding, transfer_heights
+from vcage.tasks.primitives.grip import Grip, feel, minding
+from vcage.tasks.primitives.pick import transfer_heights
 from vcage.tasks.primitives.place_way import MAX_DROP, PlaceWay, place_way, reached_place
 from vcage.tasks.scene_objects import Obstacles
 from vcage.tasks.touching import at_rest
@@ -24,9 +25,6 @@ from vcage.tasks.workcell import CAREFUL, TaskFailed, Workcell, failing_at, firs
 SLACK = 0.006
 """What is held comes to lie otherwise between the fingers by up to so much, metres: a place must not be at the very end
 of an arm's reach."""
-
-CARRY_CLEARANCE_M = 0.01
-"""What stays free below a carried object, which sways between the fingers."""
 
 RAISES = (0.01, 0.02, 0.035)
 """How much higher an object is let go where the hand meets something at the lowest height, metres."""
@@ -77,7 +75,6 @@ def plan_place(
     """
     control = cell.world.arms[grip.arm]
     planner, begun = cell.planner(grip.arm), cell.begun(grip.arm)
-    carrying = grip.load.above(CARRY_CLEARANCE_M)
     reasons: list[str] = []
     for choice, poses in choices:
         for held, raised in _holds(cell, grip, around):
@@ -91,7 +88,7 @@ def plan_place(
                 continue
             for way in ways:
                 try:
-                    carry = planner.move(begun.end, way.above, carrying, then=[way.release, way.after])
+                    carry = planner.move(begun.end, way.above, grip.carrying, then=[way.release, way.after])
                     lower = planner.line(carry.end, way.release, lowering)
                     return PlacePlan(grip, around.receptacle, way, begun.then(carry).then(lower)), choice
                 except MotionFailed as error:
@@ -106,7 +103,7 @@ def _holds(cell: Workcell, grip: Grip, around: Surroundings) -> Iterator[tuple[H
     if grip.grasped is not None:
         sag = max(0.0, thing.moved(gripper * grip.grasped.in_gripper).lowest - thing.lowest)
         yield grip.grasped, replace(around, heights=tuple(height + sag for height in around.heights))
-    yield Held(thing.id, thing.asset.model, gripper.inverse() * thing.pose, thing.joints), around
+    yield cell.held(thing.id, gripper), around
 
 
 @dataclass(frozen=True)
@@ -127,7 +124,7 @@ class Surroundings:
 
     @classmethod
     def of(cls, cell: Workcell, object_id: str, receptacle: str, point: int | None) -> Surroundings:
-        """Everything but the object itself is in its way.
+        """Everything but the object itself and its contents is in its way.
 
         Args:
             cell: as it stands.
@@ -135,7 +132,7 @@ class Surroundings:
             receptacle: id of what receives it, or ``table``.
             point: id of the receptacle's functional point; None on the table.
         """
-        others = cell.objects_but(object_id, receptacle)
+        others = cell.objects_but(object_id, receptacle, *cell.contents(object_id))
         boxes, over = [box for o in others for box in o.boxes], list[float]()
         if point is not None:
             holder = cell.object(receptacle)
@@ -225,13 +222,16 @@ def carry_out_place(cell: Workcell, plan: PlacePlan) -> None:
     opened = command_of(approach_opening(control.finger_width, gripper), gripper)
     control.release(opened)
     place = () if plan.receptacle == TABLE else cell.parts(plan.receptacle)
-    away = Load(opened, ignore=cell.parts(grip.object_id), speed=CAREFUL, fingers_may_touch=place)
+    cell.let_go(grip.object_id)
+    near = [*place, *cell.parts(*grip.contents)]
+    away = Load(opened, ignore=cell.parts(grip.object_id), speed=CAREFUL, fingers_may_touch=near)
     with failing_at("place"):
         cell.put_off(grip.arm, cell.planner(grip.arm).line(plan.path.end, plan.way.after, away), allowed)
 
 
 def _around_place(cell: Workcell, plan: PlacePlan) -> set[str]:
-    """What an object may touch where it is put down: ids of what receives it, and of what lies there besides."""
+    """What an object may touch where it is put down, as the fingers may: ids of its contents, of what receives it, and
+    of what lies there besides."""
     if plan.receptacle == TABLE:
-        return {TABLE}
-    return {plan.receptacle, TABLE} | (cell.beside(plan.receptacle) - {plan.grip.object_id})
+        return {TABLE, *plan.grip.contents}
+    return {plan.receptacle, TABLE, *plan.grip.contents} | (cell.beside(plan.receptacle) - {plan.grip.object_id})

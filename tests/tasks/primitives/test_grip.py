@@ -1,0 +1,68 @@
+"""Carrying things with what lies in them."""
+
+from __future__ import annotations
+
+import pytest
+
+from tests.scenes import TABLE_TOP, thing, world_of
+from vcage.base.geometry import Pose
+from vcage.tasks.primitives.grip import stays_level
+from vcage.tasks.scene_objects import SceneObject
+from vcage.tasks.slots import Slot
+from vcage.tasks.task import Task
+from vcage.tasks.truth import resting_point
+from vcage.tasks.workcell import TaskFailed, Workcell
+
+
+def filled(content: str, holder: SceneObject) -> list[SceneObject]:
+    """A thing, and another that lies in it."""
+    floor = holder.asset.opening(holder.asset.annotation.functional_points[0]).floor
+    xy = (float(holder.pose.p[0]), float(holder.pose.p[1]))
+    return [holder, thing(content, xy, height=TABLE_TOP + floor + 0.002, container=holder.id)]
+
+
+def task_with(objects: list[SceneObject], moved: str, to: SceneObject) -> Task:
+    """A task in a settled world that brings an object to the middle of another."""
+    world = world_of([*objects, to])
+    world.settle()
+    opening = to.asset.opening(to.asset.annotation.functional_points[0])
+    slot = Slot(to.id, to.asset.annotation.functional_points[0].id, Pose([*opening.centre, opening.floor]))
+    return Task(world, {o.id: o for o in [*objects, to]}, {moved: slot})
+
+
+@pytest.mark.slow
+def test_a_mug_is_carried_with_what_lies_in_it():
+    objects, plate = filled("block", thing("mug", (-0.2, 0.0))), thing("plate", (0.05, 0.05))
+    task = task_with(objects, "mug", plate)
+    task.pick("mug", [(point.id, "left") for point in objects[0].asset.annotation.carrying_points])
+    task.place("plate")
+    task.home()
+    cell = Workcell(task.world, {o.id: o for o in [*objects, plate]})
+    assert resting_point(cell.object("mug"), cell.object("plate")) is not None
+    assert cell.contents("mug") == {"block"}
+
+
+def test_a_bowl_with_something_in_it_is_not_taken_by_its_rim():
+    bowl = thing("bowl", (-0.2, 0.0))
+    assert not stays_level(bowl)
+    task = task_with(filled("apple", bowl), "bowl", thing("tray", (0.2, 0.05)))
+    with pytest.raises(TaskFailed, match="held at 'front rim', white bowl tips with what lies in it"):
+        task.pick("bowl", [(0, "left")])
+
+
+def test_what_lies_in_a_thing_is_planned_with_it():
+    objects, tray = filled("block", thing("mug", (-0.2, 0.0))), thing("tray", (0.2, 0.05))
+    cell = Workcell(world_of([*objects, tray]), {o.id: o for o in [*objects, tray]})
+    cell.world.settle()
+    held = cell.held("mug", cell.object("mug").pose)
+    assert [name for name, _ in held.contents] == ["block"]
+    assert set(held.parts) == {"mug", "block"}
+
+
+def test_what_a_flat_thing_stands_on_is_not_its_contents():
+    tray = thing("tray")
+    floor = tray.asset.opening(tray.asset.annotation.functional_points[0]).floor
+    objects = [tray, thing("plate", height=TABLE_TOP + floor)]
+    cell = Workcell(world_of(objects), {o.id: o for o in objects})
+    assert cell.contents("tray") == {"plate"}
+    assert cell.contents("plate") == frozenset()

@@ -1,0 +1,121 @@
+"""Grip: what is in which hand, how it hangs there, and whether the fingers still hold it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from vcage.schema.asset import ContactPoint
+from vcage.sim.collision import Held
+from vcage.sim.paths import Load
+from vcage.sim.world import World
+from vcage.tasks.scene_objects import SceneObject
+from vcage.tasks.touching import Allowance
+from vcage.tasks.workcell import TaskFailed, Workcell
+
+
+@dataclass(frozen=True)
+class CarrySettings:
+    """How things are carried.
+
+    Args:
+        swing_lever_m: an object that is held farther from its middle than this, seen from above, turns between the
+            fingers: bowls and plates, held by their rim, do so by 30 degrees, and by 50 with an apple in them.
+        sag_share: by so much of that distance it then hangs lower: the sine of 35 degrees.
+        hanging_speed: share of the speed limit at which what hangs so is carried: faster it slips out of the fingers.
+        clearance_m: what stays free below a carried object, which sways between the fingers.
+        every_steps: physics steps between two looks at whether the fingers still hold what is carried.
+    """
+
+    swing_lever_m: float = 0.03
+    sag_share: float = 0.6
+    hanging_speed: float = 0.4
+    clearance_m: float = 0.01
+    every_steps: int = 10
+
+
+SETTINGS = CarrySettings()
+
+
+@dataclass(frozen=True)
+class Grip:
+    """What is in which hand, and how it moves with it.
+
+    Args:
+        arm: its name.
+        object_id: what it holds.
+        load: how that is held now.
+        grasped: how it was held before it was lifted, where it hangs otherwise since.
+        contents: ids of what lies in or on it.
+    """
+
+    arm: str
+    object_id: str
+    load: Load
+    grasped: Held | None = None
+    contents: frozenset[str] = frozenset()
+
+    @property
+    def allowed(self) -> list[Allowance]:
+        """What the held object may touch wherever it is carried."""
+        return [Allowance("load", self.contents)]
+
+    @property
+    def carrying(self) -> Load:
+        """The load on the way, with what must stay free below it."""
+        return self.load.above(SETTINGS.clearance_m)
+
+    def hanging(self, held: Held) -> Grip:
+        """The same after the lift, where the object has turned between the fingers and is now ``held``."""
+        load = replace(self.load, held=held, speed=SETTINGS.hanging_speed)
+        return replace(self, load=load, grasped=self.load.held)
+
+
+def lever(target: SceneObject, at: np.ndarray) -> float:
+    """How far from its middle an object is held at a point (3,), seen from above, metres; 0 where it hardly turns."""
+    distance = float(np.linalg.norm((target.aabb.mean(axis=0) - at)[:2]))
+    return distance if distance > SETTINGS.swing_lever_m else 0.0
+
+
+def sag(target: SceneObject, contact: ContactPoint) -> float:
+    """How much lower an object hangs that is lifted at a contact point, metres."""
+    return SETTINGS.sag_share * lever(target, target.pose.apply([contact.position])[0])
+
+
+def stays_level(target: SceneObject) -> bool:
+    """Whether an object can be carried without turning between the fingers: only then what lies in it stays there."""
+    return any(sag(target, contact) == 0 for contact in target.asset.annotation.carrying_points)
+
+
+def feel(cell: Workcell, grip: Grip) -> None:
+    """Check that the fingers still hold something.
+
+    Raises:
+        TaskFailed: they do not.
+    """
+    control = cell.world.arms[grip.arm]
+    if control.empty:
+        height = 100 * (control.tool_pose.p[2] - cell.world.table.height)
+        raise TaskFailed("grasp", f"{grip.object_id} slipped out of the fingers {height:.0f} cm above the table")
+
+
+@contextmanager
+def minding(cell: Workcell, grip: Grip) -> Iterator[None]:
+    """Whatever is done inside, the fingers must hold something all the time: also while it is lifted.
+
+    Raises:
+        TaskFailed: they do not any more; what was being done ends there.
+    """
+
+    def mind(world: World) -> None:
+        if world.steps % SETTINGS.every_steps == 0:
+            feel(cell, grip)
+
+    cell.world.before_step.append(mind)
+    try:
+        yield
+    finally:
+        cell.world.before_step.remove(mind)
