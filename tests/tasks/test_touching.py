@@ -68,6 +68,24 @@ def test_an_arm_that_presses_on_a_bystander_ends_the_attempt_and_names_it():
     assert failed.value.stage == "grasp"
 
 
+def test_what_sticks_out_of_a_carried_thing_and_presses_on_a_bystander_ends_the_attempt_and_names_it():
+    cup, lipstick = thing("pencil_cup", (0.0, 0.0)), thing("lipstick", (0.0, 0.0), height=TABLE_TOP + 0.01)
+    objects = {o.id: o for o in (cup, lipstick, thing("thermos", (0.2, 0.0)))}
+    cell = Workcell(world_of(list(objects.values())), objects)
+    cell.world.settle()
+    cell.take("pencil_cup")
+    held = cell.held("pencil_cup", cell.world.arms["left"].tool_pose)
+    turn = np.linspace(0, 0.1, 10)[:, None] * np.eye(len(cell.begun("left").end))[-1]
+    elsewhere = JointPath((Leg(cell.begun("left").end + turn, Load(held=held)),))
+    standing = [Allowance("load", frozenset(["table"]))]
+    cell.carry_out("left", elsewhere, standing)
+    top = cell.object("lipstick").around_boxes[1, 2]
+    cell.world.set_object_pose("thermos", Pose([0.0, 0.0, top + 0.001]))  # it falls on what sticks out
+    with pytest.raises(TaskFailed, match="the red lipstick touches the silver thermos flask on its way") as failed:
+        cell.carry_out("left", JointPath((Leg(elsewhere.end - turn, Load(held=held)),)), standing)
+    assert failed.value.stage == "place"
+
+
 @pytest.mark.slow
 def test_a_bowl_held_by_its_rim_is_put_on_a_tall_cabinet_without_moving_it():
     bowl, cabinet = thing("bowl", (-0.3, 0.1)), thing("hinged_cabinet", (0.05, 0.1))

@@ -129,14 +129,12 @@ class Task:
         feel(cell, grip)
         shown, _ = plan_place(cell, grip, hover, [(None, poses)])
         with minding(cell, grip):
-            cell.carry_out(grip.arm, shown.path, grip.allowed)
+            cell.carry_out(grip.arm, shown.path)
             self.world.step(round(SHOWN_FOR * PHYSICS_HZ))
         self.moment = self.world.state()
         feel(cell, grip)
         with failing_at("place"):
-            cell.put_off(
-                grip.arm, cell.planner(grip.arm).line(shown.path.end, shown.way.above, grip.load), grip.allowed
-            )
+            cell.put_off(grip.arm, cell.planner(grip.arm).line(shown.path.end, shown.way.above, grip.load))
         put, _ = plan_place(cell, grip, replace(hover, raises=RAISES), [(None, [plan.target.pose])])
         carry_out_place(cell, put)
 

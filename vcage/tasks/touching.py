@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Literal
@@ -13,7 +13,7 @@ from vcage.base.geometry import Pose
 from vcage.sim.world import PHYSICS_HZ, World
 
 By = Literal["load", "fingers", "hand"]
-"""What touches: the held object, the fingers, or any link of the arm."""
+"""What touches: the held object or what lies in it, the fingers, or any link of the arm."""
 
 
 @dataclass(frozen=True)
@@ -76,17 +76,21 @@ class Touched(Exception):
 
     Args:
         by: what touches.
+        name: id of the object, or the name of the arm.
         other: id of an object, ``table``, or the name of another arm.
     """
 
-    def __init__(self, by: By, other: str):
-        super().__init__(by, other)
+    def __init__(self, by: By, name: str, other: str):
+        super().__init__(by, name, other)
         self.by = by
+        self.name = name
         self.other = other
 
 
 @contextmanager
-def only_touching(world: World, arm: str, load: str | None, allowed: Sequence[Allowance]) -> Iterator[None]:
+def only_touching(
+    world: World, arm: str, load: str | None, allowed: Sequence[Allowance], contents: Collection[str] = ()
+) -> Iterator[None]:
     """Watch the contacts of an arm and of what it holds while the world goes on inside.
 
     Args:
@@ -94,26 +98,28 @@ def only_touching(world: World, arm: str, load: str | None, allowed: Sequence[Al
         arm: its name.
         load: id of what it holds or pushes, if anything.
         allowed: what may be touched.
+        contents: ids of what lies in what it holds: they may touch the hand and each other, and else what that may.
 
     Raises:
         Touched: something else is touched.
     """
     fingers = {finger.name for finger in world.arms[arm].fingers}
-    names = {arm} if load is None else {arm, load}
+    loads = set() if load is None else {load, *contents}
+    ours = {arm, *loads}
 
     def look(world: World) -> None:
         if world.steps % SETTINGS.every_steps:
             return
-        for mine, other, impulse in world.presses(names):
+        for mine, other, impulse in world.presses(ours):
             if impulse * PHYSICS_HZ < SETTINGS.least_force_n:
                 continue
             owner, _, link = mine.partition("/")
-            by: By = "load" if owner == load else "fingers" if link in fingers else "hand"
+            by: By = "load" if owner in loads else "fingers" if link in fingers else "hand"
             other = other.partition("/")[0]
-            if other in (arm, load):
+            if other in ours:
                 continue
             if not any(a.allows(by, other, world.arms[arm].tool_pose) for a in allowed):
-                raise Touched(by, other)
+                raise Touched(by, owner, other)
 
     world.before_step.append(look)
     try:

@@ -158,7 +158,8 @@ class Workcell:
         load = None if last is None else last.object_id
         let_go = frozenset(leg.load.held.object_id for leg in path.legs if leg.load.held is not None) - {load}
         try:
-            with only_touching(self.world, arm, load, [*before, *allowed, Allowance("hand", let_go)]):
+            may = [*before, *allowed, Allowance("hand", let_go)]
+            with only_touching(self.world, arm, load, may, self._taken.get(load or "", ())):
                 self.world.arms[arm].move(self.planner(arm).fastest(path))
         except Touched as touched:
             raise TaskFailed(*self._touch(arm, load, touched)) from touched
@@ -167,7 +168,7 @@ class Workcell:
         """At which stage an attempt ends with a touch, and why."""
         names = {key: f"the {o.record.phrase}" for key, o in self._objects.items()}
         other = names.get(touched.other, f"the {touched.other}" + " arm" * (touched.other in self.world.arms))
-        mine = names.get(load or "") if touched.by == "load" else f"the {arm} arm"
+        mine = names.get(touched.name, f"the {arm} arm")
         if load is not None and self.world.arms[arm].empty:
             return "grasp", f"{names[load]} slipped out of the fingers and touches {other}"
         return "grasp" if load is None else "place", f"{mine} touches {other} on its way"

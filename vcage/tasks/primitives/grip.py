@@ -13,7 +13,6 @@ from vcage.sim.collision import Held
 from vcage.sim.paths import Load
 from vcage.sim.world import World
 from vcage.tasks.scene_objects import SceneObject
-from vcage.tasks.touching import Allowance
 from vcage.tasks.workcell import TaskFailed, Workcell
 
 
@@ -57,11 +56,6 @@ class Grip:
     load: Load
     grasped: Held | None = None
     contents: frozenset[str] = frozenset()
-
-    @property
-    def allowed(self) -> list[Allowance]:
-        """What the held object may touch wherever it is carried."""
-        return [Allowance("load", self.contents)]
 
     @property
     def carrying(self) -> Load:

@@ -66,7 +66,7 @@ class HandOver:
         cell, taker = self.cell, self.cell.world.arms[self.to]
         planned, carry = self._plan(grip)
         meeting = [Allowance("hand", frozenset([self.object_id, *cell.world.arms]))]
-        cell.carry_out(grip.arm, carry, grip.allowed)
+        cell.carry_out(grip.arm, carry)
         feel(cell, grip)
         taken, reach = self._as_it_hangs(grip.arm, planned)
         taker.command_gripper(_opened(taken.width, taker.arm.gripper))

@@ -229,6 +229,6 @@ def carry_out_pick(cell: Workcell, plan: PickPlan) -> Grip:
 def _hanging(cell: Workcell, grip: Grip) -> Grip:
     """Lift what is held now, and look at how it hangs."""
     with minding(cell, grip):
-        cell.carry_out(grip.arm, cell.begun(grip.arm), grip.allowed)
+        cell.carry_out(grip.arm, cell.begun(grip.arm))
     feel(cell, grip)
     return grip.hanging(cell.held(grip.object_id, cell.world.arms[grip.arm].tool_pose))

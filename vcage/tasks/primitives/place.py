@@ -215,7 +215,7 @@ def carry_out_place(cell: Workcell, plan: PlacePlan) -> None:
     """
     grip, gripper = plan.grip, cell.world.arms[plan.grip.arm].arm.gripper
     control = cell.world.arms[grip.arm]
-    allowed = [*grip.allowed, *at_rest(plan.way.release, grip.object_id, _around_place(cell, plan))]
+    allowed = at_rest(plan.way.release, grip.object_id, _around_place(cell, plan))
     with minding(cell, grip):
         cell.carry_out(grip.arm, plan.path, allowed)
     feel(cell, grip)
