@@ -243,3 +243,16 @@ def test_a_filled_thing_is_moved_with_what_lies_in_it_where_it_can_be_held_level
     scene = scene_of(objects, "Fill it, then move it").model_copy(update={"goals": goals})
     (chain,) = compose(scene, objects, [fill, subtask(holder, "tray"), aside], [])
     assert len(chain.subtasks) == steps
+
+
+def test_what_many_things_of_one_kind_fail_for_is_told_once_with_their_number():
+    blocks = [thing("block", id=f"block_{number}") for number in range(12)]
+    asked = [
+        AskedGoal(goal=Goal(subject=o.id, relation="inside", reference="mug"), step=0, words="12 blocks")
+        for o in blocks
+    ]
+    objects = [*blocks, thing("mug", (0.2, 0.0))]
+    with pytest.raises(NoFeasibleTask, match=r"block_0 inside mug and 11 more like it \('12 blocks'\)") as caught:
+        require_way(scene_of(objects).model_copy(update={"goals": asked}), objects)
+    assert caught.value.message.count("6 mm") == 1
+    assert len(caught.value.details["missing"]) == 12

@@ -9,10 +9,12 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
 
+from vcage.base.errors import UnreadInstruction
 from vcage.models.rules.lexicon import BASES, FORMS
 from vcage.models.rules.phrases import MARKS, Phrase, noun_phrase, noun_phrases
 from vcage.models.rules.request import ENDS, Asked, Request
 from vcage.models.rules.verbs import KEPT, Verbs, without_last
+from vcage.models.rules.wishes import require_tellable
 
 _DONE: dict[str, Asked] = {
     "open": "open", "opened": "open", "closed": "close", "shut": "close", "scanned": "scan", "weighed": "weigh",
@@ -44,7 +46,11 @@ def parse_instruction(
     Raises:
         UnreadInstruction: some of its words are of no use, or it asks for nothing; names the words.
     """
-    return _Reader(instruction, names, is_place, opens).read()
+    try:
+        return _Reader(instruction, names, is_place, opens).read()
+    except UnreadInstruction:
+        require_tellable(instruction)
+        raise
 
 
 class _Reader(Verbs):

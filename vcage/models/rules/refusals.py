@@ -9,6 +9,7 @@ from vcage.base.errors import InfeasibleScene, NoAssetFits
 from vcage.models.rules.catalogue_match import MIN_SCORE, candidates, places, variants_of
 from vcage.models.rules.instruction import Request
 from vcage.models.rules.phrases import Phrase
+from vcage.models.rules.wishes import require_tellable
 from vcage.models.rules.words import tokens
 from vcage.models.search import Search
 from vcage.schema.asset import CatalogueEntry
@@ -32,6 +33,7 @@ def require_answers(
 
     Raises:
         NoAssetFits: the instruction names nothing to move, or nothing answers some phrases; names these.
+        UnreadInstruction: nothing answers some phrases, and it asks for what the robot cannot be told.
     """
     missing = []
     for request in requests:
@@ -40,6 +42,7 @@ def require_answers(
             named.append((request.place, places(request.place, catalogue)))
         missing += [p for p, found in named if not any(variants_of(c.entry, p) for c in found)]
     if missing:
+        require_tellable(instruction)
         raise _no_asset(instruction, missing, catalogue, search())
 
 
