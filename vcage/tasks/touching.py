@@ -18,16 +18,18 @@ By = Literal["load", "fingers", "hand"]
 
 @dataclass(frozen=True)
 class TouchSettings:
-    """When a contact counts.
+    """When a contact counts, and between which things there may be one.
 
     Args:
         every_steps: physics steps between two looks; a contact that harms lasts longer than five (20 ms).
         least_force_n: weaker contacts are grazes, newtons. Ordinary successful runs of the paper's tasks have none.
+        beside_m: objects whose boxes are nearer to each other than this may touch, metres.
         near_m: an allowance around a point holds while the gripper is this near to it, seen from above, metres.
     """
 
     every_steps: int = 5
     least_force_n: float = 1.0
+    beside_m: float = 0.003
     near_m: float = 0.03
 
 

@@ -18,15 +18,11 @@ from vcage.sim.motion import MotionFailed, MotionPlanner
 from vcage.sim.paths import OPEN_HAND, JointPath, Leg
 from vcage.sim.world import World
 from vcage.tasks.scene_objects import SceneObject
-from vcage.tasks.touching import Allowance, Touched, only_touching
+from vcage.tasks.touching import SETTINGS, Allowance, Touched, only_touching
 from vcage.tasks.truth import resting_point
 
 CAREFUL = 0.85
 """Share of the speed limit near things that are to be touched."""
-
-
-BESIDE_M = 0.003
-"""Objects whose boxes are nearer to each other than this may touch, metres."""
 
 
 class TaskFailed(VcageError):
@@ -179,10 +175,10 @@ class Workcell:
         Contacts do not tell: the physics engine reports none of what is asleep.
         """
         lower, upper = self.object(object_id).around_boxes
-        found = {TABLE} if lower[2] - self.world.table.height < BESIDE_M else set[str]()
+        found = {TABLE} if lower[2] - self.world.table.height < SETTINGS.beside_m else set[str]()
         for other in self.objects_but(object_id):
             low, high = other.around_boxes
-            if np.all(low - BESIDE_M < upper) and np.all(lower < high + BESIDE_M):
+            if np.all(low - SETTINGS.beside_m < upper) and np.all(lower < high + SETTINGS.beside_m):
                 found.add(other.id)
         return frozenset(found)
 
