@@ -21,6 +21,9 @@ CLEAR, STRAY = 0.005, 0.1
 LOWEST = 0.03
 """Height of a support that can tip over, and that a thing can slide off and lean against, metres."""
 
+CUBE = 0.1
+"""What has sides that differ by less than this share stands on each of them alike."""
+
 
 def beside(played: Played) -> Shots | None:
     """It was let go beside its place."""
@@ -51,7 +54,8 @@ def knocked_over(played: Played) -> Shots | None:
     if played.goal.relation not in HOLDING or played.subtask.receptacle in (None, TABLE):
         return None
     place = played.place
-    if place.asset.articulated or place.asset.size[2] < LOWEST:
+    size = place.asset.size
+    if place.asset.articulated or size[2] < LOWEST or np.ptp(size) < CUBE * size.max():  # a cube has no wrong side
         return None
     axis = [np.sin(np.pi / 4), 0.0, 0.0] if played.rng.random() < 0.5 else [0.0, np.sin(np.pi / 4), 0.0]
     tipped = Pose(

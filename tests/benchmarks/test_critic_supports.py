@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from benchmarks._critic.played import Case, Played
-from benchmarks._critic.supports import PUSHED, pushed_away, slid_off
+from benchmarks._critic.supports import PUSHED, knocked_over, pushed_away, slid_off
 from tests.scenes import TABLE_TOP, script_of, subtask, thing, world_of
 from vcage.base.geometry import Pose
 from vcage.tasks.scene_objects import SceneObject
@@ -68,3 +68,7 @@ def test_what_slid_off_is_beside_its_support_which_stays(seed: int) -> None:
 
 def test_nothing_slides_off_what_is_flat() -> None:
     assert slid_off(put_on(SUPPORTS["a plate"], 0)) is None
+
+
+def test_a_cube_is_not_knocked_over_as_it_stands_on_any_side_alike() -> None:
+    assert knocked_over(put_on(SUPPORTS["a block"], 0)) is None
