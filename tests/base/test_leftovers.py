@@ -10,8 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from vcage.base.files import PARTIAL, REPLACED
 from vcage.base.leftovers import SCRATCH, scratch_folder, sweep_cache, sweep_folder, sweep_scratch
+from vcage.base.partial import PARTIAL, REPLACED
 
 HOLDER = """
 import signal

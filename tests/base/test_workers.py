@@ -187,7 +187,8 @@ def test_what_lies_in_the_current_folder_is_not_taken_for_what_is_loaded_ahead(t
 
 INTERRUPTED = """
 import os, signal, time
-from vcage.base.workers import leave_nothing, load_ahead
+from vcage.base.process_start import leave_nothing
+from vcage.base.workers import load_ahead
 signal.signal(signal.SIGINT, lambda *_: None)
 load_ahead("slow")
 time.sleep(0.5)

@@ -22,13 +22,7 @@ from vcage.base import reading
 from vcage.base.errors import DiskFull, InputFileError, OutputFolderError
 from vcage.base.folders import require_utf8
 from vcage.base.inside import path_complaint, require_no_links
-
-PARTIAL = ".partial-"
-"""Marks what is being written; anything so named may be deleted when nothing runs."""
-
-REPLACED = ".replaced-"
-"""Marks a finished folder that is being replaced; restored if the replacement never came."""
-
+from vcage.base.partial import PARTIAL, REPLACED, recover
 
 # --- data that travels with the package ----------------------------------------------------------------
 
@@ -70,9 +64,6 @@ def data_path(*parts: str) -> Path:
     return Path(base).joinpath(*parts)
 
 
-# --- hashes --------------------------------------------------------------------------------------------
-
-
 def sha256_file(path: Path) -> str:
     """Hex SHA-256 of a file's content."""
     digest = hashlib.sha256()
@@ -80,9 +71,6 @@ def sha256_file(path: Path) -> str:
         while block := handle.read(1 << 20):
             digest.update(block)
     return digest.hexdigest()
-
-
-# --- atomic writes -------------------------------------------------------------------------------------
 
 
 NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
@@ -162,7 +150,7 @@ def read_json(path: Path, *, nan: bool = False) -> Any:
 def atomic_folder(path: Path) -> Iterator[Path]:
     """Yield an empty folder beside ``path`` that replaces ``path`` only if the block succeeds.
 
-    A killed replacement is mended by :func:`recover`, which runs on entry.
+    A killed replacement is mended by :func:`vcage.base.partial.recover`, which runs on entry.
     """
     path = Path(path)
     recover(path)
@@ -187,46 +175,6 @@ def atomic_folder(path: Path) -> Iterator[Path]:
 def whole(folder: Path) -> bool:
     """Whether a folder has its own name: not one that is being written or replaced, or was when a process died."""
     return PARTIAL not in folder.name and REPLACED not in folder.name
-
-
-def is_written(part: Path) -> bool:
-    """Whether another process of this machine, by the number in the name, is still at work on something partial."""
-    number = part.name.partition(PARTIAL)[2].partition(".")[0]
-    if not number.isdecimal() or int(number) == os.getpid():
-        return False
-    try:
-        os.kill(int(number), 0)
-    except ProcessLookupError:
-        return False
-    except PermissionError:  # another user's
-        return True
-    return True
-
-
-def recover(path: Path) -> None:
-    """Mend what a killed :func:`atomic_folder` or :func:`atomic_path` left beside ``path``.
-
-    A folder that was moved away for a replacement that never came is moved back; partial work is deleted, but for that
-    of a process that is still there.
-    """
-    path = Path(path)
-    if not path.parent.is_dir():
-        return
-    for old in sorted(path.parent.glob(f"{path.name}{REPLACED}*")):
-        if path.exists():
-            shutil.rmtree(old, ignore_errors=True)
-        else:
-            os.replace(old, path)
-    leftovers = set(path.parent.glob(f"{path.name}{PARTIAL}*")) | set(
-        path.parent.glob(f"{path.stem}{PARTIAL}*{path.suffix}")
-    )
-    for part in leftovers:
-        if is_written(part):
-            continue
-        if part.is_dir():
-            shutil.rmtree(part, ignore_errors=True)
-        else:
-            part.unlink(missing_ok=True)
 
 
 # --- run folders ---------------------------------------------------------------------------------------

@@ -15,7 +15,8 @@ import time
 from collections.abc import Collection, Iterator
 from pathlib import Path
 
-from vcage.base.files import PARTIAL, REPLACED, cache_path, is_written, recover
+from vcage.base.files import cache_path
+from vcage.base.partial import PARTIAL, REPLACED, is_written, recover
 
 SCRATCH = ".vcage-scratch-"
 """Begins the name of a temporary folder of ours."""

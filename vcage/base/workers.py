@@ -6,30 +6,21 @@ Processes end with the one that started them, however it ends.
 from __future__ import annotations
 
 import logging
-import multiprocessing
 import os
-import shutil
-import signal
-import sys
-import threading
 import time
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from functools import cache
-from multiprocessing import forkserver, resource_tracker, spawn
 from multiprocessing.connection import Connection, wait
-from multiprocessing.context import ForkServerContext, SpawnContext
 from multiprocessing.process import BaseProcess
-from multiprocessing.util import get_temp_dir
-from pathlib import Path
 from typing import Any, Generic, Self, TypeVar
 
 from threadpoolctl import ThreadpoolController
 
 from vcage.base.errors import PartlyDone
-from vcage.base.leftovers import mark_scratch, sweep_scratch
+from vcage.base.process_start import preload, process_context, start
 from vcage.base.worker_process import FAILED, SAID, serve
 
 log = logging.getLogger(__name__)
@@ -43,20 +34,10 @@ TRIES = 3
 PATIENCE = 5.0
 """Seconds within which a process that is dismissed ends by itself."""
 
-SAFE_PATH = "PYTHONSAFEPATH"
-"""Python's switch: nothing is imported from the current folder."""
-
-UNTOLD = "ignore:resource_tracker:UserWarning"
-"""What libraries open in a process that is killed, Python's resource tracker removes, and would tell the user."""
-
 
 def cores() -> int:
     """Processor cores that this process may use."""
     return len(os.sched_getaffinity(0))
-
-
-_preloaded: list[str] = []
-"""Modules that the process imports from which others are forked."""
 
 
 def load_ahead(module: str) -> None:
@@ -69,38 +50,7 @@ def load_ahead(module: str) -> None:
         module: its name. An ImportError is left to whoever needs it; with another error no process can be begun.
     """
     if cores() > 1:
-        _preloaded.append(module)
-        _context()
-
-
-@cache
-def _context() -> SpawnContext | ForkServerContext:
-    """How processes are begun: forked from one that never works, for the threads of a renderer would be missing in a
-    child of this one; each by itself where there can be no socket, as when the path in ``TMPDIR`` is too long."""
-    sweep_scratch()
-    multiprocessing.set_forkserver_preload(_preloaded)  # Python's default is the script that runs
-    sys.warnoptions.append(UNTOLD)
-    resource_tracker.ensure_running()  # which would let Ctrl-C through again
-    sys.warnoptions.remove(UNTOLD)
-    through = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})  # Ctrl-C is this process's business
-    safe = os.environ.get(SAFE_PATH)
-    os.environ[SAFE_PATH] = safe or "1"  # else it would import what lies in the current folder
-    try:
-        mark_scratch(Path(get_temp_dir()))  # in which its socket lies
-        forkserver.ensure_running()
-    except OSError:
-        return multiprocessing.get_context("spawn")
-    finally:
-        if safe is None:
-            del os.environ[SAFE_PATH]
-        signal.pthread_sigmask(signal.SIG_SETMASK, through)
-    return multiprocessing.get_context("forkserver")
-
-
-def leave_nothing() -> None:
-    """Remove what a process that is about to end by ``os._exit`` would leave of the one that others are forked from."""
-    if _context.cache_info().currsize:
-        shutil.rmtree(get_temp_dir(), ignore_errors=True)
+        preload(module)
 
 
 def in_processes(work: Callable[[T], R], tasks: Sequence[T], workers: int) -> Iterator[R]:
@@ -245,10 +195,10 @@ class Processes(Generic[T, R]):
             self._busy.append(process)
 
     def _started(self) -> _Process:
-        ours, theirs = _context().Pipe()
+        ours, theirs = process_context().Pipe()
         level = logging.getLogger().getEffectiveLevel()
-        process = _context().Process(target=serve, args=(theirs, level, dict(os.environ)), daemon=True)
-        _start(process)
+        process = process_context().Process(target=serve, args=(theirs, level, dict(os.environ)), daemon=True)
+        start(process)
         theirs.close()  # so that ours ends with the process
         with suppress(OSError):  # it has ended already: its pipe says so when it is read
             ours.send(self._work)
@@ -276,29 +226,6 @@ class Processes(Generic[T, R]):
         log.warning("a worker process %s; its work is begun again", how)
         self._waiting.appendleft((task, tries + 1))
         self._begin()
-
-
-_starting = threading.Lock()
-
-
-def _start(process: BaseProcess) -> None:
-    """Start a process that does not run this program's script, as Python's own do to find what the script defines: so a
-    script needs no ``if __name__ == "__main__"``."""
-    with _starting:
-        usual = spawn.get_preparation_data
-
-        def without_script(name: str) -> dict[str, Any]:
-            return {
-                key: value
-                for key, value in usual(name).items()
-                if name != process.name or not key.startswith("init_main")
-            }
-
-        spawn.get_preparation_data = without_script
-        try:
-            process.start()
-        finally:
-            spawn.get_preparation_data = usual
 
 
 @contextmanager

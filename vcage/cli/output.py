@@ -206,7 +206,7 @@ def end_process(code: int) -> int:
     The simulator's tear-down crashes when it was stopped in the middle of its work.
     """
     if code == INTERRUPTED:
-        from vcage.base.workers import leave_nothing
+        from vcage.base.process_start import leave_nothing
 
         leave_nothing()
         logging.shutdown()

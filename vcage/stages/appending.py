@@ -9,9 +9,10 @@ from pathlib import Path
 from pydantic import TypeAdapter, ValidationError
 
 from vcage.base.errors import DamagedFile, StaleStage, UsageError
-from vcage.base.files import RunFolder, read_json, recover, sha256_file, write_json
+from vcage.base.files import RunFolder, read_json, sha256_file, write_json
 from vcage.base.hold import held
 from vcage.base.inside import name_complaint
+from vcage.base.partial import recover
 from vcage.base.progress import Progress, silent
 from vcage.datasets.lerobot.features import CAMERA, ENCODER
 from vcage.datasets.lerobot.formats import FORMATS, open_writer

@@ -11,8 +11,9 @@ from pathlib import Path
 from pydantic import ValidationError
 
 from vcage.base.errors import DamagedFile, InputFileError, MissingStage
-from vcage.base.files import PARTIAL, REPLACED, atomic_folder, recover, write_text
+from vcage.base.files import atomic_folder, write_text
 from vcage.base.keeper import Keeper
+from vcage.base.partial import PARTIAL, REPLACED, recover
 from vcage.base.reading import Unreadable, text_of
 from vcage.schema.episodes import Attempt, CriticCounts, Episode, Episodes
 from vcage.schema.scene import Scene

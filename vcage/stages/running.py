@@ -14,9 +14,10 @@ from typing import Any, Protocol, cast
 
 from vcage.base.commands import CALLED, goes_on_with
 from vcage.base.errors import AnswerNeeded, DamagedFile, FolderInUse, MissingStage, StageInterrupted, VcageError
-from vcage.base.files import OWN, RunFolder, atomic_folder, read_json, recover, write_json
+from vcage.base.files import OWN, RunFolder, atomic_folder, read_json, write_json
 from vcage.base.hold import held
 from vcage.base.leftovers import sweep_cache, sweep_folder
+from vcage.base.partial import recover
 from vcage.base.progress import Progress, silent
 from vcage.schema.base import StageDocument
 from vcage.stages.context import StageContext

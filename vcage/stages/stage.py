@@ -18,9 +18,10 @@ import numpy as np
 from tyro.conf import arg
 
 from vcage.base.errors import InputFileError, MissingStage, OutputFolderError, StaleStage, VcageError
-from vcage.base.files import PRODUCERS, RunFolder, atomic_folder, maker_of, recover, sha256_file
+from vcage.base.files import PRODUCERS, RunFolder, atomic_folder, maker_of, sha256_file
 from vcage.base.keeper import Keeper
 from vcage.base.options import FOLDER, NATURAL, POSITIVE, UNSAID, Flag, between, choice
+from vcage.base.partial import recover
 from vcage.models.registry import CHOICES, OFFLINE, Choice
 from vcage.models.spending import Cap
 from vcage.schema.base import Provenance, StageDocument

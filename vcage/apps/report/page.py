@@ -19,7 +19,8 @@ from pydantic import ValidationError
 from vcage.apps.report.previews import previews
 from vcage.base.drawing import distinct_colours
 from vcage.base.errors import DamagedFile, InputFileError, MissingStage, StaleStage
-from vcage.base.files import RunFolder, recover, write_bytes
+from vcage.base.files import RunFolder, write_bytes
+from vcage.base.partial import recover
 from vcage.base.pictures import jpeg, read_picture
 from vcage.base.version import __version__
 from vcage.models.kept import Exchanges

@@ -14,10 +14,11 @@ from pathlib import Path
 from typing import TypeVar
 
 from vcage.base.errors import DamagedFile, FolderInUse, InputFileError, OutputFolderError, StaleStage
-from vcage.base.files import RunFolder, atomic_folder, recover
+from vcage.base.files import RunFolder, atomic_folder
 from vcage.base.folders import holds_nothing
 from vcage.base.hold import held
 from vcage.base.keeper import Keeper
+from vcage.base.partial import recover
 from vcage.base.progress import Progress, silent
 from vcage.datasets.packing.clips import Clip
 from vcage.datasets.packing.dataset_search import require_tools, search_data_set

@@ -1,0 +1,53 @@
+"""Names of work that is being written, and how to mend what a killed process left under them."""
+
+from __future__ import annotations
+
+import os
+import shutil
+from pathlib import Path
+
+PARTIAL = ".partial-"
+"""Marks what is being written; anything so named may be deleted when nothing runs."""
+
+REPLACED = ".replaced-"
+"""Marks a finished folder that is being replaced; restored if the replacement never came."""
+
+
+def is_written(part: Path) -> bool:
+    """Whether another process of this machine, by the number in the name, is still at work on something partial."""
+    number = part.name.partition(PARTIAL)[2].partition(".")[0]
+    if not number.isdecimal() or int(number) == os.getpid():
+        return False
+    try:
+        os.kill(int(number), 0)
+    except ProcessLookupError:
+        return False
+    except PermissionError:  # another user's
+        return True
+    return True
+
+
+def recover(path: Path) -> None:
+    """Mend what a killed ``atomic_folder`` or ``atomic_path`` left beside ``path``.
+
+    A folder that was moved away for a replacement that never came is moved back; partial work is deleted, but for that
+    of a process that is still there.
+    """
+    path = Path(path)
+    if not path.parent.is_dir():
+        return
+    for old in sorted(path.parent.glob(f"{path.name}{REPLACED}*")):
+        if path.exists():
+            shutil.rmtree(old, ignore_errors=True)
+        else:
+            os.replace(old, path)
+    leftovers = set(path.parent.glob(f"{path.name}{PARTIAL}*")) | set(
+        path.parent.glob(f"{path.stem}{PARTIAL}*{path.suffix}")
+    )
+    for part in leftovers:
+        if is_written(part):
+            continue
+        if part.is_dir():
+            shutil.rmtree(part, ignore_errors=True)
+        else:
+            part.unlink(missing_ok=True)
