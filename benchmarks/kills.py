@@ -13,7 +13,7 @@ import tempfile
 import time
 from collections import defaultdict
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any
 
@@ -73,22 +73,20 @@ def run(quick: bool, kills: int, seed: int) -> dict[str, Any]:
             rows[stage].add(error, undisturbed, place.taken())
             logger.info("%d of %d, killed in %s: %s", number + 1, count, stage, error or "finished")
     stages = [stage for stage in (*PRODUCERS.values(), "(start or report)") if stage in rows]
+    whole = sum(rows.values(), _Row())
     return {
-        "kills": count,
-        "finished": sum(row.finished for row in rows.values()),
-        "same": sum(row.same for row in rows.values()),
-        "leftovers": sum(len(row.left) for row in rows.values()),
+        **whole.figures(),
         "seconds_undisturbed": round(length, 1),
         "rows": [{"stage": stage, **rows[stage].figures()} for stage in stages],
-        "different": sorted({file for row in rows.values() for file in row.different}),
-        "left": sorted({file for row in rows.values() for file in row.left}),
-        "errors": [error for row in rows.values() for error in row.errors],
+        "different": sorted({*whole.different}),
+        "left": sorted({*whole.left}),
+        "errors": whole.errors,
     }
 
 
 @dataclass
 class _Row:
-    """What came of the runs that were killed in one stage."""
+    """The outcome of the runs that were killed in one stage, or in all."""
 
     kills: int = 0
     finished: int = 0
@@ -106,6 +104,9 @@ class _Row:
         self.different += different
         self.left += left
         self.errors += [error] if error else []
+
+    def __add__(self, other: _Row) -> _Row:
+        return _Row(**{part.name: getattr(self, part.name) + getattr(other, part.name) for part in fields(self)})
 
     def figures(self) -> dict[str, int]:
         return {"kills": self.kills, "finished": self.finished, "same": self.same, "leftovers": len(self.left)}

@@ -10,13 +10,13 @@ import time
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
-from typing import ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 from benchmarks._sentences.sources import Sentence, slug
 from vcage.base.errors import VcageError
 from vcage.base.files import RunFolder
 from vcage.schema.base import Document, Record
-from vcage.schema.episodes import Episodes
+from vcage.schema.episodes import Attempt, Episodes
 from vcage.schema.subtasks import Subtasks
 from vcage.stages.chain import STAGES, ChainOptions
 from vcage.stages.context import StageContext
@@ -47,6 +47,19 @@ class Tried(Record):
     stage: str
     reason: str
     truth: str
+
+    @classmethod
+    def of(cls, attempt: Attempt, template: str) -> Tried:
+        """The attempt of a log, at a sub-task of a template."""
+        verdict, truth = attempt.verdict, attempt.truth
+        return cls(
+            **attempt.model_dump(include={"subtask", "step", "attempt", "stage"}),
+            template=template,
+            true=truth.success if truth else None,
+            accepted=verdict.accepted if verdict else None,
+            reason=verdict.reason if verdict else attempt.reason,
+            truth=truth.reason if truth else "",
+        )
 
     @property
     def false_accepted(self) -> bool:
@@ -142,19 +155,8 @@ def _run(task: Whole, folder: Path) -> Ran:
     run, start = RunFolder(folder), time.perf_counter()
     code, reason = _through_verify(task.options, run)
     seconds = round(time.perf_counter() - start, 2)
-    templates, tried, wrong = _found(run)
-    said = task.sentence
-    return Ran(
-        sentence=said.text,
-        source=said.source,
-        seed=task.seed,
-        exit_code=code,
-        reason=reason,
-        templates=templates,
-        tried=tried,
-        wrong_episode=wrong,
-        seconds=seconds,
-    )
+    told = {"sentence": task.sentence.text, "source": task.sentence.source, "seed": task.seed}
+    return Ran(**told, exit_code=code, reason=reason, seconds=seconds, **_found(run))
 
 
 def _through_verify(options: ChainOptions, run: RunFolder) -> tuple[int, str]:
@@ -172,29 +174,21 @@ def _through_verify(options: ChainOptions, run: RunFolder) -> tuple[int, str]:
     return 0, f"refused by verify: {refused[0]}" if refused else ""
 
 
-def _found(run: RunFolder) -> tuple[list[str], list[Tried], str]:
+def _found(run: RunFolder) -> dict[str, Any]:
     """Templates of the chain, all attempts, and why an accepted episode is none, as far as the run came."""
     if not run.subtasks.exists():
-        return [], [], ""
+        return {"templates": [], "tried": [], "wrong_episode": ""}
     subtasks = Subtasks.read(run.subtasks)
     kept: dict[str, str] = {subtask.id: subtask.template for subtask in subtasks.kept}
     templates = list(dict.fromkeys(kept[name] for chain in subtasks.chains for name in chain.subtasks))
     if not run.episodes.exists():
-        return templates, [], ""
-    tried = [
-        Tried(
-            template=kept[attempt.subtask],
-            subtask=attempt.subtask,
-            step=attempt.step,
-            attempt=attempt.attempt,
-            true=attempt.truth.success if attempt.truth else None,
-            accepted=attempt.verdict.accepted if attempt.verdict else None,
-            stage=attempt.stage,
-            reason=attempt.verdict.reason if attempt.verdict else attempt.reason,
-            truth=attempt.truth.reason if attempt.truth else "",
-        )
-        for attempt in read_log(run.episodes.parent)
-    ]
+        return {"templates": templates, "tried": [], "wrong_episode": ""}
+    tried = [Tried.of(attempt, kept[attempt.subtask]) for attempt in read_log(run.episodes.parent)]
+    return {"templates": templates, "tried": tried, "wrong_episode": _wrong_episode(run)}
+
+
+def _wrong_episode(run: RunFolder) -> str:
+    """Why the first accepted episode at whose end not all goals hold is none; empty where there is none such."""
     accepted = [e for e in Episodes.read(run.episodes).episodes if e.accepted]
-    wrong = [e.goals_hold.reason for e in accepted if e.goals_hold and not e.goals_hold.success]
-    return templates, tried, wrong[0] if wrong else ""
+    wrong = (e.goals_hold.reason for e in accepted if e.goals_hold and not e.goals_hold.success)
+    return next(wrong, "")

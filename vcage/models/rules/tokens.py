@@ -162,18 +162,24 @@ def as_typed(instruction: str, text: str, start: int = 0, end: int = 0) -> str:
         start, end: where in the instruction they were read, in characters; what is found nowhere is quoted from there.
     """
     words = _words(instruction)
-    near = sorted(range(len(words)), key=lambda at: (words[at].start < start, at))
-    typed = [(at, words[at].text.removesuffix("'s")) for at in near]
-    found = [_place_of(word, typed) for word in text.split()]
-    places = [at for at in found if at is not None]
-    unread = {word for word, at in zip(text.split(), found, strict=True) if at is None} - {"of"}
-    if unread or not places:
+    places = _places_of(text, words, start)
+    if not places:
         return instruction[start:end].strip() or text
     first, last = min(places), max(places)
     between = (words[at].text for at in range(first, last) if at not in places)
     if all(word == "," or PHRASES.get((word,), ("word",))[0] == "article" for word in between):
         return instruction[words[first].start : words[last].end]
     return " ".join(instruction[words[at].start : words[at].end] for at in places)
+
+
+def _places_of(text: str, words: Sequence[_Word], start: int) -> list[int]:
+    """The places of the words that were typed for those of a text, those from ``start`` on first; none where a word is
+    found nowhere."""
+    near = sorted(range(len(words)), key=lambda at: (words[at].start < start, at))
+    typed = [(at, words[at].text.removesuffix("'s")) for at in near]
+    found = {word: _place_of(word, typed) for word in text.split()}
+    missing = {word for word, at in found.items() if at is None} - {"of"}
+    return [] if missing else [at for word in text.split() if (at := found[word]) is not None]
 
 
 def _place_of(word: str, typed: Sequence[tuple[int, str]]) -> int | None:
