@@ -99,7 +99,7 @@ def run(
 
 
 def drawn(first: int, robot: str, part: str, quick: bool) -> list[Draw]:
-    """What is made in any case; see :func:`run`."""
+    """The outcomes that are made in any case; see :func:`run`."""
     count, subtasks, asked = (1, 5, 2) if quick else (DRAWS, SUBTASKS, ASKED)
     of_templates = [Draw(scene, first + n, robot, subtasks, part) for n in range(count) for scene in SCENES]
     chosen = map(slug, dict.fromkeys(by_template().values())) if quick else (s for s in settings() if s not in SCENES)

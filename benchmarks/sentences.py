@@ -30,7 +30,7 @@ REFUSED = "refused"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """What can be chosen."""
+    """The options of this benchmark."""
     parser.add_argument("--seeds", type=int, default=1, help="runs of each sentence, with seeds from 0 on")
     parser.add_argument("--robot", help="which one (default: that of the scene)")
     parser.add_argument("--only", default="", metavar="SUBSTRING", help="sentences that have this in them")
@@ -100,7 +100,7 @@ def told(one: Ran) -> list[str]:
 
 
 def figures(done: Sequence[Ran]) -> dict[str, Any]:
-    """What is printed: rows by template and of all, and each sentence."""
+    """The figures to print: rows by template and of all, and each sentence."""
     rows = []
     for name in [*TEMPLATES, REFUSED]:
         of_it = [one for one in done if name in (one.templates or [REFUSED])]

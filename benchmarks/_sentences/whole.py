@@ -73,7 +73,7 @@ class Tried(Record):
 
 
 class Ran(Document):
-    """What came of a sentence."""
+    """The outcome of a sentence that was run whole."""
 
     SCHEMA: ClassVar[str] = "vcage.benchmarks.sentence/1"
 

@@ -1,4 +1,4 @@
-"""What the benchmark of kills compares."""
+"""Compare the files of killed runs with those of an undisturbed one."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is filled and then moved."""
+"""Things that are filled and then moved."""
 
 from __future__ import annotations
 

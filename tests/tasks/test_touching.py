@@ -1,4 +1,4 @@
-"""What an arm and its load may touch on their way."""
+"""Contacts of an arm and its load on their way."""
 
 from __future__ import annotations
 

@@ -66,7 +66,7 @@ def require_key(provider: Provider) -> str:
 
 
 def open_to_others(path: Path) -> bool:
-    """Whether other users of the machine may read a file or write to it; False where it is not there."""
+    """Check if other users of the machine may read a file or write to it; False where it is not there."""
     return os.name == "posix" and path.exists() and bool(path.stat().st_mode & 0o077)
 
 

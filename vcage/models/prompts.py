@@ -60,7 +60,7 @@ def fill(name: str, **values: object) -> Prompt:
 
 
 def _value(value: object) -> object:
-    """What stands for a placeholder: only the prompt begins lines, never the words of an object or an instruction."""
+    """Return the text for a placeholder on one line: words of an object or an instruction never begin a line."""
     return one_line(value) if isinstance(value, str) else value
 
 

@@ -58,7 +58,7 @@ class Action:
         return self.adds.union(kept)
 
     def _carried(self, state: State) -> set[str]:
-        """What moves along: what lies in the object that is moved, and what lies in or on that."""
+        """Name the objects that move along: those in the object that is moved, and those in or on them."""
         if not self.along:
             return set()
         lying = {g.subject: g for g in state if g.relation in HOLDING}
@@ -73,7 +73,7 @@ class Action:
 
 
 def _within(goal: Goal, moved: set[str]) -> bool:
-    """Whether a goal says where a thing lies among those that are moved together."""
+    """Check if a goal says where a thing lies among those that are moved together."""
     return goal.relation in HOLDING and goal.subject in moved and goal.reference in moved
 
 

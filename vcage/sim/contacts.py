@@ -70,7 +70,7 @@ class ContactNames:
     def presses(
         self, names: Collection[str], contacts: Iterable[sapien.physx.PhysxContact]
     ) -> Iterator[tuple[str, str, float]]:
-        """What some objects or arms press on: their own name, the other's, and the impulse of the last step, N s.
+        """Yield the contacts of objects or arms that press: own name, the other's, impulse of the last step in N s.
 
         Arms are named ``<arm>/<link>``. Contacts within one object or arm are left out.
 

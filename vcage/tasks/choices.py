@@ -124,7 +124,7 @@ class Choices:
         return operation, plan
 
     def _leading_on(self, target: SceneObject, slot: Slot | None, hand_to: str | None) -> LeadsOn | None:
-        """What a grasp must lead to: a slot, a hand-over, or nothing."""
+        """Return the check of where a grasp must lead: to a slot or a hand-over; None where it need not lead on."""
         if hand_to is not None:
             return self._handing(target.id, hand_to, slot).leads_on
         if slot is None:

@@ -1,4 +1,4 @@
-"""What is to be filled and then moved: it is carried with its contents, if it can be held so that they stay in it."""
+"""Things that are filled and then moved are carried with their contents, if they can be held level."""
 
 from __future__ import annotations
 

@@ -79,8 +79,7 @@ class Rehearsal(Task):
         """Nothing."""
 
     def place(self, receptacle_id: str = TABLE, point: int | None = None) -> None:
-        """What was picked is in its slot with its contents, at that of its headings there that is nearest for the arm
-        that picked it."""
+        """Bring what was picked, with its contents, to its slot, at the heading that is nearest for its arm."""
         if self.slot is not None:
             plan, arm = self._picked, self._cell.planner(self._picked.arm).kinematics
             held = plan.target.pose.inverse() * plan.way.grasp

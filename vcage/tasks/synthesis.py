@@ -65,7 +65,7 @@ def note_python() -> None:
 
 @dataclass(frozen=True)
 class Script:
-    """What the robot does for a sub-task, and what the critic is asked: generated, or loaded from a file.
+    """The motions of a sub-task and the question to the critic: generated, or loaded from a file.
 
     Args:
         path: where it lies; of a generated one the name that its file has.
@@ -84,7 +84,7 @@ class Script:
         self.values["GRASPS"][:] = _told(grasps)
 
     def tries(self, grasps: Sequence[Grasp]) -> bool:
-        """Whether it tries just these grasps."""
+        """Check if it tries just these grasps."""
         return self.values.get("GRASPS") == _told(grasps)
 
 

@@ -1,4 +1,4 @@
-"""What an arm, and what it holds, may touch on its way; anything else that it presses on ends the attempt."""
+"""Contacts on the way of an arm and of what it holds: only those that are allowed; any other ends the attempt."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from vcage.base.geometry import Pose
 from vcage.sim.world import PHYSICS_HZ, World
 
 By = Literal["load", "fingers", "hand"]
-"""What touches: the held object or what lies in it, the fingers, or any link of the arm."""
+"""The toucher: the held object or what lies in it, the fingers, or any link of the arm."""
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ SETTINGS = TouchSettings()
 
 @dataclass(frozen=True)
 class Allowance:
-    """What may be touched on a motion, or on the part of it that is near a point.
+    """An allowed contact on a motion, or on the part of it that is near a point.
 
     Args:
         by: what touches; what the hand may touch the fingers may touch too.
@@ -51,14 +51,14 @@ class Allowance:
     around: Pose | None = None
 
     def allows(self, by: By, other: str, gripper: Pose) -> bool:
-        """Whether something may touch ``other`` while the gripper is at a pose."""
+        """Check if something may touch ``other`` while the gripper is at a pose."""
         if other not in self.others or by not in ((self.by, "fingers") if self.by == "hand" else (self.by,)):
             return False
         return self.around is None or float(np.linalg.norm((gripper.p - self.around.p)[:2])) <= SETTINGS.near_m
 
 
 def at_rest(gripper: Pose, object_id: str, beside: Iterable[str]) -> list[Allowance]:
-    """What is allowed where an object is taken or put down.
+    """Return the contacts that are allowed where an object is taken or put down.
 
     Args:
         gripper: its pose there.

@@ -170,7 +170,7 @@ class Workcell:
         return "grasp" if load is None else "place", f"{mine} touches {other} on its way"
 
     def beside(self, object_id: str) -> frozenset[str]:
-        """What an object lies in, on or against, by their boxes: ids of other objects and ``table``.
+        """Name what an object lies in, on or against, by their boxes: ids of other objects and ``table``.
 
         Contacts do not tell: the physics engine reports none of what is asleep.
         """

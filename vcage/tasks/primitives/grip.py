@@ -1,4 +1,4 @@
-"""Grip: what is in which hand, how it hangs there, and whether the fingers still hold it."""
+"""Grip: an object in a hand, how it hangs there, and a check that the fingers still hold it."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ SETTINGS = CarrySettings()
 
 @dataclass(frozen=True)
 class Grip:
-    """What is in which hand, and how it moves with it.
+    """An object in a hand, and how it moves with it.
 
     Args:
         arm: its name.
@@ -80,7 +80,7 @@ def sag(target: SceneObject, contact: ContactPoint) -> float:
 
 
 def stays_level(target: SceneObject) -> bool:
-    """Whether an object can be carried without turning between the fingers: only then what lies in it stays there."""
+    """Check if an object can be held so that it does not turn between the fingers, and its contents stay in it."""
     return any(sag(target, contact) == 0 for contact in target.asset.annotation.carrying_points)
 
 
@@ -98,7 +98,7 @@ def feel(cell: Workcell, grip: Grip) -> None:
 
 @contextmanager
 def minding(cell: Workcell, grip: Grip) -> Iterator[None]:
-    """Whatever is done inside, the fingers must hold something all the time: also while it is lifted.
+    """Check all the time, also during the lift, that the fingers hold something.
 
     Raises:
         TaskFailed: they do not any more; what was being done ends there.

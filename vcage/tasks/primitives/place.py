@@ -230,7 +230,7 @@ def carry_out_place(cell: Workcell, plan: PlacePlan) -> None:
 
 
 def _around_place(cell: Workcell, plan: PlacePlan) -> set[str]:
-    """What an object may touch where it is put down, as the fingers may: ids of its contents, of what receives it, and
+    """Name what an object and the fingers may touch where it is put down: ids of its contents, of what receives it, and
     of what lies there besides."""
     if plan.receptacle == TABLE:
         return {TABLE, *plan.grip.contents}
