@@ -224,7 +224,7 @@ class World:
         return self._contact_names.touching(name, self.scene.get_contacts())
 
     def presses(self, names: Collection[str]) -> Iterator[tuple[str, str, float]]:
-        """Yield the contacts of objects (ids) or arms (names) that press: (own name, other's, last step's impulse in N s).
+        """Yield the contacts of objects (ids) or arms (names) that press: (own name, other's, last impulse in N s).
 
         An arm's own name is ``<arm>/<link>``.
         """
