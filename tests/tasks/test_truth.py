@@ -165,6 +165,20 @@ def test_what_lies_in_the_thing_that_is_moved_goes_along() -> None:
     assert others_stay(moved, watch).success
 
 
+def test_what_has_rolled_over_in_the_thing_that_is_moved_goes_along() -> None:
+    carrier, egg = thing("toolbox_tray"), thing("egg")
+    turned = egg.moved(Pose(egg.pose.p, [np.cos(0.45), np.sin(0.45), 0.0, 0.0]))
+    lying = turned.moved(Pose(turned.pose.p + [0, 0.04, TABLE_TOP + 0.003 - turned.lowest], turned.pose.q))
+    assert lying.aabb[0, 2] < carrier.aabb[0, 2] < lying.lowest  # the box around it reaches below the floor
+    world = world_of([carrier, lying])
+    watch = Watch(world, {o.id: o for o in (carrier, lying)})
+    for name in (carrier.id, lying.id):
+        was = world.object_pose(name)
+        world.set_object_pose(name, Pose(was.p + [0.2, 0, 0], was.q))
+    moved = marker_subtask().model_copy(update={"object": carrier.id, "receptacle": "table"})
+    assert others_stay(moved, watch).success
+
+
 def test_a_leaning_thing_is_as_low_as_its_lowest_point() -> None:
     marker = thing("marker")
     leaning = marker.moved(

@@ -210,16 +210,16 @@ FILLED: tuple[TemplateName, ...] = ("place", "set_down")
 """Sub-tasks that may carry an object with what lies in it."""
 
 
-def action_of(subtask: Subtask, thing: SceneObject) -> Action:
+def action_of(subtask: Subtask, thing: SceneObject | None = None) -> Action:
     """A sub-task as the planner sees it.
 
     Args:
         subtask: which.
-        thing: the object of the sub-task.
+        thing: the object of the sub-task; where it is not given, nothing may lie in it.
     """
     moves = subtask.object if subtask.receptacle is not None else None
     alone = subtask.receptacle if subtask.template == "weigh" else None
-    along = subtask.template in FILLED and stays_level(thing)
+    along = subtask.template in FILLED and thing is not None and stays_level(thing)
     return Action(subtask.id, frozenset(subtask.requires), frozenset(subtask.goals), moves, alone, along)
 
 

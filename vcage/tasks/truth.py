@@ -92,7 +92,7 @@ def _bears(below: SceneObject, thing: SceneObject) -> bool:
     """Whether a thing stands within the outline of another, and not lower."""
     middle = thing.aabb.mean(axis=0)[:2]
     (lower, upper), bottom = below.around_boxes[:, :2], below.around_boxes[0, 2]
-    return bool(np.all((lower <= middle) & (middle <= upper))) and thing.aabb[0, 2] >= bottom
+    return bool(np.all((lower <= middle) & (middle <= upper))) and thing.lowest >= bottom
 
 
 def _complaint(goal: Goal, objects: Mapping[str, SceneObject], watch: Watch | None) -> str | None:
