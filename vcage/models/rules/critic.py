@@ -218,7 +218,7 @@ class OfflineCritic:
 
     def _judge_shown(self, question: CriticQuestion, moved: str, still: str) -> _Told:
         one, other = (_sought(question, name, question.tops) for name in (moved, still))
-        held, stands = one.standing(question.before), other.standing(question.before)
+        held, stands = one.found(question.before), other.found(question.before)
         if held is None or stands is None:
             return refuse(f"the {(one if held is None else other).look.phrase} is not found", 0.5), _nowhere(question)
         evidence = gather_shown(
