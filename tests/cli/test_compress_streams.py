@@ -1,4 +1,4 @@
-"""What ``vcage compress INPUT`` says and does about colours, depth and labels."""
+"""``vcage compress INPUT`` on colours, depth and labels."""
 
 from __future__ import annotations
 

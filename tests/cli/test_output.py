@@ -74,7 +74,8 @@ def test_a_full_disk_is_partly_done_not_a_bug(capsys: pytest.CaptureFixture[str]
 
 STRAY = """
 import os, sys
-from vcage.cli.output import Result, run_cli, stray_output_on_stderr
+from vcage.cli.output import Result, run_cli
+from vcage.cli.streams import stray_output_on_stderr
 def work():
     with stray_output_on_stderr():
         print("from python")

@@ -7,8 +7,8 @@ import logging
 
 import pytest
 
-from vcage.cli.output import stray_output_on_stderr
 from vcage.cli.progress import progress, set_up, time_left
+from vcage.cli.streams import stray_output_on_stderr
 
 
 @pytest.mark.parametrize(

@@ -17,7 +17,8 @@ from tyro.constructors import PrimitiveConstructorSpec
 
 from vcage.base.errors import UsageError
 from vcage.base.options import Flag
-from vcage.cli.output import Result, print_text
+from vcage.cli.output import Result
+from vcage.cli.streams import print_text
 
 T = TypeVar("T")
 
@@ -92,7 +93,7 @@ class _Option:
         return named[0] if named else self.key.rpartition(".")[2].replace("_", "-")
 
     def is_said_by(self, words: Sequence[str]) -> bool:
-        """Whether words, which may come from a file of others, say this option and no other."""
+        """Check that words, which may come from a file of others, give this option and no other."""
         said = words if self.is_positional else words[1:]
         ours = self.is_positional or words[:1] in ([f"--{self.name}"], [f"--no-{self.name}"])
         return ours and not any(word.startswith("--") for word in said)

@@ -14,9 +14,10 @@ from typing import TYPE_CHECKING, Any
 from vcage.base.commands import CALLED, vcage_command
 from vcage.base.errors import UnknownName, UsageError
 from vcage.base.version import __version__
-from vcage.cli.output import Result, end_process, naming_stages, print_text, run_cli, stray_output_on_stderr
+from vcage.cli.output import Result, end_process, naming_stages, run_cli
 from vcage.cli.process import prepare, require_fit
 from vcage.cli.progress import set_up
+from vcage.cli.streams import print_text, stray_output_on_stderr
 
 if TYPE_CHECKING:
     from vcage.cli.arguments import Command, CommonOptions

@@ -8,21 +8,17 @@ stderr.
 from __future__ import annotations
 
 import contextlib
-import ctypes
 import errno
 import gc
-import json
 import logging
 import os
 import signal
-import sys
 import threading
 from collections.abc import Callable, Iterator
-from contextvars import ContextVar
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import FrameType
-from typing import Any, ParamSpec, TextIO
+from typing import Any, ParamSpec
 
 from vcage.base.commands import CALLED, vcage_command
 from vcage.base.errors import (
@@ -36,6 +32,7 @@ from vcage.base.errors import (
 )
 from vcage.base.files import NO_ROOM, RunFolder
 from vcage.cli.process import LIMITS, folder_is_gone, removed_folder
+from vcage.cli.streams import complain, print_record, print_text
 
 logger = logging.getLogger(__name__)
 
@@ -133,7 +130,7 @@ def naming_stages(run: Path | None) -> Iterator[None]:
 
 
 def _of_the_machine(error: Exception) -> VcageError | None:
-    """What an error of the system, or of a package of others, means to the user; None for a bug."""
+    """Translate an error of the system or of a package of others for the user; None for a bug."""
     if isinstance(error, MemoryError):
         return PartlyDone("not enough memory", hint="free some, or run the same command again with fewer --workers")
     if isinstance(error, RuntimeError) and "home directory" in str(error):
@@ -244,107 +241,12 @@ def _report(record: dict[str, Any], code: int, complaint: str = "", text: str = 
     """Say on stderr what went wrong, print text and record; the exit code, that of a full disk where stdout takes
     nothing and nothing else went wrong."""
     if complaint:
-        _complain(complaint)
+        complain(complaint)
     try:
         if text:
             print_text(text)
         print_record(record)
     except OSError as error:
-        _complain(f"the result cannot be written to stdout: {error.strerror} (run the same command again)")
+        complain(f"the result cannot be written to stdout: {error.strerror} (run the same command again)")
         return code or DiskFull.exit_code
     return code
-
-
-def _complain(text: str) -> None:
-    """One line on stderr, if that takes any."""
-    try:
-        sys.stderr.write(f"vcage: error: {text}\n")
-        sys.stderr.flush()
-    except OSError:
-        _lead_nowhere(sys.stderr)
-
-
-def print_record(record: dict[str, Any]) -> None:
-    """Print a line of JSON to stdout, also inside :func:`stray_output_on_stderr`."""
-    print_text(json.dumps(record, ensure_ascii=not _can_print(json.dumps(record, ensure_ascii=False))))
-
-
-def _can_print(text: str) -> bool:
-    try:
-        text.encode(_stdout().encoding or "utf-8")
-    except UnicodeEncodeError:
-        return False
-    return True
-
-
-def print_text(text: str) -> None:
-    """Print to stdout, also inside :func:`stray_output_on_stderr`; a reader that went away (``| head``) is no error.
-
-    Raises:
-        OSError: stdout takes nothing; it leads nowhere from now on.
-    """
-    try:
-        _stdout().write(text + "\n")
-        _stdout().flush()
-    except OSError as error:
-        _lead_nowhere(_stdout())
-        if not isinstance(error, BrokenPipeError):
-            raise
-
-
-def _lead_nowhere(stream: TextIO) -> None:
-    """Let a stream take all and keep nothing: the interpreter flushes it once more at exit, which must not complain."""
-    nowhere = os.open(os.devnull, os.O_WRONLY)
-    os.dup2(nowhere, stream.fileno())
-    os.close(nowhere)
-
-
-_real_stdout: ContextVar[TextIO | None] = ContextVar("real_stdout", default=None)
-"""Where our lines go while stray output goes to stderr."""
-
-
-def _stdout() -> TextIO:
-    return _real_stdout.get() or sys.stdout
-
-
-@contextlib.contextmanager
-def stray_output_on_stderr() -> Iterator[None]:
-    """Send to stderr what libraries print to stdout, so that the last line of stdout is ours.
-
-    Works on the file descriptor, since SAPIEN and others print from C++; those buffers are flushed at the end.
-    """
-    if not _stdout_is_the_process_own():
-        with _printing_to(sys.stdout), contextlib.redirect_stdout(sys.stderr):
-            yield
-        return
-    libc = ctypes.CDLL(None)
-    encoding, errors = sys.stdout.encoding, sys.stdout.errors
-    with os.fdopen(os.dup(1), "w", encoding=encoding, errors=errors) as real:
-        os.dup2(2, 1)
-        try:
-            with (
-                _printing_to(real if sys.stdout is sys.__stdout__ else sys.stdout),
-                contextlib.redirect_stdout(sys.stderr),
-            ):
-                yield
-        finally:
-            libc.fflush(None)
-            os.dup2(real.fileno(), 1)
-
-
-@contextlib.contextmanager
-def _printing_to(stream: TextIO) -> Iterator[None]:
-    """Let our own lines go to a stream."""
-    before = _real_stdout.set(stream)
-    try:
-        yield
-    finally:
-        _real_stdout.reset(before)
-
-
-def _stdout_is_the_process_own() -> bool:
-    """False where a test or a host program has put something else in place of stdout."""
-    try:
-        return sys.__stdout__ is not None and sys.__stdout__.fileno() == 1
-    except ValueError:
-        return False

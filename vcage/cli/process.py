@@ -58,7 +58,7 @@ def require_fit() -> None:
 
 
 def folder_is_gone() -> bool:
-    """Whether the current folder was removed."""
+    """Check whether the current folder was removed."""
     try:
         Path.cwd()
     except FileNotFoundError:

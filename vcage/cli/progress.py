@@ -12,7 +12,7 @@ from contextvars import ContextVar
 from typing import Literal
 
 from vcage.base.progress import Progress
-from vcage.cli.output import print_record
+from vcage.cli.streams import print_record
 
 logger = logging.getLogger(__name__)
 

@@ -13,9 +13,10 @@ from tyro.conf import arg
 from vcage.base.commands import CALLED, joined
 from vcage.base.options import FOLDER
 from vcage.cli.arguments import parse, words
-from vcage.cli.output import Result, end_process, naming_stages, run_cli, stray_output_on_stderr
+from vcage.cli.output import Result, end_process, naming_stages, run_cli
 from vcage.cli.progress import set_up
 from vcage.cli.stage import StageCommand, execute_stage
+from vcage.cli.streams import stray_output_on_stderr
 from vcage.stages import collect
 from vcage.stages.running import at_work
 

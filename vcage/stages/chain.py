@@ -26,6 +26,7 @@ from vcage.stages import (
     verify,
 )
 from vcage.stages.context import StageContext
+from vcage.stages.ranges import required_ranges
 from vcage.stages.running import Stage, at_work, timed
 from vcage.stages.stage import StageResult
 
@@ -67,7 +68,7 @@ class ChainOptions(
             UsageError: there is neither, or both; says the way out.
             UnknownName, MissingStage, InputFileError: there are no such ranges, or they are not possible.
         """
-        collect.required_ranges(self)
+        required_ranges(self.randomise, self.layout)
         if self.instruction is None and not self.all_subtasks:
             raise UsageError(
                 "there is no instruction",

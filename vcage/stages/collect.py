@@ -12,7 +12,6 @@ examples:
 from __future__ import annotations
 
 import logging
-from collections import Counter
 from collections.abc import Collection
 from dataclasses import dataclass, replace
 from functools import cache, lru_cache, partial
@@ -21,14 +20,13 @@ from typing import Annotated, Any, Literal
 
 from tyro.conf import UseAppendAction
 
-from vcage.base.errors import TooFewVerified, UsageError
+from vcage.base.errors import TooFewVerified
 from vcage.base.files import RunFolder, sha256_file
 from vcage.base.memory import free_memory
 from vcage.base.options import FILE, NATURAL, POSITIVE, RANGES, UNSAID
 from vcage.base.progress import Progress, silent
 from vcage.base.workers import Processes, ThisProcess, cores
 from vcage.schema.episodes import Accept, Attempt, Episode, Episodes
-from vcage.schema.randomisation import Randomisation
 from vcage.schema.subtasks import Subtasks
 from vcage.sim.robots import load_randomisation
 from vcage.stages.context import StageContext
@@ -43,6 +41,8 @@ from vcage.stages.edits import (
 from vcage.stages.episode_runner import EpisodeRunner
 from vcage.stages.episode_store import EpisodeStore
 from vcage.stages.named_scripts import named_scripts, unnamed_edits
+from vcage.stages.ranges import required_ranges
+from vcage.stages.shortfall import never_verified, shortfall
 from vcage.stages.stage import Job, ModelOptions, StageResult, stage_seed
 from vcage.stages.wanted import Wanted
 from vcage.tasks.setting import OnFailure
@@ -101,7 +101,7 @@ def job(run: RunFolder, options: Options, context: StageContext) -> Job:
     no episode: processes, and how long one may take."""
     scripts = {name: sha256_file(path) for name, path in named_scripts(run, options.script).items()}
     planned = [run.plan] if options.layout == "varied" and run.plan.exists() else []
-    ranges = required_ranges(options, lone=run.subtasks.exists() and not run.plan.exists())
+    ranges = required_ranges(options.randomise, options.layout, lone=run.subtasks.exists() and not run.plan.exists())
     return Job(
         run=run,
         output=run.episodes,
@@ -115,33 +115,12 @@ def job(run: RunFolder, options: Options, context: StageContext) -> Job:
     )
 
 
-def required_ranges(options: Options, lone: bool = False) -> Randomisation:
-    """The ranges that the options name; what takes other room than the run's objects has layouts that give it that.
-
-    Args:
-        options: of the stage.
-        lone: whether a script runs alone, which has no plan to draw layouts by.
-
-    Raises:
-        UsageError: it has not.
-        UnknownName, MissingStage, InputFileError: there are no such ranges, or they are not possible.
-    """
-    ranges = load_randomisation(options.randomise)
-    if (ranges.world.variants or ranges.world.clutter[1]) and (options.layout == "fixed" or lone):
-        raise UsageError(
-            f"{ranges.name} asks for other variants or for clutter, which need layouts that are drawn"
-            + (", and a sub-task that runs alone has none" if lone else ", not --layout fixed"),
-            hint="leave out --layout, or give --randomise a file with variants: false and clutter: [0, 0]",
-        )
-    return ranges
-
-
 def summary(record: Episodes) -> dict[str, Any]:
     """A few facts for whoever ran the stage."""
     return {
         "accepted": sum(e.accepted for e in record.episodes),
         "rejected": sum(not e.accepted for e in record.episodes),
-        "never_verified": _never_verified(record),
+        "never_verified": never_verified(record),
         "attempts": record.attempts,
         "silent_failures": sum(not e.goals_hold.success for e in record.episodes if e.accepted and e.goals_hold),
         "disagreements": {
@@ -182,7 +161,7 @@ def execute(
             f"none of {len(record.episodes)} episodes was verified: {record.episodes[-1].reason}",
             hint=f"see {run.episodes.parent / 'log.jsonl'}; another --seed gives another layout",
         )
-    grown, short = done is not None, _shortfall(record, wanted)
+    grown, short = done is not None, shortfall(record, wanted)
     return StageResult(record, run.episodes, fresh=True, grown=grown, short=short, notes=notes)
 
 
@@ -218,35 +197,6 @@ def _verified(run: RunFolder, episode: Episode, record: Episodes) -> bool:
     judged = record.accept == "state" or all(v.accepted for v in episode.verdicts)
     holds = record.accept == "critic" or (episode.goals_hold is not None and episode.goals_hold.success)
     return there and episode.subtasks == chain.subtasks and judged and holds
-
-
-def _shortfall(record: Episodes, wanted: Wanted) -> TooFewVerified | None:
-    """The error of a collection that has fewer verified episodes than were asked for; what it has is whole."""
-    missing, ran = wanted.missing(record.episodes), len(record.episodes)
-    if missing == 0:
-        return None
-    reasons = Counter(episode.reason for episode in record.episodes if not episode.accepted)
-    asked, never = wanted.total, _never_verified(record)
-    without = f"; none of {len(never)} of {wanted.chains} sub-tasks" if never else ""
-    return TooFewVerified(
-        f"asked for {asked} episodes, verified {asked - missing} of the {ran} that were run{without}: "
-        f"{reasons.most_common(1)[0][0]}",
-        hint="those that were verified are kept; another --seed gives another layout",
-        details={
-            "asked": asked,
-            "verified": asked - missing,
-            "ran": ran,
-            "never_verified": never,
-            "reasons": dict(reasons.most_common(5)),
-        },
-    )
-
-
-def _never_verified(record: Episodes) -> dict[str, str]:
-    """What no episode was verified of, and why the last one was not, by id of the sub-tasks."""
-    verified = {episode.chain for episode in record.episodes if episode.accepted}
-    last = {episode.chain: episode.reason for episode in record.episodes if episode.chain not in verified}
-    return {" ".join(record.chains[number].subtasks): reason for number, reason in last.items()}
 
 
 # --- as many episodes as are wanted --------------------------------------------------------------------
