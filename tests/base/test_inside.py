@@ -1,4 +1,4 @@
-"""What a record names stays in the run folder, and nothing in that folder leads elsewhere."""
+"""Paths in records stay in the run folder, and nothing in that folder leads elsewhere."""
 
 from __future__ import annotations
 

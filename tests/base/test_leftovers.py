@@ -1,4 +1,4 @@
-"""What a killed process left goes; what belongs to a living one, or to others, stays."""
+"""Leftovers of killed processes go; files of living ones, or of others, stay."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a killed process was writing is mended, and what one that lives writes is left alone."""
+"""Half-written work of a killed process is mended; that of a living one is left alone."""
 
 from __future__ import annotations
 

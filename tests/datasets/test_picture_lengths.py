@@ -1,4 +1,4 @@
-"""What files say of their encoded pictures stays true of those that are put back."""
+"""Statements of files about their encoded pictures stay true of those that are put back."""
 
 from __future__ import annotations
 

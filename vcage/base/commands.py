@@ -31,7 +31,7 @@ def _program() -> list[str]:
 
 
 def goes_on_with(command: str, run: Path, subcommands: Collection[str]) -> bool:
-    """Whether a command that a file of a run folder gives is one of ours on that run, and names nothing to execute.
+    """Check that a command from a file of a run folder is one of ours on that run, and names nothing to execute.
 
     The folder may come from someone else, and whoever reads an error may run what it says.
     """

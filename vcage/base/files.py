@@ -203,7 +203,7 @@ def maker_of(path: Path) -> str:
 OWN = frozenset(
     (*PRODUCERS, "renders", "exchanges", "ask", "report", "timings", "options", "unfinished", "in-use", "probe")
 )
-"""What is ours in a run folder, up to the first dot."""
+"""Names of our files and folders in a run folder, up to the first dot."""
 
 
 class RunFolder:

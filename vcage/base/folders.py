@@ -47,12 +47,12 @@ def natural_path(path: Path) -> tuple[NaturalKey, ...]:
 
 
 def is_hidden(name: str) -> bool:
-    """Whether a name is the system's or a tool's, not a user's."""
+    """Check for a name of the system or a tool, not a user's."""
     return name.startswith(".")
 
 
 def entries(folder: Path) -> list[Path]:
-    """What lies in a folder, in natural order, without hidden names.
+    """List a folder in natural order, without hidden names.
 
     Raises:
         InputFileError: the folder cannot be read.
@@ -65,7 +65,7 @@ def entries(folder: Path) -> list[Path]:
 
 
 def holds_nothing(folder: Path) -> bool:
-    """Whether a path is a folder with hidden names at most."""
+    """Check for a folder that is empty but for hidden names."""
     return folder.is_dir() and not entries(folder)
 
 

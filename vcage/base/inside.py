@@ -1,4 +1,4 @@
-"""What stays inside a folder: relative paths that records hold, and folders in which nothing leads elsewhere.
+"""Keep to a folder: relative paths in records stay inside, and nothing in it leads elsewhere.
 
 A run folder may come from someone else. A path in one of its records is typed (:mod:`vcage.schema.base`) and is refused
 where it could lead out of it; a folder or file of a run that is a link, or neither folder nor file, is refused before
@@ -34,7 +34,7 @@ LIMITS = PathLimits()
 
 
 def path_complaint(path: str, up: int = 0) -> str | None:
-    """What is wrong with a path that should be relative and stay inside a folder; None where nothing is.
+    """Say why a path is not relative or leaves its folder; None for a good one.
 
     Args:
         path: with forward slashes.
@@ -58,7 +58,7 @@ def path_complaint(path: str, up: int = 0) -> str | None:
 
 
 def name_complaint(name: str) -> str | None:
-    """What is wrong with the bare name of a file; None where nothing is."""
+    """Say why this is not the bare name of a file; None for a good one."""
     return f"expected the bare name of a file, got {name[:80]!r}" if "/" in name else path_complaint(name)
 
 
@@ -88,7 +88,7 @@ def require_no_links(root: Path, names: Collection[str]) -> None:
 
 
 def _entries(folder: Path) -> Iterator[os.DirEntry[str]]:
-    """What a folder holds; nothing where it is gone meanwhile."""
+    """List a folder; nothing if it is gone meanwhile."""
     try:
         with os.scandir(folder) as entries:
             yield from entries

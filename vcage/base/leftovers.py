@@ -1,4 +1,4 @@
-"""What a killed process leaves behind, and temporary folders that the next one removes in that case.
+"""Remove what killed processes left behind, and make temporary folders that can be removed so.
 
 A temporary folder is locked by its process, however that ends, so one that can be locked belongs to nobody any more.
 """

@@ -14,7 +14,7 @@ REPLACED = ".replaced-"
 
 
 def is_written(part: Path) -> bool:
-    """Whether another process of this machine, by the number in the name, is still at work on something partial."""
+    """Check whether the process whose number is in the name still runs on this machine, and is not this one."""
     number = part.name.partition(PARTIAL)[2].partition(".")[0]
     if not number.isdecimal() or int(number) == os.getpid():
         return False

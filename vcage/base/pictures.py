@@ -68,7 +68,7 @@ FORMATS = tuple(dict.fromkeys(name for name, _ in _READERS.values()))
 
 @dataclass(frozen=True)
 class PictureHeader:
-    """What the header of a picture file states.
+    """Format and size in the header of a picture file.
 
     Args:
         format: one of :data:`FORMATS`.
@@ -152,7 +152,7 @@ def _channels(image: Image.Image) -> np.ndarray:
 
 
 def _holds_words(image: Image.Image) -> bool:
-    """Whether a picture is grey with 16 bits; older versions of Pillow widen those of a PNG to 32."""
+    """Check for a grey picture of 16 bits; older versions of Pillow widen those of a PNG to 32."""
     return image.mode.startswith("I;16") or (image.mode == "I" and isinstance(image, PngImagePlugin.PngImageFile))
 
 

@@ -22,7 +22,7 @@ SAFE_PATH = "PYTHONSAFEPATH"
 """Python's switch: nothing is imported from the current folder."""
 
 UNTOLD = "ignore:resource_tracker:UserWarning"
-"""What libraries open in a process that is killed, Python's resource tracker removes, and would tell the user."""
+"""Hides a warning: Python's resource tracker reports what it removes after a process was killed."""
 
 
 _preloaded: list[str] = []

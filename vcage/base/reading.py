@@ -175,7 +175,7 @@ def _object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
 
 
 def _is_deep(value: Any, depth: int) -> bool:
-    """Whether more lists and objects than that lie inside each other."""
+    """Check for more than ``depth`` lists and objects inside each other."""
     level = [value]
     for _ in range(depth + 1):
         level = [item for item in level if isinstance(item, (list, dict))]

@@ -1,4 +1,4 @@
-"""What a worker process does: takes its work, answers each task, and ends with the process that began it."""
+"""A worker process takes its work, answers each task, and ends with the process that began it."""
 
 from __future__ import annotations
 
@@ -16,12 +16,11 @@ from typing import Any
 from vcage.base.errors import UsageError
 
 DONE, FAILED, SAID = range(3)
-"""What a process sends: a result, an error, or a record of its log."""
+"""Kinds of messages: a result, an error, or a record of the log."""
 
 
 def serve(connection: Connection, level: int, environment: Mapping[str, str]) -> None:
-    """What a process does: takes the work, then answers each task with (DONE, result) or (FAILED, error), until it is
-    ended.
+    """Take the work, then answer each task with (DONE, result) or (FAILED, error), until the process is ended.
 
     Args:
         connection: to the process that gives work and tasks.
@@ -52,7 +51,7 @@ def serve(connection: Connection, level: int, environment: Mapping[str, str]) ->
 
 
 def _loaded(pickled: bytes) -> Any:
-    """What was sent to this process.
+    """Return what was sent to this process.
 
     Raises:
         UsageError: the script of the process that sent it defines it, which is not run here.

@@ -1,4 +1,4 @@
-"""What an HDF5 file of others may hold: its own data alone.
+"""Require that an HDF5 file of others holds its own data alone.
 
 HDF5 can take data from elsewhere in several ways: external storage of a dataset, virtual datasets, external links, and
 links of kinds that programs define. A file that uses one is refused, so that none brings the content of other files
@@ -25,7 +25,7 @@ COPY = "copy the data into the file itself (h5repack, or h5py), or leave it out"
 
 
 def address(one: h5py.HLObject) -> int:
-    """What tells an object of a file from others, whatever its names."""
+    """Identity of an object in a file, whatever its names."""
     return int(h5o.get_info(one.id).addr)
 
 

@@ -76,7 +76,7 @@ def damage(path: Path, *, writing: bool = False) -> Iterator[None]:
 
 
 WRITTEN = "already open for write"
-"""What HDF5 says of a file that is marked as being written."""
+"""Part of HDF5's message about a file that is marked as being written."""
 
 SIGNATURE, FLAGS_AT = b"\x89HDF\r\n\x1a\n", 11
 """Begins a superblock; and where its consistency flags are, bytes from there on."""

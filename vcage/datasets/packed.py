@@ -116,7 +116,7 @@ def _rebuilt(source: Path, target: Path) -> Iterator[tuple[h5py.File, h5py.File]
 
 
 def _is_own(dataset: h5py.Dataset | h5py.Group | None) -> bool:
-    """Whether a dataset holds pictures itself."""
+    """Check for a dataset that holds pictures itself."""
     return isinstance(dataset, h5py.Dataset) and bool(dataset.shape and dataset.size) and read_link(dataset) is None
 
 

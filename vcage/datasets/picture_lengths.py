@@ -1,4 +1,4 @@
-"""What files say beside their encoded pictures of how these are stored, and how it stays true when they change.
+"""Lengths and encodings that files state of their pictures, and how they stay true when those change.
 
 ACT++ pads all JPEGs of an episode to one length and keeps how long each was: ``/compress_len``, a row for each camera,
 with the attribute ``compress`` of the file. Its readers cut a picture there. Files that were made after its example
@@ -169,7 +169,7 @@ def update_encoding(file: h5py.File, keys: Collection[str], *, raw: bool) -> Non
 
 
 def _holds_encoded(file: h5py.File, key: str) -> bool:
-    """Whether encoded pictures lie beside a dataset: those of cameras that were not put back as arrays."""
+    """Check for encoded pictures beside a dataset, of cameras that were not put back as arrays."""
     beside = (item for item in file[key].parent.values() if isinstance(item, h5py.Dataset) and item.shape)
     return any(picture_kind(item) != ARRAY for item in beside)
 

@@ -34,7 +34,7 @@ WITH_ALPHA = ("png", "webp", "tiff")
 turned, which OpenCV ignores where it is to leave a picture unchanged."""
 
 UNREADABLE = (OSError, EOFError, ValueError, KeyError, TypeError, SyntaxError, struct.error)
-"""What Pillow raises on the head of a damaged file."""
+"""Errors of Pillow on the head of a damaged file."""
 
 PNG_HEAD = 26
 """Bytes at the start of a PNG file, of which the one before the last says how many bits a channel has."""
@@ -55,7 +55,7 @@ def storage_of(data: bytes, what: str) -> str:
 
 
 def sixteen_bits(data: bytes) -> bool:
-    """Whether a picture file has more than 8 bits a channel, as depth has; it is not decoded."""
+    """Check a picture file for more than 8 bits a channel, as depth has, without decoding it."""
     try:
         return picture_bits(io.BytesIO(data)) > 8
     except UNREADABLE:  # which is complained of where it is decoded

@@ -66,7 +66,7 @@ class Asset:
 
     @cached_property
     def round(self) -> bool:
-        """Whether it is about as wide in every direction seen from above, so that its heading is of no matter."""
+        """Check that it is about as wide in every direction seen from above, so that its heading does not matter."""
         angles = np.linspace(0, np.pi, ROUND_ANGLES, endpoint=False)
         points = np.concatenate([piece.vertices for piece in self.pieces])[:, :2]
         widths = np.ptp(points @ np.stack([np.cos(angles), np.sin(angles)]), axis=0)
@@ -154,7 +154,7 @@ class Asset:
 
 
 def unbuilt_entry(annotation: Annotation) -> CatalogueEntry:
-    """What is known of a kind without its model."""
+    """Facts about a kind that need no model."""
     return CatalogueEntry(
         name=annotation.name,
         words=annotation.words,

@@ -105,7 +105,7 @@ def _image(header: dict[str, Any], binary: bytes, image: dict[str, Any], files: 
 
 
 def _content(uri: str | None, binary: bytes, files: MeshFiles) -> bytes:
-    """What a URI stands for; without one, the binary chunk."""
+    """Return the content of a URI; without one, the binary chunk."""
     if uri is None:
         return binary
     return files.get(uri) if _is_file(uri) else base64.b64decode(uri.partition(",")[2])

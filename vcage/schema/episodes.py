@@ -61,7 +61,7 @@ class Truth(Record):
 
 
 def accepts(accept: Accept, verdict: Verdict, truth: Truth) -> bool:
-    """Whether a sub-task with this verdict and this truth is accepted."""
+    """Check whether a sub-task with this verdict and this truth is accepted."""
     judges = {"critic": [verdict.accepted], "state": [truth.success], "both": [verdict.accepted, truth.success]}
     return all(judges[accept])
 
@@ -88,7 +88,7 @@ class Attempt(Record):
 
     @property
     def disputed(self) -> bool:
-        """Whether critic and simulator state were both asked and disagree."""
+        """Check whether critic and simulator state were both asked and disagree."""
         return self.verdict is not None and self.truth is not None and self.verdict.accepted != self.truth.success
 
 

@@ -160,7 +160,7 @@ def _sweep(run: RunFolder, folder: Path) -> None:
 
 
 def _made(path: Path) -> dict[str, Any] | None:
-    """What a render says of itself; None for what a killed call left, or what is no render of ours."""
+    """Read the record of a render; None for what a killed call left, or for no render of ours."""
     with suppress(DamagedFile, OSError, KeyError, ValueError, TypeError), open_hdf5_file(path) as file:
         made = {**json.loads(file["meta/render"][()]), "frames": len(file["timestamp"])}
         return made if _record(path, made, made["frames"]) and isinstance(made["sha256"], str) else None

@@ -27,7 +27,7 @@ class Wanted:
 
     @classmethod
     def of(cls, episodes: int | None, subtasks: Subtasks) -> Wanted:
-        """What is asked for; without a number, three of an instruction and one of each sub-task."""
+        """Count what is asked for; without a number, three of an instruction and one of each sub-task."""
         return cls(len(subtasks.chains), episodes or (1 if subtasks.instruction is None else 3))
 
     @property

@@ -144,7 +144,7 @@ def _starts(scene: Scene, episodes: Episodes | None) -> dict[str, Any]:
 
 
 def _world_ranges(episodes: Episodes) -> WorldRanges:
-    """What differed between the worlds of a collection.
+    """Summarise how the worlds of a collection differed.
 
     Raises:
         DamagedFile: its provenance does not say so.

@@ -128,5 +128,5 @@ def own_files(root: Path, below: Path = Path()) -> list[Path]:
 
 
 def is_own(file: Path) -> bool:
-    """Whether no part of a path is a hidden name."""
+    """Check that no part of a path is a hidden name."""
     return not any(map(is_hidden, file.parts))

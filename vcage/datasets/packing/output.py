@@ -94,7 +94,7 @@ def _require_even(recording: Recording, output: OutputSpec) -> None:
 
 
 def task_of(recording: Recording, output: OutputSpec) -> str:
-    """What the robot was told: as the recording states, else as a user does, else what can be guessed; may be empty."""
+    """The task, as the recording states it, else as the user does, else as guessed; may be empty."""
     return recording.task or output.task or recording.task_guess or ""
 
 
@@ -114,7 +114,7 @@ def output_notes(sources: Sequence[SourceRecording], output: OutputSpec) -> dict
 
 
 def stays_or_not(sources: Sequence[SourceRecording], output: OutputSpec) -> Literal["left as it was", "left out"]:
-    """What becomes of the streams that no 8-bit video keeps: they stay in files that are written again."""
+    """Describe what is done with streams that 8-bit videos cannot hold: they stay in the rewritten files."""
     return "left as it was" if output.target == HDF5 or keeps_version(sources, output) else "left out"
 
 
@@ -160,7 +160,7 @@ def left_out(sources: Sequence[SourceRecording], output: OutputSpec) -> dict[str
 
 
 def omitted(sources: Sources, output: OutputSpec) -> dict[str, Any]:
-    """What an output does not hold, and which demonstrations failed, JSON-serialisable; no entry where that is none."""
+    """List what an output leaves out and which demonstrations failed, JSON-serialisable; no entry if none."""
     return _omitted(left_out(sources.sources, output), sources.failed or sources.failures())
 
 

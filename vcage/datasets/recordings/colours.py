@@ -21,7 +21,7 @@ from vcage.schema.compression import ColourOrder, ColourSource
 
 AUTO, RGB, BGR = "auto", "rgb", "bgr"
 CHOICES = (AUTO, RGB, BGR)
-"""What a user may say of stored pictures; the last: red and blue changed places."""
+"""Values of ``--colours``; with the last, red and blue changed places."""
 
 MARK = b"\xff\xfe\x00\x0aXPL-RGB1"
 """JPEG comment with which newer files of RoboTwin's layouts say that red and blue are where they belong."""
@@ -72,7 +72,7 @@ class Colours:
 
     @property
     def note(self) -> str | None:
-        """What a user must know; None where pictures are read as they are stored, and that is sure."""
+        """A note for the user; None if pictures are surely read as they are stored."""
         read = "red and blue are taken as stored"
         if self.swapped:
             read = "red and blue were swapped in its pictures and are put back"
@@ -98,7 +98,7 @@ def settle(convention: bool, votes: Sequence[int]) -> Colours:
 
 
 def verdict(votes: Sequence[int]) -> bool | None:
-    """Whether pictures show that red and blue changed places; None where they do not show it clearly.
+    """Judge by pictures whether red and blue changed places; None if they do not show it clearly.
 
     Args:
         votes: one of each picture, see :func:`leaning`.
@@ -126,7 +126,7 @@ def leaning(picture: NDArray[np.uint8]) -> int:
 
 
 def is_marked(data: bytes) -> bool:
-    """Whether a JPEG file itself says that red and blue are where they belong."""
+    """Check for a JPEG file that states that red and blue are where they belong."""
     return MARK in data[:MARK_WITHIN]
 
 

@@ -36,7 +36,7 @@ class Columns:
 
 @dataclass(frozen=True)
 class Motion(Columns):
-    """What the robot was told: joint positions, or poses.
+    """Commands of a recording: joint positions, or poses.
 
     Args:
         grippers: columns that open and close a gripper.

@@ -1,4 +1,4 @@
-"""What an export to a LeRobot data set needs to know of a recording beyond its pictures and numbers."""
+"""Facts of a recording for a LeRobot data set, beyond its pictures and numbers."""
 
 from __future__ import annotations
 

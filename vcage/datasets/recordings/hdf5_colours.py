@@ -27,13 +27,13 @@ STORED = (*ENCODED, "raw")
 
 
 class Hdf5Colours(Recording):
-    """What settles the order of colours of a recording in an open file; how it is opened is the subclass's."""
+    """Settle the order of colours of a recording in an open file; a subclass opens it."""
 
     SWAPPED: ClassVar[bool] = False
-    """Whether the layout's own writer swaps red and blue of encoded pictures."""
+    """The layout's own writer swaps red and blue of encoded pictures."""
 
     COLOURS_SURE: ClassVar[bool] = True
-    """Whether nobody writes them otherwise."""
+    """Nobody writes them otherwise."""
 
     def with_colours(self, colours: Colours) -> Self:
         other = super().with_colours(colours)
@@ -67,7 +67,7 @@ class Hdf5Colours(Recording):
         return Colours(self.SWAPPED, "layout", sure=True) if self.COLOURS_SURE else None
 
     def colour_votes(self) -> list[int]:
-        """What some pictures of each camera with encoded pictures show of red and blue."""
+        """Judge the order of red and blue by some pictures of each camera with encoded pictures."""
         votes = []
         with self._file() as file:
             for camera in self._encoded:
@@ -78,7 +78,7 @@ class Hdf5Colours(Recording):
 
     @property
     def has_encoded_pictures(self) -> bool:
-        """Whether there is a question in which order they have red and blue."""
+        """Check whether the order of red and blue is in question."""
         return bool(self._encoded)
 
     @property
@@ -86,7 +86,7 @@ class Hdf5Colours(Recording):
         return [camera for camera in self.cameras if camera.storage in ENCODED]
 
     def _marked(self, camera: RecordedCamera) -> bool:
-        """Whether its pictures themselves say that red and blue are where they belong."""
+        """Check for pictures that state that red and blue are where they belong."""
         if camera.storage != "jpeg":
             return False
         with self._file() as file:

@@ -75,7 +75,7 @@ def _wanted_in(group: h5py.Group, wanted: Sequence[str] | None) -> dict[str, h5p
 
 
 def _are_numbers(dataset: h5py.Dataset) -> bool:
-    """Whether it holds a number or a row of numbers for each point in time."""
+    """Check for a number, or a row of numbers, for each point in time."""
     return dataset.dtype.kind in "fiu" and dataset.ndim in (1, 2)
 
 

@@ -13,10 +13,10 @@ from vcage.datasets.recordings.hdf5_numbers import columns
 from vcage.datasets.recordings.robomimic import RobomimicDemo
 
 STATE = ("joint_pos", "gripper_pos")
-"""What is taken for the state."""
+"""Keys of the state."""
 
 POSE = ("eef_pos", "eef_quat", "gripper_pos")
-"""What is taken for it where nobody recorded the joints."""
+"""Keys of the state if nobody recorded the joints."""
 
 MARKS = (
     "initial_state/articulation",

@@ -42,7 +42,7 @@ class Clip:
 
 
 class TimedRows(ABC):
-    """What an episode knows of its times, once its table and its videos are known."""
+    """Times of an episode, from its table and its videos."""
 
     TARGET: ClassVar[str]
     path: Path

@@ -190,7 +190,7 @@ def frames_of_rows(
 
 
 def _remark(shown: NDArray[np.float64], rows: int, share: Share | None) -> str:
-    """What is odd about an episode that LeRobot's lookup finds; empty where nothing is."""
+    """Say what is odd about an episode that LeRobot's lookup finds; empty if nothing is."""
     if share is None:
         return ""
     if share.overlaps is not None:

@@ -136,7 +136,7 @@ class ManiSkillTrajectory(Hdf5Recording):
 
     @cached_property
     def _episode(self) -> dict[str, Any]:
-        """What the description says of this trajectory; empty where it does not."""
+        """Entry of this trajectory in the description; empty if there is none."""
         episodes = _as_dict(read_beside(self._description_file)).get("episodes")
         rows = (_as_dict(row) for row in episodes) if isinstance(episodes, list) else ()
         return next((row for row in rows if row.get("episode_id") == self.number), {})
@@ -177,7 +177,7 @@ def words_of(environment: str) -> str:
 
 
 def _last(labels: Any) -> bool:
-    """Whether a dataset of labels, one for each step, ends with true."""
+    """Check that a dataset of labels, one for each step, ends with true."""
     if not isinstance(labels, h5py.Dataset) or not labels.size:
         return False
     require_numbers_fit(labels)

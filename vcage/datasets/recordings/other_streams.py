@@ -22,7 +22,7 @@ COLOUR = r"rgb|colou?rs?"
 """Words in names of streams."""
 
 UNNAMED = "depth or other numbers"
-"""What is shown by pictures of other than 8 bits whose name says nothing."""
+"""Content assumed of pictures of other than 8 bits whose name says nothing."""
 
 NO_FILES = "no picture files"
 """How bytes are stored that are no pictures in a format that is known."""
@@ -59,7 +59,7 @@ def shown_by_name(name: str) -> str | None:
 
 
 def measured_stream(name: str, dataset: h5py.Dataset) -> MeasuredStream | None:
-    """What a dataset holds where pictures may be, one for each point in time, if these are no 8-bit pictures.
+    """Describe a dataset in the place of pictures, one for each point in time, that is not 8-bit pictures.
 
     Args:
         name: of the dataset, from the recording's group on, or of the camera that it would be.

@@ -111,7 +111,7 @@ class PictureFolder(Recording):
 
 
 def _measured(name: str, files: Sequence[Path]) -> MeasuredStream | None:
-    """What the pictures of a folder are if no 8-bit video keeps them, as its name and its first file say."""
+    """Name the kind of a folder's pictures, by its name and first file, if 8-bit videos cannot hold them."""
     folder = files[0].parent.name
     named = folder == name or folder.isalpha()  # the name of a whole recording may hold such a word, too
     shows = (shown_by_name(folder) if named else None) or shown_by_name(files[0].stem)

@@ -200,7 +200,7 @@ class Recording(Exportable, ABC):
 
     @property
     def other_streams(self) -> Sequence[MeasuredStream]:
-        """What no 8-bit video keeps: depth, labels."""
+        """Streams that 8-bit videos cannot hold: depth, labels."""
         return ()
 
     @property
@@ -247,8 +247,10 @@ class Recording(Exportable, ABC):
         return self.colours is not None and self.colours.swapped
 
     def put_back_swapped(self, camera: str) -> bool:
-        """Whether they change places in the PNG files that take the place of the stored pictures, so that readers of
-        the layout see the same: where they had, and where only a mark said that they had not, which PNG cannot carry.
+        """Check whether red and blue change places in the PNG files that replace the stored pictures.
+
+        So readers of the layout see the same: they do where they had, and where only a mark said that they had not,
+        which PNG cannot carry.
 
         Raises:
             UnknownName: there is no such camera.

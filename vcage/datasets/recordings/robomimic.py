@@ -79,7 +79,7 @@ class RobomimicDemo(Hdf5Recording):
 
     @classmethod
     def wrote(cls, data: h5py.Group, demos: Collection[str]) -> bool:
-        """Whether the group of these demonstrations is of this layout, of those that share the tree."""
+        """Check that the group of these demonstrations is of this layout, of those that share the tree."""
         del data, demos
         return True
 
@@ -117,7 +117,7 @@ class RobomimicDemo(Hdf5Recording):
 
     @cached_property
     def _env_args(self) -> dict[str, Any]:
-        """What the file says of the simulation; nothing where it does not."""
+        """Description of the simulation in the file; empty if there is none."""
         return self._described("env_args")
 
     def _described(self, attribute: str) -> dict[str, Any]:

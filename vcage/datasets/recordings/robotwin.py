@@ -38,7 +38,7 @@ FREQUENCY = "additional_info/frequency"
 
 
 class _Instructed(Hdf5Recording):
-    """What both layouts have in common: instructions, of which the first for training is the task."""
+    """Common part of both layouts: instructions, of which the first for training is the task."""
 
     @property
     def task(self) -> str | None:
@@ -55,7 +55,7 @@ class _Instructed(Hdf5Recording):
         return wordings_of(self._instructions())
 
     def _instructions(self) -> Any:
-        """What says how the episode's task is put; None where nothing does."""
+        """Content that holds the wordings of the episode's task; None if there is none."""
         raise NotImplementedError
 
 
