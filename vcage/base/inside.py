@@ -8,7 +8,7 @@ anything of the run is read or written.
 from __future__ import annotations
 
 import os
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -45,15 +45,20 @@ def path_complaint(path: str, up: int = 0) -> str | None:
         parts, up = parts[1:], up - 1
     if not parts or ".." in parts or path.startswith("/"):
         return f"expected a relative path that stays inside its folder, got {path[:80]!r}"
+    return _bytes_complaint(path, parts)
+
+
+def _bytes_complaint(path: str, names: Sequence[str]) -> str | None:
+    """Say why the file system cannot take a path of these names; None for one that it can."""
     if "\0" in path:
         return f"expected a path without NUL, got {path[:80]!r}"
     try:
-        names = [os.fsencode(part) for part in parts]
+        longest, whole = max(len(os.fsencode(name)) for name in names), len(os.fsencode(path))
     except UnicodeEncodeError:
         return f"expected a path that can be written as bytes, got {path[:80]!r}"
-    if max(map(len, names)) > LIMITS.max_name_bytes or len(os.fsencode(path)) > LIMITS.max_path_bytes:
+    if longest > LIMITS.max_name_bytes or whole > LIMITS.max_path_bytes:
         most = f"names of at most {LIMITS.max_name_bytes} bytes and {LIMITS.max_path_bytes} in all"
-        return f"expected {most}, got {len(os.fsencode(path))}"
+        return f"expected {most}, got {whole}"
     return None
 
 
@@ -63,7 +68,7 @@ def name_complaint(name: str) -> str | None:
 
 
 def require_no_links(root: Path, names: Collection[str]) -> None:
-    """Nothing, if all that a folder holds under these names is folders and regular files.
+    """Require that all that a folder holds under these names is folders and regular files.
 
     Args:
         root: the folder.
@@ -74,12 +79,10 @@ def require_no_links(root: Path, names: Collection[str]) -> None:
     """
     found = [entry for entry in _entries(root) if entry.name.partition(".")[0] in names]
     for depth in range(LIMITS.max_depth + 1):
-        folders = []
         for entry in found:
-            if entry.is_symlink() or not (entry.is_file(follow_symlinks=False) or entry.is_dir(follow_symlinks=False)):
+            if not (entry.is_file(follow_symlinks=False) or entry.is_dir(follow_symlinks=False)):
                 raise _leads_out(entry)
-            if entry.is_dir(follow_symlinks=False):
-                folders.append(entry)
+        folders = [entry for entry in found if entry.is_dir(follow_symlinks=False)]
         if depth == LIMITS.max_depth and folders:
             raise InputFileError(
                 f"{folders[0].path} lies in more than {LIMITS.max_depth} folders of {root}", hint="see what is in it"

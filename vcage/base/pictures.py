@@ -162,8 +162,8 @@ def _opened(source: Path | bytes, name: str, limits: PictureLimits) -> Iterator[
 
     Errors of decoding inside the block become DamagedFile too.
     """
-    path = source if isinstance(source, Path) else None
-    name, maker = name or str(source if path else "the picture"), maker_of(path) if path else ""
+    name = name or (str(source) if isinstance(source, Path) else "the picture")
+    maker = maker_of(source) if isinstance(source, Path) else ""
     with contextlib.ExitStack() as stack, warnings.catch_warnings():
         # Pillow has limits of its own, and looks at the frames of GIF and WebP while it opens them.
         warnings.simplefilter("error", Image.DecompressionBombWarning)
@@ -172,7 +172,7 @@ def _opened(source: Path | bytes, name: str, limits: PictureLimits) -> Iterator[
             handle = io.BytesIO(source)
         else:
             handle = stack.enter_context(open_regular(source, "a picture", limits.max_file_bytes, maker))
-        try:
+        with _decoding(name, maker, limits):
             kind, reader = _reader_of(handle.read(12))
             handle.seek(0)
             image = stack.enter_context(reader(handle))
@@ -180,15 +180,22 @@ def _opened(source: Path | bytes, name: str, limits: PictureLimits) -> Iterator[
             if getattr(image, "n_frames", 1) > 1:
                 raise ValueError("it has several frames or pages; one still picture is expected")
             yield image, kind
-        except VcageError:
-            raise
-        except (Image.DecompressionBombError, Image.DecompressionBombWarning) as error:
-            pixels = "".join(c for c in str(error).partition(")")[0] if c.isdecimal())
-            raise _oversized(name, f"{pixels} pixels; {_most(limits)}", maker) from error
-        except SyntaxError as error:
-            raise _unreadable(name, "its header is damaged, or of a kind that is not read", maker) from error
-        except Exception as error:  # Pillow's readers raise whatever a broken file makes them raise
-            raise _unreadable(name, str(error), maker) from error
+
+
+@contextlib.contextmanager
+def _decoding(name: str, maker: str, limits: PictureLimits) -> Iterator[None]:
+    """Turn what Pillow's readers raise into errors that name the picture."""
+    try:
+        yield
+    except VcageError:
+        raise
+    except (Image.DecompressionBombError, Image.DecompressionBombWarning) as error:
+        pixels = "".join(c for c in str(error).partition(")")[0] if c.isdecimal())
+        raise _oversized(name, f"{pixels} pixels; {_most(limits)}", maker) from error
+    except SyntaxError as error:
+        raise _unreadable(name, "its header is damaged, or of a kind that is not read", maker) from error
+    except Exception as error:  # Pillow's readers raise whatever a broken file makes them raise
+        raise _unreadable(name, str(error), maker) from error
 
 
 def _reader_of(head: bytes) -> tuple[str, type[ImageFile.ImageFile]]:

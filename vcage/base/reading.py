@@ -12,6 +12,7 @@ import re
 import stat
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -231,6 +232,25 @@ def _second_key(text: str) -> tuple[int, str]:
 def _parse_yaml(data: bytes) -> Any:
     import yaml
 
+    text = text_of(data)
+    try:
+        return yaml.load(text, _yaml_loader())
+    except yaml.MarkedYAMLError as error:
+        mark = error.problem_mark or error.context_mark
+        raise Unreadable(mark.line + 1 if mark else 1, str(error.problem or error.context)) from error
+    except yaml.reader.ReaderError as error:
+        raise Unreadable(_line(text, error.position), f"{error.reason} ({error.character!r})") from error
+    except RecursionError:
+        raise Unreadable(1, _TOO_DEEP) from None
+    except ValueError as error:  # a date that cannot be
+        raise Unreadable(1, str(error)) from error
+
+
+@cache
+def _yaml_loader() -> type[Any]:
+    """The class of the YAML reader; made when it is first needed, as yaml is slow to import."""
+    import yaml
+
     class Loader(yaml.SafeLoader):
         """Refuses a key that stands twice in a mapping, and brackets whose nesting takes its time squared."""
 
@@ -248,15 +268,4 @@ def _parse_yaml(data: bytes) -> Any:
                 seen.add((key.tag, key.value))
             return super().construct_mapping(node, deep)
 
-    text = text_of(data)
-    try:
-        return yaml.load(text, Loader)
-    except yaml.MarkedYAMLError as error:
-        mark = error.problem_mark or error.context_mark
-        raise Unreadable(mark.line + 1 if mark else 1, str(error.problem or error.context)) from error
-    except yaml.reader.ReaderError as error:
-        raise Unreadable(_line(text, error.position), f"{error.reason} ({error.character!r})") from error
-    except RecursionError:
-        raise Unreadable(1, _TOO_DEEP) from None
-    except ValueError as error:  # a date that cannot be
-        raise Unreadable(1, str(error)) from error
+    return Loader
