@@ -13,6 +13,7 @@ import shutil
 import tempfile
 import time
 from collections.abc import Collection, Iterator
+from dataclasses import dataclass
 from pathlib import Path
 
 from vcage.base.files import cache_path
@@ -29,9 +30,20 @@ OF_PYTHON = "pymp-"
 PARTIAL_NAME = re.compile(rf"(?P<of>.+){re.escape(PARTIAL)}\d+(\..*)?", re.DOTALL)
 REPLACED_NAME = re.compile(rf"(?P<of>.+){re.escape(REPLACED)}\d+", re.DOTALL)
 
-CACHE_AGE_S = 24 * 3600.0
-"""Age from which partial work in the cache is taken for left over: other machines and containers may share the cache,
-and a slow download does not touch the folder that it will fill."""
+
+@dataclass(frozen=True)
+class LeftoverSettings:
+    """When partial work is taken for left over.
+
+    Args:
+        cache_age_s: age of partial work in the cache. Other machines and containers may share the cache, and a slow
+            download does not touch the folder that it will fill.
+    """
+
+    cache_age_s: float = 24 * 3600.0
+
+
+SETTINGS = LeftoverSettings()
 
 
 @contextlib.contextmanager
@@ -87,7 +99,7 @@ def sweep_cache() -> None:
     """Remove what processes left in the cache that were killed while they made something for it."""
     with contextlib.suppress(OSError):
         for path in cache_path().glob(f"*/*{PARTIAL}*"):
-            if time.time() - path.lstat().st_mtime > CACHE_AGE_S:
+            if time.time() - path.lstat().st_mtime > SETTINGS.cache_age_s:
                 _mend(path)
 
 

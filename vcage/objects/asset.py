@@ -19,8 +19,21 @@ from vcage.schema.asset import (
     Variant,
 )
 
-ROUND_ANGLES, ROUND_SHARE = 12, 0.05
-"""Directions in which the width of an object is measured, and share by which those of a round one may differ."""
+
+@dataclass(frozen=True)
+class RoundnessSettings:
+    """When an object counts as round.
+
+    Args:
+        directions: in which its width is measured.
+        max_difference_share: by which the widest may be wider than the narrowest.
+    """
+
+    directions: int = 12
+    max_difference_share: float = 0.05
+
+
+ROUNDNESS = RoundnessSettings()
 
 
 @dataclass(frozen=True)
@@ -67,10 +80,10 @@ class Asset:
     @cached_property
     def round(self) -> bool:
         """Check that it is about as wide in every direction seen from above, so that its heading does not matter."""
-        angles = np.linspace(0, np.pi, ROUND_ANGLES, endpoint=False)
+        angles = np.linspace(0, np.pi, ROUNDNESS.directions, endpoint=False)
         points = np.concatenate([piece.vertices for piece in self.pieces])[:, :2]
         widths = np.ptp(points @ np.stack([np.cos(angles), np.sin(angles)]), axis=0)
-        return bool(widths.max() <= (1 + ROUND_SHARE) * widths.min())
+        return bool(widths.max() <= (1 + ROUNDNESS.max_difference_share) * widths.min())
 
     @cached_property
     def pieces(self) -> list[Convex]:

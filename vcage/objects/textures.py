@@ -78,7 +78,7 @@ def _of_obj(path: Path, files: MeshFiles) -> Iterator[Source]:
 def _of_gltf(path: Path, files: MeshFiles) -> Iterator[Source]:
     header, binary = _gltf(path.read_bytes())
     for named in (*header.get("buffers", []), *header.get("images", [])):  # all of them are opened
-        if _is_file(named.get("uri")):
+        if _is_file(named.get("uri", "")):
             files.locate(named["uri"])
     for material in header.get("materials", []):
         used = material.get("pbrMetallicRoughness", {}).get("baseColorTexture")
@@ -91,7 +91,7 @@ def _of_gltf(path: Path, files: MeshFiles) -> Iterator[Source]:
         yield image.get("name") or image.get("uri", "")[:80] or f"image {number}", _image(header, binary, image, files)
 
 
-def _is_file(uri: str | None) -> bool:
+def _is_file(uri: str) -> bool:
     return bool(uri) and not uri.startswith("data:")
 
 
@@ -101,6 +101,8 @@ def _image(header: dict[str, Any], binary: bytes, image: dict[str, Any], files: 
         start, buffer = view.get("byteOffset", 0), header["buffers"][view.get("buffer", 0)]
         return _content(buffer.get("uri"), binary, files)[start : start + view["byteLength"]]
     uri = image.get("uri")
+    if uri is None:
+        return None
     return files.locate(uri) if _is_file(uri) else _content(uri, b"", files) or None
 
 

@@ -26,9 +26,6 @@ CHOICES = (AUTO, RGB, BGR)
 MARK = b"\xff\xfe\x00\x0aXPL-RGB1"
 """JPEG comment with which newer files of RoboTwin's layouts say that red and blue are where they belong."""
 
-MARK_WITHIN = 4096
-"""Bytes of a JPEG, from its start, among which a comment is looked for."""
-
 
 @dataclass(frozen=True)
 class ColourSettings:
@@ -50,6 +47,10 @@ class ColourSettings:
     """of the pictures looked at, those that say something"""
     least_agreeing: float = 0.9
     """of those, the ones that say the same"""
+    pictures_looked_at: int = 5
+    """of each camera"""
+    mark_within_bytes: int = 4096
+    """of a JPEG, from its start, among which a comment is looked for"""
 
 
 SETTINGS = ColourSettings()
@@ -127,7 +128,7 @@ def leaning(picture: NDArray[np.uint8]) -> int:
 
 def is_marked(data: bytes) -> bool:
     """Check for a JPEG file that states that red and blue are where they belong."""
-    return MARK in data[:MARK_WITHIN]
+    return MARK in data[: SETTINGS.mark_within_bytes]
 
 
 def colour_orders(found: Iterable[Colours | None]) -> list[ColourOrder]:

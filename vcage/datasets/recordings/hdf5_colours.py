@@ -12,12 +12,9 @@ import h5py
 import numpy as np
 
 from vcage.base.errors import UsageError
-from vcage.datasets.recordings.colours import Colours, is_marked, leaning, settle
+from vcage.datasets.recordings.colours import SETTINGS, Colours, is_marked, leaning, settle
 from vcage.datasets.recordings.recording import RecordedCamera, Recording
 from vcage.datasets.stored_pictures import ENCODED, encoded_bytes, stored_picture
-
-LOOKED_AT = 5
-"""Pictures of a camera that show whether colours are swapped."""
 
 COLOURS = "jpeg_colours"
 """Attribute of files that say whether red and blue are ``swapped`` in their encoded pictures, or ``true``."""
@@ -72,7 +69,7 @@ class Hdf5Colours(Recording):
         with self._file() as file:
             for camera in self._encoded:
                 what, dataset = f"{self.path}:{camera.key}", file[camera.key]
-                some = np.unique(np.linspace(0, camera.frames - 1, LOOKED_AT).astype(int))
+                some = np.unique(np.linspace(0, camera.frames - 1, SETTINGS.pictures_looked_at).astype(int))
                 votes += [leaning(stored_picture(dataset, int(index), what)) for index in some]
         return votes
 

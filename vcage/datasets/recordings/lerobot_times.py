@@ -31,17 +31,16 @@ class LookupSettings:
         tolerance_s: of LeRobot's own lookup.
         counted_frames: in frames, where the rows of all episodes in a video are as many as its frames.
         alone_frames: in frames, where only the times say at which frame of a video an episode begins.
+        rounding_share: share of a limit by which double precision may exceed it.
     """
 
     tolerance_s: float = TIME_TOLERANCE
     counted_frames: float = 0.5
     alone_frames: float = 0.25
+    rounding_share: float = 1e-6
 
 
 SETTINGS = LookupSettings()
-
-ROUNDING = 1e-6
-"""Share of a limit that numbers in double precision may lie beyond it."""
 
 
 class Unclear(Exception):
@@ -181,7 +180,7 @@ def frames_of_rows(
         f"{1000 * off[worst]:.2g} ms off the video's frame {start + worst}, {off[worst] * fps:.2f} of a frame "
         f"(LeRobot's tolerance is {1000 * SETTINGS.tolerance_s:g} ms)"
     )
-    if not off[worst] * fps <= limit * (1 + ROUNDING):  # which NaN is not either
+    if not off[worst] * fps <= limit * (1 + SETTINGS.rounding_share):  # which NaN is not either
         raise Unclear(f"its frame {worst} is looked up {words}", float(off[worst]))
     even = np.abs(shown[start : start + rows] - begin - np.arange(rows) / fps).max() <= SETTINGS.tolerance_s
     if times.note and even:  # which says it already
@@ -261,7 +260,7 @@ def shares(rows: Sequence[Mapping[str, Any]], key: str, fps: float) -> dict[int,
             continue
         total, start, end, before = sum(row["length"] for row in own), 0, 0.0, None
         for begin, number, length in sorted(zip(begins, map(_number, own), map(_length, own), strict=True)):
-            overlaps = before if begin * fps < end - SETTINGS.counted_frames - ROUNDING else None
+            overlaps = before if begin * fps < end - SETTINGS.counted_frames - SETTINGS.rounding_share else None
             found[number] = Share(start, total, overlaps)
             start, before = start + length, number if begin * fps + length > end else before
             end = max(end, begin * fps + length)
