@@ -247,10 +247,8 @@ class Recording(Exportable, ABC):
         return self.colours is not None and self.colours.swapped
 
     def put_back_swapped(self, camera: str) -> bool:
-        """Check whether red and blue change places in the PNG files that replace the stored pictures.
-
-        So readers of the layout see the same: they do where they had, and where only a mark said that they had not,
-        which PNG cannot carry.
+        """Check whether red and blue change places in PNG files that replace the stored pictures: where they had, and
+        where only a mark said that they had not, which PNG cannot carry. So readers of the layout see the same.
 
         Raises:
             UnknownName: there is no such camera.
