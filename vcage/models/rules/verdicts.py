@@ -67,7 +67,7 @@ BACK_AGAIN = 0.6
 NEAR_ENOUGH = 0.02
 """What is seen no farther from where it stood is back there, metres."""
 
-HELD = 0.5
+HELD = 0.55
 """Share of the drawing of what is held before another that must be found at the moment; the hand hides some."""
 
 REACHING = 0.09
