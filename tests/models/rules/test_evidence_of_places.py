@@ -106,6 +106,14 @@ def test_what_is_set_down_stands_on_the_bare_table(at: tuple[float, float, float
     assert told.accepted is bare, told.reason
 
 
+@pytest.mark.parametrize(("pushed", "moved"), [(0.05, True), (0.005, False)])
+def test_what_is_pushed_by_less_than_its_size_is_seen_to_move(pushed: float, moved: bool) -> None:
+    goal = Goal(subject=PLATE.id, relation="on", reference=TABLE)
+    after = {PLATE.id: Pose(PLATE.pose.p + [pushed, 0, 0], PLATE.pose.q)}
+    told = judged([goal], {"before": {}, "after": after}, APPLE.id, PLATE.id)
+    assert told.accepted is moved, told.reason
+
+
 @pytest.mark.parametrize(("away", "back"), [(0.0, True), (0.08, False)])
 def test_what_is_back_stands_where_it_stood_at_the_start(away: float, back: bool) -> None:
     goal = Goal(subject=APPLE.id, relation="back")

@@ -58,6 +58,7 @@ def test_a_hand_over_needs_a_thing_in_the_air_and_both_arms(evidence: Handed | N
         ({"share": 0.2}, "astray"),
         ({"shifted": 0.2}, "astray"),
         ({"stirred": 0.5}, "astray"),
+        ({"plain": False}, None),
         ({"share": 0.8, "margin": 0.01}, "astray"),
         ({"alike": 0.0}, None),
     ],

@@ -22,9 +22,9 @@ from vcage.models.rules.evidence_of_places import (
     gather_moved,
     gather_restless,
     gather_returned,
-    gather_shown,
 )
 from vcage.models.rules.evidence_of_placing import AROUND, gather_placed
+from vcage.models.rules.evidence_of_scans import gather_shown
 from vcage.models.rules.standing import Sought, Standing
 from vcage.models.rules.verdicts import (
     UNLIKE,

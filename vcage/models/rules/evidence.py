@@ -12,6 +12,7 @@ from vcage.vision.detector import clean
 from vcage.vision.object_templates import ObjectTemplate
 from vcage.vision.pose_score import Fit, fit, from_pixels, refine
 from vcage.vision.pose_search import search
+from vcage.vision.protocols import View
 from vcage.vision.table_model import fit_table
 
 CHANGED = 4.0
@@ -25,6 +26,9 @@ HEADINGS, STARTS = 24, 8
 
 GOOD_FIT = 0.75
 """Goodness of fit where something stands that makes a search of the whole picture needless."""
+
+LEFT = 0.5
+"""Share of the old outline of what was moved that must have changed."""
 
 FILLED = 0.4
 """A place of which less stands out of the table is empty, though a thing may be of the table's colour."""
@@ -67,3 +71,13 @@ def changed(before: np.ndarray, after: np.ndarray, *, least: float = CHANGED) ->
     away = distance(before, after)
     change = away > np.clip(NOISE_FACTOR * float(np.median(away)), least, NOISIEST)
     return cv2.morphologyEx(change.astype(np.uint8), cv2.MORPH_OPEN, np.ones((2, 2), np.uint8)).astype(bool)
+
+
+def changed_between(one: View, other: View) -> np.ndarray:
+    """(H, W) bool: pixels that differ between two views of one camera."""
+    return changed(smoothed(one.picture), smoothed(other.picture))
+
+
+def share_of(change: np.ndarray, outline: np.ndarray) -> float:
+    """Share of an outline (H, W) bool that changed; 0 of an empty one."""
+    return float(change[outline].mean()) if outline.any() else 0.0

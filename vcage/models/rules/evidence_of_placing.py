@@ -42,8 +42,11 @@ BORDER = 4
 NEARBY = 40
 """So near to a receptacle lies what was brought to it and is not in or on it, pixels."""
 
-MOVING = 2.0
+MOVING = 1.2
 """Where more than so many times the object's area changed in its receptacle, that may have moved a little."""
+
+PLAIN = 0.5
+"""Share of the object's area that came to be seen, and of that looks like it, below which a drawing must be seen."""
 
 HARDLY = 0.4
 """Share of the object's area that must be seen at once; where less is, and as much changed, it is looked for."""
@@ -70,6 +73,7 @@ class Placed:
         margin: how far inside the edge of where it should be the middle of what looks like it is, metres.
         explained: (H, W) bool, where the sub-task changes the picture.
         support_seen: the receptacle is seen; or it is thin, and the object hides it.
+        plain: enough came to be seen that looks like the object; or else a drawing of it there is seen.
         aloft: share of what views from the side tell of the object at the height of its place that shows it there; None
             where none can tell.
     """
@@ -84,6 +88,7 @@ class Placed:
     margin: float
     explained: np.ndarray
     support_seen: bool = True
+    plain: bool = True
     aloft: float | None = None
 
 
@@ -192,18 +197,22 @@ def _measured(places: _Places, before: View, after: View, thing: Sought, place: 
     seen, size = max(1, int((came & here).sum())), float(np.hypot(*np.ptp(np.argwhere(old.covered), axis=0)))
     reaching = _reaching(change.things & ~old.covered, here) & grown(here, size / 2)
     near = change.things & _about(wide) & ~here & ~_about(old.covered)
+    inside, like = float((came & here).sum()) / area, float((alike & here).sum()) / min(seen, area)
+    doubtful = min(inside, like) < PLAIN
+    drawn = places.find() if doubtful and lies is None else lies
     shift = np.inf if places.support.now is None else float(np.linalg.norm(now.pose.p - places.stands.pose.p))
     return Placed(
         left=thing.left(old, change.all, after),
         shifted=shift,
         stirred=float(stirred[places.stands.covered].mean()) if places.stands.covered.any() else 0.0,
-        inside=float((came & here).sum()) / area,
+        inside=inside,
         share=float((alike & here).sum()) / max(1, int(alike.sum())),
-        alike=float((alike & here).sum()) / min(seen, area),
+        alike=like,
         beside=float(near.sum()) / area,
         margin=_margin(alike & here, rooms, now.pose, before.camera),
         explained=grown(old.covered, AROUND) | wide | grown(reaching, AROUND),
         support_seen=places.support.seen or place.look.size[2] < THIN_SUPPORT_M,
+        plain=not doubtful or (drawn is not None and drawn.seen),
         aloft=None if lies is None else lies.aloft,
     )
 

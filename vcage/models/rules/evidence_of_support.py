@@ -49,7 +49,7 @@ class SupportSettings:
     nudges: int = 8
     still_m: float = 0.006
     still_deg: float = 6.0
-    stays_share: float = 0.9
+    stays_share: float = 0.8
     aloft_share: float = 0.6
     outline_share: float = 0.8
     shown_share: float = 0.7
@@ -207,7 +207,7 @@ def find_support(
     least = SETTINGS.stays_share * _shown(place, stands, before["top"], hidden) if enough or not borne else 0.0
     if best.unlike < unlike and _shown(place, best, after["top"], hidden) >= least:
         return Support(stands if _at(best, stands) else best, enough or borne)
-    return Support(_elsewhere(place, after["top"], unlike), enough or borne)
+    return Support(_elsewhere(place, after["top"], change, unlike), enough or borne)
 
 
 def _enough_visible(stands: Standing, hidden: np.ndarray) -> bool:
@@ -216,9 +216,9 @@ def _enough_visible(stands: Standing, hidden: np.ndarray) -> bool:
     return visible >= SETTINGS.fewest_px and visible >= SETTINGS.visible_share * max(1, int(stands.covered.sum()))
 
 
-def _elsewhere(place: Sought, top: View, unlike: float) -> Standing | None:
-    """Where a support stands anywhere in the view from above; None where it is not found."""
-    now = place.standing({"top": top})
+def _elsewhere(place: Sought, top: View, change: Change, unlike: float) -> Standing | None:
+    """Where a support stands among what the view from above shows changed; None where it is not found."""
+    now = place.standing({"top": top}, change.all)
     return now if now is not None and now.unlike < unlike and not place.gone(now, top) else None
 
 

@@ -7,9 +7,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from vcage.models.rules import PROVIDER
+from vcage.models.rules.evidence import LEFT
 from vcage.models.rules.evidence_of_parts import POSITIONS, PartEvidence
-from vcage.models.rules.evidence_of_places import LEFT, Handed, Moved, Returned, Shown
+from vcage.models.rules.evidence_of_places import Handed, Moved, Returned
 from vcage.models.rules.evidence_of_placing import Placed
+from vcage.models.rules.evidence_of_scans import Shown
 from vcage.models.rules.evidence_of_support import SETTINGS
 from vcage.models.rules.standing import Standing
 from vcage.plans.relations import holds
@@ -124,7 +126,7 @@ def decide_placed(evidence: Placed | None, goal: Goal, thing: str, place: str) -
     if evidence.aloft is not None and evidence.aloft < SETTINGS.aloft_share:
         seen = f"{100 * evidence.aloft:.0f} % of it is seen there from the side"
         return refuse(f"the {thing} does not lie as high as {word} the {place}: {seen}", 0.8, "astray")
-    if evidence.alike < LOOKS:
+    if evidence.alike < LOOKS or not evidence.plain:
         return refuse(f"what came to be {word} the {place} does not look like the {thing}", 0.7)
     if not evidence.support_seen:
         return refuse(f"whether the {place} is under the {thing}, which hides it, cannot be told from above", 0.5)
