@@ -40,12 +40,14 @@ class SourceRecording:
         file: the recording's path without suffix, relative to what was given; shared by the demonstrations of a file.
         recording: the recording.
         notes: what a user must know about how it was understood.
+        failed: why it is no demonstration of its task, if it says so.
     """
 
     name: str
     file: str
     recording: Recording
     notes: tuple[str, ...] = ()
+    failed: str | None = None
 
 
 @dataclass(frozen=True)
@@ -124,7 +126,7 @@ class Sources:
 
     def failures(self) -> dict[str, str]:
         """Name → why a recording is no demonstration of its task, of those that say so."""
-        return {source.name: why for source in self.sources if (why := source.recording.failed) is not None}
+        return {source.name: why for source in self.sources if (why := source.failed) is not None}
 
     def without_failed(self) -> Sources:
         """The same without recordings that say that they failed.
@@ -180,13 +182,13 @@ def find_sources(
                     f"{first} and {recording} would both be written as {written}", hint="rename one of them"
                 )
         try:
-            notes = sound_notes(recording)
+            notes, failed = sound_notes(recording), recording.failed
             _require_encodable(recording, settings)
             _require_memory(recording, memory)
         except DamagedFile as error:
             complaints[name] = error
         else:
-            sources[name] = SourceRecording(name, file, recording, tuple(notes))
+            sources[name] = SourceRecording(name, file, recording, tuple(notes), failed)
     if complaints and not (skip_damaged and sources):
         raise _refusal(complaints, left=len(sources))
     return Sources(root, list(sources.values()), {name: error.message for name, error in complaints.items()})
@@ -262,8 +264,9 @@ def _no_camera(recording: Recording, name: str) -> UsageError:
 def _refusal(complaints: dict[str, DamagedFile], left: int) -> DamagedFile:
     """One error of all complaints, when ``left`` recordings are sound."""
     messages = {name: error.message for name, error in complaints.items()}
-    shown = "; ".join(list(messages.values())[:LISTED])
-    more = f" and {len(messages) - LISTED} more" if len(messages) > LISTED else ""
+    every = list(dict.fromkeys(messages.values()))  # many may complain of one file that describes them
+    shown = "; ".join(every[:LISTED])
+    more = f" and {len(every) - LISTED} more" if len(every) > LISTED else ""
     hint = next(iter(complaints.values())).hint
     if left:
         hint = f"mend or remove what is damaged, or go on without it: --skip-damaged (sound: {left})"

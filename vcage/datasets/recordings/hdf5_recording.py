@@ -32,6 +32,7 @@ from vcage.datasets.recordings.hdf5_colours import COLOURS, Hdf5Colours
 from vcage.datasets.recordings.leftovers import leftovers
 from vcage.datasets.recordings.other_streams import MeasuredStream, measured_stream, measured_streams
 from vcage.datasets.recordings.recording import HDF5, RecordedCamera
+from vcage.datasets.recordings.success import stated_failure
 from vcage.datasets.stored_pictures import (
     VLEN,
     picture_channels,
@@ -96,6 +97,11 @@ class Hdf5Recording(Hdf5Colours):
 
     def time_fault(self, target: str, fps: float) -> str | None:
         return None if self._clock is None else self._clock.fault(fps)
+
+    @property
+    def failed(self) -> str | None:
+        with self._file() as file:
+            return stated_failure(self._part(file))
 
     @property
     def notes(self) -> list[str]:

@@ -10,23 +10,24 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Collection, Mapping
+from contextlib import suppress
 from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any, ClassVar, Self
 
 import h5py
-import numpy as np
 
 from vcage.base.errors import DamagedFile
-from vcage.datasets.hdf5_limits import require_numbers_fit
 from vcage.datasets.recordings.beside import read_beside
 from vcage.datasets.recordings.columns import Columns
 from vcage.datasets.recordings.hdf5_numbers import numbers_of
 from vcage.datasets.recordings.hdf5_recording import Hdf5Recording
-from vcage.datasets.recordings.robomimic import stated_failure
+from vcage.datasets.recordings.success import FAIL, SUCCESS, label_of, stored_label
 
 TRAJECTORY = r"traj_(\d+)"
+
+MEND = "mend the file, or remove it and give with options what it says"
 
 STATE, FLAT = "obs/agent/qpos", "obs/state"
 """The robot's joints; or all numbers of the simulation in one row."""
@@ -72,7 +73,7 @@ class ManiSkillTrajectory(Hdf5Recording):
                 hint="let ManiSkill draw them: python -m mani_skill.trajectory.replay_trajectory "
                 f"--traj-path {path} --save-traj --obs-mode rgb --use-env-states",
             )
-        labelled = any(_last(file[match[0]].get("success")) for match in matches)
+        labelled = any(_succeeds(file[match[0]]) for match in matches)
         return [cls(path, match[0], labelled) for match in matches]
 
     def name(self, root: Path) -> str:
@@ -98,14 +99,15 @@ class ManiSkillTrajectory(Hdf5Recording):
 
     @property
     def failed(self) -> str | None:
-        stated = self._episode.get("success")
-        if stated is False or self._episode.get("fail") is True:
+        stated = self._described(SUCCESS)
+        if stated is False or self._described(FAIL):
             return f"{'success is false' if stated is False else 'fail is true'} in {self._description_file.name}"
         with self._file() as file:
             part = self._part(file)
-            if _last(part.get("fail")):
+            if stored_label(part, FAIL):
                 return "its fail is true"
-            return stated_failure(part) if stated is None and self._labelled else None
+            unlabelled = stated is not None or not self._labelled
+            return None if unlabelled or stored_label(part, SUCCESS) is not False else "its success is false"
 
     @property
     def notes(self) -> list[str]:
@@ -113,10 +115,14 @@ class ManiSkillTrajectory(Hdf5Recording):
         rate, steps, motion = self._control_rate, self._episode.get("elapsed_steps"), self.motion
         if rate is not None:
             notes.append(f"its frame rate is the control_freq of its environment, {rate:g} Hz")
-        if not self._labelled and self._episode.get("success") is None:
+        undescribed = bool(self.companions) and not self._episode
+        if not self._labelled and self._described(SUCCESS) is None and not undescribed:
             notes.append("no trajectory of its file ends with success, so nobody seems to have recorded that")
         if not self.companions:
             notes.append(f"there is no {self._description_file.name}, which would describe it")
+        if undescribed:
+            what = "names no episodes" if "episodes" not in self._description else "does not describe it"
+            notes.append(f"{self._description_file.name} {what}, so it does not say whether it succeeded")
         if isinstance(steps, int) and motion is not None and steps != len(motion.values):
             notes.append(f"it has {len(motion.values)} actions, its elapsed_steps are {steps}")
         return notes
@@ -132,14 +138,52 @@ class ManiSkillTrajectory(Hdf5Recording):
     @cached_property
     def _environment(self) -> dict[str, Any]:
         """``env_info`` of the file's description; empty where nothing says."""
-        return _as_dict(_as_dict(read_beside(self._description_file)).get("env_info"))
+        return _as_dict(self._description.get("env_info"))
 
     @cached_property
     def _episode(self) -> dict[str, Any]:
-        """Entry of this trajectory in the description; empty if there is none."""
-        episodes = _as_dict(read_beside(self._description_file)).get("episodes")
-        rows = (_as_dict(row) for row in episodes) if isinstance(episodes, list) else ()
-        return next((row for row in rows if row.get("episode_id") == self.number), {})
+        """What the description says of this trajectory; empty where it does not.
+
+        Raises:
+            DamagedFile: the description is not understood.
+        """
+        rows = self._description.get("episodes", [])
+        if not isinstance(rows, list):
+            raise self._not_understood("episodes", rows, "a list")
+        found: dict[str, Any] = {}
+        for number, row in enumerate(rows):
+            if not isinstance(row, dict):
+                raise self._not_understood(f"episodes[{number}]", row, "an object")
+            if self._episode_id(number, row.get("episode_id")) != self.number:
+                continue
+            if found:
+                raise DamagedFile(f"{self._description_file} describes episode {self.number} twice", hint=MEND)
+            found = row
+        return found
+
+    @cached_property
+    def _description(self) -> dict[str, Any]:
+        """The file's description; empty where there is none."""
+        found = read_beside(self._description_file)
+        if found is not None and not isinstance(found, dict):
+            raise self._not_understood("its content", found, "an object with env_info and episodes")
+        return found or {}
+
+    def _episode_id(self, row: int, stated: Any) -> int:
+        """The number of the trajectory that a row of the description belongs to."""
+        if type(stated) is int:
+            return stated
+        digits = re.fullmatch(r"\s*(?:traj_)?(\d+)(?:\.0)?\s*", str(stated))
+        if digits is None:
+            raise self._not_understood(f"episodes[{row}].episode_id", stated, "a number")
+        return int(digits[1])
+
+    def _described(self, name: str) -> bool | None:
+        """A label of the description's row of this trajectory."""
+        return label_of(self._episode.get(name), f"{self._description_file}: {name} of episode {self.number}")
+
+    def _not_understood(self, field: str, found: Any, wanted: str) -> DamagedFile:
+        return DamagedFile(f"{self._description_file}: {field} is {type(found).__name__}, not {wanted}", hint=MEND)
 
     @property
     def _control_rate(self) -> float | None:
@@ -176,12 +220,11 @@ def words_of(environment: str) -> str:
     return " ".join(parts).capitalize()
 
 
-def _last(labels: Any) -> bool:
-    """Check that a dataset of labels, one for each step, ends with true."""
-    if not isinstance(labels, h5py.Dataset) or not labels.size:
-        return False
-    require_numbers_fit(labels)
-    return bool(np.reshape(labels[()], -1)[-1])
+def _succeeds(part: h5py.Group) -> bool:
+    """Return whether a trajectory is labelled so; one that is not understood is named where it is read."""
+    with suppress(DamagedFile):
+        return bool(stored_label(part, SUCCESS))
+    return True
 
 
 def _number(match: re.Match[str]) -> int:

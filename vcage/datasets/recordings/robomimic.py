@@ -22,7 +22,6 @@ import numpy as np
 
 from vcage.base.errors import DamagedFile
 from vcage.base.reading import parse_json
-from vcage.datasets.hdf5_limits import require_numbers_fit
 from vcage.datasets.picture_links import read_link
 from vcage.datasets.recordings.columns import Columns, act_grippers
 from vcage.datasets.recordings.hdf5_numbers import columns, numbers_of
@@ -36,9 +35,6 @@ SUFFIX = "_image"
 
 STATE = r"robot(\d+)_(joint_pos|gripper_qpos)"
 """What is taken for the state: joints of every robot in radians, then those of its gripper."""
-
-FALSE = ("false", "0", "no")
-"""How text says that a demonstration failed."""
 
 
 class RobomimicDemo(Hdf5Recording):
@@ -95,11 +91,6 @@ class RobomimicDemo(Hdf5Recording):
         rate = self._control_rate
         told = [] if rate is None else [f"its frame rate is the control_freq of env_args, {rate:g} Hz"]
         return super().notes + told
-
-    @property
-    def failed(self) -> str | None:
-        with self._file() as file:
-            return stated_failure(self._part(file))
 
     def left_out(self) -> dict[str, str]:
         with self._file() as file:
@@ -167,22 +158,6 @@ def _pictures_in(group: Any) -> dict[str, h5py.Dataset]:
     """Name → pictures, (T, H, W, C) uint8, or the link to them; none where it is no group."""
     items = group.items() if isinstance(group, h5py.Group) else ()
     return {name: item for name, item in items if isinstance(item, h5py.Dataset) and _are_pictures(item)}
-
-
-def stated_failure(part: h5py.Group) -> str | None:
-    """That a demonstration says of itself that it failed, by ``success`` as attribute or, at its end, as dataset;
-    None where it says nothing of the kind."""
-    stated = part.attrs.get("success")
-    labels = part.get("success")
-    if stated is None and isinstance(labels, h5py.Dataset) and labels.size:
-        require_numbers_fit(labels)
-        stated = np.reshape(labels[()], -1)[-1]
-    if stated is None or np.size(stated) != 1:
-        return None
-    value = np.reshape(stated, -1)[0]
-    text = value.decode("utf-8", "replace") if isinstance(value, bytes) else value
-    failed = text.strip().lower() in FALSE if isinstance(text, str) else not text
-    return "its success is false" if failed else None
 
 
 def _are_pictures(dataset: h5py.Dataset) -> bool:

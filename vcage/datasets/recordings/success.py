@@ -1,0 +1,73 @@
+"""Labels of recordings that say whether the robot did its task: how every layout writes them, and what they mean."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import h5py
+import numpy as np
+
+from vcage.base.errors import DamagedFile
+from vcage.datasets.hdf5_limits import require_numbers_fit
+
+SUCCESS, FAIL = "success", "fail"
+"""Names of the labels, as attributes, datasets and fields of JSON."""
+
+TRUE = ("true", "1", "1.0", "yes")
+FALSE = ("false", "0", "0.0", "-0.0", "no")
+"""How a label is written, in lower case."""
+
+
+def label_of(value: Any, where: str) -> bool | None:
+    """Read a label: true or false, 0 or 1, the same as text, or an array or list of them, whose last value counts.
+
+    Args:
+        value: from JSON, HDF5 or a table.
+        where: its file and field, for the message.
+
+    Returns:
+        None where it says nothing: null, or an empty list.
+
+    Raises:
+        DamagedFile: it is anything else.
+    """
+    plain = value.tolist() if isinstance(value, np.ndarray | np.generic) else value
+    while isinstance(plain, list | tuple) and plain:
+        plain = plain[-1]
+    if plain is None or isinstance(plain, list | tuple | h5py.Empty):
+        return None
+    if isinstance(plain, bytes):
+        plain = plain.decode("utf-8", "replace")
+    text = str(plain).strip().lower() if isinstance(plain, bool | int | float | str) else ""
+    if text in TRUE or text in FALSE:
+        return text in TRUE
+    raise DamagedFile(
+        f"{where} is {plain!r}, which says neither true nor false",
+        hint="write true or false there, or remove it if nobody recorded it",
+    )
+
+
+def stored_label(part: h5py.Group, name: str) -> bool | None:
+    """Read a label of a recording's part of an open file: an attribute, else a dataset, whose last value counts.
+
+    Raises:
+        DamagedFile: it says neither true nor false.
+    """
+    where = f"{part.file.filename}:{part.name.rstrip('/')}/{name}"
+    stated = label_of(part.attrs.get(name), where)
+    labels = part.get(name)
+    if stated is not None or not isinstance(labels, h5py.Dataset):
+        return stated
+    require_numbers_fit(labels)
+    return label_of(labels[()], where)
+
+
+def stated_failure(part: h5py.Group) -> str | None:
+    """Why a recording says of itself that it failed; None where it says nothing of the kind.
+
+    Raises:
+        DamagedFile: a label says neither true nor false.
+    """
+    if stored_label(part, FAIL):
+        return f"its {FAIL} is true"
+    return f"its {SUCCESS} is false" if stored_label(part, SUCCESS) is False else None
