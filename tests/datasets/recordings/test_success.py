@@ -37,7 +37,7 @@ def test_an_empty_label_says_nothing(value):
 
 @pytest.mark.parametrize("value", [2, 0.5, float("nan"), "maybe", "", {"a": 1}, [None, {}]], ids=repr)
 def test_a_label_that_is_not_understood_is_refused_by_its_place(value):
-    with pytest.raises(DamagedFile, match="here is .*neither true nor false"):
+    with pytest.raises(DamagedFile, match=r"here is .*neither true nor false"):
         label_of(value, "here")
 
 
@@ -121,6 +121,6 @@ def test_a_label_in_hdf5_that_is_not_understood_is_left_out_as_damaged_where_tha
     with h5py.File(path, "r+") as file:
         file["data/demo_1"].attrs["success"] = "maybe"
     settings = order(path, tmp_path / "out").settings
-    with pytest.raises(DamagedFile, match="a.hdf5:/data/demo_1/success is 'maybe'"):
+    with pytest.raises(DamagedFile, match=r"a\.hdf5:/data/demo_1/success is 'maybe'"):
         find_sources(path, settings)
     assert list(find_sources(path, settings, skip_damaged=True).damaged) == ["a.demo_1"]

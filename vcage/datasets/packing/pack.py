@@ -25,6 +25,7 @@ from vcage.datasets.packing.dataset_search import require_tools, search_data_set
 from vcage.datasets.packing.frames import FRAMES, write_frames
 from vcage.datasets.packing.output import (
     OutputSpec,
+    keeps_version,
     left_out,
     listed,
     other_streams,
@@ -141,7 +142,7 @@ def prepare(order: Order) -> Prepared:
     require_apart(order.root, order.out)
     require_tools(order.settings)
     sources = find_sources(order.root, order.settings, skip_damaged=order.skip_damaged, colours=order.colours)
-    if order.wanted.lerobot:
+    if order.wanted.lerobot and not keeps_version(sources.sources, order.wanted):
         sources = sources.without_failed()
     sources, output = _resolved(order, sources)
     prepared = Prepared(order, sources, output)
@@ -215,7 +216,7 @@ def pack(order: Order, *, workers: int | None = None, force: bool = False, progr
         _move(whole, out)
         shutil.rmtree(working)
     _tell(notes)
-    _tell_omitted(record, kept=not work.output.lerobot)
+    _tell_omitted(record, kept=not sources.failed)
     return Packed(record, out / RECORD, fresh=True)
 
 

@@ -139,7 +139,7 @@ class Sources:
         if not left:
             raise InputFileError(
                 f"{self.root} holds failed demonstrations only ({len(failed)}: {next(iter(failed.values()))})",
-                hint="give --to hdf5, which keeps them as they are and marked so",
+                hint=f"give --to {self.sources[0].recording.TARGET}, which keeps them as they are and marked so",
                 details={"failed": failed},
             )
         return replace(self, sources=left, failed=failed)

@@ -24,6 +24,10 @@ from vcage.datasets.recordings.lerobot_times import (
     row_times,
     shown_times,
 )
+from vcage.datasets.recordings.success import label_of
+
+OUTCOME = "next.success"
+"""Column that says after which frame the task is done."""
 
 
 @dataclass(frozen=True)
@@ -67,6 +71,14 @@ class TimedRows(ABC):
     @abstractmethod
     def _column(self, key: str) -> pa.ChunkedArray:
         """A column of the episode's rows."""
+
+    @property
+    def failed(self) -> str | None:
+        if OUTCOME not in self._info["features"]:
+            return None
+        where = f"{self}, {self._data_file}: {OUTCOME}"
+        labels = {label_of(value, where) for value in self._column(OUTCOME).to_pylist()}
+        return f"its {OUTCOME} is never true" if False in labels and True not in labels else None
 
     def time_fault(self, target: str, fps: float) -> str | None:
         times = self._row_times
