@@ -1,13 +1,19 @@
 from __future__ import annotations
 
+import json
+import shutil
 from collections.abc import Callable
+from pathlib import Path
 
 import cv2
 import h5py
 import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
 import pytest
 
 from tests.datasets.packed_files import pack
+from tests.datasets.packing.orders import packed
 from tests.datasets.recordings.layouts import (
     FRAMES,
     HEIGHT,
@@ -201,3 +207,51 @@ def test_normals_are_no_camera(tmp_path):
     recording = open_recordings(path)[0]
     assert "obs/agentview_normals (directions, uint8)" in map(str, recording.other_streams)
     assert "agentview_normals" not in [camera.name for camera in recording.cameras]
+
+
+# --- pictures in the tables of LeRobot data sets ---------------------------------------------------------
+
+
+def with_table_pictures(root: Path, name: str, picture: np.ndarray) -> Path:
+    """The data set with a picture in each row of its tables, as PNG."""
+    key = f"observation.images.{name}"
+    info = json.loads((root / "meta/info.json").read_text())
+    info["features"][key] = {"dtype": "image", "shape": [*picture.shape, 1][:3], "names": None}
+    (root / "meta/info.json").write_text(json.dumps(info))
+    data = cv2.imencode(".png", picture)[1].tobytes()
+    for file in (root / "data").rglob("*.parquet"):
+        table = pq.read_table(file)
+        pq.write_table(table.append_column(key, pa.array([{"bytes": data, "path": None}] * len(table))), file)
+    return root
+
+
+@pytest.fixture(params=["v2.1", "v3.0"])
+def dataset(request, v21, v3, tmp_path) -> Path:
+    return shutil.copytree(v21 if request.param == "v2.1" else v3, tmp_path / "set")
+
+
+@pytest.mark.parametrize(
+    ("name", "dtype", "told"),
+    [
+        ("depth", np.uint16, "observation.images.depth (depth, 16-bit png)"),
+        ("front", np.uint16, "observation.images.front (depth or other numbers, 16-bit png)"),
+        ("front_depth", np.uint8, "observation.images.front_depth (depth, png)"),
+    ],
+)
+def test_depth_in_the_tables_of_a_data_set_is_no_camera(dataset, name, dtype, told):
+    root = with_table_pictures(dataset, name, np.full((48, 64), 200, dtype))
+    for recording in open_recordings(root):
+        assert [str(stream) for stream in recording.other_streams] == [told]
+        assert name not in [camera.name for camera in recording.cameras]
+        assert not any("read as RGB" in note for note in recording.notes)
+        assert f"observation.images.{name}" in recording.left_out()
+
+
+def test_depth_in_the_tables_of_a_data_set_stays_in_the_same_version(dataset, tmp_path):
+    root = with_table_pictures(dataset, "depth", np.full((48, 64), 1000, np.uint16))
+    done = packed(root, tmp_path / "out")
+    assert [(one.stream, one.done) for one in done.record.other_streams] == [
+        ("observation.images.depth", "left as it was")
+    ]
+    old, new = (pq.read_table(next((path / "data").rglob("*.parquet"))) for path in (root, tmp_path / "out"))
+    assert new.equals(old)

@@ -62,7 +62,8 @@ def inspect(root: Path, colours: str = AUTO) -> list[Inspected]:
 
 def _look(recording: Recording) -> Inspected:
     try:
-        becomes = "it stays as it is in HDF5, and is left out of all else" if recording.TARGET == HDF5 else "left out"
+        stays = {HDF5: "it stays as it is in HDF5, and is left out of all else", VIDEOS: "left out"}
+        becomes = stays.get(recording.TARGET, "it stays as it is in the same version, and is left out of all else")
         others = (f"{stream} is no camera: {becomes}" for stream in recording.other_streams)
         notes = (*sound_notes(recording), *others)
         return Inspected(str(recording), recording, notes=notes, left_out=recording.left_out(), failed=recording.failed)

@@ -9,7 +9,6 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any, Self
 
-import av
 import numpy as np
 import pyarrow as pa
 import pyarrow.compute as pc
@@ -19,7 +18,6 @@ from vcage.base.errors import DamagedFile, UsageError
 from vcage.base.folders import natural_key, natural_path
 from vcage.base.pictures import picture_header
 from vcage.base.placeholders import require_fetched
-from vcage.base.video_files import open_video
 from vcage.base.videos import decode
 from vcage.datasets.lerobot.episode import ACTION, STATE
 from vcage.datasets.lerobot.features import CAMERA, OF_SUBTASKS, number_names, other_columns, require_rgb, video_facts
@@ -30,12 +28,11 @@ from vcage.datasets.lerobot.places import inside, own_file, own_files, placed
 from vcage.datasets.recordings.colours import Colours
 from vcage.datasets.recordings.columns import Columns
 from vcage.datasets.recordings.lerobot_rows import Clip, TimedRows
+from vcage.datasets.recordings.lerobot_sizes import file_size, picture_size, video_seconds
 from vcage.datasets.recordings.lerobot_times import Share, shares
+from vcage.datasets.recordings.other_streams import MeasuredStream, measured_file
 from vcage.datasets.recordings.recording import RecordedCamera, Recording
 from vcage.datasets.stored_pictures import channels_of, decode_picture, stacked, storage_of
-
-CHANNELS = (1, 3, 4)
-"""Of a picture; what tells them from its height and width."""
 
 
 class LeRobotRecording(TimedRows, Recording):
@@ -79,7 +76,8 @@ class LeRobotRecording(TimedRows, Recording):
 
     def left_out(self) -> dict[str, str]:
         features = self._info["features"]
-        names = [name for name in other_columns(features) if features[name]["dtype"] != "image"]
+        measured = {stream.key for stream in self.other_streams}
+        names = [name for name in other_columns(features) if features[name]["dtype"] != "image" or name in measured]
         words = [name for name in OF_SUBTASKS if name in features]
         parts = dict.fromkeys(words, "parts of the task are not taken over by another version")
         return dict.fromkeys(names, "another version is written with state, action and cameras alone") | parts
@@ -99,14 +97,21 @@ class LeRobotRecording(TimedRows, Recording):
 
     @cached_property
     def cameras(self) -> list[RecordedCamera]:
-        keys = [key for key, feature in self._info["features"].items() if feature["dtype"] in ("video", "image")]
+        measured = {stream.key for stream in self.other_streams}
+        keys = [key for key in (*self._keys_of("video"), *self._keys_of("image")) if key not in measured]
         return sorted((self._camera(key) for key in keys), key=lambda camera: natural_key(camera.name))
+
+    @cached_property
+    def other_streams(self) -> list[MeasuredStream]:
+        keys = sorted(self._keys_of("image"), key=natural_key)
+        found = [measured_file(key, self._stored(self._column(key)[0].as_py())) for key in keys]
+        return [stream for stream in found if stream is not None]
 
     @property
     def files(self) -> list[Path]:
         """The data set's own description, and the episode's table and videos."""
         described = [self.path / file for file in own_files(self.path, Path("meta"))]
-        videos = {self._clip(key).file for key, one in self._info["features"].items() if one["dtype"] == "video"}
+        videos = {self._clip(key).file for key in self._keys_of("video")}
         return [*described, self._data_file, *sorted(videos, key=natural_path)]
 
     def pictures(self, camera: str, indices: Sequence[int] | None = None) -> NDArray[np.uint8]:
@@ -122,8 +127,7 @@ class LeRobotRecording(TimedRows, Recording):
         )
 
     def _camera_notes(self) -> list[str]:
-        videos = [key for key, feature in self._info["features"].items() if feature["dtype"] == "video"]
-        found = [(key, self._frames_in_video(key)[1]) for key in sorted(videos, key=natural_key)]
+        found = [(key, self._frames_in_video(key)[1]) for key in sorted(self._keys_of("video"), key=natural_key)]
         times = self._row_times.note
         notes = super()._camera_notes() + [times] * bool(times) + [f"{key}: {note}" for key, note in found if note]
         for camera in self.cameras:
@@ -146,6 +150,10 @@ class LeRobotRecording(TimedRows, Recording):
         values = np.array(self._column(key).to_pylist(), np.float64)
         return Columns(values.reshape(len(values), -1), tuple(number_names(feature.get("names"))))
 
+    def _keys_of(self, dtype: str) -> list[str]:
+        """The features of a type."""
+        return [key for key, feature in self._info["features"].items() if feature["dtype"] == dtype]
+
     def _column(self, key: str) -> pa.ChunkedArray:
         """A column of the episode's frames, of at least one."""
         found = read_table(self._data_file, [key], pc.field("episode_index") == self.number)[key]
@@ -157,7 +165,7 @@ class LeRobotRecording(TimedRows, Recording):
 
     def _camera(self, key: str) -> RecordedCamera:
         feature, frames = self._info["features"][key], self.frames
-        height, width = _picture_size(feature["shape"])
+        height, width = picture_size(feature["shape"])
         name = key.removeprefix(CAMERA)
         if feature["dtype"] == "video":
             storage = str(video_facts(feature).get("video.codec", "video"))
@@ -200,8 +208,8 @@ class LeRobotV21(LeRobotRecording):
 
     def _video_bytes(self, key: str) -> int:
         file = self._clip(key).file
-        _seconds(file)  # which shows that it is a video
-        return _size(file)
+        video_seconds(file)  # which shows that it is a video
+        return file_size(file)
 
     def _file(self, pattern: str, **names: int | str) -> Path:
         chunk = self.number // int(self._info["chunks_size"])
@@ -231,7 +239,7 @@ class LeRobotV30(LeRobotRecording):
     def _video_bytes(self, key: str) -> int:
         file = self._clip(key).file
         clip = [float(self._said(f"videos/{key}/{end}_timestamp")) for end in ("from", "to")]
-        return round(_size(file) * min(1.0, (clip[1] - clip[0]) / max(_seconds(file), 1e-9)))
+        return round(file_size(file) * min(1.0, (clip[1] - clip[0]) / max(video_seconds(file), 1e-9)))
 
     def _file(self, pattern: str, prefix: str, **names: str) -> Path:
         numbers = {name: int(self._said(f"{prefix}/{name}")) for name in ("chunk_index", "file_index")}
@@ -274,24 +282,3 @@ def open_lerobot(root: Path) -> list[LeRobotRecording]:
 def _own(parts: Mapping[str, Mapping[int, Share]], episode: int) -> dict[str, Share]:
     """Camera → the part of its video that an episode has."""
     return {key: own[episode] for key, own in parts.items() if episode in own}
-
-
-def _picture_size(shape: Sequence[int]) -> tuple[int, int]:
-    """Height and width of pictures whose channels come last, as LeRobot has them, or first."""
-    first = len(shape) == 3 and shape[0] in CHANNELS and shape[2] not in CHANNELS
-    height, width = shape[1:] if first else shape[:2]
-    return height, width
-
-
-def _size(file: Path) -> int:
-    require_fetched(file)
-    try:
-        return file.stat().st_size
-    except OSError as error:
-        raise DamagedFile(f"{file} is missing", hint=MEND) from error
-
-
-def _seconds(file: Path) -> float:
-    _size(file)
-    with open_video(file) as container:
-        return float(container.duration or 0) / av.time_base

@@ -77,7 +77,17 @@ def measured_stream(name: str, dataset: h5py.Dataset) -> MeasuredStream | None:
         if named is None and dataset.dtype == np.uint8:
             return None
         return MeasuredStream(name, named or UNNAMED, str(dataset.dtype))
-    data = _first_file(dataset)
+    return measured_file(name, _first_file(dataset))
+
+
+def measured_file(name: str, data: bytes) -> MeasuredStream | None:
+    """What picture files hold if no 8-bit video keeps it, as the name of the stream and the first file say.
+
+    Args:
+        name: as in :func:`measured_stream`.
+        data: the file; empty where there is none.
+    """
+    named = shown_by_name(name)
     if sixteen_bits(data):
         return MeasuredStream(name, named or UNNAMED, f"16-bit {storage_of(data, name)}")
     return MeasuredStream(name, named, storage_of(data, name) if data else NO_FILES) if named else None
