@@ -1,30 +1,32 @@
-"""Timestamps beside the frames of HDF5 recordings: their rate, and whether frames are evenly spaced."""
+"""Times beside the frames of a recording: their rate, and whether frames are evenly spaced."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
-import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from vcage.datasets.hdf5_limits import require_numbers_fit
-
-KEYS = ("timestamps", "timestamp", "observations/timestamps", "observations/timestamp", "obs/timestamps", "time")
+UNITS: Mapping[float, str] = {1.0: "s", 1e-3: "ms", 1e-6: "us", 1e-9: "ns"}
+"""Seconds of a unit → its name."""
 
 
 @dataclass(frozen=True)
 class ClockSettings:
-    """When timestamps agree with evenly spaced frames.
+    """When numbers are times, and when times agree with evenly spaced frames.
 
     Args:
         within_frames: distance from the even grid that still leaves no doubt which frame is meant.
-        longest_period_s: of a recording; numbers further apart count milliseconds, microseconds or nanoseconds.
+        shortest_period_s, longest_period_s: of a recording; they tell the unit of times.
+        least_growing: share of steps that do not go back, of numbers whose name may also mean a duration.
     """
 
     within_frames: float = 0.5
+    shortest_period_s: float = 1e-3
     longest_period_s: float = 2.0
+    least_growing: float = 0.8
 
 
 SETTINGS = ClockSettings()
@@ -36,59 +38,98 @@ class Clock:
 
     Args:
         key: of the dataset.
-        seconds: (T,) from the first frame on.
+        ticks: (T,) from the first frame on, in the unit of the file.
+        units: seconds of one tick, all that are plausible; none where the numbers count frames.
     """
 
     key: str
-    seconds: NDArray[np.float64]
+    ticks: NDArray[np.float64]
+    units: tuple[float, ...]
 
     @cached_property
-    def rate(self) -> float | None:
-        """Frames per second, to 3 digits after the point; None of times that do not grow."""
-        span = float(self.seconds[-1])
-        return round((len(self.seconds) - 1) / span, 3) if np.isfinite(span) and span > 0 else None
-
-    @property
     def nominal_rate(self) -> float | None:
-        """The rate, as a whole number where the times agree with that too."""
-        if self.rate is None:
+        """Frames per second to 3 digits after the point, as a whole number where the times agree with that too; None
+        where frames are not evenly spaced, or the unit is not certain."""
+        if len(self.units) != 1:
             return None
-        whole = float(round(self.rate))
-        return whole if whole > 0 and self.fault(whole) is None else self.rate
+        span = float(self.ticks[-1]) * self.units[0]
+        mean = round((len(self.ticks) - 1) / span, 3) if np.isfinite(span) and span > 0 else 0.0
+        rates = (rate for rate in (float(round(mean)), mean) if rate > 0)
+        return next((rate for rate in rates if self.fault(rate) is None), None)
 
     def fault(self, fps: float) -> str | None:
-        """Why these are not the times of frames at a rate; None where each is within half a frame of the even grid."""
-        steps = np.diff(self.seconds)
-        if not np.all(np.isfinite(self.seconds)):
+        """Say why these are not the times of frames at a rate; None where each is within half a frame of the even grid.
+
+        Where several units are plausible, the one that is nearest to the rate counts.
+        """
+        if not np.all(np.isfinite(self.ticks)):
             return f"{self.key} holds NaN or infinity"
+        if not self.units:
+            return self._jump()
+        seconds = self.ticks * min(self.units, key=lambda unit: abs(np.log(max(self._step * unit * fps, 1e-300))))
+        steps = np.diff(seconds)
         if np.any(steps <= 0):
             frame = int(np.argmax(steps <= 0)) + 1
-            return f"{self.key} does not grow at frame {frame} ({self.seconds[frame]:.4f} s after the first)"
-        off = np.abs(self.seconds - np.arange(len(self.seconds)) / fps)
+            return f"{self.key} does not grow at frame {frame} ({seconds[frame]:.4f} s after the first)"
+        off = np.abs(seconds - np.arange(len(seconds)) / fps)
         worst = int(np.argmax(off))
         if off[worst] * fps <= SETTINGS.within_frames:
             return None
         return (
-            f"{self.key} has frame {worst} {self.seconds[worst]:.4f} s after the first, at {fps:g} frames per second "
+            f"{self.key} has frame {worst} {seconds[worst]:.4f} s after the first, at {fps:g} frames per second "
             f"it is {worst / fps:.4f} s: {off[worst] * 1000:.1f} ms off, more than half a frame"
         )
 
+    def note(self, fps: float | None) -> str | None:
+        """Say what a user must know; None where nothing is odd.
 
-def read_clock(part: h5py.Group, frames: int) -> Clock | None:
-    """The timestamps of a recording, where it has one number for each frame; None where it does not."""
-    for key in KEYS:
-        found = part.get(key)
-        if not (isinstance(found, h5py.Dataset) and found.dtype.kind in "fiu" and found.size == frames >= 2):
-            continue
-        require_numbers_fit(found)
-        values = found[()].reshape(-1)
-        whole = values - values[0] if values.dtype.kind == "f" else values.astype(np.int64) - np.int64(values[0])
-        return Clock(key, whole.astype(np.float64) * _unit(np.abs(np.diff(whole.astype(np.float64)))))
-    return None
+        Args:
+            fps: what the recording states.
+        """
+        rate = fps or self.nominal_rate or self._usual_rate
+        fault = self.fault(rate)
+        if fault is not None or fps:
+            return fault
+        if not self.units:
+            return f"{self.key} counts frames and tells no rate; give --fps"
+        if len(self.units) == 1:
+            return None
+        may_be = " or ".join(f"{1 / (self._step * unit):g} Hz in {UNITS[unit]}" for unit in self.units)
+        return f"{self.key} grows by {self._step:g} a frame, which may be {may_be}; give --fps"
+
+    @property
+    def _step(self) -> float:
+        return _usual_step(self.ticks)
+
+    @property
+    def _usual_rate(self) -> float:
+        """Frames per second by the usual step, in the first unit."""
+        period = self._step * (self.units or (1.0,))[0]
+        return 1 / period if np.isfinite(period) and period > 0 else 1.0
+
+    def _jump(self) -> str | None:
+        steps = np.diff(self.ticks)
+        if np.all(steps == 1):
+            return None
+        frame = int(np.argmax(steps != 1)) + 1
+        return (
+            f"{self.key} counts frames, and frame {frame} comes {steps[frame - 1]:g} after the one before it, not 1: "
+            "frames are missing, or stand twice"
+        )
 
 
-def _unit(steps: NDArray[np.float64]) -> float:
-    """Seconds of one unit: 1, or that of milliseconds, microseconds or nanoseconds where steps would be too long."""
-    usual = float(np.median(steps))
-    fitting = (unit for unit in (1.0, 1e-3, 1e-6, 1e-9) if usual * unit <= SETTINGS.longest_period_s)
-    return next(fitting, 1.0)
+def clock_of(key: str, values: NDArray[np.generic]) -> Clock:
+    """The clock of (T,) numbers, T ≥ 2; what they count is told by their usual step."""
+    with np.errstate(invalid="ignore"):
+        first = values - values[0] if values.dtype.kind == "f" else values.astype(np.int64) - values.astype(np.int64)[0]
+    ticks = first.astype(np.float64)
+    usual = _usual_step(ticks)
+    if usual == 1 and np.all(ticks == np.round(ticks)):
+        return Clock(key, ticks, ())
+    shortest, longest = SETTINGS.shortest_period_s * (1 - 1e-9), SETTINGS.longest_period_s * (1 + 1e-9)
+    return Clock(key, ticks, tuple(unit for unit in UNITS if shortest <= usual * unit <= longest) or tuple(UNITS))
+
+
+def _usual_step(ticks: NDArray[np.float64]) -> float:
+    with np.errstate(invalid="ignore"):
+        return float(np.median(np.abs(np.diff(ticks))))

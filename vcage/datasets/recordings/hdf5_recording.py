@@ -26,7 +26,7 @@ from vcage.datasets.hdf5_files import damage, open_hdf5_file
 from vcage.datasets.hdf5_limits import require_pictures_fit
 from vcage.datasets.picture_lengths import digests_beside
 from vcage.datasets.picture_links import Link, find_links, read_link
-from vcage.datasets.recordings.clocks import Clock, read_clock
+from vcage.datasets.recordings.clock_search import Clocks, find_clocks
 from vcage.datasets.recordings.columns import Columns
 from vcage.datasets.recordings.hdf5_colours import COLOURS, Hdf5Colours
 from vcage.datasets.recordings.leftovers import leftovers
@@ -93,10 +93,15 @@ class Hdf5Recording(Hdf5Colours):
 
     @property
     def rate_guess(self) -> float | None:
-        return None if self._clock is None else self._clock.nominal_rate
+        return self._clocks.rate
 
     def time_fault(self, target: str, fps: float) -> str | None:
-        return None if self._clock is None else self._clock.fault(fps)
+        del target
+        return self._clocks.fault(fps)
+
+    @property
+    def rate_hint(self) -> str:
+        return "; ".join([super().rate_hint, *self._clocks.notes(None)])
 
     @property
     def failed(self) -> str | None:
@@ -105,10 +110,7 @@ class Hdf5Recording(Hdf5Colours):
 
     @property
     def notes(self) -> list[str]:
-        notes, clock, guess = super().notes, self._clock, self.rate_guess
-        if self.fps is None and clock is not None and guess is not None:
-            notes.append(f"its frame rate is that of {clock.key}, {guess:g} Hz")
-        return notes
+        return super().notes + self._clocks.notes(self.fps)
 
     @property
     def files(self) -> list[Path]:
@@ -151,9 +153,12 @@ class Hdf5Recording(Hdf5Colours):
         return used | {camera.key for camera in self.cameras}
 
     @cached_property
-    def _clock(self) -> Clock | None:
+    def _clocks(self) -> Clocks:
+        """The times of its pictures; none without pictures."""
+        cameras = {camera.key for camera in self.cameras}
         with self._file() as file:
-            return read_clock(self._part(file), self.frames) if self.cameras else None
+            part = self._part(file)
+            return find_clocks(part, self.frames, cameras, self.SPARE_PICTURES) if cameras else Clocks((), {})
 
     def _part(self, file: h5py.File) -> h5py.Group:
         """Where the recording is in the open file."""
