@@ -27,6 +27,7 @@ class Inspected:
         name: the path, and the episode where a path holds several.
         recording: None where the file is damaged.
         damage: what is wrong; empty where nothing is.
+        passed: what it is, where it is no recording and is not read.
         notes: what a user must know about how it was understood.
         left_out: what a LeRobot data set does not get of it: key → reason.
         failed: why it is no demonstration of its task, if it says so.
@@ -35,6 +36,7 @@ class Inspected:
     name: str
     recording: Recording | None
     damage: str = ""
+    passed: str = ""
     notes: tuple[str, ...] = ()
     left_out: Mapping[str, str] = field(default_factory=dict)
     failed: str | None = None
@@ -57,7 +59,8 @@ def inspect(root: Path, colours: str = AUTO) -> list[Inspected]:
     """
     opened = open_all(Path(root), colours)
     found = [_look(recording) for recording in opened.recordings]
-    return found + [Inspected(str(path), None, error.message) for path, error in opened.damaged.items()]
+    found += [Inspected(str(path), None, error.message) for path, error in opened.damaged.items()]
+    return found + [Inspected(name, None, passed=what) for name, what in opened.passed.items()]
 
 
 def _look(recording: Recording) -> Inspected:
@@ -66,7 +69,8 @@ def _look(recording: Recording) -> Inspected:
         becomes = stays.get(recording.TARGET, "it stays as it is in the same version, and is left out of all else")
         others = (f"{stream} is no camera: {becomes}" for stream in recording.other_streams)
         notes = (*sound_notes(recording), *others)
-        return Inspected(str(recording), recording, notes=notes, left_out=recording.left_out(), failed=recording.failed)
+        left_out, failed = recording.left_out(), recording.failed
+        return Inspected(str(recording), recording, notes=notes, left_out=left_out, failed=failed)
     except DamagedFile as error:
         return Inspected(str(recording), None, error.message)
 
@@ -86,6 +90,8 @@ def _left_out(found: Sequence[Inspected]) -> dict[str, str]:
 
 def _lines(found: Inspected) -> list[str]:
     recording = found.recording
+    if found.passed:
+        return [f"{found.name} is not read: {found.passed}"]
     if recording is None:
         return [f"{found.name}: DAMAGED: {found.damage}"]
     rate = f"{recording.fps:g} fps" if recording.fps else "fps not said"
@@ -123,7 +129,8 @@ def totals(found: Sequence[Inspected]) -> dict[str, Any]:
             {"stream": stream.key, "shows": stream.shows, "stored": stream.stored, "recordings": count}
             for stream, count in others.items()
         ],
-        "damaged": {one.name: one.damage for one in found if one.recording is None},
+        "damaged": {one.name: one.damage for one in found if one.damage},
+        "passed_over": {one.name: one.passed for one in found if one.passed},
         "notes": {one.name: list(one.notes) for one in found if one.notes},
         "left_out": _left_out(found),
         "failed": failures({one.name: one.failed for one in found if one.failed is not None}),

@@ -45,6 +45,9 @@ logger = logging.getLogger(__name__)
 
 T = TypeVar("T")
 
+FOLDER = "."
+"""Stands in notes for what was given, where it holds more than is read."""
+
 RECORD = "compression.json"
 WORKING = ".compressing"
 """Ends the name of the folder beside the output in which videos gather; the work is taken up there."""
@@ -259,18 +262,23 @@ def _finished(out: Path, provenance: Provenance, *, force: bool) -> Packed | Non
 
 
 def notes_of(sources: Sources, output: OutputSpec) -> dict[str, list[str]]:
-    """Recording → what a user must know of it, those that were left out as damaged too."""
+    """Recording → what a user must know of it, those that were left out as damaged too, and what lies beside them."""
     told = output_notes(sources.sources, output)
     notes = {source.name: [*source.notes, *told[source.name]] for source in sources.sources}
     for name, cameras in sources.missing_cameras().items():
         notes[name].append(f"it lacks {', '.join(cameras)}, which others have")
-    return {**notes, **{name: [f"left out: {text}"] for name, text in sources.damaged.items()}}
+    notes |= {name: [f"left out: {text}"] for name, text in sources.damaged.items()}
+    passed = [f"{name} is not read: {what}" for name, what in sources.passed.items()]
+    return notes | ({FOLDER: passed} if passed else {})
 
 
 def _tell(notes: Mapping[str, Sequence[str]]) -> None:
     """Say each note once, and of how many recordings it holds."""
-    for text, count in Counter(chain.from_iterable(notes.values())).items():
-        logger.warning("%s%s", text, f" ({count} of {len(notes)} recordings)" if len(notes) > 1 else "")
+    own = [texts for name, texts in notes.items() if name != FOLDER]
+    for text, count in Counter(chain.from_iterable(own)).items():
+        logger.warning("%s%s", text, f" ({count} of {len(own)} recordings)" if len(own) > 1 else "")
+    for text in notes.get(FOLDER, ()):
+        logger.warning("%s", text)
 
 
 def _tell_omitted(record: Compression, *, kept: bool) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
 from pathlib import Path
@@ -59,12 +59,14 @@ class Sources:
         sources: what can be used, in order; at least one.
         damaged: name → what is wrong with those that were left out.
         failed: name → why those that were left out are no demonstrations of their task.
+        passed: file or folder at the path that is not read → what it is.
     """
 
     root: Path
     sources: Sequence[SourceRecording]
     damaged: dict[str, str]
     failed: dict[str, str] = field(default_factory=dict)
+    passed: Mapping[str, str] = field(default_factory=dict)
 
     def clips(self, cameras: Sequence[str] = (), fps: float | None = None, *, commanded: bool = False) -> list[Clip]:
         """Every camera of every recording, or those named.
@@ -191,7 +193,8 @@ def find_sources(
             sources[name] = SourceRecording(name, file, recording, tuple(notes), failed)
     if complaints and not (skip_damaged and sources):
         raise _refusal(complaints, left=len(sources))
-    return Sources(root, list(sources.values()), {name: error.message for name, error in complaints.items()})
+    damaged = {name: error.message for name, error in complaints.items()}
+    return Sources(root, list(sources.values()), damaged, passed=opened.passed)
 
 
 def require_apart(root: Path, out: Path) -> None:

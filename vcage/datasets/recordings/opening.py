@@ -5,7 +5,7 @@ from __future__ import annotations
 import os.path
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from itertools import chain
 from pathlib import Path
 
@@ -24,13 +24,12 @@ from vcage.datasets.recordings.isaac_lab import IsaacLabDemo
 from vcage.datasets.recordings.lerobot import open_lerobot
 from vcage.datasets.recordings.libero import LiberoDemo
 from vcage.datasets.recordings.maniskill import ManiSkillTrajectory
+from vcage.datasets.recordings.passed_over import SUFFIXES, data_sets_in, is_hdf5_by_name, passed_over, printable
 from vcage.datasets.recordings.picture_folder import SUFFIXES as PICTURE_SUFFIXES
 from vcage.datasets.recordings.picture_folder import PictureFolder, pictures_in, unread_in
 from vcage.datasets.recordings.recording import Recording
 from vcage.datasets.recordings.robomimic import RobomimicDemo
 from vcage.datasets.recordings.robotwin import RoboTwinEpisode, RoboTwinVisionEpisode
-
-SUFFIXES = (".hdf5", ".h5")
 
 HDF5_LAYOUTS: tuple[type[Hdf5Recording], ...] = (
     LiberoDemo,
@@ -44,6 +43,9 @@ HDF5_LAYOUTS: tuple[type[Hdf5Recording], ...] = (
 )
 """In this order a file is taken for the first that it fits."""
 
+LISTED = 10
+"""Names that one message names."""
+
 VOTERS = 20
 """Recordings that are asked for their colours when many must agree."""
 
@@ -55,10 +57,12 @@ class Opened:
     Args:
         recordings: in natural order of their names.
         damaged: file of a folder → what is wrong with it.
+        passed: file or folder, relative to the path, that is not read beside these → what it is.
     """
 
     recordings: Sequence[Recording]
     damaged: Mapping[Path, DamagedFile]
+    passed: Mapping[str, str] = field(default_factory=dict)
 
 
 def open_recordings(path: Path) -> list[Recording]:
@@ -96,7 +100,7 @@ def open_all(path: Path, colours: str = AUTO) -> Opened:
     if colours == AUTO:
         return opened
     order = Colours(colours == BGR, "option", sure=True)
-    return Opened([recording.with_colours(order) for recording in opened.recordings], opened.damaged)
+    return replace(opened, recordings=[recording.with_colours(order) for recording in opened.recordings])
 
 
 def _open(path: Path) -> Opened:
@@ -109,15 +113,30 @@ def _open(path: Path) -> Opened:
             hint="give an HDF5 file, or a folder of them or of pictures, or a LeRobot data set",
         )
     if os.path.lexists(path / INFO):
-        return Opened(open_lerobot(path), {})
+        return Opened(open_lerobot(path), {}, passed_over(path, files_below(path), whole=True))
     refuse_first_versions(path)
-    files = hdf5_files(path)
-    if files:
-        return _open_files(files)
-    if pictures_in(path) or any(pictures_in(folder) for folder in entries(path) if folder.is_dir()):
-        return Opened([PictureFolder(path)], {})
-    unread = [name for folder in (path, *entries(path)) if folder.is_dir() for name in unread_in(folder)]
-    raise InputFileError(
+    below = files_below(path)
+    if files := _hdf5_among(below):
+        return replace(_open_files(files), passed=passed_over(path, below))
+    folders = [path, *(folder for folder in entries(path) if folder.is_dir())]
+    if any(map(pictures_in, folders)):
+        return Opened([PictureFolder(path)], {}, passed_over(path, below, folders=folders))
+    raise _nothing_read(path, below, folders)
+
+
+def _nothing_read(path: Path, below: Sequence[Path], folders: Sequence[Path]) -> InputFileError:
+    """The error for a folder in which nothing is read; names what it holds instead."""
+    if passed := passed_over(path, below):
+        named = ", ".join(f"{name} ({what.partition(';')[0]})" for name, what in list(passed.items())[:LISTED])
+        sets = [printable(path, one) for one in data_sets_in(path, below)]
+        more = ", …" if len(passed) > LISTED else ""
+        hint = next(iter(passed.values())).partition("; ")[2]
+        return InputFileError(
+            f"{path} holds no recording that is read from here, but {named}{more}",
+            hint=f"give one of {', '.join(sets[:LISTED])}{more}" if sets else hint or "convert it",
+        )
+    unread = [name for folder in folders for name in unread_in(folder)]
+    return InputFileError(
         f"{path} holds no recording" + (f"; {unread[0]} is of a format that is not read" if unread else ""),
         hint=f"known are {', '.join(SUFFIXES)} files, LeRobot data sets, and folders of pictures "
         f"({', '.join(PICTURE_SUFFIXES)})",
@@ -135,7 +154,12 @@ def open_hdf5(path: Path) -> Hdf5Recording:
 
 def hdf5_files(folder: Path) -> list[Path]:
     """All HDF5 files below a folder, in natural order; see :func:`vcage.base.folders.files_below`."""
-    files = [file for file in files_below(folder) if file.suffix in SUFFIXES]
+    return _hdf5_among(files_below(folder))
+
+
+def _hdf5_among(below: Sequence[Path]) -> list[Path]:
+    """The HDF5 files among others."""
+    files = [file for file in below if is_hdf5_by_name(file)]
     for file in files:
         require_utf8(file)
     return files

@@ -1,0 +1,87 @@
+"""What a folder holds besides the recordings that are read: other kinds of them, and files that nothing reads."""
+
+from __future__ import annotations
+
+import os
+from collections import Counter
+from collections.abc import Collection, Iterable
+from pathlib import Path
+
+from vcage.datasets.lerobot.meta import FIRST_INFO, INFO
+from vcage.datasets.recordings.picture_folder import SUFFIXES as PICTURES
+
+SUFFIXES = (".hdf5", ".h5", ".hdf", ".he5")
+"""Ends of the names of HDF5 files, in lower case."""
+
+SIGNATURES = {b"\x89HDF\r\n\x1a\n": "HDF5", b"\x0e\x03\x13\x01": "HDF4"}
+"""First bytes of a file → its format."""
+
+OTHERS = {"HDF5": "HDF5 under another name; rename it to .hdf5", "HDF4": "HDF4, which is not read"}
+"""Format of a file whose name does not tell it → what is said of it."""
+
+NOT_HDF5 = (*PICTURES, ".json", ".jsonl", ".parquet", ".mp4", ".txt", ".md", ".yaml", ".yml")
+"""Ends of the names of files that are not looked into."""
+
+LEAST_PICTURES = 2
+"""In a folder that may be a recording of its own."""
+
+
+def is_hdf5_by_name(file: Path) -> bool:
+    """Return whether a file is read as HDF5; HDF4 has one of the names, too, and is not."""
+    return file.suffix.lower() in SUFFIXES and _format(file) != "HDF4"
+
+
+def data_sets_in(root: Path, files: Iterable[Path]) -> list[Path]:
+    """List the LeRobot data sets below a folder, that itself left out, in the order of its files."""
+    found = [file.parent.parent for file in files if Path(*file.parts[-2:]) in (INFO, FIRST_INFO)]
+    return list(dict.fromkeys(folder for folder in found if folder != root))
+
+
+def passed_over(
+    root: Path, files: Collection[Path], *, whole: bool = False, folders: Collection[Path] = ()
+) -> dict[str, str]:
+    """Name what lies below a folder and is not read: data sets, folders of pictures, HDF5 files of other names.
+
+    Args:
+        root: the folder.
+        files: all below it.
+        whole: the folder is a data set itself, whose pictures belong to it, and HDF5 files below it are not read.
+        folders: of pictures that are read.
+    """
+    sets = data_sets_in(root, files)
+    found = dict.fromkeys(sets, "a LeRobot data set; give it by itself")
+    alone = [file for file in files if set(sets).isdisjoint(file.parents)]
+    for file in alone:
+        kind = _format(file)
+        if is_hdf5_by_name(file):
+            found |= {file: "an HDF5 file; give it by itself"} if whole else {}
+        elif kind is not None:
+            found[file] = OTHERS[kind]
+    if not whole:
+        found |= _pictures(root, alone, folders)
+    return {printable(root, path): what for path, what in found.items()}
+
+
+def _pictures(root: Path, files: Iterable[Path], read: Collection[Path]) -> dict[Path, str]:
+    """Entry of the folder → how many folders with pictures lie in it, of those that are not read."""
+    counts = Counter(file.parent for file in files if file.suffix.lower() in PICTURES)
+    more = [folder for folder, count in counts.items() if count >= LEAST_PICTURES and folder not in read]
+    tops = Counter(root if folder == root else root / folder.relative_to(root).parts[0] for folder in more)
+    return {top: f"pictures in {count} folder{'s' * (count > 1)}; give it by itself" for top, count in tops.items()}
+
+
+def printable(root: Path, path: Path) -> str:
+    """The path from the root on, with escapes where it is not UTF-8."""
+    return os.fsencode(path.relative_to(root)).decode(errors="backslashreplace")
+
+
+def _format(file: Path) -> str | None:
+    """The format of a regular file that is not told by its name; None where its first bytes are of neither."""
+    if file.suffix.lower() in NOT_HDF5 or not file.is_file():
+        return None
+    try:
+        with file.open("rb") as data:
+            head = data.read(8)
+    except OSError:  # which is complained of where it is read
+        return None
+    return next((kind for magic, kind in SIGNATURES.items() if head.startswith(magic)), None)
