@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from tests.datasets.packed_files import pack
-from tests.datasets.recordings.layouts import act, jpeg, robomimic, robotwin, robotwin_vision
-from vcage.base.errors import UsageError
+from tests.datasets.recordings.layouts import act, jpeg, robomimic, robotwin, robotwin_vision, room
+from vcage.base.errors import DamagedFile, UsageError
 from vcage.datasets.packed import unpack
 from vcage.datasets.recordings.colours import MARK, Colours, colour_orders, leaning, verdict
 from vcage.datasets.recordings.opening import open_all, open_recordings
@@ -155,6 +155,18 @@ def test_pictures_that_are_marked_as_rgb_are_read_so_and_come_back_for_readers_t
         stored = file["vision/cam_head/colors"][0]
     assert near(cv2.imdecode(stored, cv2.IMREAD_COLOR), pictures[0])  # without a mark they take BGR for RGB
     assert near(read(back)[0], pictures)
+
+
+@pytest.mark.parametrize("colours", ["auto", "rgb", "bgr"])
+@pytest.mark.parametrize(("plain", "named"), [((0,), r"colors\[1\] is marked"), ((3,), r"colors\[3\] is not")])
+def test_a_file_of_which_only_some_pictures_are_marked_is_refused_by_name(tmp_path, plain, named, colours):
+    path = robotwin_vision(tmp_path / "a.hdf5", swapped=True)
+    with h5py.File(path, "r+") as file:
+        stored = file["vision/cam_head/colors"]
+        for index in set(range(len(stored))) - set(plain):
+            stored[index] = np.frombuffer(marked(room(index)), np.uint8)
+    with pytest.raises(DamagedFile, match=named):
+        _ = open_all(path, colours).recordings[0].notes
 
 
 def test_what_lies_in_videos_is_settled(tmp_path):

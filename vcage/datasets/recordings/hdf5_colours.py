@@ -11,8 +11,8 @@ from typing import Any, ClassVar, Self
 import h5py
 import numpy as np
 
-from vcage.base.errors import UsageError
-from vcage.datasets.recordings.colours import SETTINGS, Colours, is_marked, leaning, settle
+from vcage.base.errors import DamagedFile, UsageError
+from vcage.datasets.recordings.colours import Colours, is_marked, leaning, settle
 from vcage.datasets.recordings.recording import RecordedCamera, Recording
 from vcage.datasets.stored_pictures import ENCODED, encoded_bytes, stored_picture
 
@@ -49,19 +49,35 @@ class Hdf5Colours(Recording):
     @cached_property
     def colours(self) -> Colours | None:
         if self._settled is not None:
+            if self._settled.source == "option" and self.has_encoded_pictures:
+                self.stated_colours()  # no one order is true of pictures that differ
             return self._settled
         if not self.has_encoded_pictures:
             return None
         return self.stated_colours() or settle(self.SWAPPED, self.colour_votes())
 
     def stated_colours(self) -> Colours | None:
-        """The order of colours as it is known without a look at them; None where it is not."""
+        """The order of colours as it is known without a look at them; None where it is not.
+
+        Raises:
+            DamagedFile: some pictures are marked, and others are not.
+        """
         said = self._attributes.get(COLOURS)
         if said is not None:
             return Colours(said == "swapped", "file", sure=True)
-        if self._encoded and all(map(self._marked, self._encoded)):
-            return Colours(False, "file", sure=True)
-        return Colours(self.SWAPPED, "layout", sure=True) if self.COLOURS_SURE else None
+        if self.COLOURS_SURE:
+            return Colours(self.SWAPPED, "layout", sure=True)
+        first: dict[bool, str] = {}
+        for key, marks in self._marks.items():
+            for index, mark in enumerate(marks):
+                first.setdefault(mark, f"{key}[{index}]")
+        if len(first) > 1:
+            raise DamagedFile(
+                f"{self}: {first[True]} is marked as RGB, {first[False]} is not, so the order of red and blue may differ",
+                hint="write it again with one order of colours, or leave it out",
+            )
+        every = True in first and len(self._marks) == len(self._encoded)
+        return Colours(False, "file", sure=True) if every else None
 
     def colour_votes(self) -> list[int]:
         """Judge the order of red and blue by some pictures of each camera with encoded pictures."""
@@ -83,11 +99,18 @@ class Hdf5Colours(Recording):
         return [camera for camera in self.cameras if camera.storage in ENCODED]
 
     def _marked(self, camera: RecordedCamera) -> bool:
-        """Check for pictures that state that red and blue are where they belong."""
-        if camera.storage != "jpeg":
-            return False
+        """Whether its pictures themselves say that red and blue are where they belong."""
+        return any(self._marks.get(camera.key, ()))
+
+    @cached_property
+    def _marks(self) -> dict[str, list[bool]]:
+        """Key of a camera with JPEG → whether each of its pictures says that."""
+        keys = {camera.key: camera.frames for camera in self._encoded if camera.storage == "jpeg"}
         with self._file() as file:
-            return is_marked(encoded_bytes(file[camera.key], 0))
+            return {
+                key: [is_marked(encoded_bytes(file[key], index)) for index in range(frames)]
+                for key, frames in keys.items()
+            }
 
     def _camera_notes(self) -> list[str]:
         told = self.colours is not None and self.colours.source == "option"
