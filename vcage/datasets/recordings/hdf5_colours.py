@@ -73,7 +73,7 @@ class Hdf5Colours(Recording):
                 first.setdefault(mark, f"{key}[{index}]")
         if len(first) > 1:
             raise DamagedFile(
-                f"{self}: {first[True]} is marked as RGB, {first[False]} is not, so the order of red and blue may differ",
+                f"{self}: {first[True]} is marked as RGB, {first[False]} is not: red and blue may differ in order",
                 hint="write it again with one order of colours, or leave it out",
             )
         every = True in first and len(self._marks) == len(self._encoded)
