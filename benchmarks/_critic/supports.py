@@ -22,7 +22,7 @@ LOWEST = 0.03
 """Height of a support that can tip over, and that a thing can slide off and lean against, metres."""
 
 CUBE = 0.1
-"""What has sides that differ by less than this share stands on each of them alike."""
+"""An object whose sides differ by less than this share stands on each of them alike."""
 
 
 def beside(played: Played) -> Shots | None:

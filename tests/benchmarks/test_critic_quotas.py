@@ -14,7 +14,7 @@ from vcage.tasks.templates import TEMPLATES
 
 DRAWS = [Draw("blocks", 0, "dual_panda", 3), Draw("kitchen", 4, "dual_panda", 3)]
 GIVES = {"blocks": ("stack",), "kitchen": tuple(name for name in TEMPLATES if name != "stack")}
-"""What each scene has."""
+"""The outcomes that each scene gives."""
 
 
 def outcome(template: str, success: bool, setting: str) -> OutcomeRecord:

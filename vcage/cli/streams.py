@@ -1,4 +1,4 @@
-"""What a command prints: text and JSON on stdout, complaints on stderr; what libraries print goes to stderr."""
+"""The streams of a command: text and JSON on stdout; complaints, and all that libraries print, on stderr."""
 
 from __future__ import annotations
 

@@ -25,7 +25,7 @@ BOWL = Thing("white-bowl", (228, 228, 224), (0.14, 0.14, 0.06), (-0.25, 0.0), ro
 def question(
     before: list[Thing], after: list[Thing], thing: Thing, place: Thing, *, side: bool = True
 ) -> CriticQuestion:
-    """Whether ``thing`` is on ``place``, with a view from the side or without."""
+    """Ask the critic for ``thing`` on ``place``, with a view from the side or without."""
     asked = critic_question(before, after, Goal(subject=thing.id, relation="on", reference=place.id))
     if not side:
         return asked

@@ -29,7 +29,7 @@ PART = r"n?secs?|nanosecs?"
 
 @dataclass(frozen=True)
 class Clocks:
-    """What a recording says of the times of its frames.
+    """Find the times that a recording states for its frames.
 
     Args:
         found: the clocks, in natural order of their keys.
@@ -82,7 +82,7 @@ def find_clocks(part: h5py.Group, frames: int, cameras: Collection[str] = (), sp
 
 
 def _named(key: str) -> tuple[bool, bool]:
-    """Whether a key holds a word of points in time, and one of times or durations."""
+    """Tell whether a key holds a word of points in time, and one of times or durations."""
     split = re.sub(r"([a-z])([A-Z])", r"\1_\2", key).lower()
     words = [word for word in re.split(r"[^a-z]+", split) if word]
     stamp, time, other = (any(re.fullmatch(p, word) for word in words) for p in (STAMP, TIME, DURATION))
@@ -121,7 +121,7 @@ def _seconds_and_rest(values: NDArray[np.generic]) -> NDArray[np.int64] | None:
 
 
 def _grows(values: NDArray[np.generic]) -> bool:
-    """Whether numbers hardly ever go back, and are not all the same."""
+    """Check that numbers hardly ever go back, and are not all the same."""
     with np.errstate(invalid="ignore"):
         steps = np.diff(values.astype(np.float64))
     return bool(np.mean(steps >= 0) >= SETTINGS.least_growing and np.any(steps > 0))

@@ -12,7 +12,7 @@ import h5py
 import numpy as np
 
 from vcage.base.errors import DamagedFile, UsageError
-from vcage.datasets.recordings.colours import Colours, is_marked, leaning, settle
+from vcage.datasets.recordings.colours import SETTINGS, Colours, is_marked, leaning, settle
 from vcage.datasets.recordings.recording import RecordedCamera, Recording
 from vcage.datasets.stored_pictures import ENCODED, encoded_bytes, stored_picture
 
@@ -99,7 +99,7 @@ class Hdf5Colours(Recording):
         return [camera for camera in self.cameras if camera.storage in ENCODED]
 
     def _marked(self, camera: RecordedCamera) -> bool:
-        """Whether its pictures themselves say that red and blue are where they belong."""
+        """Check for a picture that states that red and blue are where they belong."""
         return any(self._marks.get(camera.key, ()))
 
     @cached_property

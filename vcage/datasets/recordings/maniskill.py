@@ -142,7 +142,7 @@ class ManiSkillTrajectory(Hdf5Recording):
 
     @cached_property
     def _episode(self) -> dict[str, Any]:
-        """What the description says of this trajectory; empty where it does not.
+        """The row of the description for this trajectory; empty where it has none.
 
         Raises:
             DamagedFile: the description is not understood.

@@ -81,7 +81,7 @@ def measured_stream(name: str, dataset: h5py.Dataset) -> MeasuredStream | None:
 
 
 def measured_file(name: str, data: bytes) -> MeasuredStream | None:
-    """What picture files hold if no 8-bit video keeps it, as the name of the stream and the first file say.
+    """Name the content of picture files that no 8-bit video keeps, by the name of the stream and the first file.
 
     Args:
         name: as in :func:`measured_stream`.

@@ -1,4 +1,4 @@
-"""What a folder holds besides the recordings that are read: other kinds of them, and files that nothing reads."""
+"""Name what a folder holds besides the recordings that are read: other kinds of them, and files nothing reads."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What pictures show of an object that was put down on the table, pushed, shown, put back or handed over."""
+"""Measure in pictures how an object was put down on the table, pushed, shown, put back or handed over."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from vcage.vision.colour import smoothed
 from vcage.vision.protocols import View
 
 SLID = 0.02
-"""What is seen farther than this from where it stood was moved, though it may cover a part of that place, metres."""
+"""An object seen farther than this from where it stood was moved, though it may cover part of that place, metres."""
 
 GREYISH = 5.0
 """What is less like an object than this may only be its edges."""

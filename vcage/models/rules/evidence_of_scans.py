@@ -1,4 +1,4 @@
-"""What pictures show of an object that is held before a scanner, or before which a scanner is held."""
+"""Measure in pictures how an object is held before a scanner, or a scanner before an object."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ HIDDEN = 0.4
 """How much a pixel that shows something else, such as the hand, speaks against what is drawn there."""
 
 IN_FRONT = 0.005
-"""What is nearer to the camera by less than this hides nothing, metres."""
+"""An object nearer to the camera by less than this hides nothing, metres."""
 
 
 @dataclass(frozen=True)
@@ -53,7 +53,7 @@ def gather_shown(
     draw_still: Draw,
     readings: Callable[[Pose, Pose], Iterable[Pose]],
 ) -> Shown:
-    """Whether one object is held so before another that a code is read.
+    """Measure whether one object is held so before another that a code is read.
 
     Args:
         before, moment: views by camera.
