@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from tests.recordings import FPS, clip
 from vcage.base.errors import DamagedFile, UsageError
-from vcage.base.videos import codec_name, decode, decoded_count, frame_count, frame_rate, frame_times, pictures
+from vcage.base.videos import codec_name, decode, decoded_count, frame_count, frame_rate, frame_size, frame_times, pictures
 from vcage.video.codec import EncoderSettings, encode
 
 FRAMES = 40
@@ -129,6 +129,7 @@ def test_a_frame_outside_the_video_is_refused(video, index):
 @pytest.mark.parametrize(("name", "codec"), [("h264.mp4", "h264"), ("av1.mp4", "av1"), ("gop-2.mp4", "hevc")])
 def test_a_video_says_how_it_is_encoded(videos, name, codec):
     assert codec_name(videos[name][0]) == codec
+    assert frame_size(videos[name][0]) == decode(videos[name][0], [0]).shape[1:3]
 
 
 READERS = {

@@ -16,15 +16,18 @@ import numpy as np
 
 from vcage.base.errors import DamagedFile
 from vcage.base.placeholders import require_fetched
-from vcage.base.videos import frame_count
+from vcage.base.videos import frame_count, frame_size
 from vcage.datasets.hdf5_contents import datasets_in
 from vcage.datasets.picture_lengths import LengthsPlace
-from vcage.datasets.stored_pictures import picture_channels, picture_kind
+from vcage.datasets.stored_pictures import ARRAY, FIXED, PADDED, VLEN, picture_channels, picture_kind
 
 LINK_SCHEMA = "vcage.pictures_in_video/1"
 
 OURS = "vcage_"
 """Begins the names of the attributes that describe the link; all others are the dataset's own."""
+
+RANKS = {ARRAY: (3, 4), FIXED: (1,), PADDED: (2,), VLEN: (1,)}
+"""Numbers of axes that datasets of pictures have, by kind."""
 
 MISSING = "keep the videos in the folder of their HDF5 file, under the names they were given; or compress again"
 
@@ -44,7 +47,7 @@ class Stream:
             in the video they are right.
 
     Raises:
-        ValueError: ``file`` is not the bare name of a file.
+        ValueError: a field has another type, ``file`` is not the bare name of a file, or a number is not positive.
     """
 
     camera: str
@@ -59,6 +62,11 @@ class Stream:
     def __post_init__(self) -> None:
         if Path(self.file).name != self.file or self.file in ("", ".."):
             raise ValueError(f"{self.file!r} is not the bare name of a file")
+        if not all(isinstance(text, str) for text in (self.camera, self.key, self.storage)):
+            raise TypeError("camera, key and storage must be text")
+        if not isinstance(self.swapped, bool):
+            raise TypeError(f"swapped must be true or false, not {self.swapped!r}")
+        _require_counts("frames, height and width", [self.frames, self.height, self.width])
 
 
 @dataclass(frozen=True)
@@ -70,6 +78,9 @@ class Original:
         shape, maxshape: as h5py gives them.
         channels: of a picture.
         chunks, compression, compression_opts, shuffle, fletcher32: as h5py gives them.
+
+    Raises:
+        ValueError, TypeError: no dataset of pictures has these values.
     """
 
     kind: str
@@ -81,6 +92,19 @@ class Original:
     compression_opts: Any
     shuffle: bool
     fletcher32: bool
+
+    def __post_init__(self) -> None:
+        if self.kind not in RANKS:
+            raise ValueError(f"original_kind is {self.kind!r}, expected one of {', '.join(RANKS)}")
+        _require_counts("original_shape", self.shape)
+        _require_counts("original_channels", [self.channels])
+        if len(self.shape) not in RANKS[self.kind]:
+            raise ValueError(f"original_shape is {self.shape}, which is not that of pictures of the kind {self.kind}")
+        if self.chunks is not None:
+            _require_counts("original_chunks", self.chunks)
+        _require_counts("original_maxshape", [most for most in self.maxshape if most is not None])
+        if any(len(one) != len(self.shape) for one in (self.maxshape, self.chunks or self.shape)):
+            raise ValueError("original_shape, original_maxshape and original_chunks differ in their number of axes")
 
     @classmethod
     def of(cls, dataset: h5py.Dataset) -> Self:
@@ -119,11 +143,24 @@ class Link:
         stream: the video.
         original: the dataset that held the pictures.
         lengths: where the file keeps how many bytes each of them had.
+
+    Raises:
+        ValueError: the dataset had another shape than its pictures.
     """
 
     stream: Stream
     original: Original
     lengths: tuple[LengthsPlace, ...] = ()
+
+    def __post_init__(self) -> None:
+        stream, shape = self.stream, self.original.shape
+        expected = [stream.frames, stream.height, stream.width] if self.original.kind == ARRAY else [stream.frames]
+        if shape[: len(expected)] != expected:
+            raise ValueError(
+                f"original_shape is {shape}, the pictures are {stream.frames} of {stream.width}x{stream.height}"
+            )
+        if self.original.kind == ARRAY and shape[3:] not in ([], [self.original.channels]):
+            raise ValueError(f"original_shape is {shape}, original_channels {self.original.channels}")
 
     def video(self, path: Path) -> Path:
         """The video of a link in the HDF5 file ``path``.
@@ -138,16 +175,21 @@ class Link:
         return video
 
     def whole_video(self, path: Path) -> Path:
-        """As :meth:`video`, once it is sure that the video holds as many frames as there were pictures.
+        """As :meth:`video`, once it is sure that the video holds as many frames as there were pictures, as large.
 
         Raises:
-            DamagedFile: it is not there or damaged, or holds another number of frames.
+            DamagedFile: it is not there or damaged, or holds another number of frames, or of another size.
         """
-        video = self.video(path)
-        frames = frame_count(video)
-        if frames != self.stream.frames:
+        video, stream = self.video(path), self.stream
+        frames, (height, width) = frame_count(video), frame_size(video)
+        if frames != stream.frames:
             raise DamagedFile(
-                f"{video} holds {frames} frames, {path} had {self.stream.frames} pictures",
+                f"{video} holds {frames} frames, {path} had {stream.frames} pictures",
+                hint="compress the recording again",
+            )
+        if (height, width) != (stream.height, stream.width):
+            raise DamagedFile(
+                f"{video}: frame 0 is {width}x{height}, the pictures were {stream.width}x{stream.height}",
                 hint="compress the recording again",
             )
         return video
@@ -202,6 +244,12 @@ def find_links(part: h5py.Group) -> dict[str, Link]:
     """
     links = ((one.name.lstrip("/"), read_link(one)) for one in datasets_in(part).values())
     return {key: link for key, link in links if link is not None}
+
+
+def _require_counts(what: str, values: Any) -> None:
+    """Raise ValueError where values are not a list of whole numbers above 0."""
+    if not isinstance(values, list) or not all(type(value) is int and value > 0 for value in values):
+        raise ValueError(f"{what} must be whole numbers above 0, not {values!r}")
 
 
 def _plain(value: Any) -> Any:
