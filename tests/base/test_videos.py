@@ -10,7 +10,16 @@ from hypothesis import strategies as st
 
 from tests.recordings import FPS, clip
 from vcage.base.errors import DamagedFile, UsageError
-from vcage.base.videos import codec_name, decode, decoded_count, frame_count, frame_rate, frame_size, frame_times, pictures
+from vcage.base.videos import (
+    codec_name,
+    decode,
+    decoded_count,
+    frame_count,
+    frame_rate,
+    frame_size,
+    frame_times,
+    pictures,
+)
 from vcage.video.codec import EncoderSettings, encode
 
 FRAMES = 40

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import h5py
 import numpy as np
@@ -8,6 +9,7 @@ import pytest
 
 from tests.datasets.recordings.layouts import FRAMES, HEIGHT, WIDTH, robotwin
 from vcage.base.errors import DamagedFile
+from vcage.datasets.hdf5_files import open_hdf5_file
 from vcage.datasets.picture_links import Link, Original, Stream, read_link, write_link
 from vcage.video.codec import EncoderSettings, encode
 
@@ -103,3 +105,85 @@ def test_the_video_lies_beside_the_file_or_is_missed_by_name(link, tmp_path):
         link.video(tmp_path / "a.hdf5")
     (tmp_path / "a.head_camera.mp4").touch()
     assert link.video(tmp_path / "a.hdf5") == tmp_path / "a.head_camera.mp4"
+
+
+# --- each link has a video of its own ------------------------------------------------------------------
+
+
+@pytest.fixture
+def two(tmp_path) -> Path:
+    """A packed file of two cameras; of links alone, since none is followed."""
+    with h5py.File(tmp_path / "two.hdf5", "w") as file:
+        for camera in ("left", "right"):
+            file[f"images/{camera}"] = np.zeros((FRAMES, HEIGHT, WIDTH, 3), np.uint8)
+            original = Original.of(file[f"images/{camera}"])
+            del file[f"images/{camera}"]
+            stream = replace(STREAM, camera=camera, key=f"images/{camera}", file=f"two.{camera}.mp4")
+            write_link(file["images"], camera, Link(stream, original))
+    return tmp_path / "two.hdf5"
+
+
+def rewrite(dataset: h5py.Dataset, value: object) -> None:
+    """Another value in place of a scalar dataset's, with the attributes that it has."""
+    parent, name, attributes = dataset.parent, dataset.name, dict(dataset.attrs)
+    del parent[name]
+    parent[name] = value
+    parent[name].attrs.update(attributes)
+
+
+def attribute_of_another(file: h5py.File) -> None:
+    file["images/left"].attrs["vcage_file"] = "two.right.mp4"
+
+
+def text_of_another(file: h5py.File) -> None:
+    rewrite(file["images/left"], "two.right.mp4")
+
+
+def text_that_is_a_number(file: h5py.File) -> None:
+    rewrite(file["images/left"], 3.0)
+
+
+def video_of_another(file: h5py.File) -> None:
+    attribute_of_another(file)
+    text_of_another(file)
+
+
+def link_of_another(file: h5py.File) -> None:
+    del file["images/left"]
+    file.copy("images/right", "images/left")
+
+
+def links_swapped(file: h5py.File) -> None:
+    for old, new in (("left", "x"), ("right", "left"), ("x", "right")):
+        file.move(f"images/{old}", f"images/{new}")
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        (attribute_of_another, "images/left refers to two.left.mp4, its attribute vcage_file to two.right.mp4"),
+        (text_of_another, "images/left refers to two.right.mp4, its attribute vcage_file to two.left.mp4"),
+        (text_that_is_a_number, "images/left refers to 3.0, its"),
+        (video_of_another, "refers to two.right.mp4, and so does /images/"),
+        (link_of_another, "images/left is the link of images/right"),
+        (links_swapped, "is the link of images/"),
+    ],
+)
+def test_a_link_to_the_video_of_another_camera_is_refused_when_the_file_is_opened(two, change, told):
+    with h5py.File(two, "r+") as file:
+        change(file)
+    with pytest.raises(DamagedFile, match=told):
+        open_hdf5_file(two)
+
+
+def test_a_link_may_have_several_names(two):
+    with h5py.File(two, "r+") as file:
+        file["alias"], file["soft"] = file["images/left"], h5py.SoftLink("/images/left")
+        file["empty"] = h5py.Empty("f")
+    open_hdf5_file(two).close()
+
+
+def test_links_may_move_to_another_demonstration(two):
+    with h5py.File(two, "r+") as file:
+        file.move("images", "demo_7/images")
+    open_hdf5_file(two).close()

@@ -70,6 +70,7 @@ class _Survey:
     links: int = 0
     soft: list[str] = field(default_factory=list)
     virtual: list[h5py.Dataset] = field(default_factory=list)
+    scalars: list[h5py.Dataset] = field(default_factory=list)
 
     def run(self) -> None:
         seen = {address(self.file)}
@@ -121,6 +122,8 @@ class _Survey:
             raise self._refused(dataset.name, f"has external storage: its data lie in the file {name}")
         if properties.get_layout() == h5d.VIRTUAL:
             self.virtual.append(dataset)
+        if dataset.shape == ():
+            self.scalars.append(dataset)
         kind = dataset.id.get_type()
         if kind.get_class() == h5t.REFERENCE and not (kind.equal(h5t.STD_REF_OBJ) or kind.equal(h5t.STD_REF_DSETREG)):
             raise self._refused(dataset.name, "holds references that may lead to other files")
@@ -153,14 +156,19 @@ class _Survey:
         return DamagedFile(f"{self.file.filename}:{path} {why}", hint=COPY)
 
 
-def require_own_contents(file: h5py.File, limits: Hdf5Limits = LIMITS) -> None:
-    """Nothing, if an open file holds all of its data itself.
+def require_own_contents(file: h5py.File, limits: Hdf5Limits = LIMITS) -> list[h5py.Dataset]:
+    """Check that an open file holds all of its data itself.
+
+    Returns:
+        Its scalar datasets, each once; links to videos are among them.
 
     Raises:
         DamagedFile: a link or a dataset leads to another file, or a soft link to nothing; names it.
         OversizedFile: there are too many groups.
     """
-    _Survey(file, limits).run()
+    survey = _Survey(file, limits)
+    survey.run()
+    return survey.scalars
 
 
 def require_not_virtual(file: h5py.File, keys: Collection[str]) -> None:

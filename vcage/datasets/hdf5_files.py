@@ -20,13 +20,16 @@ from vcage.base.errors import DamagedFile, FileInUse, VcageError
 from vcage.base.files import atomic_path
 from vcage.base.placeholders import require_fetched
 from vcage.datasets.hdf5_contents import require_own_contents
+from vcage.datasets.picture_links import require_own_videos
 
 _LOOKED_AT: set[tuple[Path, int, int, int]] = set()
-"""Path, inode, bytes and time of the last change in ns of files that were found to hold their own data alone."""
+"""Path, inode, bytes and time of the last change in ns of files that were found to hold their own data alone, and
+links to their own videos."""
 
 
 def open_hdf5_file(path: Path, **options: Any) -> h5py.File:
-    """An HDF5 file, open for reading, once it is sure that nothing in it leads to another file.
+    """Open an HDF5 file for reading, once it is sure that nothing in it leads to another file; only links to
+    videos may, each to one of its own.
 
     Every file that may be somebody else's is opened here.
 
@@ -35,7 +38,8 @@ def open_hdf5_file(path: Path, **options: Any) -> h5py.File:
         options: see :class:`h5py.File`.
 
     Raises:
-        DamagedFile: it is no HDF5, was not fetched, or leads to another file; names what does.
+        DamagedFile: it is no HDF5, was not fetched, or leads to another file; names what does. Or a link to a video
+            is damaged, or names the video of other pictures.
         OversizedFile: it holds too many groups.
         FileInUse: another process writes it.
     """
@@ -47,7 +51,7 @@ def open_hdf5_file(path: Path, **options: Any) -> h5py.File:
             found = path.stat()
             state = (path, found.st_ino, found.st_size, found.st_mtime_ns)
             if state not in _LOOKED_AT:
-                require_own_contents(file)
+                require_own_videos(require_own_contents(file))
                 _LOOKED_AT.add(state)
         except BaseException:
             file.close()

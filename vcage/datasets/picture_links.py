@@ -7,6 +7,7 @@ stream it is and what the dataset was; the dataset's own attributes stay with it
 from __future__ import annotations
 
 import json
+from collections.abc import Iterable
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Self
@@ -17,7 +18,7 @@ import numpy as np
 from vcage.base.errors import DamagedFile
 from vcage.base.placeholders import require_fetched
 from vcage.base.videos import frame_count, frame_size
-from vcage.datasets.hdf5_contents import datasets_in
+from vcage.datasets.hdf5_contents import address, datasets_in
 from vcage.datasets.picture_lengths import LengthsPlace
 from vcage.datasets.stored_pictures import ARRAY, FIXED, PADDED, VLEN, picture_channels, picture_kind
 
@@ -28,6 +29,8 @@ OURS = "vcage_"
 
 RANKS = {ARRAY: (3, 4), FIXED: (1,), PADDED: (2,), VLEN: (1,)}
 """Numbers of axes that datasets of pictures have, by kind."""
+
+RESTORE = "restore the link, or compress the recording again"
 
 MISSING = "keep the videos in the folder of their HDF5 file, under the names they were given; or compress again"
 
@@ -234,6 +237,43 @@ def read_link(dataset: h5py.Dataset) -> Link | None:
         return Link(Stream(**stream), Original(**original), lengths)
     except (KeyError, ValueError, TypeError) as error:
         raise DamagedFile(f"{what} is not a whole link to a video: {error}", hint="compress it again") from error
+
+
+def require_own_videos(scalars: Iterable[h5py.Dataset]) -> None:
+    """Check that each link of a file names a video of its own.
+
+    Args:
+        scalars: all scalar datasets of the file.
+
+    Raises:
+        DamagedFile: a link is not whole, its text and its attribute name different videos, it describes the pictures
+            of another camera, or two links name one video.
+    """
+    owners: dict[str, str] = {}
+    for dataset in scalars:
+        link = read_link(dataset)
+        if link is None:
+            continue
+        what, video = f"{dataset.file.filename}:{dataset.name}", link.stream.file
+        text = dataset.asstr(errors="replace")[()] if h5py.check_string_dtype(dataset.dtype) else dataset[()]
+        if text != video:
+            raise DamagedFile(f"{what} refers to {text}, its attribute {OURS}file to {video}", hint=RESTORE)
+        if _camera_names(dataset.name) != _camera_names(link.stream.key) and not _is_same(dataset, link.stream.key):
+            raise DamagedFile(f"{what} is the link of {link.stream.key}", hint=RESTORE)
+        if video in owners:
+            raise DamagedFile(f"{what} refers to {video}, and so does {owners[video]}", hint=RESTORE)
+        owners[video] = dataset.name
+
+
+def _camera_names(key: str) -> list[str]:
+    """The end of a key, which tells cameras apart; the names before it may change when demonstrations are moved."""
+    return key.split("/")[-2:]
+
+
+def _is_same(dataset: h5py.Dataset, key: str) -> bool:
+    """Check whether a dataset has another name."""
+    other = dataset.file.get(key)
+    return isinstance(other, h5py.Dataset) and address(other) == address(dataset)
 
 
 def find_links(part: h5py.Group) -> dict[str, Link]:
