@@ -74,6 +74,24 @@ def copy(plain: Path, tmp_path: Path) -> Path:
     return Path(shutil.copy(plain, tmp_path))
 
 
+def more_joints(file: h5py.File) -> None:
+    file["drives/left/told"].attrs["joints"] = 6
+
+
+def another_arm(file: h5py.File) -> None:
+    file.move("drives/left", "drives/third")
+
+
+@pytest.mark.parametrize(
+    ("change", "told"), [(more_joints, "drives/left/told "), (another_arm, "drives has an arm 'left'")]
+)
+def test_drives_of_another_robot_are_refused_before_anything_is_simulated(copy, context, change, told):
+    with h5py.File(copy, "r+") as file:
+        change(file)
+    with pytest.raises(DamagedFile, match=told):
+        replay_episode(copy, context)
+
+
 def test_an_episode_comes_about_again_bit_for_bit(plain, context):
     replayed = replay_episode(plain, context)
     assert (replayed.states, replayed.versions, replayed.equal) == (None, {}, True)

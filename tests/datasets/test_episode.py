@@ -5,8 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.recordings import CAMERAS, episode, segment
+from tests.recordings import CAMERAS, FPS, episode, segment
 from vcage.datasets.episode import CameraTrack
+from vcage.sim.drive_log import DriveLog
+from vcage.sim.drives import DriveLayout
+from vcage.sim.world import PHYSICS_HZ
 
 
 def test_an_episode_knows_its_length_and_its_grippers():
@@ -20,6 +23,32 @@ def test_nan_in_the_action_is_refused_by_name_and_index():
     action[4, 1] = np.nan
     with pytest.raises(ValueError, match=r"action holds NaN.*\[4, 1\]"):
         episode(action=action)
+
+
+def test_a_number_that_float32_cannot_hold_is_refused_by_name_and_index():
+    action = episode().action
+    action[4, 1] = 1e39
+    with pytest.raises(ValueError, match=r"action holds 1e\+39 at index \[4, 1\], which float32 cannot hold"):
+        episode(action=action)
+
+
+@pytest.mark.parametrize(("column", "value"), [(0, 1e300), (3, 0.5)])
+def test_a_pose_that_cannot_be_drawn_is_refused(column, value):
+    poses = np.tile([0.0, 0.0, 0.8, 1.0, 0.0, 0.0, 0.0], (30, 1))
+    episode(object_poses={"block": poses})
+    poses[9, column] = value
+    with pytest.raises(ValueError, match=r"object_poses\[block\] holds"):
+        episode(object_poses={"block": poses})
+
+
+def test_drives_last_no_longer_than_the_frames():
+    def drives(steps: int) -> DriveLog:
+        return DriveLog(0, [], {"left": DriveLayout(1, 1)}, {"left": [np.zeros(4)] * steps})
+
+    most = 31 * PHYSICS_HZ // FPS
+    episode(drives=drives(most))
+    with pytest.raises(ValueError, match=f"drives has {most + 1} steps, the 30 frames last at most {most}"):
+        episode(drives=drives(most + 1))
 
 
 @pytest.mark.parametrize("name", ["qpos", "qvel", "action"])

@@ -8,6 +8,7 @@ import h5py
 import numpy as np
 import pytest
 
+from vcage.base.errors import DamagedFile
 from vcage.datasets.stored_drives import read_drives, write_drives
 from vcage.sim.drive_log import DriveLog
 from vcage.sim.drives import PARTS, DriveLayout, on_grid
@@ -42,6 +43,91 @@ def test_drives_come_back_bit_for_bit(drives, file):
     assert (found.settled, found.restarts, found.layouts) == (110, [110, 700], drives.layouts)
     for arm, rows in drives.rows.items():
         assert np.array_equal(np.stack(found.rows[arm]), np.stack(rows))
+
+
+def put(file: h5py.File, name: str, value: object) -> None:
+    """Other data in place of a dataset's, with the attributes that it has."""
+    attributes = dict(file[name].attrs)
+    del file[name]
+    file[name] = value
+    file[name].attrs.update(attributes)
+
+
+ATTRIBUTES = [
+    ("drives", "settled", 10**9),
+    ("drives", "settled", -1),
+    ("drives", "settled", 110.5),
+    ("drives", "settled", "110"),
+    ("drives", "restarts", "[-5, 1e9]"),
+    ("drives", "restarts", 110),
+    ("drives", "restarts", np.array([110.0])),
+    ("drives", "restarts", np.array([109])),
+    ("drives", "restarts", np.array([110, 1111])),
+    ("drives", "restarts", np.array([700, 700])),
+    ("drives", "restarts", np.arange(100, 1102)),
+    ("drives/left/told", "joints", 99),
+    ("drives/left/told", "joints", 0),
+    ("drives/left/told", "position", np.nan),
+    ("drives/left/told", "position", 1e300),
+    ("drives/left/told", "velocity", "fast"),
+    ("drives/left/told", "torque", -1.0),
+]
+
+
+@pytest.mark.parametrize(("part", "name", "value"), ATTRIBUTES)
+def test_an_attribute_that_no_simulation_takes_is_refused_by_file_and_part(file, part, name, value):
+    with h5py.File(file, "r+") as stored:
+        stored[part].attrs[name] = value
+        with pytest.raises(DamagedFile, match=rf"drives\.hdf5:/{part} has .*{name}"):
+            read_drives(stored["drives"])
+
+
+@pytest.mark.parametrize("name", ["settled", "restarts"])
+def test_an_attribute_that_is_missing_is_named(file, name):
+    with h5py.File(file, "r+") as stored:
+        del stored["drives"].attrs[name]
+        with pytest.raises(DamagedFile, match=f"attribute {name} None"):
+            read_drives(stored["drives"])
+
+
+TABLES = [
+    ("opening", lambda table: table * np.nan, "is not finite"),
+    ("opening", lambda table: table * np.inf, "is not finite"),
+    ("opening", lambda table: table + 1e7, "beyond"),
+    ("opening", lambda table: table[:, 1:], "has the shape"),
+    ("opening", lambda table: "open", "expected a table"),
+    ("told", lambda table: table.astype(float), "expected a table"),
+    ("told", lambda table: table[0], "expected a table"),
+    ("told", lambda table: table * 0 + 2**30, "beyond"),
+]
+
+
+@pytest.mark.parametrize(("name", "change", "reason"), TABLES)
+@pytest.mark.filterwarnings("ignore:invalid value")
+def test_numbers_that_no_drive_takes_are_refused_by_file_and_dataset(file, name, change, reason):
+    with h5py.File(file, "r+") as stored:
+        put(stored, f"drives/left/{name}", change(stored[f"drives/left/{name}"][()]))
+        with pytest.raises(DamagedFile, match=rf"drives\.hdf5:/drives/left/{name} .*{reason}"):
+            read_drives(stored["drives"])
+
+
+def test_a_part_that_is_missing_is_named(file):
+    with h5py.File(file, "r+") as stored:
+        del stored["drives/left/opening"]
+        with pytest.raises(DamagedFile, match="/drives/left has no dataset opening"):
+            read_drives(stored["drives"])
+        del stored["drives/left"]
+        stored["drives/left"] = 3
+        with pytest.raises(DamagedFile, match="/drives/left is not the group of an arm"):
+            read_drives(stored["drives"])
+
+
+def test_arms_have_as_many_steps_as_each_other(file):
+    with h5py.File(file, "r+") as stored:
+        for name in ("told", "opening"):
+            put(stored, f"drives/left/{name}", stored[f"drives/left/{name}"][:, 1:])
+        with pytest.raises(DamagedFile, match="left has 999, right has 1000"):
+            read_drives(stored["drives"])
 
 
 def test_an_arm_that_rests_takes_next_to_nothing(file):

@@ -49,6 +49,16 @@ def test_a_written_scene_fits_its_json_schema(tmp_path):
     Draft202012Validator(schema.json_schema("vcage.scene/1")).validate(json.loads(path.read_text()))
 
 
+@pytest.mark.parametrize("position", [[1e300, 0, 0], [0, -1001, 0]])
+def test_a_position_that_no_simulator_holds_is_refused_by_field(tmp_path, position):
+    path = scene().write(tmp_path / "scene.json")
+    data = json.loads(path.read_text())
+    data["objects"][0]["pose"]["position"] = position
+    path.write_text(json.dumps(data))
+    with pytest.raises(SchemaMismatch, match=r"field objects\.0\.pose\.position\.[01]"):
+        Scene.read(path)
+
+
 def test_another_schema_version_is_refused(tmp_path):
     path = scene().write(tmp_path / "scene.json")
     path.write_text(path.read_text().replace("vcage.scene/1", "vcage.scene/9"))

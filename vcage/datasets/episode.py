@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from vcage.schema.episodes import Truth, Verdict
 from vcage.sim.drive_log import DriveLog
+from vcage.sim.world import PHYSICS_HZ
 
 SPACING_TOLERANCE = 1e-6
 """Largest deviation of a timestamp from even spacing, seconds."""
@@ -20,14 +21,27 @@ DRAWN = "randomisation"
 """Name in ``meta`` of what was drawn for the episode (:class:`vcage.schema.randomisation.Drawn`)."""
 
 
-def _check(name: str, array: NDArray[Any], shape: tuple[int | None, ...]) -> None:
-    """Raise ValueError unless ``array`` has ``shape`` (None: any length) and only finite numbers."""
+MOST = float(np.finfo(np.float32).max)
+"""Of any number, since data sets take 32-bit floats."""
+
+QUATERNION_TOLERANCE = 1e-3
+
+MOST_OF_A_STATE = 1e6
+"""Of a position or a joint from which a frame is drawn again, metres or radians."""
+
+
+def _check(name: str, array: NDArray[Any], shape: tuple[int | None, ...], most: float = MOST) -> None:
+    """Raise ValueError unless ``array`` has ``shape`` (None: any length) and only finite numbers up to ``most``."""
     fits = array.ndim == len(shape) and all(want in (None, got) for want, got in zip(shape, array.shape, strict=True))
     if not fits:
         wanted = ", ".join("any" if n is None else str(n) for n in shape)
         raise ValueError(f"{name} has the shape {array.shape}, expected ({wanted})")
     if not np.isfinite(array).all():
         raise ValueError(f"{name} holds NaN or infinity, first at index {np.argwhere(~np.isfinite(array))[0].tolist()}")
+    if (beyond := np.abs(array) > most).any():
+        first = np.argwhere(beyond)[0].tolist()
+        reason = "which float32 cannot hold" if most == MOST else f"beyond {most:g}"
+        raise ValueError(f"{name} holds {array[tuple(first)]:g} at index {first}, {reason}")
 
 
 @dataclass(frozen=True)
@@ -84,7 +98,8 @@ class EpisodeData:
             drawn again; missing in episodes that were made before they were kept.
 
     Raises:
-        ValueError: an array has a wrong shape, NaN or uneven times, or a segment lies outside; names the field.
+        ValueError: an array has a wrong shape, NaN or uneven times, or a segment or a step of the drives lies outside;
+            names the field.
     """
 
     fps: float
@@ -109,16 +124,19 @@ class EpisodeData:
         for name in ("qpos", "qvel", "action"):
             _check(name, getattr(self, name), (frames, size))
         for name, poses in self.object_poses.items():
-            _check(f"object_poses[{name}]", poses, (frames, 7))
+            _check(f"object_poses[{name}]", poses, (frames, 7), MOST_OF_A_STATE)
+            if (np.abs(np.linalg.norm(poses[:, 3:], axis=1) - 1) > QUATERNION_TOLERANCE).any():
+                raise ValueError(f"object_poses[{name}] holds a quaternion that has not the length 1")
         for name, joints in self.object_joints.items():
-            _check(f"object_joints[{name}]", joints, (frames, None))
+            _check(f"object_joints[{name}]", joints, (frames, None), MOST_OF_A_STATE)
         for name, joints in self.robot_joints.items():
-            _check(f"robot_joints[{name}]", joints, (frames, None))
+            _check(f"robot_joints[{name}]", joints, (frames, None), MOST_OF_A_STATE)
         for name, camera in self.cameras.items():
             _check(f"cameras[{name}].intrinsics", camera.intrinsics, (3, 3))
-            _check(f"cameras[{name}].extrinsics", camera.extrinsics, (frames, 4, 4))
+            _check(f"cameras[{name}].extrinsics", camera.extrinsics, (frames, 4, 4), MOST_OF_A_STATE)
         self._check_spacing()
         self._check_segments()
+        self._check_drives()
 
     @property
     def frames(self) -> int:
@@ -161,6 +179,16 @@ class EpisodeData:
                 f"timestamp[{worst}] is {self.timestamp[worst]:.6f} s, "
                 f"expected {expected[worst]:.6f} s at {self.fps} fps"
             )
+
+    def _check_drives(self) -> None:
+        """Raise ValueError where the drives go on for longer than the frames do, or the frames lie between steps."""
+        if self.drives is None:
+            return
+        if not self.fps.is_integer() or PHYSICS_HZ % self.fps:
+            raise ValueError(f"fps is {self.fps}, which does not divide the {PHYSICS_HZ} drive steps per second")
+        most = (self.frames + 1) * PHYSICS_HZ // int(self.fps)
+        if len(self.drives) > most:
+            raise ValueError(f"drives has {len(self.drives)} steps, the {self.frames} frames last at most {most}")
 
     def _check_segments(self) -> None:
         previous = 0

@@ -21,7 +21,7 @@ from vcage.base.errors import SchemaMismatch
 from vcage.base.files import read_json, write_bytes, write_json, write_text
 from vcage.objects.modelling.parts import BuiltObject, MovingPart, Part
 from vcage.schema.asset import Joint, MovingLink, PhysicalModel
-from vcage.schema.base import Finite, Identifier, Record, Vec3
+from vcage.schema.base import Finite, Identifier, Point3, Record
 
 DESCRIPTION = "model.json"
 
@@ -40,8 +40,8 @@ class _ModelFile(Record):
     """:data:`DESCRIPTION`: a :class:`PhysicalModel` whose files are counted, for their names follow."""
 
     hulls: int = Field(ge=1)
-    lower: Vec3
-    upper: Vec3
+    lower: Point3
+    upper: Point3
     mass: Finite = Field(gt=0)
     friction: Finite = Field(gt=0)
     links: list[_LinkFile]

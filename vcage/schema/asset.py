@@ -8,7 +8,7 @@ from typing import ClassVar, Literal, TypeVar
 from pydantic import Field, model_validator
 
 from vcage.base.errors import UnknownName
-from vcage.schema.base import Document, Finite, Identifier, Record, UnitVec3, Vec3
+from vcage.schema.base import Document, Finite, Identifier, Point3, Record, UnitVec3, Vec3
 
 Holds = Literal["in", "on"]
 Use = Literal["grasp", "press"]
@@ -24,7 +24,7 @@ class ContactPoint(Record):
 
     id: int = Field(ge=0)
     name: str = Field(min_length=1)
-    position: Vec3 = Field(description="point between the finger tips, metres")
+    position: Point3 = Field(description="point between the finger tips, metres")
     approach: UnitVec3 = Field(description="direction in which the gripper moves towards the object")
     closing: UnitVec3 = Field(description="axis along which the fingers close")
     link: Identifier | None = Field(
@@ -53,7 +53,7 @@ class FunctionalPoint(Record):
     id: int = Field(ge=0)
     name: str = Field(min_length=1)
     holds: Holds = Field(description="whether things are put 'in' it or 'on' it")
-    position: Vec3 = Field(description="middle of the floor or surface that receives, metres")
+    position: Point3 = Field(description="middle of the floor or surface that receives, metres")
     axis: UnitVec3 = Field(default=(0.0, 0.0, 1.0), description="out of the surface, against the way of placing")
     link: Identifier | None = Field(
         default=None,
@@ -71,7 +71,7 @@ class Face(Record):
     """A spot of an object that is looked at: a bar code, or the window of the scanner that reads it."""
 
     kind: Literal["code", "reader"]
-    position: Vec3 = Field(description="its middle in the object frame, metres")
+    position: Point3 = Field(description="its middle in the object frame, metres")
     axis: UnitVec3 = Field(description="out of the surface")
 
 
@@ -91,7 +91,7 @@ class PackageModel(Record):
 
     model: str = Field(min_length=1, description="its id in the package")
     turn: Vec3 = Field(default=(0.0, 0.0, 0.0), description="degrees about x, y, z, in this order, to stand as we do")
-    size: Vec3 | None = Field(
+    size: Point3 | None = Field(
         default=None, description="edge lengths after turning, metres; the package's when not given"
     )
     mass: Finite = Field(gt=0, description="kilograms")
@@ -183,7 +183,7 @@ class CatalogueEntry(Record):
     name: Identifier
     words: Words
     variants: list[Variant]
-    size: Vec3 = Field(
+    size: Point3 = Field(
         default=(0.0, 0.0, 0.0), description="of the first variant's bounding box, metres; 0 while it is not built"
     )
     contact_points: list[ContactPoint] = []
@@ -201,7 +201,7 @@ class Joint(Record):
     """How a moving part moves, in the object frame with all joints at 0."""
 
     kind: JointMotion = Field(description="'slide' along the axis, metres; 'turn' about it, radians")
-    origin: Vec3 = Field(description="a point of the axis, metres")
+    origin: Point3 = Field(description="a point of the axis, metres")
     axis: UnitVec3
     lower: Finite = Field(description="end of the range; 0, the closed or resting state, lies within it")
     upper: Finite
@@ -248,8 +248,8 @@ class PhysicalModel(Record):
 
     visual: str = Field(description="path of a GLB with textures, z up")
     hulls: list[str] = Field(min_length=1, description="paths of convex meshes; their union is the collision shape")
-    lower: Vec3 = Field(description="lower corner of the bounding box; z is 0")
-    upper: Vec3
+    lower: Point3 = Field(description="lower corner of the bounding box; z is 0")
+    upper: Point3
     mass: Finite = Field(gt=0, description="kilograms")
     friction: Finite = Field(gt=0, description="Coulomb coefficient, static and dynamic")
     links: list[MovingLink] = Field(default=[], description="moving parts, each after the part that carries it")

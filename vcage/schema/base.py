@@ -18,18 +18,23 @@ from vcage.base.version import __version__
 
 Identifier = Annotated[str, Field(pattern=r"^[a-z0-9][a-z0-9_-]*$", max_length=80)]
 Finite = Annotated[float, Field(allow_inf_nan=False)]
-Vec2 = tuple[Finite, Finite]
+MOST_METRES = 1000.0
+"""Of a coordinate or a length: there the 32-bit floats of a simulator still tell 0.1 mm."""
+
+Metres = Annotated[float, Field(ge=-MOST_METRES, le=MOST_METRES, allow_inf_nan=False)]
+Point2 = tuple[Metres, Metres]
+Point3 = tuple[Metres, Metres, Metres]
 Vec3 = tuple[Finite, Finite, Finite]
 Quat = tuple[Finite, Finite, Finite, Finite]
 
 
-def _with_room(box: tuple[Vec3, Vec3]) -> tuple[Vec3, Vec3]:
+def _with_room(box: tuple[Point3, Point3]) -> tuple[Point3, Point3]:
     if not all(lower < upper for lower, upper in zip(*box, strict=True)):
         raise ValueError(f"expected a lower and an upper corner with room between them, got {box}")
     return box
 
 
-Box = Annotated[tuple[Vec3, Vec3], AfterValidator(_with_room)]
+Box = Annotated[tuple[Point3, Point3], AfterValidator(_with_room)]
 
 
 def _of_unit_length(quaternion: Quat) -> Quat:
@@ -82,7 +87,7 @@ def _rounded(values: np.ndarray) -> tuple[float, ...]:
 class PoseRecord(Record):
     """A pose in the world frame: metres, and a unit quaternion wxyz."""
 
-    position: Vec3
+    position: Point3
     quaternion: Annotated[Quat, AfterValidator(_of_unit_length)]
 
     @classmethod

@@ -14,11 +14,11 @@ from vcage.schema.base import (
     Finite,
     Identifier,
     NearPath,
+    Point2,
     PoseRecord,
     Record,
     RunPath,
     StageDocument,
-    Vec2,
 )
 from vcage.schema.randomisation import Drawn
 from vcage.schema.scene import ObjectRecord, Scene
@@ -213,9 +213,9 @@ class Episodes(StageDocument):
 class Spread(Record):
     """Where one object started over the episodes of a run, metres."""
 
-    lower: Vec2
-    upper: Vec2
-    deviation: Vec2 = Field(description="standard deviation along x and y")
+    lower: Point2
+    upper: Point2
+    deviation: Point2 = Field(description="standard deviation along x and y")
 
 
 class Difference(Record):

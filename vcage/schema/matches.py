@@ -6,7 +6,7 @@ from typing import Any, ClassVar, Literal
 
 from pydantic import Field
 
-from vcage.schema.base import Finite, Identifier, Record, RunPath, StageDocument, Vec2
+from vcage.schema.base import Finite, Identifier, Point2, Record, RunPath, StageDocument
 
 MatchMethod = Literal["feature", "name", "kept"]
 """By cosine similarity above τ; below it, by the name that the detector gave; not found or in doubt, so kept."""
@@ -22,7 +22,7 @@ class Match(Record):
     box: tuple[Finite, Finite, Finite, Finite] | None = Field(
         description="u0, v0, u1, v1 in the target picture in the source's frame, pixels"
     )
-    position: Vec2 = Field(description="x, y of the object's origin in the world, metres")
+    position: Point2 = Field(description="x, y of the object's origin in the world, metres")
     yaw: Finite = Field(description="heading of the object's x axis in the world, radians")
     turned: Finite = Field(description="rotation from source to target, the smallest of those that look alike, radians")
     ncc: Finite | None = Field(description="normalised cross-correlation at that rotation")

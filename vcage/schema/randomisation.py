@@ -10,7 +10,7 @@ from typing import Annotated, ClassVar, Literal, get_args
 
 from pydantic import AfterValidator, Field
 
-from vcage.schema.base import Document, Finite, Identifier, Record, UnitVec3, Vec3
+from vcage.schema.base import Document, Finite, Identifier, Metres, Point3, Record, UnitVec3, Vec3
 
 
 def _in_order(ends: tuple[float, float]) -> tuple[float, float]:
@@ -41,6 +41,7 @@ Shares = Annotated[Range, _within(-0.5, 0.5)]
 Tenfold = Annotated[Factor, _within(0.1, 10)]
 Tone = Annotated[Factor, _within(0, 1)]
 Count = Annotated[tuple[Annotated[int, Field(ge=0)], Annotated[int, Field(ge=0)]], AfterValidator(_in_order)]
+Offset = Annotated[Finite, Field(ge=-7, le=7)]
 Share = Annotated[Finite, Field(ge=0, le=1)]
 
 MOST_LIGHTS = 3
@@ -175,7 +176,7 @@ class Tint(Record):
 class CameraShift(Record):
     """How a camera stands beside where the robot's file puts it."""
 
-    shift: Vec3 = Field(description="in the frame of what carries it, metres")
+    shift: Point3 = Field(description="in the frame of what carries it, metres")
     turn_deg: Vec3 = Field(description="about the camera's own x (forward), y (left) and z (up), degrees")
     fovy: Finite = Field(description="factor of the field of view")
 
@@ -219,10 +220,10 @@ class WorldDraw(Record):
         default={}, description="what the task does not touch, and the run's scene has not: object → its asset"
     )
     clutter_drawn: int = Field(default=0, ge=0, description="how many of these were to be there; fewer have no room")
-    table_height: Finite = Field(default=0.0, description="added to the scene's, metres")
+    table_height: Metres = Field(default=0.0, description="added to the scene's, metres")
     mass: dict[Identifier, Above] = Field(default={}, description="object → kilograms, moving parts included")
     friction: dict[Identifier, Above] = Field(default={}, description="object → Coulomb coefficient")
-    start: dict[str, list[Finite]] = Field(default={}, description="arm → offset of each joint from home, radians")
+    start: dict[str, list[Offset]] = Field(default={}, description="arm → offset of each joint from home, radians")
 
     @property
     def told(self) -> str:

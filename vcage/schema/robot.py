@@ -6,7 +6,7 @@ from typing import Annotated, ClassVar, Self
 
 from pydantic import Field, model_validator
 
-from vcage.schema.base import Document, Finite, Identifier, PoseRecord, Record, UnitVec3, Vec3
+from vcage.schema.base import Document, Finite, Identifier, Point3, PoseRecord, Record, UnitVec3
 
 Positive = Annotated[Finite, Field(gt=0)]
 
@@ -96,7 +96,7 @@ class RobotCamera(Record):
     width: int = 320
     height: int = 240
     fovy: Finite
-    position: Vec3 = Field(description="in the link's frame, or in the world for a fixed camera")
+    position: Point3 = Field(description="in the link's frame, or in the world for a fixed camera")
     forward: UnitVec3
     up: UnitVec3
     arm: str | None = None

@@ -13,13 +13,13 @@ from vcage.schema.base import (
     Box,
     CameraRecord,
     Document,
-    Finite,
     Identifier,
+    Metres,
+    Point2,
     PoseRecord,
     Record,
     RunPath,
     StageDocument,
-    Vec2,
 )
 from vcage.schema.goals import AskedGoal
 
@@ -37,9 +37,9 @@ FARTHEST = 10.0
 class Table(Record):
     """The table top: an axis-aligned rectangle."""
 
-    centre: Vec2 = (0.0, 0.0)
-    size: Vec2 = (1.2, 0.7)
-    height: Finite = Field(default=0.74, description="z of the top, metres")
+    centre: Point2 = (0.0, 0.0)
+    size: Point2 = (1.2, 0.7)
+    height: Metres = Field(default=0.74, description="z of the top, metres")
     texture: str = Field(default="oak", description="name of a painted texture")
 
     @model_validator(mode="after")
@@ -62,8 +62,8 @@ class Table(Record):
 class Workspace(Record):
     """The rectangle of the table that objects may cover, metres in the world frame."""
 
-    lower: Vec2
-    upper: Vec2
+    lower: Point2
+    upper: Point2
 
     @model_validator(mode="after")
     def _is_not_empty(self) -> Workspace:
@@ -120,7 +120,7 @@ class ObjectRecord(Record):
     role: Role
     pose: PoseRecord = Field(description="object frame (origin at the centre of the bottom) in the world")
     aabb: Box = Field(description="axis-aligned box in the world, computed when the scene was written")
-    joints: tuple[Finite, ...] = Field(
+    joints: tuple[Metres, ...] = Field(
         default=(), description="position of each moving part, metres or radians; all at rest when empty"
     )
     container: Identifier | None = Field(default=None, description="id of the object that this one lies in or on")

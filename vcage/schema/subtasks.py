@@ -6,7 +6,7 @@ from typing import ClassVar, Literal
 
 from pydantic import Field, ValidationInfo, field_validator
 
-from vcage.schema.base import Finite, Identifier, Record, RunPath, StageDocument, Vec3
+from vcage.schema.base import Finite, Identifier, Point3, Record, RunPath, StageDocument
 from vcage.schema.goals import Goal
 
 TemplateName = Literal[
@@ -123,8 +123,8 @@ class PairQuestion(Record):
     receptacle: Identifier
     receptacle_words: str
     holds: Literal["in", "on"]
-    object_size: Vec3
-    opening_size: Vec3 = Field(description="free space at the functional point, metres")
+    object_size: Point3
+    opening_size: Point3 = Field(description="free space at the functional point, metres")
 
 
 class PairAnswer(Record):

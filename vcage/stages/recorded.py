@@ -111,3 +111,12 @@ def _contradictions(episode: EpisodeData, scene: Scene, robot: Robot, drawn: Dra
     ):
         for name in sorted({*named} - {*there}):
             yield f"there is no {what} {name!r} in it"
+    layouts = {} if episode.drives is None else episode.drives.layouts
+    for name in sorted({*robot.arms} ^ {*layouts}) if layouts else ():
+        yield f"drives has an arm {name!r} that {scene.robot} lacks, or lacks one that it has"
+    for name, layout in layouts.items():
+        dof = episode.robot_joints[name].shape[1] if name in episode.robot_joints else 0
+        if layout.dof != dof:
+            yield f"robot_joints holds {dof} joints of {name}, drives/{name}/told {layout.dof}"
+        if layout.joints != (joints := len(robot.arms[name].home)):
+            yield f"drives/{name}/told moves {layout.joints} joints, the arm of {scene.robot} has {joints}"
