@@ -45,7 +45,7 @@ def test_drives_last_no_longer_than_the_frames():
     def drives(steps: int) -> DriveLog:
         return DriveLog(0, [], {"left": DriveLayout(1, 1)}, {"left": [np.zeros(4)] * steps})
 
-    most = 31 * PHYSICS_HZ // FPS
+    most = int(31 * PHYSICS_HZ // FPS)
     episode(drives=drives(most))
     with pytest.raises(ValueError, match=f"drives has {most + 1} steps, the 30 frames last at most {most}"):
         episode(drives=drives(most + 1))
