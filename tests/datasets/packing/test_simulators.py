@@ -168,9 +168,10 @@ def test_a_trajectory_stays_whole_as_hdf5_beside_its_description(tmp_path):
     (recording,) = open_recordings(tmp_path / "out")
     assert np.array_equal(recording.pictures("base_camera"), rooms(FRAMES + 1))
     unpack_all(tmp_path / "out", tmp_path / "back")
+    assert [(tmp_path / name / "a.h5").is_file() for name in ("out", "back")] == [True, True]  # the loader wants .h5
     assert (tmp_path / "back/a.json").read_bytes() == path.with_suffix(".json").read_bytes()
     unpack_all(tmp_path / "out", tmp_path / "back", force=True)
-    with h5py.File(path) as old, h5py.File(tmp_path / "back/a.hdf5") as new:
+    with h5py.File(path) as old, h5py.File(tmp_path / "back/a.h5") as new:
         for key in ("obs/sensor_data/base_camera/rgb", "obs/agent/qpos", "env_states/actors/cube", "success"):
             assert np.array_equal(old[f"traj_0/{key}"], new[f"traj_0/{key}"])
 

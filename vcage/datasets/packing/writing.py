@@ -24,6 +24,7 @@ from vcage.datasets.packing.clips import EncodedVideo, Key
 from vcage.datasets.packing.output import OutputSpec, companion_places, keeps_version, task_of
 from vcage.datasets.packing.sources import SourceRecording, rate_of
 from vcage.datasets.picture_links import Stream, find_links
+from vcage.datasets.recordings.opening import SUFFIXES
 from vcage.datasets.recordings.recording import HDF5, Recording
 from vcage.schema.compression import VideoStream
 
@@ -97,7 +98,8 @@ def _write_hdf5(compressed: Compressed, out: Path, progress: Progress) -> None:
     paths = {source.file: source.recording.path for source in compressed.sources}
     for number, (file, path) in enumerate(paths.items()):
         progress(f"writing {file}", number, len(paths))
-        target = out / f"{file}.hdf5"
+        suffix = path.suffix if path.suffix.lower() in SUFFIXES else ".hdf5"
+        target = out / f"{file}{suffix}"  # readers find what describes a file by its whole name
         write_packed(path, target, links[file])
         for video in _kept_videos(path, links[file]):
             _copy(video, target.with_name(video.name))
