@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import cv2
@@ -11,6 +12,7 @@ import pytest
 
 from tests.datasets.packed_files import pack, streams
 from tests.datasets.recordings.layouts import HEIGHT, WIDTH, act, jpeg
+from vcage.base.errors import DamagedFile
 from vcage.datasets.packed import unpack, write_packed
 from vcage.datasets.picture_lengths import find_lengths
 from vcage.datasets.recordings.opening import open_recordings
@@ -150,3 +152,81 @@ def test_numbers_too_many_to_be_lengths_are_not_read(tmp_path):
     with h5py.File(path) as file:
         found = find_lengths(file, ["observations/images/cam_high"])
     assert [place.key for place in found["observations/images/cam_high"]] == ["compress_len"]
+
+
+# --- other forms ---------------------------------------------------------------------------------------
+
+FORMS = {
+    "compress_len": lambda lengths, _: lengths,
+    "images_ends": lambda lengths, _: np.cumsum(lengths),
+    "images_offsets": lambda lengths, _: np.cumsum(lengths) - lengths,
+    "images_bounds": lambda lengths, _: np.concatenate([[0], np.cumsum(lengths)]),
+    "padded_size": lambda _, width: np.array(width),
+    "image_size": lambda _, width: np.array(width),
+    "longest_length": lambda lengths, _: lengths.max(),
+    "total_bytes": lambda lengths, _: lengths.sum(),
+}
+KEY = "observations/images/cam_high"
+
+
+def sizes(dataset: h5py.Dataset) -> tuple[np.ndarray, int]:
+    """Bytes of each padded picture, and with padding."""
+    rows = dataset[()]
+    return np.array([len(row.tobytes().rstrip(b"\0")) for row in rows]), rows.shape[1]
+
+
+@pytest.fixture(scope="module")
+def other_forms(tmp_path_factory) -> tuple[Path, Path]:
+    """A file of one camera that says sizes in all forms, as datasets and as attributes; and that which came back."""
+    folder = tmp_path_factory.mktemp("forms")
+    padded = [jpeg(picture) for picture in pictures(0)]
+    longest = max(map(len, padded)) + 3
+    with h5py.File(folder / "a.hdf5", "w") as file:
+        file["action"] = np.zeros((FRAMES, 14))
+        file[KEY] = np.stack([np.frombuffer(data.ljust(longest, b"\0"), np.uint8) for data in padded])
+        for name, form in FORMS.items():
+            file[name] = file[KEY].attrs[name] = file["observations"].attrs[name] = form(*sizes(file[KEY]))
+        file.attrs["episode_len"], file["padding"], file[KEY].attrs["mean_bytes"] = FRAMES, 7, 12.5
+    back = unpack(pack(folder / "a.hdf5", folder / "small/a.hdf5"), folder / "back.hdf5")
+    return folder / "a.hdf5", back
+
+
+@pytest.mark.parametrize("name", FORMS)
+def test_sizes_are_true_in_every_form_of_the_pictures_that_came_back(other_forms, name):
+    with h5py.File(other_forms[0]) as old, h5py.File(other_forms[1]) as file:
+        expected = FORMS[name](*sizes(file[KEY]))
+        for found in (file[name][()], file[KEY].attrs[name], file["observations"].attrs[name]):
+            assert np.array_equal(found, expected) and found.dtype.kind == "i"
+        assert not np.array_equal(old[name], expected)
+
+
+def test_what_looks_like_sizes_and_is_in_no_known_form_is_named_and_stays(other_forms):
+    (recording,) = open_recordings(other_forms[0])
+    (note,) = [note for note in recording.notes if "sizes" in note]
+    assert note.startswith(f"{KEY}@mean_bytes, padding: like sizes of the pictures, in no known form")
+    with h5py.File(other_forms[1]) as file:
+        assert (file["padding"][()], file[KEY].attrs["mean_bytes"], file.attrs["episode_len"]) == (7, 12.5, FRAMES)
+
+
+@pytest.mark.parametrize(
+    "place",
+    [
+        {"key": "action", "axis": 7, "index": 9},
+        {"key": "action", "axis": 0, "index": 99},
+        {"key": "action", "axis": 0, "index": 0},
+        {"key": "nothing"},
+        {"key": "compress_len", "form": "film"},
+        {"key": KEY, "attribute": "nothing"},
+        {"key": "observations"},
+    ],
+)
+def test_a_link_that_names_other_numbers_as_lengths_changes_none_of_them(tmp_path, place):
+    source = act_plus_plus(tmp_path / "a.hdf5")
+    with h5py.File(source, "r+") as file:
+        file["action"][...] = -0.5
+    packed = pack(source, tmp_path / "small/a.hdf5")
+    with h5py.File(packed, "r+") as file:
+        file[KEY].attrs["vcage_lengths"] = json.dumps([place])
+    with pytest.raises(DamagedFile, match="lengths"):
+        unpack(packed, tmp_path / "back.hdf5")
+    assert not (tmp_path / "back.hdf5").exists()

@@ -184,7 +184,7 @@ class EpisodeData:
         """Raise ValueError where the drives go on for longer than the frames do, or the frames lie between steps."""
         if self.drives is None:
             return
-        if not self.fps.is_integer() or PHYSICS_HZ % self.fps:
+        if not float(self.fps).is_integer() or PHYSICS_HZ % self.fps:
             raise ValueError(f"fps is {self.fps}, which does not divide the {PHYSICS_HZ} drive steps per second")
         most = (self.frames + 1) * PHYSICS_HZ // int(self.fps)
         if len(self.drives) > most:

@@ -1,39 +1,47 @@
-"""Lengths and encodings that files state of their pictures, and how they stay true when those change.
+"""How many bytes encoded pictures have, as files say beside them, and how it stays true when the pictures change.
 
-ACT++ pads all JPEGs of an episode to one length and keeps how long each was: ``/compress_len``, a row for each camera,
-with the attribute ``compress`` of the file. Its readers cut a picture there. Files that were made after its example
-have such numbers under other names and the other way round, so they are known by their values.
+ACT++ pads all JPEGs of an episode to one length and keeps how long each was: ``/compress_len``, a row for each camera.
+Its readers cut a picture there. Files that were made after its example
+have such numbers under other names, the other way round, as attributes, or as offsets, so they are known by their
+values.
 """
 
 from __future__ import annotations
 
 import logging
 import re
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Any
 
 import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from vcage.base.errors import OversizedFile
+from vcage.base.errors import DamagedFile, OversizedFile
 from vcage.datasets.hdf5_contents import datasets_in
 from vcage.datasets.hdf5_limits import require_numbers_fit
-from vcage.datasets.stored_pictures import ARRAY, encoded_bytes, picture_kind
+from vcage.datasets.stored_pictures import ARRAY, FIXED, PADDED, encoded_bytes, picture_kind
 
 logger = logging.getLogger(__name__)
 
-ENCODING_NAMES = ("encoding", "format", "compression", "codec", "image_encoding", "image_format", "img_format")
-"""Attributes that say how pictures are encoded, where their text is one of the next."""
+AGAIN = "compress the recording again"
 
-JPEG_WORDS = {"jpeg": "png", "jpg": "png", ".jpeg": ".png", ".jpg": ".png", "image/jpeg": "image/png"}
+SIZE_WORDS = {"bytes", "len", "length", "lengths", "nbytes", "offset", "offsets", "padded", "padding", "size", "sizes"}
+"""Words in names of sizes: a single number is taken for one only under such a name."""
 
-DIGESTS = {"sha1", "sha256", "sha512", "md5", "crc", "crc32", "checksum", "checksums", "hash", "hashes", "digest"}
-"""Words in names of checksums."""
-
-FLAG = "compress"
-"""ACT++'s attribute of files whose pictures are encoded."""
+FORMS: dict[str, Callable[[NDArray[np.int64], int], NDArray[np.int64]]] = {
+    "lengths": lambda lengths, _: lengths,
+    "ends": lambda lengths, _: np.cumsum(lengths),
+    "starts": lambda lengths, _: np.cumsum(lengths) - lengths,
+    "bounds": lambda lengths, _: np.concatenate([[0], np.cumsum(lengths)]),
+    "width": lambda _, width: np.array(width),
+    "longest": lambda lengths, _: lengths.max(),
+    "total": lambda lengths, _: lengths.sum(),
+}
+"""What may be kept of the lengths (T,) of pictures, and of the bytes of each with padding: offsets with and without the
+0 before them, and single numbers."""
 
 
 @dataclass(frozen=True)
@@ -41,25 +49,37 @@ class LengthsPlace:
     """Where a file keeps how many bytes each encoded picture of a dataset has.
 
     Args:
-        key: of a dataset of numbers.
+        key: of a dataset of numbers; of any object where ``attribute`` is given.
         axis: along which the pictures follow each other.
         index: on the other axis; None where there is none.
+        attribute: its name; None where the numbers are those of a dataset.
+        form: one of :data:`FORMS`.
+
+    Raises:
+        ValueError: it cannot be one.
     """
 
     key: str
-    axis: int
-    index: int | None
+    axis: int = 0
+    index: int | None = None
+    attribute: str | None = None
+    form: str = "lengths"
 
-    def of(self, values: NDArray) -> NDArray:
-        """The part of the dataset's values that belongs to the pictures; writing to it changes them."""
-        return values if self.index is None else np.take(values, [self.index], 1 - self.axis).reshape(-1)
+    def __post_init__(self) -> None:
+        texts = isinstance(self.key, str) and isinstance(self.attribute, str | None)
+        if not texts or self.form not in FORMS or self.axis not in (0, 1) or not isinstance(self.index, int | None):
+            raise ValueError(f"{self} is no place of lengths")
 
-    def put(self, values: NDArray, lengths: NDArray[np.int64]) -> None:
-        """Replace that part."""
-        place = [slice(None)] * values.ndim
-        if self.index is not None:
-            place[1 - self.axis] = self.index  # type: ignore[call-overload]
-        values[tuple(place)] = lengths
+    @property
+    def label(self) -> str:
+        """The place as messages name it."""
+        return self.key if self.attribute is None else f"{self.key}@{self.attribute}"
+
+    def part(self, values: NDArray) -> tuple[int | slice, ...]:
+        """The index of what belongs to the pictures in the values of the dataset or attribute."""
+        if self.index is None:
+            return (Ellipsis,)  # type: ignore[return-value]
+        return (slice(None), self.index) if self.axis == 0 else (self.index, slice(None))
 
 
 def picture_lengths(dataset: h5py.Dataset, count: int | None = None) -> NDArray[np.int64]:
@@ -68,6 +88,14 @@ def picture_lengths(dataset: h5py.Dataset, count: int | None = None) -> NDArray[
     if picture_kind(dataset) == ARRAY:
         return np.full(count, int(np.prod(dataset.shape[1:])) * dataset.dtype.itemsize)
     return np.array([len(encoded_bytes(dataset, index).rstrip(b"\0")) for index in range(count)])
+
+
+def padded_width(dataset: h5py.Dataset) -> int:
+    """Bytes that a dataset has for each picture, padding included; of lists of bytes, those of the longest."""
+    kind = picture_kind(dataset)
+    if kind == PADDED:
+        return dataset.shape[1]
+    return dataset.dtype.itemsize if kind == FIXED else int(picture_lengths(dataset).max())
 
 
 def find_lengths(file: h5py.File, keys: Collection[str]) -> dict[str, list[LengthsPlace]]:
@@ -83,36 +111,93 @@ def find_lengths(file: h5py.File, keys: Collection[str]) -> dict[str, list[Lengt
     taken: set[LengthsPlace] = set()  # pictures that are alike have rows that are alike
     for key, dataset in pictures.items():
         first = picture_lengths(dataset, 1)[0]
-        likely = [numbers for numbers in candidates if (numbers[()] == first).any()]
+        noted = _attributes(file, key, len(dataset))
+        likely = [(place, values) for place, values in [*candidates, *noted] if not values.ndim or first in values]
         lengths = picture_lengths(dataset) if likely else np.zeros(0, int)  # all pictures are read for it
-        for numbers in likely:
-            places = _places(numbers, lengths)
-            free = next((place for place in places if place not in taken), None)
+        for place, values in likely:
+            places = _places(place, values, lengths, padded_width(dataset))
+            free = next((one for one in places if one not in taken or values.ndim == 0), None)
             if free is not None:
                 taken.add(free)
                 found.setdefault(key, []).append(free)
     return found
 
 
-def _candidates(file: h5py.File, counts: set[int]) -> list[h5py.Dataset]:
-    """Datasets with a number for each picture of one camera or of several; none that is too large for that."""
-    found: list[h5py.Dataset] = []
-    for dataset in datasets_in(file).values():
-        if dataset.dtype.kind not in "iuf" or dataset.dtype == np.uint8:
+def unknown_sizes(file: h5py.File, keys: Collection[str]) -> list[str]:
+    """Names of what looks like sizes of encoded pictures and is in no form that is known, so that it stays as it is.
+
+    Args:
+        file: open.
+        keys: of datasets of pictures.
+    """
+    known = {place for places in find_lengths(file, keys).values() for place in places}
+    labels, found = {place.label for place in known}, set()
+    for key in keys:
+        dataset = file[key]
+        if picture_kind(dataset) == ARRAY:
             continue
-        if dataset.ndim in (1, 2) and counts & set(dataset.shape):
+        beside = [(f"{name}@{one}", one, value) for name in around(key) for one, value in file[name].attrs.items()]
+        for place in {"", key.rpartition("/")[0]}:
+            near = file[place or "/"]
+            beside += [(f"{place}/{name}".lstrip("/"), name, near[name]) for name in near]
+        named = [(label, value) for label, name, value in beside if words_of(name) & SIZE_WORDS]
+        found |= {label for label, value in named if _may_tell(value, len(dataset)) and label not in {*labels, key}}
+    return sorted(found)
+
+
+def _may_tell(value: Any, count: int) -> bool:
+    """Check for numbers in a shape that sizes of ``count`` pictures have, and that are not their number itself."""
+    if not isinstance(value, (h5py.Dataset, np.ndarray, np.generic)) or not _is_number(value):
+        return False
+    if value.shape == ():
+        return abs(float(value[()]) - count) > 1
+    return value.shape in ((count,), (count + 1,))
+
+
+def words_of(name: str) -> set[str]:
+    """The words of a name, in lower case."""
+    return set(re.findall(r"[a-z]+[0-9]*", name.lower()))
+
+
+def _is_number(values: h5py.Dataset | np.ndarray | np.generic) -> bool:
+    return values.dtype.kind in "iuf" and values.dtype != np.uint8
+
+
+def _candidates(file: h5py.File, counts: set[int]) -> list[tuple[LengthsPlace, NDArray]]:
+    """Datasets with a number for each picture of one camera or of several, and single numbers that are named after
+    sizes; none that is too large for that."""
+    found = []
+    for key, dataset in datasets_in(file).items():
+        if not _is_number(dataset) or dataset.shape is None or dataset.ndim > 2:
+            continue
+        fits = bool(counts & set(dataset.shape)) or (dataset.ndim == 1 and len(dataset) - 1 in counts)
+        if fits or (dataset.shape == () and words_of(key.rpartition("/")[2]) & SIZE_WORDS):
             with suppress(OversizedFile):
                 require_numbers_fit(dataset)
-                found.append(dataset)
+                found.append((LengthsPlace(dataset.name.lstrip("/")), np.asarray(dataset[()])))
     return found
 
 
-def _places(numbers: h5py.Dataset, lengths: NDArray[np.int64]) -> list[LengthsPlace]:
-    values, key = numbers[()], numbers.name.lstrip("/")
-    if values.ndim == 1:
-        return [LengthsPlace(key, 0, None)] if np.array_equal(values, lengths) else []
+def _attributes(file: h5py.File, key: str, count: int) -> list[tuple[LengthsPlace, NDArray]]:
+    """The same of the attributes of pictures, and of the groups around them."""
+    found = []
+    for name in around(key):
+        for attribute, value in file[name].attrs.items():
+            if not isinstance(value, (np.ndarray, np.generic)) or not _is_number(value):
+                continue
+            single = value.shape == () and words_of(attribute) & SIZE_WORDS
+            if single or value.shape in ((count,), (count + 1,)):
+                found.append((LengthsPlace(name, attribute=attribute), np.asarray(value)))
+    return found
+
+
+def _places(place: LengthsPlace, values: NDArray, lengths: NDArray[np.int64], width: int) -> list[LengthsPlace]:
+    """A place with the form and the index in which its values tell the lengths; none where they do not."""
+    if values.ndim < 2:
+        forms = [form for form, of in FORMS.items() if np.array_equal(of(lengths, width), values)]
+        return [replace(place, form=form) for form in forms[:1]]
     return [
-        LengthsPlace(key, axis, index)
+        replace(place, axis=axis, index=index)
         for axis in (1, 0)
         if values.shape[axis] == len(lengths)
         for index in range(values.shape[1 - axis])
@@ -125,76 +210,58 @@ def update_lengths(file: h5py.File, places: Mapping[str, Iterable[LengthsPlace]]
 
     Args:
         file: open for writing.
-        places: key of a dataset of pictures → where its lengths are.
+        places: key of a dataset of pictures → where its lengths are. A single number that tells of several datasets
+            becomes the largest of theirs.
+
+    Raises:
+        DamagedFile: a place is not there, or holds no lengths.
     """
+    values: dict[LengthsPlace, NDArray] = {}
     for key, own in places.items():
-        lengths = picture_lengths(file[key])
         for place in own:
-            _put(file, place, lengths)
-            logger.info("%s holds the lengths of the new pictures of %s", place.key, key)
+            lengths, dataset = picture_lengths(file[key]), file[key]
+            width = int(lengths[0]) if picture_kind(dataset) == ARRAY else padded_width(dataset)
+            new = np.asarray(FORMS[place.form](lengths, width))
+            values[place] = np.maximum(values[place], new) if place in values and not new.ndim else new
+            logger.info("%s holds the lengths of the new pictures of %s", place.label, key)
+    for place, new in values.items():
+        _put(file, place, new)
 
 
-def _put(file: h5py.File, place: LengthsPlace, lengths: NDArray[np.int64]) -> None:
-    old = file[place.key]
-    values = old[()]
-    place.put(values, lengths)
-    if np.array_equal(place.of(values), lengths):
-        old[...] = values
-        return
-    wide = old[()].astype(np.int64 if old.dtype.kind in "iu" else np.float64)  # PNG is longer than JPEG was
-    place.put(wide, lengths)
-    attributes = dict(old.attrs)
-    del file[place.key]
-    file.create_dataset(place.key, data=wide, track_times=False).attrs.update(attributes)
+def _put(file: h5py.File, place: LengthsPlace, new: NDArray) -> None:
+    """Write values in the type that was there, or in a wider one where they do not fit: PNG is longer than JPEG was."""
+    owner = file.get(place.key)
+    old = owner if place.attribute is None or owner is None else owner.attrs.get(place.attribute)
+    values = np.asarray(old[()] if isinstance(old, h5py.Dataset) else old)
+    if values.dtype.kind not in "iuf" or not _holds_lengths(values, place, new):
+        raise DamagedFile(f"{file.filename}:{place.label} does not hold lengths of pictures", hint=AGAIN)
+    part = place.part(values)
+    wide = values.astype(np.int64 if values.dtype.kind in "iu" else np.float64)
+    wide[part] = new
+    with np.errstate(all="ignore"):
+        same = wide.astype(values.dtype)
+    result = same if np.array_equal(same, wide) else wide
+    if place.attribute is not None:
+        owner.attrs.create(place.attribute, result, dtype=result.dtype)
+    elif result.dtype == values.dtype:
+        owner[...] = result
+    else:
+        attributes = dict(owner.attrs)
+        del file[place.key]
+        file.create_dataset(place.key, data=result, track_times=False).attrs.update(attributes)
 
 
-def update_encoding(file: h5py.File, keys: Collection[str], *, raw: bool) -> None:
-    """Let the attributes of pictures, and of the groups around them, say how these are encoded now.
-
-    Args:
-        file: open for writing.
-        keys: of datasets whose pictures were encoded before.
-        raw: whether they are arrays of pixels now; PNG otherwise.
-    """
-    around = {group for key in keys for group in _around(key)}
-    for name in around:
-        attributes = file[name].attrs
-        for attribute in ENCODING_NAMES:
-            said = attributes.get(attribute)
-            if isinstance(said, str) and said.lower() in JPEG_WORDS:
-                attributes[attribute] = "raw" if raw else JPEG_WORDS[said.lower()]
-    flag = file.attrs.get(FLAG)
-    if raw and isinstance(flag, (np.bool_, np.integer)) and flag and not any(_holds_encoded(file, key) for key in keys):
-        file.attrs.modify(FLAG, np.zeros((), np.asarray(flag).dtype))
+def _holds_lengths(values: NDArray, place: LengthsPlace, new: NDArray) -> bool:
+    """Check that a link tells the truth of a place: as many whole numbers are there as it takes."""
+    if values.ndim != new.ndim + (place.index is not None):
+        return False
+    if place.index is not None and not 0 <= place.index < values.shape[1 - place.axis]:
+        return False
+    found = values[place.part(values)]
+    return found.shape == new.shape and bool((np.isfinite(found) & (found >= 0) & (found == np.rint(found))).all())
 
 
-def _holds_encoded(file: h5py.File, key: str) -> bool:
-    """Check for encoded pictures beside a dataset, of cameras that were not put back as arrays."""
-    beside = (item for item in file[key].parent.values() if isinstance(item, h5py.Dataset) and item.shape)
-    return any(picture_kind(item) != ARRAY for item in beside)
-
-
-def digests_beside(file: h5py.File, keys: Iterable[str]) -> list[str]:
-    """Checksums of pictures, as their names say: attributes of the pictures and of the groups around them, and
-    datasets beside them. They hold for the pictures as they are, and for none that was encoded again.
-
-    Args:
-        file: open.
-        keys: of datasets of pictures.
-    """
-    found = set()
-    for key in keys:
-        for name in _around(key):
-            found |= {f"{name}@{attribute}" for attribute in file[name].attrs if _names_digest(attribute)}
-        group = key.rpartition("/")[0] or "/"
-        found |= {f"{group}/{name}" for name in file[group] if _names_digest(name)}
-    return sorted(found)
-
-
-def _names_digest(name: str) -> bool:
-    return not DIGESTS.isdisjoint(re.findall(r"[a-z]+[0-9]*", name.lower()))
-
-
-def _around(key: str) -> list[str]:
+def around(key: str) -> list[str]:
+    """Names of a dataset and of the groups around it, from the root on."""
     parts = key.split("/")
     return ["/", *("/".join(parts[: end + 1]) for end in range(len(parts)))]

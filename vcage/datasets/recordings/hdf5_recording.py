@@ -24,7 +24,8 @@ from vcage.base.videos import codec_name, decode, frame_rate
 from vcage.datasets.hdf5_contents import datasets_in, require_utf8_text
 from vcage.datasets.hdf5_files import damage, open_hdf5_file
 from vcage.datasets.hdf5_limits import require_pictures_fit
-from vcage.datasets.picture_lengths import digests_beside
+from vcage.datasets.picture_encoding import digests_beside
+from vcage.datasets.picture_lengths import unknown_sizes
 from vcage.datasets.picture_links import Link, find_links, read_link
 from vcage.datasets.recordings.clock_search import Clocks, find_clocks
 from vcage.datasets.recordings.columns import Columns
@@ -204,9 +205,12 @@ class Hdf5Recording(Hdf5Colours):
 
     def _camera_notes(self) -> list[str]:
         with self._file() as file:
+            keys = [camera.key for camera in self.cameras if read_link(file[camera.key]) is None]
             digests = digests_beside(file, [camera.key for camera in self.cameras])
+            sizes = unknown_sizes(file, keys)
         note = f"{', '.join(digests)}: made of the pictures as they are, and not true of those of the videos"
-        return super()._camera_notes() + [note] * bool(digests)
+        stale = f"{', '.join(sizes)}: like sizes of the pictures, in no known form; decompressing leaves it as it is"
+        return super()._camera_notes() + [note] * bool(digests) + [stale] * bool(sizes)
 
     def _read_commands(self) -> Columns | None:
         with self._file() as file:
