@@ -6,7 +6,7 @@ from typing import Any, ClassVar
 
 from pydantic import Field, model_validator
 
-from vcage.schema.base import Document, Finite, Identifier, Record, Vec2
+from vcage.schema.base import Document, Finite, Identifier, Point2, Record
 
 
 class TrueObject(Record):
@@ -14,7 +14,7 @@ class TrueObject(Record):
 
     id: Identifier
     present: bool = Field(description="false: the target picture does not show it")
-    position: Vec2 | None = Field(default=None, description="x, y of the object's origin, metres")
+    position: Point2 | None = Field(default=None, description="x, y of the object's origin, metres")
     yaw: Finite | None = Field(default=None, description="heading of the object's x axis, radians")
     symmetry: int = Field(default=1, ge=0, description="turns by 1/n look the same from above; 0: any turn does")
     visible: Finite = Field(default=1.0, ge=0, le=1, description="share of its silhouette that nothing hides")
@@ -30,7 +30,7 @@ class Stranger(Record):
     """Something that the target picture shows and the scene does not have."""
 
     name: str = Field(description="what it is")
-    position: Vec2 = Field(description="x, y of its origin, metres")
+    position: Point2 = Field(description="x, y of its origin, metres")
 
 
 class Truth(Document):

@@ -40,7 +40,7 @@ def test_a_link_without_a_target_is_named_with_the_way_to_fetch_it(tmp_path, tar
 
 def test_a_pipe_is_not_waited_for(tmp_path):
     os.mkfifo(tmp_path / "a.hdf5")
-    with pytest.raises(DamagedFile, match="no regular file"):
+    with pytest.raises(DamagedFile, match="is no regular file but a pipe"):
         require_fetched(tmp_path / "a.hdf5")
 
 

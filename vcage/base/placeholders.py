@@ -19,6 +19,15 @@ PLACEHOLDERS = {
 }
 """First bytes of a file → what it is."""
 
+KINDS = {
+    stat.S_ISDIR: "a folder",
+    stat.S_ISFIFO: "a pipe",
+    stat.S_ISSOCK: "a socket",
+    stat.S_ISCHR: "a device",
+    stat.S_ISBLK: "a device",
+}
+"""Test of a file's mode → what it is."""
+
 
 def require_fetched(path: Path) -> None:
     """Nothing, if a file is there with its own content; a path where nothing is passes too.
@@ -35,7 +44,8 @@ def require_fetched(path: Path) -> None:
     except (OSError, ValueError) as error:
         raise DamagedFile(f"{path} cannot be read: {error}", hint="check the path") from error
     if not stat.S_ISREG(mode):
-        raise DamagedFile(f"{path} is no regular file", hint="give the file itself")
+        kind = next((name for check, name in KINDS.items() if check(mode)), "something else")
+        raise DamagedFile(f"{path} is no regular file but {kind}", hint="give the file itself")
     try:
         with open(path, "rb") as handle:
             head = handle.read(64)

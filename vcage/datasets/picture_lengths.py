@@ -150,7 +150,7 @@ def _may_tell(value: Any, count: int) -> bool:
     if not isinstance(value, (h5py.Dataset, np.ndarray, np.generic)) or not _is_number(value):
         return False
     if value.shape == ():
-        return abs(float(value[()]) - count) > 1
+        return abs(float(np.asarray(value)) - count) > 1
     return value.shape in ((count,), (count + 1,))
 
 

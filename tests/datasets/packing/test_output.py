@@ -30,6 +30,15 @@ def require(folder, target: str, cameras: tuple[str, ...] = ()) -> None:
     require_alike(found.clips(cameras, FPS), OutputSpec(target, task="open the jar"))
 
 
+@pytest.mark.parametrize(("key", "what"), [("action", "action"), ("observations/qpos", "state")])
+def test_a_number_that_float32_cannot_hold_is_refused_where_it_would_become_one(source, key, what):
+    with h5py.File(source / "b.hdf5", "r+") as file:
+        file[key][2, 1] = 1e39
+    require(source, HDF5)
+    with pytest.raises(DamagedFile, match=rf"b\.hdf5: the {what} of frame 2 holds 1e\+39, which float32 cannot hold"):
+        require(source, "lerobot-v3.0")
+
+
 # --- what suits ----------------------------------------------------------------------------------------
 
 

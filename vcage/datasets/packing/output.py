@@ -10,6 +10,8 @@ from itertools import groupby
 from pathlib import Path
 from typing import Any, Literal
 
+import numpy as np
+
 from vcage.base.errors import DamagedFile, UsageError
 from vcage.datasets.lerobot.formats import FORMATS
 from vcage.datasets.lerobot.repack import require_whole
@@ -192,13 +194,16 @@ def require_alike(clips: Sequence[Clip], output: OutputSpec) -> None:
     Raises:
         UsageError: one differs from the first in its cameras, their sizes, its frame rate or its numbers; names both.
             Or a camera of a LeRobot data set shows depth or grey, whatever is written.
-        DamagedFile: the state of one holds NaN, or has not as many rows as there are pictures.
+        DamagedFile: the state of one holds NaN, or has not as many rows as there are pictures; or a number of its state
+            or its commands is too large for 32 bits.
     """
     episodes = [list(group) for _, group in groupby(clips, key=lambda clip: clip.name)]
     for episode in episodes:
         episode[0].recording.require_rgb([clip.camera for clip in episode])
     if not output.lerobot:
         return
+    for episode in episodes:
+        _require_float32(episode[0].recording)
     first = _facts(episodes[0])
     for episode in episodes[1:]:
         for what, value in _facts(episode).items():
@@ -208,6 +213,18 @@ def require_alike(clips: Sequence[Clip], output: OutputSpec) -> None:
                     f"({first[what]}), and a LeRobot data set holds one kind of episodes",
                     hint="compress them apart, name the cameras that all have with --cameras, or give --to hdf5",
                 )
+
+
+def _require_float32(recording: Recording) -> None:
+    """Raise DamagedFile where a LeRobot data set, which takes 32-bit floats, could not hold a number."""
+    motion = recording.motion
+    for what, values in (("state", recording.state), ("action", None if motion is None else motion.action)):
+        if values is not None and (beyond := np.abs(values) > np.finfo(np.float32).max).any():
+            row, column = np.argwhere(beyond)[0]
+            raise DamagedFile(
+                f"{recording}: the {what} of frame {row} holds {values[row, column]:g}, which float32 cannot hold",
+                hint=f"mend the {what}, leave the episode out, or give --to hdf5, which keeps it as it is",
+            )
 
 
 def _facts(clips: Sequence[Clip]) -> dict[str, Any]:
