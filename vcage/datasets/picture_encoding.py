@@ -1,4 +1,4 @@
-"""What files say of how their pictures are encoded, and how it stays true when they change."""
+"""How files say that their pictures are encoded, and how it stays true when the pictures change."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def update_encoding(file: h5py.File, keys: Collection[str], *, raw: bool) -> Non
 
 
 def _holds_encoded(file: h5py.File, key: str) -> bool:
-    """Whether encoded pictures lie beside a dataset: those of cameras that were not put back as arrays."""
+    """Check for encoded pictures beside a dataset: those of cameras that were not put back as arrays."""
     beside = (item for item in file[key].parent.values() if isinstance(item, h5py.Dataset) and item.shape)
     return any(picture_kind(item) != ARRAY for item in beside)
 

@@ -40,8 +40,8 @@ FORMS: dict[str, Callable[[NDArray[np.int64], int], NDArray[np.int64]]] = {
     "longest": lambda lengths, _: lengths.max(),
     "total": lambda lengths, _: lengths.sum(),
 }
-"""What may be kept of the lengths (T,) of pictures, and of the bytes of each with padding: offsets with and without the
-0 before them, and single numbers."""
+"""Forms in which files keep the lengths (T,) of pictures, and the bytes of each with padding: offsets with and without
+the 0 before them, and single numbers."""
 
 
 @dataclass(frozen=True)
