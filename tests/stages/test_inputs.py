@@ -60,7 +60,7 @@ def test_an_object_that_is_matched_twice_is_refused(run):
         read_matches(run, Scene.read(run.scene))
 
 
-@pytest.mark.parametrize("place", [[50.0, -70.0], [1e300, 0.0]])
+@pytest.mark.parametrize("place", [[50.0, -70.0], [900.0, 0.0]])
 def test_places_far_from_the_table_are_refused(run, place):
     edit(run.matches, lambda found: found["matches"][0].update(position=place))
     with pytest.raises(InputFileError, match="nowhere near the table"):
@@ -83,7 +83,7 @@ def test_a_picture_of_another_size_than_the_camera_s_is_refused(run):
         (lambda o, _scene: o.update(aabb=[[-5, -5, 0.74], [5, 5, 1]]), "the table"),
         (lambda _o, scene: scene["table"].update(size=[0, 0]), "table with an area"),
         (lambda _o, scene: scene["top_camera"].update(height=10**9), r"top_camera\.height: .*8192"),
-        (lambda _o, scene: scene["workspace"].update(lower=[-1e9, -1]), "workspace within 10 m"),
+        (lambda _o, scene: scene["workspace"].update(lower=[-900.0, -1]), "workspace within 10 m"),
         (lambda _o, scene: [o.update(container=c["id"]) for o, c in _ring(scene)], "circle"),
     ],
 )
