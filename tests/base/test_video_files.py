@@ -10,7 +10,7 @@ import pytest
 from tests.recordings import clip
 from vcage.base import video_files
 from vcage.base.errors import DamagedFile, OversizedFile
-from vcage.base.video_files import VideoLimits, open_video
+from vcage.base.video_files import VideoLimits, frame_size, open_video
 from vcage.base.videos import pictures
 from vcage.video.codec import EncoderSettings, encode
 
@@ -33,6 +33,10 @@ def test_a_list_of_other_files_is_no_video(tmp_path, video, text):
     (tmp_path / "list.mp4").write_text(text.format(video=video))
     with pytest.raises(DamagedFile, match=r"list\.mp4 cannot be decoded"):
         next(pictures(tmp_path / "list.mp4"))
+
+
+def test_the_size_of_frames_is_read_without_decoding_them(video):
+    assert frame_size(video) == clip(4).shape[1:3]
 
 
 def test_a_relative_path_is_never_taken_for_a_protocol(tmp_path, video, monkeypatch):

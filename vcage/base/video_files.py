@@ -70,6 +70,17 @@ def _require_modest(stream: Any, name: str, limits: VideoLimits) -> None:
         )
 
 
+def frame_size(video: bytes | Path) -> tuple[int, int]:
+    """Height and width of the frames, pixels, read without decoding them.
+
+    Raises:
+        DamagedFile, OversizedFile: see :func:`open_video`.
+    """
+    with open_video(video) as container:
+        context = container.streams.video[0].codec_context
+        return context.height, context.width
+
+
 def video_name(video: bytes | Path) -> str:
     """How messages name a file, or the content of one."""
     return "the video" if isinstance(video, bytes) else str(video)

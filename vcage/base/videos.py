@@ -100,16 +100,6 @@ def frame_times(video: bytes | Path) -> list[float]:
     return [float(time * table.unit) for time in table.times]
 
 
-def frame_size(video: bytes | Path) -> tuple[int, int]:
-    """Height and width of the frames, pixels, read without decoding them.
-
-    Raises:
-        DamagedFile: it is no video.
-    """
-    with _opened(video) as source:
-        return source.size
-
-
 def codec_name(video: bytes | Path) -> str:
     """FFmpeg's name of the format of its pictures: ``hevc``, ``av1``, ``h264``…
 

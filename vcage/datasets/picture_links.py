@@ -17,7 +17,8 @@ import numpy as np
 
 from vcage.base.errors import DamagedFile
 from vcage.base.placeholders import require_fetched
-from vcage.base.videos import frame_count, frame_size
+from vcage.base.video_files import frame_size
+from vcage.base.videos import frame_count
 from vcage.datasets.hdf5_contents import address, datasets_in
 from vcage.datasets.picture_lengths import LengthsPlace
 from vcage.datasets.stored_pictures import ARRAY, FIXED, PADDED, VLEN, picture_channels, picture_kind
