@@ -134,7 +134,7 @@ def test_a_pipe_a_device_and_a_folder_are_no_pictures(tmp_path):
     (tmp_path / "endless.png").symlink_to("/dev/zero")
     (tmp_path / "folder.png").mkdir()
     for name in ("pipe", "endless", "folder"):
-        with pytest.raises(InputFileError, match=rf"{name}\.png is a (device or a pipe|folder), not a picture"):
+        with pytest.raises(InputFileError, match=rf"{name}\.png is a (device|pipe|folder), not a picture"):
             read_picture(tmp_path / f"{name}.png")
 
 

@@ -68,7 +68,7 @@ def test_a_pipe_a_device_and_a_folder_are_no_files(tmp_path: Path) -> None:
     (tmp_path / "endless").symlink_to("/dev/zero")
     (tmp_path / "folder").mkdir()
     for name in ("pipe", "endless", "folder"):
-        with pytest.raises(InputFileError, match=f"{name} is a (device or a pipe|folder), not a JSON file"):
+        with pytest.raises(InputFileError, match=f"{name} is a (device|pipe|folder), not a JSON file"):
             read_json(tmp_path / name)
 
 

@@ -6,6 +6,7 @@ import stat
 from pathlib import Path
 
 from vcage.base.errors import DamagedFile
+from vcage.base.reading import kind_of_file
 
 _LFS = "a Git LFS pointer, not the file itself, which `git lfs pull` fetches"
 _ANNEX = "a git-annex pointer, not the file itself, which `git annex get` fetches"
@@ -18,15 +19,6 @@ PLACEHOLDERS = {
     b"\x00\x05\x16\x07": "an AppleDouble file, in which macOS keeps what belongs to another file",
 }
 """First bytes of a file → what it is."""
-
-KINDS = {
-    stat.S_ISDIR: "a folder",
-    stat.S_ISFIFO: "a pipe",
-    stat.S_ISSOCK: "a socket",
-    stat.S_ISCHR: "a device",
-    stat.S_ISBLK: "a device",
-}
-"""Test of a file's mode → what it is."""
 
 
 def require_fetched(path: Path) -> None:
@@ -44,8 +36,7 @@ def require_fetched(path: Path) -> None:
     except (OSError, ValueError) as error:
         raise DamagedFile(f"{path} cannot be read: {error}", hint="check the path") from error
     if not stat.S_ISREG(mode):
-        kind = next((name for check, name in KINDS.items() if check(mode)), "something else")
-        raise DamagedFile(f"{path} is no regular file but {kind}", hint="give the file itself")
+        raise DamagedFile(f"{path} is no regular file but {kind_of_file(mode)}", hint="give the file itself")
     try:
         with open(path, "rb") as handle:
             head = handle.read(64)

@@ -45,8 +45,23 @@ class Unreadable(ValueError):
         self.line, self.why = line, why
 
 
+KINDS = {
+    stat.S_IFDIR: "a folder",
+    stat.S_IFIFO: "a pipe",
+    stat.S_IFSOCK: "a socket",
+    stat.S_IFCHR: "a device",
+    stat.S_IFBLK: "a device",
+}
+"""Type in a file's mode → what it is."""
+
+
+def kind_of_file(mode: int) -> str:
+    """Name what stands in place of a regular file, by the mode in its ``stat``."""
+    return KINDS.get(stat.S_IFMT(mode), "something else")
+
+
 def open_regular(path: Path, what: str, max_bytes: int, maker: str = "") -> io.BufferedReader:
-    """Open a file of limited length for reading; neither a pipe nor a device.
+    """Open a file of limited length for reading; no pipe, socket or device.
 
     Args:
         path: of the file.
@@ -58,7 +73,7 @@ def open_regular(path: Path, what: str, max_bytes: int, maker: str = "") -> io.B
         MissingStage: it is not there.
         DamagedFile: it is a folder.
         OversizedFile: it is longer.
-        InputFileError: it is a pipe or a device, or may not be read.
+        InputFileError: it is a pipe, a socket or a device, or may not be read.
     """
     try:
         found = path.stat()
@@ -66,7 +81,7 @@ def open_regular(path: Path, what: str, max_bytes: int, maker: str = "") -> io.B
             hint = "move it away and run the stage again" if maker else "name a file"
             raise DamagedFile(f"{path} is a folder, not {what}", hint=hint, maker=maker)
         if not stat.S_ISREG(found.st_mode):
-            raise InputFileError(f"{path} is a device or a pipe, not {what}", hint="save it as a file")
+            raise InputFileError(f"{path} is {kind_of_file(found.st_mode)}, not {what}", hint="save it as a file")
         if found.st_size > max_bytes:
             raise OversizedFile(
                 f"{path} is too large: {found.st_size:,} of at most {max_bytes:,} bytes",
