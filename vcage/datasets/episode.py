@@ -14,23 +14,31 @@ from vcage.schema.episodes import Truth, Verdict
 from vcage.sim.drive_log import DriveLog
 from vcage.sim.world import PHYSICS_HZ
 
-SPACING_TOLERANCE = 1e-6
-"""Largest deviation of a timestamp from even spacing, seconds."""
-
 DRAWN = "randomisation"
 """Name in ``meta`` of what was drawn for the episode (:class:`vcage.schema.randomisation.Drawn`)."""
 
 
-MOST = float(np.finfo(np.float32).max)
-"""Of any number, since data sets take 32-bit floats."""
+@dataclass(frozen=True)
+class EpisodeLimits:
+    """Which numbers an episode may hold.
 
-QUATERNION_TOLERANCE = 1e-3
+    Args:
+        spacing_s: largest deviation of a timestamp from even spacing.
+        quaternion: largest deviation of a quaternion's length from 1.
+        max_value: of any number, since data sets take 32-bit floats.
+        max_state: of a position or a joint from which a frame is drawn again, metres or radians.
+    """
 
-MOST_OF_A_STATE = 1e6
-"""Of a position or a joint from which a frame is drawn again, metres or radians."""
+    spacing_s: float = 1e-6
+    quaternion: float = 1e-3
+    max_value: float = float(np.finfo(np.float32).max)
+    max_state: float = 1e6
 
 
-def _check(name: str, array: NDArray[Any], shape: tuple[int | None, ...], most: float = MOST) -> None:
+LIMITS = EpisodeLimits()
+
+
+def _check(name: str, array: NDArray[Any], shape: tuple[int | None, ...], most: float = LIMITS.max_value) -> None:
     """Raise ValueError unless ``array`` has ``shape`` (None: any length) and only finite numbers up to ``most``."""
     fits = array.ndim == len(shape) and all(want in (None, got) for want, got in zip(shape, array.shape, strict=True))
     if not fits:
@@ -40,7 +48,7 @@ def _check(name: str, array: NDArray[Any], shape: tuple[int | None, ...], most: 
         raise ValueError(f"{name} holds NaN or infinity, first at index {np.argwhere(~np.isfinite(array))[0].tolist()}")
     if (beyond := np.abs(array) > most).any():
         first = np.argwhere(beyond)[0].tolist()
-        reason = "which float32 cannot hold" if most == MOST else f"beyond {most:g}"
+        reason = "which float32 cannot hold" if most == LIMITS.max_value else f"beyond {most:g}"
         raise ValueError(f"{name} holds {array[tuple(first)]:g} at index {first}, {reason}")
 
 
@@ -124,16 +132,16 @@ class EpisodeData:
         for name in ("qpos", "qvel", "action"):
             _check(name, getattr(self, name), (frames, size))
         for name, poses in self.object_poses.items():
-            _check(f"object_poses[{name}]", poses, (frames, 7), MOST_OF_A_STATE)
-            if (np.abs(np.linalg.norm(poses[:, 3:], axis=1) - 1) > QUATERNION_TOLERANCE).any():
-                raise ValueError(f"object_poses[{name}] holds a quaternion that has not the length 1")
+            _check(f"object_poses[{name}]", poses, (frames, 7), LIMITS.max_state)
+            if (np.abs(np.linalg.norm(poses[:, 3:], axis=1) - 1) > LIMITS.quaternion).any():
+                raise ValueError(f"object_poses[{name}] holds a quaternion whose length is not 1")
         for name, joints in self.object_joints.items():
-            _check(f"object_joints[{name}]", joints, (frames, None), MOST_OF_A_STATE)
+            _check(f"object_joints[{name}]", joints, (frames, None), LIMITS.max_state)
         for name, joints in self.robot_joints.items():
-            _check(f"robot_joints[{name}]", joints, (frames, None), MOST_OF_A_STATE)
+            _check(f"robot_joints[{name}]", joints, (frames, None), LIMITS.max_state)
         for name, camera in self.cameras.items():
             _check(f"cameras[{name}].intrinsics", camera.intrinsics, (3, 3))
-            _check(f"cameras[{name}].extrinsics", camera.extrinsics, (frames, 4, 4), MOST_OF_A_STATE)
+            _check(f"cameras[{name}].extrinsics", camera.extrinsics, (frames, 4, 4), LIMITS.max_state)
         self._check_spacing()
         self._check_segments()
         self._check_drives()
@@ -173,7 +181,7 @@ class EpisodeData:
             raise ValueError(f"fps is {self.fps}, expected a positive number")
         expected = self.timestamp[0] + np.arange(self.frames) / self.fps
         error = np.abs(self.timestamp - expected)
-        if error.max() > SPACING_TOLERANCE:
+        if error.max() > LIMITS.spacing_s:
             worst = int(error.argmax())
             raise ValueError(
                 f"timestamp[{worst}] is {self.timestamp[worst]:.6f} s, "

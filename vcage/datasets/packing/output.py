@@ -13,6 +13,7 @@ from typing import Any, Literal
 import numpy as np
 
 from vcage.base.errors import DamagedFile, UsageError
+from vcage.datasets.episode import LIMITS
 from vcage.datasets.lerobot.formats import FORMATS
 from vcage.datasets.lerobot.repack import require_whole
 from vcage.datasets.packing.clips import Clip
@@ -219,7 +220,7 @@ def _require_float32(recording: Recording) -> None:
     """Raise DamagedFile where a LeRobot data set, which takes 32-bit floats, could not hold a number."""
     motion = recording.motion
     for what, values in (("state", recording.state), ("action", None if motion is None else motion.action)):
-        if values is not None and (beyond := np.abs(values) > np.finfo(np.float32).max).any():
+        if values is not None and (beyond := np.abs(values) > LIMITS.max_value).any():
             row, column = np.argwhere(beyond)[0]
             raise DamagedFile(
                 f"{recording}: the {what} of frame {row} holds {values[row, column]:g}, which float32 cannot hold",
