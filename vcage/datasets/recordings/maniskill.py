@@ -23,7 +23,7 @@ from vcage.datasets.recordings.beside import read_beside
 from vcage.datasets.recordings.columns import Columns
 from vcage.datasets.recordings.hdf5_numbers import numbers_of
 from vcage.datasets.recordings.hdf5_recording import Hdf5Recording
-from vcage.datasets.recordings.success import FAIL, SUCCESS, label_of, stored_label
+from vcage.datasets.recordings.success import FAIL, SUCCESS, label_of, stated_failure, stored_label
 
 TRAJECTORY = r"traj_(\d+)"
 
@@ -103,11 +103,7 @@ class ManiSkillTrajectory(Hdf5Recording):
         if stated is False or self._described(FAIL):
             return f"{'success is false' if stated is False else 'fail is true'} in {self._description_file.name}"
         with self._file() as file:
-            part = self._part(file)
-            if stored_label(part, FAIL):
-                return "its fail is true"
-            unlabelled = stated is not None or not self._labelled
-            return None if unlabelled or stored_label(part, SUCCESS) is not False else "its success is false"
+            return stated_failure(self._part(file), labelled=stated is None and self._labelled)
 
     @property
     def notes(self) -> list[str]:
@@ -221,7 +217,7 @@ def words_of(environment: str) -> str:
 
 
 def _succeeds(part: h5py.Group) -> bool:
-    """Return whether a trajectory is labelled so; one that is not understood is named where it is read."""
+    """Check for a label of success; one that is not understood is named where the trajectory is read."""
     with suppress(DamagedFile):
         return bool(stored_label(part, SUCCESS))
     return True

@@ -62,12 +62,16 @@ def stored_label(part: h5py.Group, name: str) -> bool | None:
     return label_of(labels[()], where)
 
 
-def stated_failure(part: h5py.Group) -> str | None:
+def stated_failure(part: h5py.Group, labelled: bool = True) -> str | None:
     """Why a recording says of itself that it failed; None where it says nothing of the kind.
+
+    Args:
+        part: of an open file.
+        labelled: its label of success counts, too, not only that of failure.
 
     Raises:
         DamagedFile: a label says neither true nor false.
     """
     if stored_label(part, FAIL):
         return f"its {FAIL} is true"
-    return f"its {SUCCESS} is false" if stored_label(part, SUCCESS) is False else None
+    return f"its {SUCCESS} is false" if labelled and stored_label(part, SUCCESS) is False else None
