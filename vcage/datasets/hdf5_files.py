@@ -28,18 +28,17 @@ links to their own videos."""
 
 
 def open_hdf5_file(path: Path, **options: Any) -> h5py.File:
-    """Open an HDF5 file for reading, once it is sure that nothing in it leads to another file; only links to
-    videos may, each to one of its own.
+    """Open an HDF5 file for reading, once it is sure that nothing in it leads to another file.
 
-    Every file that may be somebody else's is opened here.
+    Every file that may be somebody else's is opened here. Links to videos may lead to other files, each to its own.
 
     Args:
         path: the file.
         options: see :class:`h5py.File`.
 
     Raises:
-        DamagedFile: it is no HDF5, was not fetched, or leads to another file; names what does. Or a link to a video
-            is damaged, or names the video of other pictures.
+        DamagedFile: it is no HDF5, was not fetched, or leads to another file; names what does. Also where a link to a
+            video is damaged, or names the video of other pictures.
         OversizedFile: it holds too many groups.
         FileInUse: another process writes it.
     """

@@ -1,9 +1,8 @@
 """How many bytes encoded pictures have, as files say beside them, and how it stays true when the pictures change.
 
 ACT++ pads all JPEGs of an episode to one length and keeps how long each was: ``/compress_len``, a row for each camera.
-Its readers cut a picture there. Files that were made after its example
-have such numbers under other names, the other way round, as attributes, or as offsets, so they are known by their
-values.
+Its readers cut a picture there. Files that were made after its example have such numbers under other names, the other
+way round, as attributes, or as offsets, so they are known by their values.
 """
 
 from __future__ import annotations
@@ -252,7 +251,7 @@ def _put(file: h5py.File, place: LengthsPlace, new: NDArray) -> None:
 
 
 def _holds_lengths(values: NDArray, place: LengthsPlace, new: NDArray) -> bool:
-    """Check that a link tells the truth of a place: as many whole numbers are there as it takes."""
+    """Check that a place holds as many whole numbers, none below 0, as its link says."""
     if values.ndim != new.ndim + (place.index is not None):
         return False
     if place.index is not None and not 0 <= place.index < values.shape[1 - place.axis]:

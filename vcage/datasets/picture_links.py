@@ -20,7 +20,7 @@ from vcage.base.placeholders import require_fetched
 from vcage.base.video_files import frame_size
 from vcage.base.videos import frame_count
 from vcage.datasets.hdf5_contents import address, datasets_in
-from vcage.datasets.picture_lengths import LengthsPlace
+from vcage.datasets.picture_lengths import AGAIN, LengthsPlace
 from vcage.datasets.stored_pictures import ARRAY, FIXED, PADDED, VLEN, picture_channels, picture_kind
 
 LINK_SCHEMA = "vcage.pictures_in_video/1"
@@ -31,7 +31,7 @@ OURS = "vcage_"
 RANKS = {ARRAY: (3, 4), FIXED: (1,), PADDED: (2,), VLEN: (1,)}
 """Numbers of axes that datasets of pictures have, by kind."""
 
-RESTORE = "restore the link, or compress the recording again"
+RESTORE = f"restore the link, or {AGAIN}"
 
 MISSING = "keep the videos in the folder of their HDF5 file, under the names they were given; or compress again"
 
@@ -51,7 +51,8 @@ class Stream:
             in the video they are right.
 
     Raises:
-        ValueError: a field has another type, ``file`` is not the bare name of a file, or a number is not positive.
+        ValueError: ``file`` is not the bare name of a file, or a number is not positive.
+        TypeError: a field has another type.
     """
 
     camera: str
@@ -189,12 +190,12 @@ class Link:
         if frames != stream.frames:
             raise DamagedFile(
                 f"{video} holds {frames} frames, {path} had {stream.frames} pictures",
-                hint="compress the recording again",
+                hint=AGAIN,
             )
         if (height, width) != (stream.height, stream.width):
             raise DamagedFile(
                 f"{video}: frame 0 is {width}x{height}, the pictures were {stream.width}x{stream.height}",
-                hint="compress the recording again",
+                hint=AGAIN,
             )
         return video
 
@@ -237,7 +238,7 @@ def read_link(dataset: h5py.Dataset) -> Link | None:
         lengths = tuple(LengthsPlace(**place) for place in json.loads(attributes.get("lengths", "[]")))
         return Link(Stream(**stream), Original(**original), lengths)
     except (KeyError, ValueError, TypeError) as error:
-        raise DamagedFile(f"{what} is not a whole link to a video: {error}", hint="compress it again") from error
+        raise DamagedFile(f"{what} is not a whole link to a video: {error}", hint=AGAIN) from error
 
 
 def require_own_videos(scalars: Iterable[h5py.Dataset]) -> None:
@@ -272,7 +273,7 @@ def _camera_names(key: str) -> list[str]:
 
 
 def _is_same(dataset: h5py.Dataset, key: str) -> bool:
-    """Check whether a dataset has another name."""
+    """Check whether ``key`` is another name of a dataset."""
     other = dataset.file.get(key)
     return isinstance(other, h5py.Dataset) and address(other) == address(dataset)
 

@@ -24,7 +24,7 @@ from vcage.datasets.packing.clips import EncodedVideo, Key
 from vcage.datasets.packing.output import OutputSpec, companion_places, keeps_version, task_of
 from vcage.datasets.packing.sources import SourceRecording, rate_of
 from vcage.datasets.picture_links import Stream, find_links
-from vcage.datasets.recordings.opening import SUFFIXES
+from vcage.datasets.recordings.passed_over import SUFFIXES
 from vcage.datasets.recordings.recording import HDF5, Recording
 from vcage.schema.compression import VideoStream
 

@@ -29,7 +29,7 @@ PART = r"n?secs?|nanosecs?"
 
 @dataclass(frozen=True)
 class Clocks:
-    """Find the times that a recording states for its frames.
+    """The times that a recording states for its frames.
 
     Args:
         found: the clocks, in natural order of their keys.
@@ -45,7 +45,7 @@ class Clocks:
         return next((clock.nominal_rate for clock in self.found if clock.nominal_rate), None)
 
     def fault(self, fps: float) -> str | None:
-        """Say why one of them has not the times of frames at a rate; None where all have."""
+        """Say why the times of one are not those of frames at a rate; None where those of all are."""
         return next((fault for clock in self.found if (fault := clock.fault(fps)) is not None), None)
 
     def notes(self, fps: float | None) -> list[str]:

@@ -46,7 +46,7 @@ class Clip:
 
 
 class TimedRows(ABC):
-    """Times of an episode, from its table and its videos."""
+    """Times and outcome of an episode, from its table and its videos."""
 
     TARGET: ClassVar[str]
     path: Path

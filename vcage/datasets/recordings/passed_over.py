@@ -1,4 +1,4 @@
-"""Name what a folder holds besides the recordings that are read: other kinds of them, and files nothing reads."""
+"""Name what a folder holds besides the recordings that are read: other kinds of them, and files that nothing reads."""
 
 from __future__ import annotations
 
@@ -7,13 +7,14 @@ from collections import Counter
 from collections.abc import Collection, Iterable
 from pathlib import Path
 
+from vcage.datasets.hdf5_files import SIGNATURE
 from vcage.datasets.lerobot.meta import FIRST_INFO, INFO
 from vcage.datasets.recordings.picture_folder import SUFFIXES as PICTURES
 
 SUFFIXES = (".hdf5", ".h5", ".hdf", ".he5")
 """Ends of the names of HDF5 files, in lower case."""
 
-SIGNATURES = {b"\x89HDF\r\n\x1a\n": "HDF5", b"\x0e\x03\x13\x01": "HDF4"}
+SIGNATURES = {SIGNATURE: "HDF5", b"\x0e\x03\x13\x01": "HDF4"}
 """First bytes of a file → its format."""
 
 OTHERS = {"HDF5": "HDF5 under another name; rename it to .hdf5", "HDF4": "HDF4, which is not read"}
@@ -27,7 +28,7 @@ LEAST_PICTURES = 2
 
 
 def is_hdf5_by_name(file: Path) -> bool:
-    """Return whether a file is read as HDF5; HDF4 has one of the names, too, and is not."""
+    """Check that a file is read as HDF5, by the end of its name; HDF4 may have the same one, and is not read."""
     return file.suffix.lower() in SUFFIXES and _format(file) != "HDF4"
 
 
