@@ -83,7 +83,7 @@ def another_arm(file: h5py.File) -> None:
 
 
 @pytest.mark.parametrize(
-    ("change", "told"), [(more_joints, "drives/left/told "), (another_arm, "drives has an arm 'left'")]
+    ("change", "told"), [(more_joints, "drives/left/told "), (another_arm, "drives has an arm 'third'")]
 )
 def test_drives_of_another_robot_are_refused_before_anything_is_simulated(copy, context, change, told):
     with h5py.File(copy, "r+") as file:

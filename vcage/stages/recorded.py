@@ -97,7 +97,7 @@ class Recorded:
 
 
 def _contradictions(episode: EpisodeData, scene: Scene, robot: Robot, drawn: Drawn) -> Iterator[str]:
-    """What a file says of a robot, an object or a camera that there is not."""
+    """Name what a file says of a robot, an object or a camera and is not so."""
     world, objects = drawn.world, {o.id for o in scene.objects}
     if episode.meta.get("robot") != scene.robot:
         yield f"its robot is {episode.meta.get('robot')!r}, that of its scene {scene.robot!r}"
@@ -112,8 +112,10 @@ def _contradictions(episode: EpisodeData, scene: Scene, robot: Robot, drawn: Dra
         for name in sorted({*named} - {*there}):
             yield f"there is no {what} {name!r} in it"
     layouts = {} if episode.drives is None else episode.drives.layouts
-    for name in sorted({*robot.arms} ^ {*layouts}) if layouts else ():
-        yield f"drives has an arm {name!r} that {scene.robot} lacks, or lacks one that it has"
+    for name in sorted({*layouts} - {*robot.arms}):
+        yield f"drives has an arm {name!r}, which {scene.robot} lacks"
+    for name in sorted({*robot.arms} - {*layouts}) if layouts else ():
+        yield f"drives lacks the arm {name!r} of {scene.robot}"
     for name, layout in layouts.items():
         dof = episode.robot_joints[name].shape[1] if name in episode.robot_joints else 0
         if layout.dof != dof:
