@@ -65,7 +65,7 @@ def entries(folder: Path) -> list[Path]:
 
 
 def holds_nothing(folder: Path) -> bool:
-    """Check for a folder that is empty but for hidden names."""
+    """Check for a folder that holds hidden names at most."""
     return folder.is_dir() and not entries(folder)
 
 

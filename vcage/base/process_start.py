@@ -1,4 +1,4 @@
-"""How processes are begun: forked from one that has imported what they need, without this program's script."""
+"""Begin processes: forked from one that has imported what they need, without this program's script."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ _preloaded: list[str] = []
 
 
 def preload(module: str) -> None:
-    """Let the process that others are forked from import a module; before any is begun."""
+    """Let the process that others are forked from import a module; to be called before any is begun."""
     _preloaded.append(module)
     process_context()
 

@@ -1,4 +1,4 @@
-"""A worker process takes its work, answers each task, and ends with the process that began it."""
+"""The work of a worker process: it answers each task, and ends with the process that began it."""
 
 from __future__ import annotations
 

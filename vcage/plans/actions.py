@@ -27,8 +27,8 @@ class Action:
         requires: what must be true before it.
         adds: what is true after it, or was done by it.
         moves: the object that it carries: nothing may lie on it, and where it was it is no more.
-        along: whether what lies in that object may stay in it and move along; else nothing may lie in it.
         empty: an object that nothing may lie in or on before: the scale, when something else is weighed.
+        along: what lies in the object that it carries may stay in it and move along; else nothing may lie in it.
     """
 
     name: str

@@ -18,8 +18,9 @@ from vcage.base.version import __version__
 
 Identifier = Annotated[str, Field(pattern=r"^[a-z0-9][a-z0-9_-]*$", max_length=80)]
 Finite = Annotated[float, Field(allow_inf_nan=False)]
+
 MOST_METRES = 1000.0
-"""Of a coordinate or a length: there the 32-bit floats of a simulator still tell 0.1 mm."""
+"""Of a coordinate or a length: up to there the 32-bit floats of a simulator still tell 0.1 mm apart."""
 
 Metres = Annotated[float, Field(ge=-MOST_METRES, le=MOST_METRES, allow_inf_nan=False)]
 Point2 = tuple[Metres, Metres]

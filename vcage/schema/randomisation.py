@@ -42,6 +42,8 @@ Tenfold = Annotated[Factor, _within(0.1, 10)]
 Tone = Annotated[Factor, _within(0, 1)]
 Count = Annotated[tuple[Annotated[int, Field(ge=0)], Annotated[int, Field(ge=0)]], AfterValidator(_in_order)]
 Offset = Annotated[Finite, Field(ge=-7, le=7)]
+"""Of a joint, radians: more than a turn, as no arm begins farther from home."""
+
 Share = Annotated[Finite, Field(ge=0, le=1)]
 
 MOST_LIGHTS = 3

@@ -123,7 +123,7 @@ def require_way(scene: Scene, objects: Sequence[SceneObject]) -> None:
     able = {goal for proposal in found for goal in proposal.goals}
     ruled_out = {}
     by_id = {o.id: o for o in objects}
-    alike: dict[tuple[str, ...], list[str]] = {}  # things of one kind fail for the same reasons: they are told once
+    alike: dict[tuple[str, ...], list[str]] = {}  # things of one kind fail for the same reasons
     for one in scene.goals:
         reasons = list(dict.fromkeys(refusal.reason for refusal in refused if _is_about(refusal, one.goal)))
         if one.goal not in able and reasons:
@@ -131,7 +131,7 @@ def require_way(scene: Scene, objects: Sequence[SceneObject]) -> None:
             phrase = by_id[one.goal.subject].record.phrase
             alike.setdefault((one.words, *(reason.replace(phrase, "") for reason in reasons)), []).append(str(one.goal))
     if ruled_out:
-        told = [_told_once(goals, *ruled_out[goals[0]]) for goals in alike.values()]
+        told = [_with_reasons(goals, *ruled_out[goals[0]]) for goals in alike.values()]
         raise NoFeasibleTask(
             f"wherever the objects stand, nothing can bring about {'; '.join(told)}",
             hint=f"{SMALLER}; another --seed does not help",
@@ -139,7 +139,7 @@ def require_way(scene: Scene, objects: Sequence[SceneObject]) -> None:
         )
 
 
-def _told_once(goals: Sequence[str], words: str, reasons: Sequence[str]) -> str:
+def _with_reasons(goals: Sequence[str], words: str, reasons: Sequence[str]) -> str:
     """The first of some goals that fail for the same reasons, how many more there are, and the reasons."""
     more = f" and {len(goals) - 1} more like it" if len(goals) > 1 else ""
     return f"{goals[0]}{more} ({words!r}): {', '.join(reasons[:3])}"

@@ -33,7 +33,7 @@ def require_answers(
 
     Raises:
         NoAssetFits: the instruction names nothing to move, or nothing answers some phrases; names these.
-        UnreadInstruction: nothing answers some phrases, and it asks for what the robot cannot be told.
+        UnreadInstruction: nothing answers some phrases, and it holds a request of :mod:`~vcage.models.rules.wishes`.
     """
     missing = []
     for request in requests:

@@ -1,4 +1,4 @@
-"""Wishes that many people have and the robot cannot be told: each is refused with what can be said in its place."""
+"""Common requests that the robot cannot be given: each is refused with what to say in its place."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from vcage.base.errors import UnreadInstruction
 
 @dataclass(frozen=True)
 class Wish:
-    """Words that ask for something the robot cannot be told.
+    """Words of a request that the robot cannot be given.
 
     Args:
         pattern: of the words.
-        why: they are not understood.
+        why: reason for which they are not understood.
         instead: what can be said in their place.
     """
 
@@ -39,10 +39,10 @@ WISHES = (
 
 
 def require_tellable(instruction: str) -> None:
-    """Refuse an instruction that is not understood, if that is for one of :data:`WISHES`.
+    """Refuse an instruction that is not understood because it holds one of :data:`WISHES`.
 
     Raises:
-        UnreadInstruction: it has one of them; the hint says what to say in its place.
+        UnreadInstruction: it holds one of them; the hint says what to say in its place.
     """
     for wish in WISHES:
         found = wish.pattern.search(instruction)
