@@ -39,7 +39,7 @@ def test_hdf5_files_are_read_whatever_case_and_suffix_they_have(tmp_path):
         act(tmp_path / name)
     opened = open_all(tmp_path)
     assert [one.path.name for one in opened.recordings] == list(READ)
-    assert not opened.passed
+    assert not opened.passed_over
 
 
 def test_files_named_like_hdf5_of_another_format_are_damaged_or_named(tmp_path):
@@ -48,11 +48,11 @@ def test_files_named_like_hdf5_of_another_format_are_damaged_or_named(tmp_path):
     (tmp_path / "2.hdf").write_bytes(b"\x0e\x03\x13\x01" + bytes(60))
     opened = open_all(tmp_path)
     assert [path.name for path in opened.damaged] == ["1.HDF5"]
-    assert opened.passed == {"2.hdf": "HDF4, which is not read"}
+    assert opened.passed_over == {"2.hdf": "HDF4, which is not read"}
 
 
 def test_a_mixed_folder_names_what_it_passes_over(mixed):
-    passed = open_all(mixed).passed
+    passed = open_all(mixed).passed_over
     assert set(passed) == {"sets/a", "cams", "1.mat"}
     assert "LeRobot data set" in passed["sets/a"] and "2 folders" in passed["cams"] and "rename" in passed["1.mat"]
 
@@ -71,12 +71,12 @@ def test_a_data_set_beside_a_folder_of_pictures_is_named(tmp_path, v21):
     shutil.copytree(v21, tmp_path / "set")
     opened = open_all(tmp_path)
     assert [one.LAYOUT for one in opened.recordings] == ["pictures"]
-    assert set(opened.passed) == {"set", "more"}
+    assert set(opened.passed_over) == {"set", "more"}
 
 
 def test_hdf5_in_a_data_set_is_named(tmp_path, v21):
     act(shutil.copytree(v21, tmp_path / "set") / "raw.h5")
-    assert open_all(tmp_path / "set").passed == {"raw.h5": "an HDF5 file; give it by itself"}
+    assert open_all(tmp_path / "set").passed_over == {"raw.h5": "an HDF5 file; give it by itself"}
 
 
 def test_a_folder_of_data_sets_says_which_to_give(tmp_path, v21, v3):
@@ -96,7 +96,7 @@ def test_pictures_further_down_are_named_where_nothing_else_is(tmp_path):
 def test_what_a_data_set_and_an_output_hold_themselves_is_not_named(tmp_path, v21):
     act(tmp_path / "in.hdf5")
     packed(tmp_path / "in.hdf5", tmp_path / "out")
-    assert open_all(tmp_path / "out").passed == {} == open_all(v21).passed
+    assert open_all(tmp_path / "out").passed_over == {} == open_all(v21).passed_over
 
 
 def test_a_damaged_file_of_another_suffix_is_refused(tmp_path):

@@ -27,7 +27,7 @@ class Inspected:
         name: the path, and the episode where a path holds several.
         recording: None where the file is damaged.
         damage: what is wrong; empty where nothing is.
-        passed: what it is, where it is no recording and is not read.
+        passed_over: what it is, where it is no recording and is not read; empty otherwise.
         notes: what a user must know about how it was understood.
         left_out: what a LeRobot data set does not get of it: key → reason.
         failed: why it is no demonstration of its task, if it says so.
@@ -36,7 +36,7 @@ class Inspected:
     name: str
     recording: Recording | None
     damage: str = ""
-    passed: str = ""
+    passed_over: str = ""
     notes: tuple[str, ...] = ()
     left_out: Mapping[str, str] = field(default_factory=dict)
     failed: str | None = None
@@ -60,7 +60,7 @@ def inspect(root: Path, colours: str = AUTO) -> list[Inspected]:
     opened = open_all(Path(root), colours)
     found = [_look(recording) for recording in opened.recordings]
     found += [Inspected(str(path), None, error.message) for path, error in opened.damaged.items()]
-    return found + [Inspected(name, None, passed=what) for name, what in opened.passed.items()]
+    return found + [Inspected(name, None, passed_over=what) for name, what in opened.passed_over.items()]
 
 
 def _look(recording: Recording) -> Inspected:
@@ -90,8 +90,8 @@ def _left_out(found: Sequence[Inspected]) -> dict[str, str]:
 
 def _lines(found: Inspected) -> list[str]:
     recording = found.recording
-    if found.passed:
-        return [f"{found.name} is not read: {found.passed}"]
+    if found.passed_over:
+        return [f"{found.name} is not read: {found.passed_over}"]
     if recording is None:
         return [f"{found.name}: DAMAGED: {found.damage}"]
     rate = f"{recording.fps:g} fps" if recording.fps else "fps not said"
@@ -130,7 +130,7 @@ def totals(found: Sequence[Inspected]) -> dict[str, Any]:
             for stream, count in others.items()
         ],
         "damaged": {one.name: one.damage for one in found if one.damage},
-        "passed_over": {one.name: one.passed for one in found if one.passed},
+        "passed_over": {one.name: one.passed_over for one in found if one.passed_over},
         "notes": {one.name: list(one.notes) for one in found if one.notes},
         "left_out": _left_out(found),
         "failed": failures({one.name: one.failed for one in found if one.failed is not None}),

@@ -268,7 +268,7 @@ def notes_of(sources: Sources, output: OutputSpec) -> dict[str, list[str]]:
     for name, cameras in sources.missing_cameras().items():
         notes[name].append(f"it lacks {', '.join(cameras)}, which others have")
     notes |= {name: [f"left out: {text}"] for name, text in sources.damaged.items()}
-    passed = [f"{name} is not read: {what}" for name, what in sources.passed.items()]
+    passed = [f"{name} is not read: {what}" for name, what in sources.passed_over.items()]
     return notes | ({FOLDER: passed} if passed else {})
 
 

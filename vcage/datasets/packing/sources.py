@@ -59,14 +59,14 @@ class Sources:
         sources: what can be used, in order; at least one.
         damaged: name → what is wrong with those that were left out.
         failed: name → why those that were left out are no demonstrations of their task.
-        passed: file or folder at the path that is not read → what it is.
+        passed_over: file or folder at the path that is not read → what it is.
     """
 
     root: Path
     sources: Sequence[SourceRecording]
     damaged: dict[str, str]
     failed: dict[str, str] = field(default_factory=dict)
-    passed: Mapping[str, str] = field(default_factory=dict)
+    passed_over: Mapping[str, str] = field(default_factory=dict)
 
     def clips(self, cameras: Sequence[str] = (), fps: float | None = None, *, commanded: bool = False) -> list[Clip]:
         """Every camera of every recording, or those named.
@@ -194,7 +194,7 @@ def find_sources(
     if complaints and not (skip_damaged and sources):
         raise _refusal(complaints, left=len(sources))
     damaged = {name: error.message for name, error in complaints.items()}
-    return Sources(root, list(sources.values()), damaged, passed=opened.passed)
+    return Sources(root, list(sources.values()), damaged, passed_over=opened.passed_over)
 
 
 def require_apart(root: Path, out: Path) -> None:

@@ -209,8 +209,8 @@ class Hdf5Recording(Hdf5Colours):
             digests = digests_beside(file, [camera.key for camera in self.cameras])
             sizes = unknown_sizes(file, keys)
         note = f"{', '.join(digests)}: made of the pictures as they are, and not true of those of the videos"
-        stale = f"{', '.join(sizes)}: like sizes of the pictures, in no known form; decompressing leaves it as it is"
-        return super()._camera_notes() + [note] * bool(digests) + [stale] * bool(sizes)
+        stays = f"{', '.join(sizes)}: like sizes of the pictures, in no known form, so that decompressing changes none"
+        return super()._camera_notes() + [note] * bool(digests) + [stays] * bool(sizes)
 
     def _read_commands(self) -> Columns | None:
         with self._file() as file:

@@ -57,12 +57,12 @@ class Opened:
     Args:
         recordings: in natural order of their names.
         damaged: file of a folder → what is wrong with it.
-        passed: file or folder, relative to the path, that is not read beside these → what it is.
+        passed_over: file or folder, relative to the path, that is not read beside these → what it is.
     """
 
     recordings: Sequence[Recording]
     damaged: Mapping[Path, DamagedFile]
-    passed: Mapping[str, str] = field(default_factory=dict)
+    passed_over: Mapping[str, str] = field(default_factory=dict)
 
 
 def open_recordings(path: Path) -> list[Recording]:
@@ -117,7 +117,7 @@ def _open(path: Path) -> Opened:
     refuse_first_versions(path)
     below = files_below(path)
     if files := _hdf5_among(below):
-        return replace(_open_files(files), passed=passed_over(path, below))
+        return replace(_open_files(files), passed_over=passed_over(path, below))
     folders = [path, *(folder for folder in entries(path) if folder.is_dir())]
     if any(map(pictures_in, folders)):
         return Opened([PictureFolder(path)], {}, passed_over(path, below, folders=folders))
