@@ -84,6 +84,9 @@ def test_a_gap_in_a_demonstration_of_robomimic_is_refused_by_name(tmp_path):
         ("observations/time", np.arange(FRAMES + 3) / 50, r"observations/time \(\(9,\) float64\)"),
         ("header/stamp/nsec", np.arange(FRAMES), r"header/stamp/nsec \(\(6,\) int64\)"),
         ("solver_time", EVEN[::-1], r"solver_time \(\(6,\) float64\)"),
+        ("observations/segment_time", np.arange(FRAMES) % 3 / 50, r"segment_time \(\(6,\) float64\)"),
+        ("timestamp/robot_nanos", np.arange(FRAMES) * 3e8 % 1e9, r"robot_nanos \(\(6,\) float64\)"),
+        ("timestamp/robot_seconds", np.arange(FRAMES) // 3, r"robot_seconds \(\(6,\) int64\)"),
         ("time", np.zeros((FRAMES, 2, 2)), r"time \(\(6, 2, 2\) float64\)"),
     ],
 )
@@ -94,7 +97,7 @@ def test_what_is_named_like_a_clock_and_not_understood_is_named(tmp_path, key, v
     prepare(order(tmp_path / "a.hdf5", 50))
 
 
-@pytest.mark.parametrize("key", ["runtime", "time_limit", "inference_time", "observations/timesteps"])
+@pytest.mark.parametrize("key", ["runtime", "time_limit", "inference_time", "observations/timesteps", "contact_time"])
 def test_durations_are_no_clocks(tmp_path, key):
     (recording,) = open_recordings(timed(tmp_path / "a.hdf5", key, GAP))
     assert recording.rate_guess is None and not any(key in note for note in recording.notes)

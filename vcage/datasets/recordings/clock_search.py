@@ -18,13 +18,18 @@ STAMP = r"(time)?stamps?|ts"
 """Words that mean points in time; numbers under them are times whatever they look like."""
 
 TIME = r"times?|clocks?"
-"""Words that may mean points in time or durations; numbers under them are times if they grow."""
+"""Words that may mean points in time or durations; numbers under them are times if they grow with every frame."""
 
-DURATION = r"since|until|remaining|durations?|latency|delays?|inference|budget|limit|steps?"
+DURATION = (
+    r"since|until|remaining|durations?|latency|delays?|inference|budget|limit|steps?|contact|air|phase|fraction|ratio"
+)
 """Words beside these that mean something else."""
 
 PART = r"n?secs?|nanosecs?"
 """Last part of the key of half a time."""
+
+HALF = r"_(n?secs?|nano(s|secs?|seconds?)|seconds?)"
+"""End of the key of what may be half a time: nanoseconds start again, and seconds repeat. It is a time if it grows."""
 
 
 @dataclass(frozen=True)
@@ -86,7 +91,8 @@ def _named(key: str) -> tuple[bool, bool]:
     split = re.sub(r"([a-z])([A-Z])", r"\1_\2", key).lower()
     words = [word for word in re.split(r"[^a-z]+", split) if word]
     stamp, time, other = (any(re.fullmatch(p, word) for word in words) for p in (STAMP, TIME, DURATION))
-    return stamp, time and not other
+    half = re.search(f"{HALF}$", split) is not None
+    return stamp and not half, (time or (stamp and half)) and not other
 
 
 def _columns(key: str, dataset: h5py.Dataset, lengths: Collection[int]) -> Iterator[tuple[str, NDArray[np.generic]]]:
@@ -121,10 +127,9 @@ def _seconds_and_rest(values: NDArray[np.generic]) -> NDArray[np.int64] | None:
 
 
 def _grows(values: NDArray[np.generic]) -> bool:
-    """Check that numbers hardly ever go back, and are not all the same."""
+    """Check that numbers grow from each to the next."""
     with np.errstate(invalid="ignore"):
-        steps = np.diff(values.astype(np.float64))
-    return bool(np.mean(steps >= 0) >= SETTINGS.least_growing and np.any(steps > 0))
+        return bool(np.all(np.diff(values.astype(np.float64)) > 0))
 
 
 def _type(dataset: h5py.Dataset) -> str:

@@ -20,13 +20,11 @@ class ClockSettings:
     Args:
         within_frames: distance from the even grid that still leaves no doubt which frame is meant.
         shortest_period_s, longest_period_s: of a recording; they tell the unit of times.
-        least_growing: share of steps that do not go back, of numbers whose name may also mean a duration.
     """
 
     within_frames: float = 0.5
     shortest_period_s: float = 1e-3
     longest_period_s: float = 2.0
-    least_growing: float = 0.8
 
 
 SETTINGS = ClockSettings()
