@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import shutil
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +15,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from tests.datasets.packing.orders import settings
-from vcage.base.errors import DamagedFile, InputFileError
+from vcage.base.errors import DamagedFile
 from vcage.datasets.packing.inspecting import inspect, totals
 from vcage.datasets.packing.output import OutputSpec
 from vcage.datasets.packing.pack import Order, pack, prepare
@@ -68,17 +69,23 @@ def test_the_same_version_keeps_all_episodes_and_names_those_that_failed(dataset
     assert work.sources.failures() == {BOTH[1]: NEVER}
 
 
-def test_failures_alone_name_the_version_that_keeps_them(dataset):
+def test_a_column_that_is_never_true_counts_as_not_recorded(dataset):
     root = labelled(dataset, (False, False))
-    with pytest.raises(InputFileError, match=r"failed demonstrations only \(2") as refused:
-        prepare(order(root, "lerobot-v2.1" if root.name == "v3.0" else "lerobot-v3.0"))
-    assert f"--to lerobot-{root.name}" in refused.value.hint
+    work = prepare(order(root, "lerobot-v2.1" if root.name == "v3.0" else "lerobot-v3.0"))
+    assert [source.name for source in work.sources.sources] == list(BOTH)
+    assert not work.sources.failed and not work.sources.failures()
+    assert all("nobody seems to have recorded" in str(source.notes) for source in work.sources.sources)
 
 
-def test_labels_that_are_no_labels_are_refused_by_episode_and_column(dataset):
-    root = labelled(dataset, ("yes", "perhaps"))
-    with pytest.raises(DamagedFile, match=r"episode 1, .*next\.success is 'perhaps'"):
-        prepare(order(root, None))
+def test_scores_are_noted_and_refused_only_where_another_version_must_know_who_failed(dataset):
+    root = labelled(dataset, (1.0, 0.8))
+    kept = prepare(order(root, None)).sources
+    assert "next.success is 0.8, which says neither true nor false" in kept.sources[1].notes
+    assert totals(inspect(root))["damaged"] == {}
+    other = order(root, "lerobot-v2.1" if root.name == "v3.0" else "lerobot-v3.0")
+    with pytest.raises(DamagedFile, match=r"episode 1, .*next\.success is 0\.8"):
+        prepare(other)
+    assert list(prepare(replace(other, skip_damaged=True)).sources.damaged) == [BOTH[1]]
 
 
 def test_the_record_names_the_failed_episodes_that_were_left_out(v21, tmp_path):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import h5py
@@ -13,11 +14,27 @@ from tests.datasets.packing.orders import order
 from tests.datasets.recordings.layouts import act, robomimic, robotwin
 from tests.datasets.recordings.simulators import isaac_lab, libero, maniskill
 from vcage.base.errors import DamagedFile
+from vcage.datasets.packing.inspecting import inspect
+from vcage.datasets.packing.pack import prepare
 from vcage.datasets.packing.sources import find_sources
 from vcage.datasets.recordings.opening import open_recordings
 from vcage.datasets.recordings.success import label_of
 
-FALSE = [False, 0, 0.0, [False], [[True, False]], "False", "0", b"no", np.array([1, 0]), np.bool_(False), np.float32(0)]
+FALSE = [
+    False,
+    0,
+    0.0,
+    [False],
+    [[True, False]],
+    "False",
+    "0",
+    b"no",
+    "FAILED",
+    "Failure",
+    np.array([1, 0]),
+    np.bool_(False),
+    np.float32(0),
+]
 
 
 @pytest.mark.parametrize("value", FALSE, ids=repr)
@@ -25,7 +42,9 @@ def test_a_label_is_false_in_whatever_form_it_is_written(value):
     assert label_of(value, "here") is False
 
 
-@pytest.mark.parametrize("value", [True, 1, 1.0, [False, True], "true", " Yes ", np.array([0, 1])], ids=repr)
+@pytest.mark.parametrize(
+    "value", [True, 1, 1.0, [False, True], "true", " Yes ", "Success", "succeeded", np.array([0, 1])], ids=repr
+)
 def test_a_label_is_true_in_whatever_form_it_is_written(value):
     assert label_of(value, "here") is True
 
@@ -76,7 +95,7 @@ def test_a_failure_in_the_description_of_maniskill_is_read_in_every_form(tmp_pat
 def test_a_description_that_is_not_understood_is_refused_by_its_field(tmp_path, row, field):
     path = described(tmp_path / "a.h5", **row)
     with pytest.raises(DamagedFile, match=rf"a\.json.*{field}"):
-        find_sources(path, order(path, tmp_path / "out").settings)
+        prepare(order(path, tmp_path / "out", target="lerobot-v3.0", task="pick"))
 
 
 @pytest.mark.parametrize(
@@ -120,7 +139,17 @@ def test_a_label_in_hdf5_that_is_not_understood_is_left_out_as_damaged_where_tha
     path = isaac_lab(tmp_path / "a.hdf5", (True, True))
     with h5py.File(path, "r+") as file:
         file["data/demo_1"].attrs["success"] = "maybe"
-    settings = order(path, tmp_path / "out").settings
+    wanted = order(path, tmp_path / "out", target="lerobot-v3.0", task="stack")
     with pytest.raises(DamagedFile, match=r"a\.hdf5:/data/demo_1/success is 'maybe'"):
-        find_sources(path, settings)
-    assert list(find_sources(path, settings, skip_damaged=True).damaged) == ["a.demo_1"]
+        prepare(wanted)
+    assert list(prepare(replace(wanted, skip_damaged=True)).sources.damaged) == ["a.demo_1"]
+
+
+@pytest.mark.parametrize("write", [isaac_lab, libero, robotwin])
+def test_a_score_stays_in_hdf5_and_is_noted(tmp_path, write):
+    path = write(tmp_path / "a.hdf5")
+    with h5py.File(path, "r+") as file:
+        file.get("data/demo_0", file).attrs["success"] = 0.87
+    note = "success is 0.87, which says neither true nor false"
+    assert [note in one.notes for one in inspect(path)] == [True]
+    assert note in prepare(order(path, tmp_path / "out")).sources.sources[0].notes

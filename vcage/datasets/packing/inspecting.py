@@ -69,8 +69,9 @@ def _look(recording: Recording) -> Inspected:
         becomes = stays.get(recording.TARGET, "it stays as it is in the same version, and is left out of all else")
         others = (f"{stream} is no camera: {becomes}" for stream in recording.other_streams)
         notes = (*sound_notes(recording), *others)
-        left_out, failed = recording.left_out(), recording.failed
-        return Inspected(str(recording), recording, notes=notes, left_out=left_out, failed=failed)
+        failed, unclear = recording.outcome()
+        notes += (unclear.details["note"],) if unclear else ()
+        return Inspected(str(recording), recording, notes=notes, left_out=recording.left_out(), failed=failed)
     except DamagedFile as error:
         return Inspected(str(recording), None, error.message)
 

@@ -146,7 +146,7 @@ def prepare(order: Order) -> Prepared:
     require_tools(order.settings)
     sources = find_sources(order.root, order.settings, skip_damaged=order.skip_damaged, colours=order.colours)
     if order.wanted.lerobot and not keeps_version(sources.sources, order.wanted):
-        sources = sources.without_failed()
+        sources = sources.without_failed(skip_damaged=order.skip_damaged)
     sources, output = _resolved(order, sources)
     prepared = Prepared(order, sources, output)
     require_alike(prepared.clips(sources), output)

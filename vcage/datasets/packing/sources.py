@@ -60,6 +60,7 @@ class Sources:
         damaged: name → what is wrong with those that were left out.
         failed: name → why those that were left out are no demonstrations of their task.
         passed_over: file or folder at the path that is not read → what it is.
+        unclear: name → error of those whose label says neither that they failed nor that they did not.
     """
 
     root: Path
@@ -67,6 +68,7 @@ class Sources:
     damaged: dict[str, str]
     failed: dict[str, str] = field(default_factory=dict)
     passed_over: Mapping[str, str] = field(default_factory=dict)
+    unclear: Mapping[str, DamagedFile] = field(default_factory=dict)
 
     def clips(self, cameras: Sequence[str] = (), fps: float | None = None, *, commanded: bool = False) -> list[Clip]:
         """Every camera of every recording, or those named.
@@ -130,12 +132,22 @@ class Sources:
         """Name → why a recording is no demonstration of its task, of those that say so."""
         return {source.name: why for source in self.sources if (why := source.failed) is not None}
 
-    def without_failed(self) -> Sources:
+    def without_failed(self, *, skip_damaged: bool = False) -> Sources:
         """The same without recordings that say that they failed.
 
+        Args:
+            skip_damaged: leave out those whose label is unclear, too, instead of refusing all.
+
         Raises:
-            InputFileError: all do.
+            DamagedFile: a label is unclear.
+            InputFileError: all failed.
         """
+        clear = [source for source in self.sources if source.name not in self.unclear]
+        if self.unclear and not (skip_damaged and clear):
+            raise _refusal(self.unclear, left=len(clear))
+        if self.unclear:
+            left_out = {name: error.message for name, error in self.unclear.items()}
+            return replace(self, sources=clear, damaged=self.damaged | left_out, unclear={}).without_failed()
         failed = self.failures()
         left = [source for source in self.sources if source.name not in failed]
         if not left:
@@ -172,6 +184,7 @@ def find_sources(
     root = Path(root)
     opened = open_all(root, colours)
     complaints = {relative_name(path, root): error for path, error in opened.damaged.items()}
+    unclear: dict[str, DamagedFile] = {}
     sources: dict[str, SourceRecording] = {}
     taken: dict[str, Recording] = {}
     memory = free_memory()
@@ -184,17 +197,20 @@ def find_sources(
                     f"{first} and {recording} would both be written as {written}", hint="rename one of them"
                 )
         try:
-            notes, failed = sound_notes(recording), recording.failed
+            notes, (failed, doubt) = sound_notes(recording), recording.outcome()
             _require_encodable(recording, settings)
             _require_memory(recording, memory)
         except DamagedFile as error:
             complaints[name] = error
         else:
+            if doubt is not None:
+                unclear[name] = doubt
+                notes = [*notes, doubt.details["note"]]
             sources[name] = SourceRecording(name, file, recording, tuple(notes), failed)
     if complaints and not (skip_damaged and sources):
         raise _refusal(complaints, left=len(sources))
     damaged = {name: error.message for name, error in complaints.items()}
-    return Sources(root, list(sources.values()), damaged, passed_over=opened.passed_over)
+    return Sources(root, list(sources.values()), damaged, passed_over=opened.passed_over, unclear=unclear)
 
 
 def require_apart(root: Path, out: Path) -> None:
@@ -264,7 +280,7 @@ def _no_camera(recording: Recording, name: str) -> UsageError:
     return UnknownName(f"camera of {recording}", name, [camera.name for camera in recording.cameras])
 
 
-def _refusal(complaints: dict[str, DamagedFile], left: int) -> DamagedFile:
+def _refusal(complaints: Mapping[str, DamagedFile], left: int) -> DamagedFile:
     """One error of all complaints, when ``left`` recordings are sound."""
     messages = {name: error.message for name, error in complaints.items()}
     every = list(dict.fromkeys(messages.values()))  # many may complain of one file that describes them

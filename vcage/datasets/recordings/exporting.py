@@ -5,6 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import ClassVar
 
+from vcage.datasets.recordings.success import UnclearLabel
+
 
 class Exportable:
     """Defaults of a recording whose layout says nothing of these."""
@@ -14,8 +16,23 @@ class Exportable:
 
     @property
     def failed(self) -> str | None:
-        """Why the recording is no demonstration of its task; None where it is one, or nothing says."""
+        """Why the recording is no demonstration of its task; None where it is one, or nothing says.
+
+        Raises:
+            UnclearLabel: its label says neither true nor false.
+        """
         return None
+
+    def outcome(self) -> tuple[str | None, UnclearLabel | None]:
+        """Read why the recording failed, if it says so, or the error of a label that says neither true nor false.
+
+        Raises:
+            DamagedFile: its labels cannot be read.
+        """
+        try:
+            return self.failed, None
+        except UnclearLabel as error:
+            return None, error
 
     @property
     def task_guess(self) -> str | None:

@@ -27,7 +27,7 @@ from vcage.datasets.lerobot.parquet import MEND, read_table
 from vcage.datasets.lerobot.places import inside, own_file, own_files, placed
 from vcage.datasets.recordings.colours import Colours
 from vcage.datasets.recordings.columns import Columns
-from vcage.datasets.recordings.lerobot_rows import Clip, TimedRows
+from vcage.datasets.recordings.lerobot_rows import OUTCOME, Clip, TimedRows
 from vcage.datasets.recordings.lerobot_sizes import file_size, picture_size, video_seconds
 from vcage.datasets.recordings.lerobot_times import Share, shares
 from vcage.datasets.recordings.other_streams import MeasuredStream, measured_file
@@ -73,6 +73,11 @@ class LeRobotRecording(TimedRows, Recording):
     @property
     def frames(self) -> int:
         return int(self._row["length"])
+
+    @property
+    def notes(self) -> list[str]:
+        never = f"no episode of its data set has a true {OUTCOME}, so nobody seems to have recorded that"
+        return super().notes + [never] * (not self._labelled)
 
     def left_out(self) -> dict[str, str]:
         features = self._info["features"]
@@ -268,8 +273,16 @@ def open_lerobot(root: Path) -> list[LeRobotRecording]:
         DamagedFile: what describes it is missing or damaged, or it is of a version that is not known.
     """
     info = data_set_info(root)
+    episodes = _opened(root, info, episode_rows(root, info))
+    if OUTCOME in info["features"] and len(episodes) > 1 and not any(one.succeeds() for one in episodes):
+        for one in episodes:
+            one.set_unlabelled()
+    return episodes
+
+
+def _opened(root: Path, info: Mapping[str, Any], rows: Sequence[Mapping[str, Any]]) -> list[LeRobotRecording]:
+    """The episodes of these rows, in the class of the data set's version."""
     in_words = not set(LANGUAGE).isdisjoint(info["features"])
-    rows = episode_rows(root, info)
     old: dict[str, type[LeRobotRecording]] = {"v2.0": LeRobotV20, "v2.1": LeRobotV21}
     if info["codebase_version"] in old:
         return [old[info["codebase_version"]](root, info, row) for row in rows]

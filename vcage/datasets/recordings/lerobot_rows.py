@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -12,7 +13,7 @@ from typing import Any, ClassVar
 import numpy as np
 import pyarrow as pa
 
-from vcage.base.errors import DamagedFile
+from vcage.base.errors import DamagedFile, InputFileError
 from vcage.datasets.lerobot.features import TIME_TOLERANCE
 from vcage.datasets.lerobot.parquet import MEND
 from vcage.datasets.recordings.lerobot_times import (
@@ -54,6 +55,9 @@ class TimedRows(ABC):
     _info: Mapping[str, Any]
     _placed: dict[str, tuple[Sequence[int], str]]
 
+    _labelled: bool = True
+    """Its data set's column of outcomes tells anything: some episode of it succeeds."""
+
     @property
     @abstractmethod
     def frames(self) -> int:
@@ -76,9 +80,28 @@ class TimedRows(ABC):
     def failed(self) -> str | None:
         if OUTCOME not in self._info["features"]:
             return None
+        labels = self._labels()
+        never = self._labelled and False in labels and True not in labels
+        return f"its {OUTCOME} is never true" if never else None
+
+    def set_unlabelled(self) -> None:
+        """Note that no episode of its data set succeeds, so that its outcomes tell nothing."""
+        self._labelled = False
+
+    def succeeds(self) -> bool:
+        """Check for a true outcome; what is not understood or damaged is named where the episode is read."""
+        with suppress(InputFileError):
+            return True in self._labels()
+        return True
+
+    def _labels(self) -> set[bool | None]:
+        """The outcomes of its rows.
+
+        Raises:
+            UnclearLabel: one says neither true nor false.
+        """
         where = f"{self}, {self._data_file}: {OUTCOME}"
-        labels = {label_of(value, where) for value in self._column(OUTCOME).to_pylist()}
-        return f"its {OUTCOME} is never true" if False in labels and True not in labels else None
+        return {label_of(value, where, OUTCOME) for value in self._column(OUTCOME).to_pylist()}
 
     def time_fault(self, target: str, fps: float) -> str | None:
         times = self._row_times

@@ -112,7 +112,7 @@ class ManiSkillTrajectory(Hdf5Recording):
         if rate is not None:
             notes.append(f"its frame rate is the control_freq of its environment, {rate:g} Hz")
         undescribed = bool(self.companions) and not self._episode
-        if not self._labelled and self._described(SUCCESS) is None and not undescribed:
+        if not self._labelled and self._episode.get(SUCCESS) in (None, []) and not undescribed:
             notes.append("no trajectory of its file ends with success, so nobody seems to have recorded that")
         if not self.companions:
             notes.append(f"there is no {self._description_file.name}, which would describe it")
@@ -176,7 +176,8 @@ class ManiSkillTrajectory(Hdf5Recording):
 
     def _described(self, name: str) -> bool | None:
         """A label of the description's row of this trajectory."""
-        return label_of(self._episode.get(name), f"{self._description_file}: {name} of episode {self.number}")
+        where = f"{self._description_file}: {name} of episode {self.number}"
+        return label_of(self._episode.get(name), where, name)
 
     def _not_understood(self, field: str, found: Any, wanted: str) -> DamagedFile:
         return DamagedFile(f"{self._description_file}: {field} is {type(found).__name__}, not {wanted}", hint=MEND)
