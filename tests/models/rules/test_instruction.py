@@ -142,7 +142,8 @@ def test_its_drawer_is_the_drawer_of_the_place_named_before() -> None:
 
 @pytest.mark.parametrize(
     ("phrase", "count"),
-    [("a pack of batteries", 1), ("two slices of toast", 2), ("slices of toast", None), ("a few apples", 3),
+    [("a pack of batteries", 1), ("the slice of bread", 1), ("two slices of toast", 2), ("slices of toast", None),
+     ("a few apples", 3),
      ("the energy drink", 1), ("the bread", None), ("the three-drawer cabinet", 1), ("both mugs", 2),
      ("two of the three mugs", 2), ("one of the mugs", 1), ("everything red", None), ("twenty-five cups", 25)],
 )  # fmt: skip

@@ -305,11 +305,11 @@ def _phrase(words: Sequence[Token], quantity: Quantity | None, numbers: Sequence
     if quantity == "both" and not is_plural(counted):
         quantity = "the"  # 'both the duck and the sponge'
     single = quantity == "a" and (numbers == [1] or not (numbers or is_plural(counted)))
-    count = 1 if single else _count(numbers, counted, lemmas[-1])
+    count = 1 if single else _count(numbers, counted)
     if lemmas[0] in _EVERY[:3]:
         quantity, count, numbers = "all", None, []
     if quantity in ("all", "both", "rest") and not numbers:
-        several = is_plural(counted) or lemmas[-1] in MASS_KINDS or quantity == "all"
+        several = is_plural(counted) or lemma(counted) in MASS_KINDS or quantity == "all"
         count = 2 if quantity == "both" else None if several else 1
     plain = count is not None and bool(numbers) and quantity is None
     several = max(2, count or 0) if is_plural(counted) else 1
@@ -348,18 +348,17 @@ def _part(texts: list[str]) -> tuple[str | None, tuple[str, ...], list[str]]:
     return part, which, owner or [*kept, before[-1]]
 
 
-def _count(numbers: Sequence[int | None], counted: str, head: str) -> int | None:
+def _count(numbers: Sequence[int | None], counted: str) -> int | None:
     """How many things a phrase asks for; None for several.
 
     Args:
         numbers: the numbers that it names.
         counted: what they count: 'slices' in 'two slices of toast'.
-        head: lemma of what these are: 'toast'.
     """
     if not numbers:
-        return None if is_plural(counted) or head in MASS_KINDS else 1
+        return None if is_plural(counted) or lemma(counted) in MASS_KINDS else 1
     count = functools.reduce(_with_number, numbers, None)
-    if count is None and not is_plural(counted) and head not in MASS_KINDS:
+    if count is None and not is_plural(counted) and lemma(counted) not in MASS_KINDS:
         return 1  # 'any pen'
     return None if count == 1 and is_plural(counted) else count
 
