@@ -1,8 +1,9 @@
-"""Words of others in a line of ours."""
+"""Words of others in a line of ours, and lists of them."""
 
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 
 _BREAKS = re.compile("[\x00-\x1f\x7f-\x9f\u2028\u2029]+")
 """Control characters, line ends among them, and Unicode's separators of lines and paragraphs."""
@@ -24,3 +25,9 @@ def one_line(text: str) -> str:
 def shown(text: str) -> str:
     r"""The text with characters that are unseen, or turn the direction of others, as escapes: ``\u200b``."""
     return _UNSEEN.sub(lambda found: found[0].encode("unicode_escape").decode(), text)
+
+
+def listed(items: Iterable[object], most: int = 10, between: str = ", ") -> str:
+    """List the first ``most`` items in one line, and say how many more there are."""
+    every = [str(item) for item in items]
+    return between.join(every[:most]) + (f" and {len(every) - most} more" if len(every) > most else "")

@@ -27,7 +27,10 @@ logger = logging.getLogger(__name__)
 
 AGAIN = "compress the recording again"
 
-SIZE_WORDS = {"bytes", "len", "length", "lengths", "nbytes", "offset", "offsets", "padded", "padding", "size", "sizes"}
+SIZE_WORDS = {
+    *("bytes", "largest", "len", "length", "lengths", "longest", "nbytes"),
+    *("offset", "offsets", "padded", "padding", "size", "sizes"),
+}
 """Words in names of sizes: a single number is taken for one only under such a name."""
 
 FORMS: dict[str, Callable[[NDArray[np.int64], int], NDArray[np.int64]]] = {

@@ -22,6 +22,7 @@ from vcage.base.errors import UsageError
 from vcage.base.files import atomic_folder, write_json
 from vcage.base.folders import natural_path
 from vcage.base.progress import Progress, silent
+from vcage.base.text import listed
 from vcage.datasets.lerobot import v3, v21
 from vcage.datasets.lerobot.features import require_rgb, video_facts, video_info
 from vcage.datasets.lerobot.meta import INFO, PER_EPISODE, data_set_info, episode_lengths, episode_tables
@@ -30,9 +31,6 @@ from vcage.datasets.lerobot.places import inside, is_own, own_files, placed
 
 VIDEO_PATHS = {"v2.0": v21.VIDEO_PATH, "v2.1": v21.VIDEO_PATH, "v3.0": v3.VIDEO_PATH}
 """Where videos go in a data set that had none."""
-
-LISTED = 5
-"""Episodes that one message names."""
 
 Videos = Mapping[str, Mapping[int, Path]]
 """Key of a camera's feature → number of an episode → its MP4."""
@@ -170,10 +168,9 @@ class _Repacking:
 def _require_all(root: Path, info: Mapping[str, Any], there: Collection[int], given: Collection[int]) -> None:
     missing = sorted(set(there) - set(given))
     if missing:
-        named = ", ".join(map(str, missing[:LISTED])) + (", …" if len(missing) > LISTED else "")
         other = "v2.1" if info["codebase_version"] == "v3.0" else "v3.0"
         raise UsageError(
-            f"{root} keeps the numbers of its episodes, so none can be left out; missing: {named}",
+            f"{root} keeps the numbers of its episodes, so none can be left out; missing: {listed(missing, most=5)}",
             hint=f"mend or fetch them, or give --to lerobot-{other}, which numbers those that are left anew",
             details={"missing": missing},
         )

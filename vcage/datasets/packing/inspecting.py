@@ -10,7 +10,8 @@ from typing import Any
 
 from vcage.base.errors import DamagedFile
 from vcage.base.folders import natural_key
-from vcage.datasets.packing.output import failures, listed
+from vcage.base.text import listed
+from vcage.datasets.packing.output import failures
 from vcage.datasets.packing.sources import sound_notes
 from vcage.datasets.recordings.colours import AUTO, as_json, colour_orders
 from vcage.datasets.recordings.opening import open_all

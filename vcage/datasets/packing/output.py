@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import groupby
 from pathlib import Path
@@ -23,9 +23,6 @@ from vcage.datasets.recordings.recording import HDF5, VIDEOS, Recording
 from vcage.schema.compression import Compression, OtherStream
 
 TARGETS = (HDF5, *FORMATS, VIDEOS)
-
-LISTED = 10
-"""Names that one line names."""
 
 
 @dataclass(frozen=True)
@@ -175,13 +172,6 @@ def omitted_in(record: Compression) -> dict[str, Any]:
 def _omitted(left_out: dict[str, str], failed: dict[str, str]) -> dict[str, Any]:
     found = {"left_out": left_out, "failed": failures(failed)}
     return {name: value for name, value in found.items() if value}
-
-
-def listed(names: Iterable[str]) -> str:
-    """The first few names, and how many more there are."""
-    every = list(names)
-    more = f" and {len(every) - LISTED} more" if len(every) > LISTED else ""
-    return ", ".join(every[:LISTED]) + more
 
 
 def failures(failed: dict[str, str]) -> dict[str, Any]:

@@ -20,6 +20,7 @@ from vcage.base.hold import held
 from vcage.base.keeper import Keeper
 from vcage.base.partial import recover
 from vcage.base.progress import Progress, silent
+from vcage.base.text import listed
 from vcage.datasets.packing.clips import Clip
 from vcage.datasets.packing.dataset_search import require_tools, search_data_set
 from vcage.datasets.packing.frames import FRAMES, write_frames
@@ -27,7 +28,6 @@ from vcage.datasets.packing.output import (
     OutputSpec,
     keeps_version,
     left_out,
-    listed,
     other_streams,
     output_notes,
     require_alike,

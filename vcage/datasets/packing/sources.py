@@ -20,15 +20,13 @@ from vcage.base.errors import (
 from vcage.base.files import sha256_file
 from vcage.base.folders import natural_key, require_utf8
 from vcage.base.memory import free_memory
+from vcage.base.text import listed
 from vcage.datasets.packing.clips import Clip
 from vcage.datasets.packing.settings import CompressionSettings
 from vcage.datasets.recordings.colours import AUTO
 from vcage.datasets.recordings.opening import open_all
 from vcage.datasets.recordings.recording import Recording, relative_name
 from vcage.video.codec import formats_for
-
-LISTED = 5
-"""Complaints that one message names."""
 
 
 @dataclass(frozen=True)
@@ -284,9 +282,7 @@ def _refusal(complaints: Mapping[str, DamagedFile], left: int) -> DamagedFile:
     """One error of all complaints, when ``left`` recordings are sound."""
     messages = {name: error.message for name, error in complaints.items()}
     every = list(dict.fromkeys(messages.values()))  # many may complain of one file that describes them
-    shown = "; ".join(every[:LISTED])
-    more = f" and {len(every) - LISTED} more" if len(every) > LISTED else ""
     hint = next(iter(complaints.values())).hint
     if left:
         hint = f"mend or remove what is damaged, or go on without it: --skip-damaged (sound: {left})"
-    return DamagedFile(f"{shown}{more}", hint=hint, details={"damaged": messages})
+    return DamagedFile(listed(every, most=5, between="; "), hint=hint, details={"damaged": messages})

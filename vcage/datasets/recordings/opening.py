@@ -14,6 +14,7 @@ import numpy as np
 from vcage.base.errors import DamagedFile, InputFileError, UnknownName
 from vcage.base.folders import entries, files_below, require_utf8
 from vcage.base.placeholders import require_fetched
+from vcage.base.text import listed
 from vcage.datasets.hdf5_contents import walk
 from vcage.datasets.hdf5_files import damage, open_hdf5_file
 from vcage.datasets.lerobot.meta import INFO, refuse_first_versions
@@ -42,9 +43,6 @@ HDF5_LAYOUTS: tuple[type[Hdf5Recording], ...] = (
     ActEpisode,
 )
 """In this order a file is taken for the first that it fits."""
-
-LISTED = 10
-"""Names that one message names."""
 
 VOTERS = 20
 """Recordings that are asked for their colours when many must agree."""
@@ -127,13 +125,12 @@ def _open(path: Path) -> Opened:
 def _nothing_read(path: Path, below: Sequence[Path], folders: Sequence[Path]) -> InputFileError:
     """The error for a folder in which nothing is read; names what it holds instead."""
     if passed := passed_over(path, below):
-        named = ", ".join(f"{name} ({what.partition(';')[0]})" for name, what in list(passed.items())[:LISTED])
+        named = listed(f"{name} ({what.partition(';')[0]})" for name, what in passed.items())
         sets = [printable(path, one) for one in data_sets_in(path, below)]
-        more = ", …" if len(passed) > LISTED else ""
         hint = next(iter(passed.values())).partition("; ")[2]
         return InputFileError(
-            f"{path} holds no recording that is read from here, but {named}{more}",
-            hint=f"give one of {', '.join(sets[:LISTED])}{more}" if sets else hint or "convert it",
+            f"{path} holds no recording that is read from here, but {named}",
+            hint=f"give one of {listed(sets)}" if sets else hint or "convert it",
         )
     unread = [name for folder in folders for name in unread_in(folder)]
     return InputFileError(

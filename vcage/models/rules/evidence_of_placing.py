@@ -166,6 +166,11 @@ class _Places:
         return self.support.now or self.stands
 
     @cached_property
+    def drawn(self) -> Lying | None:
+        """The object in or on the receptacle, looked for once where that was not done yet."""
+        return self.lies or self.find()
+
+    @cached_property
     def here(self) -> np.ndarray:
         """(H, W) bool, where the object may be seen that is where it should be."""
         return grown(self.room, EDGE)
@@ -199,7 +204,6 @@ def _measured(places: _Places, before: View, after: View, thing: Sought, place: 
     near = change.things & _about(wide) & ~here & ~_about(old.covered)
     inside, like = float((came & here).sum()) / area, float((alike & here).sum()) / min(seen, area)
     doubtful = min(inside, like) < PLAIN
-    drawn = places.find() if doubtful and lies is None else lies
     shift = np.inf if places.support.now is None else float(np.linalg.norm(now.pose.p - places.stands.pose.p))
     return Placed(
         left=thing.left(old, change.all, after),
@@ -212,7 +216,7 @@ def _measured(places: _Places, before: View, after: View, thing: Sought, place: 
         margin=_margin(alike & here, rooms, now.pose, before.camera),
         explained=grown(old.covered, AROUND) | wide | grown(reaching, AROUND),
         support_seen=places.support.seen or place.look.size[2] < THIN_SUPPORT_M,
-        plain=not doubtful or (drawn is not None and drawn.seen),
+        plain=not doubtful or (places.drawn is not None and places.drawn.seen),
         aloft=None if lies is None else lies.aloft,
     )
 
@@ -232,7 +236,7 @@ def _came(places: _Places, before: View, after: View, thing: Sought) -> tuple[np
         # What has the colours of what it lies on changes as little as a shadow does: only a drawing tells.
         lies = places.lies
         if lies is None and faintly_changed(before, after, here, HARDLY * places.area):
-            lies = places.find()
+            lies = places.drawn
         if lies is not None and lies.standing.unlike <= LIKE and lies.seen:
             came, alike = came | lies.standing.covered, alike | lies.standing.covered
             stirred = stirred & ~lies.standing.covered
