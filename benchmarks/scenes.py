@@ -30,7 +30,7 @@ from vcage.plans.actions import lasting
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Refusal, Subtask, Subtasks
 from vcage.sim.robots import load_template
-from vcage.stages import inpaint_plan, match, optimize, search_subtasks, select_place
+from vcage.stages import inpaint_plan, match, optimize, placed_scene, search_subtasks, select_place
 from vcage.stages.context import StageContext
 from vcage.stages.stage import ModelOptions
 from vcage.tasks.readiness import ready_for
@@ -166,12 +166,12 @@ def _lay_out(run: RunFolder, drawn: Scene, seed: int, layout: str, context: Stag
     kept = {name: getattr(drawn, name) for name in Scene.model_fields if name not in ("objects", "checks", "schema_id")}
     objects = [NamedObject(o.id, o.asset, o.variant, o.phrase, o.role, o.container) for o in drawn.objects]
     rng, template = np.random.default_rng([seed, 1]), load_template(drawn.template, drawn.robot)
-    placed = select_place.place_until_stable(kept, objects, template, context, rng)
+    placed = placed_scene.place_until_stable(kept, objects, template, context, rng)
     run.scene.parent.mkdir(parents=True)
     if layout == "random":
         placed.write(run.layout)
         return
-    select_place.photograph(placed, context, run.scene.parent).write(run.scene)
+    placed_scene.photograph(placed, context, run.scene.parent).write(run.scene)
     inpaint_plan.execute(run, inpaint_plan.Options(models="offline", seed=seed), context)
     match.execute(run, match.Options(models="offline", seed=seed), context)
     optimize.execute(run, optimize.Options(seed=seed), context)

@@ -27,7 +27,7 @@ from vcage.schema.goals import AskedGoal, Goal, Reading
 from vcage.schema.matches import Matches
 from vcage.schema.plan import LayoutPlan, Plan, Relation, SelectedAsset, Selection
 from vcage.schema.scene import Scene
-from vcage.stages import inpaint_plan, match, optimize, select_place
+from vcage.stages import chosen_objects, inpaint_plan, match, optimize, placed_scene, select_place
 
 
 def aabbs(scene: Scene) -> dict[str, np.ndarray]:
@@ -116,13 +116,13 @@ def test_an_unknown_scene_lists_those_there_are(finished, tmp_path):
 
 
 def test_more_than_the_table_holds_is_refused_with_names_and_area(finished, tmp_path, monkeypatch):
-    name_objects = select_place.name_objects
+    name_objects = chosen_objects.name_objects
 
     def many(selection, catalogue):
         first = name_objects(selection, catalogue)[0]
         return [type(first)(f"plate_{i}", "plate", "white", "white plate", "context") for i in range(60)]
 
-    monkeypatch.setattr(select_place, "name_objects", many)
+    monkeypatch.setattr(chosen_objects, "name_objects", many)
     chooser = Chooser(("plate", "white", None))
     monkeypatch.setattr(finished.context, "models", replace(finished.context.models, reasoner=chooser))
     with pytest.raises(InfeasibleScene, match="m² are missing") as caught:
@@ -179,13 +179,13 @@ def test_what_is_too_large_for_where_it_starts_is_said_in_the_summary(finished, 
 
 
 def test_what_starts_in_a_box_must_be_seen_above_the_box_s_floor(finished, tmp_path, monkeypatch):
-    supports, seen = [], select_place.view_rectangles
+    supports, seen = [], placed_scene.view_rectangles
 
     def noted(camera, support, *rest):
         supports.append(support)
         return seen(camera, support, *rest)
 
-    monkeypatch.setattr(select_place, "view_rectangles", noted)
+    monkeypatch.setattr(placed_scene, "view_rectangles", noted)
     first = {name: finished.context.library.entry(name).variants[0].id for name in ("block", "packaging_box")}
     chooser = Chooser(("block", first["block"], "packaging_box"), ("packaging_box", first["packaging_box"], None))
     scene = chosen(finished, tmp_path, chooser, monkeypatch)

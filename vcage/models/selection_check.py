@@ -25,6 +25,7 @@ class NamedObject:
         phrase: what to call it: "black marker pen" where the asset comes in several colours, else "stapler".
         role: what the instruction does with it.
         starts_in: id of the object that it lies in or on at the start, None on the table.
+        starts_in_part: moving part of that object that it lies in, such as a drawer.
     """
 
     id: str
@@ -33,6 +34,7 @@ class NamedObject:
     phrase: str
     role: Role
     starts_in: str | None = None
+    starts_in_part: str | None = None
 
 
 def validate_selection(selection: Selection, entries: Sequence[CatalogueEntry]) -> list[str]:

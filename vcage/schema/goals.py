@@ -19,6 +19,9 @@ EventWord = Literal["pressed", "turned", "scanned", "weighed", "presented", "han
 
 GoalWord = Literal[StateWord, EventWord]
 
+RelationWord = Literal["inside", "on", "left_of", "right_of", "in_front_of", "behind", "beside", "near", "center"]
+"""Left and right as the robot sees them (+x is right); in front is towards the robot (−y)."""
+
 OF_A_PART = ("open", "closed", "pressed", "turned")
 """Goals whose subject is a moving part."""
 
@@ -84,6 +87,7 @@ class AskedGoal(Record):
     goal: Goal
     step: int = Field(ge=0, description="goals of an earlier step come first; those of one step in any order")
     words: str = Field(min_length=1, description="the words of the instruction that ask for it")
+    arm: Identifier | None = Field(default=None, description="the arm that must do it; any arm when not given")
 
 
 def in_steps(asked: Iterable[AskedGoal]) -> tuple[frozenset[Goal], ...]:
@@ -92,8 +96,35 @@ def in_steps(asked: Iterable[AskedGoal]) -> tuple[frozenset[Goal], ...]:
     return tuple(frozenset(a.goal for a in found if a.step == step) for step in sorted({a.step for a in found}))
 
 
+class Description(Record):
+    """Where an object must be in every starting layout: it tells which one is meant, or where it is taken from."""
+
+    subject: Identifier = Field(description="id of an object")
+    relation: RelationWord = Field(
+        description="to another object, or to the table: in its middle third ('center') or in an outer third"
+    )
+    reference: Identifier = Field(description="id of another object, or 'table'")
+    part: Identifier | None = Field(default=None, description="moving part of the reference that it lies in: a drawer")
+    words: str = Field(min_length=1, description="the words of the instruction that say so")
+
+    @model_validator(mode="after")
+    def _is_of_two(self) -> Description:
+        if self.subject == self.reference:
+            raise ValueError(f"{self.subject} cannot be {self.relation} itself")
+        if self.part is not None and self.relation not in ("inside", "on"):
+            raise ValueError(f"{self.relation!r} takes no part")
+        return self
+
+    def __str__(self) -> str:
+        """As in ``plate_white left_of plate_blue``."""
+        return f"{self.subject} {self.relation} {self.reference}{f'/{self.part}' if self.part else ''}"
+
+
 class Reading(Record):
     """What a reasoner takes from an instruction in a scene."""
 
     goals: list[AskedGoal] = Field(min_length=1)
     untouched: list[Identifier] = Field(default=[], description="objects that the instruction wants left alone")
+    descriptions: list[Description] = Field(
+        default=[], description="what must be true of where things are at the start"
+    )

@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from typing import Any, ClassVar, Literal
+from typing import Any, ClassVar
 
 from pydantic import Field, model_validator
 
 from vcage.base.graphs import circles
 from vcage.schema.base import Identifier, Record, RunPath, StageDocument
+from vcage.schema.goals import RelationWord
 from vcage.schema.scene import Role
-
-RelationWord = Literal["inside", "on", "left_of", "right_of", "in_front_of", "behind", "beside", "near", "center"]
-"""Left and right as the robot sees them (+x is right); in front is towards the robot (−y)."""
 
 TABLE = "table"
 """The reference of a relation to the table itself (``center``)."""
@@ -28,6 +26,7 @@ class SelectedAsset(Record):
     starts_in: Identifier | None = Field(
         default=None, description="asset of another chosen object that it lies in or on at the start"
     )
+    starts_in_part: Identifier | None = Field(default=None, description="moving part of that object: a drawer")
 
 
 class Selection(Record):

@@ -21,10 +21,11 @@ from vcage.schema.base import (
     RunPath,
     StageDocument,
 )
-from vcage.schema.goals import AskedGoal
+from vcage.schema.goals import AskedGoal, Description
 
-Role = Literal["content", "receptacle", "context"]
-"""What the instruction does with an object: moves it, puts things into it, or nothing."""
+Role = Literal["content", "receptacle", "tool", "context"]
+"""What the instruction does with an object: moves it, puts things into it, uses it for something else (a scanner, a
+scale, a sign), or nothing."""
 
 MOST_OF_A_KIND = 40
 """Objects that one record of a template may ask for: more have no place on any table."""
@@ -124,6 +125,7 @@ class ObjectRecord(Record):
         default=(), description="position of each moving part, metres or radians; all at rest when empty"
     )
     container: Identifier | None = Field(default=None, description="id of the object that this one lies in or on")
+    container_part: Identifier | None = Field(default=None, description="moving part of the container: a drawer")
 
 
 class Scene(StageDocument):
@@ -141,6 +143,9 @@ class Scene(StageDocument):
     )
     goals: list[AskedGoal] = Field(default=[], description="what the instruction asks for, with the words for it")
     untouched: list[Identifier] = Field(default=[], description="objects that the instruction wants left alone")
+    descriptions: list[Description] = Field(
+        default=[], description="what the instruction says of where things are at the start: true in every layout"
+    )
     template: Identifier = Field(description="name of the scene template")
     robot: Identifier
     table: Table

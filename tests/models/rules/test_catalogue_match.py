@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from tests.models.catalogue import CATALOGUE, entry
-from vcage.models.rules.catalogue_match import candidates, confusable, names_of, places, score_name
+from vcage.models.rules.catalogue_match import candidates, places
 from vcage.models.rules.phrases import Phrase
+from vcage.objects.names import confusable, names_of, score_name
 
 CUP = entry("rt_cup", "杯子", "imported", synonyms=("杯", "beaker"), holds="in")
 

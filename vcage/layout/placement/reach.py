@@ -156,8 +156,8 @@ def robot_reach(
 def reach_for(asset: Asset, role: Role, reach: np.ndarray) -> np.ndarray | None:
     """Where an object may stand at any heading, so that what its role needs of it is reached; None for anywhere.
 
-    Of what is moved those are the contact points, of what receives it the functional points. What has moving parts is
-    operated at its handles, which its middle says nothing about.
+    Of what is moved those are the contact points, of what receives it the functional points, of a tool those that it
+    has. What has moving parts is operated at its handles, which its middle says nothing about.
 
     Args:
         reach: (m, 2, 2) rectangles where an arm reaches, metres.
@@ -167,7 +167,8 @@ def reach_for(asset: Asset, role: Role, reach: np.ndarray) -> np.ndarray | None:
     """
     if role == "context" or asset.articulated:
         return None
-    points = asset.annotation.contact_points if role == "content" else asset.annotation.functional_points
+    contacts, receiving = asset.annotation.contact_points, asset.annotation.functional_points
+    points = contacts if role == "content" or (role == "tool" and not receiving) else receiving
     radius = max((float(np.hypot(*point.position[:2])) for point in points), default=0.0)
     inset = reach + np.array([[radius], [-radius]])
     inset = inset[np.all(inset[:, 0] < inset[:, 1], axis=1)]

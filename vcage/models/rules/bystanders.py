@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping, Sequence
 
 from vcage.base.errors import UnreadInstruction
-from vcage.models.rules.catalogue_match import _is_of_kind, confusable, names_of
+from vcage.base.words import lemma, lemmas, same_word
 from vcage.models.rules.goals import read_goals
-from vcage.models.rules.words import lemma, lemmas, same_word
+from vcage.objects.names import confusable, is_of_kind, names_of
 from vcage.schema.asset import CatalogueEntry
 from vcage.schema.goals import Goal
 
@@ -51,7 +51,7 @@ def _answers(word: str, entry: CatalogueEntry) -> bool:
     names = names_of(entry)
     known = {other for name in names.all for other in name} | {lemma(entry.words.category.lower())}
     heads = {name[-1] for name in names.all}
-    return word in known or _is_of_kind(word, entry, names) or any(same_word(word, head) for head in heads)
+    return word in known or is_of_kind(word, entry, names) or any(same_word(word, head) for head in heads)
 
 
 def asked_by(text: str, things: Things, lying: Mapping[str, str]) -> Asked | None:

@@ -4,23 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from typing import NamedTuple
 
-from vcage.models.rules.instruction import Request
-from vcage.models.rules.phrases import Phrase
-from vcage.models.rules.words import (
-    ANYTHING,
-    CATEGORIES,
+from vcage.base.words import (
     COLOURS,
     DETERMINERS,
-    KINDS,
     SHALLOW,
     colour_of,
-    kinds_of,
-    lemma,
     lemmas,
-    same_word,
 )
+from vcage.models.rules.instruction import Request
+from vcage.models.rules.phrases import Phrase
+from vcage.objects.names import is_of_kind, names_of, score_name
 from vcage.schema.asset import CatalogueEntry, Variant
 from vcage.schema.plan import TABLE
 
@@ -30,9 +24,6 @@ MIN_SCORE = 0.4
 THING_SCORE = 0.5
 """Below this a name does not answer a phrase for a thing that is moved: a pencil eraser is no pencil."""
 
-LOOK_ALIKE = frozenset(("bread", "pastry", "fruit", "vegetable", "cutlery"))
-"""Kinds whose members resemble each other."""
-
 _SYNONYM = 0.97
 _KIND = 0.8
 _MADE_FOR = 0.2
@@ -40,9 +31,6 @@ _HOLDS_SO = 0.2
 """What it is worth that things go ``in`` or ``on`` a place, as it is said."""
 _AMBIGUITY = 0.12
 """Scores this close are told apart by the occasion: shared scene tags and the other words of the instruction."""
-
-_PLACE_CATEGORIES = frozenset(("container", "furniture", "fixture", "appliance", "mat"))
-"""What 'the objects' are never: things that others are put into, or that stay where they are."""
 
 
 @dataclass(frozen=True)
@@ -55,28 +43,6 @@ class Candidate:
     """Whether the phrase names a kind of things (bread, fruit) that this entry is one of."""
 
 
-class Names(NamedTuple):
-    """Lemmas of what an entry is called, the head of each name last. No name is empty: what has no Latin word gives
-    way to the entry's own name, and as a synonym it is dropped."""
-
-    words: list[str]
-    plural: list[str]
-    own: list[str]
-    synonyms: list[list[str]]
-
-    @property
-    def all(self) -> list[list[str]]:
-        """Every name, synonyms last."""
-        return [self.words, self.plural, self.own, *self.synonyms]
-
-
-def names_of(entry: CatalogueEntry) -> Names:
-    """What an entry is called, by its annotation and in the catalogue."""
-    words, own = entry.words, lemmas(entry.name) or [entry.name]
-    synonyms = [name for name in map(lemmas, words.synonyms) if name]
-    return Names(lemmas(words.name) or own, lemmas(words.plural) or own, own, synonyms)
-
-
 def score_entry(phrase: Phrase, entry: CatalogueEntry) -> Candidate:
     """How well an entry answers a phrase, by its names, its synonyms, and the kind of thing it is."""
     names = names_of(entry)
@@ -84,40 +50,8 @@ def score_entry(phrase: Phrase, entry: CatalogueEntry) -> Candidate:
         *(score_name(phrase.lemmas, name) for name in names[:3]),
         *(_SYNONYM * score_name(phrase.lemmas, name) for name in names.synonyms),
     )
-    kind = len(phrase.lemmas) == 1 and _is_of_kind(phrase.head, entry, names)
+    kind = len(phrase.lemmas) == 1 and is_of_kind(phrase.head, entry, names)
     return Candidate(entry, max(score, _KIND) if kind else score, kind)
-
-
-def score_name(phrase: Sequence[str], name: Sequence[str]) -> float:
-    """How well a name answers a phrase, in [0, 1]; both are lemmas, the head last.
-
-    1 for equal names; at least 0.6 when the heads agree (``box`` and ``bread box``); 0.45 when the phrase is
-    only a qualifier of the name (``marker`` and ``marker pen``); else 0.
-    """
-    if not phrase or not name:
-        return 0.0
-    shared = sum(any(same_word(word, other) for other in name) for word in phrase)
-    union = len(phrase) + len(name) - shared
-    if same_word(phrase[-1], name[-1]):
-        return 0.6 + 0.4 * shared / union
-    return 0.45 if shared == len(phrase) else 0.0
-
-
-def _is_of_kind(word: str, entry: CatalogueEntry, names: Names) -> bool:
-    """Whether a word for a kind of things covers the entry; a word for its very self does not count."""
-    category = entry.words.category.lower()
-    if word in ANYTHING:
-        return entry.can_be_carried and category not in _PLACE_CATEGORIES
-    head = names.words[-1]
-    if same_word(head, word):
-        return word in KINDS
-    plain = {name[0] for name in names.synonyms if len(name) == 1}
-    return (
-        word in plain
-        or word == lemma(category)
-        or category in CATEGORIES.get(word, ())
-        or any(word in kinds_of(other, category) for other in {head, *plain})
-    )
 
 
 def candidates(phrase: Phrase, catalogue: Sequence[CatalogueEntry], least: float = THING_SCORE) -> list[Candidate]:
@@ -199,13 +133,6 @@ def scene_tags(phrases: Iterable[Phrase], catalogue: Sequence[CatalogueEntry]) -
         found = candidates(phrase, catalogue)
         tags.update(*(c.entry.words.scene_tags for c in found if c.score == found[0].score))
     return sorted(tags)
-
-
-def confusable(entry: CatalogueEntry, other: CatalogueEntry) -> bool:
-    """Whether the two are called alike or are foods of one kind, which look alike."""
-    a, b = names_of(entry).words[-1], names_of(other).words[-1]
-    kinds = kinds_of(a, entry.words.category) & kinds_of(b, other.words.category)
-    return a == b or bool(kinds & LOOK_ALIKE)
 
 
 def goes_in(entry: CatalogueEntry, place: CatalogueEntry) -> bool:

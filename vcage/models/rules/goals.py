@@ -7,11 +7,11 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from vcage.base.errors import UnreadInstruction
+from vcage.base.words import ANYTHING, COLOURS, COUNTED, HIGHEST, LOWEST, SHALLOW, lemmas
 from vcage.models.rules.instruction import Request, parse_instruction
 from vcage.models.rules.naming import Meaning, meant, words_of
 from vcage.models.rules.phrases import Phrase
 from vcage.models.rules.references import BESIDE
-from vcage.models.rules.words import ANYTHING, COLOURS, COUNTED, HIGHEST, LOWEST, SHALLOW, lemmas
 from vcage.plans.actions import lasting
 from vcage.plans.check import contradictions
 from vcage.schema.asset import CatalogueEntry

@@ -55,7 +55,7 @@ def plan_layout(scene: Scene, catalogue: Sequence[CatalogueEntry], rng: np.rando
 def _groups(scene: Scene, holders: Collection[str], rng: np.random.Generator) -> tuple[list[ObjectRecord], ...]:
     """What stands on the table: what the rest stands around, what stands around it, and what stands out of the way."""
     standing = [o for o in scene.objects if o.container is None]
-    contents = _shuffled([o for o in standing if o.role == "content"], rng)
+    contents = _shuffled([o for o in standing if o.role in ("content", "tool")], rng)
     context = _shuffled([o for o in standing if o.role == "context"], rng)
     contents += [o for o in context if o.id in holders]
     context = [o for o in context if o.id not in holders]

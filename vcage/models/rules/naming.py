@@ -6,9 +6,9 @@ from collections.abc import Collection, Mapping
 from dataclasses import replace
 from enum import Enum
 
-from vcage.models.rules.catalogue_match import _is_of_kind, names_of
+from vcage.base.words import ANYTHING, CATEGORIES, COLOURS, KINDS, colour_of, lemma, lemmas, same_word, tokens
 from vcage.models.rules.phrases import Phrase
-from vcage.models.rules.words import ANYTHING, CATEGORIES, COLOURS, KINDS, colour_of, lemma, lemmas, same_word, tokens
+from vcage.objects.names import is_of_kind, names_of
 from vcage.schema.asset import CatalogueEntry
 
 _EDIBLE = CATEGORIES["food"] | {"drink", "pastry"}
@@ -113,11 +113,11 @@ def _fit(phrase: Phrase, entry: CatalogueEntry) -> int:
     *qualifiers, head = plain or [""]
     if head in ANYTHING:  # 'the writing things' are not those whose description has the word
         described = {lemma(entry.words.category.lower()), *colours}
-        qualifiers = [word for word in qualifiers if not _is_of_kind(word, entry, names_of(entry))]
+        qualifiers = [word for word in qualifiers if not is_of_kind(word, entry, names_of(entry))]
     explained = all(any(_describes(word, other) for other in described) for word in qualifiers)
     if explained and any(same_word(head, name[-1]) for name in names):
         return 2
-    if explained and _is_of_kind(head, entry, names_of(entry)):
+    if explained and is_of_kind(head, entry, names_of(entry)):
         return 1
     return 0
 

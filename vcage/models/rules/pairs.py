@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from vcage.models.rules.words import kinds_of, lemmas
+from vcage.base.words import kinds_of, lemmas
 from vcage.schema.subtasks import PairAnswer, PairQuestion
 
 IN_WORDS = frozenset(

@@ -8,8 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
-from vcage.models.rules.tokens import Token, as_typed
-from vcage.models.rules.words import (
+from vcage.base.words import (
     ANYTHING,
     COLOURS,
     HIGHEST,
@@ -23,6 +22,7 @@ from vcage.models.rules.words import (
     is_plural,
     lemma,
 )
+from vcage.models.rules.tokens import Token, as_typed
 
 MARKS = (",", "-", "–", "—", "(", ")")
 

@@ -7,10 +7,10 @@ from collections.abc import Callable, Collection, Iterable
 from dataclasses import replace
 
 from vcage.base.errors import UnreadInstruction
+from vcage.base.words import COLOURS, colour_of
 from vcage.models.rules.phrases import MARKS, Cursor, Phrase, noun_phrase
 from vcage.models.rules.request import ENDS, Request
 from vcage.models.rules.tokens import Token, tokens
-from vcage.models.rules.words import COLOURS, colour_of
 
 BESIDE = ("beside", "near", "left_of", "right_of", "in_front_of", "behind")
 

@@ -6,11 +6,11 @@ from collections.abc import Callable, Sequence
 
 from vcage.base.commands import vcage_command
 from vcage.base.errors import InfeasibleScene, NoAssetFits
+from vcage.base.words import tokens
 from vcage.models.rules.catalogue_match import MIN_SCORE, candidates, places, variants_of
 from vcage.models.rules.instruction import Request
 from vcage.models.rules.phrases import Phrase
 from vcage.models.rules.wishes import require_tellable
-from vcage.models.rules.words import tokens
 from vcage.models.search import Search
 from vcage.schema.asset import CatalogueEntry
 from vcage.schema.plan import TABLE

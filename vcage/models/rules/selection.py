@@ -8,12 +8,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from vcage.base.errors import NoAssetFits
+from vcage.base.words import ANYTHING, tokens
 from vcage.models.rules.catalogue_match import (
     MIN_SCORE,
     Occasion,
     Places,
     candidates,
-    confusable,
     goes_in,
     scene_tags,
     score_entry,
@@ -24,8 +24,8 @@ from vcage.models.rules.instruction import Request, parse_instruction
 from vcage.models.rules.naming import words_of
 from vcage.models.rules.phrases import SEVERAL, Phrase
 from vcage.models.rules.refusals import require_answers, require_counts
-from vcage.models.rules.words import ANYTHING, tokens
 from vcage.models.search import Search, best_search
+from vcage.objects.names import confusable
 from vcage.schema.asset import CatalogueEntry, Variant
 from vcage.schema.plan import SelectedAsset, Selection
 from vcage.schema.scene import Role

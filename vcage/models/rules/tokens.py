@@ -9,8 +9,8 @@ import re
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 
+from vcage.base.words import ANYTHING, CATEGORIES, COLOURS, COUNTED, KINDS, NUMBERS, ORDINALS, PARTS, lemma
 from vcage.models.rules.lexicon import BASES, FORMS, IS, LONGEST, OTHERS, PHRASES, SLIPS, Kind, Verb
-from vcage.models.rules.words import ANYTHING, CATEGORIES, COLOURS, COUNTED, KINDS, NUMBERS, ORDINALS, PARTS, lemma
 
 _PIECE = re.compile(r"[a-z0-9]+(?:['-][a-z0-9]+)*|[^\s\"'`“”‘*]")
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 import re
 from dataclasses import replace
 
+from vcage.base.words import ORDINALS, PARTS, lemma
 from vcage.models.rules.phrases import Phrase, noun_phrase, noun_phrases
 from vcage.models.rules.placing import Placing
 from vcage.models.rules.request import ENDS, Asked, Request
-from vcage.models.rules.words import ORDINALS, PARTS, lemma
 
 _SHUT, _OPEN = ("shut", "closed", "close", "in", "back in"), ("open", "out", "opened")
 """Words after a part that is pushed or pulled."""

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from vcage.models.rules.words import is_plural, lemma
+from vcage.base.words import is_plural, lemma
 
 
 @pytest.mark.parametrize(

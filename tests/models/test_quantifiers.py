@@ -1,0 +1,41 @@
+import pytest
+
+from vcage.models.quantifiers import left_over, quantified
+from vcage.objects.library import Library
+
+LIBRARY = Library.load()
+DESK = {"cup": "mug", "tap": "tap", "box": "packaging_box", "pen": "marker", "apple": "apple"}
+THINGS = {name: LIBRARY.entry(kind) for name, kind in DESK.items()}
+
+
+@pytest.mark.parametrize(
+    ("text", "noun", "colour"),
+    [
+        ("everything goes into the box", (), None),
+        ("put all of them into the box", (), None),
+        ("put all the red pens into the box", ("pen",), "red"),
+        ("place every bread on the table into the basket", ("bread",), None),
+        ("everything yellow goes in the pot", (), "yellow"),
+        ("put the rest of the fruit on the plate", ("fruit",), None),
+        ("the rest goes into the basket", (), None),
+    ],
+)
+def test_a_quantifier_tells_its_noun_and_colour(text, noun, colour):
+    (found,) = quantified(text)
+    assert (found.noun, found.colour) == (noun, colour)
+
+
+@pytest.mark.parametrize("text", ["first of all open the box", "stack the bowls on top of each other", "put it away"])
+def test_words_that_are_no_quantifiers_are_passed_by(text):
+    assert quantified(text) == []
+
+
+def test_an_object_that_no_goal_speaks_of_is_named():
+    (complaint,) = left_over("Clear my desk: everything goes into the packaging box", THINGS, ["box", "pen", "apple"])
+    assert "'everything'" in complaint
+    assert "cup, tap" in complaint
+
+
+def test_only_objects_of_the_noun_fall_under_it():
+    assert left_over("Put all the pens into the box", THINGS, ["box", "pen"]) == []
+    assert len(left_over("Put all the fruit into the box", THINGS, ["box", "pen"])) == 1

@@ -1,0 +1,99 @@
+"""Universal quantifiers of an instruction: which objects fall under "everything" or "all the pens".
+
+The check knows no grammar, so that it holds for every reader: a person, a language model, the rules.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
+
+from vcage.base.text import listed
+from vcage.base.words import COLOURS, NUMBERS, colour_of, lemma, same_word
+from vcage.objects.names import is_of_kind, names_of
+from vcage.schema.asset import CatalogueEntry
+
+_EVERYTHING = frozenset(("everything", "anything", "whatever"))
+_EVERY = frozenset(("all", "every", "each", "rest", "remaining"))
+_FIXED = ("first of all", "above all", "after all", "at all", "all right", "all done", "each other", "all the way")
+"""Phrases in which such a word is no quantifier."""
+_BEFORE_THE_NOUN = frozenset(("of", "the", "my", "your", "our", "these", "those", "them", "single", "last", *NUMBERS))
+_ENDS_THE_NOUN = frozenset(
+    word
+    for words in (
+        "in on into onto to from with inside beside next near at under behind by after before over around off out up",
+        "and then but or except that which you there here else away back it one left right separately please for",
+        "go goes going is are belong belongs should must has have needs need gets get",
+    )
+    for word in words.split()
+)
+_WORD = re.compile(r"[a-z]+(?:'[a-z]+)?|[,.;:!?]")
+
+
+@dataclass(frozen=True)
+class Quantified:
+    """A universal quantifier and what it ranges over.
+
+    Args:
+        words: as in the instruction: "all the red pens".
+        noun: lemmas of the noun, the head last; empty for everything that stands there.
+        colour: that is asked for, if one is.
+    """
+
+    words: str
+    noun: tuple[str, ...]
+    colour: str | None
+
+    def covers(self, entry: CatalogueEntry) -> bool:
+        """Check if an object of this kind falls under it.
+
+        Args:
+            entry: of the catalogue; with the object's own look only, or with all that it may have.
+        """
+        if self.colour is not None and all(self.colour != colour_of(v.colour) for v in entry.variants):
+            return False
+        if not self.noun:
+            return True
+        head, names = self.noun[-1], names_of(entry)
+        return any(same_word(head, name[-1]) for name in names.all) or is_of_kind(head, entry, names)
+
+
+def quantified(instruction: str) -> list[Quantified]:
+    """The universal quantifiers of an instruction, in its order."""
+    text = instruction.lower()
+    for phrase in _FIXED:
+        text = re.sub(rf"\b{phrase}\b", " , ", text)
+    words, found = _WORD.findall(text), list[Quantified]()
+    for at, word in enumerate(words):
+        if word in _EVERYTHING or word in _EVERY:
+            found.append(_quantified(words, at))
+    return found
+
+
+def _quantified(words: list[str], at: int) -> Quantified:
+    end = at + 1
+    while end < len(words) and words[at] in _EVERY and words[end] in _BEFORE_THE_NOUN:
+        end += 1
+    begun = end
+    while end < len(words) and words[end].isalpha() and words[end] not in _ENDS_THE_NOUN:
+        end += 1
+    said = words[begun:end]
+    noun = tuple(lemma(word) for word in said if word not in COLOURS) if words[at] in _EVERY else ()
+    return Quantified(" ".join(words[at:end]), noun, colour_of(" ".join(said)))
+
+
+def left_over(instruction: str, things: Mapping[str, CatalogueEntry], spoken: Collection[str]) -> list[str]:
+    """Complaints about objects that fall under a quantifier of the instruction and that no goal speaks of.
+
+    Args:
+        instruction: in plain language.
+        things: all that stands there, by object id: the catalogue's entries with the object's own look only.
+        spoken: ids of the objects that are subject or reference of a goal, used as a tool, or to be left alone.
+    """
+    complaints = []
+    for quantifier in quantified(instruction):
+        missed = [name for name, entry in things.items() if name not in spoken and quantifier.covers(entry)]
+        if missed:
+            complaints.append(f"the instruction says {quantifier.words!r}, but no goal speaks of {listed(missed)}")
+    return complaints
