@@ -31,7 +31,8 @@ def answer_question(schema: dict[str, Any], prompt: str, pictures: list[np.ndarr
     changed = len(views) > 1 and bool(np.abs(views[0].astype(int) - views[-1]).max() > 40)
     seen = "the pictures differ" if changed else "the pictures are the same"
     done, failure = ("yes", "none") if changed else ("no", "lost")
-    return {"observations": seen, "done": done, "failure": failure, "reason": seen, "confidence": 0.8}
+    said = {"observations": seen, "done": done, "failure": failure, "also_moved": []}
+    return {**said, "reason": seen, "confidence": 0.8}
 
 
 _PAIR = re.compile(r"^(\d+)\. Put the (.+?) \([^()]*\) (?:in|on) the (.+?) \(free", re.MULTILINE)

@@ -60,6 +60,7 @@ JUDGED = {
     "observations": "nothing moved",
     "done": "no",
     "failure": "lost",
+    "also_moved": [],
     "reason": "it lies there",
     "confidence": 0.9,
 }

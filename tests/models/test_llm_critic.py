@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
 from typing import get_args
 
+import numpy as np
 import pytest
 
 from tests.models.tabletop import BOX, MARKERS, critic_question
+from vcage.models import llm_critic
 from vcage.models.exchange import Question, Reply
 from vcage.models.llm_critic import Judgement, LlmCritic, _in_words, _verdict
 from vcage.models.structured import flat_schema
+from vcage.plans.thresholds import THRESHOLDS
 from vcage.schema.episodes import Failure, Verdict
-from vcage.schema.goals import Goal
+from vcage.schema.goals import OF_A_PART, OF_TWO, EventWord, Goal, StateWord
 
 PHRASES = {"box": "red box", "cabinet": "white cabinet"}
 
@@ -36,25 +41,101 @@ def test_a_goal_is_told_in_words(goal: Goal, words: str) -> None:
 
 def test_the_answer_may_name_every_failure_that_a_retry_heeds() -> None:
     allowed = flat_schema(Judgement)["properties"]["failure"]["enum"]
-    assert set(allowed) == {"none", "other", *get_args(Failure)}
+    assert {*allowed, "disturbed"} == {"none", "other", *get_args(Failure)}, "also_moved tells what was disturbed"
 
 
 @pytest.mark.parametrize(
     ("accepted", "failure", "told"),
-    [(False, "astray", "astray"), (False, "other", None), (False, "none", None), (True, "lost", None)],
+    [(False, "astray", "astray"), (False, "other", None), (False, "none", None), (True, "none", None)],
 )
 def test_only_a_no_tells_what_went_wrong(accepted: bool, failure: str, told: Failure | None) -> None:
-    verdict = _verdict([judgement("yes" if accepted else "no", failure)], "test")
+    verdict = _verdict([judgement("yes" if accepted else "no", failure)], "test", PHRASES)
     assert verdict == Verdict(accepted=accepted, reason="seen", confidence=0.9, provider="test", failure=told)
 
 
-def judgement(done: str, failure: str = "none") -> Judgement:
+def judgement(done: str, failure: str = "none", also_moved: Sequence[str] = ()) -> Judgement:
     said = {"observations": "", "done": done, "failure": failure, "reason": "seen", "confidence": 0.9}
-    return Judgement.model_validate(said)
+    return Judgement.model_validate({**said, "also_moved": list(also_moved)})
+
+
+@pytest.mark.parametrize(
+    ("done", "failure", "told"), [("yes", "none", "disturbed"), ("no", "lost", "lost"), ("no", "other", "disturbed")]
+)
+def test_what_else_was_moved_makes_it_a_no(done: str, failure: str, told: Failure) -> None:
+    verdict = _verdict([judgement(done, failure, ["cabinet"])], "test", PHRASES)
+    assert (verdict.accepted, verdict.failure) == (False, told)
+    assert verdict.reason == "seen (also moved: the white cabinet)"
+
+
+def test_one_vote_that_saw_something_else_move_is_no_yes() -> None:
+    said = [judgement("yes"), judgement("yes", also_moved=["cabinet"]), judgement("yes")]
+    verdict = _verdict(said, "test", PHRASES)
+    assert verdict.accepted and verdict.reason.startswith("2 of 3 votes are a yes")
+
+
+class Says:
+    """Gives the same answers to each question, one after the other."""
+
+    provider = "test"
+
+    def __init__(self, *said: Judgement):
+        self.said = list(said)
+        self.asked: list[Question] = []
+
+    def answer(self, question: Question) -> Reply:
+        self.asked.append(question)
+        return Reply(self.said[len(self.asked) - 1].model_dump_json())
+
+
+def asked_about(*goals: Goal) -> str:
+    """The prompt about some goals of a box and a marker."""
+    who, things = Says(judgement("yes")), [BOX, MARKERS[0]]
+    LlmCritic(who).judge(replace(critic_question(things, things, goals[0]), goals=goals))
+    return who.asked[0].messages[0].text
+
+
+def test_what_the_step_moves_cannot_be_moved_besides() -> None:
+    goal, things = Goal(subject="black-marker", relation="inside", reference="box"), [BOX, MARKERS[0]]
+    who = Says(judgement("yes", also_moved=["black-marker"]), judgement("yes", also_moved=["box"]))
+    verdict = LlmCritic(who).judge(critic_question(things, things, goal))
+    assert not verdict.accepted and verdict.failure == "disturbed"
+    assert "also_moved: black-marker is what the step moves" in who.asked[1].messages[-1].text
+
+
+DEFINED = {
+    "inside": "Inside or on an object", "on": "Inside or on an object", "left_of": "Left of", "right_of": "Left of",
+    "in_front_of": "Left of", "behind": "Left of", "beside": "Beside", "near": "Near", "open": "Open, turned",
+    "turned": "Open, turned", "closed": "Closed", "pressed": "Pressed", "weighed": "Weighed", "scanned": "Scanned",
+    "presented": "Presented", "handed": "Handed", "back": "Back",
+}  # fmt: skip
+"""How the definition of a word begins."""
+
+
+@pytest.mark.parametrize("word", sorted({*get_args(StateWord), *get_args(EventWord)}))
+def test_the_words_that_are_asked_about_are_defined_and_no_others(word: str) -> None:
+    of_part = {"part": "lid"} if word in OF_A_PART else {}
+    of_two = {"reference": "left" if word == "handed" else "black-marker"} if word in OF_TWO else {}
+    prompt = asked_about(Goal(subject="box", relation=word, **of_part, **of_two))
+    begun = {start for start in {*DEFINED.values(), "On the table"} if f"\n- {start}" in prompt}
+    assert begun == {DEFINED[word]} and "\n- Also moved: " in prompt
+
+
+def test_on_the_table_has_a_meaning_of_its_own() -> None:
+    prompt = asked_about(Goal(subject="box", relation="on", reference="table"))
+    assert "touches no other object" in prompt and "Inside or on an object" not in prompt
+
+
+def test_the_limits_are_those_that_the_simulator_s_state_is_judged_by(monkeypatch: pytest.MonkeyPatch) -> None:
+    scanned = Goal(subject="box", relation="scanned")
+    assert "more than 5 cm or tipped by\n  more than 30°" in asked_about(scanned)
+    limits = replace(THRESHOLDS, disturbed_m=0.123, scanned_s=0.75, code_slant_rad=np.radians(41))
+    monkeypatch.setattr(llm_critic, "THRESHOLDS", limits)
+    prompt = asked_about(scanned)
+    assert all(told in prompt for told in ("more than 12.3 cm", "for 0.75 s", "within 41°"))
 
 
 def test_unsure_is_a_no_and_says_so():
-    verdict = _verdict([judgement("unsure")], "test")
+    verdict = _verdict([judgement("unsure")], "test", PHRASES)
     assert (verdict.accepted, verdict.reason) == (False, "unsure, which is a no: seen")
 
 

@@ -230,7 +230,8 @@ def test_the_critic_looks_at_the_pictures(models: Models, moved: bool) -> None:
 
 
 def test_a_fenced_answer_is_read(models: Models, server: ModelServer) -> None:
-    answer = '{"observations": "", "done": "yes", "failure": "none", "reason": "in", "confidence": 1}'
+    said = {"observations": "", "done": "yes", "failure": "none", "also_moved": [], "reason": "in", "confidence": 1}
+    answer = json.dumps(said)
     server.queue(text_answer(f"```json\n{answer}\n```"))
     assert models.critic.judge(critic_question(True)).reason == "in"
 

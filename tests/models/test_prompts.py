@@ -6,6 +6,7 @@ import pytest
 
 from vcage.base.errors import ConfigurationError, UnknownName
 from vcage.models import prompts
+from vcage.plans.thresholds import THRESHOLDS
 
 
 def test_every_model_call_has_a_prompt() -> None:
@@ -36,9 +37,12 @@ def test_no_words_of_others_begin_a_line(end: str) -> None:
     filled = [
         prompts.fill("select_assets", instruction=said, catalogue=[said], legend=said),
         prompts.fill("judge_pairs", questions=[{**held[0], "holds": "in"}]),
-        prompts.fill("judge_subtask", text=said, truths=[said], phrases={"mug": said}, pictures=[said]),
+        prompts.fill(
+            "judge_subtask", text=said, truths=[said], phrases={"mug": said}, pictures=[said], words={"near"},
+            limits=THRESHOLDS, cone_rad=1.0, beside_m=0.1, near_m=0.2,
+        ),
         prompts.fill("rearrange", scene=scene, plan={"text": said}),
-    ]
+    ]  # fmt: skip
     for prompt in filled:
         lines = prompt.text.splitlines()
         assert sum("# How to read 1. Answer yes." in line for line in lines) >= 1

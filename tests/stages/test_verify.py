@@ -179,6 +179,7 @@ def test_where_nothing_is_kept_that_is_said(run, finished, monkeypatch, caplog):
 def test_a_model_behind_an_endpoint_is_compared_by_the_command(run, monkeypatch, capsys):
     attempts = read_log(run.episodes.parent)
     no = {"observations": "none", "done": "no", "reason": "I see no block", "failure": "lost", "confidence": 0.7}
+    no["also_moved"] = []
     with ModelServer() as server:
         monkeypatch.setenv("VCAGE_GEMINI_API_KEY", server.key)
         monkeypatch.setenv("VCAGE_GEMINI_BASE_URL", server.url)

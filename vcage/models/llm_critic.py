@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
+from functools import partial
 from typing import Annotated, Literal
 
 import numpy as np
@@ -11,18 +12,25 @@ from pydantic import Field
 from vcage.models import prompts
 from vcage.models.exchange import Answerer
 from vcage.models.protocols import CriticQuestion
-from vcage.models.structured import Answer, ask
-from vcage.schema.episodes import Verdict
+from vcage.models.structured import Answer, ask, narrowed, one_of
+from vcage.plans.relations import BESIDE_GAP, CONE, DIRECTIONS, NEAR_GAP
+from vcage.plans.thresholds import THRESHOLDS
+from vcage.schema.episodes import Failure, Verdict
 from vcage.schema.goals import OF_A_PART, Goal, part_words
+from vcage.schema.plan import TABLE
 from vcage.vision.protocols import Reference
 
 
 class Judgement(Answer):
-    """What the model answers: what it sees first, then the verdict."""
+    """What the model answers: what it sees first, then the verdict on the step, and what else was moved.
+
+    The step may be done and another object moved: then the verdict is a no all the same.
+    """
 
     observations: str
     done: Literal["yes", "no", "unsure"]
-    failure: Literal["none", "lost", "astray", "disturbed", "other"]
+    failure: Literal["none", "lost", "astray", "other"]
+    also_moved: list[str]
     reason: Annotated[str, Field(min_length=1)]
     confidence: float
 
@@ -58,37 +66,64 @@ class LlmCritic:
             "judge_subtask",
             text=question.text,
             truths=[_in_words(goal, phrases) for goal in question.goals],
+            words={_defined(goal) for goal in question.goals},
+            limits=THRESHOLDS,
+            cone_rad=CONE,
+            beside_m=BESIDE_GAP,
+            near_m=NEAR_GAP,
             phrases=phrases,
             pictures=[name for name, _ in named],
         )
+        answer = narrowed(Judgement, also_moved=list[one_of(list(phrases))])  # pyrefly: ignore
+        handled = {goal.subject for goal in question.goals} | {question.grasped}
         said: list[Judgement] = []
         while not _decided(said, self._votes):
-            vote = {"pictures": named, "complaints": _complaints, "vote": len(said) + 1}
-            said.append(ask(self._who, "critic", prompt, Judgement, **vote))
-        return _verdict(said, self.provider)
+            vote = {"pictures": named, "complaints": partial(_complaints, handled), "vote": len(said) + 1}
+            said.append(ask(self._who, "critic", prompt, answer, **vote))
+        return _verdict(said, self.provider, phrases)
+
+
+def _is_yes(judgement: Judgement) -> bool:
+    """True where the step was done and nothing else was moved."""
+    return judgement.done == "yes" and not judgement.also_moved
 
 
 def _decided(said: Sequence[Judgement], votes: int) -> bool:
-    """Whether the votes that are left could change nothing."""
-    yes = sum(judgement.done == "yes" for judgement in said)
+    """True where the votes that are left could change nothing."""
+    yes = sum(map(_is_yes, said))
     return 2 * yes > votes or 2 * (yes + votes - len(said)) <= votes
 
 
-def _verdict(said: Sequence[Judgement], provider: str) -> Verdict:
+def _verdict(said: Sequence[Judgement], provider: str, phrases: Mapping[str, str]) -> Verdict:
     """What the votes come to, in the words of the first one on the side that won."""
-    yes = [judgement for judgement in said if judgement.done == "yes"]
+    yes = [judgement for judgement in said if _is_yes(judgement)]
     accepted = 2 * len(yes) > len(said)
-    won = yes if accepted else [judgement for judgement in said if judgement.done != "yes"]
+    won = yes if accepted else [judgement for judgement in said if not _is_yes(judgement)]
     told = f"{len(yes)} of {len(said)} votes are a yes: " if len(said) > 1 else ""
     unsure = "unsure, which is a no: " if won[0].done == "unsure" else ""
-    failures = [] if accepted else [judgement.failure for judgement in won]
+    moved = " and ".join(f"the {phrases.get(name, name)}" for name in won[0].also_moved)
+    failures = [] if accepted else [failure for judgement in won if (failure := _failure(judgement)) is not None]
     return Verdict(
         accepted=accepted,
-        reason=f"{told}{unsure}{won[0].reason}",
+        reason=f"{told}{unsure}{won[0].reason}{f' (also moved: {moved})' if moved else ''}",
         confidence=sum(judgement.confidence for judgement in won) / len(said),
         provider=provider,
-        failure=next((failure for failure in failures if failure not in ("none", "other")), None),
+        failure=next(iter(failures), None),
     )
+
+
+def _failure(judgement: Judgement) -> Failure | None:
+    """What went wrong by a vote that is no yes; None where it does not say."""
+    if judgement.done != "yes" and judgement.failure not in ("none", "other"):
+        return judgement.failure
+    return "disturbed" if judgement.also_moved else None
+
+
+def _defined(goal: Goal) -> str:
+    """The word of the prompt's definition of a goal."""
+    if goal.relation in DIRECTIONS:
+        return "towards"
+    return "on_table" if goal.reference == TABLE else goal.relation
 
 
 def _in_words(goal: Goal, phrases: Mapping[str, str]) -> str:
@@ -113,8 +148,13 @@ def _on_white(look: Reference) -> np.ndarray:
     return np.where(look.picture[..., 3:] > 127, look.picture[..., :3], np.uint8(255))
 
 
-def _complaints(answer: Judgement) -> list[str]:
+def _complaints(handled: Collection[str | None], answer: Judgement) -> list[str]:
+    """What is wrong with an answer.
+
+    Args:
+        handled: ids of what the step moves, which cannot be moved besides.
+    """
     found = [] if 0 <= answer.confidence <= 1 else [f"confidence: {answer.confidence} is not between 0 and 1"]
     if answer.done == "yes" and answer.failure != "none":
         found.append(f"failure: {answer.failure!r} belongs to a no, and done says yes")
-    return found
+    return found + [f"also_moved: {name} is what the step moves" for name in answer.also_moved if name in handled]

@@ -6,6 +6,7 @@ from collections.abc import Collection, Mapping
 
 import numpy as np
 
+from vcage.plans.thresholds import THRESHOLDS
 from vcage.schema.goals import Goal
 from vcage.schema.plan import TABLE
 from vcage.sim.joints import joint_index
@@ -16,11 +17,8 @@ from vcage.tasks.scene_objects import SceneObject
 EVERY = 10
 """Physics steps between two looks at contacts and codes."""
 
-LASTS = {"weighed": 1.0, "scanned": 0.25, "handed": 0.25}
+LASTS = {"weighed": THRESHOLDS.weighed_s, "scanned": THRESHOLDS.scanned_s, "handed": THRESHOLDS.handed_s}
 """How long an event must go on without a break, seconds."""
-
-STILL = 0.01
-"""What moves less than this far between two looks lies still, metres per second."""
 
 
 class Watch:
@@ -100,7 +98,7 @@ class Watch:
     def _is_weighed(self, name: str) -> bool:
         """Whether it lies still on a scale, and nothing else does."""
         moved = np.linalg.norm(self.world.object_pose(name).p - self._before[name].p)
-        if moved > STILL * EVERY / PHYSICS_HZ:
+        if moved > THRESHOLDS.still_m_per_s * EVERY / PHYSICS_HZ:
             return False
         bearers = self.world.touching(name)
         if len(bearers) != 1:

@@ -12,6 +12,7 @@ from vcage.base.geometry import Pose, world_aabb
 from vcage.layout.items import table_item
 from vcage.layout.placement.place import place
 from vcage.plans.relations import BESIDE_GAP, DIRECTIONS, NEAR_GAP, holds
+from vcage.plans.thresholds import THRESHOLDS
 from vcage.schema.goals import Goal
 from vcage.schema.scene import Scene
 from vcage.sim.kinematics import ArmKinematics, kinematics_of
@@ -39,9 +40,6 @@ TOWARDS_CUSTOMER = np.array([0.0, 1.0, 0.0])
 
 DIRECTIONS_OF_ARMS = {"left": -1, "right": 1}
 """On which side of the middle, along x, an arm puts down what it was handed."""
-
-SHOWN = np.radians(25)
-"""Largest angle between where the front of a thing faces and the customer."""
 
 SPOTS = 12
 """Places on the table among which one is looked for that an arm brings a thing to."""
@@ -156,7 +154,7 @@ def on_customers_half(pose: Pose) -> bool:
     return float(pose.p @ TOWARDS_CUSTOMER) > 0
 
 
-def faces_customer(pose: Pose, most: float = SHOWN) -> bool:
+def faces_customer(pose: Pose, most: float = THRESHOLDS.shown_rad) -> bool:
     """Whether the front (−y) of a thing that stands at ``pose`` faces the customer, and the thing stands upright."""
     shown = float(-pose.rotation()[:, 1] @ TOWARDS_CUSTOMER)
     return bool(shown >= np.cos(most) and pose.rotation()[2, 2] >= np.cos(most))

@@ -8,14 +8,12 @@ from itertools import product
 import numpy as np
 
 from vcage.base.geometry import Pose
+from vcage.plans.thresholds import THRESHOLDS
 from vcage.schema.asset import Face
 from vcage.tasks.scene_objects import SceneObject
 
 DISTANCES = (0.04, 0.055, 0.03)
 """Between a window and the code before it, metres, in the order to try them."""
-
-FARTHEST, ASIDE, SLANT = 0.07, 0.03, np.radians(30)
-"""A scanner reads what is at most this far before it, this far beside its axis (metres), and turned this far away."""
 
 SURELY = 0.025
 """Farther beside its axis than this nothing is held on purpose, metres: a hand comes some millimetres beside."""
@@ -45,7 +43,7 @@ def reading_poses(mover: SceneObject, still: SceneObject, support: float) -> Ite
     for aside, (mine, theirs) in product(TURNS, list(_pairs(mover, still))):
         normal = still.pose.rotation() @ np.asarray(theirs.axis)
         outward = mover.pose.rotation() @ np.asarray(mine.axis)
-        if abs(normal[2]) > np.sin(SLANT) or abs(outward[2]) > np.sin(SLANT):
+        if abs(normal[2]) > np.sin(THRESHOLDS.code_slant_rad) or abs(outward[2]) > np.sin(THRESHOLDS.code_slant_rad):
             continue
         turn = aside + np.arctan2(-normal[1], -normal[0]) - np.arctan2(outward[1], outward[0])
         rotation = Pose.from_yaw([0, 0, 0], turn) * Pose(q=mover.pose.q)
@@ -68,11 +66,15 @@ def _pairs(one: SceneObject, other: SceneObject) -> Iterator[tuple[Face, Face]]:
                 yield a, b
 
 
-def _sees(one: SceneObject, a: Face, other: SceneObject, b: Face, beside: float = ASIDE) -> bool:
+def _sees(one: SceneObject, a: Face, other: SceneObject, b: Face, beside: float = THRESHOLDS.code_aside_m) -> bool:
     reader, code = ((one, a), (other, b)) if a.kind == "reader" else ((other, b), (one, a))
     out = reader[0].pose.rotation() @ np.asarray(reader[1].axis)
     back = code[0].pose.rotation() @ np.asarray(code[1].axis)
     between = code[0].pose.apply(code[1].position) - reader[0].pose.apply(reader[1].position)
     along = float(between @ out)
     aside = float(np.linalg.norm(between - along * out))
-    return 0 < along <= FARTHEST and aside <= beside and -float(out @ back) >= np.cos(SLANT)
+    return (
+        0 < along <= THRESHOLDS.code_away_m
+        and aside <= beside
+        and -float(out @ back) >= np.cos(THRESHOLDS.code_slant_rad)
+    )

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from vcage.plans.relations import holds
+from vcage.plans.thresholds import THRESHOLDS
 from vcage.schema.asset import FunctionalPoint
 from vcage.schema.episodes import Truth
 from vcage.schema.goals import Goal, part_words
@@ -16,27 +17,6 @@ from vcage.sim.joints import joint_index, joint_positions
 from vcage.tasks.events import LASTS, Watch
 from vcage.tasks.ground import faces_customer, on_customers_half
 from vcage.tasks.scene_objects import SceneObject
-
-EDGE_TOLERANCE = 0.005
-"""An object's centre may be this far outside the opening's rectangle, metres."""
-
-RIM_MARGIN = 0.005
-"""An object's bottom is this far below the rim of a deep opening: else it lies across it, metres."""
-
-HEIGHT_TOLERANCE = 0.02
-"""An object's bottom may be this far off the floor that carries it, metres: it may lie on another content's edge."""
-
-BORNE = 0.2
-"""Share of its weight that the table may bear of what lies in or on something."""
-
-BACK = 0.02
-"""What is nearer than this to where it stood is back there, metres."""
-
-DISTURBED, TIPPED = 0.05, np.radians(30)
-"""What was moved farther, metres, or turned over by more than this was disturbed."""
-
-OPENED, CLOSED = 0.8, 0.12
-"""Share of the range beyond which a joint counts as opened, pressed or turned, and below which as closed."""
 
 
 def goals_hold(goals: Sequence[Goal], objects: Mapping[str, SceneObject], watch: Watch | None = None) -> Truth:
@@ -82,8 +62,9 @@ def others_stay(subtask: Subtask, watch: Watch) -> Truth:
         now = watch.world.object_pose(name)
         moved = float(np.linalg.norm(now.p - thing.pose.p))
         tilt = float(np.arccos(np.clip(now.rotation()[:, 2] @ thing.pose.rotation()[:, 2], -1, 1)))
-        if moved > DISTURBED or tilt > TIPPED:
-            how = f"moved by {100 * moved:.0f} cm" if moved > DISTURBED else f"tipped by {np.degrees(tilt):.0f}°"
+        far = moved > THRESHOLDS.disturbed_m
+        if far or tilt > THRESHOLDS.tipped_rad:
+            how = f"moved by {100 * moved:.0f} cm" if far else f"tipped by {np.degrees(tilt):.0f}°"
             return Truth(success=False, reason=f"{name} was {how} on the way")
     return Truth(success=True, reason="nothing else was moved")
 
@@ -121,14 +102,14 @@ def _complaint(goal: Goal, objects: Mapping[str, SceneObject], watch: Watch | No
     if None not in found:
         return next(iter(found), f"nothing is put {goal.relation} {receptacle.id}")
     share = watch.world.borne_by(thing.id).get(TABLE, 0.0) if watch is not None else 0.0
-    return f"the table bears {100 * share:.0f} % of {thing.id}" if share > BORNE else None
+    return f"the table bears {100 * share:.0f} % of {thing.id}" if share > THRESHOLDS.borne_share else None
 
 
 def _watched_complaint(goal: Goal, thing: SceneObject, objects: Mapping[str, SceneObject], watch: Watch) -> str | None:
     if goal.relation == "pressed":
         share = watch.furthest(thing, str(goal.part))
         pressed = f"the {part_words(str(goal.part))} of {thing.id} was pressed by {100 * share:.0f} % only"
-        return None if share >= OPENED else pressed
+        return None if share >= THRESHOLDS.opened_share else pressed
     if goal.relation in LASTS:
         lasted = watch.lasted(goal)
         if goal.relation == "handed" and not lasted:
@@ -136,9 +117,9 @@ def _watched_complaint(goal: Goal, thing: SceneObject, objects: Mapping[str, Sce
         return None if lasted >= LASTS[goal.relation] else f"{thing.id} was {goal.relation} for {lasted:.1f} s only"
     if goal.relation == "back":
         away = float(np.linalg.norm(thing.pose.p - watch.objects[thing.id].pose.p))
-        return None if away <= BACK else f"{thing.id} is {100 * away:.1f} cm from where it stood"
+        return None if away <= THRESHOLDS.back_m else f"{thing.id} is {100 * away:.1f} cm from where it stood"
     bearers = watch.world.touching(thing.id) & set(objects)
-    stands = abs(thing.aabb[0, 2] - watch.world.table.height) <= HEIGHT_TOLERANCE
+    stands = abs(thing.aabb[0, 2] - watch.world.table.height) <= THRESHOLDS.height_m
     return None if stands and not bearers else f"{thing.id} does not stand on the table alone"
 
 
@@ -146,7 +127,7 @@ def _joint_complaint(goal: Goal, thing: SceneObject) -> str | None:
     model, part = thing.asset.model, str(goal.part)
     index = joint_index(model, part)
     share = float(joint_positions(model, thing.joints)[index]) / model.links[index].joint.far_end
-    enough = share <= CLOSED if goal.relation == "closed" else share >= OPENED
+    enough = share <= THRESHOLDS.closed_share if goal.relation == "closed" else share >= THRESHOLDS.opened_share
     state = "turned" if goal.relation == "turned" else "open"
     return None if enough else f"the {part_words(part)} of {thing.id} is {state} by {100 * share:.0f} %"
 
@@ -163,13 +144,13 @@ def place_complaint(subject: SceneObject, receptacle: SceneObject, point: Functi
     frame = receptacle.frame(point.id)
     local = frame.inverse().apply(subject.aabb.mean(axis=0))
     outside = np.abs(local[:2] - opening.centre) - np.asarray(opening.size) / 2
-    if np.any(outside > EDGE_TOLERANCE):
+    if np.any(outside > THRESHOLDS.edge_m):
         return f"{subject.id} is {100 * outside.max():.1f} cm outside {receptacle.id}"
     floor = frame.apply([*opening.centre, opening.floor])[2]
     above = subject.lowest - floor
-    limit = max(HEIGHT_TOLERANCE, opening.depth - RIM_MARGIN)
-    if not -HEIGHT_TOLERANCE <= above <= limit:
+    limit = max(THRESHOLDS.height_m, opening.depth - THRESHOLDS.rim_m)
+    if not -THRESHOLDS.height_m <= above <= limit:
         return f"{subject.id} is {100 * above:.1f} cm above the floor of {receptacle.id}"
-    if receptacle.pose.rotation()[2, 2] < np.cos(np.radians(10)):
+    if receptacle.pose.rotation()[2, 2] < np.cos(THRESHOLDS.upright_rad):
         return f"{receptacle.id} is tipped"
     return None

@@ -8,11 +8,11 @@ from vcage.apps.proof.trials import OBJECT, Tally, TrialPlaces, scene_object, wo
 from vcage.base.errors import InfeasibleScene, VcageError
 from vcage.base.geometry import Pose
 from vcage.objects.asset import Asset
+from vcage.plans.thresholds import THRESHOLDS
 from vcage.schema.asset import ContactPoint, MovingLink
 from vcage.schema.proof import ProofCheck
 from vcage.sim.world import PHYSICS_HZ, World
 from vcage.tasks.task import Task
-from vcage.tasks.truth import CLOSED, OPENED
 
 
 def check_joint(asset: Asset, link: MovingLink, places: TrialPlaces, tries: int, seed: int) -> ProofCheck:
@@ -50,16 +50,16 @@ def _try(asset: Asset, index: int, contact: ContactPoint, pose: Pose, places: Tr
         _operate(world, asset, contact, joint.far_end)
         if contact.use == "grasp":
             opened = watch.share(joint.far_end)
-            if opened < OPENED:
+            if opened < THRESHOLDS.opened_share:
                 return f"opened by {100 * opened:.0f} % only"
             _operate(world, asset, contact, 0.0)
     except VcageError as error:
         return error.message
-    if watch.furthest / abs(joint.far_end) < OPENED:
+    if watch.furthest / abs(joint.far_end) < THRESHOLDS.opened_share:
         return f"pressed by {100 * watch.furthest / abs(joint.far_end):.0f} % only"
     world.step(PHYSICS_HZ // 2)
     left = watch.share(joint.far_end)
-    return None if left < CLOSED else f"left open by {100 * left:.0f} %"
+    return None if left < THRESHOLDS.closed_share else f"left open by {100 * left:.0f} %"
 
 
 def _operate(world: World, asset: Asset, contact: ContactPoint, target: float) -> None:

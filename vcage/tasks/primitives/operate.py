@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from vcage.plans.thresholds import THRESHOLDS
 from vcage.schema.asset import ContactPoint
 from vcage.sim.arms import ArmControl
 from vcage.sim.bodies import Body
@@ -19,7 +20,6 @@ from vcage.tasks.grasps import command_of
 from vcage.tasks.primitives.handles import Handle, OperatingWay, operating_ways
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.touching import Allowance
-from vcage.tasks.truth import CLOSED
 from vcage.tasks.workcell import CAREFUL, TaskFailed, Workcell, first_reasons
 
 SLOW = 0.4
@@ -83,7 +83,7 @@ class Operation:
         self._own += along
         self._allowed = [Allowance("hand", frozenset([thing.id, *self._riding]))]
         # What counts as closed; of what is opened or pressed the truth allows more to be missing.
-        self._tolerance = CLOSED * (joint.upper - joint.lower)
+        self._tolerance = THRESHOLDS.closed_share * (joint.upper - joint.lower)
         width = thing.asset.grasp_width(contact)
         self._handle = Handle(contact, model, thing.pose, world.object_joints(thing.id), width)
 

@@ -1,0 +1,56 @@
+"""When a goal counts as true, and a thing as disturbed: the simulator's state is judged by it, and critics are told it.
+
+The gaps and the cone of ``beside``, ``near`` and the directions are those of :mod:`vcage.plans.relations`.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Thresholds:
+    """Limits of the goals' words.
+
+    Args:
+        edge_m: an object's centre may be this far outside the opening's rectangle.
+        rim_m: an object's bottom is this far below the rim of a deep opening: else it lies across it.
+        height_m: an object's bottom may be this far off the floor that carries it: it may lie on another content's
+            edge.
+        upright_rad: a receptacle that leans more is tipped.
+        borne_share: share of its weight that the table may bear of what lies in or on something.
+        back_m: what is nearer than this to where it stood is back there.
+        disturbed_m, tipped_rad: what was moved farther, or turned over by more than this, was disturbed.
+        opened_share: share of the range beyond which a joint counts as opened, pressed or turned.
+        closed_share: share of the range below which it counts as closed.
+        weighed_s, scanned_s, handed_s: how long an event must go on without a break.
+        still_m_per_s: what moves less than this lies still.
+        code_away_m, code_aside_m: a scanner reads a code that is at most this far before its window, and this far
+            beside the window's axis.
+        code_slant_rad: and turned away from the window by at most this.
+        shown_rad: largest angle between where the front of a thing faces and the customer, and between its axis and
+            upright.
+    """
+
+    edge_m: float = 0.005
+    rim_m: float = 0.005
+    height_m: float = 0.02
+    upright_rad: float = math.radians(10)
+    borne_share: float = 0.2
+    back_m: float = 0.02
+    disturbed_m: float = 0.05
+    tipped_rad: float = math.radians(30)
+    opened_share: float = 0.8
+    closed_share: float = 0.12
+    weighed_s: float = 1.0
+    scanned_s: float = 0.25
+    handed_s: float = 0.25
+    still_m_per_s: float = 0.01
+    code_away_m: float = 0.07
+    code_aside_m: float = 0.03
+    code_slant_rad: float = math.radians(30)
+    shown_rad: float = math.radians(25)
+
+
+THRESHOLDS = Thresholds()
