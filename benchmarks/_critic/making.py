@@ -151,7 +151,7 @@ class _Maker:
             update={"objects": [o.record.model_copy(update={"pose": PoseRecord.of(o.pose)}) for o in objects]}
         )
         look = light_look(self._scene, models, robot, rng)
-        self._photographer = Photographer(self._scene, models, robot, look)
+        self._photographer = Photographer(self._scene, models, robot, look, objects)
         self._empty = self._photographer.empty_table()
         ground = Ground.of(scene)
         slots = slots_for_chain([subtask], objects, robot, ground, rng)

@@ -71,7 +71,8 @@ class Chain:
         self._objects = {o.id: o for o in self._context.objects(self._scene)}
         self._robot, self._models = load_robot(self._scene.robot), self._context.physical_models(self._scene)
         look = light_look(self._scene, self._models, self._robot, np.random.default_rng(0))
-        self._photographer = Photographer(self._scene, self._models, self._robot, look)
+        objects = list(self._objects.values())
+        self._photographer = Photographer(self._scene, self._models, self._robot, look, objects)
         self._empty = self._photographer.empty_table()
 
     def carried_out(self, mode: Mode, critic: Critic, planted: Planted, retries: int, seed: int) -> Played:

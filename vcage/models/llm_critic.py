@@ -56,7 +56,7 @@ class LlmCritic:
         named = []
         for when in ("start", "before", "moment", "after"):
             shown = {name: view.picture for name, view in getattr(question, when).items()}
-            for by_camera in (shown, question.wrist.get(when, {})):
+            for by_camera in (shown, question.uncalibrated.get(when, {})):
                 named += [(f"{when}, camera {name}", by_camera[name]) for name in sorted(by_camera)]
         concerned = dict.fromkeys(name for goal in question.goals for name in (goal.subject, goal.reference))
         shown = [question.references[name] for name in concerned if name in question.references]

@@ -95,8 +95,9 @@ class CriticQuestion:
         moment: view by camera name while a part was touched, a code was before a scanner, two hands held a thing, or a
             thing came to lie on a scale.
         start: view by camera name at the start of the episode; only where something is put back.
-        wrist: pictures by camera name of the hands, by when: before and after of both, at the moment, or when what was
-            held was let go, of the one that did it.
+        uncalibrated: pictures by camera name, by when, of cameras that follow what they show: of the hands, before and
+            after of both, at the moment, or when what was held was let go, of the one that did it; and, at the moment
+            of a scan, of bar code and window.
         planned: where the layout put each object, which does not say what was done since.
         opened: parts that are open before and after, by the plan: by the object that they belong to.
         parts: names of the moving parts, by the object that has them.
@@ -119,7 +120,7 @@ class CriticQuestion:
     grasped: str | None = None
     moment: dict[str, View] = field(default_factory=dict)
     start: dict[str, View] = field(default_factory=dict)
-    wrist: dict[str, dict[str, np.ndarray]] = field(default_factory=dict)
+    uncalibrated: dict[str, dict[str, np.ndarray]] = field(default_factory=dict)
     planned: Mapping[str, Pose] = field(default_factory=dict)
     opened: Mapping[str, Sequence[str]] = field(default_factory=dict)
     parts: Mapping[str, Sequence[str]] = field(default_factory=dict)

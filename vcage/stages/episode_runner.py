@@ -158,7 +158,7 @@ class EpisodeRunner:
         look = draw_look(self._ranges.look, start.scene, start.models, self._robot, rng)
         drawn = Drawn(ranges=self._ranges.name, look=look, world=start.world)
         seen = look if self._mild else light_look(start.scene, start.models, self._robot, rng)
-        photographer = Photographer(start.scene, start.models, self._robot, seen)
+        photographer = Photographer(start.scene, start.models, self._robot, seen, list(start.objects.values()))
         background = photographer.empty_table()
         write_picture(folder / background_name(index), background)
         setting = Setting(

@@ -16,7 +16,9 @@ from vcage.sim.cameras import robot_cameras, shoot
 from vcage.sim.looks import draw_look, look_world
 from vcage.sim.robots import load_randomisation
 from vcage.sim.state import WorldState
+from vcage.stages.close_ups import scan_cameras
 from vcage.stages.question import AT_THE_MOMENT, TOP, cameras
+from vcage.tasks.scene_objects import SceneObject
 
 
 def light_look(scene: Scene, models: Mapping[str, PhysicalModel], robot: Robot, rng: np.random.Generator) -> Look:
@@ -37,17 +39,25 @@ class Photographer:
         models: of its objects, by id.
         robot: that stands at the table.
         look: light, table top and surroundings.
+        objects: of the scene, whose bar codes and windows are looked at closely while one is scanned.
 
     Attributes:
         world: in which the states are drawn; nothing moves there by itself.
     """
 
-    def __init__(self, scene: Scene, models: Mapping[str, PhysicalModel], robot: Robot, look: Look):
+    def __init__(
+        self,
+        scene: Scene,
+        models: Mapping[str, PhysicalModel],
+        robot: Robot,
+        look: Look,
+        objects: Sequence[SceneObject],
+    ):
         self.world = look_world(scene, models, robot, look)
-        self._scene, self._robot = scene, robot
+        self._scene, self._robot, self._objects = scene, robot, objects
 
     def shots(self, state: WorldState, goals: Sequence[Goal] = (), arm: str | None = None) -> dict[str, np.ndarray]:
-        """(H, W, 3) uint8 RGB pictures by camera: those that tell some goals, and wrist cameras.
+        """(H, W, 3) uint8 RGB pictures by camera: those that tell some goals, wrist cameras, and of a scan close ones.
 
         Args:
             state: that is shown.
@@ -60,6 +70,9 @@ class Photographer:
         of_robot = robot_cameras(self.world)
         arms = {name: self._robot.cameras[name].arm for name in of_robot}
         taken_by |= {name: c for name, c in of_robot.items() if arms[name] and arm in (None, arms[name])}
+        for goal in goals if arm is not None else ():
+            if goal.relation == "scanned":
+                taken_by |= scan_cameras(self.world, self._objects, goal.subject)
         return {name: shoot(self.world, camera) for name, camera in taken_by.items()}
 
     def empty_table(self) -> np.ndarray:

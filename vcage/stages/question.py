@@ -156,7 +156,7 @@ def _question(context: StageContext, scene: Scene, asking: Asking) -> CriticQues
         after=views("after"),
         moment=views("moment"),
         start=views("start"),
-        wrist={when: {name: p for name, p in by.items() if name not in taken_by} for when, by in seen.items()},
+        uncalibrated={when: {n: p for n, p in by.items() if n not in taken_by} for when, by in seen.items()},
         references={o.id: context.look(o, opened.get(o.id, ())) for o in scene.objects},
         planned={o.id: o.pose.pose() for o in scene.objects},
         opened=opened,
