@@ -80,8 +80,10 @@ class Says:
 
     def __init__(self, accepted: bool):
         self._accepted = accepted
+        self.asked = 0
 
     def judge(self, _question: object) -> Verdict:
+        self.asked += 1
         return Verdict(accepted=self._accepted, reason="it always says so", confidence=0.6, provider=self.provider)
 
 
@@ -112,9 +114,35 @@ def write_log(run: RunFolder, attempts: Sequence[Attempt]) -> None:
     seal(Episodes.read(run.episodes), run.episodes)
 
 
-def judged_by(critic: Says, run: RunFolder, finished: Finished, monkeypatch: pytest.MonkeyPatch) -> Verdicts:
+def judged_by(
+    critic: Says, run: RunFolder, finished: Finished, monkeypatch: pytest.MonkeyPatch, refused: bool = True
+) -> Verdicts:
     monkeypatch.setattr(finished.context, "models", replace(finished.context.models, critic=critic))
-    return verify.execute(run, OPTIONS, finished.context).record
+    return verify.execute(run, replace(OPTIONS, refused=refused), finished.context).record
+
+
+def test_nothing_is_asked_about_attempts_that_were_not_accepted(run, finished, monkeypatch):
+    critic = Says(True)
+    record = judged_by(critic, run, finished, monkeypatch, refused=False)
+    steps = len(Episodes.read(run.episodes).episodes[0].subtasks)
+    assert critic.asked == record.critic.judged == record.earlier_critic.judged == steps
+    assert record.differences == [] and record.not_kept == 0
+
+
+def test_nothing_is_asked_about_an_episode_that_was_rejected(run, finished, monkeypatch):
+    collected = Episodes.read(run.episodes)
+    rejected = [e.model_copy(update={"accepted": False, "file": None}) for e in collected.episodes]
+    collected.model_copy(update={"episodes": rejected}).write(run.episodes)
+    seal(Episodes.read(run.episodes), run.episodes)
+    critic = Says(True)
+    record = judged_by(critic, run, finished, monkeypatch, refused=False)
+    assert (critic.asked, record.episodes, record.critic.judged) == (0, {}, 0)
+
+
+def test_who_wants_the_refused_attempts_as_well_is_told_that_it_is_finished_without(run, finished, monkeypatch):
+    judged_by(Says(True), run, finished, monkeypatch, refused=False)
+    with pytest.raises(StaleStage, match="refused"):
+        judged_by(Says(True), run, finished, monkeypatch, refused=True)
 
 
 def test_a_second_critic_that_says_no_differs_where_the_first_said_yes(run, finished, monkeypatch):
@@ -184,7 +212,7 @@ def test_a_model_behind_an_endpoint_is_compared_by_the_command(run, monkeypatch,
         monkeypatch.setenv("VCAGE_GEMINI_API_KEY", server.key)
         monkeypatch.setenv("VCAGE_GEMINI_BASE_URL", server.url)
         server.queue(*[text_answer(json.dumps(no))] * len(attempts))
-        told = command(capsys, "verify", "--run", run.root, "--models", "gemini").record["summary"]
+        told = command(capsys, "verify", "--run", run.root, "--models", "gemini", "--refused").record["summary"]
     asked = {attempt.verdict.question for attempt in attempts if attempt.verdict}
     assert len(server.requests) == len(asked), "of the same pictures it is asked once"
     assert told["critic"]["recall"] == {"some": 0, "of": len(attempts) - 1, "share": 0.0, "low": 0.0} | {

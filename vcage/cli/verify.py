@@ -23,12 +23,13 @@ PICTURE = arg(metavar="PNG")
 class Verify(StageCommand[verify.Options], Command):
     """Judge by looking whether sub-tasks were done: all that was collected again, or one pair of pictures.
 
-    Reads episodes/, with the pictures of refused attempts. Writes verify/verdicts.json: verdicts of the accepted
-    episodes, precision and recall of this critic and of the one that collected (n and interval at 95 %), and where the
-    two differ, each with a picture in verify/differences/. With --before and --after only answers.
+    Reads episodes/. Writes verify/verdicts.json: verdicts of the accepted episodes, precision and recall of this critic
+    and of the one that collected (n and interval at 95 %), and where the two differ, each with a picture in
+    verify/differences/. Attempts that were not accepted are judged with --refused alone. With --before and --after only
+    answers.
 
     examples:
-      vcage verify --run runs/stationery --models gemini --force
+      vcage verify --run runs/stationery --models gemini --refused --force
       vcage verify --run runs/stationery --subtask marker_black-into-packaging_box --before a.png --after b.png
     """
 

@@ -246,7 +246,7 @@ class Verdicts(StageDocument):
     taken_over: int = Field(
         default=0, ge=0, description="verdicts of the collection that the same critic had given on the same question"
     )
-    critic: CriticCounts = Field(description="this critic, over all attempts of which pictures and truth are kept")
+    critic: CriticCounts = Field(description="this critic, over the attempts that it judged of which truth is kept")
     earlier_critic: CriticCounts = Field(description="the critic that collected, over the same attempts")
     not_kept: int = Field(ge=0, description="attempts judged while collecting that have no pictures or truth any more")
     differences: list[Difference] = Field(description="where the two say otherwise, in the order of the attempts")

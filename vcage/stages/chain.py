@@ -49,7 +49,13 @@ STAGES: dict[str, Stage] = {
 
 @dataclass(frozen=True, kw_only=True)
 class ChainOptions(
-    select_place.Options, inpaint_plan.Options, match.Options, optimize.Options, collect.Options, compress.Options
+    select_place.Options,
+    inpaint_plan.Options,
+    match.Options,
+    optimize.Options,
+    collect.Options,
+    verify.Options,
+    compress.Options,
 ):
     """Options of every stage at once but export, whose codec would have the name of the compression's.
 

@@ -13,6 +13,7 @@ import numpy as np
 
 from vcage.base.errors import AnswerNeeded, InputFileError, MissingStage, StaleStage, UnknownName
 from vcage.base.files import RunFolder
+from vcage.base.options import Flag
 from vcage.base.pictures import read_picture, write_picture
 from vcage.base.progress import Progress, silent
 from vcage.schema.base import Provenance
@@ -37,8 +38,13 @@ _NAMED = re.compile(r"-(before|after|moment|start)-(\w+)\.png$")
 DECIDED = tuple(("episodes", "*", "*", said) for said in ("accepted", "reason", "confidence"))
 """What a hand may say of verdicts; all else was seen, or counted."""
 
-Options = ModelOptions
-"""The stage has no options of its own."""
+
+@dataclass(frozen=True, kw_only=True)
+class Options(ModelOptions):
+    """Who judges, and what."""
+
+    refused: Flag = False
+    """judge the attempts that were not accepted, too, of which pictures are kept: to compare two critics"""
 
 
 def job(run: RunFolder, options: Options, context: StageContext) -> Job:
@@ -48,6 +54,7 @@ def job(run: RunFolder, options: Options, context: StageContext) -> Job:
         output=run.verdicts,
         inputs=[run.layout, run.subtasks, run.episodes, log_path(run.episodes.parent)],
         seed=stage_seed(run, options.seed),
+        options={"refused": True} if options.refused else {},
         providers=context.models.providers("critic"),
     )
 
@@ -69,8 +76,9 @@ def summary(record: Verdicts) -> dict[str, Any]:
 def execute(
     run: RunFolder, options: Options, context: StageContext, progress: Progress = silent
 ) -> StageResult[Verdicts]:
-    """Write ``verify/verdicts.json``: a verdict on every attempt of which pictures are kept, and both critics counted.
+    """Write ``verify/verdicts.json``: a verdict on every sub-task of the accepted episodes, and both critics counted.
 
+    With ``refused`` also on every other attempt of which pictures and truth are kept; else these are not asked about.
     What the same critic said of the same pictures while they were collected is taken over, unless ``force`` asks for it
     to look again; and what was decided by hand stays decided where there are other episodes by now. Where the two
     critics differ, a picture in ``verify/differences`` shows what they looked at.
@@ -85,7 +93,7 @@ def execute(
             then.providers.get("critic"),
         )
         judge = _Judge(run, context, take_over=same_critic and not options.force)
-        return _decided(earlier, _judged(run, judge, folder, provenance, progress))
+        return _decided(earlier, _judged(run, judge, folder, provenance, progress, refused=options.refused))
 
     return stage.do(Verdicts, make, force=options.force or earlier is not None)
 
@@ -133,14 +141,19 @@ def _named(episode: Episode) -> str:
     return episode.file or f"episode {episode.index}"
 
 
-def _judged(run: RunFolder, judge: _Judge, folder: Path, provenance: Provenance, progress: Progress) -> Verdicts:
-    """Judge every verified sub-task, without whose pictures there is an error, and every other attempt that can be."""
+def _judged(
+    run: RunFolder, judge: _Judge, folder: Path, provenance: Provenance, progress: Progress, *, refused: bool
+) -> Verdicts:
+    """Judge every sub-task of the accepted episodes, without whose pictures there is an error; with ``refused`` also
+    every other attempt that can be judged."""
     collected = Episodes.read(run.episodes)
     accepted = [episode for episode in collected.episodes if episode.accepted]
     steps = [_Question(e.index, *step) for e in accepted for step in judged_steps(run, e)]
-    tried = [(a, _Question(a.episode, a.subtask, a.verdict)) for a in read_log(run.episodes.parent) if a.verdict]
+    verified = {question.pictures for question in steps}
+    judged = [(a, _Question(a.episode, a.subtask, a.verdict)) for a in read_log(run.episodes.parent) if a.verdict]
+    tried = [(attempt, question) for attempt, question in judged if refused or question.pictures in verified]
     kept = [(attempt, question) for attempt, question in tried if attempt.truth and judge.sees(question)]
-    if not kept:
+    if tried and not kept:
         logger.warning(
             "verify: of none of %d judged attempts are pictures and truth kept: nothing to count", len(tried)
         )
