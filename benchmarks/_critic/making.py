@@ -8,7 +8,7 @@ import zlib
 from collections import Counter
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import replace
-from functools import lru_cache
+from functools import lru_cache, partial
 from pathlib import Path
 
 import numpy as np
@@ -77,7 +77,8 @@ def _made(draw: Draw, scene: Scene, folder: Path, context: StageContext, rng: np
     objects = context.objects(scene)
     own = {asked.goal for asked in scene.goals}
     asked = own | _asked(objects, sorted(load_robot(scene.robot).arms), rng)
-    arms, judge = context.kinematics(scene.robot), context.models.reasoner.judge_pairs
+    arms = context.kinematics(scene.robot)
+    judge = partial(context.models.reasoner.judge_pairs, instruction=scene.instruction)
     kept = find_subtasks(objects, arms, judge, Ground.of(scene), rng, asked).kept
     used: Counter[str] = Counter()
     assets = {o.id: o.record.asset for o in objects}

@@ -134,25 +134,22 @@ class LlmReasoner:
         prompt = prompts.fill("plan_layout", scene=scene, entries={entry.name: entry for entry in catalogue})
         return _plan(self._ask(prompt, answer, lambda a: _plan_complaints(a, check)))
 
-    def judge_pairs(self, questions: Sequence[PairQuestion]) -> list[PairAnswer]:
-        """One answer per question, asked in batches."""
-        answers: list[PairAnswer] = []
-        for start in range(0, len(questions), PAIRS_PER_CALL):
-            answers += self._judge_batch(questions[start : start + PAIRS_PER_CALL])
-        return answers
-
-    def _judge_batch(self, questions: Sequence[PairQuestion]) -> list[PairAnswer]:
-        prompt = prompts.fill("judge_pairs", questions=list(questions))
-        found = self._ask(prompt, _PairsAnswer, lambda a: _pair_complaints(a.pairs, len(questions)))
+    def judge_pairs(self, questions: Sequence[PairQuestion], instruction: str | None = None) -> list[PairAnswer]:
+        """One answer per question; pairs that look and measure the same are asked about once, in batches."""
+        different = list({_looks(question): question for question in questions}.values())
+        judged: dict[tuple[object, ...], _JudgedPair] = {}
+        for start in range(0, len(different), PAIRS_PER_CALL):
+            batch = different[start : start + PAIRS_PER_CALL]
+            judged |= zip(map(_looks, batch), self._judge_batch(batch, instruction), strict=True)
+        found = [(question, judged[_looks(question)]) for question in questions]
         return [
-            PairAnswer(
-                object=question.object,
-                receptacle=question.receptacle,
-                sensible=pair.sensible,
-                reason=pair.reason,
-            )
-            for question, pair in zip(questions, found.pairs, strict=True)
+            PairAnswer(object=q.object, receptacle=q.receptacle, sensible=pair.sensible, reason=pair.reason)
+            for q, pair in found
         ]
+
+    def _judge_batch(self, questions: Sequence[PairQuestion], instruction: str | None) -> list[_JudgedPair]:
+        prompt = prompts.fill("judge_pairs", questions=list(questions), instruction=instruction)
+        return self._ask(prompt, _PairsAnswer, lambda a: _pair_complaints(a.pairs, len(questions))).pairs
 
     def read_goals(self, instruction: str, things: Mapping[str, CatalogueEntry], lying: Mapping[str, str]) -> Reading:
         """The model's reading; goals name objects and parts of the scene only, and words of the instruction."""
@@ -203,6 +200,11 @@ def _plan_complaints(answer: _LayoutAnswer, check: PlanCheck) -> list[str]:
 
 def _plan(answer: _LayoutAnswer) -> LayoutPlan:
     return LayoutPlan(text=answer.text, relations=[Relation(**r.model_dump()) for r in answer.relations])
+
+
+def _looks(question: PairQuestion) -> tuple[object, ...]:
+    """All that a model is told of a pair: two pairs that are alike in it get one answer."""
+    return tuple(value for name, value in question if name not in ("object", "receptacle"))
 
 
 def _pair_complaints(pairs: Sequence[_JudgedPair], count: int) -> list[str]:

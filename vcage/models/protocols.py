@@ -163,8 +163,13 @@ class Reasoner(Protocol):
         """
         ...
 
-    def judge_pairs(self, questions: Sequence[PairQuestion]) -> list[PairAnswer]:
-        """Whether each object can sensibly be put in or on each receptacle; one answer per question, in order."""
+    def judge_pairs(self, questions: Sequence[PairQuestion], instruction: str | None = None) -> list[PairAnswer]:
+        """Whether each object can sensibly be put in or on each receptacle; one answer per question, in order.
+
+        Args:
+            questions: in any number.
+            instruction: what the robot is asked for in the scene, where it is asked for something.
+        """
         ...
 
     def read_goals(self, instruction: str, things: Mapping[str, CatalogueEntry], lying: Mapping[str, str]) -> Reading:

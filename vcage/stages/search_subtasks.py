@@ -11,6 +11,7 @@ examples:
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -77,7 +78,8 @@ def execute(
         asked = {asked.goal for asked in scene.goals}
         arms = context.kinematics(scene.robot)
         ground = Ground.of(scene)
-        found = find_subtasks(objects, arms, reasoner.judge_pairs, ground, rng, asked)
+        judge = partial(reasoner.judge_pairs, instruction=scene.instruction)
+        found = find_subtasks(objects, arms, judge, ground, rng, asked)
         chains = compose(scene, objects, found.kept, found.refused)
         by_id = {subtask.id: subtask for subtask in found.kept}
         for chain in chains if scene.goals else ():  # what is alone has been proven by the search

@@ -46,8 +46,8 @@ class OfflineReasoner:
         plan = plan_layout if scene.instruction is not None else plan_scene
         return _drawn("layout plan", lambda: plan(scene, catalogue, rng), check)
 
-    def judge_pairs(self, questions: Sequence[PairQuestion]) -> list[PairAnswer]:
-        """See :func:`vcage.models.rules.pairs.judge_object_and_place`."""
+    def judge_pairs(self, questions: Sequence[PairQuestion], instruction: str | None = None) -> list[PairAnswer]:
+        """See :func:`vcage.models.rules.pairs.judge_object_and_place`; the instruction changes nothing."""
         return [judge_object_and_place(question) for question in questions]
 
     def read_goals(self, instruction: str, things: Mapping[str, CatalogueEntry], lying: Mapping[str, str]) -> Reading:
