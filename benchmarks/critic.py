@@ -6,7 +6,9 @@ sentences`` runs whole. They are drawn until there are twenty successes and as m
 sub-tasks, or too many have been drawn; what is missing then is said. The critic is shown what it is shown while data
 is collected. Half of the kinds of objects and two of the scenes (``untouched``) are never looked at while the offline
 critic is tuned. Precision and recall stand with the lower end of their Wilson interval (95 %). ``--keep`` leaves the
-outcomes in a folder, for other critics; ``--pictures`` reads such a folder.
+outcomes in a folder, for other critics; ``--pictures`` reads such a folder. Its folders and files have neutral names,
+numbers drawn from the seed, and ``outcomes.json`` lists only what is asked: what is true of each stands in
+``truth.json`` alone, so a judge that does not open that is blind.
 """
 
 from __future__ import annotations
@@ -54,7 +56,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--robot", default="dual_panda", help="which one")
     parser.add_argument("--part", choices=PARTS, default="all", help="which outcomes are made")
     parser.add_argument("--first", type=int, default=0, help="seed of the first draw of each scene")
-    parser.add_argument("--keep", type=Path, metavar="DIR", help="leave the outcomes there")
+    parser.add_argument(
+        "--keep",
+        type=Path,
+        metavar="DIR",
+        help="leave the outcomes there, with what is true of them in truth.json alone",
+    )
     parser.add_argument("--pictures", type=Path, metavar="DIR", help="judge the outcomes that lie there")
     parser.add_argument("--workers", type=int, default=cores(), help="processes")
 
@@ -94,7 +101,7 @@ def run(
     judged.sort(key=lambda one: one.record.id)
     for one in judged:
         if one.wrong:
-            logger.info("%s: %s", one.record.id, one.told)
+            logger.info("%s (%s): %s", one.record.id, one.record.name, one.told)
     return figures(judged, models)
 
 

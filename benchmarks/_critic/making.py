@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks._critic.kinds import FAILURES, RELATED
-from benchmarks._critic.outcome import SUCCESS, Outcome, OutcomeRecord, picture_paths
+from benchmarks._critic.outcome import SUCCESS, Outcome, OutcomeRecord, neutral_id, picture_paths
 from benchmarks._critic.played import Case, Shots
 from benchmarks._critic.scenes import UNTOUCHED_SCENES, Draw, part_of, settings
 from benchmarks._critic.ugly import UGLY
@@ -219,9 +219,11 @@ class _Maker:
         seen = self._seen(shots, asked.goals)
         name = f"{self._name}-{kind.replace(' ', '_')}"
         asset = self._case.objects[subtask.object].record.asset
+        number = neutral_id(name, self._draw.seed)
         record = OutcomeRecord(
-            id=name,
-            scene=f"{self._name}/scene.json",
+            id=number,
+            name=name,
+            scene=f"{number}/scene.json",
             setting=self._draw.scene,
             part=part_of(self._draw.scene, asset),
             template=asked.template,
@@ -233,8 +235,8 @@ class _Maker:
             success=shots.truth.success,
             reason=shots.truth.reason,
             kind=kind,
-            pictures=picture_paths(name, seen),
-            empty=f"{self._name}/empty.png",
+            pictures=picture_paths(number, seen),
+            empty=f"{number}/empty.png",
         )
         return Outcome(record, self._planned, seen, self._empty)
 

@@ -11,7 +11,17 @@ import pytest
 from benchmarks import critic
 from benchmarks._critic.kinds import FAILURES
 from benchmarks._critic.making import outcomes
-from benchmarks._critic.outcome import Outcome, OutcomeRecord, read_outcomes
+from benchmarks._critic.outcome import (
+    SUCCESS,
+    Outcome,
+    OutcomeQuestion,
+    OutcomeRecord,
+    OutcomeTruth,
+    OutcomeTruths,
+    neutral_id,
+    read_outcomes,
+    write_list,
+)
 from benchmarks._critic.scenes import SCENES, UNTOUCHED_SCENES, Draw, part_of, settings
 from benchmarks._sentences.sources import by_template, sentences, slug
 from benchmarks.critic import Judged, figures, make
@@ -25,7 +35,8 @@ def judged(
     success: bool, accepted: bool, kind: str = "success", part: str = "tuning", confidence: float = 0.9
 ) -> Judged:
     record = OutcomeRecord(
-        id="x", scene="s.json", setting="kitchen", part=part, template="place", text="Put it there.", goals=[GOAL],
+        id="1", name="x", scene="s.json",
+        setting="kitchen", part=part, template="place", text="Put it there.", goals=[GOAL],
         asset="cup", success=success, reason="because", kind=kind, pictures={}, empty="e.png",
     )  # fmt: skip
     return Judged(record, accepted, confidence, "seen", 1.0)
@@ -85,6 +96,31 @@ def test_a_folder_without_a_list_is_named(tmp_path: Path) -> None:
         next(read_outcomes(tmp_path))
 
 
+def test_what_is_true_stands_in_a_file_apart(tmp_path: Path) -> None:
+    record = judged(False, True, kind="beside").record.model_copy(update={"reason": "it lies beside the tray"})
+    write_list([record], tmp_path)
+    asked, truth = ((tmp_path / name).read_text() for name in ("outcomes.json", "truth.json"))
+    assert json.loads(truth)["truths"]["1"]["reason"] == "it lies beside the tray"
+    assert set(json.loads(asked)["outcomes"][0]) == set(OutcomeQuestion.model_fields)
+    assert not {*OutcomeTruth.model_fields} & {*OutcomeQuestion.model_fields}
+
+
+def test_a_folder_whose_truth_was_moved_away_names_what_is_missing(tmp_path: Path) -> None:
+    write_list([judged(True, True).record], tmp_path)
+    (tmp_path / "truth.json").write_text(OutcomeTruths(truths={}).model_dump_json(by_alias=True))
+    with pytest.raises(InputFileError, match=r"truth\.json says nothing of 1"):
+        next(read_outcomes(tmp_path))
+    (tmp_path / "truth.json").unlink()
+    with pytest.raises(InputFileError, match=r"truth\.json does not exist"):
+        next(read_outcomes(tmp_path))
+
+
+def test_a_number_names_an_outcome_and_follows_from_seed_and_name() -> None:
+    numbers = {neutral_id(f"kitchen-000-{n:02d}-{kind}", seed) for n in range(9) for kind in "ab" for seed in (0, 1)}
+    assert len(numbers) == 36 and all(len(n) == 12 and n.isdigit() for n in numbers)
+    assert neutral_id("kitchen-000-00-a", 0) in numbers
+
+
 @pytest.mark.slow
 def test_outcomes_are_made_physically_and_read_as_they_were_written(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -107,5 +143,8 @@ def test_outcomes_are_made_physically_and_read_as_they_were_written(
         again = made[outcome.record.id]
         assert outcome.record == again.record
         assert all(np.array_equal(p, again.seen[w][c]) for w, by in outcome.seen.items() for c, p in by.items())
-    assert json.loads((tmp_path / "outcomes.json").read_text())["schema"] == "vcage.benchmarks.outcomes/1"
-    assert "Truth is for counting alone" in (tmp_path / "README.md").read_text()
+    assert json.loads((tmp_path / "outcomes.json").read_text())["schema"] == "vcage.benchmarks.outcomes/2"
+    assert "It is for counting alone" in " ".join((tmp_path / "README.md").read_text().split())
+    names = " ".join(str(path.relative_to(tmp_path)) for path in tmp_path.rglob("*"))
+    words = {SUCCESS, "cabinet", *(word for o in made.values() for word in o.record.kind.split() if len(word) > 3)}
+    assert not [word for word in words if word in names], "names tell nothing"

@@ -19,7 +19,8 @@ GIVES = {"blocks": ("stack",), "kitchen": tuple(name for name in TEMPLATES if na
 
 def outcome(template: str, success: bool, setting: str) -> OutcomeRecord:
     return OutcomeRecord(
-        id="x", scene="s.json", setting=setting, part="tuning", template=template, text="Put it there.", goals=[],
+        id="1", name="x", scene="s.json",
+        setting=setting, part="tuning", template=template, text="Put it there.", goals=[],
         asset="cup", success=success, reason="because", kind="success", pictures={}, empty="e.png",
     )  # fmt: skip
 
