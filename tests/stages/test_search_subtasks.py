@@ -56,3 +56,17 @@ def test_a_layout_of_another_version_is_refused_by_name(finished, tmp_path):
     write_json(run.layout, {**read_json(run.layout), "schema": "vcage.scene/0"})
     with pytest.raises(SchemaMismatch, match=r"vcage\.scene/0.*expected 'vcage\.scene/1'"):
         search_subtasks.execute(run, OPTIONS, finished.context)
+
+
+def test_who_judges_pairs_is_shown_the_instruction(finished, tmp_path, monkeypatch):
+    run = copied(finished.run, tmp_path / "run", before="search_subtasks")
+    reasoner, shown = finished.context.models.reasoner, []
+    judge = reasoner.judge_pairs
+
+    def noted(questions, instruction=None):
+        shown.append(instruction)
+        return judge(questions, instruction)
+
+    monkeypatch.setattr(reasoner, "judge_pairs", noted, raising=False)
+    search_subtasks.execute(run, OPTIONS, finished.context)
+    assert shown == [OPTIONS.instruction]
