@@ -94,9 +94,12 @@ class _Option:
 
     def is_said_by(self, words: Sequence[str]) -> bool:
         """Check that words, which may come from a file of others, give this option and no other."""
+        if UseAppendAction in self.marks:
+            names, values = words[::2], words[1::2]
+            return set(names) == {f"--{self.name}"} and len(names) == len(values) and not any(map(_is_option, values))
         said = words if self.is_positional else words[1:]
         ours = self.is_positional or words[:1] in ([f"--{self.name}"], [f"--no-{self.name}"])
-        return ours and not any(word.startswith("--") for word in said)
+        return ours and not any(map(_is_option, said))
 
     def words(self) -> list[str]:
         """As a command line says it."""
@@ -112,6 +115,10 @@ class _Option:
             return [str(self.value.expanduser().absolute())]
         kinds = [mark for mark in self.marks if isinstance(mark, PrimitiveConstructorSpec)]
         return [str(self.value)] if not kinds else list(kinds[0].str_from_instance(self.value))
+
+
+def _is_option(word: str) -> bool:
+    return word.startswith("--")
 
 
 def options_of(record: Any, within: str = "") -> Iterator[_Option]:

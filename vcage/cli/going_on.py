@@ -93,5 +93,7 @@ def name_stage(error: VcageError, run: RunFolder) -> None:
     folder = next(folder for folder, stage in PRODUCERS.items() if stage == error.maker)
     if (run.root / folder).is_dir():
         error.offer(f"make it again: {stage_command(error.maker, run)} --force")
-    elif error.maker != "select_place" or "instruction" in _given(run):  # which must be told what to do
+    elif (
+        error.maker != "select_place" or {"instruction", "goals"} & _given(run).keys()
+    ):  # which must be told what to do
         error.command = stage_command(error.maker, run)

@@ -61,6 +61,7 @@ class ChainOptions(
 
     Example:
         >>> ChainOptions(instruction="Put the blocks on the plate", models="offline", episodes=10)
+        >>> ChainOptions(goals=("marker inside packaging_box", "then rubber_eraser inside packaging_box"))
         >>> ChainOptions(template="office_desk", all_subtasks=True)
     """
 
@@ -68,22 +69,24 @@ class ChainOptions(
     """build the scene of its template, without an instruction, and run every sub-task that it has, each by itself"""
 
     def require_possible(self) -> None:
-        """Nothing if there is either an instruction or the wish for every sub-task of a scene, and ranges to draw from.
+        """Nothing if there is either a task (an instruction or goals) or the wish for every sub-task of a scene, and
+        ranges to draw from.
 
         Raises:
             UsageError: there is neither, or both; says the way out.
             UnknownName, MissingStage, InputFileError: there are no such ranges, or they are not possible.
         """
         required_ranges(self.randomise, self.layout)
-        if self.instruction is None and not self.all_subtasks:
+        has_task = self.instruction is not None or bool(self.goals)
+        if not has_task and not self.all_subtasks:
             raise UsageError(
                 "there is no instruction",
                 hint='give one in quotes: "Put the blocks on the plate", or --scene office_desk --all-subtasks',
             )
-        if self.instruction is not None and self.all_subtasks:
+        if has_task and self.all_subtasks:
             raise UsageError(
-                "an instruction says itself what is to be done, not every sub-task of the scene",
-                hint="leave out the instruction, or --all-subtasks",
+                "an instruction says itself what is to be done, and so do goals; not every sub-task of the scene",
+                hint="leave out the instruction and --goal, or --all-subtasks",
             )
 
 

@@ -49,7 +49,7 @@ def choose(instruction: str | None, template: SceneTemplate, context: StageConte
     reading = None
     if instruction is not None:
         lying = {o.id: o.starts_in for o in objects if o.starts_in is not None}
-        reading = context.models.reasoner.read_goals(instruction, _kinds(objects, context), lying)
+        reading = context.models.reasoner.read_goals(instruction, entries_of(objects, context), lying)
     return Chosen(objects, reading, [*selection.notes, *crowded])
 
 
@@ -63,7 +63,7 @@ def _selection(
     return context.models.reasoner.select_assets(instruction, context.catalogue, rng, check)
 
 
-def _kinds(objects: Sequence[NamedObject], context: StageContext) -> dict[str, CatalogueEntry]:
+def entries_of(objects: Sequence[NamedObject], context: StageContext) -> dict[str, CatalogueEntry]:
     """The catalogue's entry of each object, with no other look than its own, by its id."""
     entries = {entry.name: entry for entry in context.catalogue}
     return {

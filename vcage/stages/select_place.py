@@ -7,6 +7,18 @@ examples:
   vcage select-place "Put the blocks on the plate" --out runs/blocks --seed 7 --force
   vcage select-place --scene office_desk --out runs/office
   vcage select-place "Put the apple into the bowl" --robot dual_panda --out runs/apple
+  vcage select-place --goal "marker inside packaging_box" --goal "then sponge inside packaging_box" --out runs/told
+
+Goals can be told in place of an instruction. Nothing is read then, and no reasoner is asked:
+  SUBJECT inside|on REFERENCE[/PART]                  marker inside cabinet_one_drawer/drawer; apple on table
+  SUBJECT left_of|right_of|in_front_of|behind|beside|near REFERENCE
+  SUBJECT/PART open|closed|pressed|turned             lidded_box/lid closed
+  SUBJECT scanned|weighed|presented|back              back: where it stood at the start
+  SUBJECT handed left|right                           the arm that has it then
+Any but the last may end with: with the left|right arm. A goal that begins with "then" comes after those before it.
+A name is a kind (marker), a kind and look (marker/red), or an id of the scene (marker_red, marker_red_2).
+Without an instruction, the scene's is the plain sentence that asks for the goals; one that is given must not say
+otherwise.
 """
 
 from __future__ import annotations
@@ -18,11 +30,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
 
-from tyro.conf import Positional, arg
+from tyro.conf import Positional, UseAppendAction, arg
 
 from vcage.base.errors import UsageError
 from vcage.base.files import RunFolder
-from vcage.base.options import UNSAID
+from vcage.base.options import UNSAID, value
 from vcage.base.progress import Progress, silent
 from vcage.schema.base import Provenance
 from vcage.schema.scene import Scene, SceneTemplate
@@ -33,6 +45,8 @@ from vcage.stages.edits import written_record
 from vcage.stages.placed_scene import photograph, place_until_stable
 from vcage.stages.possible import edited_scene
 from vcage.stages.stage import Job, ModelOptions, StageResult
+from vcage.stages.told_goals import Told
+from vcage.stages.told_scene import choose_told
 from vcage.tasks.search import require_way
 
 logger = logging.getLogger(__name__)
@@ -49,28 +63,46 @@ class Options(ModelOptions):
     """the task in plain language, in quotes; without one, the objects are those that belong to the scene template"""
     template: Annotated[str, arg(name="scene", metavar="TEMPLATE")] = "table"
     """the scene template"""
+    goals: Annotated[tuple[Annotated[str, value(str, "GOAL")], ...], UseAppendAction, arg(name="goal"), UNSAID] = ()
+    """what shall be true, as in "marker/red inside packaging_box", or after what is told before it, "then …"; may be
+    repeated"""
+    starts: Annotated[tuple[Annotated[str, value(str, "GOAL")], ...], UseAppendAction, arg(name="start"), UNSAID] = ()
+    """what must be true at the start of every episode, as in "banana inside pot" or "plate/white left_of plate/blue";
+    of the table it may be center, left_of, right_of, in_front_of or behind, its middle or outer third; may be repeated
+    """
+    objects: Annotated[str | None, arg(metavar="OBJECTS"), UNSAID] = None
+    """what stands there, as in "marker/red, packaging_box, 2 apple" (default: what the goals name, one of each, and the
+    scanner or scale that they need)"""
     robot: Annotated[str | None, arg(metavar="ROBOT"), UNSAID] = None
     """the robot (default: that of the scene template); ``vcage robots list`` says which"""
+
+    def told(self) -> Told | None:
+        """The goals that are told, with all that belongs to them; None where there are none."""
+        return Told.of(self.goals, self.starts, self.objects)
 
 
 def job(run: RunFolder, options: Options, context: StageContext) -> Job:
     """What the stage has to do.
 
     Raises:
-        UsageError: the instruction is empty, too long or no text; or there is none, and nothing belongs to the scene.
+        UsageError: the instruction is empty, too long or no text; or there is none, and nothing belongs to the scene;
+            or goals, start conditions or objects are not of their grammar.
     """
     asked: dict[str, Any] = {"instruction": None, "template": options.template}
     asked["robot"] = load_template(options.template, options.robot).robot
     if options.instruction is not None:
         asked["instruction"] = _read(options.instruction)
-    else:
+    told = options.told()
+    if told is not None:
+        asked |= told.record()
+    elif options.instruction is None:
         asked["contents"] = [one.model_dump(mode="json") for one in _with_contents(options.template).contents]
     return Job(
         run=run,
         output=run.scene,
         seed=options.seed or 0,
         options=asked,
-        providers=context.models.providers("reasoner") if asked["instruction"] else {},
+        providers=context.models.providers("reasoner") if asked["instruction"] and told is None else {},
     )
 
 
@@ -117,6 +149,7 @@ def execute(run: RunFolder, options: Options, context: StageContext, progress: P
         NoAssetFits: the catalogue has nothing that the instruction names, or too little of what belongs to the scene.
         UnknownName: it has nothing with a tag or name of what belongs to the scene.
         UnreadInstruction: words of the instruction answer to no goal.
+        UsageError: the goals that are told name several objects at once, contradict each other or the instruction.
         NoFeasibleTask: the sizes of the objects rule out a goal, wherever they stand.
         ModelRefused: the reasoner was told what is wrong with its selection and found no better one in its rounds.
         InfeasibleScene: the objects have no place, or do not stay where they are put.
@@ -127,7 +160,11 @@ def execute(run: RunFolder, options: Options, context: StageContext, progress: P
         rng = stage.rng()
         template = load_template(options.template, options.robot)
         instruction = stage.options["instruction"]
-        chosen = choose(instruction, template, context, rng)
+        told = options.told()
+        if told is None:
+            chosen = choose(instruction, template, context, rng)
+        else:
+            instruction, chosen = choose_told(told, instruction, template, context, rng)
         for note in chosen.notes:
             logger.warning("%s", note)
         scene = _empty_scene(template, instruction, provenance, stage)

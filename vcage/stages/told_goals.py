@@ -1,0 +1,161 @@
+"""Goals that are told in a small grammar, in place of words that a reasoner reads; names are resolved in a scene later.
+
+A goal is ``SUBJECT WORD [REFERENCE] [with the left|right arm]``, as in ``marker/red inside packaging_box``. It belongs
+to the step of the goal before it, or begins with ``then`` and belongs to the next one.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection, Iterator, Sequence
+from dataclasses import dataclass
+from typing import get_args
+
+from vcage.base.errors import UnknownName, UsageError
+from vcage.base.text import listed, one_line
+from vcage.schema.goals import OF_A_PART, OF_TWO, GoalWord, RelationWord
+from vcage.schema.plan import TABLE
+from vcage.schema.scene import MOST_OF_A_KIND
+
+GOAL_WORDS: tuple[str, ...] = get_args(GoalWord)
+START_WORDS: tuple[str, ...] = get_args(RelationWord)
+OF_THE_TABLE = ("center", "left_of", "right_of", "in_front_of", "behind")
+"""Words of start conditions that may refer to the table: its middle third, or an outer one."""
+
+FORMS = "write it like 'marker/red inside packaging_box', 'cabinet_one_drawer/drawer open' or 'chocolate_bar scanned'"
+
+_NAME = r"[a-z0-9][a-z0-9_-]*"
+_PATH = re.compile(rf"{_NAME}(?:/{_NAME}){{0,2}}")
+_ARM = re.compile(rf"(.*) with the ({_NAME}) arm")
+_OBJECT = re.compile(rf"(?:(\d{{1,4}}) )?({_NAME}(?:/{_NAME})?)")
+_LONGEST_SHOWN = 80
+
+
+@dataclass(frozen=True)
+class Said:
+    """A goal or a start condition as it was written.
+
+    Args:
+        text: the whole.
+        subject: names an object, and for ``open``, ``closed``, ``pressed`` and ``turned`` also a part of it.
+        word: what shall be true of it.
+        reference: names another object and maybe a part of it, ``table``, or an arm; None where the word takes none.
+        step: 1 for the first goals, and one more from each goal that begins with ``then``.
+        arm: which must do it; None for any.
+    """
+
+    text: str
+    subject: str
+    word: str
+    reference: str | None
+    step: int = 1
+    arm: str | None = None
+
+    @property
+    def names(self) -> list[tuple[str, bool]]:
+        """What names objects, the subject first, and whether a part may stand at its end."""
+        found = [(self.subject, self.word in OF_A_PART)]
+        if self.reference is not None and self.reference != TABLE and self.word != "handed":
+            found.append((self.reference, self.word in ("inside", "on")))
+        return found
+
+
+@dataclass(frozen=True)
+class Told:
+    """A task that is told without words to be read.
+
+    Args:
+        goals: in their order; not empty.
+        starts: what must be true of where things are at the start.
+        objects: (how many, name) of what stands there; None where it follows from the goals.
+    """
+
+    goals: tuple[Said, ...]
+    starts: tuple[Said, ...]
+    objects: tuple[tuple[int, str], ...] | None
+
+    @classmethod
+    def of(cls, goals: Sequence[str], starts: Sequence[str], objects: str | None) -> Told | None:
+        """Parse what the options say; None where they say nothing.
+
+        Raises:
+            UsageError: a text is not of the grammar, or there are no goals that the rest belongs to.
+            UnknownName: a word is none of those that there are.
+        """
+        if not goals:
+            if starts or objects is not None:
+                said = "--start" if starts else "--objects"
+                raise UsageError(f"{said} belongs to goals, and there are none", hint="add --goal")
+            return None
+        told = tuple(_start(text) for text in map(_tidy, starts))
+        return cls(tuple(_goals(list(map(_tidy, goals)))), told, None if objects is None else tuple(_objects(objects)))
+
+    def record(self) -> dict[str, list[str]]:
+        """What provenance keeps of it: the goals, and the rest where it is told."""
+        found = {"goals": [one.text for one in self.goals], "starts": [one.text for one in self.starts]}
+        found["objects"] = [f"{count} {name}" for count, name in self.objects or ()]
+        return {name: texts for name, texts in found.items() if texts}
+
+
+def _tidy(text: str) -> str:
+    return " ".join(text.split())
+
+
+def _goals(texts: Sequence[str]) -> Iterator[Said]:
+    step = 1
+    for number, text in enumerate(texts):
+        rest = text
+        if text.startswith("then "):
+            if number == 0:
+                raise UsageError(f"the first goal, {shortened(text)}, has none before it", hint="leave out 'then'")
+            step, rest = step + 1, text.removeprefix("then ")
+        arm = _ARM.fullmatch(rest)
+        subject, word, reference = _parts(text, arm[1] if arm else rest, "goal", GOAL_WORDS)
+        if arm and word == "handed":
+            raise UsageError(f"the goal {shortened(text)} names two arms", hint="leave out 'with the … arm'")
+        yield Said(text, subject, word, reference, step, arm[2] if arm else None)
+
+
+def _start(text: str) -> Said:
+    subject, word, reference = _parts(text, text, "start condition", START_WORDS)
+    if reference == TABLE and word not in OF_THE_TABLE:
+        raise UsageError(f"{shortened(text)}: only {listed(OF_THE_TABLE)} of the table can be told")
+    if word == "center" and reference != TABLE:
+        raise UsageError(f"{shortened(text)}: 'center' is of the table alone")
+    return Said(text, subject, word, reference)
+
+
+def _parts(text: str, sentence: str, what: str, known: Collection[str]) -> tuple[str, str, str | None]:
+    """Subject, word and reference of a text without its step and arm."""
+    subject, word, reference, *more = [*sentence.split(" "), "", "", ""][: max(3, len(sentence.split(" ")))]
+    if not word or more:
+        raise UsageError(f"{shortened(text)} is no {what}", hint=FORMS)
+    for name in (subject, *([reference] if reference else [])):
+        if not _PATH.fullmatch(name):
+            raise UsageError(f"{shortened(text)} is no {what}: {shortened(name)} is no name", hint=FORMS)
+    if word not in known:
+        raise UnknownName(f"word in the {what} {shortened(text)}:", word[:_LONGEST_SHOWN], known)
+    takes = word in OF_TWO or what != "goal"
+    if takes != bool(reference):
+        raise UsageError(f"{shortened(text)}: {word!r} takes {'a' if takes else 'no'} reference", hint=FORMS)
+    return subject, word, reference or None
+
+
+def _objects(text: str) -> Iterator[tuple[int, str]]:
+    for one in text.split(","):
+        found = _OBJECT.fullmatch(_tidy(one))
+        if found is None:
+            raise UsageError(
+                f"--objects: {shortened(_tidy(one))} is no object",
+                hint="write it like 'marker/red, packaging_box, 2 apple'",
+            )
+        count = int(found[1] or 1)
+        if not 1 <= count <= MOST_OF_A_KIND:
+            raise UsageError(f"--objects: {found[0]!r} asks for {count}; 1 to {MOST_OF_A_KIND} can be asked for")
+        yield count, found[2]
+
+
+def shortened(text: str) -> str:
+    """Quote a text in one line, or its beginning where it is long."""
+    text = one_line(text)
+    return repr(text if len(text) <= _LONGEST_SHOWN else f"{text[:_LONGEST_SHOWN]}…")

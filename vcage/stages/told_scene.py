@@ -1,0 +1,152 @@
+"""A scene for told goals: its objects with their roles, the goals among them, and the sentence that asks for these."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from vcage.base.errors import InfeasibleScene, UsageError
+from vcage.layout.capacities import capacity_of
+from vcage.models.quantifiers import left_over
+from vcage.models.selection_check import NamedObject, with_room
+from vcage.schema.asset import CatalogueEntry
+from vcage.schema.goals import (
+    OF_A_PART,
+    AskedGoal,
+    Description,
+    Goal,
+    Reading,
+)
+from vcage.schema.scene import Role, SceneTemplate
+from vcage.sim.robots import load_robot
+from vcage.stages.chosen_objects import Chosen, entries_of
+from vcage.stages.context import StageContext
+from vcage.stages.told_checks import impossible, place_refusal, require_consistent, require_part, require_sense
+from vcage.stages.told_goals import Said, Told, shortened
+from vcage.stages.told_names import object_meant, objects_of, reads_codes, split_part, weighs
+from vcage.tasks.told_sentence import Called, sentence_of
+
+
+def choose_told(
+    told: Told, instruction: str | None, template: SceneTemplate, context: StageContext, rng: np.random.Generator
+) -> tuple[str, Chosen]:
+    """The objects and goals as they were told, and the instruction; without one, a sentence that asks for the goals.
+
+    Raises:
+        UnknownName: a name, look, part or arm that there is not; lists what there is.
+        UsageError: a name may mean several objects; goals are said twice or contradict each other; no sentence tells
+            apart what a goal means; or the instruction says otherwise than the goals.
+        NoFeasibleTask: a goal is one that its objects do not allow.
+        InfeasibleScene: an object does not fit where it shall be at the start.
+    """
+    objects = objects_of(told, context.catalogue, rng)
+    goals, descriptions = _resolved(told, objects, context)
+    kinds = entries_of(objects, context)
+    arms = load_robot(template.robot).arms
+    for said, one in zip(told.goals, goals, strict=True):
+        require_sense(said, one, kinds, arms)
+    require_consistent(told, goals, descriptions)
+    if instruction is None:
+        sentence = sentence_of(goals, descriptions, {o.id: _called(o, kinds[o.id]) for o in objects})
+        instruction, goals, descriptions = sentence.text, sentence.goals, sentence.descriptions
+    else:
+        words = {"words": instruction}
+        goals = [one.model_copy(update=words) for one in goals]
+        descriptions = [one.model_copy(update=words) for one in descriptions]
+    objects = [replace(o, role=_role(o.id, kinds[o.id], [one.goal for one in goals])) for o in objects]
+    reading = Reading(goals=goals, descriptions=descriptions)
+    _second_look(instruction, reading, objects, kinds)
+    return instruction, Chosen(_lying(objects, descriptions, context), reading, [])
+
+
+def _resolved(
+    told: Told, objects: Sequence[NamedObject], context: StageContext
+) -> tuple[list[AskedGoal], list[Description]]:
+    """Goals and start conditions about objects of the scene."""
+    catalogue = {entry.name: entry for entry in context.catalogue}
+    goals, descriptions = [], []
+    for said in told.goals:
+        place = _place(said, objects, catalogue)
+        require_part(said, place, catalogue[next(o.asset for o in objects if o.id == place["subject"])])
+        goals.append(AskedGoal(goal=Goal.model_validate(place), step=said.step, words=said.text, arm=said.arm))
+    for said in told.starts:
+        place = _place(said, objects, catalogue)
+        descriptions.append(Description.model_validate({**place, "words": said.text}))
+    return goals, descriptions
+
+
+def _place(
+    said: Said, objects: Sequence[NamedObject], catalogue: Mapping[str, CatalogueEntry]
+) -> dict[str, str | None]:
+    """The fields that goals and start conditions share."""
+    meant = []
+    for path, with_part in said.names:
+        name, part = split_part(path, catalogue, with_part)
+        meant.append((object_meant(name, objects, said), part))
+    (subject, own_part), *others = meant
+    reference, part = others[0] if others else (said.reference, own_part)
+    if reference == subject:
+        raise UsageError(f"{shortened(said.text)}: {subject} cannot be {said.word} itself")
+    return {"subject": subject, "relation": said.word, "reference": reference, "part": part}
+
+
+def _role(name: str, entry: CatalogueEntry, goals: Sequence[Goal]) -> Role:
+    """What goals do with an object."""
+    own = [goal.relation for goal in goals if goal.subject == name]
+    words = {goal.relation for goal in goals}
+    if any(word not in OF_A_PART for word in own):
+        return "content"
+    if any(goal.reference == name for goal in goals):
+        return "receptacle"
+    if own:
+        return "content"
+    if ("scanned" in words and reads_codes(entry)) or ("weighed" in words and weighs(entry)):
+        return "tool"
+    return "context"
+
+
+def _called(o: NamedObject, entry: CatalogueEntry) -> Called:
+    return Called(o.phrase, o.phrase.removesuffix(entry.words.name) + entry.words.plural)
+
+
+def _second_look(
+    instruction: str, reading: Reading, objects: Sequence[NamedObject], kinds: Mapping[str, CatalogueEntry]
+) -> None:
+    """Check that the instruction does not say otherwise than the goals.
+
+    Raises:
+        UsageError: it does; names what the goals lack.
+    """
+    spoken = {name for one in reading.goals for name in (one.goal.subject, one.goal.reference) if name is not None}
+    spoken |= {o.id for o in objects if o.role == "tool"}
+    if complaints := left_over(instruction, kinds, spoken):
+        raise UsageError(
+            f"the goals do not do what the instruction says: {'; '.join(complaints)}",
+            hint="add the goals that it lacks, or leave the instruction out",
+            details={"complaints": complaints},
+        )
+
+
+def _lying(
+    objects: Sequence[NamedObject], descriptions: Sequence[Description], context: StageContext
+) -> list[NamedObject]:
+    """The objects, of which those lie in or on others that shall do so at the start."""
+    held = {one.subject: one for one in descriptions if one.relation in ("inside", "on")}
+    kinds = entries_of(objects, context)
+    for one in held.values():
+        if why := place_refusal(one, kinds):
+            raise impossible(str(one), why)
+    starting = [
+        replace(o, starts_in=held[o.id].reference, starts_in_part=held[o.id].part) if o.id in held else o
+        for o in objects
+    ]
+    items = {o.id: capacity_of(o.id, context.library.asset(o.asset, o.variant)) for o in objects}
+    found, crowded = with_room(starting, items)
+    if crowded:
+        raise InfeasibleScene(
+            f"not all start conditions can be true: {'; '.join(note.partition(': ')[2] for note in crowded)}",
+            hint="leave out the start condition, or name something with more room",
+        )
+    return found
