@@ -17,8 +17,9 @@ PAGES = ("README.md", "docs/*.md", "skills/**/*.md")
 
 _OPTIONS = r"(?:[\s\\]+--[\w-]+(?:[ =][^\s\"-]\S*)?)*"
 _COMMAND = rf"(?:vcage (?:run|select-place)|(?:run|select_place)\.py){_OPTIONS}[\s\\]+"
-_EXAMPLE = re.compile(rf'(?:{_COMMAND}|\binstruction=)"([^"…/]+)"')
-"""A command, or a call from Python, that takes an instruction, and the instruction in quotes; a path is none."""
+_NOT_TOLD = r"(?<!--goal )(?<!--start )(?<!--objects )"
+_EXAMPLE = re.compile(rf'(?:{_COMMAND}{_NOT_TOLD}|\binstruction=)"([^"…/]+)"')
+"""A command, or a call from Python, that takes an instruction, and the instruction in quotes; no path, no told goal."""
 
 LIBERO = Path(__file__).with_name("libero.yml")
 BY_TEMPLATE = Path(__file__).with_name("by_template.yml")

@@ -50,6 +50,7 @@ def test_the_instruction_of_a_command_or_a_call_is_found(line: str) -> None:
         'vcage compress DATA --to lerobot-v3.0 --task "open the jar" --out jar',
         "vcage run --scene office_desk --all-subtasks --out runs/office",
         'vcage run --scene office_desk --out "runs/my office"',
+        'vcage run --goal "lemon on table" --start "lemon inside bowl" --out runs/told',
         'vcage assets search "something to drink from"',
         'the words "put it there" mean nothing',
         '{"ok": false, "error": {"code"}}',
