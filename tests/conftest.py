@@ -46,6 +46,14 @@ def _of_all_workers(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="session", autouse=True)
+def no_ollama() -> Iterator[None]:
+    """``auto`` does not take an Ollama that runs on this machine; nothing listens at port 9."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("VCAGE_OLLAMA_URL", "http://127.0.0.1:9")
+        yield
+
+
+@pytest.fixture(scope="session", autouse=True)
 def nothing_imported(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
     """Tests see the project's own library and robots, not what the user of this machine has imported."""
     with pytest.MonkeyPatch.context() as patch:

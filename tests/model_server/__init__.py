@@ -1,4 +1,5 @@
-"""A loopback server that answers as Gemini, OpenAI, OpenRouter and Anthropic do, so that no test needs a network.
+"""A loopback server that answers as Gemini, OpenAI, OpenRouter, Anthropic and Ollama do, so that no test needs a
+network.
 
 It is as strict as they are: the key in the service's own header, no parameter that a service does not take, pictures
 that decode, schemas within the service's limits; errors in the service's own shape. Structured questions are answered

@@ -15,12 +15,14 @@ from typing import Any
 
 from tests.model_server.anthropic import Anthropic
 from tests.model_server.gemini import Gemini
+from tests.model_server.ollama import Ollama
 from tests.model_server.openai import OpenAi
 from tests.model_server.openrouter import OpenRouter
 from tests.model_server.service import Call, Refused, Service, form_body, json_body
 from tests.model_server.special import Faults, Special
 
-GEMINI, OPENAI, OPENROUTER, ANTHROPIC = SERVICES = (Gemini(), OpenAi(), OpenRouter(), Anthropic())
+GEMINI, OPENAI, OPENROUTER, ANTHROPIC = PAID = (Gemini(), OpenAi(), OpenRouter(), Anthropic())
+"""Those that take a key, and are the same for all servers."""
 
 MOST_BYTES = 20_000_000
 """Of a request; what Gemini takes with pictures in it."""
@@ -47,6 +49,7 @@ class ModelServer:
         log: Callable[[str], None] = lambda _: None,
     ) -> None:
         self.key = key
+        self.ollama = Ollama()
         self.requests: list[tuple[str, dict[str, Any]]] = []
         """Path and body of those that asked a model."""
         self.failed = 0
@@ -64,14 +67,17 @@ class ModelServer:
 
     @property
     def base_urls(self) -> dict[str, str]:
-        """By name of the service, what ``VCAGE_<NAME>_BASE_URL`` should be."""
-        return {service.name: f"{self.url}{service.base}" for service in SERVICES}
+        """By name of the service, what ``VCAGE_<NAME>_BASE_URL`` should be, and for Ollama ``VCAGE_OLLAMA_URL``."""
+        return {service.name: f"{self.url}{service.base}" for service in (*PAID, self.ollama)}
 
     @property
     def environment(self) -> dict[str, str]:
         """Variables that send all providers here."""
-        urls = {f"VCAGE_{name.upper()}_BASE_URL": url for name, url in self.base_urls.items()}
-        return urls | {f"VCAGE_{name.upper()}_API_KEY": self.key for name in self.base_urls}
+        urls = self.base_urls
+        found = {"VCAGE_OLLAMA_URL": urls.pop("ollama")}
+        for name, url in urls.items():
+            found |= {f"VCAGE_{name.upper()}_BASE_URL": url, f"VCAGE_{name.upper()}_API_KEY": self.key}
+        return found
 
     def queue(self, *answers: Special) -> None:
         """Send these first, in order."""
@@ -105,8 +111,10 @@ class ModelServer:
         self._thread.join()
 
 
-def service_of(path: str, headers: Mapping[str, str]) -> Service:
+def service_of(path: str, headers: Mapping[str, str], ollama: Ollama) -> Service:
     """Which service a request is for; ``/v1/models`` is served by three of them, so headers tell."""
+    if path.startswith(f"{ollama.base}/"):
+        return ollama
     if path.startswith("/api/v1/"):
         return OPENROUTER
     if path == "/v1/messages" or "anthropic-version" in headers:
@@ -132,11 +140,12 @@ def _handler(server: ModelServer) -> type[BaseHTTPRequestHandler]:
         def _serve(self, data: bytes) -> None:
             start = time.perf_counter()
             path = self.path.partition("?")[0]
-            service, special = service_of(path, self.headers), Special()
+            service, special = service_of(path, self.headers, server.ollama), Special()
             try:
                 service.check_key(self.headers, server.key)
                 body = self._body(data)
-                special = server.special(path, body) if self.command == "POST" else special
+                asks = self.command == "POST" and not path.endswith("/api/show")
+                special = server.special(path, body) if asks else special
                 if special.status != 200 and special.body is None:
                     raise Refused(special.status, f"the stand-in was told to fail, whatever the key {server.key}")
                 reply = {} if special.body is not None else service.answer(self._call(path, body), special)

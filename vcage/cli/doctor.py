@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import importlib.util
+import os
 import platform
 import shutil
 import sys
@@ -16,7 +17,7 @@ from typing import TYPE_CHECKING
 
 from vcage.base import files
 from vcage.base.commands import pip_command, vcage_command
-from vcage.base.errors import ConfigurationError, VcageError
+from vcage.base.errors import ConfigurationError, EndpointFailed, VcageError
 from vcage.base.options import Flag
 from vcage.cli.arguments import Command
 from vcage.cli.output import Result
@@ -211,6 +212,23 @@ def models() -> Finding:
     return Finding("models", not mend, told or "offline rules", required=False, mend="; ".join(mend))
 
 
+def ollama() -> Finding:
+    """Which models a server of the user's own has, and which of them answers."""
+    from vcage.models.ollama import OLLAMA
+
+    try:
+        found, url = OLLAMA.found(), OLLAMA.url
+    except VcageError as error:
+        asked_for = not isinstance(error, EndpointFailed) or OLLAMA.url_variable in os.environ
+        return Finding("ollama", not asked_for, error.message, required=False, mend=error.hint if asked_for else "")
+    listed = f"{', '.join(found.served.models) or 'no model'} at {url}"
+    if not found.served.has(found.model):
+        told = f"{found.model} is not served; {listed}"
+        return Finding("ollama", False, told, required=False, mend=f"ollama pull {found.model}")
+    told = f"{listed}; {found.model} answers{'' if found.sees else ', and sees no pictures'}"
+    return Finding("ollama", True, told, required=False)
+
+
 def _served(provider: Provider, key: str) -> tuple[str, list[str]]:
     """What is to be said of a provider's models, and what mends it."""
     try:
@@ -250,7 +268,7 @@ def assets() -> Finding:
 
 
 CHECKS: tuple[Callable[[], Finding], ...] = (
-    python, numpy, sapien, mani_skill, torch, opencv, gpu, vulkan, video, cvvdp, keys, models, disk, assets,
+    python, numpy, sapien, mani_skill, torch, opencv, gpu, vulkan, video, cvvdp, keys, models, ollama, disk, assets,
 )  # fmt: skip
 """In the order of the table."""
 

@@ -43,12 +43,14 @@ def find_key(provider: Provider) -> tuple[str, str] | None:
 
 
 def require_key(provider: Provider) -> str:
-    """The provider's key.
+    """The provider's key; empty where it needs none.
 
     Raises:
         MissingKey: it is nowhere; the hint names the places.
         ConfigurationError: it can be no key.
     """
+    if not provider.needs_key:
+        return ""
     found = find_key(provider)
     if found is not None and not (found[0].isascii() and found[0].isprintable() and " " not in found[0]):
         raise ConfigurationError(

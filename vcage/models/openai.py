@@ -1,4 +1,4 @@
-"""OpenAI and all that speaks its language (vLLM, Ollama…): chat, and picture editing.
+"""OpenAI and all that speaks its language (vLLM…): chat, and picture editing.
 
 Wire shapes: https://platform.openai.com/docs/api-reference/chat, …/images/createEdit
 """

@@ -79,11 +79,12 @@ class Provider:
         name: as ``--models`` spells it.
         key_variables: environment variables that its own tools read the key from.
         headers: what carries a key in a request.
-        base_url, text_model, image_model: where ``VCAGE_<NAME>_BASE_URL``, ``…_TEXT_MODEL`` and ``…_IMAGE_MODEL`` do
-            not name others.
+        base_url, text_model, image_model: where :attr:`url_variable`, ``VCAGE_<NAME>_TEXT_MODEL`` and
+            ``…_IMAGE_MODEL`` do not name others.
         version: path of the API, for a base URL that ends with none.
         lists: paths at which it says what it serves.
         tells_cost: its replies say what they cost.
+        needs_key: it is no server of the user's own, which takes none and costs nothing.
         text, picture: made from transport, model, the name for records, and the lists; None where it draws no pictures.
     """
 
@@ -98,6 +99,7 @@ class Provider:
     picture: MadeBy | None
     version: str = ""
     tells_cost: bool = False
+    needs_key: bool = True
 
     def connect(self, key: str, *, picture: bool = False) -> Client:
         """What answers in text, or in pictures; nothing is sent yet.
@@ -107,7 +109,7 @@ class Provider:
         """
         make, model = (self.picture, self.models[-1]) if picture else (self.text, self.models[0])
         assert make is not None, self.name
-        return make(self._transport(key), model, f"{self.name}:{model}", self.lists)
+        return make(self.transport(key), model, f"{self.name}:{model}", self.lists)
 
     @property
     def models(self) -> list[str]:
@@ -117,23 +119,51 @@ class Provider:
 
     def served(self, key: str) -> Served:
         """What the endpoint serves; raises as :meth:`vcage.models.served.Served.at`."""
-        return Served.at(self._transport(key, timeout=QUICK), self.lists)
+        return Served.at(self.transport(key, timeout=QUICK), self.lists)
 
-    def _transport(self, key: str, **options: Any) -> Transport:
-        url = self._setting("BASE_URL", self.base_url).rstrip("/")
+    def blind(self) -> str:
+        """Say that its model sees no pictures; empty where it does."""
+        return ""
+
+    def transport(self, key: str, **options: Any) -> Transport:
+        """What reaches the endpoint; options as :class:`vcage.models.transport.Transport` takes them.
+
+        Raises:
+            ConfigurationError: the base URL that was set is none.
+        """
+        return Transport(self.url, self.headers(key), **options)
+
+    @property
+    def url_variable(self) -> str:
+        """The environment variable that names another base URL."""
+        return f"VCAGE_{self.name.upper()}_BASE_URL"
+
+    @property
+    def model_variable(self) -> str:
+        """The environment variable that names another model for answers in text."""
+        return f"VCAGE_{self.name.upper()}_TEXT_MODEL"
+
+    @property
+    def url(self) -> str:
+        """The base URL, with the API's version.
+
+        Raises:
+            ConfigurationError: the one that was set holds what errors must not show.
+        """
+        url = (os.environ.get(self.url_variable) or self.base_url).rstrip("/")
         if "@" in url.partition("://")[2].partition("/")[0]:
             raise ConfigurationError(
-                f"VCAGE_{self.name.upper()}_BASE_URL holds a user or password, which errors would show",
+                f"{self.url_variable} holds a user or password, which errors would show",
                 hint="leave it out; a key has a place of its own",
             )
         if "?" in url or "#" in url:
             raise ConfigurationError(
-                f"VCAGE_{self.name.upper()}_BASE_URL holds a query or a fragment, which errors would show",
+                f"{self.url_variable} holds a query or a fragment, which errors would show",
                 hint="give scheme, host and path alone; a key has a place of its own",
             )
         if self.version and not url.endswith(("/v1", "/v1beta")):
             url = f"{url}/{self.version}"
-        return Transport(url, self.headers(key), **options)
+        return url
 
     def _setting(self, what: str, default: str) -> str:
         return os.environ.get(f"VCAGE_{self.name.upper()}_{what}") or default

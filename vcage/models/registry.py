@@ -16,7 +16,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from vcage.base.commands import vcage_command
-from vcage.base.errors import InputFileError, UnknownName, UsageError
+from vcage.base.errors import ConfigurationError, InputFileError, UnknownName, UsageError
 from vcage.base.files import RunFolder
 from vcage.models import agent
 from vcage.models.exchange import Answerer
@@ -25,6 +25,7 @@ from vcage.models.keys import require_key, variables
 from vcage.models.llm_critic import LlmCritic
 from vcage.models.llm_editor import LlmEditor
 from vcage.models.llm_reasoner import LlmReasoner
+from vcage.models.ollama import OLLAMA
 from vcage.models.protocols import Critic, ImageEditor, Models, Reasoner
 from vcage.models.providers import PROVIDERS, found_keys
 from vcage.models.rules import PROVIDER as OFFLINE
@@ -73,34 +74,46 @@ class Choice:
         Raises:
             UnknownName: there is no such choice.
             UsageError: who does not draw is named as editor.
+        ConfigurationError: who does not see is named as critic, or the key file cannot be read.
         """
         chosen = getattr(self, role) or self.models
         if chosen not in CHOICES:
             raise UnknownName(f"choice of the {role}", chosen, CHOICES)
+        named = getattr(self, role) not in (None, "auto")
         if chosen == "auto":
-            return next(iter(found_keys()), OFFLINE)
+            chosen = _taken()
         if role == "editor" and (chosen == agent.PROVIDER or (chosen in PROVIDERS and not PROVIDERS[chosen].picture)):
-            if self.editor is None:
+            if not named:
                 return OFFLINE
             hint = f"let {OFFLINE} be the --editor, or give a picture as --target of"
             raise UsageError(f"{chosen} does not draw", hint=hint, command=vcage_command("inpaint-plan", "--help"))
+        if role == "critic" and (blind := _blind(chosen)):
+            if not named or self.fallback is not None:
+                return OFFLINE
+            hint = f"name a model that does in {PROVIDERS[chosen].model_variable}, or let {OFFLINE} be the --critic"
+            raise ConfigurationError(f"{blind}, and a critic must", hint=hint)
         return chosen
 
     def told(self, roles: Sequence[Asked]) -> str:
-        """What ``auto`` takes for these roles, and why, in words; empty where nothing is left to it.
+        """What ``auto`` takes for these roles, and why, in words; and that rules are the critic for a blind model.
+
+        Empty where neither is so.
 
         Raises:
             ConfigurationError: the key file cannot be read.
         """
-        left = [role for role in roles if (getattr(self, role) or self.models) == "auto"]
-        if not left:
-            return ""
-        found = found_keys()
-        for name, place in found.items():
-            others = f"; {' and '.join(rest)} too" if (rest := [other for other in found if other != name]) else ""
-            return f"models: {name} for {', '.join(left)}, since its key is in {place}{others}; --models names another"
-        names = ", ".join(variables(provider)[0] for provider in PROVIDERS.values())
-        return f"models: rules (offline) for {', '.join(left)}, since there is no key of a provider in {names}"
+        chosen = {role: getattr(self, role) or self.models for role in roles}
+        left = [role for role in roles if chosen[role] == "auto"]
+        parts = []
+        if left and (mine := [role for role in left if self.of(role) != OFFLINE]):
+            others = [role for role in left if role not in mine]
+            rest = f", rules (offline) for {', '.join(others)}" if others else ""
+            parts = [f"{_taken()} for {', '.join(mine)}{rest}, {_why(_taken())}; --models names another"]
+        elif left:
+            parts = [f"rules (offline) for {', '.join(left)}, {_why(_taken())}"]
+        if "critic" in roles and self.of("critic") == OFFLINE and (blind := _blind(chosen["critic"])):
+            parts.append(f"rules (offline) are the critic, since {blind}; --critic names another")
+        return f"models: {'; '.join(parts)}" if parts else ""
 
     @property
     def exchanges(self) -> Exchanges:
@@ -135,7 +148,8 @@ class Choice:
             return None
         if self.run is None:
             return who
-        spending = Spending(self.exchanges.folder, self.cap, who.provider, tells=provider.tells_cost)
+        paid = provider.needs_key
+        spending = Spending(self.exchanges.folder, self.cap, who.provider, tells=provider.tells_cost) if paid else None
         return Keeping(who, self.exchanges, anew=self.anew, spending=spending)
 
     def _replayed(self, role: Asked) -> Replayed | None:
@@ -153,6 +167,28 @@ class Choice:
         if self.run is None:
             raise UsageError("there is no run folder to keep exchanges in", hint="give one with --run")
         return RunFolder(self.run)
+
+
+def _taken() -> str:
+    """What ``auto`` takes."""
+    return next(iter(found_keys()), OLLAMA.name if OLLAMA.is_there() else OFFLINE)
+
+
+def _why(taken: str) -> str:
+    """Say why ``auto`` takes that."""
+    found = found_keys()
+    if taken in found:
+        others = f"; {' and '.join(rest)} too" if (rest := [other for other in found if other != taken]) else ""
+        return f"since its key is in {found[taken]}{others}"
+    if taken == OLLAMA.name:
+        return f"since no provider has a key and it answers at {OLLAMA.url} with {OLLAMA.found().model}"
+    names = ", ".join(variables(provider)[0] for provider in PROVIDERS.values() if provider.needs_key)
+    return f"since there is no key of a provider in {names}, and no Ollama at {OLLAMA.url}"
+
+
+def _blind(chosen: str) -> str:
+    """Say that who was chosen sees no pictures; empty where it does."""
+    return PROVIDERS[chosen].blind() if chosen in PROVIDERS else ""
 
 
 def build_models(choice: Choice, detector: str = DETECTORS[0], embedder: str = EMBEDDERS[0]) -> Models:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from datetime import date, timedelta
 from typing import Any
 
@@ -16,6 +16,9 @@ SOON = timedelta(days=60)
 
 ALIAS = "~"
 """What ids of OpenRouter begin with that it resolves itself, and does not list."""
+
+LATEST = ":latest"
+"""What Ollama lists after a name, and takes where it is left out."""
 
 MOST_NAMED = 12
 
@@ -29,9 +32,11 @@ class Served:
 
     Args:
         models: id → the day on which it ends; None where none is told.
+        modalities: id → what it takes, ``text`` and ``image``, where that is told.
     """
 
     models: dict[str, date | None]
+    modalities: dict[str, list[str]] = field(default_factory=dict)
 
     @classmethod
     def at(cls, transport: Transport, paths: Iterable[str]) -> Served:
@@ -41,17 +46,22 @@ class Served:
             VcageError: it does not answer, or answers with no list.
         """
         found: dict[str, date | None] = {}
+        modalities: dict[str, list[str]] = {}
         for path in paths:
             data = transport.get_json(path)
             items = data.get("data", data.get("models"))
+            if items is None and "data" in data:
+                items = []  # Ollama's, where it has none
             if not isinstance(items, list):
                 raise ConfigurationError(f"{transport.base_url}/{path} lists no models", hint="check the base URL")
-            found |= dict(_entry(item) for item in items if isinstance(item, dict) and _is_served(item))
-        return cls(found)
+            served = [item for item in items if isinstance(item, dict) and _is_served(item)]
+            found |= dict(map(_entry, served))
+            modalities |= {_entry(item)[0]: taken for item in served if (taken := _taken(item)) is not None}
+        return cls(found, modalities)
 
     def has(self, model: str) -> bool:
         """Whether a model is served, or an alias that only the endpoint knows."""
-        return model.startswith(ALIAS) or model in self.models
+        return model.startswith(ALIAS) or model in self.models or model + LATEST in self.models
 
     def ends(self, model: str, today: date) -> date | None:
         """The day on which a model ends, where that is soon."""
@@ -92,3 +102,10 @@ def _entry(item: dict[str, Any]) -> tuple[str, date | None]:
         return name, date.fromisoformat(told[:10])
     except ValueError:
         return name, None
+
+
+def _taken(item: dict[str, Any]) -> list[str] | None:
+    """What a model takes, as llama.cpp and OpenRouter tell it."""
+    told = item.get("architecture")
+    taken = told.get("input_modalities") if isinstance(told, dict) else None
+    return taken if isinstance(taken, list) else None

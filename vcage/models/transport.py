@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import copy
+import ipaddress
 import json
 import logging
 import re
@@ -14,6 +16,7 @@ from email.utils import parsedate_to_datetime
 from functools import cached_property
 from http.cookiejar import DefaultCookiePolicy
 from typing import Any
+from urllib.parse import urlsplit
 
 import requests
 
@@ -53,6 +56,9 @@ WRONG_KEY = "API_KEY_INVALID"
 NO_CREDIT = "insufficient_quota"
 """OpenAI says this of an account, with status 429."""
 
+TOO_LONG = ("context_length_exceeded", "exceed_context_size_error")
+"""OpenAI's code and llama.cpp's type of a question that is longer than the model's context, with status 400."""
+
 BLOCKED = ("moderation_blocked", "content_policy_violation", "content_filter")
 """OpenAI and others say one of these of what was asked, with status 400."""
 
@@ -72,7 +78,8 @@ class Transport:
     """Requests with time-outs, bounded retries, and errors that say what to do; keys never show.
 
     The only credentials sent are those in ``headers``: no ``.netrc``, no cookies, and no redirect is followed. Proxies
-    (``HTTPS_PROXY``, ``NO_PROXY``) and certificates (``REQUESTS_CA_BUNDLE``) of the environment are used.
+    (``HTTPS_PROXY``, ``NO_PROXY``) and certificates (``REQUESTS_CA_BUNDLE``) of the environment are used; no proxy
+    for the loopback interface, which it could not reach.
 
     Args:
         base_url: scheme, host and path prefix, e.g. ``https://generativelanguage.googleapis.com``.
@@ -103,6 +110,12 @@ class Transport:
         self._session.headers.update(headers)
         self._session.auth = _as_it_is  # without it requests looks into ~/.netrc, and replaces the key
         self._session.cookies.set_policy(DefaultCookiePolicy(allowed_domains=[]))
+
+    def at(self, base_url: str) -> Transport:
+        """The same for another base URL."""
+        other = copy.copy(self)
+        other.base_url = base_url.rstrip("/")
+        return other
 
     def get_json(self, path: str) -> dict[str, Any]:
         """GET the JSON object at a path, once: whoever looks can go on without; raises as :meth:`post_json`."""
@@ -166,6 +179,9 @@ class Transport:
     def _once(self, method: str, url: str, content: Mapping[str, Any]) -> _Answer:
         """One attempt."""
         options: dict[str, Any] = {"timeout": self._timeout, "allow_redirects": False, "stream": True, **content}
+        host = urlsplit(url).hostname or ""
+        if is_loopback(host):
+            options["proxies"] = {"no_proxy": host}
         with self._session.request(method, url, **options) as response:
             body = bytearray()
             for piece in response.iter_content(1 << 16):
@@ -194,6 +210,14 @@ class Transport:
         for secret in self._secrets:
             text = text.replace(secret, "***")
         return _USER_OF_URL.sub("//***@", text)
+
+
+def is_loopback(host: str) -> bool:
+    """Check if a host is this machine."""
+    try:
+        return host == "localhost" or ipaddress.ip_address(host).is_loopback
+    except ValueError:
+        return False
 
 
 def _as_it_is(request: requests.PreparedRequest) -> requests.PreparedRequest:
@@ -260,6 +284,9 @@ def _final(answer: _Answer, problem: str) -> ConfigurationError | ModelRefused:
     status = answer.status
     if answer.blocked:
         return ModelRefused(f"the request is blocked: {problem}", hint="change the instruction", details=details)
+    if answer.error.get("code") in TOO_LONG or answer.error.get("type") in TOO_LONG:
+        hint = "take a model with a longer context, or start its server with one"
+        return ConfigurationError(f"the question is too long for the model: {problem}", hint=hint, details=details)
     if answer.error.get("code") == NO_CREDIT:
         status = 402
     elif WRONG_KEY in str(answer.error.get("details")):

@@ -67,7 +67,8 @@ class ModelOptions(StageOptions):
     """Options of a stage that asks models."""
 
     models: Annotated[str, choice(CHOICES), UNSAID] = "auto"
-    """who answers (default: auto, that is the first provider with a key, else offline: rules without a network)"""
+    """who answers (default: auto, that is the first provider with a key, else Ollama where it answers, else offline:
+    rules without a network)"""
     reasoner: Annotated[str | None, choice(CHOICES), WHO] = None
     """who selects, reads goals, plans and judges pairs, of the same choices"""
     editor: Annotated[str | None, choice(CHOICES), WHO] = None

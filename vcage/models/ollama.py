@@ -1,0 +1,185 @@
+"""Ollama, and other servers on the user's own machine: OpenAI's chat without a key and without a price.
+
+Wire shapes: https://docs.ollama.com/openai, …/api-reference/show-model-details, …/api-reference/list-running-models
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+from vcage.base.errors import ConfigurationError, EndpointFailed, VcageError
+from vcage.models.exchange import Question, Reply
+from vcage.models.openai import OpenAiText
+from vcage.models.provider import Provider
+from vcage.models.served import Served
+from vcage.models.transport import Transport
+
+PROBE = (0.5, 3.0)
+"""Seconds to connect and to wait, where it is only looked whether a server is there."""
+
+PATIENCE = {"timeout": (2.0, 1800.0), "most_seconds": 1800.0}
+"""A laptop without a GPU takes minutes to read a long prompt, and sends nothing meanwhile."""
+
+CHARACTERS_PER_TOKEN = 4.0
+"""Of prompts, at the least tokens that they can come to: names and numbers take more."""
+
+
+class OllamaText(OpenAiText):
+    """OpenAI's chat; what a server has cut off from a prompt, and then answered, is an error."""
+
+    def answer(self, question: Question) -> Reply:
+        """See :class:`vcage.models.exchange.Answerer`.
+
+        Raises:
+            ConfigurationError: the question is longer than the model's context, of which Ollama says nothing.
+        """
+        reply = super().answer(question)
+        characters = sum(len(message.text) for message in question.messages)
+        context = _context(_beside(self.transport), self.model)
+        if context is not None and characters > CHARACTERS_PER_TOKEN * context:
+            raise ConfigurationError(
+                f"{self.provider} has a context of {context:,} tokens, and {question.name} has {characters:,}"
+                " characters: it did not read all of them",
+                hint=f"start Ollama with a longer one: OLLAMA_CONTEXT_LENGTH={_enough(characters)} ollama serve",
+                details={"context": context, "characters": characters},
+            )
+        return reply
+
+
+@dataclass(frozen=True)
+class Local(Provider):
+    """A provider on a machine of the user: the model that it lists first answers where none is named."""
+
+    @property
+    def url_variable(self) -> str:
+        """See :attr:`vcage.models.provider.Provider.url_variable`."""
+        return f"VCAGE_{self.name.upper()}_URL"
+
+    @property
+    def models(self) -> list[str]:
+        """The model that answers in text.
+
+        Raises:
+            EndpointFailed: the server does not answer.
+            ConfigurationError: it has no model.
+        """
+        named = self._setting("TEXT_MODEL", self.text_model)
+        return [named] if named else [self.found().model]
+
+    def found(self) -> Found:
+        """What the server has, asked once in a process.
+
+        Raises:
+            EndpointFailed: the server does not answer.
+            ConfigurationError: it has no model, or the URL that was set is none.
+        """
+        found = _look(self, self.url, self._setting("TEXT_MODEL", self.text_model))
+        if isinstance(found, VcageError):
+            raise found
+        return found
+
+    def is_there(self) -> bool:
+        """Check if the server answers, and has a model."""
+        try:
+            self.found()
+        except VcageError:
+            return False
+        return True
+
+    def blind(self) -> str:
+        """See :meth:`vcage.models.provider.Provider.blind`."""
+        try:
+            found = self.found()
+        except VcageError:
+            return ""  # whoever asks it is told
+        return "" if found.sees else f"{self.name}:{found.model} sees no pictures"
+
+    def transport(self, key: str, **options: Any) -> Transport:
+        """See :meth:`vcage.models.provider.Provider.transport`."""
+        return super().transport(key, **(PATIENCE | options))
+
+
+@dataclass(frozen=True)
+class Found:
+    """What a server has.
+
+    Args:
+        served: the models that it lists.
+        model: the one that answers.
+        sees: whether that takes pictures; true where the server does not say.
+    """
+
+    served: Served
+    model: str
+    sees: bool
+
+
+@cache
+def _look(provider: Local, url: str, named: str) -> Found | VcageError:
+    """What a server has, or why that is not known."""
+    transport = provider.transport("", timeout=PROBE)
+    try:
+        served = Served.at(transport, provider.lists)
+    except EndpointFailed as error:
+        error.hint = f"start it with: ollama serve, or name its address in {provider.url_variable}"
+        return error
+    except VcageError as error:
+        return error
+    for model in [named] if named else served.models:
+        abilities = _abilities(transport, model, served)
+        if named or "completion" in abilities:  # others make vectors
+            return Found(served, model, "vision" in abilities)
+    return ConfigurationError(
+        f"{provider.name} at {url} has no model that answers questions",
+        hint="fetch one that sees pictures, too: ollama pull qwen3-vl:8b",
+        details={"models": sorted(served.models)},
+    )
+
+
+def _abilities(transport: Transport, model: str, served: Served) -> frozenset[str]:
+    """What a model can do, as the server says; all where it does not."""
+    if model in served.modalities:  # llama.cpp's server says so in its list
+        return frozenset({"completion", *(["vision"] if "image" in served.modalities[model] else [])})
+    try:
+        said = _beside(transport).post_json("api/show", {"model": model}).get("capabilities")
+    except VcageError:
+        said = None
+    return frozenset(said) if isinstance(said, list) else frozenset({"completion", "vision"})
+
+
+def _context(transport: Transport, model: str) -> int | None:
+    """Tokens that a model was loaded with; None where the server does not say."""
+    try:
+        running = transport.get_json("api/ps").get("models")
+    except VcageError:
+        return None
+    sizes = {item.get("name"): item.get("context_length") for item in running or () if isinstance(item, dict)}
+    size = sizes.get(model, sizes.get(f"{model}:latest"))
+    return size if isinstance(size, int) and size > 0 else None
+
+
+def _beside(transport: Transport) -> Transport:
+    """The server's own interface, which lies beside OpenAI's."""
+    return transport.at(transport.base_url.removesuffix("/v1"))
+
+
+def _enough(characters: int) -> int:
+    """A context that holds a prompt and its answer: a power of two."""
+    return 1 << (characters // 2).bit_length()
+
+
+OLLAMA = Local(
+    name="ollama",
+    key_variables=(),
+    headers=lambda _: {},
+    base_url="http://127.0.0.1:11434",
+    version="v1",
+    text_model="",
+    image_model="",
+    lists=("models",),
+    text=OllamaText,
+    picture=None,
+    needs_key=False,
+)
