@@ -7,6 +7,8 @@
 #
 #   make test-lerobot   the real lerobot, in an environment of its own, loads what export writes; DATASET=PATH proves a
 #                       run folder or a LeRobot folder of yours instead of a small run made for it
+#   make test-llm       a real model server (llama.cpp with 135 million parameters), in an environment of its own, answers
+#                       every prompt under its JSON schema
 #   make test-clients   the clients of agents, fetched into the user's cache (1.8 GB), find the skills
 #                       and carry an agent that is its own model through the chain
 #
@@ -35,6 +37,10 @@ LEROBOT_CHECK_V21 := PYTHONPATH=$(LEROBOT)/v2.1 $(LEROBOT_CHECK)
 LEROBOT_RUNS := $(addprefix $(LEROBOT)/runs/,lossy lossless)
 DATASET ?=
 
+LLM := .venv-llm
+LLM_STAMP := $(LLM)/.made-from-packages
+LLM_PACKAGES := tests/llm/packages.txt
+
 CLIENTS := $(or $(VCAGE_CACHE),$(or $(XDG_CACHE_HOME),$(HOME)/.cache)/vcage)/clients
 CLIENT_PACKAGES := openclaw@2026.9.6 @anthropic-ai/claude-code@2.1.330 @openai/codex@0.169.0 \
   @mariozechner/pi-coding-agent@0.73.1
@@ -42,7 +48,7 @@ CLIENT_PACKAGES := openclaw@2026.9.6 @anthropic-ai/claude-code@2.1.330 @openai/c
 DEMO := Pack the marker pens and the eraser into the box
 
 .DEFAULT_GOAL := help
-.PHONY: help venv vulkan assets setup demo lint test test-lerobot test-clients doctor clean
+.PHONY: help venv vulkan assets setup demo lint test test-lerobot test-llm test-clients doctor clean
 
 help:
 	@sed -n '/^PYTHON/q; s/^# \{0,1\}//p' Makefile
@@ -110,6 +116,14 @@ endif
 	@for run in $(or $(DATASET),$(LEROBOT_RUNS)); do \
 	  $(LEROBOT_CHECK_V21) $$run && $(LEROBOT_CHECK) $$run || exit; done
 
+$(LLM_STAMP): $(LLM_PACKAGES) | $(STAMP)
+	@test -x $(LLM)/bin/python && $(LLM)/bin/python -m pip --version >/dev/null 2>&1 || $(BIN)/python -m venv --clear $(LLM)
+	$(LLM)/bin/python -m pip --disable-pip-version-check install -q --no-deps -r $(LLM_PACKAGES)
+	@touch $@
+
+test-llm: venv $(LLM_STAMP)
+	VCAGE_LLM_PYTHON=$(CURDIR)/$(LLM)/bin/python $(BIN)/python -m pytest -q -n 0 -p no:cacheprovider tests/llm/check.py
+
 # OpenClaw needs a younger Node than systems have; a wheel brings one.
 test-clients: venv
 	@test -x "$(CLIENTS)/node/bin/npm" || { $(BIN)/python -m venv --clear "$(CLIENTS)/node" \
@@ -121,5 +135,5 @@ doctor: venv
 	@$(BIN)/vcage doctor
 
 clean:
-	rm -rf .venv $(LEROBOT) build dist .pytest_cache .ruff_cache .hypothesis
+	rm -rf .venv $(LEROBOT) $(LLM) build dist .pytest_cache .ruff_cache .hypothesis
 	find vcage assets tests benchmarks skills -name __pycache__ -prune -exec rm -rf {} +

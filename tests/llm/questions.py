@@ -1,0 +1,73 @@
+"""Every question that is asked in words, with a scene small enough for a model of 8,192 tokens.
+
+A prompt that is added is added here, too: ``check.py`` fails where one is missing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+
+import numpy as np
+
+from tests.models.catalogue import unchecked
+from tests.models.tabletop import BLOCKS, BOX, MARKERS, PLATE, critic_question, scene_of
+from vcage.models.exchange import Answerer
+from vcage.models.llm_critic import LlmCritic
+from vcage.models.llm_reasoner import LlmReasoner
+from vcage.objects.library import Library
+from vcage.plans.check import plan_complaints
+from vcage.schema.asset import CatalogueEntry
+from vcage.schema.goals import Goal
+from vcage.schema.subtasks import PairQuestion
+
+INSTRUCTION = "Put the apple into the bowl"
+KINDS = ("apple", "bowl", "mug", "block")
+
+RNG = np.random.default_rng(0)
+
+
+def entries() -> list[CatalogueEntry]:
+    """A few kinds of the library."""
+    library = Library.load()
+    return [library.entry(name) for name in KINDS]
+
+
+def select_assets(who: Answerer) -> object:
+    return LlmReasoner(who).select_assets(INSTRUCTION, entries(), RNG, unchecked)
+
+
+def read_goals(who: Answerer) -> object:
+    return LlmReasoner(who).read_goals(INSTRUCTION, {entry.name: entry for entry in entries()}, {"apple": "mug"})
+
+
+def plan_layout(who: Answerer) -> object:
+    scene = scene_of([PLATE, *BLOCKS])
+    return LlmReasoner(who).plan_layout(scene, entries(), RNG, partial(plan_complaints, scene=scene))
+
+
+def judge_pairs(who: Answerer) -> object:
+    pair = PairQuestion(
+        object="apple", object_words="red apple", receptacle="bowl", receptacle_words="white bowl", holds="in",
+        object_size=(0.07, 0.07, 0.07), opening_size=(0.13, 0.13, 0.05),
+    )  # fmt: skip
+    return LlmReasoner(who).judge_pairs([pair, pair.model_copy(update={"object": "mug", "object_words": "blue mug"})])
+
+
+def judge_subtask(who: Answerer) -> object:
+    goal = Goal(subject="black-marker", relation="inside", reference="box")
+    after = [BOX, MARKERS[0].moved(at=BOX.at, base=0.005), *MARKERS[1:]]
+    return LlmCritic(who).judge(critic_question([BOX, *MARKERS], after, goal, "Put the black marker into the box."))
+
+
+QUESTIONS: dict[str, Callable[[Answerer], object]] = {
+    "select_assets": select_assets,
+    "read_goals": read_goals,
+    "plan_layout": plan_layout,
+    "judge_pairs": judge_pairs,
+    "judge_subtask": judge_subtask,
+}
+"""Name of the prompt → what asks it, through the reasoner or the critic."""
+
+DRAWN = {"rearrange"}
+"""Prompts that are answered with a picture."""
