@@ -15,7 +15,9 @@ from vcage.base.commands import vcage_command
 from vcage.base.pictures import read_picture
 from vcage.models.kept import Exchanges
 
-TASK = "Put the red block and the green block into the box"
+TASK = "Get the table ready for the next player: the red and the green block both belong in the box"
+"""Plain English that the rules refuse: whoever reads it is the model."""
+
 CHAIN = (
     ("select-place", TASK, "--out"),
     ("inpaint-plan", "--run"),
@@ -51,6 +53,11 @@ def chained(agent: ScriptedAgent, capsys: pytest.CaptureFixture[str], folder: Pa
         asked = () if stage == "optimize" else models
         ended = carried_out(agent, capsys, vcage_command(stage, *words, folder, *asked))
         assert ended["ok"], (stage, ended)
+
+
+def test_the_rules_refuse_what_the_agent_is_asked(tmp_path: Path, capsys) -> None:
+    answer = command(capsys, "select-place", TASK, "--out", tmp_path / "run", "--models", "offline")
+    assert answer.code == 2 and "next player" in answer.error["message"]
 
 
 @pytest.mark.slow

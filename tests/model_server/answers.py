@@ -1,114 +1,110 @@
-"""What the stand-in server answers to structured questions: valid JSON from the schema and the prompt alone."""
+"""What the stand-in server answers to structured questions: valid JSON from written tables, the schema and the prompt.
+
+Nothing here calls our rules. A kind of question is a function, named in :data:`KINDS` under a field that its answers
+alone have; what it means is written by hand in ``tables.yml`` where it depends on the instruction.
+"""
 
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
+import yaml
 
-from vcage.base.errors import NoAssetFits, UnreadInstruction
-from vcage.models.rules.goals import read_goals
-from vcage.models.rules.selection import select_assets
+from tests.model_server.service import Refused
 from vcage.models.structured import NONE
-from vcage.schema.asset import CatalogueEntry, ContactPoint, FunctionalPoint, Variant, Words
 
 _HOLDERS = ("box", "plate", "tray", "bowl", "basket")
+
+
+@dataclass(frozen=True)
+class Asked:
+    """A question: the fields of the answer's schema, the first prompt, and the pictures that came with it."""
+
+    fields: dict[str, Any]
+    prompt: str
+    pictures: list[np.ndarray]
+
+    def section(self, title: str) -> str:
+        """What stands below a title of the prompt."""
+        return self.prompt.partition(f"# {title}\n")[2].partition("\n#")[0].strip()
 
 
 def answer_question(schema: dict[str, Any], prompt: str, pictures: list[np.ndarray]) -> dict[str, Any]:
     """A valid answer; which question it is shows in the schema's fields."""
     fields = schema["properties"]
-    if "objects" in fields:
-        return _select(_section(prompt, "The catalogue"), _section(prompt, "The task"))
-    if "relations" in fields:
-        return _arrange(fields["relations"]["items"]["properties"]["subject"]["enum"], prompt)
-    if "pairs" in fields:
-        return {"pairs": [_pair(*found) for found in _PAIR.findall(prompt)]}
-    if "goals" in fields:
-        return _read(_section(prompt, "The instruction"), prompt)
-    views = [picture for picture in pictures if picture.shape == pictures[0].shape]
-    changed = len(views) > 1 and bool(np.abs(views[0].astype(int) - views[-1]).max() > 40)
-    seen = "the pictures differ" if changed else "the pictures are the same"
-    done, failure = ("yes", "none") if changed else ("no", "lost")
-    said = {"observations": seen, "done": done, "failure": failure, "also_moved": []}
-    return {**said, "reason": seen, "confidence": 0.8}
+    kind = next((field for field in KINDS if field in fields), None)
+    if kind is None:
+        raise Refused(400, f"the stand-in knows no question with the fields {', '.join(sorted(fields))}")
+    return KINDS[kind](Asked(fields, prompt, pictures))
 
 
-_PAIR = re.compile(r"^(\d+)\. Put the (.+?) \([^()]*\) (?:in|on) the (.+?) \(free", re.MULTILINE)
-_THING = re.compile(r"^- `([\w-]+)`: (.+?)(?: \(also: (.+?)\))?(?:; .*?things go (in|on) it.*)?$", re.MULTILINE)
-_KIND = re.compile(r"^- ([\w-]+) = .*; ([^;]+)$", re.MULTILINE)
-_OBJECT = re.compile(r"^- `([\w-]+)`: .*?, role (\w+),", re.MULTILINE)
+@cache
+def _tables() -> dict[str, dict[str, Any]]:
+    text = Path(__file__).with_name("tables.yml").read_text(encoding="utf-8")
+    return yaml.load(text, Loader=yaml.BaseLoader)  # all are texts, "on" too
 
 
-def _section(prompt: str, title: str) -> str:
-    return prompt.partition(f"# {title}\n")[2].partition("\n#")[0].strip()
+def written(instruction: str, *fields: str) -> dict[str, Any]:
+    """The table of an instruction, which says at least one of these fields."""
+    table = _tables().get(instruction, {})
+    if not any(field in table for field in fields):
+        raise Refused(400, f"tables.yml says neither {' nor '.join(fields)} of {instruction!r}")
+    return table
 
 
-def _select(listed: str, instruction: str) -> dict[str, Any]:
-    variants: dict[str, list[Variant]] = {}
-    for asset, looks in _KIND.findall(listed):
-        names = [look.partition(" (")[0] for look in looks.split(", ")]
-        variants[asset] = [Variant(id=name, colour=name) for name in names]
-    catalogue = [
-        CatalogueEntry(name=asset, words=_words(asset.replace("_", " ")), variants=found, size=(0.05, 0.05, 0.05))
-        for asset, found in variants.items()
+# --- one function for each kind of question ------------------------------------------------------------
+
+
+def select(asked: Asked) -> dict[str, Any]:
+    """Which objects the task needs."""
+    table = written(asked.section("The task"), "objects", "missing")
+    chosen = {look: told if isinstance(told, list) else [told, NONE] for look, told in table.get("objects", {}).items()}
+    objects = [
+        {"look": look, "role": role, "starts_in": start, "reason": "written down"}
+        for look, (role, start) in chosen.items()
     ]
-    try:
-        chosen = select_assets(instruction, catalogue, np.random.default_rng(0)).objects
-    except (NoAssetFits, UnreadInstruction) as error:
-        return {"missing": error.details.get("unmatched", [instruction]), "objects": []}
-    return {
-        "missing": [],
-        "objects": [
-            {"look": f"{o.asset}/{o.variant}", "role": o.role, "starts_in": o.starts_in or NONE, "reason": o.reason}
-            for o in chosen
-        ],
-    }
+    return {"missing": table.get("missing", []), "objects": objects}
 
 
-def _words(name: str) -> Words:
-    return Words(name=name, plural=f"{name}s", description=name, category="thing")
-
-
-def _read(instruction: str, prompt: str) -> dict[str, Any]:
-    """The goals as the rules read them among the things that the prompt lists."""
-    things = {name: _thing(*found) for name, *found in _THING.findall(_section(prompt, "The objects"))}
-    try:
-        found = read_goals(instruction, things)
-    except UnreadInstruction as error:
-        return {"unread": [error.details["unread"]], "goals": [], "untouched": []}
+def read(asked: Asked) -> dict[str, Any]:
+    """Which goals the instruction means."""
+    table = written(asked.section("The instruction"), "goals", "unread")
+    ids = {phrase.strip(): name for name, phrase in _THING.findall(asked.section("The objects"))} | {"table": "table"}
     goals = [
         {
-            "relation": asked.goal.relation,
-            "subject": asked.goal.subject,
-            "reference": asked.goal.reference or NONE,
-            "part": asked.goal.part or NONE,
-            "step": asked.step,
-            "words": asked.words,
+            "relation": relation,
+            "subject": _named(subject, ids),
+            "reference": _named(reference, ids),
+            "part": NONE,
+            "step": 1,
+            "words": words,
         }
-        for asked in found.goals
+        for subject, relation, reference, words in table.get("goals", [])
     ]
-    return {"unread": [], "goals": goals, "untouched": found.untouched}
+    return {"unread": table.get("unread", []), "goals": goals, "untouched": []}
 
 
-def _thing(phrase: str, synonyms: str, holds: str) -> CatalogueEntry:
-    colour, _, name = phrase.partition(" ")
-    words = _words(name or phrase).model_copy(update={"synonyms": [s for s in synonyms.split(", ") if s]})
-    contact = ContactPoint(id=0, name="middle", position=(0, 0, 0.02), approach=(0, 0, -1), closing=(1, 0, 0))
-    points = [FunctionalPoint(id=0, name="floor", holds=holds, position=(0, 0, 0.005))] if holds else []
-    return CatalogueEntry(
-        name=(name or phrase).replace(" ", "_"),
-        words=words,
-        variants=[Variant(id="look", colour=colour)],
-        size=(0.05, 0.05, 0.05),
-        contact_points=[contact],
-        functional_points=points,
-    )
+_THING = re.compile(r"^- `([\w-]+)`: ([\w -]+)", re.MULTILINE)
 
 
-def _arrange(ids: list[str], prompt: str) -> dict[str, Any]:
-    roles = dict(_OBJECT.findall(prompt))
+def _named(told: str, ids: dict[str, str]) -> str:
+    """The object that a table means."""
+    found = [name for phrase, name in ids.items() if phrase == told or phrase.endswith(f" {told}")]
+    if len(found) != 1:
+        raise Refused(400, f"{told!r} of tables.yml is not one of {', '.join(ids)}")
+    return found[0]
+
+
+def arrange(asked: Asked) -> dict[str, Any]:
+    """Where things stand: the receptacle in the middle, and the others around it."""
+    ids = asked.fields["relations"]["items"]["properties"]["subject"]["enum"]
+    roles = dict(_OBJECT.findall(asked.prompt))
     centre = next((i for i in ids if roles.get(i) == "receptacle"), ids[0])
     relations = [{"subject": centre, "relation": "center", "reference": "table"}]
     places = ("left_of", "right_of", "in_front_of", "behind")
@@ -117,6 +113,36 @@ def _arrange(ids: list[str], prompt: str) -> dict[str, Any]:
     return {"text": f"Everything stands around the {centre}.", "relations": relations}
 
 
-def _pair(number: str, thing: str, place: str) -> dict[str, Any]:
+_OBJECT = re.compile(r"^- `([\w-]+)`: .*?, role (\w+),", re.MULTILINE)
+
+
+def judge_pairs(asked: Asked) -> dict[str, Any]:
+    """Whether things belong in or on others."""
+    return {"pairs": [_pair(number, place) for number, place in _PAIR.findall(asked.prompt)]}
+
+
+_PAIR = re.compile(r"^(\d+)\. Put the .+? \([^()]*\) (?:in|on) the (.+?) \(free", re.MULTILINE)
+
+
+def _pair(number: str, place: str) -> dict[str, Any]:
     sensible = place.split()[-1] in _HOLDERS
     return {"number": int(number), "sensible": sensible, "reason": "it is a holder" if sensible else "no"}
+
+
+def judge(asked: Asked) -> dict[str, Any]:
+    """Whether a sub-task is done: it is where something moved."""
+    views = [picture for picture in asked.pictures if picture.shape == asked.pictures[0].shape]
+    changed = len(views) > 1 and bool(np.abs(views[0].astype(int) - views[-1]).max() > 40)
+    seen = "the pictures differ" if changed else "the pictures are the same"
+    done, failure = ("yes", "none") if changed else ("no", "lost")
+    return {"observations": seen, "done": done, "failure": failure, "also_moved": [], "reason": seen, "confidence": 0.8}
+
+
+KINDS: dict[str, Callable[[Asked], dict[str, Any]]] = {
+    "objects": select,
+    "relations": arrange,
+    "pairs": judge_pairs,
+    "goals": read,
+    "done": judge,
+}
+"""A field that only answers of this kind have → the function that answers it."""

@@ -402,7 +402,7 @@ def test_the_same_seed_draws_the_same_faults_for_its_share() -> None:
 def test_by_hand_it_says_which_variables_to_set() -> None:
     line = [sys.executable, "-m", "tests.model_server", "--key", "another-key", "--faults", "0.2", "--seed", "1"]
     with subprocess.Popen(line, stdout=subprocess.PIPE, text=True) as running:
-        exported = dict(running.stdout.readline().split()[1].split("=") for _ in range(8))
+        exported = dict(running.stdout.readline().split()[1].split("=") for _ in range(9))
         url = exported["VCAGE_ANTHROPIC_BASE_URL"]
         listed = requests.get(
             f"{url}/v1/models",
