@@ -22,7 +22,9 @@ from openai.types.chat import completion_create_params
 from tests.model_server import ModelServer, Special
 from tests.model_server import anthropic as anthropic_service
 from tests.model_server import openai as openai_service
+from tests.model_server.answers import answer_question
 from tests.model_server.server import MOST_BYTES
+from tests.model_server.service import Refused
 from tests.model_server.special import Faults
 from tests.models.tabletop import BLOCKS, draw
 from vcage.models.llm_critic import Judgement
@@ -411,3 +413,16 @@ def test_by_hand_it_says_which_variables_to_set() -> None:
         )
         running.terminate()
     assert url.startswith("http://127.0.0.1:") and listed.json()["data"]
+
+
+def test_the_stand_in_answers_without_our_rules() -> None:
+    asked = (
+        "import sys, tests.model_server.answers; print([n for n in sys.modules if n.startswith('vcage.models.rules')])"
+    )
+    found = subprocess.run([sys.executable, "-c", asked], capture_output=True, text=True)
+    assert found.stdout == "[]\n", found.stderr
+
+
+def test_an_instruction_that_no_table_holds_is_named() -> None:
+    with pytest.raises(Refused, match="neither objects nor missing of 'Sing a song'"):
+        answer_question({"properties": {"objects": {}}}, "# The task\nSing a song\n", [])

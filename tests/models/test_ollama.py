@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.model_server import ModelServer, text_answer
+from tests.model_server import ModelServer, raw_answer, text_answer
 from tests.models.catalogue import CATALOGUE, unchecked
 from tests.models.tabletop import BOX, MARKERS, critic_question
 from vcage.base.errors import ConfigurationError, EndpointFailed, ModelNotServed, UsageError
@@ -163,6 +163,13 @@ def test_a_question_longer_than_the_context_is_an_error_that_names_it(server: Mo
     ) as e:
         select(build_models(Choice("ollama", run=tmp_path)))
     assert "OLLAMA_CONTEXT_LENGTH=" in e.value.hint and not Exchanges(tmp_path / "exchanges").all()
+
+
+def test_a_server_that_says_that_a_question_is_too_long_is_quoted(server: ModelServer) -> None:
+    said = {"code": 400, "message": "request (9031 tokens) exceeds the available context size (8192 tokens)"}
+    server.queue(raw_answer(json.dumps({"error": said | {"type": "exceed_context_size_error"}}).encode(), 400))
+    with pytest.raises(ConfigurationError, match=r"too long for the model: .*\(8192 tokens\)"):
+        select(build_models(Choice("ollama")))
 
 
 def test_no_proxy_is_asked_for_the_loopback_interface(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -113,6 +113,13 @@ def test_who_does_not_draw_leaves_the_drawing_to_rules_unless_named(monkeypatch:
         assert caught.value.command.endswith("vcage inpaint-plan --help")
 
 
+def test_a_key_of_one_that_does_not_draw_leaves_the_drawing_to_rules(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("ANTHROPIC_API_KEY", "key-1")
+    roles = ("reasoner", "editor", "critic")
+    assert [Choice("auto").of(role) for role in roles] == ["anthropic", "offline", "anthropic"]
+    assert "anthropic for reasoner, critic, rules (offline) for editor" in Choice("auto").told(roles)
+
+
 @pytest.fixture
 def lists(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     """The ids that a Gemini endpoint lists; nothing is sent."""
