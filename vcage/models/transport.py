@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import copy
-import ipaddress
 import json
 import logging
 import re
@@ -12,7 +11,6 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Future
 from dataclasses import dataclass
-from email.utils import parsedate_to_datetime
 from functools import cached_property
 from http.cookiejar import DefaultCookiePolicy
 from typing import Any
@@ -21,6 +19,7 @@ from urllib.parse import urlsplit
 import requests
 
 from vcage.base.errors import ConfigurationError, EndpointFailed, ModelRefused
+from vcage.models.http import is_loopback, retry_after
 
 LOG = logging.getLogger(__name__)
 
@@ -170,7 +169,7 @@ class Transport:
             passing = answer.status < 300 or answer.status in (408, 429) or answer.status >= 500
             if not passing or answer.error.get("code") == NO_CREDIT:
                 raise _final(answer, problem)
-            asked = _retry_after(answer.headers.get("Retry-After"))
+            asked = retry_after(answer.headers.get("Retry-After"))
             if asked is not None and asked > LONGEST_WAIT:
                 break
             wait = wait if asked is None else asked
@@ -210,14 +209,6 @@ class Transport:
         for secret in self._secrets:
             text = text.replace(secret, "***")
         return _USER_OF_URL.sub("//***@", text)
-
-
-def is_loopback(host: str) -> bool:
-    """Check if a host is this machine."""
-    try:
-        return host == "localhost" or ipaddress.ip_address(host).is_loopback
-    except ValueError:
-        return False
 
 
 def _as_it_is(request: requests.PreparedRequest) -> requests.PreparedRequest:
@@ -295,17 +286,3 @@ def _final(answer: _Answer, problem: str) -> ConfigurationError | ModelRefused:
         what, hint = _CONFIGURATION.get(status, ("the endpoint redirects", "check the base URL"))
         return ConfigurationError(f"{what}: {problem}", hint=hint, details=details)
     return ModelRefused(problem, hint="change the instruction or the model", details=details)
-
-
-def _retry_after(value: str | None) -> float | None:
-    """Seconds that the endpoint asks to wait; it says so as a number or as a date."""
-    if value is None:
-        return None
-    try:
-        return max(0.0, float(value))
-    except ValueError:
-        pass
-    try:
-        return max(0.0, parsedate_to_datetime(value).timestamp() - time.time())
-    except (TypeError, ValueError):
-        return None
