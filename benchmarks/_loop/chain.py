@@ -27,7 +27,6 @@ from vcage.stages.context import StageContext
 from vcage.stages.photographs import Photographer, light_look
 from vcage.stages.question import Asking, verdict
 from vcage.stages.stage import ModelOptions
-from vcage.tasks.events import Watch
 from vcage.tasks.ground import Ground
 from vcage.tasks.loop import EpisodeRun, run_episode
 from vcage.tasks.scene_objects import SceneObject
@@ -35,7 +34,7 @@ from vcage.tasks.setting import PicturesByCamera, Seen, Setting
 from vcage.tasks.slots import slots_for_chain
 from vcage.tasks.synthesis import Script, script_of
 from vcage.tasks.task import Asked, Task
-from vcage.tasks.truth import subtask_done
+from vcage.tasks.truth import subtask_done, watch_of
 
 Mode = Literal["resample", "blind", "abort", "open"]
 """Trying again as the critic's reason says, trying again knowing no more than that it is a no, beginning anew, and not
@@ -155,7 +154,7 @@ class _Looking:
     def play(self, subtask: Subtask, script: Script, task: Task) -> None:
         """Carry out a script; then bring what was put down elsewhere by hand, if that is planted."""
         world, was = task.world, task.world.object_pose(subtask.object)
-        watch = Watch(world, self.objects, subtask.goals)
+        watch = watch_of(subtask, world, self.objects)
         try:
             script.play(task)
             self.befell = self.planted.failure(subtask, (task.contact, task.arm), task.slot)

@@ -350,3 +350,25 @@ def test_a_refused_success_counts_as_a_false_refusal_of_the_critic(resampled: Ep
 
 def test_an_attempt_that_never_reached_the_critic_is_not_held_against_it(unplanned: tuple[EpisodeRun, Critic]):
     assert confusion(unplanned[0].attempts).judged == 0
+
+
+# --- an arm that is asked for --------------------------------------------------------------------------
+
+
+def test_what_the_arm_that_is_asked_for_did_is_accepted():
+    run = play_once(Critic(), subtask(arm="left"))
+    assert run.accepted and run.segments[0].arm == "left"
+
+
+def test_what_another_arm_did_than_the_one_that_is_asked_for_is_refused_though_the_critic_says_yes():
+    run = play_once(Critic(), subtask(arm="right"), retries=0)
+    assert not run.accepted
+    told = "the simulator's state says no: the left arm took hold of block, which was asked of the right arm"
+    assert told in run.reason
+
+
+def test_further_attempts_stay_with_the_arm_that_is_asked_for():
+    grasps = [Grasp(contact=contact, arm="left", score=-1.0) for contact in (0, 1)]
+    run = play_once(Critic(["disturbed", False, True]), subtask(arm="left", grasps=grasps))
+    assert run.accepted
+    assert [a.arm for a in run.attempts] == ["left"] * 3

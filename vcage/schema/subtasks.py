@@ -53,6 +53,9 @@ class Subtask(Record):
         default=None, description="where the joint of a part is brought to, metres or radians"
     )
     grasps: list[Grasp] = Field(min_length=1, description="feasible grasps, best first")
+    arm: Identifier | None = Field(
+        default=None, description="arm that must do it, as is asked for; any when not given; of a hand-over it gives"
+    )
     hand_to: Identifier | None = Field(default=None, description="arm that takes it from the one that grasped it")
     requires: list[Goal] = Field(default=[], description="what must be true before")
     goals: list[Goal] = Field(min_length=1, description="what it brings about")

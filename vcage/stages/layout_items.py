@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import logging
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
@@ -20,7 +21,8 @@ from vcage.schema.plan import Relation
 from vcage.schema.scene import Role, Scene
 from vcage.sim.robots import load_robot
 from vcage.stages.context import StageContext
-from vcage.tasks.one_arm import for_one_arm
+from vcage.tasks.asked_arms import ANY_ARM
+from vcage.tasks.one_arm import for_one_arm, reached_by
 from vcage.tasks.scene_objects import SceneObject
 
 logger = logging.getLogger(__name__)
@@ -118,6 +120,7 @@ def layout_items(
         headed: whether an object is within reach at its own heading alone, not at any.
     """
     objects = context.objects(scene)
+    asked = reached_by(objects, scene.goals)
     hand = hand_clearance(load_robot(scene.robot))
     items = []
     for o in objects:
@@ -132,20 +135,51 @@ def layout_items(
                 target=(float(targets[o.id].p[0]), float(targets[o.id].p[1])),
                 opening=opening_for(o.asset, contents),
                 inside=inside.get(o.id),
-                allowed=context.within_reach(o.asset, o.record.role, scene, yaw if headed else None, every=every),
+                allowed=_where_reached(o, scene, asked.get(o.id, ()), yaw if headed else None, every, context),
                 hand=hand if o.record.role == "content" else None,
             )
         )
     return items
 
 
+def _where_reached(
+    thing: SceneObject, scene: Scene, arms: Collection[str], yaw: float | None, every: bool, context: StageContext
+) -> np.ndarray | None:
+    """Rectangles (m, 2, 2) of the table where each of some arms reaches an object, or where none is asked for some arm
+    does; None for anywhere.
+
+    Raises:
+        InfeasibleScene: there is no place that all of them reach.
+    """
+    if not arms:
+        return context.within_reach(thing.asset, thing.record.role, scene, yaw, every=every)
+    reach = [context.within_reach(thing.asset, _part_of(thing), scene, yaw, arm=arm) for arm in sorted(arms)]
+    found = functools.reduce(_common, [rectangles for rectangles in reach if rectangles is not None], None)
+    if found is not None and not len(found):
+        named = " and the ".join(sorted(arms))
+        raise InfeasibleScene(f"there is no place for {thing.record.phrase} that the {named} arm reach", hint=ANY_ARM)
+    return found
+
+
+def _common(some: np.ndarray | None, others: np.ndarray) -> np.ndarray:
+    """(m, 2, 2) what rectangles have in common with others, where that has an inside."""
+    if some is None:
+        return others
+    lower = np.maximum(some[:, None, 0], others[None, :, 0])
+    upper = np.minimum(some[:, None, 1], others[None, :, 1])
+    both = np.stack([lower, upper], axis=2).reshape(-1, 2, 2)
+    return both[np.all(both[:, 0] < both[:, 1], axis=1)]
+
+
 def _in_reach_of_one_arm(items: Sequence[TableItem], scene: Scene, context: StageContext) -> list[TableItem]:
     """The items, those that one arm must reach where one does: the nearest that way."""
     found, by_id = {item.id: item for item in items}, {o.id: o for o in context.objects(scene)}
-    for group in for_one_arm(list(by_id.values()), [asked.goal for asked in scene.goals]):
+    asked = reached_by(list(by_id.values()), scene.goals)
+    for group in for_one_arm(list(by_id.values()), [one.goal for one in scene.goals]):
+        named = set[str]().union(*(asked.get(name, ()) for name in group))
         moved = [found[name] for name in sorted(group) if not by_id[name].asset.articulated]
         choices: list[tuple[float, list[TableItem]]] = []
-        for arm in load_robot(scene.robot).arms:
+        for arm in load_robot(scene.robot).arms if len(named) == 0 else named if len(named) == 1 else ():
             things = [by_id[item.id] for item in moved]
             reach = {o.id: context.within_reach(o.asset, _part_of(o), scene, arm=arm) for o in things}
             if all(rectangles is not None and len(rectangles) for rectangles in reach.values()):

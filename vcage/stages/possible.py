@@ -22,6 +22,7 @@ from vcage.sim.world import World
 from vcage.stages.context import StageContext
 from vcage.stages.edits import refuse, require_same, written_record
 from vcage.stages.stability import MAX_DRIFT, MAX_TILT, moved_objects, settle_checks
+from vcage.tasks.asked_arms import arm_for, asked_arms
 from vcage.tasks.pushing import HEADINGS
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.templates import TEMPLATES
@@ -158,6 +159,8 @@ def _require_goals(path: Path, scene: Scene, objects: Sequence[SceneObject]) -> 
         places = arms if goal.relation == "handed" else [*by_id, *([] if goal.relation == "inside" else [TABLE])]
         if goal.reference is not None and goal.reference not in places:
             refuse(path, f"{field}.reference", repr(goal.reference), _one_of(goal.reference, places))
+        if asked.arm is not None and asked.arm not in arms:
+            refuse(path, f"goals.{number}.arm", repr(asked.arm), _one_of(asked.arm, arms))
         if asked.words not in (scene.instruction or ""):
             refuse(path, f"goals.{number}.words", repr(asked.words), f"words of the instruction {scene.instruction!r}")
     for number, name in enumerate(scene.untouched):
@@ -220,6 +223,7 @@ def require_possible(path: Path, field: str, subtask: Subtask, scene: Scene, obj
             refuse(path, f"{field}.{name}", repr(value), _one_of(value, known))
     if subtask.hand_to is not None and subtask.hand_to not in arms:
         refuse(path, f"{field}.hand_to", repr(subtask.hand_to), _one_of(subtask.hand_to, arms))
+    _require_arm(path, field, subtask, scene, arms)
     held = by_id[subtask.grasped or subtask.object].asset.annotation
     contacts = range(len(HEADINGS)) if subtask.template == "push" else [point.id for point in held.contact_points]
     for number, grasp in enumerate(subtask.grasps):
@@ -238,6 +242,22 @@ def require_possible(path: Path, field: str, subtask: Subtask, scene: Scene, obj
             if unknown:
                 refuse(path, f"{field}.{what}.{number}", f"there is no {unknown}", _all_of(objects))
     _require_offered(path, field, subtask, scene, objects)
+
+
+def _require_arm(path: Path, field: str, subtask: Subtask, scene: Scene, arms: Collection[str]) -> None:
+    """That it is done by the arm that the instruction asks for, if it asks for one, and by no other."""
+    if subtask.arm is not None and subtask.arm not in arms:
+        refuse(path, f"{field}.arm", repr(subtask.arm), _one_of(subtask.arm, arms))
+    asked, why = arm_for(subtask.goals, asked_arms(scene.goals), subtask.hand_to)
+    if why is not None:
+        refuse(path, f"{field}.goals", why, "goals that one arm is asked to bring about")
+    if asked is not None and subtask.arm != asked:
+        refuse(path, f"{field}.arm", repr(subtask.arm), f"{asked!r}, as the instruction asks")
+    if subtask.arm is not None and subtask.hand_to == subtask.arm:
+        refuse(path, f"{field}.hand_to", repr(subtask.hand_to), "another arm than the one that gives it")
+    for number, grasp in enumerate(subtask.grasps):
+        if subtask.arm is not None and grasp.arm != subtask.arm:
+            refuse(path, f"{field}.grasps.{number}.arm", repr(grasp.arm), f"{subtask.arm!r}, the arm of the sub-task")
 
 
 def _require_offered(path: Path, field: str, subtask: Subtask, scene: Scene, objects: Sequence[SceneObject]) -> None:

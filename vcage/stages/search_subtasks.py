@@ -26,6 +26,7 @@ from vcage.stages.context import StageContext
 from vcage.stages.edits import edited_scripts, refuse, written_record
 from vcage.stages.possible import require_possible
 from vcage.stages.stage import Job, ModelOptions, StageResult, stage_seed
+from vcage.tasks.asked_arms import asked_arms
 from vcage.tasks.ground import Ground
 from vcage.tasks.readiness import ready_for
 from vcage.tasks.rehearsal import proven
@@ -78,8 +79,8 @@ def execute(
         asked = {asked.goal for asked in scene.goals}
         arms = context.kinematics(scene.robot)
         ground = Ground.of(scene)
-        judge = partial(reasoner.judge_pairs, instruction=scene.instruction)
-        found = find_subtasks(objects, arms, judge, ground, rng, asked)
+        by_goal, judge = asked_arms(scene.goals), partial(reasoner.judge_pairs, instruction=scene.instruction)
+        found = find_subtasks(objects, arms, judge, ground, rng, asked, by_goal)
         chains = compose(scene, objects, found.kept, found.refused)
         by_id = {subtask.id: subtask for subtask in found.kept}
         for chain in chains if scene.goals else ():  # what is alone has been proven by the search

@@ -28,14 +28,22 @@ class Watch:
         world: that is watched, from now on.
         objects: by id, as they stood at the start of the episode.
         goals: events that are waited for.
+        handled: id of an object; the arms that touch it are noted.
 
     Attributes:
         world: that is watched.
         objects: as given.
         began: the objects when the watch began, by id.
+        hands: the arms that touched ``handled``, in the order in which they first did.
     """
 
-    def __init__(self, world: World, objects: Mapping[str, SceneObject], goals: Collection[Goal] = ()):
+    def __init__(
+        self,
+        world: World,
+        objects: Mapping[str, SceneObject],
+        goals: Collection[Goal] = (),
+        handled: str | None = None,
+    ):
         self.world = world
         self.objects = objects
         self._furthest = {name: np.abs(joints) for name, joints in world.joints_of_objects().items()}
@@ -45,6 +53,8 @@ class Watch:
         self._before = world.object_poses()
         self.began = {name: self.now(name) for name in objects}
         self._given: set[Goal] = set()
+        self._handled = handled
+        self.hands: list[str] = []
         world.before_step.append(self._note)
 
     def stop(self) -> None:
@@ -69,7 +79,12 @@ class Watch:
     def _note(self, world: World) -> None:
         for name, joints in world.joints_of_objects().items():
             self._furthest[name] = np.maximum(self._furthest[name], np.abs(joints))
-        if not self._goals or world.steps % EVERY:
+        if world.steps % EVERY:
+            return
+        if self._handled is not None:
+            touching = {name.partition("/")[0] for name in world.touching(self._handled)} & {*world.arms}
+            self.hands += sorted(touching - {*self.hands})
+        if not self._goals:
             return
         for goal in self._goals:
             self._going[goal] = self._going[goal] + 1 if self._happens(goal) else 0

@@ -28,7 +28,7 @@ from vcage.tasks.setting import PicturesByCamera, Seen, Setting
 from vcage.tasks.slots import Slot
 from vcage.tasks.synthesis import Script
 from vcage.tasks.task import Asked, Task, TaskFailed
-from vcage.tasks.truth import goals_hold, subtask_done
+from vcage.tasks.truth import goals_hold, subtask_done, watch_of
 
 logger = logging.getLogger(__name__)
 
@@ -170,7 +170,7 @@ class _Step:
 
     def _try(self, world: World, retry: Retry, start: int, before: PicturesByCamera) -> _Trial:
         task, attempt = Task(world, self.setting.objects, self.slots, retry), len(retry.failed)
-        watch = Watch(world, self.setting.objects, self.subtask.goals)
+        watch = watch_of(self.subtask, world, self.setting.objects)
         try:
             self.script.play(task)
             asked = self.script.verify(task)

@@ -1,10 +1,10 @@
-"""What one arm must reach all of: things that it brings to each other, and that do not change hands on the way."""
+"""What one arm must reach: what it brings to each other where nothing changes hands, and what it is asked to do."""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterable, Sequence
 
-from vcage.schema.goals import Goal
+from vcage.schema.goals import AskedGoal, Goal
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.templates.place import stands_flush
 
@@ -26,6 +26,24 @@ def for_one_arm(objects: Sequence[SceneObject], goals: Collection[Goal]) -> list
             meeting = [group for group in groups if group & needed]
             groups = [group for group in groups if group not in meeting] + [needed.union(*meeting)]
     return groups
+
+
+def reached_by(objects: Sequence[SceneObject], asked: Iterable[AskedGoal]) -> dict[str, set[str]]:
+    """The arms that must reach each object, by its id, for goals that are asked of an arm.
+
+    Args:
+        objects: of the scene.
+        asked: goals; those that name no arm ask nothing of where things stand.
+    """
+    by_id = {o.id: o for o in objects}
+    found: dict[str, set[str]] = {}
+    for one in asked:
+        goal = one.goal
+        if one.arm is not None:
+            for name in (goal.subject, str(goal.reference), *_met(goal, by_id)):
+                if name in by_id:
+                    found.setdefault(name, set()).add(one.arm)
+    return found
 
 
 def _met(goal: Goal, objects: dict[str, SceneObject]) -> set[str]:

@@ -16,6 +16,7 @@ from vcage.sim.bodies import Body
 from vcage.sim.kinematics import ArmKinematics, kinematics_of
 from vcage.sim.robots import load_robot
 from vcage.sim.world import World
+from vcage.tasks.asked_arms import asked_arms, bound_to, those_of
 from vcage.tasks.ground import Ground
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.search import compose, find_subtasks
@@ -51,13 +52,14 @@ def examined(
         ground: of the table.
         rng: of all choices.
     """
+    kinematics = those_of(kinematics, subtask.arm, subtask.hand_to)
     into = subtask.template == "hand_over" and subtask.functional_point is not None
     kind, asked = ("place" if into else subtask.template), [] if subtask.template == "place" else subtask.goals
     for proposal in TEMPLATES[kind].proposals(objects, asked)[0]:
         if proposal.thing.id == subtask.object and proposal.goal in subtask.goals:
             found, _ = proposal.examine(objects, kinematics, ground, rng)
             if found is not None and found.id == subtask.id:
-                return found
+                return bound_to(found, subtask.arm)
     return None
 
 
@@ -208,7 +210,8 @@ def require_chain(
         InfeasibleScene: what the chain puts into one receptacle does not fit together, or has no place on the table.
     """
     ground = Ground.of(scene)
-    found = find_subtasks(objects, kinematics, _nothing_else, ground, rng, {asked.goal for asked in scene.goals})
+    goals, arms = {asked.goal for asked in scene.goals}, asked_arms(scene.goals)
+    found = find_subtasks(objects, kinematics, _nothing_else, ground, rng, goals, arms)
     kept = {subtask.id: subtask for subtask in found.kept}
     for names in compose(scene, objects, found.kept, found.refused):
         proven([kept[name] for name in names.subtasks], objects, scene, rng)

@@ -9,18 +9,21 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 
 import numpy as np
 
 from vcage.base.errors import InputFileError, NoFeasibleTask
 from vcage.plans.actions import Action
 from vcage.plans.planner import Task, complaints, find_chain
-from vcage.schema.goals import Goal, StateWord, in_steps, part_that
+from vcage.schema.goals import AskedGoal, Goal, StateWord, in_steps, part_that
 from vcage.schema.plan import TABLE
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Chain, PairAnswer, PairQuestion, Refusal, Subtask, TemplateName
 from vcage.sim.joints import joint_positions
 from vcage.sim.kinematics import ArmKinematics
+from vcage.sim.robots import load_robot
+from vcage.tasks.asked_arms import ANY_ARM, require_arms
 from vcage.tasks.filled import require_level
 from vcage.tasks.ground import Ground
 from vcage.tasks.primitives.grip import stays_level
@@ -48,6 +51,7 @@ def find_subtasks(
     ground: Ground,
     rng: np.random.Generator,
     asked: Collection[Goal] = (),
+    arms: Mapping[Goal, str] = MappingProxyType({}),
 ) -> FoundSubtasks:
     """Find the sub-tasks that are sensible and feasible in a scene.
 
@@ -58,11 +62,12 @@ def find_subtasks(
         ground: of the table.
         rng: of all choices.
         asked: goals that are asked for: whether these are sensible is not the judge's to say.
+        arms: the arm that must bring about a goal, where one is asked for.
     """
     kept: list[Subtask] = []
     proposals, refused, candidates = sensible(objects, judge, asked)
     for proposal in proposals:
-        subtask, refusals = proposal.examine(objects, kinematics, ground, rng)
+        subtask, refusals = proposal.examine_for(arms, objects, kinematics, ground, rng)
         refused += refusals
         kept += [subtask] if subtask is not None else []
     return FoundSubtasks(kept, refused, candidates)
@@ -115,8 +120,9 @@ def require_way(scene: Scene, objects: Sequence[SceneObject]) -> None:
 
     Raises:
         NoFeasibleTask: names each such goal with its words, and why; also what would have to be carried with something
-            in it that would fall out.
+            in it that would fall out, and what is asked of an arm that is not there.
     """
+    require_arms(scene.goals, load_robot(scene.robot).arms)
     require_level(scene, objects)
     asked = [one.goal for one in scene.goals]
     found, refused, _ = sensible(objects, _all_sensible, asked)
@@ -254,15 +260,23 @@ SIZES = ("fits", "opening")
 SMALLER = "ask for a smaller thing, or for a place with more room"
 
 
-def _way_out(*refusals: Sequence[Refusal]) -> str:
-    """The hint about what is refused, in groups of which each must be done: a draw helps only where places matter."""
+def _way_out(*refusals: Sequence[Refusal], bound: bool = False) -> str:
+    """The hint about what is refused, in groups of which each must be done, maybe by one arm (``bound``): a draw helps
+    only where places matter."""
     if any(group and all(_by_size(refusal) for refusal in group) for group in refusals):
         return f"{SMALLER}; another --seed does not help"
+    if bound:
+        return f"{ANY_ARM}; or another --seed gives another layout"
     return "another --seed gives another layout; another instruction other objects"
 
 
 def _by_size(refusal: Refusal) -> bool:
     return any(check.name in SIZES and not check.passed for check in refusal.checks)
+
+
+def _named(asked: AskedGoal) -> str:
+    """A goal with its words, and the arm that it is asked of."""
+    return f"{asked.goal} ({asked.words!r}){'' if asked.arm is None else f' with the {asked.arm} arm'}"
 
 
 def _unfulfilled(scene: Scene, kept: Sequence[Subtask], refused: Sequence[Refusal]) -> NoFeasibleTask:
@@ -273,13 +287,14 @@ def _unfulfilled(scene: Scene, kept: Sequence[Subtask], refused: Sequence[Refusa
     reasons = [refusal.reason for refusals in about for refusal in refusals]
     left = {asked.goal.subject for asked in missing}.intersection(scene.untouched)
     reasons += [f"{name} is to be left alone" for name in sorted(left)]
-    named = "; ".join(dict.fromkeys(f"{asked.goal} ({asked.words!r})" for asked in missing or scene.goals))
+    named = "; ".join(dict.fromkeys(map(_named, missing or scene.goals)))
     unsaid = (
         "no sub-task of this scene does that" if missing else "each can be brought about, but in no order all of them"
     )
     why = "; ".join(list(dict.fromkeys(reasons))[:3]) or unsaid
+    bound = any(asked.arm is not None for asked in missing or scene.goals)
     return NoFeasibleTask(
         f"no chain of feasible sub-tasks brings about {named}: {why}",
-        hint="name what may be moved, or leave less alone" if left else _way_out(*about),
+        hint="name what may be moved, or leave less alone" if left else _way_out(*about, bound=bound),
         details={"missing": [str(asked.goal) for asked in missing], "reasons": reasons},
     )

@@ -24,6 +24,7 @@ from vcage.schema.subtasks import Subtask
 from vcage.sim.joints import joint_index, joint_positions
 from vcage.sim.kinematics import kinematics_of
 from vcage.tasks.access import closed_part
+from vcage.tasks.asked_arms import those_of
 from vcage.tasks.feasibility import Transfer, examine
 from vcage.tasks.grasps import grasp_poses
 from vcage.tasks.ground import SPOTS, Ground
@@ -249,7 +250,8 @@ def _drawn_on_table(
             continue
         others = [o for o in now.values() if o.id != thing.id]
         if subtask.template == "push":
-            arms = {name: kinematics_of(arm) for name, arm in robot.arms.items()}
+            able = those_of(robot.arms, subtask.arm, None)
+            arms = {name: kinematics_of(arm) for name, arm in able.items()}
             pushes, _ = examine_pushes(now[thing.id], subtask.goals[0], others, arms, ground)
             poses = [push.end for push in pushes]
         else:

@@ -14,6 +14,7 @@ from vcage.schema.goals import Goal, part_words
 from vcage.schema.plan import TABLE
 from vcage.schema.subtasks import Subtask
 from vcage.sim.joints import joint_index, joint_positions
+from vcage.sim.world import World
 from vcage.tasks.events import LASTS, Watch
 from vcage.tasks.ground import faces_customer, on_customers_half
 from vcage.tasks.scene_objects import SceneObject
@@ -34,17 +35,45 @@ def goals_hold(goals: Sequence[Goal], objects: Mapping[str, SceneObject], watch:
 
 
 def subtask_done(subtask: Subtask, goals: Sequence[Goal], objects: Mapping[str, SceneObject], watch: Watch) -> Truth:
-    """Whether a sub-task brought about some goals, and disturbed nothing else.
+    """Whether a sub-task brought about some goals with the arm that it is asked of, and disturbed nothing else.
 
     Args:
         subtask: that was done.
         goals: that it was to bring about.
         objects: by id, as they are now.
-        watch: since it began.
+        watch: since it began, of the object that was taken hold of where that is asked of an arm.
     """
     truth = goals_hold(goals, objects, watch)
+    if not truth.success:
+        return truth
+    complaint = _arm_complaint(subtask, watch)
+    if complaint is not None:
+        return Truth(success=False, reason=complaint)
     left = others_stay(subtask, watch)
-    return truth if left.success or not truth.success else left
+    return truth if left.success else left
+
+
+def watch_of(subtask: Subtask, world: World, objects: Mapping[str, SceneObject]) -> Watch:
+    """A watch of all that tells whether a sub-task was done.
+
+    Args:
+        subtask: that begins.
+        world: where it is done.
+        objects: by id, as they stood at the start of the episode.
+    """
+    handled = None if subtask.arm is None else subtask.grasped or subtask.object
+    return Watch(world, objects, subtask.goals, handled)
+
+
+def _arm_complaint(subtask: Subtask, watch: Watch) -> str | None:
+    """Why it was not done with the arm that it is asked of, or None when it was."""
+    if subtask.arm is None:
+        return None
+    asked = [subtask.arm] if subtask.hand_to is None else [subtask.arm, subtask.hand_to]
+    if watch.hands == asked:
+        return None
+    did, should = (f"the {' and then the '.join(arms)} arm" if arms else "no arm" for arms in (watch.hands, asked))
+    return f"{did} took hold of {subtask.grasped or subtask.object}, which was asked of {should}"
 
 
 def others_stay(subtask: Subtask, watch: Watch) -> Truth:

@@ -37,7 +37,7 @@ def done() -> tuple[Task, Watch, list[set[str]]]:
     """A hammer that was handed to the right arm and put down, and who held it when."""
     hammer = thing("hammer", (-0.2, 0.0), 0.4)
     task = task_with(hammer)
-    watch, holders = Watch(task.world, {"hammer": hammer}, [HANDED]), [set()]
+    watch, holders = Watch(task.world, {"hammer": hammer}, [HANDED], "hammer"), [set()]
 
     def note(world) -> None:
         now = {name.partition("/")[0] for name in world.touching("hammer")}
@@ -68,6 +68,11 @@ def test_the_truth_is_that_it_was_handed(done):
     _, watch, _ = done
     told = goals_hold([HANDED], {"hammer": watch.now("hammer")}, watch)
     assert told.success, told.reason
+
+
+def test_the_watch_says_which_arm_gave_and_which_took(done):
+    _, watch, _ = done
+    assert watch.hands == ["left", "right"]
 
 
 def test_both_hands_hold_it_at_the_moment(done):

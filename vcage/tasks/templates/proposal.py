@@ -13,6 +13,7 @@ from vcage.schema.goals import Goal
 from vcage.schema.plan import TABLE
 from vcage.schema.subtasks import Check, PairQuestion, Refusal, Subtask, TemplateName
 from vcage.sim.kinematics import ArmKinematics
+from vcage.tasks.asked_arms import arm_for, bound_to, those_of
 from vcage.tasks.feasibility import Feasibility
 from vcage.tasks.ground import Ground
 from vcage.tasks.scene_objects import SceneObject
@@ -43,6 +44,11 @@ class Proposal(ABC):
         """What it would bring about, what it is for first."""
         return [self.goal]
 
+    @property
+    def hand_to(self) -> str | None:
+        """The arm that puts it down, where that is another than the one that takes it."""
+        return None
+
     def impossible(self) -> Refusal | None:
         """The refusal of what can be ruled out without asking anyone; None for what cannot."""
         return None
@@ -58,9 +64,28 @@ class Proposal(ABC):
 
     def offers(self, subtask: Subtask) -> bool:
         """Whether a sub-task is this with a way to do it: what is put down besides stands on the table."""
-        besides = Goal(subject=self.thing.id, relation="on", reference=TABLE)
-        told = {*self.goals} <= {*subtask.goals} <= {*self.goals, besides}
+        told = {self.goal} <= {*subtask.goals} <= {*self.goals}
         return told and subtask.object == self.thing.id and subtask.receptacle in (None, TABLE)
+
+    def examine_for(
+        self,
+        arms: Mapping[Goal, str],
+        objects: Sequence[SceneObject],
+        kinematics: Mapping[str, ArmKinematics],
+        ground: Ground,
+        rng: np.random.Generator,
+    ) -> tuple[Subtask | None, list[Refusal]]:
+        """As :meth:`examine`, with the arm alone that one of its goals is asked of, if one is.
+
+        Args:
+            arms: that are asked for, by goal.
+            objects, kinematics, ground, rng: see :meth:`examine`.
+        """
+        arm, why = arm_for(self.goals, arms, self.hand_to)
+        if why is not None:
+            return None, [self.refusal(why)]
+        found, refused = self.examine(objects, those_of(kinematics, arm, self.hand_to), ground, rng)
+        return (None if found is None else bound_to(found, arm)), refused
 
     @abstractmethod
     def examine(

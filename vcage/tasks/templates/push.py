@@ -50,6 +50,11 @@ class Shove(Proposal):
     """An object and the relation that it shall stand in: it may be pushed against its faces."""
 
     @property
+    def goals(self) -> list[Goal]:
+        """What it would bring about: it stands on the table as before."""
+        return [self.goal, Goal(subject=self.thing.id, relation="on", reference=TABLE)]
+
+    @property
     def candidates(self) -> int:
         """How many directions there are, though none is tried of what a hand can carry."""
         return len(headings(self.thing))
@@ -91,7 +96,7 @@ class Shove(Proposal):
             texts=others,
             receptacle=TABLE,
             grasps=[grasp for push in found for grasp in push.finding.grasps],
-            goals=[self.goal, Goal(subject=self.thing.id, relation="on", reference=TABLE)],
+            goals=self.goals,
             checks=found[0].finding.checks,
         )
 

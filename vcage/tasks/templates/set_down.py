@@ -66,6 +66,11 @@ SET_DOWN = SetDown("set_down", _aside)
 class Move(Proposal):
     """An object and what is true once it is put down."""
 
+    @property
+    def goals(self) -> list[Goal]:
+        """What it would bring about: it stands on the table besides."""
+        return list(dict.fromkeys([self.goal, Goal(subject=self.thing.id, relation="on", reference=TABLE)]))
+
     def impossible(self) -> Refusal | None:
         """What did not stand on the table cannot be put back there."""
         if self.goal.relation == "back" and self.thing.record.container is not None:
@@ -90,14 +95,8 @@ class Move(Proposal):
         if not findings:
             return None, refused
         grasps, checks = best_first(findings)
-        goals = list(dict.fromkeys([self.goal, Goal(subject=self.thing.id, relation="on", reference=TABLE)]))
-        slots = {"receptacle": TABLE, "grasps": grasps, "hand_to": self.hand_to, "goals": goals, "checks": checks}
+        slots = {"receptacle": TABLE, "grasps": grasps, "hand_to": self.hand_to, "goals": self.goals, "checks": checks}
         return self.subtask(self._identifier(), objects, **slots), refused
-
-    @property
-    def hand_to(self) -> str | None:
-        """The arm that puts it down, where that is another than the one that takes it."""
-        return None
 
     @property
     def _wanted(self) -> str:

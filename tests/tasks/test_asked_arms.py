@@ -1,0 +1,132 @@
+"""Arms that an instruction names."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tests.scenes import GROUND, block_and_plate, kinematics, robot, scene_of, sensible, subtask, thing
+from vcage.base.errors import NoFeasibleTask
+from vcage.schema.goals import AskedGoal, Goal, goal_of
+from vcage.schema.subtasks import Grasp, Subtask
+from vcage.tasks.asked_arms import arm_for, asked_arms, bound_to, require_arms, those_of
+from vcage.tasks.rehearsal import examined, require_chain
+from vcage.tasks.search import FoundSubtasks, compose, find_subtasks, require_way
+
+ON_PLATE = goal_of(["block", "on", "plate"])
+HANDED = goal_of(["hammer", "handed", "right"])
+
+
+def asked(goal: Goal, arm: str | None, step: int = 1) -> AskedGoal:
+    return AskedGoal(goal=goal, step=step, words="with that arm", arm=arm)
+
+
+def found_for(arm: str | None, objects: list | None = None, goal: Goal = ON_PLATE) -> FoundSubtasks:
+    arms = {} if arm is None else {goal: arm}
+    objects = objects or block_and_plate()
+    return find_subtasks(objects, kinematics(), sensible, GROUND, np.random.default_rng(0), [goal], arms)
+
+
+def step_of(found: FoundSubtasks, goal: Goal = ON_PLATE) -> Subtask:
+    return next(s for s in found.kept if goal in s.goals)
+
+
+def test_without_an_arm_both_arms_may_put_the_block_on_the_plate():
+    assert {grasp.arm for grasp in step_of(found_for(None)).grasps} == {"left", "right"}
+
+
+@pytest.mark.parametrize("arm", ["left", "right"])
+def test_only_the_arm_that_is_asked_for_has_grasps(arm: str):
+    step = step_of(found_for(arm))
+    assert step.arm == arm
+    assert {grasp.arm for grasp in step.grasps} == {arm}
+
+
+def test_the_words_of_the_sub_task_say_the_arm():
+    step = step_of(found_for("left"))
+    assert step.text == "Put the red block onto the white plate with the left arm."
+    assert "Use the left arm to put the red block onto the white plate." in step.texts
+    assert all("left arm" in text for text in step.texts)
+
+
+def test_sub_tasks_that_are_not_asked_of_an_arm_may_use_any():
+    others = [s for s in found_for("left").kept if ON_PLATE not in s.goals]
+    assert others and all(s.arm is None and "arm" not in s.text for s in others)
+
+
+def test_among_objects_that_stand_elsewhere_the_arm_and_its_words_stay():
+    step = step_of(found_for("right"))
+    objects = [thing("block", (-0.15, 0.0), 0.1, "content"), thing("plate", (0.1, 0.0), 0.0, "receptacle")]
+    then = examined(step, objects, kinematics(), GROUND, np.random.default_rng(0))
+    assert then is not None
+    assert (then.arm, then.text) == ("right", step.text)
+    assert {grasp.arm for grasp in then.grasps} == {"right"}
+
+
+def test_what_the_arm_does_not_reach_is_refused_by_name_with_the_way_out():
+    objects = [thing("block", (0.5, 0.2), 0.3, "content"), thing("plate", (0.2, 0.05), 0.0, "receptacle")]
+    found = found_for("left", objects)
+    scene = scene_of(objects).model_copy(update={"goals": [asked(ON_PLATE, "left")]})
+    with pytest.raises(NoFeasibleTask) as refused:
+        compose(scene, objects, found.kept, found.refused)
+    assert "block on plate ('with that arm') with the left arm" in refused.value.message
+    assert "the left arm does not reach" in refused.value.message and "red block" in refused.value.message
+    assert "leave the arm out" in refused.value.hint
+
+
+def test_what_no_single_arm_brings_there_is_not_handed_over_where_an_arm_is_asked_for():
+    goal = goal_of(["cookie_box", "inside", "packaging_box"])
+    objects = [thing("cookie_box", (-0.6, 0.1), 0.3), thing("packaging_box", (0.6, 0.1))]
+    assert step_of(found_for(None, objects, goal), goal).hand_to == "right"
+    assert not [s for s in found_for("right", objects, goal).kept if goal in s.goals]
+
+
+def test_a_chain_for_one_arm_is_proven_with_that_arm():
+    objects = block_and_plate()
+    scene = scene_of(objects).model_copy(update={"goals": [asked(ON_PLATE, "right")]})
+    require_chain(scene, objects, kinematics(), np.random.default_rng(0))
+
+
+def test_of_a_hand_over_the_arm_is_the_one_that_gives():
+    objects = [thing("hammer", (-0.05, 0.0), 0.0, "content")]
+    step = step_of(found_for("left", objects, HANDED), HANDED)
+    assert (step.arm, step.hand_to) == ("left", "right")
+    assert {grasp.arm for grasp in step.grasps} == {"left"}
+    assert "from the left arm to the right arm" in step.text
+
+
+def test_the_arm_of_what_a_hand_over_puts_down_is_the_one_that_takes():
+    on_table = goal_of(["hammer", "on", "table"])
+    assert arm_for([HANDED, on_table], {on_table: "right"}, "right") == (None, None)
+    assert arm_for([HANDED, on_table], {on_table: "left"}, "right")[1] is not None
+
+
+def test_one_goal_is_not_asked_of_two_arms():
+    with pytest.raises(NoFeasibleTask, match="the left arm and of the right arm"):
+        asked_arms([asked(ON_PLATE, "left"), asked(ON_PLATE, "right", 2)])
+
+
+@pytest.mark.parametrize(
+    ("goal", "arm", "why"), [(ON_PLATE, "third", "no arm 'third'"), (HANDED, "right", "cannot give")]
+)
+def test_an_arm_that_cannot_be_meant_is_refused_at_once(goal: Goal, arm: str, why: str):
+    objects = block_and_plate()
+    with pytest.raises(NoFeasibleTask, match=why):
+        require_arms([asked(goal, arm)], robot().arms)
+    with pytest.raises(NoFeasibleTask, match=why):
+        require_way(scene_of(objects).model_copy(update={"goals": [asked(goal, arm)]}), objects)
+
+
+def test_those_of_a_hand_over_are_giver_and_taker():
+    arms = dict.fromkeys(("left", "right", "middle"), 0)
+    assert [*those_of(arms, "middle", "left")] == ["left", "middle"]
+    assert those_of(arms, None, "left") is arms
+
+
+def test_sentences_that_do_not_go_on_with_an_arm_are_left_out():
+    step = subtask(texts=["The block goes on the plate.", "Could you put the block on the plate?"])
+    bound = bound_to(step.model_copy(update={"grasps": [Grasp(contact=0, arm="left", score=0.0)]}), "left")
+    assert bound.texts == [
+        "Could you put the block on the plate with the left arm?",
+        "Use the left arm to put the block on the plate.",
+    ]

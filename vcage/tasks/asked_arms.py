@@ -1,0 +1,102 @@
+"""Arms that an instruction names: "with the left arm" must be true of what is done, and is said of it."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from typing import TypeVar
+
+from vcage.base.errors import NoFeasibleTask
+from vcage.schema.goals import AskedGoal, Goal
+from vcage.schema.subtasks import Subtask
+
+T = TypeVar("T")
+
+ANY_ARM = "let any arm do it: leave the arm out of the instruction"
+"""The way out where the arm that is asked for cannot do it."""
+
+_UNFIT = ("The", "Make", "Find", "See", "Let")
+"""First words of sentences that do not go on with "with the left arm"."""
+
+
+def asked_arms(asked: Iterable[AskedGoal]) -> dict[Goal, str]:
+    """The arm that must bring about each goal that names one.
+
+    Raises:
+        NoFeasibleTask: a goal is asked of two arms.
+    """
+    found: dict[Goal, str] = {}
+    for one in asked:
+        if one.arm is not None and found.setdefault(one.goal, one.arm) != one.arm:
+            raise NoFeasibleTask(
+                f"{one.goal} ({one.words!r}) is asked of the {found[one.goal]} arm and of the {one.arm} arm",
+                hint="name one arm for it",
+                details={"missing": [str(one.goal)], "reasons": []},
+            )
+    return found
+
+
+def require_arms(asked: Iterable[AskedGoal], arms: Collection[str]) -> None:
+    """Nothing, unless a goal is asked of an arm that the robot does not have, or that cannot do it.
+
+    Raises:
+        NoFeasibleTask: names the goal, the arm, and those that there are.
+    """
+    for goal, arm in asked_arms(asked).items():
+        why = None
+        if arm not in arms:
+            why = f"the robot has no arm {arm!r}, it has {', '.join(arms)}"
+        elif goal.relation == "handed" and arm == goal.reference:
+            why = f"the {arm} arm cannot give what it is to be given"
+        if why is not None:
+            raise NoFeasibleTask(f"{goal}: {why}", hint=ANY_ARM, details={"missing": [str(goal)], "reasons": [why]})
+
+
+def arm_for(goals: Iterable[Goal], arms: Mapping[Goal, str], hand_to: str | None) -> tuple[str | None, str | None]:
+    """The arm that must take hold for some goals, None for any; and why no arm does for all of them, or None.
+
+    Args:
+        goals: that a sub-task brings about.
+        arms: that are asked for, by goal.
+        hand_to: the arm that the object is handed to: what is true afterwards is its doing.
+    """
+    named = {goal: arms[goal] for goal in goals if goal in arms}
+    takes = {arm for goal, arm in named.items() if hand_to is None or goal.relation == "handed"}
+    if len(takes) > 1:
+        return None, f"it is asked of the {' and of the '.join(sorted(takes))} arm at once"
+    puts = {arm for goal, arm in named.items() if hand_to is not None and goal.relation != "handed"}
+    if puts - {hand_to}:
+        return None, f"the {hand_to} arm would put it down, not the {min(puts)} arm"
+    return next(iter(takes), None), None
+
+
+def those_of(arms: Mapping[str, T], arm: str | None, hand_to: str | None) -> Mapping[str, T]:
+    """The arms that may take part in a sub-task: all, or the one that must do it and the one it hands to.
+
+    Args:
+        arms: by name.
+        arm: that must do it; None for any.
+        hand_to: that it is handed to.
+    """
+    return arms if arm is None else {name: value for name, value in arms.items() if name in (arm, hand_to)}
+
+
+def bound_to(subtask: Subtask, arm: str | None) -> Subtask:
+    """The sub-task as an arm must do it, which its words then say.
+
+    Args:
+        subtask: with grasps of that arm.
+        arm: None for any.
+    """
+    if arm is None:
+        return subtask
+    text, *others = _said_with(arm, [subtask.text, *subtask.texts], subtask.goals[0], subtask.hand_to)
+    return subtask.model_copy(update={"arm": arm, "text": text, "texts": others})
+
+
+def _said_with(arm: str, texts: Sequence[str], goal: Goal, hand_to: str | None) -> list[str]:
+    if goal.relation == "handed":
+        first = texts[0].replace(f" to the {hand_to} arm", f" from the {arm} arm to the {hand_to} arm")
+        return [first, *(text.replace("Hand ", f"{verb} ", 1) for verb in ("Pass", "Give") for text in [first])]
+    fit = [text for text in texts if text.split()[0] not in _UNFIT]
+    use = f"Use the {arm} arm to {texts[0][0].lower()}{texts[0][1:]}"
+    return [*(f"{text[:-1]} with the {arm} arm{text[-1]}" for text in fit), use]
