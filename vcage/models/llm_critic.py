@@ -18,6 +18,7 @@ from vcage.plans.thresholds import THRESHOLDS
 from vcage.schema.episodes import Failure, Verdict
 from vcage.schema.goals import OF_A_PART, Goal, part_words
 from vcage.schema.plan import TABLE
+from vcage.schema.subtasks import Statement
 from vcage.vision.protocols import Reference
 
 
@@ -73,6 +74,7 @@ class LlmCritic:
             near_m=NEAR_GAP,
             phrases=phrases,
             pictures=[name for name, _ in named],
+            statements=[_still(statement, phrases) for statement in question.statements],
         )
         answer = narrowed(Judgement, also_moved=list[one_of(list(phrases))])  # pyrefly: ignore
         handled = {goal.subject for goal in question.goals} | {question.grasped}
@@ -141,6 +143,13 @@ def _in_words(goal: Goal, phrases: Mapping[str, str]) -> str:
         return f"the {thing} is {word}"
     place = f"the {phrases.get(goal.reference, goal.reference)}"
     return f"the {thing} is {word} {place if goal.part is None else f'the {part_words(goal.part)} of {place}'}"
+
+
+def _still(statement: Statement, phrases: Mapping[str, str]) -> str:
+    """What a statement says, with the objects' phrases."""
+    if statement.goal is None:
+        return f"the {phrases.get(statement.subject, statement.subject)} has not moved"
+    return _in_words(statement.goal, phrases).replace(" is ", " is still ", 1)
 
 
 def _on_white(look: Reference) -> np.ndarray:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 
 import numpy as np
 
@@ -11,6 +12,7 @@ from vcage.base.errors import NoAssetFits, UnreadInstruction
 from vcage.base.text import one_line
 from vcage.models import prompts
 from vcage.models.exchange import Answerer
+from vcage.models.llm_slots import STEPS_PER_CALL, answer_type, complaints, meaning
 from vcage.models.search import Search, best_search, narrow
 from vcage.models.structured import Answer, AnswerType, ask, narrowed, one_of, one_or_none
 from vcage.objects.catalogue import LEGEND, catalogue_line
@@ -28,7 +30,7 @@ from vcage.schema.plan import (
     starting_complaints,
 )
 from vcage.schema.scene import Role, Scene
-from vcage.schema.subtasks import PairAnswer, PairQuestion
+from vcage.schema.subtasks import PairAnswer, PairQuestion, SlotAnswer, SlotQuestion
 
 PAIRS_PER_CALL = 30
 """Pairs that one prompt asks about."""
@@ -150,6 +152,16 @@ class LlmReasoner:
     def _judge_batch(self, questions: Sequence[PairQuestion], instruction: str | None) -> list[_JudgedPair]:
         prompt = prompts.fill("judge_pairs", questions=list(questions), instruction=instruction)
         return self._ask(prompt, _PairsAnswer, lambda a: _pair_complaints(a.pairs, len(questions))).pairs
+
+    def fill_slots(self, instruction: str | None, questions: Sequence[SlotQuestion]) -> list[SlotAnswer]:
+        """The model's choices among what is feasible, asked for the whole chain at once, a long one in batches."""
+        found: list[SlotAnswer] = []
+        for start in range(0, len(questions), STEPS_PER_CALL):
+            batch = questions[start : start + STEPS_PER_CALL]
+            prompt = prompts.fill("fill_slots", instruction=instruction, questions=list(batch))
+            answer = self._ask(prompt, answer_type(batch), partial(complaints, questions=batch))
+            found += meaning(answer, batch)
+        return found
 
     def read_goals(self, instruction: str, things: Mapping[str, CatalogueEntry], lying: Mapping[str, str]) -> Reading:
         """The model's reading; goals name objects and parts of the scene only, and words of the instruction."""

@@ -20,7 +20,7 @@ from vcage.schema.episodes import Verdict
 from vcage.schema.goals import Goal, Reading
 from vcage.schema.plan import LayoutPlan, Relation, Selection, SelectionCheck
 from vcage.schema.scene import Scene
-from vcage.schema.subtasks import PairAnswer, PairQuestion
+from vcage.schema.subtasks import PairAnswer, PairQuestion, SlotAnswer, SlotQuestion, Statement
 from vcage.vision.protocols import Detector, Embedder, Reference, View
 
 if TYPE_CHECKING:
@@ -106,6 +106,7 @@ class CriticQuestion:
         tops: z of what things may stand on besides the table, by the objects that the scene has, metres.
         towards_customer: (3,) unit vector from the middle of the table to the customer.
         background: the ``top`` view of the empty table in the same light, where there is one.
+        statements: what must have stayed as it was besides.
     """
 
     text: str
@@ -129,6 +130,7 @@ class CriticQuestion:
     tops: Sequence[float] = ()
     towards_customer: tuple[float, float, float] = (0.0, 1.0, 0.0)
     background: np.ndarray | None = None
+    statements: Sequence[Statement] = ()
 
 
 class Reasoner(Protocol):
@@ -169,6 +171,20 @@ class Reasoner(Protocol):
         Args:
             questions: in any number.
             instruction: what the robot is asked for in the scene, where it is asked for something.
+        """
+        ...
+
+    def fill_slots(self, instruction: str | None, questions: Sequence[SlotQuestion]) -> list[SlotAnswer]:
+        """How the sub-tasks of a chain are done, of what is feasible, and what must stay as it is; one answer each.
+
+        What an answer leaves open is done as it is ranked.
+
+        Args:
+            instruction: that the chain fulfils; None where each sub-task is a task of its own.
+            questions: in the order of the chain.
+
+        Raises:
+            ModelRefused: the last round's answer is still complained about; lists the complaints.
         """
         ...
 

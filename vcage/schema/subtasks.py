@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import ClassVar, Literal
 
-from pydantic import Field, ValidationInfo, field_validator
+from pydantic import Field, ValidationInfo, field_validator, model_validator
 
 from vcage.schema.base import Finite, Identifier, Point3, Record, RunPath, StageDocument
 from vcage.schema.goals import Goal
@@ -37,6 +37,49 @@ class Grasp(Record):
     score: Finite = Field(description="higher is better: minus the joint travel of the whole motion, radians")
 
 
+class Preference(Record):
+    """The grasp that a reasoner would rather have."""
+
+    contact: int = Field(ge=0, description="as of a grasp")
+    arm: Identifier
+
+
+StatementWord = Literal["unmoved", "open", "closed", "inside", "on"]
+"""What can be said to stay as it was; ``unmoved``: where and as it stood before the sub-task."""
+
+
+class Statement(Record):
+    """What a sub-task must leave as it was: checked besides its goals, by the simulator's state and by the critic."""
+
+    subject: Identifier = Field(description="id of an object")
+    word: StatementWord
+    reference: Identifier | None = Field(default=None, description="id of the object that it lies in or on")
+    part: Identifier | None = Field(
+        default=None, description="moving part: of the subject (open, closed), or of the reference"
+    )
+
+    @model_validator(mode="after")
+    def _has_what_its_word_needs(self) -> Statement:
+        if (self.reference is not None) != (self.word in ("inside", "on")):
+            raise ValueError(f"{self.word!r} takes {'no' if self.reference else 'a'} reference")
+        if self.word in ("open", "closed") and self.part is None:
+            raise ValueError(f"{self.word!r} needs the moving part")
+        if self.word == "unmoved" and self.part is not None:
+            raise ValueError("'unmoved' takes no part")
+        return self
+
+    @property
+    def goal(self) -> Goal | None:
+        """The same as a goal; None for what is unmoved, which says nothing of a state alone."""
+        if self.word == "unmoved":
+            return None
+        return Goal(subject=self.subject, relation=self.word, reference=self.reference, part=self.part)
+
+    def __str__(self) -> str:
+        """As in ``cabinet/drawer_top closed``."""
+        return f"{self.subject} unmoved" if self.goal is None else str(self.goal)
+
+
 class Subtask(Record):
     """A kept sub-task: proven feasible, with a script of its own."""
 
@@ -53,12 +96,16 @@ class Subtask(Record):
         default=None, description="where the joint of a part is brought to, metres or radians"
     )
     grasps: list[Grasp] = Field(min_length=1, description="feasible grasps, best first")
+    prefers: Preference | None = Field(
+        default=None, description="grasp that is tried first wherever it is feasible; the best one when not given"
+    )
     arm: Identifier | None = Field(
         default=None, description="arm that must do it, as is asked for; any when not given; of a hand-over it gives"
     )
     hand_to: Identifier | None = Field(default=None, description="arm that takes it from the one that grasped it")
     requires: list[Goal] = Field(default=[], description="what must be true before")
     goals: list[Goal] = Field(min_length=1, description="what it brings about")
+    statements: list[Statement] = Field(default=[], description="what else must be true afterwards: it stays as it was")
     script: RunPath = Field(description="path in the run folder")
     checks: list[Check] = Field(description="of the best grasp")
 
@@ -137,3 +184,49 @@ class PairAnswer(Record):
     receptacle: Identifier
     sensible: bool
     reason: str = Field(min_length=1)
+
+
+class GraspOption(Record):
+    """A feasible grasp, to choose from."""
+
+    contact: int
+    name: str = Field(description="of the contact point, or the direction of a push")
+    arm: str
+
+    def __str__(self) -> str:
+        """As in ``2 left``."""
+        return f"{self.contact} {self.arm}"
+
+
+class PlaceOption(Record):
+    """A functional point that a sub-task may use, with the grasps from which it is reached."""
+
+    point: int
+    name: str
+    subtask: Identifier = Field(description="the kept sub-task that uses it")
+    grasps: list[GraspOption]
+
+
+class SlotQuestion(Record):
+    """What a reasoner may choose of one sub-task of a chain: everything in it is feasible and can be checked."""
+
+    subtask: Identifier
+    text: str
+    held: str = Field(description="what the hand takes, in words")
+    grasps: list[GraspOption] = Field(description="best first, at the place that is planned")
+    places: list[PlaceOption] = Field(default=[], description="where there are several, the planned one first")
+    statements: list[Statement] = Field(default=[], description="what stays as it is, by the plan")
+
+    @property
+    def is_open(self) -> bool:
+        """Whether there is anything to choose."""
+        return len(self.grasps) > 1 or len(self.places) > 1 or bool(self.statements)
+
+
+class SlotAnswer(Record):
+    """A reasoner's answer to a :class:`SlotQuestion`; what is not given is left to the ranking."""
+
+    subtask: Identifier
+    grasp: Preference | None = None
+    point: int | None = None
+    statements: list[Statement] = []

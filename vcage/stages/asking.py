@@ -26,6 +26,7 @@ ASKED_BY = {
     "plan_layout": "inpaint_plan",
     "rearrange": "inpaint_plan",
     "judge_pairs": "search_subtasks",
+    "fill_slots": "search_subtasks",
     "judge_subtask": "verify",
 }
 """Prompt → the stage that asks it (collecting asks the last one, too)."""

@@ -188,7 +188,7 @@ class EpisodeRunner:
 
     def _judge(self, start: Start, asked: Asked, subtask: Subtask, seen: Seen, background: np.ndarray) -> Verdict:
         text = in_other_words(asked.text, start.phrases)
-        told = (seen, background, subtask.requires, subtask.grasped)
+        told = (seen, background, subtask.requires, subtask.grasped, subtask.statements)
         return verdict(self._context, start.scene, Asking(text, asked.goals, *told))
 
     def _write(

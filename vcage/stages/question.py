@@ -15,7 +15,7 @@ from vcage.plans.actions import HOLDING
 from vcage.schema.episodes import Verdict
 from vcage.schema.goals import OF_A_PART, Goal
 from vcage.schema.scene import Scene
-from vcage.schema.subtasks import Subtask
+from vcage.schema.subtasks import Statement, Subtask
 from vcage.sim.drawer import Drawing, Window
 from vcage.sim.joints import link_poses
 from vcage.stages.context import StageContext
@@ -92,6 +92,7 @@ class Asking:
         background: the top view of the empty table.
         requires: what was true before, by the plan: which drawers are open.
         grasped: id of what the robot was to take hold of, where that is not the goals' object.
+        statements: what must have stayed as it was.
     """
 
     text: str
@@ -100,16 +101,19 @@ class Asking:
     background: np.ndarray | None = None
     requires: Sequence[Goal] = ()
     grasped: str | None = None
+    statements: Sequence[Statement] = ()
 
     @classmethod
     def of(cls, subtask: Subtask, seen: Seen, background: np.ndarray | None) -> Asking:
         """About a sub-task in its own words."""
-        return cls(subtask.text, subtask.goals, seen, background, subtask.requires, subtask.grasped)
+        told = (subtask.requires, subtask.grasped, subtask.statements)
+        return cls(subtask.text, subtask.goals, seen, background, *told)
 
     @property
     def hash(self) -> str:
         """Hex SHA-256 of all of it."""
-        told = (self.text, [goal.model_dump_json() for goal in (*self.goals, *self.requires)], self.grasped)
+        records = [record.model_dump_json() for record in (*self.goals, *self.requires, *self.statements)]
+        told = (self.text, records, self.grasped)
         digest = hashlib.sha256(repr(told).encode())
         shown = [(f"{when} {name}", p) for when, by in sorted(self.seen.items()) for name, p in sorted(by.items())]
         for name, picture in [*shown, *([] if self.background is None else [("background", self.background)])]:
@@ -179,6 +183,7 @@ def _question(context: StageContext, scene: Scene, asking: Asking) -> CriticQues
         towards_customer=tuple(TOWARDS_CUSTOMER.tolist()),
         background=asking.background,
         grasped=asking.grasped,
+        statements=list(asking.statements),
     )
 
 

@@ -11,14 +11,14 @@ from vcage.objects.library import Library
 from vcage.schema.base import PoseRecord, Provenance, box_record
 from vcage.schema.goals import goal_of
 from vcage.schema.scene import ObjectRecord, Scene
-from vcage.schema.subtasks import Chain, Grasp, Subtask, Subtasks
+from vcage.schema.subtasks import Chain, Grasp, Statement, StatementWord, Subtask, Subtasks
 from vcage.sim.robots import load_template
 from vcage.stages.context import StageContext
 from vcage.stages.possible import possible_scene, require_possible
 from vcage.stages.stage import Job
 from vcage.tasks.synthesis import Script, load_script
 
-NEEDED = ("TEMPLATE", "ROBOT", "TEXT", "TEXTS", "SUBTASK", "SCENE", "GRASPS", "GOALS", "REQUIRES")
+NEEDED = ("TEMPLATE", "ROBOT", "TEXT", "TEXTS", "SUBTASK", "SCENE", "GRASPS", "GOALS", "REQUIRES", "STATEMENTS")
 HINT = "mend it, or search the sub-tasks of its run again"
 
 
@@ -107,11 +107,16 @@ def _subtask(script: Script, path: str) -> Subtask:
             grasps=[Grasp(contact=contact, arm=arm, score=score) for contact, arm, score in values["GRASPS"]],
             requires=[goal_of(goal) for goal in values["REQUIRES"]],
             goals=[goal_of(goal) for goal in values["GOALS"]],
+            statements=[_statement(*fields) for fields in values["STATEMENTS"]],
             script=path,
             checks=[],
         )
     except (TypeError, ValueError) as error:
         raise _impossible(script, "sub-task", error) from error
+
+
+def _statement(subject: str, word: StatementWord, reference: str | None, part: str | None) -> Statement:
+    return Statement(subject=subject, word=word, reference=reference, part=part)
 
 
 def _impossible(script: Script, what: str, error: Exception) -> DamagedFile:

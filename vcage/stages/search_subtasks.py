@@ -25,17 +25,14 @@ from vcage.schema.subtasks import Chain, Subtasks
 from vcage.stages.context import StageContext
 from vcage.stages.edits import edited_scripts, refuse, written_record
 from vcage.stages.possible import require_possible
+from vcage.stages.slot_choices import with_chosen_slots
 from vcage.stages.stage import Job, ModelOptions, StageResult, stage_seed
 from vcage.tasks.asked_arms import asked_arms
 from vcage.tasks.ground import Ground
 from vcage.tasks.readiness import ready_for
-from vcage.tasks.rehearsal import proven
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.search import action_of, compose, find_subtasks, initial_state
 from vcage.tasks.synthesis import note_python, write_script
-
-DRAWS = 20
-"""Sets of slots that are tried for the chain: there is no other layout to go to."""
 
 Options = ModelOptions
 """The stage has no options of its own."""
@@ -69,6 +66,7 @@ def execute(
 
     Raises:
         NoFeasibleTask: no chain of kept sub-tasks fulfils the instruction, or without one none is kept; says why.
+        ModelRefused: the reasoner was told what is wrong with its choice of grasps and places and gave no better one.
         InfeasibleScene: what the chain puts into one receptacle does not fit together, or has no place on the table.
     """
     stage = job(run, options, context)
@@ -83,9 +81,9 @@ def execute(
         found = find_subtasks(objects, arms, judge, ground, rng, asked, by_goal)
         chains = compose(scene, objects, found.kept, found.refused)
         by_id = {subtask.id: subtask for subtask in found.kept}
-        for chain in chains if scene.goals else ():  # what is alone has been proven by the search
-            proved, _ = proven([by_id[name] for name in chain.subtasks], objects, scene, rng, DRAWS)
-            by_id |= {subtask.id: subtask for subtask in proved}
+        steps = [[by_id[name] for name in chain.subtasks] for chain in chains]
+        chosen = with_chosen_slots(steps, by_id, scene, objects, reasoner, rng)
+        by_id |= {subtask.id: subtask for chain in chosen for subtask in chain}
         note_python()
         for subtask in by_id.values():
             write_script(subtask, ready_for(subtask, scene, objects), folder / f"{subtask.id}.py")
@@ -95,7 +93,10 @@ def execute(
             candidates=found.candidates,
             kept=list(by_id.values()),
             refused=found.refused,
-            chains=chains,
+            chains=[
+                chain.model_copy(update={"subtasks": [subtask.id for subtask in done]})
+                for chain, done in zip(chains, chosen, strict=True)
+            ],
         )
 
     return stage.do(Subtasks, make, force=options.force)

@@ -17,6 +17,7 @@ from vcage.sim.kinematics import ArmKinematics, kinematics_of
 from vcage.sim.robots import load_robot
 from vcage.sim.world import World
 from vcage.tasks.asked_arms import asked_arms, bound_to, those_of
+from vcage.tasks.choosing import as_chosen
 from vcage.tasks.ground import Ground
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.search import compose, find_subtasks
@@ -59,7 +60,7 @@ def examined(
         if proposal.thing.id == subtask.object and proposal.goal in subtask.goals:
             found, _ = proposal.examine(objects, kinematics, ground, rng)
             if found is not None and found.id == subtask.id:
-                return bound_to(found, subtask.arm)
+                return as_chosen(bound_to(found, subtask.arm), subtask)
     return None
 
 

@@ -25,7 +25,7 @@ from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Grasp, Subtask
 from vcage.tasks.templates import TEMPLATES
 
-SAID_ELSEWHERE = {"id", "text", "texts", "grasps", "requires", "goals", "script", "checks"}
+SAID_ELSEWHERE = {"id", "text", "texts", "grasps", "requires", "goals", "statements", "script", "checks"}
 """What a script's SUBTASK leaves out: it has names of its own, or follows from the script; checks are not repeated."""
 
 
@@ -38,6 +38,7 @@ def render_script(subtask: Subtask, scene: Scene) -> str:
         grasps=_told(subtask.grasps),
         goals=[(g.subject, g.relation, g.reference, g.part) for g in subtask.goals],
         requires=[(g.subject, g.relation, g.reference, g.part) for g in subtask.requires],
+        statements=[(s.subject, s.word, s.reference, s.part) for s in subtask.statements],
         calls=TEMPLATES[subtask.template].calls(subtask),
     )
     ast.parse(text)

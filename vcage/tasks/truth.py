@@ -12,7 +12,7 @@ from vcage.schema.asset import FunctionalPoint
 from vcage.schema.episodes import Truth
 from vcage.schema.goals import Goal, part_words
 from vcage.schema.plan import TABLE
-from vcage.schema.subtasks import Subtask
+from vcage.schema.subtasks import Statement, Subtask
 from vcage.sim.joints import joint_index, joint_positions
 from vcage.sim.world import World
 from vcage.tasks.events import LASTS, Watch
@@ -35,7 +35,7 @@ def goals_hold(goals: Sequence[Goal], objects: Mapping[str, SceneObject], watch:
 
 
 def subtask_done(subtask: Subtask, goals: Sequence[Goal], objects: Mapping[str, SceneObject], watch: Watch) -> Truth:
-    """Whether a sub-task brought about some goals with the arm that it is asked of, and disturbed nothing else.
+    """Whether a sub-task brought about some goals with the arm that it is asked of, and left the rest as it was.
 
     Args:
         subtask: that was done.
@@ -46,9 +46,10 @@ def subtask_done(subtask: Subtask, goals: Sequence[Goal], objects: Mapping[str, 
     truth = goals_hold(goals, objects, watch)
     if not truth.success:
         return truth
-    complaint = _arm_complaint(subtask, watch)
-    if complaint is not None:
-        return Truth(success=False, reason=complaint)
+    complaints = (_arm_complaint(subtask, watch), *(_changed(s, objects, watch) for s in subtask.statements))
+    for complaint in complaints:
+        if complaint is not None:
+            return Truth(success=False, reason=complaint)
     left = others_stay(subtask, watch)
     return truth if left.success else left
 
@@ -88,14 +89,27 @@ def others_stay(subtask: Subtask, watch: Watch) -> Truth:
     for name, thing in watch.began.items():
         if any(thing is other or _bears(other, thing) for other in handled):
             continue
-        now = watch.world.object_pose(name)
-        moved = float(np.linalg.norm(now.p - thing.pose.p))
-        tilt = float(np.arccos(np.clip(now.rotation()[:, 2] @ thing.pose.rotation()[:, 2], -1, 1)))
-        far = moved > THRESHOLDS.disturbed_m
-        if far or tilt > THRESHOLDS.tipped_rad:
-            how = f"moved by {100 * moved:.0f} cm" if far else f"tipped by {np.degrees(tilt):.0f}°"
-            return Truth(success=False, reason=f"{name} was {how} on the way")
+        complaint = _moved(name, watch)
+        if complaint is not None:
+            return Truth(success=False, reason=f"{complaint} on the way")
     return Truth(success=True, reason="nothing else was moved")
+
+
+def _moved(name: str, watch: Watch) -> str | None:
+    """How an object was moved or tipped since a watch began, or None where it was not."""
+    was, now = watch.began[name].pose, watch.world.object_pose(name)
+    moved = float(np.linalg.norm(now.p - was.p))
+    tilt = float(np.arccos(np.clip(now.rotation()[:, 2] @ was.rotation()[:, 2], -1, 1)))
+    if moved > THRESHOLDS.disturbed_m:
+        return f"{name} was moved by {100 * moved:.0f} cm"
+    return f"{name} was tipped by {np.degrees(tilt):.0f}°" if tilt > THRESHOLDS.tipped_rad else None
+
+
+def _changed(statement: Statement, objects: Mapping[str, SceneObject], watch: Watch) -> str | None:
+    """Why what was to stay as it was did not, or None when it did."""
+    goal = statement.goal
+    complaint = _moved(statement.subject, watch) if goal is None else _complaint(goal, objects, watch)
+    return None if complaint is None else f"not {statement} any more: {complaint}"
 
 
 def _bears(below: SceneObject, thing: SceneObject) -> bool:

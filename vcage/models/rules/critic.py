@@ -99,6 +99,7 @@ class OfflineCritic:
         stood = (distance(was, bare) > CHANGED) & ~explained
         empty = stood & (distance(now, bare) < distance(now, was))
         about = {name for goal in question.goals for name in (goal.subject, goal.reference)} | {question.grasped}
+        about -= _to_stay(question)
         found = []
         for name in question.planned.keys() - about:
             thing = _sought(question, name)
@@ -278,3 +279,9 @@ def _drawn(
     draw: DrawObject, name: str, shares: Mapping[str, float], pose: Pose, camera: Camera, window: Window
 ) -> Drawing:
     return draw(name, pose, camera, window, shares)
+
+
+def _to_stay(question: CriticQuestion) -> set[str]:
+    """What is said to be unmoved and no goal moves: a receptacle too. Other statements cannot be told from above."""
+    moved = {*(goal.subject for goal in question.goals), question.grasped}
+    return {s.subject for s in question.statements if s.word == "unmoved"} - moved

@@ -19,7 +19,7 @@ from vcage.schema.asset import CatalogueEntry
 from vcage.schema.goals import Reading
 from vcage.schema.plan import LayoutPlan, Selection, SelectionCheck
 from vcage.schema.scene import Scene
-from vcage.schema.subtasks import PairAnswer, PairQuestion
+from vcage.schema.subtasks import PairAnswer, PairQuestion, SlotAnswer, SlotQuestion
 
 TRIES = 5
 """Selections or plans that are drawn before one is refused."""
@@ -49,6 +49,10 @@ class OfflineReasoner:
     def judge_pairs(self, questions: Sequence[PairQuestion], instruction: str | None = None) -> list[PairAnswer]:
         """See :func:`vcage.models.rules.pairs.judge_object_and_place`; the instruction changes nothing."""
         return [judge_object_and_place(question) for question in questions]
+
+    def fill_slots(self, instruction: str | None, questions: Sequence[SlotQuestion]) -> list[SlotAnswer]:
+        """No opinion: everything is done as it is ranked, and nothing more is checked."""
+        return [SlotAnswer(subtask=question.subtask) for question in questions]
 
     def read_goals(self, instruction: str, things: Mapping[str, CatalogueEntry], lying: Mapping[str, str]) -> Reading:
         """See :func:`vcage.models.rules.goals.read_goals`."""

@@ -1,0 +1,95 @@
+"""The slots of the chains that a search found, as the reasoner fills them."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from vcage.base.errors import InfeasibleScene, NoFeasibleTask
+from vcage.models.protocols import Reasoner
+from vcage.schema.scene import Scene
+from vcage.schema.subtasks import SlotAnswer, SlotQuestion, Subtask
+from vcage.tasks.choosing import checked, filled, slot_questions
+from vcage.tasks.readiness import ready_for
+from vcage.tasks.rehearsal import proven
+from vcage.tasks.scene_objects import SceneObject
+from vcage.tasks.search import action_of, initial_state
+
+logger = logging.getLogger(__name__)
+
+DRAWS = 20
+"""Sets of slots that are tried for a chain: there is no other layout to go to."""
+
+
+def with_chosen_slots(
+    chains: Sequence[Sequence[Subtask]],
+    kept: Mapping[str, Subtask],
+    scene: Scene,
+    objects: Sequence[SceneObject],
+    reasoner: Reasoner,
+    rng: np.random.Generator,
+) -> list[list[Subtask]]:
+    """The chains as the reasoner would have them done, those of an instruction proven from step to step.
+
+    It is asked once for all of them, and only where it has a choice. Where a chain cannot be done with the places that
+    it chose, it is done as it is ranked.
+
+    Args:
+        chains: the sub-tasks of each, in order.
+        kept: all sub-tasks that were found, by id.
+        scene, objects: where.
+        reasoner: is asked.
+        rng: of all choices that are drawn.
+
+    Raises:
+        NoFeasibleTask, InfeasibleScene: a chain cannot be done, see :func:`vcage.tasks.rehearsal.proven`.
+        ModelRefused: the reasoner gives no valid answer.
+    """
+    asked = [_questions(chain, kept, scene, objects) for chain in chains]
+    flat = [question for questions in asked for question in questions]
+    answers = iter(
+        reasoner.fill_slots(scene.instruction, flat)
+        if any(question.is_open for question in flat)
+        else [SlotAnswer(subtask=question.subtask) for question in flat]
+    )
+    found = []
+    for chain in chains:
+        told = [next(answers) for _ in chain]
+        if scene.goals:
+            found.append(_proven(chain, told, kept, scene, objects, rng))
+        else:  # what is alone has been proven by the search
+            found.append(filled(chain, {}, told))
+    return found
+
+
+def _questions(
+    chain: Sequence[Subtask], kept: Mapping[str, Subtask], scene: Scene, objects: Sequence[SceneObject]
+) -> list[SlotQuestion]:
+    """What may be chosen of a chain; of a sub-task that is a task of its own not the place, as others do it there."""
+    by_id = {o.id: o for o in objects}
+    actions = {subtask.id: action_of(subtask, by_id[subtask.object]) for subtask in chain}
+    if scene.goals:
+        return slot_questions(chain, kept.values(), objects, initial_state(objects), actions)
+    joints = {o.id: o.joints for o in ready_for(chain[0], scene, objects).objects}
+    ready = [o.moved(o.pose, joints[o.id]) for o in objects]
+    return slot_questions(chain, (), ready, initial_state(ready), actions)
+
+
+def _proven(
+    chain: Sequence[Subtask],
+    answers: Sequence[SlotAnswer],
+    kept: Mapping[str, Subtask],
+    scene: Scene,
+    objects: Sequence[SceneObject],
+    rng: np.random.Generator,
+) -> list[Subtask]:
+    chosen = filled(chain, kept, answers)
+    if [subtask.id for subtask in chosen] != [subtask.id for subtask in chain]:
+        try:
+            return proven(chosen, objects, scene, rng, DRAWS)[0]
+        except (NoFeasibleTask, InfeasibleScene) as error:
+            logger.warning("the chain is done as it is ranked, not at the places that were chosen: %s", error.message)
+            chosen = checked(chain, answers)
+    return proven(chosen, objects, scene, rng, DRAWS)[0]
