@@ -129,6 +129,18 @@ def _pair(number: str, place: str) -> dict[str, Any]:
     return {"number": int(number), "sensible": sensible, "reason": "it is a holder" if sensible else "no"}
 
 
+def fill_slots(asked: Asked) -> dict[str, Any]:
+    """Which grasp and place of each step; it has no opinion."""
+    return {"steps": [_no_opinion(name) for name in _STEP.findall(asked.prompt)]}
+
+
+_STEP = re.compile(r"^## \d+\. `([\w-]+)`:", re.MULTILINE)
+
+
+def _no_opinion(subtask: str) -> dict[str, Any]:
+    return {"subtask": subtask, "grasp": NONE, "place": NONE, "statements": [], "reason": "as it is ranked"}
+
+
 def judge(asked: Asked) -> dict[str, Any]:
     """Whether a sub-task is done: it is where something moved."""
     views = [picture for picture in asked.pictures if picture.shape == asked.pictures[0].shape]
@@ -142,6 +154,7 @@ KINDS: dict[str, Callable[[Asked], dict[str, Any]]] = {
     "objects": select,
     "relations": arrange,
     "pairs": judge_pairs,
+    "steps": fill_slots,
     "goals": read,
     "done": judge,
 }

@@ -12,11 +12,12 @@ import pytest
 from tests.models.tabletop import BOX, MARKERS, critic_question
 from vcage.models import llm_critic
 from vcage.models.exchange import Question, Reply
-from vcage.models.llm_critic import Judgement, LlmCritic, _in_words, _verdict
+from vcage.models.llm_critic import Judgement, LlmCritic, _in_words, _still, _verdict
 from vcage.models.structured import flat_schema
 from vcage.plans.thresholds import THRESHOLDS
 from vcage.schema.episodes import Failure, Verdict
 from vcage.schema.goals import OF_A_PART, OF_TWO, EventWord, Goal, StateWord
+from vcage.schema.subtasks import Statement
 
 PHRASES = {"box": "red box", "cabinet": "white cabinet"}
 
@@ -171,3 +172,44 @@ def test_more_than_half_of_the_votes_must_be_a_yes_and_no_more_are_asked_than_de
     assert verdict.accepted is accepted
     assert len({question.hash for question in who.asked}) == len(who.asked) == asked
     assert f"of {asked} votes" in verdict.reason and verdict.provider == f"test, {len(said)} votes"
+
+
+@pytest.mark.parametrize(
+    ("statement", "words"),
+    [
+        (Statement(subject="box", word="unmoved"), "the red box has not moved"),
+        (
+            Statement(subject="cabinet", word="closed", part="drawer_top"),
+            "the top drawer of the white cabinet is still closed",
+        ),
+        (
+            Statement(subject="box", word="inside", reference="cabinet"),
+            "the red box is still inside the white cabinet",
+        ),
+    ],
+)
+def test_what_must_have_stayed_is_told_in_words(statement: Statement, words: str) -> None:
+    assert _still(statement, PHRASES) == words
+
+
+def test_what_must_have_stayed_has_a_section_of_its_own() -> None:
+    goal = Goal(subject="black-marker", relation="inside", reference="box")
+    question = critic_question([BOX, *MARKERS], [BOX, *MARKERS], goal)
+    prompts = []
+    for statements in ([], [Statement(subject="box", word="unmoved")]):
+        who = Recorder()
+        LlmCritic(who).judge(replace(question, statements=statements))
+        prompts.append(who.prompt)
+    without, told = prompts
+    assert "must have stayed as it was" not in without
+    assert "must have stayed as it was" in told and "- the box has not moved" in told.splitlines()
+
+
+class Recorder:
+    """Says no, and keeps the prompt."""
+
+    provider, prompt = "test", ""
+
+    def answer(self, question: Question) -> Reply:
+        self.prompt = question.messages[0].text
+        return Reply(judgement("no", "lost").model_dump_json())

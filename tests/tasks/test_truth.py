@@ -9,9 +9,9 @@ from tests.scenes import TABLE_TOP, thing, world_of
 from vcage.base.geometry import Pose
 from vcage.schema.episodes import Truth
 from vcage.schema.goals import Goal
-from vcage.schema.subtasks import Grasp, Subtask
+from vcage.schema.subtasks import Grasp, Statement, Subtask
 from vcage.tasks.scene_objects import SceneObject
-from vcage.tasks.truth import Watch, goals_hold, others_stay
+from vcage.tasks.truth import Watch, goals_hold, others_stay, subtask_done, watch_of
 
 BOX = thing("packaging_box", (0.1, 0.05), 0.5)
 
@@ -177,6 +177,57 @@ def test_what_has_rolled_over_in_the_thing_that_is_moved_goes_along() -> None:
         world.set_object_pose(name, Pose(was.p + [0.2, 0, 0], was.q))
     moved = marker_subtask().model_copy(update={"object": carrier.id, "receptacle": "table"})
     assert others_stay(moved, watch).success
+
+
+CABINET = thing("cabinet_two_drawers", (0.0, 0.15))
+PARTS = [link.name for link in CABINET.asset.model.links]
+OPENS = Subtask(
+    id="open-cabinet", template="open", text="Open the drawer.", object=CABINET.id,
+    grasps=[Grasp(contact=0, arm="left", score=1.0)], script="subtasks/x.py", checks=[],
+    goals=[Goal(subject=CABINET.id, relation="open", part=PARTS[0])],
+    statements=[
+        Statement(subject=CABINET.id, word="unmoved"), Statement(subject=CABINET.id, word="closed", part=PARTS[1]),
+    ],
+)  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("shift", "other", "told"),
+    [
+        (0.0, 0.0, None),
+        (0.08, 0.0, "not cabinet_two_drawers unmoved any more: cabinet_two_drawers was moved by 8 cm"),
+        (0.0, 1.0, f"not cabinet_two_drawers/{PARTS[1]} closed any more: the "),
+    ],
+)
+def test_what_a_sub_task_is_to_leave_as_it_was_is_judged_with_its_goals(
+    shift: float, other: float, told: str | None
+) -> None:
+    world = world_of([CABINET])
+    watch = watch_of(OPENS, world, {CABINET.id: CABINET})
+    far = [link.joint.far_end for link in CABINET.asset.model.links]
+    was = world.object_pose(CABINET.id)
+    world.set_object_pose(CABINET.id, Pose(was.p + [shift, 0, 0], was.q))
+    world.set_object_joints(CABINET.id, [far[0], other * far[1]])
+    found = subtask_done(OPENS, OPENS.goals, {CABINET.id: watch.now(CABINET.id)}, watch)
+    assert found.success is (told is None)
+    assert told is None or found.reason.startswith(told)
+    assert subtask_done(OPENS.model_copy(update={"statements": []}), OPENS.goals, watch_now(watch), watch).success
+
+
+def watch_now(watch: Watch) -> dict[str, SceneObject]:
+    return {name: watch.now(name) for name in watch.objects}
+
+
+def test_what_lies_in_something_is_to_stay_there() -> None:
+    inside = marker_at(0, 0, 0.006)
+    world = world_of([BOX, inside])
+    stays = Statement(subject="marker", word="inside", reference=BOX.id)
+    step = marker_subtask().model_copy(update={"goals": [], "statements": [stays]})
+    watch = watch_of(step, world, {o.id: o for o in (BOX, inside)})
+    assert subtask_done(step, [], watch_now(watch), watch).success
+    world.set_object_pose("marker", marker_at(0.4, 0, 0.006).pose)
+    found = subtask_done(step, [], watch_now(watch), watch)
+    assert not found.success and found.reason.startswith("not marker inside packaging_box any more: marker is ")
 
 
 def test_a_leaning_thing_is_as_low_as_its_lowest_point() -> None:

@@ -23,6 +23,7 @@ from vcage.stages.context import StageContext
 from vcage.stages.edits import refuse, require_same, written_record
 from vcage.stages.stability import MAX_DRIFT, MAX_TILT, moved_objects, settle_checks
 from vcage.tasks.asked_arms import arm_for, asked_arms
+from vcage.tasks.choosing import moved_by
 from vcage.tasks.pushing import HEADINGS
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.templates import TEMPLATES
@@ -241,6 +242,7 @@ def require_possible(path: Path, field: str, subtask: Subtask, scene: Scene, obj
             unknown = strangers(goal, by_id, arms)
             if unknown:
                 refuse(path, f"{field}.{what}.{number}", f"there is no {unknown}", _all_of(objects))
+    _require_choices(path, field, subtask, by_id)
     _require_offered(path, field, subtask, scene, objects)
 
 
@@ -258,6 +260,20 @@ def _require_arm(path: Path, field: str, subtask: Subtask, scene: Scene, arms: C
     for number, grasp in enumerate(subtask.grasps):
         if subtask.arm is not None and grasp.arm != subtask.arm:
             refuse(path, f"{field}.grasps.{number}.arm", repr(grasp.arm), f"{subtask.arm!r}, the arm of the sub-task")
+
+
+def _require_choices(path: Path, field: str, subtask: Subtask, objects: dict[str, SceneObject]) -> None:
+    """That the preferred grasp is one of its grasps, and that what is to stay as it was can."""
+    grasps, prefers = [f"{g.contact} {g.arm}" for g in subtask.grasps], subtask.prefers
+    if prefers is not None and f"{prefers.contact} {prefers.arm}" not in grasps:
+        refuse(path, f"{field}.prefers", f"{prefers.contact} {prefers.arm}", f"one of its grasps: {', '.join(grasps)}")
+    for number, statement in enumerate(subtask.statements):
+        goal, where = statement.goal, f"{field}.statements.{number}"
+        unknown = strangers(goal or Goal(subject=statement.subject, relation="back"), objects, ())
+        if unknown:
+            refuse(path, where, f"there is no {unknown}", _all_of([*objects.values()]))
+        if goal is None and statement.subject in moved_by(subtask):
+            refuse(path, where, f"{statement.subject} is moved by the sub-task", "what it leaves where it is")
 
 
 def _require_offered(path: Path, field: str, subtask: Subtask, scene: Scene, objects: Sequence[SceneObject]) -> None:

@@ -58,7 +58,7 @@ def slot_questions(
                 held=held.record.phrase,
                 grasps=_grasps(subtask, by_id),
                 places=[_place(one, by_id) for one in (subtask, *elsewhere)] if elsewhere else [],
-                statements=_statements(subtask, by_id, (state & after) - unclear),
+                statements=_statements(subtask, by_id, state, (state & after) - unclear),
             )
         )
         state = after
@@ -138,10 +138,9 @@ def _grasps(subtask: Subtask, objects: Mapping[str, SceneObject]) -> list[GraspO
     return [GraspOption(contact=g.contact, name=name(g.contact), arm=g.arm) for g in subtask.grasps]
 
 
-def _statements(subtask: Subtask, objects: Mapping[str, SceneObject], stays: State) -> list[Statement]:
-    """What a sub-task leaves as it is: where things stand that it has nothing to do with, and what is true before and
-    after it."""
-    lies = {g.subject: g.reference for g in stays if g.relation in HOLDING}
+def _statements(subtask: Subtask, objects: Mapping[str, SceneObject], before: State, stays: State) -> list[Statement]:
+    """What a sub-task leaves as it is: things that it has nothing to do with, and what is true before and after it."""
+    lies = {g.subject: g.reference for g in before if g.relation in HOLDING}
     handled = moved_by(subtask) | {subtask.object}
     still = [name for name in objects if not _rides(name, lies, handled) and name not in moved_by(subtask)]
     facts = sorted((g for g in stays if g.relation in _STAYS and g.reference != TABLE), key=str)

@@ -21,6 +21,7 @@ from vcage.base.geometry import Pose
 from vcage.models.rules.critic import OfflineCritic
 from vcage.schema.episodes import Verdict
 from vcage.schema.goals import Goal
+from vcage.schema.subtasks import Statement
 
 BREAD_BOX = BOX.moved(id="bread-box", colour=(150, 100, 60))
 SCENES = {
@@ -175,3 +176,23 @@ def test_a_missing_reference_is_named() -> None:
     goal = Goal(subject=thing.id, relation="inside", reference="box")
     with pytest.raises(InputFileError, match=thing.id):
         OfflineCritic().judge(replace(critic_question(before, before, goal), references={}))
+
+
+def test_a_reference_that_must_have_stayed_is_named_when_it_was_moved() -> None:
+    block, goal = BLOCKS[0], Goal(subject=BLOCKS[0].id, relation="left_of", reference="plate")
+    beside = block.moved(at=(PLATE.at[0] - 0.17, PLATE.at[1]))
+    for shift, accepted in ((0.0, True), (0.14, False)):
+        moved = PLATE.moved(at=(PLATE.at[0] + shift, PLATE.at[1]))
+        question = critic_question([PLATE, *BLOCKS], [moved, beside, *BLOCKS[1:]], goal)
+        told = replace(question, statements=[Statement(subject="plate", word="unmoved")])
+        verdict = OfflineCritic().judge(told)
+        assert verdict.accepted is accepted
+        assert accepted or verdict.reason == "no longer where it stood: the plate"
+
+
+def test_of_what_cannot_be_seen_from_above_nothing_is_claimed() -> None:
+    block, goal = BLOCKS[0], Goal(subject=BLOCKS[0].id, relation="left_of", reference="plate")
+    beside = block.moved(at=(PLATE.at[0] - 0.17, PLATE.at[1]))
+    question = critic_question([PLATE, *BLOCKS], [PLATE, beside, *BLOCKS[1:]], goal)
+    inside = Statement(subject=BLOCKS[1].id, word="inside", reference="plate")
+    assert OfflineCritic().judge(replace(question, statements=[inside])) == OfflineCritic().judge(question)
