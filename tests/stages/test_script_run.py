@@ -11,7 +11,7 @@ from vcage.base.errors import DamagedFile
 from vcage.base.files import RunFolder
 from vcage.schema.goals import Goal
 from vcage.schema.scene import Scene
-from vcage.schema.subtasks import Subtask, Subtasks
+from vcage.schema.subtasks import Preference, Statement, Subtask, Subtasks
 from vcage.stages.script_run import NEEDED, prepare_run
 from vcage.tasks.synthesis import write_script
 
@@ -27,7 +27,10 @@ def handing() -> Subtask:
             "tool": "block",
             "grasped": "block",
             "target": 0.1,
+            "arm": "left",
             "hand_to": "right",
+            "prefers": Preference(contact=0, arm="left"),
+            "statements": [Statement(subject="packaging_box", word="unmoved")],
             "requires": [Goal(subject="block", relation="on", reference="table")],
         }
     )

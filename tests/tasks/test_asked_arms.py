@@ -130,3 +130,14 @@ def test_sentences_that_do_not_go_on_with_an_arm_are_left_out():
         "Could you put the block on the plate with the left arm?",
         "Use the left arm to put the block on the plate.",
     ]
+
+
+def test_a_drawer_is_opened_by_the_arm_that_is_asked_for():
+    cabinet = thing("cabinet_two_drawers", (0.0, 0.15))
+    goals = [goal_of([cabinet.id, "open", None, link.name]) for link in cabinet.asset.model.links]
+    either = {grasp.arm for grasp in step_of(found_for(None, [cabinet], goals[0]), goals[0]).grasps}
+    assert either == {"left", "right"}
+    found = found_for("left", [cabinet], goals[0])
+    step, other = step_of(found, goals[0]), step_of(found, goals[1])
+    assert {grasp.arm for grasp in step.grasps} == {"left"} and step.text.endswith(" with the left arm.")
+    assert {grasp.arm for grasp in other.grasps} == {"left", "right"}
