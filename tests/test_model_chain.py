@@ -102,7 +102,7 @@ def test_the_chain_runs_with_models_behind_endpoints(
     exchanges = Exchanges(run / "exchanges").all()
     assert {exchange.provider.partition(":")[0] for exchange in exchanges} == who
     assert {exchange.role for exchange in exchanges} == {"reasoner", "editor", "critic"}
-    assert (server.failed, driven.codes[6]) == ((0, 0) if faults is None else (3, 1))
+    assert (server.failed, driven.codes[6]) == ((0, 0) if faults is None else (4, 1))
     verdicts = read_json(RunFolder(run).verdicts)
     assert verdicts["provenance"]["providers"]["critic"].partition(":")[0] in who
     kept = [path for path in run.rglob("*") if path.is_file()]
