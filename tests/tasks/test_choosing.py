@@ -111,6 +111,16 @@ def test_what_an_earlier_step_did_may_be_said_to_last():
     assert "block on plate" in told(then)
 
 
+def test_of_a_sub_task_that_comes_twice_only_what_is_true_both_times_may_be_said():
+    second = thing("block", (0.2, -0.1), 0.0, "content", id="block_2")
+    objects = [*block_and_plate(), second]
+    kept = searched(objects)
+    twice, other = kept["block_2-onto-plate"], kept["block-onto-plate"]
+    first, _, again = asked([twice, other, twice], kept, objects)
+    assert told(first) == told(again)
+    assert "block on plate" not in told(again) and "plate unmoved" in told(again)
+
+
 def test_parts_that_stay_closed_and_a_cabinet_that_stays_may_be_said():
     objects = [thing("cabinet_two_drawers", (0.0, 0.15)), thing("mug", (0.3, -0.1))]
     kept = searched(objects)

@@ -62,7 +62,14 @@ def slot_questions(
             )
         )
         state = after
-    return found
+    return [_in_every_turn(question, found) for question in found]
+
+
+def _in_every_turn(question: SlotQuestion, questions: Sequence[SlotQuestion]) -> SlotQuestion:
+    """A question with the statements that are true whenever its sub-task is done: a chain may do it twice."""
+    same = [one for one in questions if one.subtask == question.subtask]
+    stays = [s for s in question.statements if all(s in one.statements for one in same)]
+    return question.model_copy(update={"statements": stays})
 
 
 def filled(chain: Sequence[Subtask], kept: Mapping[str, Subtask], answers: Sequence[SlotAnswer]) -> list[Subtask]:
