@@ -38,8 +38,8 @@ def test_no_words_of_others_begin_a_line(end: str) -> None:
         prompts.fill("select_assets", instruction=said, catalogue=[said], legend=said),
         prompts.fill("judge_pairs", questions=[{**held[0], "holds": "in"}], instruction=said),
         prompts.fill(
-            "judge_subtask", text=said, truths=[said], phrases={"mug": said}, pictures=[said], statements=[said], words={"near"},
-            limits=THRESHOLDS, cone_rad=1.0, beside_m=0.1, near_m=0.2,
+            "judge_subtask", text=said, truths=[said], phrases={"mug": said}, pictures=[said], statements=[said],
+            words={"near"}, limits=THRESHOLDS, cone_rad=1.0, beside_m=0.1, near_m=0.2,
         ),
         prompts.fill("fill_slots", instruction=said, questions=[]),
         prompts.fill("rearrange", scene=scene, plan={"text": said}),
