@@ -141,6 +141,12 @@ def _no_opinion(subtask: str) -> dict[str, Any]:
     return {"subtask": subtask, "grasp": NONE, "place": NONE, "statements": [], "reason": "as it is ranked"}
 
 
+def word_task(asked: Asked) -> dict[str, Any]:
+    """How the task may be said: as the plain sentences of the prompt say it."""
+    plain = asked.section("Sentences that say it").splitlines()
+    return {"sentences": [{"sentence": line.removeprefix("- ")} for line in plain]}
+
+
 def judge(asked: Asked) -> dict[str, Any]:
     """Whether a sub-task is done: it is where something moved."""
     views = [picture for picture in asked.pictures if picture.shape == asked.pictures[0].shape]
@@ -154,6 +160,7 @@ KINDS: dict[str, Callable[[Asked], dict[str, Any]]] = {
     "objects": select,
     "relations": arrange,
     "pairs": judge_pairs,
+    "sentences": word_task,
     "steps": fill_slots,
     "goals": read,
     "done": judge,

@@ -31,8 +31,9 @@ from vcage.models.pictures import encode_base64
 from vcage.models.protocols import CriticQuestion, EditRequest, Models
 from vcage.models.registry import Choice, build_models
 from vcage.models.selection_check import validate_selection
+from vcage.models.wordings import TaskToWord
 from vcage.plans.check import plan_complaints
-from vcage.schema.goals import Goal
+from vcage.schema.goals import AskedGoal, Goal
 from vcage.schema.plan import LayoutPlan, Relation
 from vcage.schema.subtasks import PairQuestion
 
@@ -222,6 +223,15 @@ def test_a_goal_in_words_that_the_instruction_has_not_goes_back_to_the_model(
     server.queue(wrong)
     models.reasoner.read_goals("Put the red block on the plate", THINGS, {})
     assert "words are not copied from the instruction" in str(server.requests[1])
+
+
+def test_a_task_is_said_in_sentences_that_hold_against_the_review(models: Models, server: ModelServer) -> None:
+    goal = AskedGoal(goal=Goal(subject="block", relation="on", reference="plate"), step=1, words="it")
+    phrases = {"block": "red block", "plate": "white plate", "mug": "white mug"}
+    task = TaskToWord("Put the block on the plate", [goal], [], [], THINGS, phrases, {}, [], CATALOGUE)
+    wrong, right = "Put the mug on the plate.", "Set the block down on the plate."
+    server.queue(text_answer(json.dumps({"sentences": [{"sentence": wrong}, {"sentence": right}]})))
+    assert models.reasoner.word_task(task, []) == ([right], 1)
 
 
 @pytest.mark.parametrize("moved", [True, False])

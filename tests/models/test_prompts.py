@@ -12,6 +12,7 @@ from vcage.plans.thresholds import THRESHOLDS
 def test_every_model_call_has_a_prompt() -> None:
     assert prompts.names() == [
         "fill_slots", "judge_pairs", "judge_subtask", "plan_layout", "read_goals", "rearrange", "select_assets",
+        "word_task",
     ]  # fmt: skip
 
 

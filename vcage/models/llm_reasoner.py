@@ -13,8 +13,10 @@ from vcage.base.text import one_line
 from vcage.models import prompts
 from vcage.models.exchange import Answerer
 from vcage.models.llm_slots import STEPS_PER_CALL, answer_type, complaints, meaning
+from vcage.models.llm_wordings import ask_wordings
 from vcage.models.search import Search, best_search, narrow
 from vcage.models.structured import Answer, AnswerType, ask, narrowed, one_of, one_or_none
+from vcage.models.wordings import TaskToWord, TaskWordings
 from vcage.objects.catalogue import LEGEND, catalogue_line
 from vcage.plans.check import PlanCheck
 from vcage.schema.asset import CatalogueEntry
@@ -179,6 +181,10 @@ class LlmReasoner:
             understood = [goal.words for goal in found.goals]
             raise UnreadInstruction.of(instruction, "; ".join(found.unread), "no goal answers it", understood)
         return Reading(goals=[_asked(goal) for goal in found.goals], untouched=list(found.untouched))
+
+    def word_task(self, task: TaskToWord, plain: Sequence[str]) -> TaskWordings:
+        """The model's sentences that hold against the review; see :func:`vcage.models.llm_wordings.ask_wordings`."""
+        return ask_wordings(self._who, task, plain)
 
 
 def _selection_complaints(answer: _SelectionAnswer, check: SelectionCheck) -> list[str]:

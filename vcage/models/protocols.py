@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Protocol, TypeAlias
 import numpy as np
 
 from vcage.base.geometry import Camera, Pose
+from vcage.models.wordings import TaskToWord, TaskWordings
 from vcage.plans.check import PlanCheck
 from vcage.schema.asset import CatalogueEntry
 from vcage.schema.episodes import Verdict
@@ -27,6 +28,10 @@ if TYPE_CHECKING:
     from vcage.layout.intended import IntendedLayout
     from vcage.layout.items import TableItem
     from vcage.sim.drawer import Drawing, Window
+
+
+OFFLINE = "offline"
+"""The provider of what answers without a model."""
 
 
 @dataclass(frozen=True)
@@ -198,6 +203,15 @@ class Reasoner(Protocol):
         Raises:
             UnreadInstruction: words of it answer to no goal, or leave open what is meant; names them.
             ModelRefused: the last round's answer is still complained about; lists the complaints.
+        """
+        ...
+
+    def word_task(self, task: TaskToWord, plain: Sequence[str]) -> TaskWordings:
+        """Further sentences that say a task; each holds against :meth:`TaskToWord.complaints`.
+
+        Args:
+            task: what they must ask for, and may name.
+            plain: sentences that templates make of it; none where a name is missing that is clear.
         """
         ...
 

@@ -26,9 +26,8 @@ from vcage.models.llm_critic import LlmCritic
 from vcage.models.llm_editor import LlmEditor
 from vcage.models.llm_reasoner import LlmReasoner
 from vcage.models.ollama import OLLAMA
-from vcage.models.protocols import Critic, ImageEditor, Models, Reasoner
+from vcage.models.protocols import OFFLINE, Critic, ImageEditor, Models, Reasoner
 from vcage.models.providers import PROVIDERS, found_keys
-from vcage.models.rules import PROVIDER as OFFLINE
 from vcage.models.spending import Cap, Spending
 from vcage.schema.exchange import Asked
 from vcage.vision.protocols import Detector, Embedder

@@ -20,7 +20,7 @@ from vcage.base.words import (
     same_word,
     spelling_similarity,
 )
-from vcage.models.rules import PROVIDER
+from vcage.models.protocols import OFFLINE
 from vcage.models.rules.instruction import parse_instruction
 from vcage.objects.catalogue import catalogue_line
 from vcage.objects.names import names_of
@@ -70,7 +70,7 @@ class Search(Protocol):
 class LexicalSearch:
     """Shared words, rare ones counting more; a name that is spelled alike counts a little."""
 
-    provider = PROVIDER
+    provider = OFFLINE
 
     def search(self, query: str, entries: Sequence[CatalogueEntry], top: int) -> Found:
         """See :meth:`Search.search`; scores lie in [0, 1]."""

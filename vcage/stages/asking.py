@@ -27,6 +27,7 @@ ASKED_BY = {
     "rearrange": "inpaint_plan",
     "judge_pairs": "search_subtasks",
     "fill_slots": "search_subtasks",
+    "word_task": "search_subtasks",
     "judge_subtask": "verify",
 }
 """Prompt → the stage that asks it (collecting asks the last one, too)."""

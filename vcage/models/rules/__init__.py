@@ -12,4 +12,6 @@ reads clauses and resolves pronouns. ``catalogue_match`` says which entries of t
 ``naming``, strictly, which objects of a scene it does.
 """
 
-PROVIDER = "offline"
+from vcage.models.protocols import OFFLINE as PROVIDER
+
+__all__ = ["PROVIDER"]

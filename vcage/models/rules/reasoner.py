@@ -14,6 +14,7 @@ from vcage.models.rules.layout import plan_layout
 from vcage.models.rules.pairs import judge_object_and_place
 from vcage.models.rules.scene_layout import plan_scene
 from vcage.models.rules.selection import select_assets
+from vcage.models.wordings import TaskToWord, TaskWordings
 from vcage.plans.check import PlanCheck
 from vcage.schema.asset import CatalogueEntry
 from vcage.schema.goals import Reading
@@ -57,6 +58,10 @@ class OfflineReasoner:
     def read_goals(self, instruction: str, things: Mapping[str, CatalogueEntry], lying: Mapping[str, str]) -> Reading:
         """See :func:`vcage.models.rules.goals.read_goals`."""
         return read_goals(instruction, things, lying)
+
+    def word_task(self, task: TaskToWord, plain: Sequence[str]) -> TaskWordings:
+        """The sentences of the templates."""
+        return TaskWordings(list(plain))
 
 
 def _drawn(what: str, draw: Callable[[], Drawn], check: Callable[[Drawn], list[str]]) -> Drawn:
