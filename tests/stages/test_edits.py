@@ -419,6 +419,10 @@ SUBTASKS = {
         lambda found: found["chains"][0].update(text="Fly"),
         r"chains\.0\.text: 'Fly'; expected 'Put the blocks on the plate'",
     ),
+    "a wording that asks for less": (
+        lambda found: found["chains"][0].update(wordings=["Put the red block on the plate."]),
+        r"chains\.0\.wordings\.0: 'Put the red block on the plate\.'; expected a sentence that asks for the same",
+    ),
     "the same chain twice": (
         lambda found: found["chains"].append(found["chains"][0]),
         r"chains\.1: the same as another; expected each chain once",

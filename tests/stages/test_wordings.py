@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 import h5py
 import pytest
@@ -10,15 +11,25 @@ import pytest
 from tests.runs import Finished
 from tests.scenes import scene_of, subtask, thing
 from vcage.datasets.recordings.opening import open_hdf5
-from vcage.models.rules.bystanders import asked_by
+from vcage.models.rules.reasoner import OfflineReasoner
+from vcage.models.wordings import TaskToWord, TaskWordings
 from vcage.schema.goals import AskedGoal, Goal
 from vcage.schema.scene import Scene
-from vcage.schema.subtasks import Subtask
+from vcage.schema.subtasks import Chain, Subtasks
 from vcage.stages.context import StageContext
-from vcage.stages.wordings import said_of
+from vcage.stages.wordings import MOST, task_to_word, worded_chain, wordings_for
 
 TEXT = "Put the red block on the plate"
 GOAL = Goal(subject="block", relation="on", reference="plate")
+STEP = subtask(text="Put the red block onto the white plate.", texts=["Set the red block onto the white plate."])
+CHAIN = Chain(text=TEXT, subtasks=[STEP.id])
+
+
+class Told(OfflineReasoner):
+    """Says what it is given, and drops the rest."""
+
+    def word_task(self, task: TaskToWord, plain: list[str]) -> TaskWordings:
+        return TaskWordings(["Let the red block rest on the plate."], 3)
 
 
 @pytest.fixture(scope="module")
@@ -32,46 +43,51 @@ def scene(*others: str) -> Scene:
     return scene_of(things, TEXT).model_copy(update={"goals": [AskedGoal(goal=GOAL, step=0, words=TEXT)]})
 
 
-def step() -> Subtask:
-    texts = [f"{verb} the red block onto the white plate." for verb in ("Place", "Set", "Move", "Bring")]
-    return subtask(text="Put the red block onto the white plate.", texts=texts)
+def test_the_sentences_of_a_model_come_first_and_its_dropped_ones_are_counted(context):
+    chain = worded_chain(CHAIN, [STEP], scene(), context, Told())
+    assert chain.wordings[0] == "Let the red block rest on the plate."
+    assert "Put the block onto the plate." in chain.wordings
+    assert chain.wordings_dropped == 3
+    assert len(chain.wordings) < MOST
 
 
-def test_the_only_one_of_its_kind_may_be_called_without_its_colour(context):
-    said = said_of(TEXT, [step()], scene(), context)
-    assert said[0] == TEXT
-    assert "Put the block onto the plate." in said
-
-
-def test_one_of_several_is_always_called_by_its_colour(context):
+def test_a_wording_that_is_unclear_in_an_episode_is_left_out_there(context):
+    wordings = worded_chain(CHAIN, [STEP], scene(), context, OfflineReasoner()).wordings
     there = scene("block")
     blue = there.objects[2].model_copy(update={"variant": "blue", "phrase": "blue block"})
     there = there.model_copy(update={"objects": [*there.objects[:2], blue]})
-    said = said_of(TEXT, [step()], there, context)
+    said = wordings_for(TEXT, wordings, [STEP], there, context)
+    assert said[0] == TEXT
     assert len(said) > 3
     assert all("red block" in text for text in said)
 
 
-def test_beside_one_of_several_another_is_still_called_for_short(context):
-    there = scene("block")
-    blue = there.objects[2].model_copy(update={"variant": "blue", "phrase": "blue block"})
-    there = there.model_copy(update={"objects": [*there.objects[:2], blue]})
-    assert "Put the red block onto the plate." in said_of(TEXT, [step()], there, context)
+def test_a_wording_with_another_look_than_the_episode_has_is_left_out(context):
+    there = scene()
+    blue = there.objects[0].model_copy(update={"variant": "blue", "phrase": "blue block"})
+    there = there.model_copy(update={"objects": [blue, *there.objects[1:]]})
+    wordings = ["Put the red block onto the plate.", "Put the block onto the plate."]
+    assert wordings_for(TEXT, wordings, [STEP], there, context) == [TEXT, "Put the block onto the plate."]
 
 
-def test_every_wording_of_an_episode_asks_for_the_goals_of_its_scene(finished: Finished):
+def test_a_sub_task_that_is_a_task_of_its_own_is_said_in_its_own_words(context):
+    lone = scene().model_copy(update={"instruction": None, "goals": []})
+    assert wordings_for(STEP.text, [], [STEP], lone, context) == [STEP.text, *STEP.texts]
+
+
+def test_every_wording_of_an_episode_holds_against_the_review_in_its_scene(finished: Finished):
     path = next(finished.run.root.glob("episodes/*.hdf5"))
     with h5py.File(path) as file:
         said = json.loads(file["meta/task_wordings"][()])
         there = Scene.parse(json.loads(file["meta/scene"][()]), path)
         told = file.attrs["task"]
+    record = Subtasks.read(finished.run.subtasks)
+    steps = [step for step in record.kept if step.id in record.chains[0].subtasks]
     assert len(said) >= 10
     assert told in said
-    things = {o.id: o.kind() for o in finished.context.objects(there)}
-    for text in said:
-        read = asked_by(text, things, {})
-        assert read is not None
-        assert {goal for _, goal in read[0]} == {asked.goal for asked in there.goals}
+    task = task_to_word(steps, there, finished.context)
+    assert task.reviewed(said[1:]) == said[1:]
+    assert replace(task, instruction="Everything goes on the plate").reviewed(said[1:]) == []
 
 
 def test_the_wording_that_was_drawn_is_the_task_of_a_recording(finished: Finished):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import ClassVar, Literal
+from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 
@@ -130,6 +130,14 @@ class Chain(Record):
         min_length=1, description="the instruction, or without one the words of the sub-task: what episodes are called"
     )
     subtasks: list[Identifier] = Field(min_length=1, description="ids of kept sub-tasks T₁…T_k, in order")
+    wordings: list[Annotated[str, Field(min_length=1)]] = Field(
+        default=[], description="other sentences that ask for the goals of the instruction, for training on language"
+    )
+    wordings_dropped: int = Field(
+        default=0,
+        ge=0,
+        description="sentences of a model that were not taken: unclear, untrue, or asking for more or less",
+    )
 
 
 class Subtasks(StageDocument):

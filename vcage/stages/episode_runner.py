@@ -40,7 +40,7 @@ from vcage.stages.question import Asking, verdict
 from vcage.stages.recorded import world_facts
 from vcage.stages.stage import Job
 from vcage.stages.starts import Start, Starts
-from vcage.stages.wordings import said_of
+from vcage.stages.wordings import wordings_for
 from vcage.stages.worlds import reworded
 from vcage.tasks.assemble import episode_data
 from vcage.tasks.loop import EpisodeRun, run_episode
@@ -65,6 +65,7 @@ class _Work:
 
     Args:
         text: what that is called.
+        wordings: other sentences that say it, in the words of the run's scene.
         steps: sub-tasks with their scripts, in order.
         own_grasps: ids of those whose named script has other grasps than were planned: it keeps them.
         goals: what must be true at the end.
@@ -72,6 +73,7 @@ class _Work:
     """
 
     text: str
+    wordings: list[str]
     steps: list[tuple[Subtask, Script]]
     own_grasps: frozenset[str]
     goals: list[Goal]
@@ -98,7 +100,7 @@ class _Work:
         start = ready_for(steps[0][0], scene, context.objects(scene))
         goals = lasting(in_steps(scene.goals) or [subtask.goals for subtask, _ in steps])
         starts = Starts(start, relations, [subtask for subtask, _ in steps], ranges, context)
-        return cls(chain.text, steps, own_grasps, goals, starts)
+        return cls(chain.text, chain.wordings, steps, own_grasps, goals, starts)
 
 
 class EpisodeRunner:
@@ -227,7 +229,8 @@ class EpisodeRunner:
         """What travels inside the episode."""
         said = [reworded(subtask, start.phrases) for subtask, _ in work.steps]
         text = work.text if self._scene.instruction else in_other_words(work.text, start.phrases)
-        told = said_of(text, said, start.scene, self._context)
+        wordings = [in_other_words(wording, start.phrases) for wording in work.wordings]
+        told = wordings_for(text, wordings, said, start.scene, self._context)
         return {
             "instruction": text,
             "task": told[int(np.random.default_rng([self._stage.seed, index, TOLD]).integers(len(told)))],

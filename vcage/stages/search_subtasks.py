@@ -27,6 +27,7 @@ from vcage.stages.edits import edited_scripts, refuse, written_record
 from vcage.stages.possible import require_possible
 from vcage.stages.slot_choices import with_chosen_slots
 from vcage.stages.stage import Job, ModelOptions, StageResult, stage_seed
+from vcage.stages.wordings import task_to_word, worded_chain
 from vcage.tasks.asked_arms import asked_arms
 from vcage.tasks.ground import Ground
 from vcage.tasks.readiness import ready_for
@@ -82,6 +83,8 @@ def execute(
         chains = compose(scene, objects, found.kept, found.refused)
         by_id = {subtask.id: subtask for subtask in found.kept}
         steps = [[by_id[name] for name in chain.subtasks] for chain in chains]
+        if scene.goals:
+            chains = [worded_chain(*pair, scene, context, reasoner) for pair in zip(chains, steps, strict=True)]
         chosen = with_chosen_slots(steps, by_id, scene, objects, reasoner, rng)
         by_id |= {subtask.id: subtask for chain in chosen for subtask in chain}
         note_python()
@@ -120,6 +123,7 @@ def take_over(run: RunFolder, folder: Path, edited: Collection[str], context: St
     if record.instruction != scene.instruction:
         refuse(run.subtasks, "instruction", repr(record.instruction), repr(scene.instruction))
     _require_proven(run.subtasks, record, scene, objects)
+    _require_clear(run.subtasks, record, scene, context)
     return record.model_copy(update={"chains": _named(run.subtasks, record)})
 
 
@@ -134,6 +138,17 @@ def _named(path: Path, record: Subtasks) -> list[Chain]:
             refuse(path, f"chains.{number}.text", repr(chain.text), repr(text))
         named.append(chain.model_copy(update={"text": text}))
     return named
+
+
+def _require_clear(path: Path, record: Subtasks, scene: Scene, context: StageContext) -> None:
+    """Refuse wordings of a chain that do not ask for the goals of the scene, or name what is not clear in it."""
+    kept = {subtask.id: subtask for subtask in record.kept}
+    for number, chain in enumerate(record.chains):
+        task = task_to_word([kept[name] for name in chain.subtasks], scene, context)
+        for place, sentence in enumerate(chain.wordings):
+            if complaints := task.complaints(sentence):
+                wanted = f"a sentence that asks for the same in this scene: {'; '.join(complaints)}"
+                refuse(path, f"chains.{number}.wordings.{place}", repr(sentence), wanted)
 
 
 def _require_proven(path: Path, record: Subtasks, scene: Scene, objects: Sequence[SceneObject]) -> None:

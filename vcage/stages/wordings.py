@@ -1,41 +1,75 @@
-"""How the task of an episode may be said: each sentence is read back in the episode's scene, and asks for the same."""
+"""How the task of an episode may be said: sentences that are true of its scene, clear in it, and ask for the same."""
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Sequence
 
-from vcage.models.rules.bystanders import asked_by
+from vcage.models.protocols import Reasoner
+from vcage.models.wordings import TaskToWord
 from vcage.schema.scene import Scene
-from vcage.schema.subtasks import Subtask
+from vcage.schema.subtasks import Chain, Subtask
 from vcage.stages.context import StageContext
-from vcage.tasks.wording import task_wordings
+from vcage.tasks.task_wording import template_wordings
 
 MOST = 24
-"""Wordings that are kept of a task."""
+"""Sentences that say a task, the instruction among them."""
 
 
-def said_of(text: str, chain: Sequence[Subtask], scene: Scene, context: StageContext) -> list[str]:
-    """The text, and further sentences that ask for what the chain does, true of the scene: "the cup" only where there
-    is one, "the red cup" where there are others.
+def worded_chain(
+    chain: Chain, steps: Sequence[Subtask], scene: Scene, context: StageContext, reasoner: Reasoner
+) -> Chain:
+    """The chain of an instruction with further sentences that say its task: the reasoner's, then those of templates.
+
+    Args:
+        chain: that brings about the goals of the scene.
+        steps: its sub-tasks.
+        scene: where they are done.
+        context: the library.
+        reasoner: asked once.
+    """
+    task = task_to_word(steps, scene, context)
+    plain = template_wordings(task, {goal for step in steps if step.template == "push" for goal in step.goals})
+    said = reasoner.word_task(task, plain)
+    wordings = list(dict.fromkeys([*said.sentences, *plain]))
+    return chain.model_copy(update={"wordings": wordings[: MOST - 1], "wordings_dropped": said.dropped})
+
+
+def wordings_for(
+    text: str, wordings: Sequence[str], steps: Sequence[Subtask], scene: Scene, context: StageContext
+) -> list[str]:
+    """The text, and those of further sentences that say the task of an episode, in its scene.
 
     Args:
         text: what the task is called: the instruction, or the words of its sub-task.
-        chain: the sub-tasks, in the words of the episode.
+        wordings: of the chain, in the words of the episode.
+        steps: the sub-tasks, in the words of the episode.
         scene: of the episode.
         context: the library.
     """
-    if scene.instruction is None:
-        (subtask,) = chain
-        return list(dict.fromkeys([text, *subtask.texts]))[:MOST]
-    things = {o.id: o.kind() for o in context.objects(scene)}
-    lying = {o.id: o.container for o in scene.objects if o.container is not None}
-    asked = {one.goal for one in scene.goals}
-    called = Counter(kind.words.name for kind in things.values())
-    names = {o.phrase: name for o in scene.objects if called[name := things[o.id].words.name] == 1}
-    found = [text]
-    for sentence in task_wordings([[subtask.text, *subtask.texts] for subtask in chain], names):
-        read = asked_by(sentence, things, lying)
-        if len(found) < MOST and read is not None and {goal for _, goal in read[0]} == asked and not read[1]:
-            found.append(sentence)
-    return list(dict.fromkeys(found))
+    if scene.goals:
+        further = task_to_word(steps, scene, context).reviewed(wordings)
+    else:
+        further = steps[0].texts if len(steps) == 1 else []
+    return list(dict.fromkeys([text, *further]))[:MOST]
+
+
+def task_to_word(steps: Sequence[Subtask], scene: Scene, context: StageContext) -> TaskToWord:
+    """What a sentence that says the task of a scene must ask for, and what it may name.
+
+    Args:
+        steps: the sub-tasks that do it.
+        scene: with its goals.
+        context: the library.
+    """
+    used = (name for step in steps for name in (step.tool, step.grasped, step.receptacle))
+    return TaskToWord(
+        instruction=scene.instruction or "",
+        goals=scene.goals,
+        untouched=scene.untouched,
+        descriptions=scene.descriptions,
+        things={o.id: o.kind() for o in context.objects(scene)},
+        phrases={o.id: o.phrase for o in scene.objects},
+        lying={o.id: o.container for o in scene.objects if o.container is not None},
+        tools=[name for name in used if name is not None],
+        catalogue=context.catalogue,
+    )

@@ -12,8 +12,8 @@ _PREPOSITIONS: Mapping[str, Sequence[str]] = {
     "on": ("onto", "on", "on top of"),
     "left_of": ("to the left of", "left of", "on the left side of"),
     "right_of": ("to the right of", "right of", "on the right side of"),
-    "in_front_of": ("in front of", "before", "to the front of"),
-    "behind": ("behind", "at the back of", "to the rear of"),
+    "in_front_of": ("in front of", "just in front of"),
+    "behind": ("behind", "just behind"),
     "beside": ("beside", "next to", "by the side of"),
     "near": ("near", "close to", "not far from"),
 }
@@ -21,9 +21,9 @@ _MOVES = ("Put", "Place", "Set", "Move", "Bring", "Transfer", "Take")
 _PUSHES = ("Push", "Slide", "Shove", "Shift")
 _PATTERNS: Mapping[str, str] = {
     "open": "Open {0}.|Open up {0}.|Pull {0} open.|Get {0} open.|Please open {0}.|{1} should be open."
-    "|Make sure {0} is open.|Could you open {0}?|Bring {0} into its open position.|Have {0} opened.",
+    "|Make sure {0} is open.|Could you open {0}?|Could you get {0} open?|Have {0} opened.",
     "closed": "Close {0}.|Shut {0}.|Push {0} shut.|Get {0} closed.|Please close {0}.|{1} should be closed."
-    "|Make sure {0} is closed.|Could you shut {0}?|Bring {0} back into its closed position.|Have {0} closed.",
+    "|Make sure {0} is closed.|Could you shut {0}?|Could you close {0}?|Have {0} closed.",
     "pressed": "Press {0}.|Push {0}.|Push down {0}.|Press {0} down.|Press down on {0}.|Please press {0}."
     "|Give {0} a press.|Could you press {0}?|Hit {0}.|Have {0} pressed.",
     "weighed": "Weigh {0}.|Weigh {0} on the scale.|Put {0} on the scale and weigh it.|Find out how heavy {0} is."
@@ -45,7 +45,7 @@ _PATTERNS: Mapping[str, str] = {
     "|Could you pass {0} to the {2} arm?|Move {0} over into the {2} arm's gripper.|Transfer {0} to the {2} arm."
     "|{1} is handed over to the {2} arm.",
     "turned": "Turn {0}.|Turn {0} on.|Rotate {0}.|Twist {0}.|Give {0} a turn.|Please turn {0}."
-    "|Turn {0} as far as it goes.|Could you turn {0}?|Swing {0} round.|Have {0} turned.",
+    "|Turn {0} as far as it goes.|Could you turn {0}?|Could you give {0} a turn?|Have {0} turned.",
 }
 
 
@@ -56,24 +56,7 @@ def wordings(goal: Goal, phrases: Mapping[str, str]) -> list[str]:
         goal: of the closed vocabulary.
         phrases: what to call each object, by id.
     """
-    if goal.relation in _PREPOSITIONS:
-        return _placing(goal, phrases)
-    part = f"the {phrases[goal.subject]}" if goal.part is None else _part(goal.part, phrases[goal.subject])
-    return [p.format(part, part[0].upper() + part[1:], goal.reference) for p in _PATTERNS[goal.relation].split("|")]
-
-
-def _placing(goal: Goal, phrases: Mapping[str, str]) -> list[str]:
-    thing = f"the {phrases[goal.subject]}"
-    owner = phrases.get(goal.reference or "", str(goal.reference))
-    place = _part(goal.part, owner) if goal.part else f"the {owner}"
-    preps = _PREPOSITIONS[goal.relation]
-    commands = [f"{move} {thing} {prep} {place}." for prep in preps for move in _MOVES[: 7 if prep == preps[0] else 3]]
-    wishes = [
-        f"Pick up {thing} and put it {preps[0]} {place}.",
-        f"T{thing[1:]} goes {preps[1]} {place}.",
-        f"Could you put {thing} {preps[1]} {place}?",
-    ]
-    return [*commands, *wishes]
+    return worded(goal, *_named(goal, phrases))
 
 
 def push_wordings(goal: Goal, phrases: Mapping[str, str]) -> list[str]:
@@ -82,14 +65,41 @@ def push_wordings(goal: Goal, phrases: Mapping[str, str]) -> list[str]:
     Args:
         goal, phrases: see :func:`wordings`.
     """
-    thing, place = f"the {phrases[goal.subject]}", f"the {phrases[str(goal.reference)]}"
+    return worded(goal, *_named(goal, phrases), pushed=True)
+
+
+def worded(goal: Goal, thing: str, place: str, *, several: bool = False, pushed: bool = False) -> list[str]:
+    """Sentences that ask for a goal of something, the plainest first.
+
+    Args:
+        goal: of the closed vocabulary.
+        thing, place: what to call its subject and its reference, with their articles.
+        several: whether the subject is more than one object.
+        pushed: whether it is brought about by a push.
+    """
+    if goal.relation not in _PREPOSITIONS:
+        part = thing if goal.part is None else _part(goal.part, thing)
+        return [p.format(part, part[0].upper() + part[1:], goal.reference) for p in _PATTERNS[goal.relation].split("|")]
+    place = _part(goal.part, place) if goal.part else place
     preps = _PREPOSITIONS[goal.relation]
-    commands = [f"{move} {thing} {prep} {place}." for prep in preps for move in _PUSHES]
-    return [*commands, f"Could you push {thing} {preps[0]} {place}?", f"Please slide {thing} {preps[0]} {place}."]
+    if pushed:
+        commands = [f"{move} {thing} {prep} {place}." for prep in preps for move in _PUSHES]
+        return [*commands, f"Could you push {thing} {preps[0]} {place}?", f"Please slide {thing} {preps[0]} {place}."]
+    commands = [f"{move} {thing} {prep} {place}." for prep in preps for move in _MOVES[: 7 if prep == preps[0] else 3]]
+    wishes = [
+        f"Pick up {thing} and put {'them' if several else 'it'} {preps[0]} {place}.",
+        f"T{thing[1:]} {'go' if several else 'goes'} {preps[1]} {place}.",
+        f"Could you put {thing} {preps[1]} {place}?",
+    ]
+    return [*commands, *wishes]
+
+
+def _named(goal: Goal, phrases: Mapping[str, str]) -> tuple[str, str]:
+    return f"the {phrases[goal.subject]}", f"the {phrases.get(goal.reference or '', str(goal.reference))}"
 
 
 def _part(part: str, owner: str) -> str:
-    return f"the {part_words(part)} of the {owner}"
+    return f"the {part_words(part)} of {owner}"
 
 
 def in_other_words(text: str, phrases: Mapping[str, str]) -> str:
@@ -104,24 +114,34 @@ def in_other_words(text: str, phrases: Mapping[str, str]) -> str:
     return re.sub(pattern, lambda found: phrases[found[0]], text) if phrases else text
 
 
-def task_wordings(steps: Sequence[Sequence[str]], names: Mapping[str, str]) -> list[str]:
-    """Sentences that may say a whole task, the plainest first; whether they are clear in a scene is a reader's to tell.
+def in_one_sentence(steps: Sequence[Sequence[Sequence[str]]]) -> list[str]:
+    """Sentences that say a whole task, the plainest first: "then" between its steps, "and" within one.
 
     Args:
-        steps: the wordings of each sub-task, in order.
-        names: what something is called → what it is called for short, without its look.
+        steps: of each step in order the wordings of each of its parts, which may come in any order.
     """
-    if len(steps) == 1:
-        whole = list(steps[0])
-    else:
-        commands = [[text.rstrip(".") for text in texts if _is_command(text)] or [texts[0]] for texts in steps]
-        whole = [
-            join.join([first, *(text[0].lower() + text[1:] for text in others)]) + "."
-            for number in range(max(map(len, commands)))
-            for first, *others in [[texts[number % len(texts)] for texts in commands]]
-            for join in (", then ", ", and ")
-        ]
-    return list(dict.fromkeys(said for text in whole for said in (text, in_other_words(text, names))))
+    parts = [part for step in steps for part in step]
+    if len(parts) == 1:
+        return list(parts[0])
+    found = []
+    for number in range(max(map(len, parts))):
+        told = [[_command(part, number) for part in step] for step in steps]
+        text = ", then ".join(" and ".join(step) for step in told)
+        found.append(f"{text[0].upper()}{text[1:]}.")
+    return list(dict.fromkeys(found))
+
+
+def by_arm(texts: Sequence[str], arm: str) -> list[str]:
+    """Commands with the arm that must do them."""
+    told = [(text.rstrip("."), text[0].lower() + text[1:]) for text in texts if _is_command(text)]
+    return [said for text, end in told for said in (f"{text} with the {arm} arm.", f"Use the {arm} arm to {end}")]
+
+
+def _command(texts: Sequence[str], number: int) -> str:
+    """One of the commands among some wordings, to stand within a sentence."""
+    commands = [text for text in texts if _is_command(text) and not text.startswith("Pick up")] or [texts[0]]
+    text = commands[number % len(commands)].rstrip(".")
+    return text[0].lower() + text[1:]
 
 
 def _is_command(text: str) -> bool:
