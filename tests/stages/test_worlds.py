@@ -6,15 +6,14 @@ import numpy as np
 import pytest
 
 from tests.runs import Finished
-from vcage.models.rules.bystanders import asked_by
+from vcage.base.words import look_words, tokens
 from vcage.schema.randomisation import WorldDraw, WorldRanges
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Subtasks
 from vcage.stages import starts as starts_module
 from vcage.stages.inputs import read_plan
 from vcage.stages.starts import Start, Starts
-from vcage.stages.worlds import drawn_models, other_phrases, reworded
-from vcage.tasks.scene_objects import SceneObject
+from vcage.stages.worlds import Worlds, drawn_models, other_phrases, reworded
 
 RANGES = WorldRanges(
     variants=True, clutter=(2, 6), table_height=(-0.03, 0.0), mass=(0.7, 1.4), friction=(0.7, 1.2), start=0.05
@@ -39,12 +38,46 @@ def drawn(finished: Finished, scene: Scene) -> list[Start]:
     return [source.draw(np.random.default_rng(seed)) for seed in range(3)]
 
 
-def test_the_instruction_asks_for_the_same_in_every_world(finished, scene, drawn):
-    def asked(objects: list[SceneObject]) -> object:
-        return asked_by(str(scene.instruction), {o.id: o.kind() for o in objects}, {})
+def worlds_of(
+    finished: Finished, scene: Scene, instruction: str, ranges: WorldRanges, count: int = 6
+) -> list[WorldDraw]:
+    """What is drawn for the run's chain under another instruction."""
+    record = Subtasks.read(finished.run.subtasks)
+    kept = {subtask.id: subtask for subtask in record.kept}
+    chain = [kept[name] for name in record.chains[0].subtasks]
+    said = scene.model_copy(update={"instruction": instruction})
+    source = Worlds(said, chain, finished.context)
+    return [source.draw(ranges, np.random.default_rng(seed)) for seed in range(count)]
 
+
+def test_a_look_that_the_instruction_names_is_neither_changed_nor_drawn(finished, scene):
+    named = next(o for o in scene.objects if o.role == "content")
+    colour = finished.context.asset(named).variant.colour
+    drawn = worlds_of(finished, scene, f"Put the {colour} block on the plate", WorldRanges(variants=True), 20)
+    assert any(world.variants for world in drawn)
+    for world in drawn:
+        assert named.id not in world.variants
+        for name, variant in world.variants.items():
+            look = finished.context.library.asset(scene.object(name).asset, variant).variant
+            assert colour not in look_words(look.colour)
+
+
+def test_where_everything_is_meant_there_is_no_clutter(finished, scene):
+    assert any(world.clutter for world in worlds_of(finished, scene, "Put the blocks on the plate", RANGES))
+    assert not any(world.clutter for world in worlds_of(finished, scene, "Everything goes on the plate", RANGES))
+
+
+def test_no_clutter_falls_under_a_quantifier_of_the_instruction(finished, scene):
+    drawn = worlds_of(finished, scene, "Put all the food on the plate", RANGES, 20)
+    kinds = {kind for world in drawn for kind in world.clutter.values()}
+    assert kinds
+    assert not {"food", "fruit", "vegetable"} & {finished.context.library.entry(k).words.category for k in kinds}
+
+
+def test_each_object_is_called_as_no_other_in_every_world(drawn):
     for start in drawn:
-        assert asked(list(start.objects.values())) == asked(finished.context.objects(scene))
+        phrases = [tuple(tokens(o.phrase)) for o in start.scene.objects]
+        assert len(set(phrases)) == len(phrases)
 
 
 def test_things_are_called_as_they_look(finished, scene, drawn):

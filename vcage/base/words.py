@@ -40,6 +40,8 @@ COLOURS = frozenset(
 
 _SAME_COLOUR = {"gray": "grey", "violet": "purple", "golden": "gold"}
 
+_JOINING = frozenset((*DETERMINERS, "and", "with"))
+
 KINDS: dict[str, frozenset[str]] = {
     "bread": frozenset(
         ["baguette", "croissant", "roll", "bun", "toast", "bagel", "loaf", "brioche", "pretzel", "ciabatta", "pita"]
@@ -155,6 +157,11 @@ def colour_of(text: str) -> str | None:
         if word in COLOURS:
             return _SAME_COLOUR.get(word, word)
     return None
+
+
+def look_words(text: str) -> frozenset[str]:
+    """The words of a text that may tell a look, colours in one spelling: ``black and gray`` → {``black``, ``grey``}."""
+    return frozenset(colour_of(word) or lemma(word) for word in tokens(text) if word not in _JOINING)
 
 
 def kinds_of(head: str, category: str | None = None) -> set[str]:

@@ -1,7 +1,7 @@
 """What is simulated otherwise in an episode than the run's scene says: drawn, and put into its scene and models.
 
-Whatever is drawn, every word that is said of the task stays true of the scene: the instruction is read as before, what
-a thing is called follows its look, and what is added answers to none of these words.
+Whatever is drawn, every word that is said of the task stays true of the scene: no look that the instruction names is
+changed or drawn, what a thing is called follows its look, and what is added answers to none of these words.
 """
 
 from __future__ import annotations
@@ -12,8 +12,10 @@ from functools import cached_property
 import numpy as np
 
 from vcage.base.geometry import Pose
-from vcage.models.rules.bystanders import Asked, asked_by, bystanders
+from vcage.base.words import look_words
+from vcage.models.quantifiers import quantified
 from vcage.models.selection_check import phrase_of
+from vcage.objects.bystanders import bystanders
 from vcage.schema.asset import CatalogueEntry, PhysicalModel
 from vcage.schema.base import PoseRecord, box_record
 from vcage.schema.randomisation import HEIGHT_STEP, WorldDraw, WorldRanges, heights_within
@@ -53,7 +55,7 @@ class Worlds:
         height = round(int(rng.integers(lowest, highest + 1)) * HEIGHT_STEP, 3)
         variants = self._variants(rng) if ranges.variants else {}
         number = int(rng.integers(ranges.clutter[0], ranges.clutter[1] + 1))
-        clutter = self._clutter(number, variants, rng) if number else {}
+        clutter = self._clutter(number, rng) if number else {}
         start = self._start(ranges.start, rng)
         return WorldDraw(variants=variants, clutter=clutter, clutter_drawn=number, table_height=height, start=start)
 
@@ -97,15 +99,9 @@ class Worlds:
         return {o.id: o.container for o in self.scene.objects if o.container is not None}
 
     @cached_property
-    def _read(self) -> dict[str, Asked | None]:
-        """How the rules read the instruction, if there is one, and each sub-task."""
-        things = {o.id: o.kind() for o in self._objects}
-        return {text: asked_by(text, things, self._lying) for text in self._said}
-
-    @cached_property
-    def _said(self) -> list[str]:
-        own = [] if self.scene.instruction is None else [self.scene.instruction]
-        return [*own, *(subtask.text for subtask in self.chain)]
+    def _instruction(self) -> str:
+        """What nothing that is drawn may change the meaning of; empty where there is none."""
+        return self.scene.instruction or ""
 
     def _variants(self, rng: np.random.Generator) -> dict[str, str]:
         """Another variant for some objects, one after the other, so that what is said stays true of all of them.
@@ -124,53 +120,43 @@ class Worlds:
         return found
 
     def _stays_true(self, variants: Mapping[str, str]) -> bool:
-        """Whether all that is said is read as before, and each thing is still called as no other is."""
-        changed = self.changed(WorldDraw(variants=dict(variants)))
-        before, after = ([o.phrase for o in scene.objects] for scene in (self.scene, changed))
-        for old, new, o in zip(before, after, self.scene.objects, strict=True):
-            if o.id in variants and (before.count(old) > 1 or after.count(new) > 1):
+        """Whether no look that is left or taken is named by the instruction, and each phrase still means one object."""
+        named = look_words(self._instruction)
+        before = {o.id: o for o in self.scene.objects}
+        after = {o.id: self._as_variant(o, variants[o.id]) if o.id in variants else o for o in self.scene.objects}
+        for name in variants:
+            looks = {word for records in (before, after) for word in self._look_of(records[name])}
+            if looks & named:
                 return False
-        things = {o.id: o.kind() for o in self.context.objects(changed)}
-        return all(self._read_the_same(text, things, other_phrases(self.scene, changed.objects)) for text in self._said)
+            if any([o.phrase for o in said.values()].count(said[name].phrase) > 1 for said in (before, after)):
+                return False
+        return True
 
-    def _read_the_same(self, text: str, things: Mapping[str, CatalogueEntry], phrases: Mapping[str, str]) -> bool:
-        """Whether a text is understood as before; the instruction's own words are never exchanged."""
-        known, own = self._read[text], text == self.scene.instruction
-        if known is None:  # what only a model has read may lean on any look that the instruction names
-            return not own
-        return asked_by(text if own else in_other_words(text, phrases), things, self._lying) == known
+    def _look_of(self, o: ObjectRecord) -> frozenset[str]:
+        variant = self.context.asset(o).variant
+        return look_words(f"{variant.colour} {variant.id}")
 
     @cached_property
     def _may_stand_by(self) -> list[CatalogueEntry]:
         """Small things without moving parts that nothing said could mean; those that belong to the place first."""
-        texts = [*self._said, *(text for subtask in self.chain for text in subtask.texts)]
+        texts = [self._instruction, *(text for subtask in self.chain for text in (subtask.text, *subtask.texts))]
         texts += [o.phrase for o in self.scene.objects]
+        ranging = quantified(self._instruction)
         small = [
             entry
             for entry in self.context.catalogue
             if max(entry.size[:2]) <= WIDEST_CLUTTER and entry.size[2] <= HIGHEST_CLUTTER and not entry.moving_parts
         ]
-        return bystanders(texts, [o.kind() for o in self._objects], small)
+        there = [entry for entry in small if not any(quantifier.covers(entry) for quantifier in ranging)]
+        return bystanders(texts, [o.kind() for o in self._objects], there)
 
-    def _clutter(self, number: int, variants: Mapping[str, str], rng: np.random.Generator) -> dict[str, str]:
+    def _clutter(self, number: int, rng: np.random.Generator) -> dict[str, str]:
         """So many kinds of things, one of each, that belong to the place as far as there are enough: id → asset."""
         tags = {self.scene.template}.union(*(o.asset.annotation.words.scene_tags for o in self._objects))
         order = [self._may_stand_by[i] for i in rng.permutation(len(self._may_stand_by))]
         order.sort(key=lambda entry: not tags & {*entry.words.scene_tags})
-        things = {o.id: o.kind() for o in self.context.objects(self.changed(WorldDraw(variants=dict(variants))))}
-        found: dict[str, str] = {}
-        for entry in order:
-            name = entry.name if entry.name not in things else f"{entry.name}_beside"
-            beside = {name: entry.model_copy(update={"variants": entry.variants[:1]})}
-            if len(found) < number and self._nobody_minds({**things, **beside}):
-                things |= beside
-                found[name] = entry.name
-        return found
-
-    def _nobody_minds(self, things: Mapping[str, CatalogueEntry]) -> bool:
-        """Whether the instruction asks for the same with further things there; sub-tasks say it as their phrases do."""
-        text = self.scene.instruction
-        return text is None or self._read[text] in (None, asked_by(text, things, self._lying))
+        taken = {o.id for o in self._objects}
+        return {f"{e.name}_beside" if e.name in taken else e.name: e.name for e in order[:number]}
 
     def _as_variant(self, o: ObjectRecord, variant: str) -> ObjectRecord:
         asset = self.context.library.asset(o.asset, variant)

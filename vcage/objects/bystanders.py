@@ -1,24 +1,21 @@
-"""What may stand beside a task: nothing that a word of it could mean, and nothing that changes how it is read."""
+"""What may stand beside a task: nothing that a word of it could mean."""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Sequence
 
-from vcage.base.errors import UnreadInstruction
 from vcage.base.words import lemma, lemmas, same_word
-from vcage.models.rules.goals import read_goals
 from vcage.objects.names import confusable, is_of_kind, names_of
 from vcage.schema.asset import CatalogueEntry
-from vcage.schema.goals import Goal
-
-Things = Mapping[str, CatalogueEntry]
-"""The catalogue's entries by object id, each with the object's own look only."""
-
-Asked = tuple[frozenset[tuple[int, Goal]], frozenset[str]]
-"""Goals with their steps, and what is left alone."""
 
 ALIKE = 2.0
 """Factor within which sizes of things lie that are taken for each other."""
+
+_OF_THE_TABLE = frozenset(
+    ("table", "tabletop", "side", "left", "right", "front", "back", "rear", "top", "bottom", "middle", "centre")
+    + ("center", "corner", "edge", "row", "line", "arm", "hand")
+)
+"""Words that say where on the table something is, or which arm moves it: they name no object."""
 
 
 def bystanders(
@@ -31,7 +28,7 @@ def bystanders(
         present: the kinds of the objects that are there.
         catalogue: to choose from, in this order.
     """
-    said = {word for text in texts for word in lemmas(text)}
+    said = {word for text in texts for word in lemmas(text)} - _OF_THE_TABLE
     return [
         entry
         for entry in catalogue
@@ -52,18 +49,3 @@ def _answers(word: str, entry: CatalogueEntry) -> bool:
     known = {other for name in names.all for other in name} | {lemma(entry.words.category.lower())}
     heads = {name[-1] for name in names.all}
     return word in known or is_of_kind(word, entry, names) or any(same_word(word, head) for head in heads)
-
-
-def asked_by(text: str, things: Things, lying: Mapping[str, str]) -> Asked | None:
-    """What a text asks for among things, whatever its words; None where the rules do not understand it.
-
-    Args:
-        text: a command.
-        things: what there is.
-        lying: object id → id of what it lies in or on.
-    """
-    try:
-        reading = read_goals(text, things, lying)
-    except UnreadInstruction:
-        return None
-    return frozenset((asked.step, asked.goal) for asked in reading.goals), frozenset(reading.untouched)

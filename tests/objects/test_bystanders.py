@@ -1,6 +1,6 @@
 """What may stand beside a task."""
 
-from vcage.models.rules.bystanders import asked_by, bystanders
+from vcage.objects.bystanders import bystanders
 from vcage.objects.library import Library
 
 ENTRIES = Library.load().entries()
@@ -36,5 +36,5 @@ def test_what_is_of_a_category_and_about_as_large_as_what_is_there_does_not_stan
     assert "toy_car" in names("Put them away", present=("block",))
 
 
-def test_a_text_that_the_rules_do_not_understand_asks_for_nothing():
-    assert asked_by("Frobnicate", {}, {}) is None
+def test_words_for_places_on_the_table_exclude_nothing():
+    assert names("Put it on the left side of the table, in the middle row") == names("Put it in")
