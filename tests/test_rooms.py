@@ -11,6 +11,7 @@ import pytest
 
 ROOT = Path(__file__).parents[1]
 TABLE = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+RULES = "vcage.models.rules"
 ROOMS = re.findall(r"^\| `vcage\.(\w+)` \|", TABLE, re.MULTILINE)
 
 
@@ -49,6 +50,28 @@ def test_a_room_imports_only_from_rooms_before_it(room):
     modules = sorted((ROOT / "vcage" / room).rglob("*.py"))
     found = {str(m.relative_to(ROOT)): breaches(m.read_text(encoding="utf-8"), room) for m in modules}
     assert {name: lines for name, lines in found.items() if lines} == {}
+
+
+def rules_imported(source: str) -> list[str]:
+    """Imports from the rules that answer without a model."""
+    found = imported(ast.parse(source))
+    return [f"line {line}: {name}" for line, name in found if f"{name}.".startswith(f"{RULES}.")]
+
+
+def test_only_the_registry_imports_the_rules():
+    modules = sorted(set((ROOT / "vcage").rglob("*.py")) - set((ROOT / "vcage/models/rules").rglob("*.py")))
+    found = {str(m.relative_to(ROOT)): rules_imported(m.read_text(encoding="utf-8")) for m in modules}
+    assert [name for name, lines in found.items() if lines] == ["vcage/models/registry.py"]
+
+
+def test_the_registry_imports_nothing_of_the_rules_but_roles():
+    lines = rules_imported((ROOT / "vcage/models/registry.py").read_text(encoding="utf-8"))
+    assert {line.rpartition(".")[2] for line in lines} == {"OfflineReasoner", "OfflineEditor", "OfflineCritic"}
+
+
+@pytest.mark.parametrize("line", ["from vcage.models import rules", "import vcage.models.rules.goals"])
+def test_an_import_of_the_rules_is_found(line):
+    assert rules_imported(f"def f():\n    {line}\n")
 
 
 @pytest.mark.parametrize(
