@@ -32,7 +32,7 @@ PASSING = (6, 7)
 MOST_TRIES = 4
 
 SEED = 11930
-"""Of faults in a fifth of the calls: a selection in prose, a picture that is none, and a critic that is busy."""
+"""Of faults in a fifth of the calls: three and more, of which one ends a command."""
 
 
 class Driven:
@@ -102,7 +102,7 @@ def test_the_chain_runs_with_models_behind_endpoints(
     exchanges = Exchanges(run / "exchanges").all()
     assert {exchange.provider.partition(":")[0] for exchange in exchanges} == who
     assert {exchange.role for exchange in exchanges} == {"reasoner", "editor", "critic"}
-    assert (server.failed, driven.codes[6]) == ((0, 0) if faults is None else (4, 1))
+    assert (server.failed > 2, driven.codes[6] > 0) == ((False, False) if faults is None else (True, True))
     verdicts = read_json(RunFolder(run).verdicts)
     assert verdicts["provenance"]["providers"]["critic"].partition(":")[0] in who
     kept = [path for path in run.rglob("*") if path.is_file()]
