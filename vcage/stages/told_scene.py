@@ -8,17 +8,13 @@ from dataclasses import replace
 import numpy as np
 
 from vcage.base.errors import InfeasibleScene, UsageError
+from vcage.base.text import listed
 from vcage.layout.capacities import capacity_of
 from vcage.models.quantifiers import left_over
 from vcage.models.selection_check import NamedObject, with_room
+from vcage.models.wordings import TaskToWord
 from vcage.schema.asset import CatalogueEntry
-from vcage.schema.goals import (
-    OF_A_PART,
-    AskedGoal,
-    Description,
-    Goal,
-    Reading,
-)
+from vcage.schema.goals import OF_A_PART, AskedGoal, Description, Goal, Reading
 from vcage.schema.scene import Role, SceneTemplate
 from vcage.sim.robots import load_robot
 from vcage.stages.chosen_objects import Chosen, entries_of
@@ -26,7 +22,7 @@ from vcage.stages.context import StageContext
 from vcage.stages.told_checks import impossible, place_refusal, require_consistent, require_part, require_sense
 from vcage.stages.told_goals import Said, Told, shortened
 from vcage.stages.told_names import object_meant, objects_of, reads_codes, split_part, weighs
-from vcage.tasks.told_sentence import Called, sentence_of
+from vcage.tasks.task_wording import template_wordings
 
 
 def choose_told(
@@ -48,13 +44,10 @@ def choose_told(
     for said, one in zip(told.goals, goals, strict=True):
         require_sense(said, one, kinds, arms)
     require_consistent(told, goals, descriptions)
-    if instruction is None:
-        sentence = sentence_of(goals, descriptions, {o.id: _called(o, kinds[o.id]) for o in objects})
-        instruction, goals, descriptions = sentence.text, sentence.goals, sentence.descriptions
-    else:
-        words = {"words": instruction}
-        goals = [one.model_copy(update=words) for one in goals]
-        descriptions = [one.model_copy(update=words) for one in descriptions]
+    instruction = instruction or _sentence(goals, descriptions, objects, kinds)
+    words = {"words": instruction}
+    goals = [one.model_copy(update=words) for one in goals]
+    descriptions = [one.model_copy(update=words) for one in descriptions]
     objects = [replace(o, role=_role(o.id, kinds[o.id], [one.goal for one in goals])) for o in objects]
     reading = Reading(goals=goals, descriptions=descriptions)
     _second_look(instruction, reading, objects, kinds)
@@ -107,8 +100,35 @@ def _role(name: str, entry: CatalogueEntry, goals: Sequence[Goal]) -> Role:
     return "context"
 
 
-def _called(o: NamedObject, entry: CatalogueEntry) -> Called:
-    return Called(o.phrase, o.phrase.removesuffix(entry.words.name) + entry.words.plural)
+def _sentence(
+    goals: Sequence[AskedGoal],
+    descriptions: Sequence[Description],
+    objects: Sequence[NamedObject],
+    kinds: Mapping[str, CatalogueEntry],
+) -> str:
+    """The plainest sentence that asks for the goals.
+
+    Raises:
+        UsageError: none tells apart what a goal means from what is called the same.
+    """
+    task = TaskToWord(
+        instruction="",
+        goals=goals,
+        untouched=[],
+        descriptions=descriptions,
+        things=kinds,
+        phrases={o.id: o.phrase for o in objects},
+        lying={one.subject: one.reference for one in descriptions if one.relation in ("inside", "on")},
+        tools=[o.id for o in objects if reads_codes(kinds[o.id]) or weighs(kinds[o.id])],
+        catalogue=list(kinds.values()),
+    )
+    for sentence in template_wordings(task):
+        return sentence
+    shared = [o.id for o in objects if [other.phrase for other in objects].count(o.phrase) > 1]
+    raise UsageError(
+        f"no sentence tells which objects the goals mean: {listed(shared or kinds)} are called alike",
+        hint="name other looks in --objects, tell them apart by --start 'plate_1 left_of plate_2', or say a sentence",
+    )
 
 
 def _second_look(
