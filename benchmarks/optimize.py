@@ -31,7 +31,8 @@ from vcage.layout.cost import CostWeights
 from vcage.layout.optimize import LayoutOptions, LayoutResult, optimize_layout
 from vcage.objects.library import Library
 from vcage.plans.kept import relations_kept
-from vcage.schema.scene import Table
+from vcage.plans.relations import ground_box
+from vcage.schema.scene import Table, Workspace
 from vcage.stages.optimize import Options
 
 logger = logging.getLogger(__name__)
@@ -158,7 +159,12 @@ def _longer_solves(clean: CleanScene, targets: dict[str, np.ndarray], seed: Sequ
 
 
 def _kept(clean: CleanScene, placed: dict[str, PlacedAsset]) -> float:
-    return relations_kept(clean.relations, {id: thing.box for id, thing in placed.items()}, Table()).share
+    return relations_kept(clean.relations, {id: thing.box for id, thing in placed.items()}, _ground(clean)).share
+
+
+def _ground(clean: CleanScene) -> np.ndarray:
+    lower, upper = clean.workspace.tolist()
+    return ground_box(Workspace(lower=tuple(lower), upper=tuple(upper)), 0.0)
 
 
 def _rival(clean: CleanScene, targets: dict[str, np.ndarray], ms: float) -> dict[str, Any]:
@@ -182,7 +188,7 @@ def _log_failure(clean: CleanScene, seed: Sequence[int], placed: dict[str, Place
         logger.info("seed %s: out of bounds", seed)
     if outcome.in_reach is False:
         logger.info("seed %s: out of reach", seed)
-    broken = relations_kept(clean.relations, {id: thing.box for id, thing in placed.items()}, Table()).broken
+    broken = relations_kept(clean.relations, {id: thing.box for id, thing in placed.items()}, _ground(clean)).broken
     if broken:
         words = ", ".join(f"{r.subject} {r.relation} {r.reference}" for r in broken)
         logger.info("seed %s: %d of %d relations broken: %s", seed, len(broken), len(clean.relations), words)

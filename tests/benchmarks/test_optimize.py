@@ -22,7 +22,6 @@ from vcage.layout.relation_cost import RelatedBox, relation_terms
 from vcage.objects.library import Library
 from vcage.plans.kept import relations_kept
 from vcage.schema.plan import Relation
-from vcage.schema.scene import Table
 
 
 @pytest.fixture(scope="module")
@@ -55,7 +54,8 @@ def test_a_clean_scene_has_no_collision_and_stays_in_bounds(scene: CleanScene) -
 
 def test_a_clean_scene_keeps_its_plan_and_the_plan_speaks_of_every_object(scene: CleanScene) -> None:
     boxes = {id: thing.box for id, thing in clean_places(scene).items()}
-    assert relations_kept(scene.relations, boxes, Table()).share == 1.0
+    ground = np.column_stack([scene.workspace, [0.0, 0.0]])
+    assert relations_kept(scene.relations, boxes, ground).share == 1.0
     named = {name for r in scene.relations for name in (r.subject, r.reference)}
     assert named == set(scene.kinds)
 

@@ -14,6 +14,7 @@ from vcage.layout.items import TableItem, item_of
 from vcage.models.rules.layout import plan_layout
 from vcage.objects.openings import Opening
 from vcage.plans.kept import relations_kept
+from vcage.plans.relations import ground_box
 from vcage.schema.plan import LayoutPlan, Relation
 from vcage.schema.scene import Scene
 
@@ -37,7 +38,7 @@ def test_the_offline_plan_is_kept_without_overlap_in_the_workspace(seed: int) ->
     scene = scene_of([BOX, *MARKERS, ERASER, PLATE.moved(at=(-0.2, -0.1), role="context")])
     layout = plan_layout(scene, (), np.random.default_rng(seed))
     boxes = laid_out(scene, layout).boxes
-    assert relations_kept(layout.relations, boxes, scene.table).sentences == []
+    assert relations_kept(layout.relations, boxes, ground_box(scene.workspace, scene.table.height)).sentences == []
     assert not any(boxes_overlap(boxes[a], boxes[b]) for a, b in itertools.combinations(boxes, 2))
     lower, upper = scene.workspace.lower, scene.workspace.upper
     assert all(np.all(b[0, :2] >= np.array(lower) - 1e-9) and np.all(b[1, :2] <= np.array(upper) + 1e-9)
@@ -65,7 +66,7 @@ def test_what_is_fixed_stays_and_the_others_go_round_it() -> None:
     assert found.poses["red-block"].yaw == pytest.approx(0.3)
     boxes = found.boxes
     assert not any(boxes_overlap(boxes[a], boxes[b]) for a, b in itertools.combinations(boxes, 2))
-    assert relations_kept(layout.relations[1:], boxes, scene.table).share == 1
+    assert relations_kept(layout.relations[1:], boxes, ground_box(scene.workspace, scene.table.height)).share == 1
 
 
 def test_fixed_objects_may_overlap_each_other_and_stand_outside_the_workspace(caplog: pytest.LogCaptureFixture) -> None:

@@ -29,6 +29,8 @@ HEIGHT = 0.74
 TABLE = Table(size=(1.0, 0.6), height=HEIGHT)
 """As large as the workspace."""
 
+GROUND = np.column_stack([WORKSPACE, [HEIGHT, HEIGHT]])
+
 
 def solve(items: list[TableItem], seed: int = 0, relations=(), table: Table = TABLE, **options) -> LayoutResult:
     rng = np.random.default_rng(seed)
@@ -214,7 +216,7 @@ def relation(subject: str, word: str, reference: str) -> Relation:
 
 def kept(items: list[TableItem], result: LayoutResult, *relations: Relation) -> float:
     boxes = {item.id: box_of(item, result) for item in items}
-    return relations_kept(relations, boxes, Table()).share
+    return relations_kept(relations, boxes, GROUND).share
 
 
 def noisy_row(seed: int, count: int) -> tuple[list[TableItem], list[Relation]]:
@@ -247,11 +249,20 @@ def test_no_plan_brings_a_collision(seed, count):
     assert not any(boxes_overlap(a, b, 0.01 - 1e-6) for a, b in combinations(boxes, 2))
 
 
-def test_the_centre_is_that_of_the_table():
+def test_the_centre_is_the_middle_third_of_the_workspace():
     item = standing_at("vase", (0.1, 0.1, 0.2), 0.0, (0.4, 0.1))
     plan = relation("vase", "center", "table")
-    result = solve([item], relations=[plan], table=Table())
+    result = solve([item], relations=[plan])
     assert kept([item], result, plan) == 1
+
+
+@pytest.mark.parametrize("word", ["left_of", "right_of", "in_front_of", "behind"])
+def test_a_thing_goes_to_the_third_of_the_table_that_the_plan_names(word):
+    item = standing_at("vase", (0.1, 0.1, 0.2), 0.0, (0.02, 0.01))
+    plan = relation("vase", word, "table")
+    result = solve([item], relations=[plan])
+    assert kept([item], result, plan) == 1
+    assert result.displaced["vase"] < 0.2, "it moves no farther than to the edge of the third"
 
 
 def test_relations_hold_for_what_lies_in_a_container():

@@ -10,10 +10,12 @@ from hypothesis import strategies as st
 from tests.models.tabletop import BLOCKS, PLATE, scene_of
 from vcage.base.errors import UnknownName
 from vcage.plans.check import contradictions
-from vcage.plans.kept import relations_kept, relations_kept_in, table_box
-from vcage.plans.relations import hold, holds, plane_gap
+from vcage.plans.kept import relations_kept, relations_kept_in
+from vcage.plans.relations import ground_box, hold, holds, holds_on_table, plane_gap
 from vcage.schema.plan import Relation, RelationWord
-from vcage.schema.scene import Table
+from vcage.schema.scene import Workspace
+
+GROUND = ground_box(Workspace(lower=(-0.45, -0.3), upper=(0.45, 0.3)), 0.74)
 
 
 def box(x: float, y: float, z: float = 0.74, size=(0.1, 0.1, 0.05)) -> np.ndarray:
@@ -74,9 +76,23 @@ def test_beside_is_closer_than_near_and_neither_overlaps():
 
 
 def test_the_centre_of_the_table_is_its_middle():
-    table = table_box(Table())
-    assert holds("center", box(0.1, 0.05), table)
-    assert not holds("center", box(0.3, 0), table)
+    assert holds_on_table("center", box(0.1, 0.05), GROUND)
+    assert not holds_on_table("center", box(0.3, 0), GROUND)
+
+
+@pytest.mark.parametrize(
+    ("relation", "x", "y"), [("left_of", -0.3, 0), ("right_of", 0.3, 0), ("in_front_of", 0, -0.2), ("behind", 0, 0.2)]
+)
+def test_a_side_of_the_table_is_its_outer_third(relation, x, y):
+    assert holds_on_table(relation, box(x, y), GROUND)
+    assert holds_on_table(relation, box(x - y, y - x), GROUND), "its corners are on that side too"
+    assert not holds_on_table(relation, box(x / 4, y / 4), GROUND)
+    assert not holds_on_table(relation, box(-x, -y), GROUND)
+
+
+def test_nothing_is_beside_the_table():
+    with pytest.raises(ValueError, match="beside"):
+        holds_on_table("beside", box(0, 0), GROUND)
 
 
 def test_an_unknown_word_is_an_error():
@@ -92,7 +108,7 @@ def test_the_gap_is_euclidean_and_negative_in_overlap():
 def test_kept_relations_are_counted_and_broken_ones_named():
     boxes = {"a": box(-0.2, 0), "b": box(0.0, 0)}
     relations = [rel("a", "left_of", "b"), rel("a", "behind", "b"), rel("b", "center", "table")]
-    kept = relations_kept(relations, boxes, Table())
+    kept = relations_kept(relations, boxes, GROUND)
     assert kept.share == pytest.approx(2 / 3)
     assert kept.broken == [relations[1]]
 
@@ -104,12 +120,12 @@ def test_relations_of_a_scene_are_those_of_its_boxes():
 
 
 def test_a_plan_without_relations_is_kept():
-    assert relations_kept([], {}, Table()).share == 1.0
+    assert relations_kept([], {}, GROUND).share == 1.0
 
 
 def test_an_object_without_a_box_is_named():
     with pytest.raises(UnknownName, match="cup"):
-        relations_kept([rel("cup", "near", "a")], {"a": box(0, 0)}, Table())
+        relations_kept([rel("cup", "near", "a")], {"a": box(0, 0)}, GROUND)
 
 
 @pytest.mark.parametrize("word", get_args(RelationWord))

@@ -80,21 +80,19 @@ class Groups:
         return found
 
     def table_problem(
-        self, workspace: np.ndarray, margin: float, table: np.ndarray, allowed: Sequence[np.ndarray | None]
+        self, workspace: np.ndarray, margin: float, allowed: Sequence[np.ndarray | None]
     ) -> LayoutProblem:
         """The problem of what stands on the table.
 
         Args:
-            workspace: (2, 2) what every box stays within, metres.
+            workspace: (2, 2) what every box stays within, and whose thirds relations to the table mean, metres.
             margin: between boxes, metres.
-            table: (2, 2) its rectangle.
             allowed: where each group may stand, see :meth:`allowed`.
         """
         roots = self.roots
         extents = np.array([self.extent(item) for item in roots])
         middles = extents.mean(axis=1)
-        half = np.diff(table, axis=0)[0] / 2
-        spots = self._spots(roots, middles) | {TABLE: RelatedBox(None, table.mean(axis=0), half)}
+        spots = self._spots(roots, middles) | {TABLE: RelatedBox.table(workspace)}
         return LayoutProblem(
             half=(extents[:, 1] - extents[:, 0]) / 2,
             target=np.array([item.target for item in roots]) + middles,

@@ -22,7 +22,7 @@ from vcage.layout.optimize import LayoutOptions, optimize_layout
 from vcage.layout.starts import GAP, starting_places
 from vcage.objects.openings import Opening
 from vcage.plans.kept import Kept, relations_kept
-from vcage.plans.relations import plane_gap
+from vcage.plans.relations import ground_box, plane_gap
 from vcage.schema.plan import TABLE, Relation
 from vcage.schema.scene import Scene
 from vcage.sim.robots import load_robot
@@ -163,7 +163,8 @@ class _Search:
             if plane_gap(boxes[a], boxes[b]) < -TOUCH and not (a in self._fixed and b in self._fixed)
         ]
         overlapping = [name for name in standing if any(name in pair for pair in clashes)]
-        return IntendedLayout(poses, boxes, relations_kept(self._relations, boxes, self._scene.table), overlapping)
+        ground = ground_box(self._scene.workspace, self._scene.table.height)
+        return IntendedLayout(poses, boxes, relations_kept(self._relations, boxes, ground), overlapping)
 
     def _lift(self, name: str) -> float:
         holder = self._supports.get(name)

@@ -94,7 +94,7 @@ def optimize_layout(
     Args:
         items: the objects with their targets.
         workspace: (2, 2) lower and upper corner that every box stays within, metres.
-        table: what they stand on, and what relations to the table mean.
+        table: what they stand on.
         rng: the only source of randomness.
         relations: of the plan, by object id.
         options: the default ones when left out.
@@ -113,7 +113,7 @@ def optimize_layout(
     allowed, out_of_reach = groups.allowed()
     for name in out_of_reach:
         logger.warning("%s cannot be reached where %s may stand", name, groups.root(groups.items[name]).id)
-    problem = groups.table_problem(bounds, options.margin, table.rectangle, allowed)
+    problem = groups.table_problem(bounds, options.margin, allowed)
     solution, moved = search(problem, groups.roots)
     if solution.extra < 1:
         logger.warning("the table has space for %.0f %% of the room for hands", 100 * solution.extra)

@@ -7,9 +7,11 @@ A relation is a set of inequalities g(u) ≤ 0 on u (2,), the way from the refer
 - beside, near: the gap |max(|u| − (sum of half sizes), 0)| − largest gap ≤ 0; and that the boxes do not overlap,
   min(sum of half sizes − |u|) ≤ 0, which is J_coll's unless the frame is turned.
 - center: the same with the largest offset in place of the half sizes, and a gap of 0.
+- to the table: its box is its middle third; direction words have no cone, and the largest offset is half that box.
 
-They are those of :func:`vcage.plans.relations.holds`. Each costs nothing while it holds, its squared violation up to
-the knee, and grows straight on from there: what cannot be had pulls with a bounded force, which a collision outweighs.
+They are those of :func:`vcage.plans.relations.holds` and :func:`vcage.plans.relations.holds_on_table`. Each costs
+nothing while it holds, its squared violation up to the knee, and grows straight on from there: what cannot be had pulls
+with a bounded force, which a collision outweighs.
 ``inside`` and ``on`` are no terms: assigning an object to its container keeps them.
 """
 
@@ -20,11 +22,21 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from vcage.plans.relations import BESIDE_GAP, CENTRE_MINIMUM, CENTRE_SHARE, CONE, DIRECTIONS, NEAR_GAP
+from vcage.plans.relations import (
+    BESIDE_GAP,
+    CENTRE_MINIMUM,
+    CENTRE_SHARE,
+    CONE,
+    DIRECTIONS,
+    NEAR_GAP,
+    middle_third,
+)
 from vcage.schema.plan import Relation, RelationWord
 
 KNEE = 0.005
 """Violation from which a relation's cost grows linearly, metres."""
+NEVER_MISSED = -1e3
+"""Level of an inequality that is always met, metres: below anything that others are missed by."""
 HELD = 1e-9
 """Metres by which an inequality must be met to count: the boxes that are judged are rounded too."""
 _GAPS = {"beside": BESIDE_GAP, "near": NEAR_GAP}
@@ -38,11 +50,19 @@ class RelatedBox:
         index: of the footprint, or None for what does not move in the problem.
         offset: (2,) from the footprint's centre (from the frame's origin, for None) to the box's, world axes, metres.
         half: (2,) half size of the axis-aligned world box, metres.
+        thirds: whether it is the middle third of the table, to which relations have a meaning of their own.
     """
 
     index: int | None
     offset: np.ndarray
     half: np.ndarray
+    thirds: bool = False
+
+    @classmethod
+    def table(cls, workspace: np.ndarray) -> RelatedBox:
+        """The table, of which ``workspace`` (2, 2) may be covered."""
+        lower, upper = middle_third(workspace)
+        return cls(None, (lower + upper) / 2, (upper - lower) / 2, thirds=True)
 
 
 @dataclass(frozen=True)
@@ -196,6 +216,8 @@ def _moving_apart(
 
 def _within(word: RelationWord, subject: RelatedBox, reference: RelatedBox) -> tuple[np.ndarray, float]:
     """(2,) offsets along each axis that leave no gap, and the largest gap, of a gap word or ``center``."""
+    if word == "center" and reference.thirds:
+        return reference.half, 0.0
     if word == "center":
         return np.maximum(CENTRE_MINIMUM, CENTRE_SHARE * 2 * reference.half), 0.0
     return subject.half + reference.half, _GAPS[word]
@@ -214,7 +236,14 @@ def _way(subject: RelatedBox, reference: RelatedBox, count: int, turn: np.ndarra
 def _towards(
     direction: np.ndarray, way: np.ndarray, shift: np.ndarray, reference: RelatedBox
 ) -> tuple[np.ndarray, np.ndarray]:
-    """(3, 2n) normals and (3,) levels of a direction word: beyond the edge, and both sides of the cone."""
+    """(3, 2n) normals and (3,) levels of a direction word: beyond the edge, and both sides of the cone.
+
+    For a third of the table the edge alone counts, and the inequalities of the cone are always met.
+    """
+    if reference.thirds:
+        normals, levels = np.zeros((3, way.shape[1])), np.full(3, NEVER_MISSED)
+        normals[0], levels[0] = -direction @ way, -direction @ shift + np.abs(direction) @ reference.half
+        return normals, levels
     across = np.array([-direction[1], direction[0]])
     sides = [np.cos(CONE) * sign * across - np.sin(CONE) * direction for sign in (1, -1)]
     normals = np.array([-direction, *sides])

@@ -16,7 +16,7 @@ from vcage.layout.groups import hand_gaps
 from vcage.layout.items import TableItem, centres_within
 from vcage.layout.placement.free_region import FreeRegion, free_region
 from vcage.layout.placement.view import view_rectangles
-from vcage.plans.relations import DIRECTIONS, hold
+from vcage.plans.relations import DIRECTIONS, hold, hold_on_table
 from vcage.schema.plan import TABLE, Relation, RelationWord
 from vcage.schema.scene import Scene
 
@@ -101,17 +101,21 @@ class _Starts:
     def _wishes(self, item: TableItem, others: Sequence[TableItem]) -> list[_Wish]:
         """What the relations to what has its place already ask of an item."""
         body = item.body_rectangle()
-        around = {other.id: other.body_rectangle() + other.target for other in others} | {TABLE: self._table}
-        found = []
+        around = {other.id: other.body_rectangle() + other.target for other in others}
+        found: list[_Wish] = []
         for r in self._relations:
             other = r.reference if r.subject == item.id else r.subject
-            if item.id in (r.subject, r.reference) and other in around:
-                back = 0.0
-                if r.relation == "center" and other == TABLE:  # leaves room for what stands in front
-                    behind = self._workspace[1, 1] - self._table[:, 1].mean() - (body[1, 1] - body[0, 1]) / 2
-                    back = float(np.clip(0.3 * behind, 0.0, BACK))
-                found.append(_Wish(r.relation, body, around[other], 1 if other == r.reference else -1, back))
+            if r.subject == item.id and other == TABLE:
+                found.append(_TableWish(r.relation, body, self._workspace, 1, self._middle(body)))
+            elif item.id in (r.subject, r.reference) and other in around:
+                found.append(_Wish(r.relation, body, around[other], 1 if other == r.reference else -1))
         return found
+
+    def _middle(self, body: np.ndarray) -> np.ndarray:
+        """(2,) where a body stands best that belongs in the middle of the table: room is left before it."""
+        x, y = self._table.mean(axis=0)
+        behind = self._workspace[1, 1] - y - (body[1, 1] - body[0, 1]) / 2
+        return np.array([x, y + np.clip(0.3 * behind, 0.0, BACK)])
 
     def _region(self, item: TableItem, others: Sequence[TableItem]) -> FreeRegion:
         """Where the middle of an item's rectangle may be among others.
@@ -165,14 +169,12 @@ class _Wish:
         body: (2, 2) rectangle of the object around its origin.
         other: (2, 2) rectangle of the one that has its place, in the world.
         sign: 1 where the object is the relation's subject, −1 where it is its reference.
-        back: how far behind the middle ``center`` is, metres.
     """
 
     word: RelationWord
     body: np.ndarray
     other: np.ndarray
     sign: int
-    back: float
 
     @cached_property
     def points(self) -> np.ndarray:
@@ -181,14 +183,43 @@ class _Wish:
         words = [self.word] if self.word in DIRECTIONS else list(DIRECTIONS)
         ways = self.sign * np.array([DIRECTIONS[word] for word in words]) * (reach + GAP)
         if self.word == "center":
-            ways = np.array([[0.0, self.back]])
+            ways = np.zeros((1, 2))
         return self.other.mean(axis=0) + ways - self.body.mean(axis=0)
 
     def costs(self, at: np.ndarray) -> np.ndarray:
         """(n,) of origins (n, 2): metres from the nearest best one, and :data:`BROKEN` where the relation breaks."""
-        boxes, other = self.body + at[:, None], self.other[None]
-        held = hold(self.word, boxes, other) if self.sign == 1 else hold(self.word, other, boxes)
-        return np.linalg.norm(at[:, None] - self.points, axis=2).min(axis=1) + np.where(held, 0.0, BROKEN)
+        away = np.linalg.norm(at[:, None] - self.points, axis=2).min(axis=1)
+        return away + np.where(self._held(self.body + at[:, None]), 0.0, BROKEN)
+
+    def _held(self, boxes: np.ndarray) -> np.ndarray:
+        """(n,) whether the relation holds of the object with rectangles (n, 2, 2)."""
+        other = self.other[None]
+        return hold(self.word, boxes, other) if self.sign == 1 else hold(self.word, other, boxes)
+
+
+@dataclass(frozen=True)
+class _TableWish(_Wish):
+    """What a relation to the table asks: ``other`` is what may be covered of it.
+
+    Args:
+        middle: (2,) where the middle of the object is best in ``center``, metres.
+    """
+
+    middle: np.ndarray
+
+    @cached_property
+    def points(self) -> np.ndarray:
+        """(k, 2) origins of the object at which it stands in the middle of its third."""
+        lower, upper = self.other
+        at = self.middle[None]
+        if self.word in DIRECTIONS:
+            third = (upper - lower) / 3 * DIRECTIONS[self.word]
+            along = np.abs(np.array(DIRECTIONS[self.word])[::-1]) * (upper - lower) / 4
+            at = (lower + upper) / 2 + third + np.outer((-1, 0, 1), along)
+        return at - self.body.mean(axis=0)
+
+    def _held(self, boxes: np.ndarray) -> np.ndarray:
+        return hold_on_table(self.word, boxes, self.other)
 
 
 def _around(a: np.ndarray, b: np.ndarray) -> np.ndarray:

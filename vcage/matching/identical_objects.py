@@ -9,6 +9,7 @@ import numpy as np
 
 from vcage.base.geometry import wrap_angle
 from vcage.plans.kept import relations_kept
+from vcage.plans.relations import ground_box
 from vcage.schema.matches import Match
 from vcage.schema.plan import Relation
 from vcage.schema.scene import ObjectRecord, Scene
@@ -51,7 +52,7 @@ def _as(record: ObjectRecord, match: Match) -> Match:
 
 def _kept(scene: Scene, relations: Sequence[Relation], found: Mapping[str, Match]) -> float:
     boxes = {o.id: matched_box(o, found[o.id]) for o in scene.objects}
-    return relations_kept(relations, boxes, scene.table).share
+    return relations_kept(relations, boxes, ground_box(scene.workspace, scene.table.height)).share
 
 
 def matched_box(record: ObjectRecord, match: Match) -> np.ndarray:

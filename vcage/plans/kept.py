@@ -9,18 +9,12 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-import numpy as np
 from numpy.typing import ArrayLike
 
 from vcage.base.errors import UnknownName
-from vcage.plans.relations import holds
+from vcage.plans.relations import ground_box, holds_between
 from vcage.schema.plan import TABLE, Relation
-from vcage.schema.scene import Scene, Table
-
-
-def table_box(table: Table) -> np.ndarray:
-    """(2, 3) the flat box of a table's top, to be the reference ``table``."""
-    return np.column_stack([table.rectangle, [table.height, table.height]])
+from vcage.schema.scene import Scene
 
 
 @dataclass(frozen=True)
@@ -36,17 +30,22 @@ class Kept:
         return [f"{r.subject} {r.relation} {r.reference}" for r in self.broken]
 
 
-def relations_kept(relations: Sequence[Relation], aabbs: Mapping[str, ArrayLike], table: Table) -> Kept:
+def relations_kept(relations: Sequence[Relation], aabbs: Mapping[str, ArrayLike], ground: ArrayLike) -> Kept:
     """Which of a plan's relations hold among the world boxes (2, 3) by object id; 1.0 of a plan without any.
+
+    Args:
+        relations: of the plan.
+        aabbs: world boxes by object id.
+        ground: (2, 3) what the reference ``table`` means (:func:`vcage.plans.relations.ground_box`).
 
     Raises:
         UnknownName: a relation names an object that has no box.
     """
-    boxes = {**aabbs, TABLE: table_box(table)}
+    boxes = {**aabbs, TABLE: ground}
     for name in (name for r in relations for name in (r.subject, r.reference)):
         if name not in boxes:
             raise UnknownName("object", name, list(boxes))
-    broken = [r for r in relations if not holds(r.relation, boxes[r.subject], boxes[r.reference])]
+    broken = [r for r in relations if not holds_between(r.relation, r.subject, r.reference, boxes)]
     return Kept(1 - len(broken) / len(relations) if relations else 1.0, broken)
 
 
@@ -56,4 +55,5 @@ def relations_kept_in(scene: Scene, relations: Sequence[Relation]) -> Kept:
     Raises:
         UnknownName: a relation names an object that is not in the scene.
     """
-    return relations_kept(relations, {o.id: o.aabb for o in scene.objects}, scene.table)
+    ground = ground_box(scene.workspace, scene.table.height)
+    return relations_kept(relations, {o.id: o.aabb for o in scene.objects}, ground)

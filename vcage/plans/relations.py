@@ -1,14 +1,18 @@
 """Geometry of the relation words: when a relation holds between axis-aligned world boxes.
 
-+x is right and −y is in front, as the robot sees the table. Thresholds are the module's constants.
++x is right and −y is in front, as the robot sees the table. Thresholds are the module's constants. The table is no box
+like others: it has a left, right, front and back third and a middle one, of what may be covered of it (the workspace).
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 from numpy.typing import ArrayLike
 
-from vcage.schema.plan import RelationWord
+from vcage.schema.plan import TABLE, RelationWord
+from vcage.schema.scene import Workspace
 
 INSIDE_TOLERANCE = 0.005
 """Metres that the subject may stick out of the box of what it is inside of, in the plane."""
@@ -50,6 +54,12 @@ def holds(relation: RelationWord, subject: ArrayLike, reference: ArrayLike) -> b
     return bool(hold(relation, subject, reference))
 
 
+def holds_between(relation: RelationWord, subject: str, reference: str, boxes: Mapping[str, ArrayLike]) -> bool:
+    """Whether a relation holds between two world boxes by id, of which the reference may be the table's ground."""
+    judge = holds_on_table if reference == TABLE else holds
+    return judge(relation, boxes[subject], boxes[reference])
+
+
 def hold(relation: RelationWord, subjects: ArrayLike, references: ArrayLike) -> np.ndarray:
     """:func:`holds` for many boxes (…, 2, 3) at once: (…) bool, subjects and references broadcast."""
     a, b = np.asarray(subjects, dtype=np.float64), np.asarray(references, dtype=np.float64)
@@ -65,6 +75,50 @@ def hold(relation: RelationWord, subjects: ArrayLike, references: ArrayLike) -> 
     if relation == "center":
         return _central(a, b)
     raise ValueError(f"not a relation word: {relation!r}")
+
+
+def holds_on_table(relation: RelationWord, subject: ArrayLike, ground: ArrayLike) -> bool:
+    """Whether a relation to the table holds of a world box (2, 3); of a box with a NaN none does.
+
+    - ``left_of, right_of, in_front_of, behind``: its centre is in the outer third of the ground on that side.
+    - ``center``: its centre is in the middle third of the ground along both axes.
+    - ``on``: as :func:`holds`, with the ground as the reference.
+
+    Args:
+        relation: the word.
+        subject: world box of what stands there.
+        ground: (2, 3) the flat box of what may be covered of the table's top (:func:`ground_box`).
+
+    Raises:
+        ValueError: nothing stands so to the table.
+    """
+    return bool(hold_on_table(relation, subject, ground))
+
+
+def hold_on_table(relation: RelationWord, subjects: ArrayLike, ground: ArrayLike) -> np.ndarray:
+    """:func:`holds_on_table` of many boxes (…, 2, 3) at once: (…) bool."""
+    boxes, area = np.asarray(subjects, dtype=np.float64), np.asarray(ground, dtype=np.float64)
+    if relation == "on":
+        return _on(boxes, area)
+    centre, middle = middles(boxes), middle_third(area)
+    if relation == "center":
+        return np.all((middle[0] <= centre) & (centre <= middle[1]), axis=-1)
+    if relation in DIRECTIONS:
+        direction = np.array(DIRECTIONS[relation])
+        edge = np.where(direction < 0, middle[0], middle[1]) @ np.abs(direction)
+        return centre @ direction > edge * direction.sum()
+    raise ValueError(f"nothing stands {relation!r} to the table")
+
+
+def ground_box(workspace: Workspace, height: float) -> np.ndarray:
+    """(2, 3) the flat box that the reference ``table`` means: the workspace at the height of the table's top."""
+    return np.array([[*workspace.lower, height], [*workspace.upper, height]])
+
+
+def middle_third(ground: ArrayLike) -> np.ndarray:
+    """(2, 2) the middle third, along both axes, of a ground (2, 2 or 3)."""
+    lower, upper = np.asarray(ground, dtype=np.float64)[:, :2]
+    return np.stack([(2 * lower + upper) / 3, (lower + 2 * upper) / 3])
 
 
 def middles(boxes: np.ndarray) -> np.ndarray:

@@ -20,15 +20,17 @@ from vcage.layout.hands import hand_clearance
 from vcage.layout.items import ANY_YAW, FRONT_YAWS, table_item
 from vcage.layout.optimize import LayoutOptions
 from vcage.layout.placement.place import place
+from vcage.plans.descriptions import described_relations
 from vcage.plans.kept import relations_kept, relations_kept_in
-from vcage.plans.relations import holds
+from vcage.plans.relations import ground_box, holds
 from vcage.schema.goals import Goal
-from vcage.schema.plan import Relation, RelationWord
+from vcage.schema.plan import TABLE, Relation, RelationWord
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Grasp, Subtask
 from vcage.sim.robots import load_robot
 from vcage.stages.context import StageContext
 from vcage.stages.layout_items import layout_items, nearest_layout
+from vcage.tasks.described import complaints
 from vcage.tasks.ground import Ground
 from vcage.tasks.rehearsal import examined, proven
 from vcage.tasks.scene_objects import SceneObject
@@ -85,7 +87,7 @@ class Layouts:
 
     Args:
         scene: as it is before the chain begins, where its layout was optimised.
-        relations: of the plan; those that this layout keeps are kept.
+        relations: of the plan; those that this layout keeps are kept, and so are the scene's descriptions.
         chain: the sub-tasks, in order.
         context: the library, the robots' reach and kinematics.
     """
@@ -93,10 +95,12 @@ class Layouts:
     def __init__(self, scene: Scene, relations: Sequence[Relation], chain: Sequence[Subtask], context: StageContext):
         self._scene, self._chain, self._context = scene, chain, context
         broken = relations_kept_in(scene, relations).broken
-        self._relations = [r for r in relations if r not in broken]
+        self._described = described_relations(scene.descriptions)
+        self._relations = list(dict.fromkeys([*self._described, *(r for r in relations if r not in broken)]))
         self._objects = {o.id: o for o in context.objects(scene)}
         self._inside = {o.id: o.record.container for o in self._objects.values() if o.record.container is not None}
         self._workspace = np.array([scene.workspace.lower, scene.workspace.upper])
+        self._on = ground_box(scene.workspace, scene.table.height)
         self._margin = float(scene.provenance.options.get("margin", LayoutOptions.margin))
         self._ground, self._robot = Ground.of(scene), load_robot(scene.robot)
         self._kinematics = context.kinematics(scene.robot)
@@ -108,6 +112,8 @@ class Layouts:
             for item in layout_items(scene, now, self._inside, context)
             if item.id not in self._inside
         ]
+        standing = {item.id for item in self._standing} | {TABLE}
+        self._between = [r for r in self._described if {r.subject, r.reference} <= standing]
 
     def draw(self, rng: np.random.Generator, clutter: Sequence[SceneObject] = (), draws: int = DRAWS) -> Layout:
         """A layout that is drawn at random.
@@ -140,6 +146,8 @@ class Layouts:
         except InfeasibleScene:
             raise _Refused("there is no room") from None
         boxes = self._boxes(poses)
+        if false := complaints(self._scene, [o.moved(poses[o.id]) for o in self._objects.values()]):
+            raise _Refused(false[0])
         if broken := self._broken(boxes):
             raise _Refused(f"not {broken[0]}")
         if fulfilled := self._fulfilled(boxes) - self._fulfilled_before:
@@ -165,7 +173,7 @@ class Layouts:
 
     def _broken(self, boxes: Mapping[str, np.ndarray]) -> list[str]:
         """The relations that do not hold between these boxes, in words."""
-        return relations_kept(self._relations, boxes, self._scene.table).sentences
+        return relations_kept(self._relations, boxes, self._on).sentences
 
     def _fulfilled(self, boxes: Mapping[str, np.ndarray]) -> set[Goal]:
         """Goals of the chain about where things stand that are true where objects have these boxes (2, 3)."""
@@ -187,7 +195,7 @@ class Layouts:
 
     def _drawn(self, rng: np.random.Generator) -> dict[str, Pose]:
         """Poses of what stands on the table, drawn at random where it is within reach."""
-        drawn = place(self._standing, self._workspace, rng, self._margin)
+        drawn = place(self._standing, self._workspace, rng, self._margin, relations=self._between)
         return {item.id: item.pose(drawn[item.id], self._objects[item.id].pose.p[2]) for item in self._standing}
 
     def _in_what_is_left(

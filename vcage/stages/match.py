@@ -27,6 +27,7 @@ from vcage.matching.match import THRESHOLD, Looks, Recogniser, match_picture
 from vcage.matching.overlay import draw_overlay
 from vcage.models.registry import DETECTORS, EMBEDDERS, split_weights
 from vcage.plans.kept import Kept, relations_kept
+from vcage.plans.relations import ground_box
 from vcage.schema.base import Box, Provenance, box_record
 from vcage.schema.matches import Match, Matches
 from vcage.schema.plan import Plan
@@ -152,7 +153,8 @@ def take_over(run: RunFolder, folder: Path, edited: Collection[str], context: St
 
 def _shown(scene: Scene, plan: Plan, matches: list[Match], context: StageContext) -> Kept:
     """How much of the plan the objects keep where they were matched."""
-    return relations_kept(plan.relations, _boxes(scene, matches, context), scene.table)
+    ground = ground_box(scene.workspace, scene.table.height)
+    return relations_kept(plan.relations, _boxes(scene, matches, context), ground)
 
 
 def _checks(shown: Kept) -> dict[str, Any]:

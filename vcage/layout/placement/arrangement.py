@@ -14,6 +14,10 @@ TOUCH = 1e-7
 """Metres; what is closer than this touches."""
 
 
+RELATED_POINTS = 32
+"""Points that are drawn of what is free, to find one at which relations to others hold that are no rectangles."""
+
+
 class Spot(NamedTuple):
     """Where an item stands on its plane.
 
@@ -47,12 +51,34 @@ class Arrangement:
         """Where the placed items stand, by index."""
         return dict(self._spots)
 
-    def region(self, k: int, stance: Stance) -> FreeRegion:
-        """Where the centre of item ``k`` may be among all the others."""
+    def region(self, k: int, stance: Stance, yaw: float) -> FreeRegion:
+        """Where the centre of item ``k`` at ``yaw`` may be among all the others; of the relations to them, what
+        rectangles can say (:meth:`related`)."""
         taken = self._taken.copy()
         taken[self._first + k] = False
-        plane = self.plane
-        return free_region(plane.bounds, stance.half, self._boxes[taken], plane.gaps[k, taken], stance.unions)
+        plane, unions = self.plane, stance.unions
+        if plane.related is not None:
+            unions = (*unions, *plane.related.cuts(plane.items[k].id, yaw, self._others(k)))
+        return free_region(plane.bounds, stance.half, self._boxes[taken], plane.gaps[k, taken], unions)
+
+    def related(self, k: int, yaw: float, centres: np.ndarray) -> np.ndarray:
+        """(c, 2) those of some centres of item ``k`` at ``yaw`` that keep all relations to the others."""
+        related = self.plane.related
+        if related is None or not len(centres):
+            return centres
+        return centres[related.kept(self.plane.items[k].id, yaw, centres, self._others(k))]
+
+    def draw(self, k: int, stance: Stance, yaw: float, rng: np.random.Generator) -> np.ndarray | None:
+        """(2,) a random one of the points where the centre of item ``k`` may be; None where none is found."""
+        region = self.region(k, stance, yaw)
+        if region.is_empty:
+            return None
+        if self.plane.related is None or not self.plane.related.binds(self.plane.items[k].id):
+            return region.sample(rng)
+        return next(iter(self.related(k, yaw, region.samples(rng, RELATED_POINTS))), None)
+
+    def _others(self, k: int) -> dict[str, Spot]:
+        return {self.plane.items[j].id: spot for j, spot in self._spots.items() if j != k}
 
     def conflicts(self, k: int, stance: Stance, centres: np.ndarray) -> np.ndarray:
         """(c, n) bool: which of the other items stand too close for item ``k`` at the ``centres`` (c, 2)."""

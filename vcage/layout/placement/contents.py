@@ -69,7 +69,7 @@ class Carried:
         found = [self._allowed[item.id]] if item.id in self._allowed else []
         if item.id not in self._containers:
             return found
-        for content, at in self._below(item, Local(np.zeros(2), float(yaw))):
+        for content, at in self.below(item, yaw):
             if content.id in self._allowed:
                 found.append(self._allowed[content.id] - at.centre)
             if content.id in self._within:
@@ -86,6 +86,10 @@ class Carried:
             yaw = float(wrap_angle(at.yaw + local.yaw))
             found |= self.stand(content, Placement(float(x), float(y), yaw, at.z + item.room.floor))
         return found
+
+    def below(self, item: TableItem, yaw: float) -> list[tuple[TableItem, Local]]:
+        """All that an item at a yaw carries, with (2,) offset from the item's centre and heading, along world axes."""
+        return self._below(item, Local(np.zeros(2), float(yaw)))
 
     def _below(self, item: TableItem, at: Local) -> list[tuple[TableItem, Local]]:
         """All that an item carries, with (2,) offset from the item's centre and heading, both along world axes."""

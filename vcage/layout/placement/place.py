@@ -17,8 +17,10 @@ from vcage.layout.placement.arrangement import Spot
 from vcage.layout.placement.contents import Carried, Local, content_plane, contents_of
 from vcage.layout.placement.infeasible import no_place, require_room
 from vcage.layout.placement.plane import Plane, make_plane
+from vcage.layout.placement.related import Related
 from vcage.layout.placement.search import arrange
 from vcage.layout.validation import as_rectangles, as_workspace, check_items
+from vcage.schema.plan import Relation
 
 
 def place(
@@ -27,6 +29,7 @@ def place(
     rng: np.random.Generator,
     margin: float = 0.01,
     obstacles: ArrayLike = (),
+    relations: Sequence[Relation] = (),
 ) -> dict[str, Placement]:
     """Place every item so that no two axis-aligned boxes come closer than ``margin``.
 
@@ -39,6 +42,8 @@ def place(
         rng: the only source of randomness.
         margin: smallest gap between two boxes, metres.
         obstacles: (n, 2, 2) rectangles that are taken already.
+        relations: that are kept, between the items and to the table; those of what lies in something are kept between
+            what carries them.
 
     Returns:
         Placement by id, in the order of ``items``.
@@ -54,6 +59,8 @@ def place(
         local |= {plane.items[k].id: Local(spot.centre, spot.yaw) for k, spot in spots.items()}
     carried = Carried(items, local)
     plane = _table(contents_of(items, None), workspace, margin, obstacles, carried)
+    if relations:
+        plane = _related(plane, Related(relations, items, carried, plane.bounds), carried)
     placed: dict[str, Placement] = {}
     for k, (_, centre, yaw) in _solved(plane, rng).items():
         placed |= carried.stand(plane.items[k], Placement(float(centre[0]), float(centre[1]), yaw))
@@ -87,6 +94,15 @@ def _table(
 ) -> Plane:
     taken = as_rectangles(obstacles, "the obstacles")
     return make_plane(items, as_workspace(workspace), margin, taken, carried.unions)
+
+
+def _related(plane: Plane, related: Related, carried: Carried) -> Plane:
+    """The same plane with relations that are kept on it."""
+
+    def unions(item: TableItem, yaw: float) -> list[np.ndarray]:
+        return [*carried.unions(item, yaw), *related.thirds(item, yaw)]
+
+    return make_plane(plane.items, plane.bounds, plane.margin, plane.obstacles, unions, related)
 
 
 def _solved(plane: Plane, rng: np.random.Generator, container: TableItem | None = None) -> dict[int, Spot]:

@@ -10,6 +10,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import islice
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,6 +18,9 @@ from vcage.base.geometry import footprint_half_size
 from vcage.layout.items import TableItem, centres_within
 from vcage.layout.placement.free_region import TOLERANCE, FreeRegion, free_region
 from vcage.layout.validation import as_rectangles
+
+if TYPE_CHECKING:
+    from vcage.layout.placement.related import Related
 
 Unions = Callable[[TableItem, float], Sequence[np.ndarray]]
 """(m, 2, 2) unions of rectangles, one of each of which must hold an item's centre at a yaw."""
@@ -52,6 +56,7 @@ class Plane:
         bounds: (2, 2) that every rectangle stays within.
         margin: smallest gap between two rectangles, metres.
         obstacles: (m, 2, 2) rectangles that are taken.
+        related: relations between the items that are kept; None for none.
     """
 
     items: Sequence[TableItem]
@@ -59,6 +64,7 @@ class Plane:
     bounds: np.ndarray
     margin: float
     obstacles: np.ndarray
+    related: Related | None = None
 
     @cached_property
     def gaps(self) -> np.ndarray:
@@ -112,10 +118,15 @@ class Plane:
 
 
 def make_plane(
-    items: Sequence[TableItem], bounds: np.ndarray, margin: float, obstacles: np.ndarray, unions: Unions
+    items: Sequence[TableItem],
+    bounds: np.ndarray,
+    margin: float,
+    obstacles: np.ndarray,
+    unions: Unions,
+    related: Related | None = None,
 ) -> Plane:
     """The plane of ``items``; ``unions`` says where a centre may be, besides the item's own ``within``."""
-    return Plane(items, [_stances(item, unions) for item in items], bounds, margin, obstacles)
+    return Plane(items, [_stances(item, unions) for item in items], bounds, margin, obstacles, related)
 
 
 def _stances(item: TableItem, unions: Unions) -> list[Stance]:

@@ -39,6 +39,9 @@ THRIFT = (Thrift(np.inf, 0.9), Thrift(1.15, 0.82))
 """Scatterings that are tried: at any heading, then at small ones only. What is fuller is seldom scattered, and packing
 it at once is quicker."""
 
+RELATED_SCATTERINGS = 12
+"""Scatterings at each thrift where items must stand somehow to each other: the first may leave the others no room."""
+
 RETURNS = 0.5
 """Times that a scattering goes back, for each item."""
 
@@ -82,8 +85,10 @@ def arrange(plane: Plane, rng: np.random.Generator) -> Outcome:
     arrangement = Arrangement(plane)
     for thrift in THRIFT:
         stances = [[s for s in all_ if s.area <= thrift.largest * all_[0].area + 1e-12] for all_ in plane.stances]
-        if _mean_needed(plane, stances) <= thrift.full * plane.available and _scatter(arrangement, stances, rng):
-            return Outcome(arrangement.spots, [])
+        if _mean_needed(plane, stances) <= thrift.full * plane.available:
+            tries = 1 if plane.related is None else RELATED_SCATTERINGS
+            if any(_scatter(arrangement, stances, rng) for _ in range(tries)):
+                return Outcome(arrangement.spots, [])
     outcome = pack_in_corners(plane, PASSES, rng)
     if outcome.left:
         return outcome
@@ -133,9 +138,9 @@ def _draw(arrangement: Arrangement, k: int, stances: Sequence[Stance], rng: np.r
         stance, yaw = headings[index]
         if id(stance) in tight:
             continue
-        region = arrangement.region(k, stance)
-        if not region.is_empty:
-            arrangement.put(k, Spot(stance, region.sample(rng), yaw))
+        at = arrangement.draw(k, stance, yaw, rng)
+        if at is not None:
+            arrangement.put(k, Spot(stance, at, yaw))
             return True
         tight.add(id(stance))
     return False
@@ -147,6 +152,8 @@ def _push_in(arrangement: Arrangement, k: int, pushed: np.ndarray, rng: np.rando
     What was pushed away before counts for more, so that two items do not push each other for ever.
     """
     plane, best = arrangement.plane, None
+    if plane.related is not None and plane.related.binds(plane.items[k].id):
+        return None  # what is in its way may be what it must stand by
     for stance in plane.compact[k]:
         region = plane.alone(k, stance)
         centres = np.concatenate([region.samples(rng, CANDIDATES), region.corners()])
@@ -204,7 +211,8 @@ def _pack_once(arrangement: Arrangement, order: Sequence[int], first: int, signs
     for k in order:
         best = None
         for stance in arrangement.plane.compact[k]:
-            corners = arrangement.region(k, stance).corners()
+            yaw = stance.yaws[0]
+            corners = arrangement.related(k, yaw, arrangement.region(k, stance, yaw).corners())
             if not len(corners):
                 continue
             far = corners * signs + stance.half
@@ -215,7 +223,7 @@ def _pack_once(arrangement: Arrangement, order: Sequence[int], first: int, signs
                 costs = EQUALS * costs[near] - arrangement.touching(k, stance, corners)
             c = int(np.argmin(costs))
             if best is None or costs[c] < best[0]:
-                best = costs[c], Spot(stance, corners[c], stance.yaws[0])
+                best = costs[c], Spot(stance, corners[c], yaw)
         if best is None:
             left.append(k)
         else:

@@ -1,0 +1,109 @@
+"""Descriptions of an instruction: what must be true of where things are in every starting layout.
+
+They are relations like those of a plan (:mod:`vcage.plans.relations` says when one holds), but they are never given up:
+"the left plate" is another plate where it stands on the right. What lies in a moving part, such as a drawer, lies in
+the box of that part.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from numpy.typing import ArrayLike
+
+from vcage.base.errors import UnknownName
+from vcage.plans.relations import holds_between
+from vcage.schema.goals import Description, RelationWord, part_words
+from vcage.schema.plan import TABLE, LayoutPlan, Relation
+
+HOLDING = ("inside", "on")
+
+_BETWEEN: Mapping[RelationWord, str] = {
+    "inside": "inside", "on": "on", "left_of": "to the left of", "right_of": "to the right of",
+    "in_front_of": "in front of", "behind": "behind", "beside": "beside", "near": "near",
+    "center": "in the middle of",
+}  # fmt: skip
+_ON_TABLE: Mapping[RelationWord, str] = {
+    "on": "on", "left_of": "on the left of", "right_of": "on the right of", "in_front_of": "at the front of",
+    "behind": "at the back of", "center": "in the middle of",
+}  # fmt: skip
+
+
+def relation_in_words(word: RelationWord, reference: str, phrases: Mapping[str, str], part: str | None = None) -> str:
+    """A relation and its reference as a person says it: ``to the left of the blue plate``.
+
+    Args:
+        word: the relation.
+        reference: id of an object, or ``table``.
+        phrases: what to call each object, by id; the id itself of those that are missing.
+        part: moving part of the reference.
+    """
+    if reference == TABLE:
+        return f"{_ON_TABLE.get(word, word)} the table"
+    of_part = "" if part is None else f"the {part_words(part)} of "
+    return f"{_BETWEEN[word]} {of_part}the {phrases.get(reference, reference)}"
+
+
+def in_words(description: Description, phrases: Mapping[str, str]) -> str:
+    """A description as a sentence without its full stop: ``the white plate is to the left of the blue plate``."""
+    d = description
+    where = relation_in_words(d.relation, d.reference, phrases, d.part)
+    return f"the {phrases.get(d.subject, d.subject)} is {where}"
+
+
+def place_key(description: Description) -> str:
+    """The key of the reference's box: its id, with the moving part after a slash where there is one."""
+    part = f"/{description.part}" if description.part else ""
+    return f"{description.reference}{part}"
+
+
+def false_descriptions(
+    descriptions: Sequence[Description], boxes: Mapping[str, ArrayLike], ground: ArrayLike
+) -> list[Description]:
+    """The descriptions that are not true where things have these world boxes.
+
+    Args:
+        descriptions: of a scene.
+        boxes: (2, 3) world boxes by object id, and of moving parts by ``id/part``.
+        ground: (2, 3) what the reference ``table`` means (:func:`vcage.plans.relations.ground_box`).
+
+    Raises:
+        UnknownName: a description names what has no box.
+    """
+    known = {**boxes, TABLE: ground}
+    for name in (name for d in descriptions for name in (d.subject, place_key(d))):
+        if name not in known:
+            raise UnknownName("object", name, list(known))
+    return [d for d in descriptions if not holds_between(d.relation, d.subject, place_key(d), known)]
+
+
+def false_in_words(descriptions: Sequence[Description], phrases: Mapping[str, str]) -> list[str]:
+    """What is wrong where descriptions are false, a sentence each: it is not so that…, as the instruction says."""
+    return [f"it is not so that {in_words(d, phrases)} ({d.words!r})" for d in descriptions]
+
+
+def described_relations(descriptions: Sequence[Description]) -> list[Relation]:
+    """Descriptions as relations of a plan, every one once; what lies in a moving part is not the plan's to say."""
+    said = [d for d in descriptions if d.part is None]
+    return list(dict.fromkeys(Relation(subject=d.subject, relation=d.relation, reference=d.reference) for d in said))
+
+
+def with_descriptions(plan: LayoutPlan, descriptions: Sequence[Description], phrases: Mapping[str, str]) -> LayoutPlan:
+    """A plan that says what the descriptions say: those that it lacks are added to its relations and its text."""
+    missing = unsaid(plan.relations, descriptions)
+    if not missing:
+        return plan
+    sentences = list(dict.fromkeys(f"{text[0].upper()}{text[1:]}." for text in (in_words(d, phrases) for d in missing)))
+    relations = [*plan.relations, *described_relations(missing)]
+    return LayoutPlan(text=" ".join([plan.text, *sentences]), relations=relations)
+
+
+def unsaid(relations: Sequence[Relation], descriptions: Sequence[Description]) -> list[Description]:
+    """The descriptions that a plan with these relations does not say; what lies ``inside`` a thing by its description
+    and ``on`` it by the plan, or the other way round, lies there."""
+    said = {(r.subject, _same(r.relation), r.reference) for r in relations}
+    return [d for d in descriptions if not d.part and (d.subject, _same(d.relation), d.reference) not in said]
+
+
+def _same(word: RelationWord) -> RelationWord:
+    return "on" if word in HOLDING else word
