@@ -58,9 +58,8 @@ def opening_for(asset: Asset, contents: Sequence[Asset] = ()) -> Opening | None:
 
 
 def _used_point(asset: Asset) -> FunctionalPoint | None:
-    """The first functional point, unless it is in a moving part: at the start drawers are closed and take nothing."""
-    point = next(iter(asset.annotation.functional_points), None)
-    return None if point is None or point.link is not None else point
+    """The first functional point that is in no moving part: what lies in a drawer is not laid out."""
+    return next((point for point in asset.annotation.functional_points if point.link is None), None)
 
 
 def size_complaints(

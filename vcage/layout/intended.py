@@ -20,6 +20,7 @@ from vcage.layout.hands import hand_clearance
 from vcage.layout.items import ANY_YAW, TableItem
 from vcage.layout.optimize import LayoutOptions, optimize_layout
 from vcage.layout.starts import GAP, starting_places
+from vcage.layout.stowed import with_places, with_stowed
 from vcage.objects.openings import Opening
 from vcage.plans.kept import Kept, relations_kept
 from vcage.plans.relations import ground_box, plane_gap
@@ -69,7 +70,7 @@ class IntendedLayout:
 
     Args:
         poses: in the world, by object id.
-        boxes: (2, 3) world boxes, by object id.
+        boxes: (2, 3) world boxes, by object id; of what lies in moving parts there is none.
         kept: how much of the plan that keeps.
         overlapping: ids of what stands on the table and overlaps another there, for want of room.
     """
@@ -90,7 +91,8 @@ def intended_layout(
 
     Where relations and free space cannot both be had, relations give way, so no object is ever lost. Where there is no
     free space left, objects overlap, and a warning names them. What lies in or on another object at the start and by
-    the plan moves with it; what is only planned there is laid out in its opening. The same input gives the same layout.
+    the plan moves with it, and so does what lies in a moving part; what is only planned there is laid out in its
+    opening. The same input gives the same layout.
 
     Args:
         scene: where the objects stand now.
@@ -98,6 +100,7 @@ def intended_layout(
         items: geometry of every object, by id; the surface of those without an opening holds what the plan puts there.
         fixed: objects whose place is known already.
     """
+    items = {name: item for name, item in items.items() if name in with_places(scene)}
     known = [r for r in relations if r.subject in items and r.reference in (*items, TABLE)]
     search = _Search(scene, known, items, fixed or {})
     best = search.attempt(EFFORTS[0])
@@ -120,9 +123,10 @@ class _Search:
         items: Mapping[str, TableItem],
         fixed: Mapping[str, Pose],
     ):
-        self._scene, self._relations, self._fixed = scene, relations, fixed
+        self._scene, self._relations = scene, relations
+        self._fixed = {name: pose for name, pose in fixed.items() if name in items}
         self._hand = hand_clearance(load_robot(scene.robot))
-        self._supports = supports_of(r for r in relations if r.subject not in fixed)
+        self._supports = supports_of(r for r in relations if r.subject not in self._fixed)
         self._items = dict(items)
         for r in relations:
             if self._supports.get(r.subject) == r.reference:
@@ -164,7 +168,8 @@ class _Search:
         ]
         overlapping = [name for name in standing if any(name in pair for pair in clashes)]
         ground = ground_box(self._scene.workspace, self._scene.table.height)
-        return IntendedLayout(poses, boxes, relations_kept(self._relations, boxes, ground), overlapping)
+        kept = relations_kept(self._relations, boxes, ground)
+        return IntendedLayout(with_stowed(self._scene, poses), boxes, kept, overlapping)
 
     def _lift(self, name: str) -> float:
         holder = self._supports.get(name)

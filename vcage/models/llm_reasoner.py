@@ -19,6 +19,7 @@ from vcage.models.structured import Answer, AnswerType, ask, narrowed, one_of, o
 from vcage.models.wordings import TaskToWord, TaskWordings
 from vcage.objects.catalogue import LEGEND, catalogue_line
 from vcage.plans.check import PlanCheck
+from vcage.plans.plain_words import goal_in_words, in_words
 from vcage.schema.asset import CatalogueEntry
 from vcage.schema.goals import OF_A_PART, OF_TWO, AskedGoal, Goal, GoalWord, Reading
 from vcage.schema.plan import (
@@ -132,10 +133,13 @@ class LlmReasoner:
         self, scene: Scene, catalogue: Sequence[CatalogueEntry], rng: np.random.Generator, check: PlanCheck
     ) -> LayoutPlan:
         """The model's plan; relations name objects of the scene only, and ``check`` has no complaint."""
-        ids = [record.id for record in scene.objects]
+        ids = [record.id for record in scene.objects if record.container_part is None]
         item = narrowed(_PlannedRelation, subject=one_of(ids), reference=one_of([*ids, TABLE]))
         answer = narrowed(_LayoutAnswer, relations=list[item])
-        prompt = prompts.fill("plan_layout", scene=scene, entries={entry.name: entry for entry in catalogue})
+        entries, phrases = {entry.name: entry for entry in catalogue}, {o.id: o.phrase for o in scene.objects}
+        described = [in_words(d, phrases) for d in scene.descriptions if d.part is None]
+        goals = [goal_in_words(asked.goal, phrases) for asked in scene.goals]
+        prompt = prompts.fill("plan_layout", scene=scene, entries=entries, goals=goals, described=described)
         return _plan(self._ask(prompt, answer, lambda a: _plan_complaints(a, check)))
 
     def judge_pairs(self, questions: Sequence[PairQuestion], instruction: str | None = None) -> list[PairAnswer]:

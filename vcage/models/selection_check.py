@@ -10,8 +10,10 @@ from vcage.layout.capacities import size_complaints
 from vcage.layout.items import TableItem
 from vcage.layout.placement.contents import CONTENT_MARGIN
 from vcage.plans.check import contradictions
+from vcage.plans.descriptions import HOLDING
 from vcage.schema.asset import CatalogueEntry, Variant
-from vcage.schema.plan import Relation, Selection
+from vcage.schema.goals import Description
+from vcage.schema.plan import TABLE, Relation, Selection
 from vcage.schema.scene import Role
 
 
@@ -40,8 +42,7 @@ class NamedObject:
 def validate_selection(selection: Selection, entries: Sequence[CatalogueEntry]) -> list[str]:
     """What makes a selection unusable, one sentence each: unknown names, starts where there is no room for things."""
     variants = {entry.name: [variant.id for variant in entry.variants] for entry in entries}
-    # Layouts use the first point. Nothing starts in a drawer: it is closed then.
-    points = {entry.name: [p for p in entry.functional_points[:1] if p.link is None] for entry in entries}
+    points = {entry.name: {p.link for p in entry.functional_points} for entry in entries}
     complaints = []
     for chosen in selection.objects:
         if chosen.asset not in variants:
@@ -49,8 +50,11 @@ def validate_selection(selection: Selection, entries: Sequence[CatalogueEntry]) 
         elif chosen.variant not in variants[chosen.asset]:
             known = ", ".join(variants[chosen.asset])
             complaints.append(f"{chosen.asset} has no variant {chosen.variant!r}; it has {known}")
-        if chosen.starts_in in points and not points[chosen.starts_in]:
-            complaints.append(f"{chosen.asset} cannot start in or on {chosen.starts_in}, which has no room for things")
+        if chosen.starts_in in points and chosen.starts_in_part not in points[chosen.starts_in]:
+            parts = ", ".join(sorted(part for part in points[chosen.starts_in] if part))
+            where = f"{chosen.starts_in_part} of {chosen.starts_in}" if chosen.starts_in_part else chosen.starts_in
+            known = f"; it has room in its {parts}" if parts else ""
+            complaints.append(f"{chosen.asset} cannot start in or on {where}, which has no room for things{known}")
     return complaints
 
 
@@ -73,7 +77,8 @@ def name_objects(selection: Selection, entries: Sequence[CatalogueEntry]) -> lis
         variant = {v.id: v for v in entry.variants}[chosen.variant]
         base = entry.name if len(entry.variants) == 1 else f"{entry.name}_{variant.id}"
         taken, phrase = {other.id for other in named}, phrase_of(entry, variant)
-        named.append(NamedObject(_unique(base, taken), entry.name, variant.id, phrase, chosen.role, chosen.starts_in))
+        start = (chosen.starts_in, chosen.starts_in_part if chosen.starts_in else None)
+        named.append(NamedObject(_unique(base, taken), entry.name, variant.id, phrase, chosen.role, *start))
         containers.setdefault(entry.name, named[-1].id)
     return [replace(o, starts_in=containers.get(o.starts_in) if o.starts_in else None) for o in named]
 
@@ -84,26 +89,44 @@ def phrase_of(entry: CatalogueEntry, variant: Variant) -> str:
     return f"{variant.colour} {entry.words.name}" if several else entry.words.name
 
 
-def with_room(objects: Sequence[NamedObject], items: Mapping[str, TableItem]) -> tuple[list[NamedObject], list[str]]:
-    """The objects, of which those that have no room where they start stand on the table; and which these are, and why.
+def room_complaints(objects: Sequence[NamedObject], items: Mapping[str, TableItem]) -> list[str]:
+    """What has no room where it starts, one sentence each with the sizes. Moving parts are looked at elsewhere.
 
     Args:
+        objects: of a scene, before they have places.
         items: geometry by object id.
     """
     items = {name: _as_placed(item) for name, item in items.items()}
-    found, notes, lying = [], [], []
+    found, lying = list[str](), list[Relation]()
     for o in objects:
-        if o.starts_in is not None:
+        if o.starts_in is not None and o.starts_in_part is None:
             word = "inside" if items[o.starts_in].holds == "in" else "on"
             tried = [*lying, Relation(subject=o.id, relation=word, reference=o.starts_in)]
             complaints = contradictions(tried) + size_complaints(tried, items, overhang=False)
             if complaints:
-                notes.append(f"{o.id} starts on the table, not in or on {o.starts_in}: {'; '.join(complaints)}")
-                o = replace(o, starts_in=None)
+                found.append(f"{o.id} has no room where it starts, {word} {o.starts_in}: {'; '.join(complaints)}")
             else:
                 lying = tried
-        found.append(o)
-    return found, notes
+    return found
+
+
+def starting_as_described(
+    objects: Sequence[NamedObject], descriptions: Sequence[Description]
+) -> tuple[list[NamedObject], list[str]]:
+    """The objects, starting in or on what they are described to lie in or on; and what contradicts that, a sentence
+    each."""
+    said = {d.subject: d for d in descriptions if d.relation in HOLDING and d.reference != TABLE}
+    on_table = {d.subject: d for d in descriptions if d.relation == "on" and d.reference == TABLE}
+    found, complaints = list[NamedObject](), list[str]()
+    for o in objects:
+        d = said.get(o.id)
+        if d is not None and o.starts_in not in (None, d.reference):
+            complaints.append(f"{o.id} starts in or on {o.starts_in}, not {d.relation} {d.reference} ({d.words!r})")
+        if o.id in on_table and (o.starts_in or d):
+            where = d.reference if d else o.starts_in
+            complaints.append(f"{o.id} starts in or on {where}, not on the table ({on_table[o.id].words!r})")
+        found.append(o if d is None else replace(o, starts_in=d.reference, starts_in_part=d.part))
+    return found, complaints
 
 
 def _as_placed(item: TableItem) -> TableItem:

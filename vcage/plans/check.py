@@ -10,7 +10,10 @@ import itertools
 from collections.abc import Callable, Collection, Mapping, Sequence
 
 from vcage.base.graphs import circles
+from vcage.plans.descriptions import unsaid
+from vcage.plans.plain_words import in_words
 from vcage.plans.relations import DIRECTIONS
+from vcage.schema.goals import part_words
 from vcage.schema.plan import TABLE, LayoutPlan, Relation, RelationWord
 from vcage.schema.scene import Scene
 
@@ -43,6 +46,7 @@ def plan_complaints(plan: LayoutPlan, scene: Scene, sizes: SizeCheck | None = No
     found = [] if plan.text.strip() else ["text: is empty"]
     found += _strangers(plan.relations, names) + contradictions(known) + (sizes(known) if sizes else [])
     found += _taken_out(plan.relations, scene) + _unplanned(plan.relations, scene)
+    found += _undescribed(plan.relations, scene) + _stowed(plan.relations, scene)
     more = len(found) - MOST_COMPLAINTS
     return [*found[:MOST_COMPLAINTS], f"and {more} more complaints like these"] if more > 0 else found
 
@@ -57,21 +61,39 @@ def _taken_out(relations: Sequence[Relation], scene: Scene) -> list[str]:
     return [
         f"{o.id} lies in or on {o.container} at the start: say that it stays there"
         for o in scene.objects
-        if o.container is not None and (o.id, o.container) not in lies
+        if o.container is not None and o.container_part is None and (o.id, o.container) not in lies
     ]
 
 
 def _unplanned(relations: Sequence[Relation], scene: Scene) -> list[str]:
     placed = {r.subject for r in relations}
-    missing = [o.id for o in scene.objects if o.id not in placed]
+    missing = [o.id for o in scene.objects if o.id not in placed and o.container_part is None]
     return [f"nothing says where {', '.join(missing)} go"] if missing else []
+
+
+def _undescribed(relations: Sequence[Relation], scene: Scene) -> list[str]:
+    phrases = {o.id: o.phrase for o in scene.objects}
+    return [
+        f"must be true and is not said: {d.subject} {d.relation} {d.reference}, as {in_words(d, phrases)} ({d.words!r})"
+        for d in unsaid(relations, scene.descriptions)
+    ]
+
+
+def _stowed(relations: Sequence[Relation], scene: Scene) -> list[str]:
+    named = {name for r in relations for name in (r.subject, r.reference)}
+    return [
+        f"{o.id} lies in the {part_words(o.container_part)} of {o.container} and goes where that goes: leave it out"
+        for o in scene.objects
+        if o.container_part is not None and o.id in named
+    ]
 
 
 def contradictions(relations: Sequence[Relation]) -> list[str]:
     """What cannot be true at once in a plan, one sentence each; empty for a plan that may be possible.
 
     Finds relations to oneself or of the table, circles (a left of b left of c left of a, also through what things lie
-    in), objects in or on two things, in something and next to it, two objects in one centre.
+    in), objects in or on two things, in something and next to it, two objects in one centre, one object in two thirds
+    of the table, and objects in thirds of it that do not stand in the order that they should.
     """
     relations = _distinct(relations)
     sound = sound_relations(relations)
@@ -84,7 +106,8 @@ def contradictions(relations: Sequence[Relation]) -> list[str]:
     for words, word, swapped in AXES:
         edges = [edge for edge, _ in order_along(sound, word, swapped)]
         found += [_circle(words, names) for names in circles(edges)]
-    return found
+        found += _torn(sound, word, swapped, edges)
+    return list(dict.fromkeys(found))
 
 
 def sound_relations(relations: Sequence[Relation]) -> list[Relation]:
@@ -112,13 +135,54 @@ def _nonsense(r: Relation) -> str | None:
         return f"{r.subject} is {r.relation} itself"
     if r.subject == TABLE:
         return f"the table cannot be {r.relation} {r.reference}"
-    if r.reference == TABLE and r.relation not in ("center", "on"):
-        return f"{r.subject} is {r.relation} the table: only 'center' and 'on' relate to the table"
+    if r.reference == TABLE and r.relation not in ("center", "on", *DIRECTIONS):
+        known = ", ".join(["center", "on", *DIRECTIONS])
+        return f"{r.subject} is {r.relation} the table: only {known} relate to the table"
     return None
 
 
 def _circle(words: str, names: Sequence[str]) -> str:
     return f"{f' {words} '.join([*names, names[0]])}: that is a circle"
+
+
+def _torn(
+    relations: Sequence[Relation], word: RelationWord, swapped: RelationWord, edges: Sequence[tuple[str, str]]
+) -> list[str]:
+    """Objects in two thirds of the table along an axis, and pairs in thirds that are in the other order.
+
+    Args:
+        relations: of the plan.
+        word, swapped: as :func:`order_along` takes them.
+        edges: (before, after) that it finds.
+    """
+    number = {word: 0, "center": 1, swapped: 2}
+    thirds = [(r.subject, r.relation) for r in relations if r.reference == TABLE and r.relation in number]
+    found = [
+        f"{name} cannot be both {a} and {b} the table"
+        for (name, a), (other, b) in itertools.combinations(thirds, 2)
+        if name == other and a != b
+    ]
+    after: dict[str, list[str]] = {}
+    for before, behind in edges:
+        after.setdefault(before, []).append(behind)
+    for name, third in thirds:
+        beyond = _beyond(name, after)
+        found += [
+            f"{name} is {third} the table, so it cannot be {word} what leads to {other}, which is {its} the table"
+            for other, its in thirds
+            if other in beyond and other != name and number[its] < number[third]
+        ]
+    return found
+
+
+def _beyond(name: str, after: Mapping[str, Sequence[str]]) -> set[str]:
+    """All that comes after a name, directly or by others."""
+    found, waiting = set[str](), [name]
+    while waiting:
+        new = [other for other in after.get(waiting.pop(), ()) if other not in found]
+        found.update(new)
+        waiting += new
+    return found
 
 
 def _two_supports(relations: Sequence[Relation]) -> list[str]:
@@ -176,7 +240,7 @@ def order_along(
     """
     found, supports = [], supports_in(relations)
     for r in relations:
-        if r.relation in (word, swapped):
+        if r.relation in (word, swapped) and r.reference != TABLE:
             subject, reference = _siblings(r.subject, r.reference, supports)
             if subject != reference:
                 edge = (subject, reference) if r.relation == word else (reference, subject)

@@ -12,43 +12,12 @@ from collections.abc import Mapping, Sequence
 from numpy.typing import ArrayLike
 
 from vcage.base.errors import UnknownName
+from vcage.plans.plain_words import in_words
 from vcage.plans.relations import holds_between
-from vcage.schema.goals import Description, RelationWord, part_words
+from vcage.schema.goals import Description, RelationWord
 from vcage.schema.plan import TABLE, LayoutPlan, Relation
 
 HOLDING = ("inside", "on")
-
-_BETWEEN: Mapping[RelationWord, str] = {
-    "inside": "inside", "on": "on", "left_of": "to the left of", "right_of": "to the right of",
-    "in_front_of": "in front of", "behind": "behind", "beside": "beside", "near": "near",
-    "center": "in the middle of",
-}  # fmt: skip
-_ON_TABLE: Mapping[RelationWord, str] = {
-    "on": "on", "left_of": "on the left of", "right_of": "on the right of", "in_front_of": "at the front of",
-    "behind": "at the back of", "center": "in the middle of",
-}  # fmt: skip
-
-
-def relation_in_words(word: RelationWord, reference: str, phrases: Mapping[str, str], part: str | None = None) -> str:
-    """A relation and its reference as a person says it: ``to the left of the blue plate``.
-
-    Args:
-        word: the relation.
-        reference: id of an object, or ``table``.
-        phrases: what to call each object, by id; the id itself of those that are missing.
-        part: moving part of the reference.
-    """
-    if reference == TABLE:
-        return f"{_ON_TABLE.get(word, word)} the table"
-    of_part = "" if part is None else f"the {part_words(part)} of "
-    return f"{_BETWEEN[word]} {of_part}the {phrases.get(reference, reference)}"
-
-
-def in_words(description: Description, phrases: Mapping[str, str]) -> str:
-    """A description as a sentence without its full stop: ``the white plate is to the left of the blue plate``."""
-    d = description
-    where = relation_in_words(d.relation, d.reference, phrases, d.part)
-    return f"the {phrases.get(d.subject, d.subject)} is {where}"
 
 
 def place_key(description: Description) -> str:

@@ -8,14 +8,14 @@ from functools import partial
 
 import numpy as np
 
-from vcage.layout.capacities import capacity_of
 from vcage.models.scene_contents import draw_contents
-from vcage.models.selection_check import NamedObject, name_objects, validate_selection, with_room
+from vcage.models.selection_check import NamedObject, name_objects, validate_selection
 from vcage.schema.asset import CatalogueEntry
 from vcage.schema.goals import Reading
 from vcage.schema.plan import Selection
 from vcage.schema.scene import SceneTemplate
 from vcage.stages.context import StageContext
+from vcage.stages.started import start_complaints, started
 
 
 @dataclass(frozen=True)
@@ -41,16 +41,16 @@ def choose(instruction: str | None, template: SceneTemplate, context: StageConte
         UnknownName: it has nothing with a tag or name of what belongs to the scene.
         UnreadInstruction: words of the instruction answer to no goal.
         ModelRefused: the reasoner was told what is wrong with its selection and found no better one in its rounds.
+        InfeasibleScene: there is no room where the instruction says that something is at the start.
     """
     selection = _selection(instruction, template, context, rng)
     objects = name_objects(selection, context.catalogue)
-    rooms = {o.id: capacity_of(o.id, context.library.asset(o.asset, o.variant)) for o in objects}
-    objects, crowded = with_room(objects, rooms)
     reading = None
     if instruction is not None:
         lying = {o.id: o.starts_in for o in objects if o.starts_in is not None}
         reading = context.models.reasoner.read_goals(instruction, entries_of(objects, context), lying)
-    return Chosen(objects, reading, [*selection.notes, *crowded])
+        objects = started(objects, reading.descriptions, context.library)
+    return Chosen(objects, reading, selection.notes)
 
 
 def _selection(
@@ -59,8 +59,14 @@ def _selection(
     """What the reasoner chooses for an instruction; without one, a draw of what belongs to the scene."""
     if instruction is None:
         return draw_contents(template, context.catalogue, rng)
-    check = partial(validate_selection, entries=context.catalogue)
+    check = partial(_complaints, context=context)
     return context.models.reasoner.select_assets(instruction, context.catalogue, rng, check)
+
+
+def _complaints(selection: Selection, context: StageContext) -> list[str]:
+    """What makes a selection unusable: unknown names, or no room where something starts."""
+    found = validate_selection(selection, context.catalogue)
+    return found or start_complaints(name_objects(selection, context.catalogue), context.library)
 
 
 def entries_of(objects: Sequence[NamedObject], context: StageContext) -> dict[str, CatalogueEntry]:

@@ -43,6 +43,7 @@ from vcage.stages.starts import Start, Starts
 from vcage.stages.wordings import wordings_for
 from vcage.stages.worlds import reworded
 from vcage.tasks.assemble import episode_data
+from vcage.tasks.described import require_settled
 from vcage.tasks.loop import EpisodeRun, run_episode
 from vcage.tasks.readiness import ready_for
 from vcage.tasks.setting import Seen, Setting
@@ -157,6 +158,8 @@ class EpisodeRunner:
         work = self._chains[index % len(self._chains)]
         rng = np.random.default_rng([self._stage.seed, index])
         start = work.starts.draw(rng)
+        objects = list(start.objects.values())
+        require_settled(start.scene, start.models, objects, "the start of the episode", self._robot)
         look = draw_look(self._ranges.look, start.scene, start.models, self._robot, rng)
         drawn = Drawn(ranges=self._ranges.name, look=look, world=start.world)
         seen = look if self._mild else light_look(start.scene, start.models, self._robot, rng)

@@ -27,12 +27,13 @@ from vcage.layout.items import TableItem
 from vcage.matching.match import ScenePictures
 from vcage.models.llm_editor import edit_complaint
 from vcage.models.protocols import EditRequest
+from vcage.plans.descriptions import with_descriptions
 from vcage.schema.base import Provenance
 from vcage.schema.plan import LayoutPlan, Plan
 from vcage.schema.scene import Scene
 from vcage.stages.context import StageContext
 from vcage.stages.edits import refuse, require_same
-from vcage.stages.inputs import plan_check, read_pictures, read_plan
+from vcage.stages.inputs import described_check, read_pictures, read_plan
 from vcage.stages.stage import Job, ModelOptions, StageResult, stage_seed
 
 TARGET = "target.png"
@@ -96,8 +97,8 @@ def execute(run: RunFolder, options: Options, context: StageContext, progress: P
         scene = Scene.read(run.scene)
         pictures = read_pictures(run, scene)
         items = context.capacities(scene)
-        check = plan_check(scene, items)
-        plan = context.models.reasoner.plan_layout(scene, context.catalogue, stage.rng(), check)
+        plan = context.models.reasoner.plan_layout(scene, context.catalogue, stage.rng(), described_check(scene, items))
+        plan = with_descriptions(plan, scene.descriptions, {o.id: o.phrase for o in scene.objects})
         request = _request(scene, pictures, plan, items)
         target = context.models.editor.rearrange(request) if options.target is None else _given(options.target, request)
         write_picture(folder / TARGET, target)

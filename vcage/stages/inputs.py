@@ -14,6 +14,8 @@ from vcage.layout.capacities import size_complaints
 from vcage.layout.items import TableItem
 from vcage.matching.match import ScenePictures
 from vcage.plans.check import plan_complaints
+from vcage.plans.descriptions import unsaid, with_descriptions
+from vcage.plans.plain_words import in_words
 from vcage.schema.matches import Matches
 from vcage.schema.plan import LayoutPlan, Plan
 from vcage.schema.scene import Scene
@@ -44,6 +46,20 @@ def read_plan(run: RunFolder, scene: Scene, context: StageContext) -> Plan:
 def plan_check(scene: Scene, items: Mapping[str, TableItem]) -> Callable[[LayoutPlan], list[str]]:
     """What complains of a plan that cannot be true of the scene: of its words, or of the sizes of its objects."""
     return partial(plan_complaints, scene=scene, sizes=partial(size_complaints, items=items, workspace=scene.workspace))
+
+
+def described_check(scene: Scene, items: Mapping[str, TableItem]) -> Callable[[LayoutPlan], list[str]]:
+    """:func:`plan_check` of a plan to which what is described will be added where it does not say that itself."""
+    check, phrases = plan_check(scene, items), {o.id: o.phrase for o in scene.objects}
+
+    def complaints(plan: LayoutPlan) -> list[str]:
+        found = check(with_descriptions(plan, scene.descriptions, phrases))
+        added = unsaid(plan.relations, scene.descriptions)
+        if found and added:
+            found.append(f"whatever else, this must be true: {'; '.join(in_words(d, phrases) for d in added)}")
+        return found
+
+    return complaints
 
 
 def read_matches(run: RunFolder, scene: Scene) -> Matches:

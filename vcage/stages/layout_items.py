@@ -110,16 +110,16 @@ def layout_items(
     context: StageContext,
     headed: bool = False,
 ) -> list[TableItem]:
-    """Every object at its heading, with where it should be and may be.
+    """Every object that has a place of its own at its heading, with where it should be and may be.
 
     Args:
         scene: with its robot.
         targets: where the objects should be, at their headings, by id.
-        inside: what an object lies in or on, by id.
+        inside: what an object lies in or on, by id; what lies in moving parts is passed over.
         context: the library, and what the robots reach.
         headed: whether an object is within reach at its own heading alone, not at any.
     """
-    objects = context.objects(scene)
+    objects = [o for o in context.objects(scene) if o.record.container_part is None]
     asked = reached_by(objects, scene.goals)
     hand = hand_clearance(load_robot(scene.robot))
     items = []

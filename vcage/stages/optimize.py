@@ -28,6 +28,7 @@ from vcage.layout.cost import CostWeights
 from vcage.layout.items import FRONT_YAWS, TableItem
 from vcage.layout.optimize import LayoutOptions, LayoutResult, displacement_summary
 from vcage.layout.picture import draw_layout
+from vcage.layout.stowed import with_places, with_stowed
 from vcage.plans.actions import HOLDING
 from vcage.plans.kept import Kept, relations_kept_in
 from vcage.schema.base import Provenance
@@ -42,6 +43,7 @@ from vcage.stages.layout_items import nearest_layout
 from vcage.stages.possible import edited_scene, settled_record
 from vcage.stages.stability import moved_objects, settle_checks
 from vcage.stages.stage import Job, StageOptions, StageResult, stage_seed
+from vcage.tasks.described import require_settled
 from vcage.tasks.rehearsal import require_chain
 from vcage.tasks.scene_objects import SceneObject
 
@@ -123,16 +125,17 @@ def execute(run: RunFolder, options: Options, context: StageContext, progress: P
         plan, matches = read_plan(run, scene, context), read_matches(run, scene)
         yaws = {m.object: _heading(scene.object(m.object), m.yaw, context) for m in matches.matches}
         targets = _targets(scene, matches)
+        own = with_places(scene)
         inside = {r.subject: r.reference for r in plan.relations if r.relation in HOLDING and r.reference != TABLE}
         how = LayoutOptions(options.weights, options.margin, options.restarts)
-        turned = {key: Pose.from_yaw(target.p, yaws[key]) for key, target in targets.items()}
+        turned = {key: Pose.from_yaw(target.p, yaws[key]) for key, target in targets.items() if key in own}
 
         def nearest(to: Mapping[str, Pose]) -> LayoutResult:
             return nearest_layout(scene, to, inside, plan.relations, stage.rng, how, context)
 
         result, laid_out, shift = _nearest_feasible(scene, turned, nearest, stage.rng, context)
         poses = {o.id: o.pose.pose() for o in laid_out.objects}
-        write_picture(folder / "layout.png", _drawing(scene, context, targets, poses))
+        write_picture(folder / "layout.png", _drawing(scene, context, with_stowed(scene, targets), poses))
         settled, picture = _rebuild(laid_out, context)
         write_picture(folder / "top.png", picture)
         kept = relations_kept_in(settled, plan.relations)
@@ -163,7 +166,7 @@ def take_over(run: RunFolder, folder: Path, edited: Collection[str], context: St
     write_picture(folder / "top.png", shoot(world, scene.top_camera))
     if not run.matches.exists():  # a sub-task that is run by itself has no plan
         return settled
-    targets = _targets(scene, read_matches(run, scene))
+    targets = with_stowed(scene, _targets(scene, read_matches(run, scene)))
     poses = {o.id: o.pose.pose() for o in settled.objects}
     write_picture(folder / "layout.png", _drawing(settled, context, targets, poses))
     kept = relations_kept_in(settled, read_plan(run, scene, context).relations)
@@ -185,23 +188,31 @@ def _nearest_feasible(
     """The layout nearest to the targets in which what is asked for can be done, the scene laid out like that, and the
     standard deviation by which its targets were shifted, metres: its costs are of these.
 
-    Where it cannot, layouts near targets that are shifted further and further are tried, :data:`TRIES` in all; where it
-    can in none of them, it is the nearest, and the search for sub-tasks says what is wrong with it.
+    Where it cannot, or what is described is not true, layouts near targets that are shifted further and further are
+    tried, :data:`TRIES` in all. Where it can be done in none of them, it is the nearest in which all that is described
+    is true, and the search for sub-tasks says what is wrong with it.
+
+    Raises:
+        InfeasibleScene: there is no layout, or none in which all that is described is true; names it.
     """
     first: tuple[LayoutResult, Scene, float] | None = None
+    failed: InfeasibleScene | None = None
     shifting = rng()
     for number in range(TRIES):
         shifts = shifting.normal(0.0, number * SHIFT, (len(targets), 2))
         asked = {key: Pose([*(t.p[:2] + s), t.p[2]], t.q) for (key, t), s in zip(targets.items(), shifts, strict=True)}
         try:
             result = nearest(asked)
-        except InfeasibleScene:
-            if first is None:
+            poses = {key: Pose.from_yaw(at, targets[key].yaw) for key, at in result.positions.items()}
+            laid_out = _with_poses(scene, context, with_stowed(scene, poses), result)
+            models, objects = context.physical_models(laid_out), context.objects(laid_out)
+            require_settled(laid_out, models, objects, "the nearest layout without collisions", None)
+        except InfeasibleScene as error:
+            failed = failed or error
+            if first is None and not scene.descriptions:
                 raise
             continue
-        poses = {key: Pose.from_yaw(at, targets[key].yaw) for key, at in result.positions.items()}
         displaced = {key: float(np.hypot(*(poses[key].p - target.p)[:2])) for key, target in targets.items()}
-        laid_out = _with_poses(scene, context, poses, result)
         found = replace(result, displaced=displaced), laid_out, round(number * SHIFT, 3)
         first = first or found
         if scene.instruction is None:
@@ -212,7 +223,9 @@ def _nearest_feasible(
             logger.info("another layout is tried: %s", error.message)
         else:
             return found
-    assert first is not None
+    if first is None:
+        assert failed is not None
+        raise failed
     return first
 
 
@@ -253,7 +266,7 @@ def _with_poses(
     """The scene with its objects at other poses, and in the containers that the optimisation found."""
     records = [settled_record(o, poses[o.id], context) for o in scene.objects]
     if result is not None:
-        records = [o.model_copy(update={"container": result.containers[o.id]}) for o in records]
+        records = [o.model_copy(update={"container": result.containers.get(o.id, o.container)}) for o in records]
     return scene.model_copy(update={"objects": records, "segmentation_ids": {}, "checks": {}})
 
 

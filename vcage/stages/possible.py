@@ -10,6 +10,7 @@ import numpy as np
 
 from vcage.base.errors import UnknownName
 from vcage.base.geometry import Pose
+from vcage.plans.plain_words import in_words
 from vcage.schema.base import PoseRecord, box_record
 from vcage.schema.goals import Goal
 from vcage.schema.plan import TABLE
@@ -24,6 +25,7 @@ from vcage.stages.edits import refuse, require_same, written_record
 from vcage.stages.stability import MAX_DRIFT, MAX_TILT, moved_objects, settle_checks
 from vcage.tasks.asked_arms import arm_for, asked_arms
 from vcage.tasks.choosing import moved_by
+from vcage.tasks.described import untrue
 from vcage.tasks.pushing import HEADINGS
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.templates import TEMPLATES
@@ -97,6 +99,7 @@ def possible_scene(path: Path, scene: Scene, context: StageContext) -> Scene:
     records = [settled_record(o, poses[o.id], context) for o in scene.objects]
     settled = scene.model_copy(update={"objects": records, "checks": settle_checks(report)})
     _require_containers(path, context.objects(settled))
+    _require_descriptions(path, settled, context.objects(settled))
     return settled
 
 
@@ -202,6 +205,27 @@ def _require_containers(path: Path, objects: Sequence[SceneObject]) -> None:
         if (named is None and bearers) or (named is not None and named not in bearers):
             found = f"{named!r}, but {o.id} lies in or on {' or '.join(bearers) or 'no object'}"
             refuse(path, f"objects.{number}.container", found, " or ".join(map(repr, bearers)) or "null")
+        point = next((resting_point(o, other) for other in objects if other.id == named), None)
+        part = None if point is None else point.link
+        if o.record.container_part != part:
+            refuse(path, f"objects.{number}.container_part", repr(o.record.container_part), repr(part or "null"))
+
+
+def _require_descriptions(path: Path, scene: Scene, objects: Sequence[SceneObject]) -> None:
+    """That descriptions are about what there is and in the instruction's words, and that each is true."""
+    by_id = {o.id: o for o in objects}
+    for number, d in enumerate(scene.descriptions):
+        field = f"descriptions.{number}"
+        for name, known in ((d.subject, by_id), (d.reference, [*by_id, TABLE])):
+            if name not in known:
+                refuse(path, field, f"there is no {name}", _all_of(objects))
+        if d.part is not None and d.part not in {link.name for link in by_id[d.reference].asset.model.links}:
+            refuse(path, f"{field}.part", repr(d.part), _all_of(objects))
+        if d.words not in (scene.instruction or ""):
+            refuse(path, f"{field}.words", repr(d.words), f"words of the instruction {scene.instruction!r}")
+    for d in untrue(scene, objects):
+        wanted = f"poses in which {in_words(d, {o.id: o.phrase for o in scene.objects})}"
+        refuse(path, f"descriptions.{scene.descriptions.index(d)}", "it is not true where the objects stand", wanted)
 
 
 def require_possible(path: Path, field: str, subtask: Subtask, scene: Scene, objects: Sequence[SceneObject]) -> None:

@@ -81,7 +81,7 @@ def _scene(script: Script, provenance: Provenance, context: StageContext) -> Sce
 
 
 def _object(key: str, fields: tuple, library: Library) -> ObjectRecord:
-    asset, variant, role, phrase, position, quaternion, joints, container = fields
+    asset, variant, role, phrase, position, quaternion, joints, container, *part = fields
     pose = Pose(position, quaternion)
     return ObjectRecord(
         id=key,
@@ -93,6 +93,7 @@ def _object(key: str, fields: tuple, library: Library) -> ObjectRecord:
         aabb=box_record(library.asset(asset, variant).bounds, pose),
         joints=joints,
         container=container,
+        container_part=next(iter(part), None),
     )
 
 

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from vcage.base.errors import NoFeasibleTask
+from vcage.base.geometry import Pose
 from vcage.schema.asset import PhysicalModel
 from vcage.schema.plan import Relation
 from vcage.schema.randomisation import WorldDraw, WorldRanges
@@ -20,6 +21,7 @@ from vcage.stages.context import StageContext
 from vcage.stages.layouts import DRAWS, Layout, Layouts, NoLayout
 from vcage.stages.possible import settled_record
 from vcage.stages.worlds import Worlds, drawn_models, free_start, left_with, other_phrases, steady, weighed
+from vcage.tasks.described import complaints
 from vcage.tasks.ground import Ground
 from vcage.tasks.rehearsal import proven
 from vcage.tasks.scene_objects import SceneObject
@@ -31,6 +33,10 @@ logger = logging.getLogger(__name__)
 EASED = ((1.0, 10), (0.5, 10), (0.0, 10))
 """Shares of the clutter with which layouts are drawn, and how many with each, before there are fewer; the last also
 have the run's own variants."""
+
+
+SHIFTS = 8
+"""Small shifts of the run's layout that are drawn for one at which what is described stays true."""
 
 
 @dataclass(frozen=True)
@@ -87,7 +93,7 @@ class Starts:
         world, layout, refused = self._laid_out(rng)
         scene = self._worlds.changed(world)
         objects = {o.id: o for o in (*self._context.objects(scene), *self._worlds.clutter(world))}
-        poses = shifted_poses(list(objects.values()), rng) if layout is None else layout.poses
+        poses = self._shifted(scene, list(objects.values()), rng) if layout is None else layout.poses
         objects = {name: o.moved(poses[name]) for name, o in objects.items()}
         scene = self._with(scene, objects.values())
         grasps, slots = self._proven(scene, objects, rng) if layout is None else (layout.grasps, layout.slots)
@@ -126,6 +132,14 @@ class Starts:
             return world, layout, dict(refused)
         logger.warning("no layout that was drawn was taken: objects stand as optimised, with small shifts")
         return world, None, dict(refused)
+
+    def _shifted(self, scene: Scene, objects: Sequence[SceneObject], rng: np.random.Generator) -> dict[str, Pose]:
+        """Poses a little off the run's, at which what is described is still true; the run's where none are found."""
+        for _ in range(SHIFTS):
+            poses = shifted_poses(objects, rng)
+            if not complaints(scene, [o.moved(poses[o.id]) for o in objects]):
+                return poses
+        return {o.id: o.pose for o in objects}
 
     def _with(self, scene: Scene, objects: Iterable[SceneObject]) -> Scene:
         """The scene with objects where they are."""

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from vcage.base.errors import InfeasibleScene
 from vcage.plans.descriptions import false_descriptions, false_in_words
 from vcage.plans.relations import ground_box
+from vcage.schema.asset import PhysicalModel
 from vcage.schema.goals import Description
+from vcage.schema.robot import Robot
 from vcage.schema.scene import Scene
+from vcage.sim.world import World
 from vcage.tasks.scene_objects import SceneObject
 
 
@@ -49,6 +52,24 @@ def require_described(scene: Scene, objects: Sequence[SceneObject], where: str) 
             hint="try another --seed; or say it otherwise, or with fewer objects",
             details={"objects": names, "descriptions": found},
         )
+
+
+def require_settled(
+    scene: Scene, models: Mapping[str, PhysicalModel], objects: Sequence[SceneObject], where: str, robot: Robot | None
+) -> None:
+    """:func:`require_described` of the objects when they have come to rest; where nothing is described, nothing is
+    simulated.
+
+    Args:
+        scene, objects, where: as :func:`require_described` takes them.
+        models: of the objects, by id.
+        robot: that stands there; None for no robot.
+    """
+    if scene.descriptions:
+        world = World.of_scene(scene, models, robot)
+        world.settle()
+        settled = [o.moved(world.object_pose(o.id), world.body(o.id).joints) for o in objects]
+        require_described(scene, settled, where)
 
 
 def _box(o: SceneObject, part: str) -> np.ndarray:

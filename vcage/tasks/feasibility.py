@@ -18,7 +18,7 @@ from vcage.base.geometry import Pose
 from vcage.base.memory import remembered
 from vcage.schema.asset import ContactPoint, FunctionalPoint
 from vcage.schema.goals import part_words
-from vcage.schema.robot import Gripper
+from vcage.schema.robot import Gripper, Robot
 from vcage.schema.subtasks import Check, Grasp
 from vcage.sim.joints import carried_by, joint_positions
 from vcage.sim.kinematics import ArmKinematics, follow
@@ -342,6 +342,17 @@ def _hands(
         met = holder if any(part.overlaps(wall) for part in hand for wall in walls) else first_met(hand, beside)
         found.append((grasp, None if met is None else met.record.phrase))
     return found
+
+
+def hand_has_room(target: SceneObject, others: Sequence[SceneObject], robot: Robot) -> bool:
+    """Whether some hand gets to an object by some contact point without touching another; arms are not looked at."""
+    grippers = {arm.gripper.model_dump_json(): arm.gripper for arm in robot.arms.values()}
+    return any(
+        met is None
+        for contact in target.asset.annotation.carrying_points
+        for gripper in grippers.values()
+        for _, met in _hands(target, contact.id, tuple(others), gripper)
+    )
 
 
 def _walls_around(thing: SceneObject, holder: SceneObject) -> list[SolidBox]:

@@ -133,14 +133,15 @@ def rehearsed(
     robot, ground = load_robot(scene.robot), Ground.of(scene)
     kinematics = {name: kinematics_of(arm) for name, arm in robot.arms.items()}
     world = World(scene.table, {o.id: Body(o.asset.model, o.pose, o.joints) for o in objects}, robot)
-    by_id, lies, found = {o.id: o for o in objects}, {o.id: o.record.container for o in objects}, list[Subtask]()
+    by_id, found = {o.id: o for o in objects}, list[Subtask]()
+    lies = {o.id: (o.record.container, o.record.container_part) for o in objects}
     goes = {subtask.object: slots[subtask.id] for subtask in chain if subtask.id in slots}
     moved = set[str]()
     for subtask in chain:
-        contents = {name for name in moved if lies[name] == subtask.object}
+        contents = {name for name in moved if lies[name][0] == subtask.object}
         again = bool(contents or moved & {subtask.object, subtask.tool, subtask.receptacle})
         if again:
-            now = [_as_it_is(o, world, lies[o.id]) for o in objects]
+            now = [_as_it_is(o, world, *lies[o.id]) for o in objects]
             then = examined(subtask, now, kinematics, ground, rng)
             if then is None:
                 why = f"{subtask.id} is not feasible after what comes before it"
@@ -148,7 +149,7 @@ def rehearsed(
             subtask = then
         if subtask.id in slots:
             slot = goes[subtask.object] = slots[subtask.id]
-            lies[subtask.object] = None if slot.receptacle == TABLE else slot.receptacle
+            lies[subtask.object] = _place_of(slot, by_id)
             moved.add(subtask.object)
         task = Rehearsal(world, by_id, goes)
         try:
@@ -223,8 +224,15 @@ def _nothing_else(questions: Sequence[PairQuestion]) -> list[PairAnswer]:
     return [PairAnswer(object=q.object, receptacle=q.receptacle, sensible=False, reason="not asked") for q in questions]
 
 
-def _as_it_is(thing: SceneObject, world: World, container: str | None) -> SceneObject:
-    """An object where it is in a world, lying in or on a container."""
+def _place_of(slot: Slot, objects: Mapping[str, SceneObject]) -> tuple[str | None, str | None]:
+    """What a thing lies in that was brought to a slot, and the moving part of that."""
+    if slot.point is None:
+        return None, None
+    return slot.receptacle, objects[slot.receptacle].asset.annotation.functional_point(slot.point).link
+
+
+def _as_it_is(thing: SceneObject, world: World, container: str | None, part: str | None) -> SceneObject:
+    """An object where it is in a world, lying in or on a container, or in a part of it."""
     body = world.body(thing.id)
-    record = thing.record.model_copy(update={"container": container})
+    record = thing.record.model_copy(update={"container": container, "container_part": part})
     return replace(thing, record=record, pose=body.pose, joints=body.joints)

@@ -176,6 +176,10 @@ class SceneObject:
         """The bounding box of a part, or of the body (None), where it is now."""
         return SolidBox(self.asset.bounds_of(link), self._frames[link])
 
+    def part_pose(self, link: str | None) -> Pose:
+        """The frame of a part, or of the body (None), in the world."""
+        return self._frames[link]
+
     @cached_property
     def _frames(self) -> dict[str | None, Pose]:
         """The frame of each part in the world: with all joints at 0 that of the object."""

@@ -28,6 +28,7 @@ from vcage.tasks.filled import require_level
 from vcage.tasks.ground import Ground
 from vcage.tasks.primitives.grip import stays_level
 from vcage.tasks.scene_objects import SceneObject
+from vcage.tasks.stowing import point_in
 from vcage.tasks.templates import TEMPLATES
 from vcage.tasks.templates.proposal import Proposal
 from vcage.tasks.truth import resting_point
@@ -234,8 +235,10 @@ def initial_state(objects: Sequence[SceneObject]) -> frozenset[Goal]:
     by_id = {o.id: o for o in objects}
     found = []
     for o in objects:
-        holder = o.record.container
+        holder, part = o.record.container, o.record.container_part
         point = None if holder is None else resting_point(o, by_id[holder])
+        if holder is not None and part is not None:
+            point = point_in(by_id[holder].asset, part)
         word: StateWord = "inside" if point is not None and point.holds == "in" else "on"
         found.append(
             Goal(subject=o.id, relation=word, reference=holder or TABLE, part=None if point is None else point.link)

@@ -18,6 +18,7 @@ from vcage.base.errors import InfeasibleScene
 from vcage.base.geometry import Pose, world_aabb
 from vcage.layout.items import TableItem
 from vcage.layout.placement.place import place
+from vcage.schema.asset import FunctionalPoint
 from vcage.schema.plan import TABLE
 from vcage.schema.robot import Robot
 from vcage.schema.subtasks import Subtask
@@ -176,7 +177,10 @@ class _Stay:
 
 
 def _stays(chain: Sequence[Subtask], objects: Sequence[SceneObject]) -> list[_Stay]:
-    """What lies in which receptacle, and for how long; what lies there from the start may lie at each of its points."""
+    """What lies in which receptacle, and for how long; what lies there from the start may lie at each of the points of
+    the part that it lies in."""
+
+    by_id = {o.id: o for o in objects}
 
     def taken_away(name: str, after: int) -> float:
         return next((k for k, s in enumerate(chain) if k > after and s.object == name and s.receptacle), np.inf)
@@ -190,8 +194,7 @@ def _stays(chain: Sequence[Subtask], objects: Sequence[SceneObject]) -> list[_St
     there = [
         _Stay(o.id, receptacle, point, None, -1, taken_away(o.id, -1))
         for receptacle, point in places
-        for o in objects
-        if o.record.container == receptacle
+        for o in lying_in(by_id[receptacle], by_id[receptacle].asset.annotation.functional_point(point), objects)
     ]
     return [*there, *brought]
 
@@ -344,7 +347,8 @@ def other_slots(slots: Mapping[str, Slot], object_id: str, objects: Mapping[str,
     if own.point is None:
         return [replace(own, pose=pose) for pose in own.spare]
     receptacle = objects[own.receptacle]
-    present = lying_in(receptacle, [o for o in objects.values() if o.id not in slots])
+    at = receptacle.asset.annotation.functional_point(own.point)
+    present = lying_in(receptacle, at, [o for o in objects.values() if o.id not in slots])
     for key, slot in slots.items():
         if key != object_id and slot.receptacle == own.receptacle:
             # What was brought already may lie in another slot than was planned for it.
@@ -382,6 +386,6 @@ def kept_in_by(receptacle: SceneObject, functional_point: int) -> str | None:
     return closed_part(shut, point)
 
 
-def lying_in(receptacle: SceneObject, objects: Sequence[SceneObject]) -> list[SceneObject]:
-    """What lies in or on the receptacle from the start."""
-    return [o for o in objects if o.record.container == receptacle.id]
+def lying_in(receptacle: SceneObject, point: FunctionalPoint, objects: Sequence[SceneObject]) -> list[SceneObject]:
+    """What lies in or on the receptacle from the start, in the moving part of a functional point where it has one."""
+    return [o for o in objects if (o.record.container, o.record.container_part) == (receptacle.id, point.link)]

@@ -64,11 +64,11 @@ class Related:
         self._on_table: dict[str, list[Relation]] = {}
         self._bonds: dict[str, list[_Bond]] = {}
         self._thirds: dict[tuple[str, int, float, float], np.ndarray] = {}
-        for r in relations:
+        for r in (r for r in relations if r.relation not in ("inside", "on")):  # these are the items' own to say
             a = self._root(r.subject)
-            if r.reference == TABLE and r.relation != "on":
+            if r.reference == TABLE:
                 self._on_table.setdefault(a, []).append(r)
-            elif r.reference != TABLE and (b := self._root(r.reference)) != a:
+            elif (b := self._root(r.reference)) != a:
                 self._bonds.setdefault(a, []).append(_Bond(r, b, 1))
                 self._bonds.setdefault(b, []).append(_Bond(r, a, -1))
 

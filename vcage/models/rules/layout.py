@@ -7,6 +7,9 @@ from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 
+from vcage.plans.check import contradictions
+from vcage.plans.descriptions import HOLDING, described_relations
+from vcage.plans.plain_words import relation_in_words
 from vcage.plans.relations import holds
 from vcage.schema.asset import CatalogueEntry
 from vcage.schema.plan import TABLE, LayoutPlan, Relation, RelationWord
@@ -28,28 +31,52 @@ _SIDES: tuple[RelationWord, ...] = ("left_of", "right_of")
 ROOM = 0.06
 """Free space that an object behind another needs, metres."""
 
-_WORDS = {
-    "inside": "inside", "on": "on", "left_of": "to the left of", "right_of": "to the right of",
-    "in_front_of": "in front of", "behind": "behind", "beside": "beside", "near": "near",
-    "center": "in the middle of",
-}  # fmt: skip
-
 
 def plan_layout(scene: Scene, catalogue: Sequence[CatalogueEntry], rng: np.random.Generator) -> LayoutPlan:
     """Receptacles in the middle, contents left, right and in front of them, everything else behind those.
 
     Contents are not put inside: to move them there is the task. What lies in another object at the start stays
     there, and that object stands where a hand comes to it. The relations form a tree that starts at the table, so
-    they cannot contradict each other. Which object goes to which side is a random choice.
+    they cannot contradict each other. Which object goes to which side is a random choice. Descriptions of the
+    instruction come before all that.
     """
     carried = [(o, scene.object(o.container)) for o in scene.objects if o.container is not None]
     anchors, contents, context = _groups(scene, {holder.id for _, holder in carried}, rng)
+    carried = [(o, holder) for o, holder in carried if o.container_part is None]
     relations = _anchor_relations(anchors)
     asked = {(a.goal.subject, a.goal.reference): a.goal.relation for a in scene.goals}
     relations += _around(contents, anchors, asked)
     relations += _out_of_the_way(context, anchors, relations, scene)
     relations += [relation(o, _lies(o, holder, catalogue), holder) for o, holder in carried]
+    relations = _as_described(relations, scene)
     return LayoutPlan(text=as_sentences(relations, scene), relations=relations)
+
+
+def _as_described(relations: Sequence[Relation], scene: Scene) -> list[Relation]:
+    """What is described, and the relations that leave it room: of things that are described by each other one alone is
+    planned, the others stand as they are described."""
+    described = described_relations(scene.descriptions)
+    if not described:
+        return list(relations)
+    found, planned = described, set[str]()
+    group = _groups_of(described)
+    for r in relations:
+        if r in found or group.get(r.subject) in planned or contradictions([*found, r]):
+            continue
+        found = [*found, r]
+        planned |= {group[r.subject]} if r.subject in group else set()
+    lost = {r.subject for r in relations} - {r.subject for r in found}
+    return [*found, *(Relation(subject=name, relation="on", reference=TABLE) for name in sorted(lost))]
+
+
+def _groups_of(described: Sequence[Relation]) -> dict[str, str]:
+    """Of each thing that is described by another, or is what another is described by, one of those it hangs with."""
+    found: dict[str, str] = {}
+    for r in described:
+        if r.reference != TABLE and r.relation not in HOLDING:
+            a, b = (found.setdefault(name, name) for name in (r.subject, r.reference))
+            found = {name: a if root == b else root for name, root in found.items()}
+    return found
 
 
 def _groups(scene: Scene, holders: Collection[str], rng: np.random.Generator) -> tuple[list[ObjectRecord], ...]:
@@ -142,8 +169,8 @@ def fits_behind(item: ObjectRecord, anchor: ObjectRecord, scene: Scene) -> bool:
 
 def as_sentences(relations: Sequence[Relation], scene: Scene) -> str:
     """The relations as sentences."""
-    phrases = {o.id: f"the {o.phrase}" for o in scene.objects} | {TABLE: "the table"}
+    phrases = {o.id: o.phrase for o in scene.objects}
     sentences: dict[str, list[str]] = {}
     for r in relations:
-        sentences.setdefault(r.subject, []).append(f"{_WORDS[r.relation]} {phrases[r.reference]}")
-    return " ".join(f"Set {phrases[subject]} {' and '.join(places)}." for subject, places in sentences.items())
+        sentences.setdefault(r.subject, []).append(relation_in_words(r.relation, r.reference, phrases))
+    return " ".join(f"Set the {phrases[subject]} {' and '.join(places)}." for subject, places in sentences.items())

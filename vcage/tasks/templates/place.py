@@ -24,6 +24,7 @@ from vcage.tasks.ground import Ground
 from vcage.tasks.passing import examine_detour
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.slots import GAP, Slot, allocate, kept_in_by, lying_in, opened_for, room_for
+from vcage.tasks.stowing import reached
 from vcage.tasks.templates.proposal import Proposal
 
 SLOTS, OUT_OF_REACH = 12, 5
@@ -182,8 +183,9 @@ class Pair(Proposal):
             ground: of the table.
             rng: of the slot.
         """
-        others = [self._opened if o.id == self.receptacle.id else o for o in objects if o.id != self.thing.id]
-        present = lying_in(self.receptacle, others)
+        there = reached(self.thing, [o for o in objects if o.id != self.thing.id])
+        thing, others = there.thing, [self._opened if o.id == self.receptacle.id else o for o in there.others]
+        present = lying_in(self.receptacle, self.point, others)
         transfers: dict[int, Transfer] = {}
         findings: list[Feasibility] = []
         refused: list[Refusal] = []
@@ -194,21 +196,21 @@ class Pair(Proposal):
                 return None, [self.refusal(error.message)]
             poses = Slot(self.receptacle.id, self.point.id, slot).poses({self.receptacle.id: self._opened})
             transfers = {
-                c.id: Transfer.into(self.thing, c, self._opened, self.point, poses, others)
-                for c in self.thing.asset.annotation.carrying_points
+                c.id: Transfer.into(thing, c, self._opened, self.point, poses, others)
+                for c in thing.asset.annotation.carrying_points
             }
             findings, refused = self.judged({c: examine(t, kinematics, ground.height) for c, t in transfers.items()})
             far = tried + 1 >= OUT_OF_REACH and all(map(_out_of_reach, refused))
             if findings or far or not any(map(_elsewhere, refused)):
                 break
         if findings:
-            return self._subtask(objects, findings), refused
+            return self._subtask(objects, findings, there.requires), refused
         if self.goal not in self.asked or self.name != "place" or not any(map(_out_of_reach, refused)):
             return None, refused
         passing = replace(self, name="hand_over")
         to, findings = examine_detour(list(transfers.values()), kinematics, ground.height)
         if to is not None:
-            return passing._subtask(objects, findings, to), refused
+            return passing._subtask(objects, findings, there.requires, to), refused
         return None, refused + passing.judged(dict(zip(transfers, findings, strict=False)))[1]
 
     def _place_words(self) -> str:
@@ -221,7 +223,11 @@ class Pair(Proposal):
         return [] if part is None else [Goal(subject=self.receptacle.id, relation="open", part=part)]
 
     def _subtask(
-        self, objects: Sequence[SceneObject], findings: Sequence[Feasibility], hand_to: str | None = None
+        self,
+        objects: Sequence[SceneObject],
+        findings: Sequence[Feasibility],
+        taken_from: Sequence[Goal],
+        hand_to: str | None = None,
     ) -> Subtask:
         grasps, checks = best_first(findings)
         word = self.template.word or ("into" if self.point.holds == "in" else "onto")
@@ -235,7 +241,7 @@ class Pair(Proposal):
             functional_point=self.point.id,
             grasps=grasps,
             hand_to=hand_to,
-            requires=self._requires(),
+            requires=[*self._requires(), *taken_from],
             goals=self.goals,
             checks=checks,
         )

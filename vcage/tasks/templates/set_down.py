@@ -15,6 +15,7 @@ from vcage.sim.kinematics import ArmKinematics
 from vcage.tasks.feasibility import Feasibility, Transfer, best_first, examine
 from vcage.tasks.ground import SPOTS, Ground
 from vcage.tasks.scene_objects import SceneObject
+from vcage.tasks.stowing import reached
 from vcage.tasks.templates.proposal import Proposal
 
 _RELATIONS = ("left_of", "right_of", "in_front_of", "behind", "beside", "near", "back")
@@ -85,18 +86,19 @@ class Move(Proposal):
         rng: np.random.Generator,
     ) -> tuple[Subtask | None, list[Refusal]]:
         """The sub-task if an arm can bring the object to one of a few places, else the refusals."""
-        others = [o for o in objects if o.id != self.thing.id]
-        poses = list(islice(ground.poses(self.thing, self.goal, others, rng), SPOTS))
+        there = reached(self.thing, [o for o in objects if o.id != self.thing.id])
+        thing, others = there.thing, there.others
+        poses = list(islice(ground.poses(thing, self.goal, others, rng), SPOTS))
         if not poses:
             return None, [self.refusal(f"there is no room on the table {self._wanted}")]
-        contacts = self.thing.asset.annotation.carrying_points
-        transfers = {c.id: Transfer.onto_table(self.thing, c, poses, others) for c in contacts}
+        contacts = thing.asset.annotation.carrying_points
+        transfers = {c.id: Transfer.onto_table(thing, c, poses, others) for c in contacts}
         findings, refused = self.judged({c: self._finding(t, kinematics, ground) for c, t in transfers.items()})
         if not findings:
             return None, refused
         grasps, checks = best_first(findings)
         slots = {"receptacle": TABLE, "grasps": grasps, "hand_to": self.hand_to, "goals": self.goals, "checks": checks}
-        return self.subtask(self._identifier(), objects, **slots), refused
+        return self.subtask(self._identifier(), objects, requires=there.requires, **slots), refused
 
     @property
     def _wanted(self) -> str:

@@ -1,0 +1,28 @@
+"""What lies in a moving part, such as a closed drawer: no layout moves it by itself, it goes where that goes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from vcage.base.geometry import Pose
+from vcage.schema.scene import ObjectRecord, Scene
+
+
+def with_places(scene: Scene) -> dict[str, ObjectRecord]:
+    """The objects that have a place of their own in a layout, by id."""
+    return {o.id: o for o in scene.objects if o.container_part is None}
+
+
+def with_stowed(scene: Scene, poses: Mapping[str, Pose]) -> dict[str, Pose]:
+    """Poses of all objects of a scene when those that have a place of their own are at these.
+
+    Args:
+        scene: where things lie in their moving parts as they will.
+        poses: by id, of what has a place of its own.
+    """
+    found = dict(poses)
+    for o in scene.objects:
+        if o.container_part is not None and o.container in poses:
+            way = poses[o.container] * scene.object(o.container).pose.pose().inverse()
+            found[o.id] = way * o.pose.pose()
+    return found

@@ -1,0 +1,115 @@
+"""Things that lie in a closed drawer at the start: where they lie there, and where they are once it is open."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from vcage.base.errors import InfeasibleScene
+from vcage.base.geometry import Pose
+from vcage.objects.asset import Asset
+from vcage.schema.asset import FunctionalPoint
+from vcage.schema.goals import Goal, part_words
+from vcage.schema.robot import Robot
+from vcage.sim.joints import joint_index, joint_positions
+from vcage.tasks.feasibility import hand_has_room
+from vcage.tasks.scene_objects import SceneObject
+from vcage.tasks.slots import allocate, opened_for
+
+DRAWS = 60
+"""Ways to lay things into a drawer among which one is looked for in which a hand has room around each."""
+
+
+def point_in(asset: Asset, part: str) -> FunctionalPoint | None:
+    """The functional point at which things lie in a moving part; None where nothing does."""
+    points = asset.annotation.functional_points
+    return next((point for point in points if point.link == part and point.holds == "in"), None)
+
+
+def stow(
+    holder: SceneObject, part: str, contents: Sequence[SceneObject], robot: Robot, rng: np.random.Generator
+) -> dict[str, Pose]:
+    """Poses in the world of things in a closed drawer, by id; once it is open, a hand has room around each of them.
+
+    Args:
+        holder: with the drawer, at rest.
+        part: the drawer.
+        contents: what lies there; their poses do not matter.
+        robot: whose hands take them out.
+        rng: of all choices.
+
+    Raises:
+        InfeasibleScene: they do not fit together, or no hand gets to one of them.
+    """
+    point = point_in(holder.asset, part)
+    assert point is not None, f"nothing lies in {part} of {holder.id}"
+    opened, missed = opened_for(holder, point.id), ""
+    for _ in range(DRAWS):
+        local = allocate(holder, point.id, contents, rng)
+        lying = [o.moved(opened.frame(point.id) * local[o.id]) for o in contents]
+        stuck = [o for o in lying if not hand_has_room(o, [opened, *(x for x in lying if x is not o)], robot)]
+        if not stuck:
+            return {name: holder.frame(point.id) * pose for name, pose in local.items()}
+        missed = missed or ", ".join(o.record.phrase for o in stuck)
+    where = f"the {part_words(part)} of {holder.record.phrase}"
+    raise InfeasibleScene(
+        f"no hand has room to take {missed} out of {where}",
+        hint="take something smaller, or less, out of it",
+        details={"objects": [o.id for o in contents], "container": holder.id},
+    )
+
+
+@dataclass(frozen=True)
+class Reached:
+    """A thing where a hand reaches it.
+
+    Args:
+        thing: where it is then.
+        others: all other objects, as they are then.
+        requires: what must be open for that.
+    """
+
+    thing: SceneObject
+    others: list[SceneObject]
+    requires: list[Goal]
+
+
+def reached(thing: SceneObject, others: Sequence[SceneObject]) -> Reached:
+    """A thing as it is once the drawer that it lies in is open; what lies nowhere like that stays as it is.
+
+    Args:
+        thing: what is to be taken.
+        others: all other objects.
+    """
+    part = thing.record.container_part
+    holder = next((o for o in others if o.id == thing.record.container), None)
+    point = None if part is None or holder is None else point_in(holder.asset, part)
+    if part is None or holder is None or point is None:
+        return Reached(thing, list(others), [])
+    moved = {o.id: o for o in with_part([holder, thing, *(o for o in others if o is not holder)], holder.id, part)}
+    requires = [Goal(subject=holder.id, relation="open", part=part)]
+    return Reached(moved[thing.id], [moved[o.id] for o in others], requires)
+
+
+def with_part(objects: Sequence[SceneObject], name: str, part: str, position: float | None = None) -> list[SceneObject]:
+    """The objects after a moving part of one was brought somewhere, with what lies in it.
+
+    Args:
+        objects: of a scene.
+        name: id of the object with the part.
+        part: which.
+        position: of its joint; as far out as it goes when left out.
+    """
+    holder = next(o for o in objects if o.id == name)
+    model = holder.asset.model
+    joints = joint_positions(model, holder.joints)
+    joints[joint_index(model, part)] = model.link(part).joint.far_end if position is None else position
+    after = holder.moved(holder.pose, tuple(joints.tolist()))
+    way = after.part_pose(part) * holder.part_pose(part).inverse()
+    found = []
+    for o in objects:
+        rides = o.record.container == name and o.record.container_part == part
+        found.append(after if o is holder else o.moved(way * o.pose) if rides else o)
+    return found
