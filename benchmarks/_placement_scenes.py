@@ -18,7 +18,7 @@ from vcage.objects.library import Library
 from vcage.schema.scene import Role, Table
 from vcage.sim.kinematics import ArmKinematics, kinematics_of
 from vcage.sim.robots import load_robot
-from vcage.stages.placed_scene import MARGIN
+from vcage.stages.starting_poses import MARGIN
 
 FILL = (0.2, 0.8)
 """Range of the fill ratio: sum of the objects' rectangles, each grown by the margin, over the workspace's area."""

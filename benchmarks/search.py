@@ -21,7 +21,7 @@ from vcage.layout.placement.place import place
 from vcage.models.rules.reasoner import OfflineReasoner
 from vcage.schema.base import PoseRecord, box_record
 from vcage.schema.scene import ObjectRecord
-from vcage.stages.placed_scene import MARGIN
+from vcage.stages.starting_poses import MARGIN
 from vcage.tasks.ground import Ground
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.search import FoundSubtasks, find_subtasks

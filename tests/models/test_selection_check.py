@@ -3,8 +3,15 @@ from __future__ import annotations
 import pytest
 
 from tests.layout.items import capacity
-from vcage.models.selection_check import NamedObject, name_objects, validate_selection, with_room
+from vcage.models.selection_check import (
+    NamedObject,
+    name_objects,
+    room_complaints,
+    starting_as_described,
+    validate_selection,
+)
 from vcage.schema.asset import CatalogueEntry, FunctionalPoint, Variant, Words
+from vcage.schema.goals import Description
 from vcage.schema.plan import SelectedAsset, Selection
 
 
@@ -106,7 +113,7 @@ def test_a_second_cup_may_start_in_what_the_first_one_holds():
     assert [(o.id, o.starts_in) for o in named] == [("cup", None), ("bowl", "cup"), ("cup_2", "bowl")]
 
 
-def test_what_has_no_room_where_it_starts_stands_on_the_table_and_is_noted():
+def test_what_has_no_room_where_it_starts_is_complained_about():
     objects = [NamedObject(i, i, "x", i, "content", "box") for i in ("pen", "book", "brick", "other_brick")]
     objects.append(NamedObject("box", "box", "x", "box", "context"))
     rooms = {
@@ -116,14 +123,30 @@ def test_what_has_no_room_where_it_starts_stands_on_the_table_and_is_noted():
         "brick": capacity((0.13, 0.1, 0.05)),
         "other_brick": capacity((0.13, 0.1, 0.05)),
     }
-    found, notes = with_room(objects, rooms)
-    assert [o.starts_in for o in found] == ["box", None, "box", None, None]
-    assert "book starts on the table" in notes[0] and "too large for box" in notes[0]
-    assert "other_brick starts on the table" in notes[1] and len(notes) == 2
+    book, brick = room_complaints(objects, rooms)
+    assert "book has no room where it starts" in book and "too large for box" in book
+    assert "other_brick has no room where it starts" in brick
 
 
 def test_at_the_start_nothing_sticks_out_of_a_bare_top():
     objects = [NamedObject(i, i, "x", i, "content", start) for i, start in (("book", "tin"), ("tin", None))]
     rooms = {"book": capacity((0.2, 0.14, 0.03)), "tin": capacity((0.1, 0.1, 0.1), "on", (0.09, 0.09), bare=True)}
-    found, notes = with_room(objects, rooms)
-    assert found[0].starts_in is None and "too large for tin" in notes[0]
+    (complaint,) = room_complaints(objects, rooms)
+    assert "too large for tin" in complaint
+
+
+def described(subject: str, relation: str, reference: str, part: str | None = None) -> Description:
+    return Description(subject=subject, relation=relation, reference=reference, part=part, words="so")
+
+
+def test_what_is_described_to_lie_in_a_drawer_starts_there():
+    objects = [NamedObject("pen", "pen", "x", "pen", "content"), NamedObject("desk", "desk", "x", "desk", "context")]
+    (pen, desk), wrong = starting_as_described(objects, [described("pen", "inside", "desk", "drawer_top")])
+    assert (pen.starts_in, pen.starts_in_part, desk, wrong) == ("desk", "drawer_top", objects[1], [])
+
+
+@pytest.mark.parametrize("said", [described("pen", "inside", "cup"), described("pen", "on", "table")])
+def test_what_starts_elsewhere_than_it_is_described_is_complained_about(said):
+    objects = [NamedObject(i, i, "x", i, "content", start) for i, start in (("pen", "box"), ("box", None))]
+    _, (complaint,) = starting_as_described(objects, [said])
+    assert "pen starts in or on box, not" in complaint and "'so'" in complaint

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from tests.models.tabletop import BLOCKS, PLATE, scene_of
 from vcage.base.graphs import circles, longest_path
 from vcage.plans.check import contradictions, plan_complaints
+from vcage.schema.goals import Description
 from vcage.schema.plan import LayoutPlan, Relation
 
 
@@ -39,7 +40,14 @@ def test_a_possible_plan_has_no_contradictions():
         ([("a", "center", "table"), ("b", "center", "table")], "both be in the center"),
         ([("a", "near", "a")], "itself"),
         ([("table", "on", "a")], "the table cannot"),
-        ([("a", "left_of", "table")], "only 'center'"),
+        ([("a", "beside", "table")], "only center, on, left_of"),
+        ([("a", "left_of", "table"), ("a", "center", "table")], "both left_of and center the table"),
+        ([("a", "left_of", "table"), ("a", "right_of", "table")], "both left_of and right_of the table"),
+        ([("a", "right_of", "table"), ("b", "left_of", "table"), ("a", "left_of", "b")], "cannot be left_of"),
+        (
+            [("a", "behind", "table"), ("a", "in_front_of", "c"), ("c", "in_front_of", "b"), ("b", "center", "table")],
+            "cannot be in_front_of what leads to b",
+        ),
     ],
 )
 def test_contradictions_are_found(relations, words):
@@ -88,6 +96,27 @@ def test_what_starts_in_something_must_be_planned_there():
     layout = LayoutPlan(text="x", relations=plan(("plate", "center", "table"), ("red-block", "left_of", "plate")))
     complaints = plan_complaints(layout, scene.model_copy(update={"objects": objects}))
     assert complaints == ["red-block lies in or on plate at the start: say that it stays there"]
+
+
+def test_what_is_described_must_be_in_the_plan():
+    said = Description(subject="red-block", relation="left_of", reference="plate", words="the left block")
+    scene = scene_of([PLATE, BLOCKS[0]]).model_copy(update={"descriptions": [said]})
+    triples = [("plate", "center", "table"), ("red-block", "near", "plate")]
+    (complaint,) = plan_complaints(LayoutPlan(text="x", relations=plan(*triples)), scene)
+    assert "red-block left_of plate" in complaint and "'the left block'" in complaint
+    triples += [("red-block", "left_of", "plate")]
+    assert plan_complaints(LayoutPlan(text="x", relations=plan(*triples)), scene) == []
+
+
+def test_what_lies_in_a_drawer_is_not_the_plan_s_to_place():
+    scene = scene_of([PLATE, BLOCKS[0]])
+    stowed = scene.objects[1].model_copy(update={"container": "plate", "container_part": "drawer_top"})
+    scene = scene.model_copy(update={"objects": [scene.objects[0], stowed]})
+    triples = [("plate", "center", "table")]
+    assert plan_complaints(LayoutPlan(text="x", relations=plan(*triples)), scene) == []
+    triples += [("red-block", "near", "plate")]
+    (complaint,) = plan_complaints(LayoutPlan(text="x", relations=plan(*triples)), scene)
+    assert "top drawer of plate" in complaint and "leave it out" in complaint
 
 
 def test_the_centre_of_an_object_is_for_what_lies_in_or_on_it():

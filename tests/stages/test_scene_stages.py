@@ -27,7 +27,7 @@ from vcage.schema.goals import AskedGoal, Goal, Reading
 from vcage.schema.matches import Matches
 from vcage.schema.plan import LayoutPlan, Plan, Relation, SelectedAsset, Selection
 from vcage.schema.scene import Scene
-from vcage.stages import chosen_objects, inpaint_plan, match, optimize, placed_scene, select_place
+from vcage.stages import chosen_objects, inpaint_plan, match, optimize, select_place, starting_poses
 
 
 def aabbs(scene: Scene) -> dict[str, np.ndarray]:
@@ -168,24 +168,31 @@ def test_the_reasoner_hears_what_is_wrong_with_its_selection(finished, tmp_path,
     assert not digests(tmp_path)
 
 
-def test_what_is_too_large_for_where_it_starts_is_said_in_the_summary(finished, tmp_path, monkeypatch):
+def test_the_reasoner_hears_what_is_too_large_for_where_it_starts(finished, tmp_path, monkeypatch):
     context = finished.context
     variants = {name: context.library.entry(name).variants[0].id for name in ("plate", "mug")}
-    chooser = Chooser(("mug", variants["mug"], None), ("plate", variants["plate"], "mug"), notes=("a note",))
-    scene = chosen(finished, tmp_path, chooser, monkeypatch)
-    notes = select_place.summary(scene)["notes"]
-    assert notes[0] == "a note" and "plate_white starts on the table" in notes[1]
-    assert all(o.container is None for o in scene.objects)
+    chooser = Chooser(("mug", variants["mug"], None), ("plate", variants["plate"], "mug"))
+    with pytest.raises(ModelRefused):
+        chosen(finished, tmp_path, chooser, monkeypatch)
+    (complaint,) = chooser.complaints
+    assert "plate_white has no room where it starts" in complaint and "cm) is too large for mug" in complaint
+    assert not digests(tmp_path)
+
+
+def test_notes_of_the_choice_are_said_in_the_summary(finished, tmp_path, monkeypatch):
+    block = finished.context.library.entry("block").variants[0].id
+    chooser = Chooser(("block", block, None), notes=("a note",))
+    assert select_place.summary(chosen(finished, tmp_path, chooser, monkeypatch))["notes"] == ["a note"]
 
 
 def test_what_starts_in_a_box_must_be_seen_above_the_box_s_floor(finished, tmp_path, monkeypatch):
-    supports, seen = [], placed_scene.view_rectangles
+    supports, seen = [], starting_poses.view_rectangles
 
     def noted(camera, support, *rest):
         supports.append(support)
         return seen(camera, support, *rest)
 
-    monkeypatch.setattr(placed_scene, "view_rectangles", noted)
+    monkeypatch.setattr(starting_poses, "view_rectangles", noted)
     first = {name: finished.context.library.entry(name).variants[0].id for name in ("block", "packaging_box")}
     chooser = Chooser(("block", first["block"], "packaging_box"), ("packaging_box", first["packaging_box"], None))
     scene = chosen(finished, tmp_path, chooser, monkeypatch)

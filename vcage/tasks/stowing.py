@@ -31,10 +31,10 @@ def point_in(asset: Asset, part: str) -> FunctionalPoint | None:
 def stow(
     holder: SceneObject, part: str, contents: Sequence[SceneObject], robot: Robot, rng: np.random.Generator
 ) -> dict[str, Pose]:
-    """Poses in the world of things in a closed drawer, by id; once it is open, a hand has room around each of them.
+    """Poses in the world of things in a drawer, by id; once it is open, a hand has room around each of them.
 
     Args:
-        holder: with the drawer, at rest.
+        holder: with the drawer, mostly closed.
         part: the drawer.
         contents: what lies there; their poses do not matter.
         robot: whose hands take them out.

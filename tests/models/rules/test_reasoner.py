@@ -10,7 +10,8 @@ from tests.models.tabletop import BLOCKS, BOX, ERASER, MARKERS, PLATE, scene_of
 from vcage.base.errors import ModelRefused
 from vcage.models.rules.reasoner import TRIES, OfflineReasoner
 from vcage.plans.check import plan_complaints
-from vcage.schema.goals import AskedGoal, Goal
+from vcage.plans.descriptions import described_relations
+from vcage.schema.goals import AskedGoal, Description, Goal
 from vcage.schema.plan import LayoutPlan, Relation, RelationWord, Selection
 
 REASONER = OfflineReasoner()
@@ -28,6 +29,24 @@ def test_contents_start_beside_their_receptacle_on_both_sides() -> None:
     plan = REASONER.plan_layout(scene_of([PLATE, *BLOCKS]), [], np.random.default_rng(0), lambda _: [])
     words = {r.relation for r in plan.relations if r.subject.endswith("block")}
     assert words == {"left_of", "right_of", "in_front_of"}
+
+
+@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize(
+    "triples",
+    [
+        [("red-block", "left_of", "green-block"), ("green-block", "left_of", "blue-block")],
+        [("plate", "left_of", "table")],
+        [("blue-block", "beside", "plate"), ("red-block", "in_front_of", "table")],
+        [("plate", "right_of", "eraser")],
+    ],
+)
+def test_a_layout_says_what_the_instruction_describes(triples: list[tuple[str, RelationWord, str]], seed: int) -> None:
+    told = [Description(subject=s, relation=r, reference=o, words="x") for s, r, o in triples]
+    things = [PLATE, *BLOCKS, ERASER.moved(id="eraser", role="context")]
+    scene = scene_of(things).model_copy(update={"descriptions": told})
+    plan = REASONER.plan_layout(scene, [], np.random.default_rng(seed), partial(plan_complaints, scene=scene))
+    assert set(described_relations(told)) <= set(plan.relations)
 
 
 @pytest.mark.parametrize("side", ["left_of", "right_of"])
