@@ -117,7 +117,9 @@ def starting_as_described(
     each."""
     said = {d.subject: d for d in descriptions if d.relation in HOLDING and d.reference != TABLE}
     on_table = {d.subject: d for d in descriptions if d.relation == "on" and d.reference == TABLE}
-    found, complaints = list[NamedObject](), list[str]()
+    known = {TABLE, *(o.id for o in objects)}
+    strangers = dict.fromkeys(name for d in descriptions for name in (d.subject, d.reference) if name not in known)
+    found, complaints = list[NamedObject](), [f"there is no object {name!r}" for name in strangers]
     for o in objects:
         d = said.get(o.id)
         if d is not None and o.starts_in not in (None, d.reference):
