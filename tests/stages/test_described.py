@@ -115,6 +115,16 @@ def test_the_plan_says_it_and_the_optimised_layout_keeps_it(made):
     assert untrue(made.scene, made.context.objects(made.scene)) == []
 
 
+@pytest.mark.parametrize("side", ["left_of", "right_of", "in_front_of"])
+def test_a_plate_that_is_described_by_a_side_of_the_table_is_optimised_into_that_third(tmp_path, side):
+    said = Description(subject="plate_white", relation=side, reference="table", words="plate")
+    run, context = placed(tmp_path / "run", TEXT, Scripted(PLATES[:2], ONTO_WHITE, said))
+    for stage in (inpaint_plan, match, optimize):
+        stage.execute(run, OPTIONS, context)
+    scene = Scene.read(run.layout)
+    assert untrue(scene, context.objects(scene)) == []
+
+
 def test_every_layout_of_an_episode_keeps_it_even_where_the_plan_does_not_say_so(made):
     source = Layouts(made.scene, [], made.chain, made.context)
     for seed in range(3):

@@ -167,7 +167,7 @@ class Groups:
                 continue
             shift = middle - way - item.rectangle().mean(axis=0)
             shifted = as_rectangles(item.allowed, f"where {item.id} may stand") + shift
-            both = shifted if meet is None else _intersections(meet, shifted)
+            both = shifted if meet is None else intersections(meet, shifted)
             if meet is not None and not len(both):
                 out_of_reach.append(item.id)
             else:
@@ -205,7 +205,7 @@ def hand_gaps(items: Sequence[TableItem], margin: float) -> np.ndarray | None:
     return np.maximum(gaps, gaps.T) if touched.any() else None
 
 
-def _intersections(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+def intersections(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """(m, 2, 2) the rectangles that any of a (i, 2, 2) and any of b (j, 2, 2) share."""
     lower = np.maximum(a[:, None, 0], b[None, :, 0]).reshape(-1, 2)
     upper = np.minimum(a[:, None, 1], b[None, :, 1]).reshape(-1, 2)

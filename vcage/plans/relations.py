@@ -121,6 +121,24 @@ def middle_third(ground: ArrayLike) -> np.ndarray:
     return np.stack([(2 * lower + upper) / 3, (lower + 2 * upper) / 3])
 
 
+def third_of(relation: RelationWord, ground: ArrayLike) -> np.ndarray:
+    """(2, 2) the part of a ground (2, 2 or 3) in which the centre of a box is that stands so to the table.
+
+    Raises:
+        ValueError: no third is called that.
+    """
+    lower, upper = np.asarray(ground, dtype=np.float64)[:, :2]
+    middle = middle_third(ground)
+    if relation == "center":
+        return middle
+    if relation not in DIRECTIONS:
+        raise ValueError(f"no third of the table is {relation!r}")
+    found, direction = np.stack([lower, upper]), np.array(DIRECTIONS[relation])
+    axis = int(np.argmax(np.abs(direction)))
+    found[1 if direction[axis] < 0 else 0, axis] = middle[0 if direction[axis] < 0 else 1, axis]
+    return found
+
+
 def middles(boxes: np.ndarray) -> np.ndarray:
     """(…, 2) centres in the plane of boxes (…, 2, 2 or 3)."""
     return (boxes[..., 0, :2] + boxes[..., 1, :2]) / 2

@@ -9,21 +9,26 @@ from dataclasses import replace
 from typing import TypeVar
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from vcage.base.errors import InfeasibleScene
 from vcage.base.geometry import Pose
 from vcage.layout.capacities import opening_for
+from vcage.layout.groups import intersections
 from vcage.layout.hands import hand_clearance
 from vcage.layout.items import TableItem, table_item
 from vcage.layout.optimize import LayoutOptions, LayoutResult, optimize_layout
-from vcage.plans.relations import DIRECTIONS
-from vcage.schema.plan import Relation
+from vcage.plans.relations import DIRECTIONS, third_of
+from vcage.schema.plan import TABLE, Relation
 from vcage.schema.scene import Role, Scene
 from vcage.sim.robots import load_robot
 from vcage.stages.context import StageContext
 from vcage.tasks.asked_arms import ANY_ARM
 from vcage.tasks.one_arm import for_one_arm, reached_by
 from vcage.tasks.scene_objects import SceneObject
+
+SETTLING = 0.002
+"""What is described to be in a third of the table stays so far from its edges, metres: things settle a little."""
 
 logger = logging.getLogger(__name__)
 
@@ -139,7 +144,20 @@ def layout_items(
                 hand=hand if o.record.role == "content" else None,
             )
         )
-    return items
+    return [replace(item, allowed=_where_described(item, item.allowed, scene)) for item in items]
+
+
+def _where_described(item: TableItem, allowed: ArrayLike | None, scene: Scene) -> np.ndarray | None:
+    """(m, 2, 2) what is in the thirds of the table that an item is described to be in, of where it is allowed; None
+    for anywhere."""
+    ground = np.array([scene.workspace.lower, scene.workspace.upper])
+    found = None if allowed is None else np.asarray(allowed, dtype=np.float64).reshape(-1, 2, 2)
+    for d in scene.descriptions:
+        if d.subject == item.id and d.reference == TABLE and d.relation != "on":
+            off = item.body_rectangle().mean(axis=0) - item.rectangle().mean(axis=0)
+            third = third_of(d.relation, ground) - off + [[SETTLING], [-SETTLING]]
+            found = third[None] if found is None else intersections(found, third[None])
+    return found
 
 
 def _where_reached(
@@ -182,6 +200,7 @@ def _in_reach_of_one_arm(items: Sequence[TableItem], scene: Scene, context: Stag
         for arm in load_robot(scene.robot).arms if len(named) == 0 else named if len(named) == 1 else ():
             things = [by_id[item.id] for item in moved]
             reach = {o.id: context.within_reach(o.asset, _part_of(o), scene, arm=arm) for o in things}
+            reach = {item.id: _where_described(item, reach[item.id], scene) for item in moved}
             if all(rectangles is not None and len(rectangles) for rectangles in reach.values()):
                 own = [replace(item, allowed=reach[item.id]) for item in moved]
                 choices.append((sum(map(_way_to_reach, own)), own))

@@ -14,7 +14,7 @@ import numpy as np
 
 from vcage.layout.items import TableItem
 from vcage.layout.placement.contents import Carried
-from vcage.plans.relations import BESIDE_GAP, DIRECTIONS, NEAR_GAP, hold, middle_third
+from vcage.plans.relations import BESIDE_GAP, DIRECTIONS, NEAR_GAP, hold, third_of
 from vcage.schema.plan import TABLE, Relation
 
 FAR = 100.0
@@ -87,16 +87,9 @@ class Related:
             x, y = self._body(item, yaw, r.subject).mean(axis=0).round(9)
             key = (item.id, number, float(x), float(y))  # one array for all headings at which it is the same
             if key not in self._thirds:
-                self._thirds[key] = self._third(r) - np.array([x, y])
+                self._thirds[key] = third_of(r.relation, self._bounds)[None] - np.array([x, y])
             found.append(self._thirds[key])
         return found
-
-    def _third(self, r: Relation) -> np.ndarray:
-        """(1, 2, 2) the part of the table that a relation to it means; what is outer has no end."""
-        middle = middle_third(self._bounds)
-        if r.relation == "center":
-            return middle[None]
-        return _beyond(middle, r.relation)[None]
 
     def cuts(self, name: str, yaw: float, placed: Mapping[str, Placed]) -> list[np.ndarray]:
         """(1, 2, 2) each: rectangles outside of which the centre of an item breaks a relation to what is placed."""
