@@ -48,10 +48,12 @@ def test_a_plate_takes_things_on_it_and_an_apple_takes_nothing(library):
     assert capacity_of("apple", library.asset("apple")).holds is None
 
 
-def test_a_closed_drawer_takes_nothing(library):
+def test_of_a_cabinet_with_closed_drawers_the_top_takes_things(library):
     cabinet = library.asset("cabinet_one_drawer")
     assert cabinet.annotation.functional_points[0].link is not None
-    assert capacity_of("cabinet", cabinet).holds is None and opening_for(cabinet) is None
+    assert capacity_of("cabinet", cabinet).holds == "on"
+    opening = opening_for(cabinet)
+    assert opening is not None and opening.floor == pytest.approx(cabinet.size[2], abs=0.002)
 
 
 @pytest.mark.parametrize(
