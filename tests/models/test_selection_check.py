@@ -147,6 +147,8 @@ def test_what_is_described_to_lie_in_a_drawer_starts_there():
 
 @pytest.mark.parametrize("said", [described("pen", "inside", "cup"), described("pen", "on", "table")])
 def test_what_starts_elsewhere_than_it_is_described_is_complained_about(said):
-    objects = [NamedObject(i, i, "x", i, "content", start) for i, start in (("pen", "box"), ("box", None))]
+    objects = [
+        NamedObject(i, i, "x", i, "content", start) for i, start in (("pen", "box"), ("box", None), ("cup", None))
+    ]
     _, (complaint,) = starting_as_described(objects, [said])
     assert "pen starts in or on box, not" in complaint and "'so'" in complaint
