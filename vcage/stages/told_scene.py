@@ -7,11 +7,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from vcage.base.errors import InfeasibleScene, UsageError
+from vcage.base.errors import UsageError
 from vcage.base.text import listed
-from vcage.layout.capacities import capacity_of
 from vcage.models.quantifiers import left_over
-from vcage.models.selection_check import NamedObject, with_room
+from vcage.models.selection_check import NamedObject
 from vcage.models.wordings import TaskToWord
 from vcage.schema.asset import CatalogueEntry
 from vcage.schema.goals import OF_A_PART, AskedGoal, Description, Goal, Reading
@@ -19,6 +18,7 @@ from vcage.schema.scene import Role, SceneTemplate
 from vcage.sim.robots import load_robot
 from vcage.stages.chosen_objects import Chosen, entries_of
 from vcage.stages.context import StageContext
+from vcage.stages.started import started
 from vcage.stages.told_checks import impossible, place_refusal, require_consistent, require_part, require_sense
 from vcage.stages.told_goals import Said, Told, shortened
 from vcage.stages.told_names import object_meant, objects_of, reads_codes, split_part, weighs
@@ -51,7 +51,10 @@ def choose_told(
     objects = [replace(o, role=_role(o.id, kinds[o.id], [one.goal for one in goals])) for o in objects]
     reading = Reading(goals=goals, descriptions=descriptions)
     _second_look(instruction, reading, objects, kinds)
-    return instruction, Chosen(_lying(objects, descriptions, context), reading, [])
+    for one in descriptions:
+        if one.relation in ("inside", "on") and (why := place_refusal(one, kinds)):
+            raise impossible(str(one), why)
+    return instruction, Chosen(started(objects, descriptions, context.library), reading, [])
 
 
 def _resolved(
@@ -147,26 +150,3 @@ def _second_look(
             hint="add the goals that it lacks, or leave the instruction out",
             details={"complaints": complaints},
         )
-
-
-def _lying(
-    objects: Sequence[NamedObject], descriptions: Sequence[Description], context: StageContext
-) -> list[NamedObject]:
-    """The objects, of which those lie in or on others that shall do so at the start."""
-    held = {one.subject: one for one in descriptions if one.relation in ("inside", "on")}
-    kinds = entries_of(objects, context)
-    for one in held.values():
-        if why := place_refusal(one, kinds):
-            raise impossible(str(one), why)
-    starting = [
-        replace(o, starts_in=held[o.id].reference, starts_in_part=held[o.id].part) if o.id in held else o
-        for o in objects
-    ]
-    items = {o.id: capacity_of(o.id, context.library.asset(o.asset, o.variant)) for o in objects}
-    found, crowded = with_room(starting, items)
-    if crowded:
-        raise InfeasibleScene(
-            f"not all start conditions can be true: {'; '.join(note.partition(': ')[2] for note in crowded)}",
-            hint="leave out the start condition, or name something with more room",
-        )
-    return found
