@@ -62,7 +62,7 @@ class ScriptedAgent:
 
     def assert_it_mended_everything(self, run: Path) -> None:
         """It erred once in each kind of question, was told why, and its verdicts count."""
-        assert len(self.erred) == 7, "selection, goals, plan, pairs, wordings, slots, verdicts"
+        assert len(self.erred) == 8, "selection, goals, review, plan, pairs, wordings, slots, verdicts"
         assert all("Field required" in complaint for complaint in self.erred.values())
         verdicts = json.loads(RunFolder(run).verdicts.read_text())
         assert verdicts["provenance"]["providers"] == {"critic": "agent"}

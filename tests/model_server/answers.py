@@ -32,7 +32,7 @@ class Asked:
 
     def section(self, title: str) -> str:
         """What stands below a title of the prompt."""
-        return self.prompt.partition(f"# {title}\n")[2].partition("\n#")[0].strip()
+        return self.prompt.partition(f"# {title}\n")[2].partition("\n#")[0].strip().removeprefix("> ")
 
 
 def answer_question(schema: dict[str, Any], prompt: str, pictures: list[np.ndarray]) -> dict[str, Any]:
@@ -66,7 +66,7 @@ def select(asked: Asked) -> dict[str, Any]:
     table = written(asked.section("The task"), "objects", "missing")
     chosen = {look: told if isinstance(told, list) else [told, NONE] for look, told in table.get("objects", {}).items()}
     objects = [
-        {"look": look, "role": role, "starts_in": start, "reason": "written down"}
+        {"look": look, "role": role, "starts_in": start, "starts_in_part": NONE, "reason": "written down"}
         for look, (role, start) in chosen.items()
     ]
     return {"missing": table.get("missing", []), "objects": objects}
@@ -83,11 +83,18 @@ def read(asked: Asked) -> dict[str, Any]:
             "reference": _named(reference, ids),
             "part": NONE,
             "step": 1,
+            "arm": NONE,
             "words": words,
         }
         for subject, relation, reference, words in table.get("goals", [])
     ]
-    return {"unread": table.get("unread", []), "goals": goals, "untouched": []}
+    read = {"unread": table.get("unread", []), "wrong_objects": [], "goals": goals}
+    return {**read, "descriptions": [], "untouched": []}
+
+
+def review(asked: Asked) -> dict[str, Any]:
+    """What a reading lacks and adds: nothing, since it is written down."""
+    return {"lacks": [], "adds": []}
 
 
 _THING = re.compile(r"^- `([\w-]+)`: ([\w -]+)", re.MULTILINE)
@@ -163,6 +170,7 @@ KINDS: dict[str, Callable[[Asked], dict[str, Any]]] = {
     "sentences": word_task,
     "steps": fill_slots,
     "goals": read,
+    "lacks": review,
     "done": judge,
 }
 """A field that only answers of this kind have → the function that answers it."""

@@ -55,7 +55,13 @@ def to_judge() -> Any:
     return critic_question(things, things, goal, "Put the black marker into the box.")
 
 
-CHOSEN = {"look": "apple/red", "role": "content", "starts_in": "none", "reason": "it is asked for"}
+CHOSEN = {
+    "look": "apple/red",
+    "role": "content",
+    "starts_in": "none",
+    "starts_in_part": "none",
+    "reason": "it is asked for",
+}
 JUDGED = {
     "observations": "nothing moved",
     "done": "no",

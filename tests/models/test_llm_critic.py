@@ -12,7 +12,7 @@ import pytest
 from tests.models.tabletop import BOX, MARKERS, critic_question
 from vcage.models import llm_critic
 from vcage.models.exchange import Question, Reply
-from vcage.models.llm_critic import Judgement, LlmCritic, _in_words, _still, _verdict
+from vcage.models.llm_critic import Judgement, LlmCritic, _still, _verdict
 from vcage.models.structured import flat_schema
 from vcage.plans.thresholds import THRESHOLDS
 from vcage.schema.episodes import Failure, Verdict
@@ -20,24 +20,6 @@ from vcage.schema.goals import OF_A_PART, OF_TWO, EventWord, Goal, StateWord
 from vcage.schema.subtasks import Statement
 
 PHRASES = {"box": "red box", "cabinet": "white cabinet"}
-
-
-@pytest.mark.parametrize(
-    ("goal", "words"),
-    [
-        (Goal(subject="box", relation="left_of", reference="cabinet"), "the red box is left of the white cabinet"),
-        (Goal(subject="box", relation="on", reference="table"), "the red box is on the table"),
-        (Goal(subject="box", relation="scanned"), "the red box is scanned"),
-        (Goal(subject="box", relation="handed", reference="right"), "the red box is handed to the right arm"),
-        (Goal(subject="cabinet", relation="open", part="drawer_top"), "the top drawer of the white cabinet is open"),
-        (
-            Goal(subject="box", relation="inside", reference="cabinet", part="drawer_top"),
-            "the red box is inside the top drawer of the white cabinet",
-        ),
-    ],
-)
-def test_a_goal_is_told_in_words(goal: Goal, words: str) -> None:
-    assert _in_words(goal, PHRASES) == words
 
 
 def test_the_answer_may_name_every_failure_that_a_retry_heeds() -> None:

@@ -13,6 +13,8 @@ import pytest
 from tests.layout.items import capacity
 from tests.model_server import ModelServer, Special, no_picture, raw_answer, text_answer
 from tests.models.catalogue import CATALOGUE, unchecked
+from tests.models.scripted import chosen as chosen_as
+from tests.models.scripted import goal, read, selected
 from tests.models.tabletop import BLOCKS, BOX, MARKERS, PLATE, draw, scene_of, table_picture
 from tests.models.tabletop import critic_question as asked
 from vcage.base.errors import (
@@ -149,23 +151,21 @@ def test_a_layout_that_never_becomes_possible_is_a_refusal_with_the_complaints(
 
 
 def test_a_selection_says_what_things_start_in(models: Models, server: ModelServer) -> None:
-    apple = {"look": "apple/red", "role": "content", "starts_in": "bowl", "reason": "x"}
-    bowl = {"look": "bowl/white", "role": "context", "starts_in": "none", "reason": "x"}
+    apple, bowl = chosen_as("apple/red", "content", "bowl"), chosen_as("bowl/white", "context")
     server.queue(text_answer(json.dumps({"missing": [], "objects": [apple, bowl]})))
     chosen = models.reasoner.select_assets("Take the apple out of the bowl", CATALOGUE, RNG, unchecked)
     assert [(o.asset, o.starts_in) for o in chosen.objects] == [("apple", "bowl"), ("bowl", None)]
 
 
 def test_a_start_in_what_was_not_chosen_goes_back(models: Models, server: ModelServer) -> None:
-    apple = {"look": "apple/red", "role": "content", "starts_in": "bowl", "reason": "x"}
+    apple = chosen_as("apple/red", "content", "bowl")
     server.queue(text_answer(json.dumps({"missing": [], "objects": [apple]})))
     models.reasoner.select_assets("Put the blocks on the plate", CATALOGUE, RNG, unchecked)
     assert "apple starts in 'bowl', which is not another chosen object" in str(server.requests[1])
 
 
 def chosen_answer(*chosen: tuple[str, str, str]) -> Special:
-    objects = [{"look": look, "role": role, "starts_in": start, "reason": "x"} for look, role, start in chosen]
-    return text_answer(json.dumps({"missing": [], "objects": objects}))
+    return text_answer(json.dumps(selected(*(chosen_as(*one) for one in chosen))))
 
 
 def test_starts_that_run_in_a_circle_go_back(models: Models, server: ModelServer) -> None:
@@ -218,8 +218,7 @@ def test_what_a_model_could_not_read_is_refused_by_its_words(models: Models) -> 
 def test_a_goal_in_words_that_the_instruction_has_not_goes_back_to_the_model(
     models: Models, server: ModelServer
 ) -> None:
-    goal = {"relation": "on", "subject": "block", "reference": "plate", "part": "none", "step": 1, "words": "block up"}
-    wrong = text_answer(json.dumps({"unread": [], "goals": [goal], "untouched": []}))
+    wrong = text_answer(json.dumps(read(goal("block", "on", "plate", words="block up"))))
     server.queue(wrong)
     models.reasoner.read_goals("Put the red block on the plate", THINGS, {})
     assert "words are not copied from the instruction" in str(server.requests[1])

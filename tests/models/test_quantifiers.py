@@ -39,3 +39,24 @@ def test_an_object_that_no_goal_speaks_of_is_named():
 def test_only_objects_of_the_noun_fall_under_it():
     assert left_over("Put all the pens into the box", THINGS, ["box", "pen"]) == []
     assert len(left_over("Put all the fruit into the box", THINGS, ["box", "pen"])) == 1
+
+
+@pytest.mark.parametrize(
+    ("said", "over"),
+    [
+        ("Put the cups and the plates into the box, put them all away", []),
+        ("Open all the drawers", []),
+        ("Everything that's yellow goes on the tray", ["everything"]),
+        ("Please put all in the box", ["all"]),
+    ],
+)
+def test_all_without_a_noun_means_what_was_named_before(said: str, over: list[str]) -> None:
+    assert [one.words for one in quantified(said)] == over
+
+
+def test_what_is_excepted_may_be_left_over() -> None:
+    mug = LIBRARY.entry("mug")
+    looks = {f"mug_{v.id}": mug.model_copy(update={"variants": [v]}) for v in mug.variants}
+    said = "All the mugs except the red one go into the box"
+    assert left_over(said, looks, ["mug_white", "mug_blue"]) == []
+    assert len(left_over(said, looks, ["mug_white"])) == 1

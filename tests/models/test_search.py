@@ -5,18 +5,14 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
-from tests.models.catalogue import CATALOGUE, KITCHEN, entry
+from tests.models.catalogue import CATALOGUE, entry
 from vcage.models import search as module
 from vcage.models.search import (
-    MOST_CATALOGUE_TEXT,
-    MOST_KINDS,
     EmbeddingSearch,
     LexicalSearch,
     best_search,
-    narrow,
     shortlist,
 )
-from vcage.objects.catalogue import catalogue_text
 
 MEANINGS = {"drink": (1, 0), "mug": (0.9, 0.1), "bowl": (0.5, 0.5), "book": (0, 1)}
 
@@ -90,20 +86,3 @@ def test_a_shortlist_holds_the_best_of_every_query() -> None:
         "apple",
         "stapler",
     }
-
-
-def test_a_small_catalogue_is_shown_whole() -> None:
-    assert narrow("Put the apple into the bowl", CATALOGUE, LexicalSearch) == CATALOGUE
-
-
-def test_a_large_catalogue_is_narrowed_to_what_the_instruction_needs() -> None:
-    filler = [entry(f"gadget_{i}", f"gadget {i}", "toy", tags=KITCHEN) for i in range(MOST_KINDS)]
-    shown = [kind.name for kind in narrow("Put the croissant into the bread box", [*filler, *CATALOGUE], LexicalSearch)]
-    assert len(shown) <= MOST_KINDS and {"croissant", "bread_box"} <= set(shown)
-
-
-def test_a_long_catalogue_is_narrowed_to_the_characters_of_a_prompt() -> None:
-    wordy = [entry(f"thing_{i}", "thing " + "very " * 200 + str(i), "toy") for i in range(60)]
-    shown = narrow("Put the croissant into the bread box", [*wordy, *CATALOGUE], LexicalSearch)
-    assert len(catalogue_text(shown)) <= MOST_CATALOGUE_TEXT
-    assert {"croissant", "bread_box"} <= {kind.name for kind in shown}

@@ -30,7 +30,7 @@ def test_several_places_are_counted() -> None:
         for i, holds in enumerate(["in", "in", "on"])
     ]
     cabinet = entry("cabinet", "cabinet", "furniture").model_copy(update={"functional_points": points})
-    assert "holds in 2 and on" in catalogue_line(cabinet)
+    assert "holds in (x2) and on" in catalogue_line(cabinet)
 
 
 def test_a_name_that_repeats_another_is_left_out() -> None:

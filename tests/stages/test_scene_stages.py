@@ -120,13 +120,16 @@ def test_more_than_the_table_holds_is_refused_with_names_and_area(finished, tmp_
 
     def many(selection, catalogue):
         first = name_objects(selection, catalogue)[0]
-        return [type(first)(f"plate_{i}", "plate", "white", "white plate", "context") for i in range(60)]
+        return [
+            first,
+            *(replace(first, id=f"plate_{i}", asset="plate", variant="white", role="context") for i in range(60)),
+        ]
 
     monkeypatch.setattr(chosen_objects, "name_objects", many)
-    chooser = Chooser(("plate", "white", None))
+    chooser = Chooser(("apple", "red", None))
     monkeypatch.setattr(finished.context, "models", replace(finished.context.models, reasoner=chooser))
     with pytest.raises(InfeasibleScene, match="m² are missing") as caught:
-        select_place.execute(RunFolder(tmp_path), select_place.Options(instruction=INSTRUCTION), finished.context)
+        select_place.execute(RunFolder(tmp_path), select_place.Options(instruction="x"), finished.context)
     assert "plate_59" in caught.value.details["objects"]
     assert not digests(tmp_path)
 
@@ -137,17 +140,21 @@ class Chooser:
     provider = "chooser"
 
     def __init__(self, *chosen: tuple[str, str, str | None], notes: tuple[str, ...] = ()):
-        self.objects = [SelectedAsset(asset=a, variant=v, role="content", starts_in=s) for a, v, s in chosen]
+        roles = ["content", *("context" for _ in chosen[1:])]
+        self.objects = [
+            SelectedAsset(asset=a, variant=v, role=role, starts_in=s)
+            for role, (a, v, s) in zip(roles, chosen, strict=True)
+        ]
         self.notes, self.complaints = list(notes), []
 
-    def select_assets(self, instruction, catalogue, rng, check) -> Selection:
+    def select_assets(self, instruction, catalogue, rng, check, scene) -> Selection:
         selection = Selection(objects=self.objects, notes=self.notes)
         self.complaints = check(selection)
         if self.complaints:
             raise ModelRefused("; ".join(self.complaints))
         return selection
 
-    def read_goals(self, instruction, things, lying) -> Reading:
+    def read_goals(self, instruction, things, lying, moved) -> Reading:
         names = list(things)
         goal = Goal(subject=names[0], relation="on", reference="table")
         return Reading(goals=[AskedGoal(goal=goal, step=1, words=instruction)])

@@ -88,6 +88,25 @@ def size_complaints(
     return found + _too_large(containments(sound), items, overhang)
 
 
+def crowding_complaints(held: Mapping[tuple[str, str | None], Sequence[str]], assets: Mapping[str, Asset]) -> list[str]:
+    """What does not fit into one place together, one sentence each; a place that has several parts is not looked at.
+
+    Args:
+        held: object id and moving part (None for the body) of a place → ids of what lies there at the same time.
+        assets: by object id.
+    """
+    found = []
+    for (holder, part), inside in held.items():
+        points = [p for p in assets[holder].annotation.functional_points if p.link == part]
+        if len(points) != 1:
+            continue
+        name = holder if part is None else f"{part} of {holder}"
+        items = {content: table_item(content, assets[content]) for content in inside}
+        room = replace(table_item(name, assets[holder]), opening=assets[holder].opening(points[0]))
+        found += _crowded(name, list(dict.fromkeys(inside)), items | {name: room})
+    return found
+
+
 def _too_long(
     words: str, edges: Iterable[tuple[tuple[str, str], str]], items: Mapping[str, TableItem], workspace: Workspace
 ) -> list[str]:

@@ -13,10 +13,11 @@ from vcage.models import prompts
 from vcage.models.exchange import Answerer
 from vcage.models.protocols import CriticQuestion
 from vcage.models.structured import Answer, ask, narrowed, one_of
+from vcage.plans.plain_words import goal_in_words
 from vcage.plans.relations import BESIDE_GAP, CONE, DIRECTIONS, NEAR_GAP
 from vcage.plans.thresholds import THRESHOLDS
 from vcage.schema.episodes import Failure, Verdict
-from vcage.schema.goals import OF_A_PART, Goal, part_words
+from vcage.schema.goals import Goal
 from vcage.schema.plan import TABLE
 from vcage.schema.subtasks import Statement
 from vcage.vision.protocols import Reference
@@ -66,7 +67,7 @@ class LlmCritic:
         prompt = prompts.fill(
             "judge_subtask",
             text=question.text,
-            truths=[_in_words(goal, phrases) for goal in question.goals],
+            truths=[goal_in_words(goal, phrases) for goal in question.goals],
             words={_defined(goal) for goal in question.goals},
             limits=THRESHOLDS,
             cone_rad=CONE,
@@ -128,28 +129,11 @@ def _defined(goal: Goal) -> str:
     return "on_table" if goal.reference == TABLE else goal.relation
 
 
-def _in_words(goal: Goal, phrases: Mapping[str, str]) -> str:
-    """What a goal says, with the objects' phrases."""
-    thing, word = phrases.get(goal.subject, goal.subject), goal.relation.replace("_", " ")
-    if goal.relation in OF_A_PART:
-        return f"the {part_words(str(goal.part))} of the {thing} is {word}"
-    if goal.relation == "handed":
-        return f"the {thing} is handed to the {goal.reference} arm"
-    if goal.relation == "back":
-        return f"the {thing} is back where it stood at the start"
-    if goal.relation == "presented":
-        return f"the {thing} stands on the customer's half of the table with its front towards the customer"
-    if goal.reference is None:
-        return f"the {thing} is {word}"
-    place = f"the {phrases.get(goal.reference, goal.reference)}"
-    return f"the {thing} is {word} {place if goal.part is None else f'the {part_words(goal.part)} of {place}'}"
-
-
 def _still(statement: Statement, phrases: Mapping[str, str]) -> str:
     """What a statement says, with the objects' phrases."""
     if statement.goal is None:
         return f"the {phrases.get(statement.subject, statement.subject)} has not moved"
-    return _in_words(statement.goal, phrases).replace(" is ", " is still ", 1)
+    return goal_in_words(statement.goal, phrases).replace(" is ", " is still ", 1)
 
 
 def _on_white(look: Reference) -> np.ndarray:

@@ -2,53 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from functools import partial
 
 import numpy as np
 
-from vcage.base.commands import vcage_command
-from vcage.base.errors import NoAssetFits, UnreadInstruction
-from vcage.base.text import one_line
 from vcage.models import prompts
 from vcage.models.exchange import Answerer
+from vcage.models.goal_answers import Instructed
+from vcage.models.llm_reading import ThirdReader, read_goals
+from vcage.models.llm_selection import select_assets
 from vcage.models.llm_slots import STEPS_PER_CALL, answer_type, complaints, meaning
 from vcage.models.llm_wordings import ask_wordings
-from vcage.models.search import Search, best_search, narrow
-from vcage.models.structured import Answer, AnswerType, ask, narrowed, one_of, one_or_none
+from vcage.models.search import Search, best_search
+from vcage.models.structured import Answer, asking, narrowed, one_of
 from vcage.models.wordings import TaskToWord, TaskWordings
-from vcage.objects.catalogue import LEGEND, catalogue_line
 from vcage.plans.check import PlanCheck
 from vcage.plans.plain_words import goal_in_words, in_words
 from vcage.schema.asset import CatalogueEntry
-from vcage.schema.goals import OF_A_PART, OF_TWO, AskedGoal, Goal, GoalWord, Reading
-from vcage.schema.plan import (
-    TABLE,
-    LayoutPlan,
-    Relation,
-    RelationWord,
-    SelectedAsset,
-    Selection,
-    SelectionCheck,
-    starting_complaints,
-)
-from vcage.schema.scene import Role, Scene
+from vcage.schema.goals import Reading
+from vcage.schema.plan import TABLE, LayoutPlan, Relation, RelationWord, Selection, SelectionCheck
+from vcage.schema.scene import PLAIN, Scene
 from vcage.schema.subtasks import PairAnswer, PairQuestion, SlotAnswer, SlotQuestion
 
 PAIRS_PER_CALL = 30
 """Pairs that one prompt asks about."""
-
-
-class _ChosenObject(Answer):
-    look: str
-    role: Role
-    starts_in: str
-    reason: str
-
-
-class _SelectionAnswer(Answer):
-    missing: list[str]
-    objects: list[_ChosenObject]
 
 
 class _PlannedRelation(Answer):
@@ -72,21 +50,6 @@ class _PairsAnswer(Answer):
     pairs: list[_JudgedPair]
 
 
-class _ReadGoal(Answer):
-    relation: GoalWord
-    subject: str
-    reference: str
-    part: str
-    step: int
-    words: str
-
-
-class _GoalsAnswer(Answer):
-    unread: list[str]
-    goals: list[_ReadGoal]
-    untouched: list[str]
-
-
 class LlmReasoner:
     """Implements :class:`vcage.models.protocols.Reasoner`, which says what the arguments are.
 
@@ -96,38 +59,37 @@ class LlmReasoner:
     :func:`vcage.models.structured.ask`.
     """
 
-    def __init__(self, who: Answerer, search: Callable[[], Search] = best_search):
-        """``search`` makes the search that narrows a large catalogue."""
-        self._who = who
+    def __init__(
+        self,
+        who: Answerer,
+        search: Callable[[], Search] = best_search,
+        reviewer: Answerer | None = None,
+        third: ThirdReader | None = None,
+    ):
+        """Ask a model.
+
+        Args:
+            who: is asked.
+            search: makes the search that narrows a large catalogue.
+            reviewer: is asked whether a reading says what the instruction does; None for no such review.
+            third: reads without a model; where it can, its reading must be the model's.
+        """
         self._search = search
+        self._reviewer = None if reviewer is None else asking(reviewer, "reasoner")
+        self._third = third
+        self._ask = asking(who, "reasoner")
         self.provider = who.provider
 
-    def _ask(
-        self, prompt: prompts.Prompt, answer: type[AnswerType], complaints: Callable[[AnswerType], Sequence[str]]
-    ) -> AnswerType:
-        return ask(self._who, "reasoner", prompt, answer, complaints=complaints)
-
     def select_assets(
-        self, instruction: str, catalogue: Sequence[CatalogueEntry], rng: np.random.Generator, check: SelectionCheck
+        self,
+        instruction: str,
+        catalogue: Sequence[CatalogueEntry],
+        rng: np.random.Generator,
+        check: SelectionCheck,
+        scene: str = PLAIN,
     ) -> Selection:
-        """The model's choice among ``asset/variant`` names of the catalogue, narrowed where it is large."""
-        catalogue = narrow(instruction, catalogue, self._search)
-        looks = [f"{entry.name}/{variant.id}" for entry in catalogue for variant in entry.variants]
-        starts = [entry.name for entry in catalogue]
-        item = narrowed(_ChosenObject, look=one_of(looks), starts_in=one_or_none(starts))
-        answer = narrowed(_SelectionAnswer, objects=list[item])
-        lines = [catalogue_line(entry) for entry in catalogue]
-        prompt = prompts.fill("select_assets", instruction=instruction, catalogue=lines, legend=LEGEND)
-        found = self._ask(prompt, answer, lambda a: _selection_complaints(a, check))
-        if found.missing:
-            listed = " and ".join(repr(name) for name in found.missing)
-            raise NoAssetFits(
-                f"no asset of the catalogue matches {listed}",
-                hint="see what there is",
-                command=vcage_command("assets", "list"),
-                details={"unmatched": list(found.missing)},
-            )
-        return _selection(found)
+        """See :func:`vcage.models.llm_selection.select_assets`."""
+        return select_assets(self._ask, instruction, catalogue, check, scene, self._search)
 
     def plan_layout(
         self, scene: Scene, catalogue: Sequence[CatalogueEntry], rng: np.random.Generator, check: PlanCheck
@@ -169,50 +131,20 @@ class LlmReasoner:
             found += meaning(answer, batch)
         return found
 
-    def read_goals(self, instruction: str, things: Mapping[str, CatalogueEntry], lying: Mapping[str, str]) -> Reading:
-        """The model's reading; goals name objects and parts of the scene only, and words of the instruction."""
-        parts = sorted({part for entry in things.values() for part in entry.moving_parts})
-        item = narrowed(
-            _ReadGoal,
-            subject=one_of(list(things)),
-            reference=one_or_none([TABLE, "left", "right", *things]),
-            part=one_or_none(parts),
-        )
-        answer = narrowed(_GoalsAnswer, goals=list[item], untouched=list[one_of(list(things))])  # pyrefly: ignore
-        prompt = prompts.fill("read_goals", instruction=instruction, things=dict(things), lying=dict(lying))
-        found = self._ask(prompt, answer, lambda a: _goal_complaints(a, instruction, things))
-        if found.unread:
-            understood = [goal.words for goal in found.goals]
-            raise UnreadInstruction.of(instruction, "; ".join(found.unread), "no goal answers it", understood)
-        return Reading(goals=[_asked(goal) for goal in found.goals], untouched=list(found.untouched))
+    def read_goals(
+        self,
+        instruction: str,
+        things: Mapping[str, CatalogueEntry],
+        lying: Mapping[str, str],
+        moved: Collection[str] = (),
+    ) -> Reading:
+        """See :func:`vcage.models.llm_reading.read_goals`."""
+        read = Instructed(instruction, things, lying, moved)
+        return read_goals(self._ask, read, self._reviewer, self._third)
 
     def word_task(self, task: TaskToWord, plain: Sequence[str]) -> TaskWordings:
         """The model's sentences that hold against the review; see :func:`vcage.models.llm_wordings.ask_wordings`."""
-        return ask_wordings(self._who, task, plain)
-
-
-def _selection_complaints(answer: _SelectionAnswer, check: SelectionCheck) -> list[str]:
-    if answer.missing:
-        return []
-    roles = {chosen.role for chosen in answer.objects}
-    found = [] if "content" in roles else ["objects: none has the role 'content', so there is nothing to move"]
-    found += starting_complaints((chosen.look.partition("/")[0], chosen.starts_in) for chosen in answer.objects)
-    return found or list(check(_selection(answer)))
-
-
-def _selection(answer: _SelectionAnswer) -> Selection:
-    return Selection(
-        objects=[
-            SelectedAsset(
-                asset=chosen.look.partition("/")[0],
-                variant=chosen.look.partition("/")[2],
-                role=chosen.role,
-                reason=chosen.reason,
-                starts_in=chosen.starts_in or None,
-            )
-            for chosen in answer.objects
-        ]
-    )
+        return ask_wordings(self._ask, task, plain)
 
 
 def _plan_complaints(answer: _LayoutAnswer, check: PlanCheck) -> list[str]:
@@ -234,32 +166,3 @@ def _pair_complaints(pairs: Sequence[_JudgedPair], count: int) -> list[str]:
     if numbers != list(range(1, count + 1)):
         return [f"pairs: expected the numbers 1 to {count} once each, in order, got {numbers}"]
     return [f"pairs.{p.number}: reason is empty" for p in pairs if not p.reason.strip()]
-
-
-def _goal_complaints(answer: _GoalsAnswer, instruction: str, things: Mapping[str, CatalogueEntry]) -> list[str]:
-    if answer.unread:
-        return []
-    found = [] if answer.goals else ["goals: is empty, and so is unread"]
-    for number, goal in enumerate(answer.goals):
-        where = f"goals.{number}"
-        owner = goal.subject if goal.relation in OF_A_PART else goal.reference
-        if not goal.words.strip() or one_line(goal.words) not in one_line(instruction):
-            found.append(f"{where}: words are not copied from the instruction: {goal.words!r}")
-        if goal.step < 1:
-            found.append(f"{where}: step counts from 1, got {goal.step}")
-        if (goal.relation in OF_TWO) != bool(goal.reference):
-            found.append(f"{where}: {goal.relation!r} takes {'a' if goal.relation in OF_TWO else 'no'} reference")
-        elif (goal.relation == "handed") != (goal.reference in ("left", "right")):
-            found.append(f"{where}: {goal.reference!r} is no reference for {goal.relation!r}")
-        if goal.relation in OF_A_PART and not goal.part:
-            found.append(f"{where}: {goal.relation!r} needs the part")
-        if goal.part and (owner not in things or goal.part not in things[owner].moving_parts):
-            found.append(f"{where}: {owner} has no moving part {goal.part!r}")
-        if goal.subject in (goal.reference, *answer.untouched):
-            found.append(f"{where}: {goal.subject} is its own reference, or to be left alone")
-    return found
-
-
-def _asked(goal: _ReadGoal) -> AskedGoal:
-    told = Goal(subject=goal.subject, relation=goal.relation, reference=goal.reference or None, part=goal.part or None)
-    return AskedGoal(goal=told, step=goal.step, words=goal.words)

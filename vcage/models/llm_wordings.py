@@ -6,8 +6,7 @@ from collections.abc import Sequence
 
 from vcage.base.text import one_line
 from vcage.models import prompts
-from vcage.models.exchange import Answerer
-from vcage.models.structured import Answer, ask
+from vcage.models.structured import Answer, Asking
 from vcage.models.wordings import TaskToWord, TaskWordings
 
 SHOWN = 3
@@ -22,11 +21,11 @@ class _WordingsAnswer(Answer):
     sentences: list[_Sentence]
 
 
-def ask_wordings(who: Answerer, task: TaskToWord, plain: Sequence[str]) -> TaskWordings:
+def ask_wordings(put: Asking, task: TaskToWord, plain: Sequence[str]) -> TaskWordings:
     """Ask once for sentences; once more, with what is wrong with them, where none holds against the review.
 
     Args:
-        who: answers.
+        put: asks.
         task: what a sentence must ask for, and may name.
         plain: sentences of templates, as examples.
 
@@ -44,7 +43,7 @@ def ask_wordings(who: Answerer, task: TaskToWord, plain: Sequence[str]) -> TaskW
         return wrong or ["sentences: is empty"]
 
     prompt = prompts.fill("word_task", task=task, plain=list(plain[:SHOWN]))
-    proposed = _texts(ask(who, "reasoner", prompt, _WordingsAnswer, complaints=complaints))
+    proposed = _texts(put(prompt, _WordingsAnswer, complaints))
     sentences = task.reviewed(proposed)
     return TaskWordings(sentences, len(proposed) - len(sentences))
 

@@ -6,7 +6,7 @@ file that its answers touched.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Protocol, TypeAlias
@@ -20,7 +20,7 @@ from vcage.schema.asset import CatalogueEntry
 from vcage.schema.episodes import Verdict
 from vcage.schema.goals import Goal, Reading
 from vcage.schema.plan import LayoutPlan, Relation, Selection, SelectionCheck
-from vcage.schema.scene import Scene
+from vcage.schema.scene import PLAIN, Scene
 from vcage.schema.subtasks import PairAnswer, PairQuestion, SlotAnswer, SlotQuestion, Statement
 from vcage.vision.protocols import Detector, Embedder, Reference, View
 
@@ -144,11 +144,17 @@ class Reasoner(Protocol):
     provider: str
 
     def select_assets(
-        self, instruction: str, catalogue: Sequence[CatalogueEntry], rng: np.random.Generator, check: SelectionCheck
+        self,
+        instruction: str,
+        catalogue: Sequence[CatalogueEntry],
+        rng: np.random.Generator,
+        check: SelectionCheck,
+        scene: str = PLAIN,
     ) -> Selection:
         """The objects that the instruction needs, and some that fit the occasion.
 
         Args:
+            scene: name of the scene template; kinds that list it among their scenes are preferred.
             check: what its complaints are about is mended, within the rounds that the reasoner has.
 
         Raises:
@@ -193,15 +199,23 @@ class Reasoner(Protocol):
         """
         ...
 
-    def read_goals(self, instruction: str, things: Mapping[str, CatalogueEntry], lying: Mapping[str, str]) -> Reading:
+    def read_goals(
+        self,
+        instruction: str,
+        things: Mapping[str, CatalogueEntry],
+        lying: Mapping[str, str],
+        moved: Collection[str] = (),
+    ) -> Reading:
         """What the instruction asks for in a scene, each goal with the words that it answers.
 
         Args:
             things: what there is, by object id: the catalogue's entries with no other look than the object's.
             lying: what lies in or on another thing at the start: object id → id of that thing.
+            moved: ids of the objects that were chosen to be moved, each of which is in a goal.
 
         Raises:
-            UnreadInstruction: words of it answer to no goal, or leave open what is meant; names them.
+            UnreadInstruction: words of it answer to no goal, or leave open what is meant; names them. Where other
+                objects are needed, ``details["wrong_objects"]`` says why.
             ModelRefused: the last round's answer is still complained about; lists the complaints.
         """
         ...

@@ -10,12 +10,16 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
 from vcage.base.text import listed
-from vcage.base.words import COLOURS, NUMBERS, colour_of, lemma, same_word
+from vcage.base.words import COLOURS, NUMBERS, PARTS, colour_of, lemma, same_word, tokens
 from vcage.objects.names import is_of_kind, names_of
 from vcage.schema.asset import CatalogueEntry
 
 _EVERYTHING = frozenset(("everything", "anything", "whatever"))
 _EVERY = frozenset(("all", "every", "each", "rest", "remaining"))
+_OF_WHAT_WAS_NAMED = frozenset(("all", "every", "each"))
+"""Without a noun these mean what was named before: "the cups and the plates, put them all away"."""
+_BEGINNING = 2
+"""Words that may stand before such a word where nothing was named: "please put all"."""
 _FIXED = ("first of all", "above all", "after all", "at all", "all right", "all done", "each other", "all the way")
 """Phrases in which such a word is no quantifier."""
 _BEFORE_THE_NOUN = frozenset(("of", "the", "my", "your", "our", "these", "those", "them", "single", "last", *NUMBERS))
@@ -28,6 +32,7 @@ _ENDS_THE_NOUN = frozenset(
     )
     for word in words.split()
 )
+_EXCEPT = re.compile(r"\b(?:except|but|bar|apart from|other than|excluding|save|without|isn't|aren't|not)\b")
 _WORD = re.compile(r"[a-z]+(?:'[a-z]+)?|[,.;:!?]")
 
 
@@ -67,7 +72,10 @@ def quantified(instruction: str) -> list[Quantified]:
     words, found = _WORD.findall(text), list[Quantified]()
     for at, word in enumerate(words):
         if word in _EVERYTHING or word in _EVERY:
-            found.append(_quantified(words, at))
+            one = _quantified(words, at)
+            of_parts = PARTS.intersection(one.noun)
+            if not of_parts and (one.noun or one.colour or word not in _OF_WHAT_WAS_NAMED or at <= _BEGINNING):
+                found.append(one)
     return found
 
 
@@ -78,9 +86,29 @@ def _quantified(words: list[str], at: int) -> Quantified:
     begun = end
     while end < len(words) and words[end].isalpha() and words[end] not in _ENDS_THE_NOUN:
         end += 1
-    said = words[begun:end]
-    noun = tuple(lemma(word) for word in said if word not in COLOURS) if words[at] in _EVERY else ()
+    said = words[begun:end] or _attribute(words, end)
+    noun = tuple(lemma(word) for word in said if word not in COLOURS)
+    if words[at] in _EVERYTHING and words[begun:end]:  # "everything blue", "everything on the desk"
+        noun = ()
     return Quantified(" ".join(words[at:end]), noun, colour_of(" ".join(said)))
+
+
+def _attribute(words: list[str], at: int) -> list[str]:
+    """The adjective or noun of "everything that's yellow", "everything you can drink"."""
+    text = " ".join(words[at : at + 4])
+    if found := re.match(r"(?:that's|that is|that are|which is|which are) (\w+)", text):
+        return [] if found[1] in _ENDS_THE_NOUN or found[1] in ("not", "still") else [found[1]]
+    found = re.match(r"(?:(?:that )?you can|to|one can) (eat|drink)\b", text)
+    return [] if found is None else ["food" if found[1] == "eat" else "drink"]
+
+
+def _excepted(instruction: str, entry: CatalogueEntry) -> bool:
+    """Check if words after "except", "but" or "isn't" name an object or its colour."""
+    _, marker, rest = _EXCEPT.sub("\n", instruction.lower(), count=1).partition("\n")
+    said = {lemma(word) for word in tokens(rest)}
+    colours = {colour_of(variant.colour) for variant in entry.variants}
+    heads = {name[-1] for name in names_of(entry).all}
+    return bool(marker) and bool(said & heads or {colour_of(word) for word in said} & (colours - {None}))
 
 
 def left_over(instruction: str, things: Mapping[str, CatalogueEntry], spoken: Collection[str]) -> list[str]:
@@ -94,6 +122,7 @@ def left_over(instruction: str, things: Mapping[str, CatalogueEntry], spoken: Co
     complaints = []
     for quantifier in quantified(instruction):
         missed = [name for name, entry in things.items() if name not in spoken and quantifier.covers(entry)]
+        missed = [name for name in missed if not _excepted(instruction, things[name])]
         if missed:
             complaints.append(f"the instruction says {quantifier.words!r}, but no goal speaks of {listed(missed)}")
     return complaints

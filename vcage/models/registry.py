@@ -52,6 +52,7 @@ class Choice:
         replayed: folder of the run whose exchanges ``replay`` reads; ``run`` when left out.
         anew: ask again what was answered before.
         fallback: :data:`OFFLINE`, if rules play a role whose endpoint does not serve its model; else that is an error.
+        review: whether a model looks at what a model read in the instruction.
         votes: how often the critic asks a model; see :class:`vcage.models.llm_critic.LlmCritic`.
         cap: what the run may spend on models online.
     """
@@ -64,6 +65,7 @@ class Choice:
     replayed: Path | None = None
     anew: bool = False
     fallback: str | None = None
+    review: bool = True
     votes: int = 1
     cap: Cap = field(default_factory=Cap)
 
@@ -210,10 +212,10 @@ def build_models(choice: Choice, detector: str = DETECTORS[0], embedder: str = E
 
 
 def _reasoner(choice: Choice) -> Reasoner:
-    if who := choice.answerer("reasoner"):
-        return LlmReasoner(who)
     from vcage.models.rules.reasoner import OfflineReasoner
 
+    if who := choice.answerer("reasoner"):
+        return LlmReasoner(who, reviewer=who if choice.review else None, third=OfflineReasoner().read_goals)
     return OfflineReasoner()
 
 

@@ -21,8 +21,6 @@ from vcage.base.words import (
     spelling_similarity,
 )
 from vcage.models.protocols import OFFLINE
-from vcage.models.rules.instruction import parse_instruction
-from vcage.objects.catalogue import catalogue_line
 from vcage.objects.names import names_of
 from vcage.schema.asset import CatalogueEntry
 
@@ -40,12 +38,6 @@ _NAMED, _OF_KIND, _DESCRIBED = 1.0, 0.7, 0.5
 
 _SPELLING = 0.3
 """What a name that is only spelled alike is worth at most."""
-
-MOST_KINDS = 150
-"""Kinds that a prompt lists; of a larger catalogue those that a search finds for the instruction."""
-
-MOST_CATALOGUE_TEXT = 40_000
-"""Characters that the catalogue takes in a prompt: about 10 000 tokens."""
 
 Found = list[tuple[CatalogueEntry, float]]
 Embed = Callable[[Sequence[str]], np.ndarray]
@@ -136,35 +128,6 @@ def shortlist(
             if rank < len(found) and len(taken) < most:
                 taken.setdefault(found[rank][0].name, found[rank][0])
     return list(taken.values())
-
-
-def narrow(instruction: str, catalogue: Sequence[CatalogueEntry], search: Callable[[], Search]) -> list[CatalogueEntry]:
-    """The catalogue, or of a large one what answers the instruction or any of its phrases, in the catalogue's order.
-
-    Args:
-        search: makes the search that ranks a large catalogue; a small one needs none.
-    """
-    lengths = {entry.name: len(catalogue_line(entry)) + 1 for entry in catalogue}
-    if len(catalogue) <= MOST_KINDS and sum(lengths.values()) <= MOST_CATALOGUE_TEXT:
-        return list(catalogue)
-    kept: set[str] = set()
-    room = MOST_CATALOGUE_TEXT
-    for entry in shortlist([instruction, *_named(instruction)], catalogue, search(), MOST_KINDS):
-        room -= lengths[entry.name]
-        if room < 0:
-            break
-        kept.add(entry.name)
-    return [entry for entry in catalogue if entry.name in kept]
-
-
-def _named(instruction: str) -> list[str]:
-    """Everything that the instruction names, so that each thing is searched for by itself."""
-    named = [
-        phrase.text
-        for request in parse_instruction(instruction)
-        for phrase in (*request.things, *request.tools, *([request.place] if request.place else []))
-    ]
-    return list(dict.fromkeys(named))
 
 
 def _sentence_encoder() -> Embed:

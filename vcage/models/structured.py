@@ -5,7 +5,7 @@ from __future__ import annotations
 import difflib
 import re
 from collections.abc import Callable, Sequence
-from typing import Annotated, Any, Literal, TypeVar
+from typing import Annotated, Any, Literal, Protocol, TypeVar
 
 import numpy as np
 from pydantic import AfterValidator, BaseModel, ConfigDict, ValidationError, create_model
@@ -99,6 +99,25 @@ def ask(
     )
 
 
+class Asking(Protocol):
+    """Puts a prompt to somebody, and returns an answer that nothing is wrong with."""
+
+    def __call__(
+        self, prompt: Prompt, answer: type[AnswerType], complaints: Callable[[AnswerType], Sequence[str]]
+    ) -> AnswerType:
+        """See :func:`ask`."""
+        ...
+
+
+def asking(who: Answerer, role: Asked) -> Asking:
+    """Fix whom :func:`ask` asks, and in which role."""
+
+    def put(prompt: Prompt, answer: type[AnswerType], complaints: Callable[[AnswerType], Sequence[str]]) -> AnswerType:
+        return ask(who, role, prompt, answer, complaints=complaints)
+
+    return put
+
+
 def _read(text: str, answer: type[AnswerType]) -> tuple[AnswerType | None, Sequence[str]]:
     try:
         data = parse_json(json_of(text))
@@ -113,8 +132,10 @@ def _read(text: str, answer: type[AnswerType]) -> tuple[AnswerType | None, Seque
 def _wrong(error: ErrorDetails) -> str:
     """What is wrong with a field; of many names that it may take those that are spelled alike."""
     names = re.findall(r"'([^']*)'", error.get("ctx", {}).get("expected", ""))
-    if error["type"] != "literal_error" or len(names) <= MOST_NAMES:
+    if error["type"] != "literal_error":
         return error["msg"]
+    if len(names) <= MOST_NAMES:
+        return f"{error['msg']}, got {error['input']!r}"
     near = difflib.get_close_matches(str(error["input"]), names, n=5, cutoff=0.4) or names[:5]
     return f"{error['input']!r} is not among the {len(names)} names; near are {', '.join(near)}"
 

@@ -8,9 +8,13 @@ from collections.abc import Iterable
 from typing import Any
 
 from vcage.base.text import one_line
-from vcage.schema.asset import Annotation, CatalogueEntry
+from vcage.schema.asset import Annotation, CatalogueEntry, FunctionalPoint
+from vcage.schema.base import Point3
 
-LEGEND = "name = what it is (category; scenes); size class and size in cm; what can be done with it; looks"
+LEGEND = (
+    "name = what it is (category; scenes); size class and size in cm; what can be done with it, with the room in cm "
+    "for what is put in or on it; looks"
+)
 """What the parts of a line are."""
 
 UNBUILT = "not built yet"
@@ -63,11 +67,18 @@ def _look(variant: str, colour: str) -> str:
 
 
 def _abilities(entry: CatalogueEntry) -> str:
-    """'can be grasped, holds in 3, on 1': the numbers are places, left out where there is one."""
-    places = Counter(point.holds for point in entry.functional_points)
-    holds = [holds if number == 1 else f"{holds} {number}" for holds, number in places.items()]
-    grasp = "graspable" if entry.contact_points else "not graspable"
+    """'graspable, holds in 21.2x12.2x6.3 and on 13.3x13.3': the inner size of each place, its drawer or lid named."""
+    rooms = {room.point: room.size for room in entry.rooms}
+    places = Counter(_place(point, rooms.get(point.id)) for point in entry.functional_points)
+    holds = [place if number == 1 else f"{place} (x{number})" for place, number in places.items()]
+    grasp = "graspable" if entry.can_be_carried else "not graspable"
     return f"{grasp}, holds {' and '.join(holds)}" if holds else grasp
+
+
+def _place(point: FunctionalPoint, room: Point3 | None) -> str:
+    """'in drawer_top 21.2x12.2x6.3': an open top has no height."""
+    size = "" if room is None else "x".join(f"{100 * edge:.1f}" for edge in room if edge)
+    return " ".join(word for word in (point.holds, point.link or "", size) if word)
 
 
 def count_kinds(annotations: Iterable[Annotation]) -> dict[str, Any]:

@@ -15,6 +15,7 @@ from vcage.base.workers import cores, in_processes
 from vcage.objects import sources
 from vcage.objects.asset import Asset, unbuilt_entry
 from vcage.objects.points import check_meshes, check_points, check_size
+from vcage.objects.rooms import rooms_of
 from vcage.schema.asset import Annotation, CatalogueEntry, Variant
 
 logger = logging.getLogger(__name__)
@@ -129,12 +130,13 @@ class Library:
         return self._assets[key]
 
     def entry(self, name: str) -> CatalogueEntry:
-        """What a model sees of one asset; the meshes are not looked at, for a library has thousands of them.
+        """What a model sees of one asset; meshes are read only to measure rooms that were not measured before.
 
         Raises:
             UnknownName, InputFileError: see :meth:`asset`.
         """
-        return self._described(name).entry()
+        asset = self._described(name)
+        return asset.entry().model_copy(update={"rooms": rooms_of(asset)})
 
     def entries(self) -> list[CatalogueEntry]:
         """What a model sees of the library, in the order of the names; models that this needs are built first.

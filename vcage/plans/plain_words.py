@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from vcage.schema.goals import Description, Goal, RelationWord, part_words
+from vcage.schema.goals import AskedGoal, Description, Goal, Reading, RelationWord, part_words
 from vcage.schema.plan import TABLE
 
 _BETWEEN: Mapping[RelationWord, str] = {
@@ -55,3 +55,18 @@ def goal_in_words(goal: Goal, phrases: Mapping[str, str]) -> str:
     if goal.relation in _DONE:
         return f"{f'the {part_words(goal.part)} of ' if goal.part else ''}{thing} {_DONE[goal.relation]}"
     return f"{thing} is {relation_in_words(goal.relation, str(goal.reference), phrases, goal.part)}"  # pyrefly: ignore
+
+
+def reading_in_words(reading: Reading, phrases: Mapping[str, str]) -> list[str]:
+    """A reading as a list of sentences: what is true at the start, what is done in which order, what is left alone."""
+    found = [f"At the start {in_words(told, phrases)}." for told in reading.descriptions]
+    steps = sorted({asked.step for asked in reading.goals})
+    for number, step in enumerate(steps, 1):
+        order = f"Step {number}: " if len(steps) > 1 else ""
+        found += [f"{order}{_asked(asked, phrases)}." for asked in reading.goals if asked.step == step]
+    return found + [f"The {phrases.get(name, name)} is left alone." for name in reading.untouched]
+
+
+def _asked(asked: AskedGoal, phrases: Mapping[str, str]) -> str:
+    arm = f", by the {asked.arm} arm" if asked.arm else ""
+    return f"{goal_in_words(asked.goal, phrases)}{arm}"

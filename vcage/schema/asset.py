@@ -67,6 +67,13 @@ class FunctionalPoint(Record):
         return self.axis[2] < 0.7
 
 
+class PointRoom(Record):
+    """The room at a functional point: what lies there must fit into it."""
+
+    point: int = Field(ge=0, description="id of the functional point")
+    size: Point3 = Field(description="width and depth of the free rectangle, and the height; 0 on an open top; metres")
+
+
 class Face(Record):
     """A spot of an object that is looked at: a bar code, or the window of the scanner that reads it."""
 
@@ -190,6 +197,7 @@ class CatalogueEntry(Record):
     functional_points: list[FunctionalPoint] = []
     faces: list[Face] = []
     moving_parts: list[Identifier] = Field(default=[], description="names of drawers, lids, buttons…")
+    rooms: list[PointRoom] = Field(default=[], description="at its functional points; none while it is not built")
 
     @property
     def can_be_carried(self) -> bool:

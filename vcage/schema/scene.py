@@ -27,6 +27,9 @@ Role = Literal["content", "receptacle", "tool", "context"]
 """What the instruction does with an object: moves it, puts things into it, uses it for something else (a scanner, a
 scale, a sign), or nothing."""
 
+PLAIN = "table"
+"""Name of the scene template that is no place in particular."""
+
 MOST_OF_A_KIND = 40
 """Objects that one record of a template may ask for: more have no place on any table."""
 

@@ -22,7 +22,9 @@ from vcage.stages.stage import StageOptions
 
 ASKED_BY = {
     "select_assets": "select_place",
+    "search_catalogue": "select_place",
     "read_goals": "select_place",
+    "review_goals": "select_place",
     "plan_layout": "inpaint_plan",
     "rearrange": "inpaint_plan",
     "judge_pairs": "search_subtasks",
@@ -98,7 +100,7 @@ def _models(name: str, run: RunFolder) -> Models:
     answered = who_answered(exchanges)
     kept = Replayed(exchanges, answered["reasoner"]) if "reasoner" in answered else None
     showing, rules = _Showing(name, kept), build_models(Choice("offline"))
-    reasoner = LlmReasoner(showing)
+    reasoner = LlmReasoner(showing, reviewer=showing, third=rules.reasoner.read_goals)
     if kept is None and hasattr(rules.reasoner, name):  # its prompts are called as its methods
         setattr(rules.reasoner, name, getattr(reasoner, name))
     return replace(

@@ -24,7 +24,6 @@ otherwise.
 from __future__ import annotations
 
 import logging
-import unicodedata
 from collections.abc import Collection
 from dataclasses import dataclass
 from pathlib import Path
@@ -36,6 +35,7 @@ from vcage.base.errors import UsageError
 from vcage.base.files import RunFolder
 from vcage.base.options import UNSAID, value
 from vcage.base.progress import Progress, silent
+from vcage.base.text import one_line
 from vcage.schema.base import Provenance
 from vcage.schema.scene import Scene, SceneTemplate
 from vcage.sim.robots import available, load_template
@@ -47,7 +47,6 @@ from vcage.stages.possible import edited_scene
 from vcage.stages.stage import Job, ModelOptions, StageResult
 from vcage.stages.told_goals import Told
 from vcage.stages.told_scene import choose_told
-from vcage.tasks.search import require_way
 
 logger = logging.getLogger(__name__)
 
@@ -128,10 +127,10 @@ def _read(instruction: str) -> str:
             f"the instruction has {len(instruction)} characters, at most {LONGEST_INSTRUCTION} are read",
             hint="make a run of each part",
         )
-    if any(unicodedata.category(c) in ("Cc", "Cs") for c in instruction):
+    if one_line(instruction) != instruction:
         raise UsageError(
-            f"the instruction {instruction!r} holds what is no text",
-            hint="write it in UTF-8, without control characters",
+            f"the instruction {instruction!r} contains control characters, or characters that are not seen",
+            hint="write it in UTF-8, without them",
         )
     return instruction
 
@@ -172,7 +171,6 @@ def execute(run: RunFolder, options: Options, context: StageContext, progress: P
             read = chosen.reading
             scene |= {"goals": read.goals, "untouched": read.untouched, "descriptions": read.descriptions}
         placed = place_until_stable(scene, chosen.objects, template, context, rng)
-        require_way(placed, context.objects(placed))
         noted = placed.model_copy(update={"checks": {**placed.checks, "notes": chosen.notes}})
         return photograph(noted, context, folder)
 

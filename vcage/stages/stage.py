@@ -79,6 +79,8 @@ class ModelOptions(StageOptions):
     """the run whose exchanges --models replay reads (default: this one)"""
     fallback: Annotated[str | None, choice((OFFLINE,)), UNSAID] = None
     """who plays a role whose endpoint does not serve its model (default: nobody, that is an error)"""
+    review: Annotated[bool, UNSAID] = True
+    """let the model that read the instruction check its goals, in plain words, with one question more"""
     votes: Annotated[int, POSITIVE] = 1
     """how often a critic that is a model is asked; more than half must say yes"""
     most_calls: Annotated[int, POSITIVE] = 2000
@@ -97,6 +99,7 @@ class ModelOptions(StageOptions):
             replayed=self.replay,
             anew=self.force,
             fallback=self.fallback,
+            review=self.review,
             votes=self.votes,
             cap=Cap(self.most_calls, self.most_usd),
         )

@@ -9,7 +9,7 @@ import numpy as np
 
 from vcage.base.errors import UsageError
 from vcage.base.text import listed
-from vcage.models.quantifiers import left_over
+from vcage.models.second_look import second_look
 from vcage.models.selection_check import NamedObject
 from vcage.models.wordings import TaskToWord
 from vcage.schema.asset import CatalogueEntry
@@ -17,6 +17,7 @@ from vcage.schema.goals import OF_A_PART, AskedGoal, Description, Goal, Reading
 from vcage.schema.scene import Role, SceneTemplate
 from vcage.sim.robots import load_robot
 from vcage.stages.chosen_objects import Chosen, entries_of
+from vcage.stages.chosen_objects import impossible as ruled_out
 from vcage.stages.context import StageContext
 from vcage.stages.started import started
 from vcage.stages.told_checks import impossible, place_refusal, require_consistent, require_part, require_sense
@@ -54,7 +55,10 @@ def choose_told(
     for one in descriptions:
         if one.relation in ("inside", "on") and (why := place_refusal(one, kinds)):
             raise impossible(str(one), why)
-    return instruction, Chosen(started(objects, descriptions, context.library), reading, [])
+    objects = started(objects, descriptions, context.library)
+    if error := ruled_out(objects, goals, arms, context):
+        raise error
+    return instruction, Chosen(objects, reading, [])
 
 
 def _resolved(
@@ -142,9 +146,8 @@ def _second_look(
     Raises:
         UsageError: it does; names what the goals lack.
     """
-    spoken = {name for one in reading.goals for name in (one.goal.subject, one.goal.reference) if name is not None}
-    spoken |= {o.id for o in objects if o.role == "tool"}
-    if complaints := left_over(instruction, kinds, spoken):
+    moved = [o.id for o in objects if o.role == "content"]
+    if complaints := second_look(instruction, kinds, reading, moved):
         raise UsageError(
             f"the goals do not do what the instruction says: {'; '.join(complaints)}",
             hint="add the goals that it lacks, or leave the instruction out",

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from vcage.base.errors import NoFeasibleTask
-from vcage.schema.goals import in_steps
-from vcage.schema.scene import Scene
+from vcage.schema.goals import AskedGoal, in_steps
 from vcage.tasks.primitives.grip import stays_level
 from vcage.tasks.scene_objects import SceneObject
 
@@ -14,19 +13,19 @@ STAYING = ("open", "closed", "turned", "pressed")
 """Goals for which their object stays where it is."""
 
 
-def require_level(scene: Scene, objects: Sequence[SceneObject]) -> None:
+def require_level(goals: Sequence[AskedGoal], objects: Sequence[SceneObject]) -> None:
     """Refuse to move a thing that was filled before, if it tips when it is carried.
 
     Args:
-        scene: with its goals.
+        goals: that are asked for.
         objects: of the scene.
 
     Raises:
         NoFeasibleTask: names the thing, what lies in it, and the order in which it can be done.
     """
     by_id, lies = {o.id: o for o in objects}, dict[str, str]()
-    words = {one.goal: one.words for one in scene.goals}
-    for step in in_steps(scene.goals):
+    words = {one.goal: one.words for one in goals}
+    for step in in_steps(goals):
         moved = {goal.subject: goal for goal in sorted(step, key=str) if goal.relation not in STAYING}
         for name, goal in moved.items():
             contents = sorted(other for other, holder in lies.items() if holder == name and other not in moved)

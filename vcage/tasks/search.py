@@ -14,15 +14,15 @@ from types import MappingProxyType
 import numpy as np
 
 from vcage.base.errors import InputFileError, NoFeasibleTask
-from vcage.plans.actions import Action
+from vcage.base.text import listed
+from vcage.plans.actions import HOLDING, Action
 from vcage.plans.planner import Task, complaints, find_chain
-from vcage.schema.goals import AskedGoal, Goal, StateWord, in_steps, part_that
+from vcage.schema.goals import AskedGoal, Goal, StateWord, in_steps, part_that, part_words
 from vcage.schema.plan import TABLE
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Chain, PairAnswer, PairQuestion, Refusal, Subtask, TemplateName
 from vcage.sim.joints import joint_positions
 from vcage.sim.kinematics import ArmKinematics
-from vcage.sim.robots import load_robot
 from vcage.tasks.asked_arms import ANY_ARM, require_arms
 from vcage.tasks.filled import require_level
 from vcage.tasks.ground import Ground
@@ -112,27 +112,29 @@ def sensible(
     return accepted, refused, sum(proposal.candidates for proposal in proposals)
 
 
-def require_way(scene: Scene, objects: Sequence[SceneObject]) -> None:
-    """Nothing, unless sizes rule out a goal of the scene wherever its objects stand.
+def require_way(goals: Sequence[AskedGoal], objects: Sequence[SceneObject], arms: Collection[str]) -> None:
+    """Nothing, unless sizes rule out a goal wherever the objects stand, or nothing is put in or on what it names.
 
     Args:
-        scene: with its goals.
-        objects: of the scene.
+        goals: that are asked for.
+        objects: of the scene; where they stand does not matter.
+        arms: of the robot.
 
     Raises:
         NoFeasibleTask: names each such goal with its words, and why; also what would have to be carried with something
             in it that would fall out, and what is asked of an arm that is not there.
     """
-    require_arms(scene.goals, load_robot(scene.robot).arms)
-    require_level(scene, objects)
-    asked = [one.goal for one in scene.goals]
+    require_arms(goals, arms)
+    require_level(goals, objects)
+    asked = [one.goal for one in goals]
     found, refused, _ = sensible(objects, _all_sensible, asked)
     able = {goal for proposal in found for goal in proposal.goals}
     ruled_out = {}
     by_id = {o.id: o for o in objects}
     alike: dict[tuple[str, ...], list[str]] = {}  # things of one kind fail for the same reasons
-    for one in scene.goals:
+    for one in goals:
         reasons = list(dict.fromkeys(refusal.reason for refusal in refused if _is_about(refusal, one.goal)))
+        reasons = reasons or _no_place(one.goal, by_id)
         if one.goal not in able and reasons:
             ruled_out[str(one.goal)] = (one.words, reasons)
             phrase = by_id[one.goal.subject].record.phrase
@@ -144,6 +146,22 @@ def require_way(scene: Scene, objects: Sequence[SceneObject]) -> None:
             hint=f"{SMALLER}; another --seed does not help",
             details={"missing": list(ruled_out), "reasons": [r for _, reasons in ruled_out.values() for r in reasons]},
         )
+
+
+def _no_place(goal: Goal, by_id: Mapping[str, SceneObject]) -> list[str]:
+    """That nothing is put in or on an object so: says where things are put, and how much room there is."""
+    holder = by_id.get(goal.reference or "")
+    if goal.relation not in HOLDING or holder is None:
+        return []
+    room = []
+    for point in holder.asset.annotation.functional_points:
+        width, depth = holder.asset.opening(point).size
+        part = f" its {part_words(point.link)}" if point.link else " it"
+        room.append(f"{point.holds}{part} ({width * 100:.1f} × {depth * 100:.1f} cm)")
+    phrase = holder.record.phrase
+    word = f"in the {part_words(goal.part)} of" if goal.part else "in" if goal.relation == "inside" else "on"
+    there = f"they go {listed(dict.fromkeys(room))}" if room else "it holds nothing"
+    return [f"nothing is put {word} the {phrase}: {there}"]
 
 
 def _with_reasons(goals: Sequence[str], words: str, reasons: Sequence[str]) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from typing import TypeVar
 
 import numpy as np
@@ -19,7 +19,7 @@ from vcage.plans.check import PlanCheck
 from vcage.schema.asset import CatalogueEntry
 from vcage.schema.goals import Reading
 from vcage.schema.plan import LayoutPlan, Selection, SelectionCheck
-from vcage.schema.scene import Scene
+from vcage.schema.scene import PLAIN, Scene
 from vcage.schema.subtasks import PairAnswer, PairQuestion, SlotAnswer, SlotQuestion
 
 TRIES = 5
@@ -34,7 +34,12 @@ class OfflineReasoner:
     provider = PROVIDER
 
     def select_assets(
-        self, instruction: str, catalogue: Sequence[CatalogueEntry], rng: np.random.Generator, check: SelectionCheck
+        self,
+        instruction: str,
+        catalogue: Sequence[CatalogueEntry],
+        rng: np.random.Generator,
+        check: SelectionCheck,
+        scene: str = PLAIN,
     ) -> Selection:
         """See :func:`vcage.models.rules.selection.select_assets`."""
         return _drawn("selection", lambda: select_assets(instruction, catalogue, rng), check)
@@ -55,7 +60,13 @@ class OfflineReasoner:
         """No opinion: everything is done as it is ranked, and nothing more is checked."""
         return [SlotAnswer(subtask=question.subtask) for question in questions]
 
-    def read_goals(self, instruction: str, things: Mapping[str, CatalogueEntry], lying: Mapping[str, str]) -> Reading:
+    def read_goals(
+        self,
+        instruction: str,
+        things: Mapping[str, CatalogueEntry],
+        lying: Mapping[str, str],
+        moved: Collection[str] = (),
+    ) -> Reading:
         """See :func:`vcage.models.rules.goals.read_goals`."""
         return read_goals(instruction, things, lying)
 

@@ -1,0 +1,120 @@
+"""The second look at a reading: what it sees, and what it must not object to."""
+
+from __future__ import annotations
+
+import pytest
+
+from tests.models.catalogue import CATALOGUE, entry
+from vcage.models.second_look import second_look, unmet_names
+from vcage.schema.asset import CatalogueEntry
+from vcage.schema.goals import AskedGoal, Description, Reading, goal_of
+
+CABINET = entry("cabinet", "cabinet", "furniture", holds="in").model_copy(
+    update={"moving_parts": ["drawer_top", "drawer_bottom"]}
+)
+PEACH = entry("peach", "peach", "fruit", ("orange",))
+KINDS = {kind.name: kind for kind in [*CATALOGUE, CABINET, PEACH]}
+
+
+def look(name: str, colour: str | None = None) -> CatalogueEntry:
+    kind = KINDS[name]
+    return kind.model_copy(update={"variants": [v for v in kind.variants if colour in (None, v.id)][:1]})
+
+
+THINGS = {
+    "apple_red": look("apple", "red"),
+    "apple_green": look("apple", "green"),
+    "peach": look("peach"),
+    "mug_white": look("mug", "white"),
+    "mug_red": look("mug", "red"),
+    "plate": look("plate"),
+    "bowl": look("bowl"),
+    "cabinet": look("cabinet"),
+}
+
+
+def _named(text: str) -> list[str | None]:
+    subject, relation, *rest = text.split()
+    reference, _, part = (rest[0] if rest else "").partition("/")
+    return [subject, relation, reference or None, part or None]
+
+
+def look_at(
+    task: str, *goals: str, told: str = "", arm: str | None = None, untouched: tuple[str, ...] = ()
+) -> list[str]:
+    """The complaints about goals such as "apple_red on plate", whose words are the whole task."""
+    asked = [AskedGoal(goal=goal_of(_named(text)), step=1, words=task, arm=arm) for text in goals]
+    fields = [dict(zip(("subject", "relation", "reference"), told.split(), strict=True))] if told else []
+    descriptions = [Description(**one, words=task) for one in fields]
+    return second_look(task, THINGS, Reading(goals=asked, untouched=list(untouched), descriptions=descriptions))
+
+
+@pytest.mark.parametrize(
+    ("task", "goals", "said"),
+    [
+        ("Put the green apple on the plate", ["peach on plate"], "'green apple', but no goal speaks"),
+        ("Put the green apple on the plate", ["apple_red on plate"], "asks for green"),
+        ("Put both mugs on the plate", ["mug_red on plate"], "asks for 2, but the goals speak of 1"),
+        ("Put a mug on the plate", ["mug_red on plate", "mug_white on plate"], "asks for 1, but goals are given for 2"),
+        ("Put the peach to the left of the plate", ["peach right_of plate"], "but 'right_of'"),
+        ("Put the peach behind the plate", ["peach in_front_of plate"], "but 'in_front_of'"),
+        ("Put the peach in the top drawer", ["peach inside cabinet/drawer_bottom"], "the top drawer is named"),
+        ("Put all the mugs on the plate", ["mug_red on plate"], "no goal speaks of mug_white"),
+        ("Put the peach on the left plate", ["peach on plate"], "'the left …' is said"),
+        ("Put the peach on the plate with the left arm", ["peach on plate"], "'left arm' is said"),
+        ("Put the peach on the plate", ["peach on plate", "bowl on table"], "the instruction names no such object"),
+        ("Take the peach out of the bowl and put it on the plate", ["peach on plate"], "names 'bowl'"),
+    ],
+)
+def test_a_misreading_is_seen(task: str, goals: list[str], said: str) -> None:
+    found = look_at(task, *goals)
+    assert any(said in complaint for complaint in found), found
+
+
+def test_an_opening_where_a_closing_is_asked_is_seen() -> None:
+    asked = AskedGoal(goal=goal_of(["cabinet", "open", None, "drawer_top"]), step=1, words="Close the top drawer")
+    assert "a goal says 'open'" in second_look("Close the top drawer", THINGS, Reading(goals=[asked]))[0]
+
+
+def test_words_that_no_goal_answers_are_named() -> None:
+    asked = AskedGoal(goal=goal_of(["peach", "on", "plate"]), step=1, words="Put the peach on the plate")
+    found = second_look("Put the peach on the plate and stir the soup", THINGS, Reading(goals=[asked]))
+    assert found == ["the words 'stir', 'soup' are in no 'words' of a goal or description"]
+
+
+@pytest.mark.parametrize(
+    ("task", "goals"),
+    [
+        ("Put the apples on the plate", ["apple_red on plate", "apple_green on plate"]),
+        ("Could you put two mugs on the plate, please?", ["mug_red on plate", "mug_white on plate"]),
+        ("Put the red mug, sorry, the white one on the plate", ["mug_white on plate"]),
+        ("All the mugs except the red one go on the plate", ["mug_white on plate"]),
+        ("Put the fruit in the bowl", ["apple_red inside bowl", "apple_green inside bowl", "peach inside bowl"]),
+        ("Can you put the peach right away on the plate?", ["peach on plate"]),
+        ("Put the mugs away", ["mug_red inside bowl", "mug_white inside bowl"]),
+        ("Fill the bowl", ["peach inside bowl"]),
+        ("Pass the peach from the left arm to the right arm", ["peach handed right"]),
+    ],
+)
+def test_a_right_reading_is_left_alone(task: str, goals: list[str]) -> None:
+    assert look_at(task, *goals) == []
+
+
+def test_descriptions_arms_and_what_is_left_alone_answer_words() -> None:
+    for task in ("Take the peach out of the bowl and put it on the plate", "Empty the bowl onto the plate"):
+        assert look_at(task, "peach on plate", told="peach inside bowl") == []
+    assert look_at("Put the peach on the plate with the left arm", "peach on plate", arm="left") == []
+    assert look_at("Put the peach on the plate and leave the bowl alone", "peach on plate", untouched=("bowl",)) == []
+
+
+def test_a_sentence_that_is_not_english_is_not_held_against_its_words() -> None:
+    assert look_at("Lege den Pfirsich links neben den Teller", "peach left_of plate") == []
+
+
+def test_a_name_of_the_catalogue_that_nothing_chosen_answers_to_is_named() -> None:
+    said = "Put the apple to the left of the plate"
+    assert unmet_names(said, KINDS.values(), [KINDS["peach"], KINDS["plate"]]) == [
+        "the task names 'apple', but nothing is chosen that is called so"
+    ]
+    assert unmet_names(said, KINDS.values(), [KINDS["apple"], KINDS["plate"]]) == []
+    assert unmet_names("Prepare breakfast for me", KINDS.values(), [KINDS["peach"]]) == []

@@ -1,0 +1,191 @@
+"""What a model answers about an instruction: the type of the answer, what is wrong with its shape, and its reading."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
+
+from vcage.base.text import listed, one_line
+from vcage.models.structured import Answer, narrowed, one_of, one_or_none
+from vcage.plans.relations import DIRECTIONS
+from vcage.schema.asset import CatalogueEntry
+from vcage.schema.goals import OF_A_PART, OF_TWO, AskedGoal, Description, Goal, GoalWord, Reading, RelationWord
+from vcage.schema.plan import TABLE
+
+ARMS = ("left", "right")
+
+
+@dataclass(frozen=True)
+class Instructed:
+    """An instruction and what it is about.
+
+    Args:
+        instruction: in plain language.
+        things: the catalogue's entries by object id, with no other look than the object's.
+        lying: object id → id of what it lies in or on at the start.
+        moved: ids of the objects that were chosen to be moved.
+    """
+
+    instruction: str
+    things: Mapping[str, CatalogueEntry]
+    lying: Mapping[str, str]
+    moved: Collection[str] = ()
+
+    @property
+    def phrases(self) -> dict[str, str]:
+        """What to call each object: colour and name, with a number where that is not unique."""
+        found: dict[str, str] = {}
+        for name, entry in self.things.items():
+            colour = entry.variants[0].colour
+            phrase = entry.words.name if colour in entry.words.name else f"{colour} {entry.words.name}"
+            alike = sum(other.partition(" (")[0] == phrase for other in found.values())
+            found[name] = f"{phrase} ({name})" if alike else phrase
+        return found
+
+
+class ReadGoal(Answer):
+    """A goal as it is answered; a name that is left out is empty."""
+
+    relation: GoalWord
+    subject: str
+    reference: str
+    part: str
+    step: int
+    arm: str
+    words: str
+
+
+class ReadDescription(Answer):
+    """A description as it is answered."""
+
+    subject: str
+    relation: RelationWord
+    reference: str
+    part: str
+    words: str
+
+
+class GoalsAnswer(Answer):
+    """What a model answers about an instruction."""
+
+    wrong_objects: list[str]
+    unread: list[str]
+    goals: list[ReadGoal]
+    descriptions: list[ReadDescription]
+    untouched: list[str]
+
+
+def answer_type(read: Instructed) -> type[GoalsAnswer]:
+    """The type of an answer that names objects, parts and arms of the scene only."""
+    names = list(read.things)
+    parts = one_or_none(sorted({part for entry in read.things.values() for part in entry.moving_parts}))
+    goal = narrowed(
+        ReadGoal,
+        subject=one_of(names),
+        reference=one_or_none([*dict.fromkeys([TABLE, *ARMS, *names])]),
+        part=parts,
+        arm=one_or_none(ARMS),
+    )
+    told = narrowed(ReadDescription, subject=one_of(names), reference=one_of([TABLE, *names]), part=parts)
+    return narrowed(
+        GoalsAnswer,
+        goals=list[goal],
+        descriptions=list[told],
+        untouched=list[one_of(names)],  # pyrefly: ignore
+    )
+
+
+def misshapen(answer: GoalsAnswer, read: Instructed) -> list[str]:
+    """What is wrong with each goal and description by itself, one sentence each."""
+    found = [] if answer.goals else ["goals: is empty, and so are unread and wrong_objects"]
+    said = Counter(str(goal) for goal in answer.goals)
+    found += [f"goals: the same is given {count} times: {goal}" for goal, count in said.items() if count > 1]
+    for number, goal in enumerate(answer.goals):
+        found += [f"goals.{number}: {text}" for text in _wrong_goal(goal, answer.untouched, read)]
+    for number, told in enumerate(answer.descriptions):
+        found += [f"descriptions.{number}: {text}" for text in _wrong_description(told, read)]
+    return found
+
+
+def _wrong_goal(goal: ReadGoal, untouched: Collection[str], read: Instructed) -> list[str]:
+    found = _wrong_words(goal.words, read.instruction)
+    owner = goal.subject if goal.relation in OF_A_PART else goal.reference
+    if goal.step < 1:
+        found.append(f"step counts from 1, got {goal.step}")
+    if (goal.relation in OF_TWO) != bool(goal.reference):
+        found.append(f"{goal.relation!r} takes {'a' if goal.relation in OF_TWO else 'no'} reference")
+    elif (goal.relation == "handed") != (goal.reference in ARMS):
+        found.append(f"{goal.reference!r} is no reference for {goal.relation!r}")
+    if goal.relation in OF_A_PART and not goal.part:
+        found.append(f"{goal.relation!r} needs the part")
+    if goal.part and goal.relation not in (*OF_A_PART, "inside", "on"):
+        found.append(f"{goal.relation!r} takes no part")
+    elif goal.part:
+        found += _wrong_part(owner, goal.part, read)
+    return found + _wrong_subject(goal, untouched)
+
+
+def _wrong_subject(goal: ReadGoal, untouched: Collection[str]) -> list[str]:
+    found = []
+    if goal.reference == TABLE and goal.relation != "on":
+        found.append(f"{goal.subject} cannot be {goal.relation} the table, only 'on' it")
+    if goal.subject == goal.reference:
+        found.append(f"{goal.subject} is its own reference")
+    if goal.subject in untouched:
+        found.append(f"{goal.subject} is also said to be untouched")
+    return found
+
+
+def _wrong_description(told: ReadDescription, read: Instructed) -> list[str]:
+    found = _wrong_words(told.words, read.instruction)
+    if told.reference == TABLE and told.relation not in (*DIRECTIONS, "center"):
+        found.append(f"{told.relation!r} says nothing of a place on the table")
+    if told.subject == told.reference:
+        found.append(f"{told.subject} is its own reference")
+    if told.part and told.relation not in ("inside", "on"):
+        found.append(f"{told.relation!r} takes no part")
+    return found + (_wrong_part(told.reference, told.part, read) if told.part else [])
+
+
+def _wrong_words(words: str, instruction: str) -> list[str]:
+    said = one_line(words).strip().rstrip(".!").casefold()
+    copied = bool(said) and said in one_line(instruction).casefold()
+    return [] if copied else [f"words are not copied from the instruction: {words!r}"]
+
+
+def _wrong_part(owner: str, part: str, read: Instructed) -> list[str]:
+    parts = read.things[owner].moving_parts if owner in read.things else []
+    known = f"; it has {listed(parts)}" if parts else ""
+    return [] if part in parts else [f"{owner} has no moving part {part!r}{known}"]
+
+
+def reading_of(answer: GoalsAnswer) -> Reading:
+    """The reading that an answer with nothing wrong stands for."""
+    return Reading(
+        goals=[
+            AskedGoal(
+                goal=Goal(
+                    subject=goal.subject,
+                    relation=goal.relation,
+                    reference=goal.reference or None,
+                    part=goal.part or None,
+                ),
+                step=goal.step,
+                words=goal.words,
+                arm=goal.arm or None,
+            )
+            for goal in answer.goals
+        ],
+        untouched=list(dict.fromkeys(answer.untouched)),
+        descriptions=[
+            Description(
+                subject=told.subject,
+                relation=told.relation,
+                reference=told.reference,
+                part=told.part or None,
+                words=told.words,
+            )
+            for told in answer.descriptions
+        ],
+    )

@@ -1,0 +1,135 @@
+"""Asking a model what an instruction asks for.
+
+Three checks follow an answer: by code, by a reader without a model where it reads the sentence, and by a question more.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Mapping, Sequence
+from itertools import combinations
+
+from vcage.base.errors import UnreadInstruction, VcageError
+from vcage.models import prompts
+from vcage.models.goal_answers import GoalsAnswer, Instructed, answer_type, misshapen, reading_of
+from vcage.models.same_reading import differences
+from vcage.models.second_look import second_look
+from vcage.models.structured import Answer, Asking
+from vcage.plans.actions import lasting, overrides
+from vcage.plans.check import contradictions
+from vcage.plans.plain_words import reading_in_words
+from vcage.schema.asset import CatalogueEntry
+from vcage.schema.goals import Description, Goal, Reading, in_steps
+from vcage.schema.plan import TABLE, Relation
+
+ThirdReader = Callable[[str, Mapping[str, CatalogueEntry], Mapping[str, str]], Reading]
+"""Reads an instruction without a model, or raises UnreadInstruction."""
+
+
+class _ReviewAnswer(Answer):
+    lacks: list[str]
+    adds: list[str]
+
+
+def read_goals(ask: Asking, read: Instructed, reviewer: Asking | None, third: ThirdReader | None) -> Reading:
+    """The model's reading, once no check complains about it.
+
+    Args:
+        ask: puts a prompt to the model.
+        read: what is read.
+        reviewer: puts the review to a model; None for no review.
+        third: a reader without a model; None for none.
+
+    Raises:
+        UnreadInstruction: words of it answer to no goal; or other objects are needed, and
+            ``details["wrong_objects"]`` says why.
+        ModelRefused: see :func:`vcage.models.structured.ask`.
+    """
+    prompt = prompts.fill(
+        "read_goals",
+        instruction=read.instruction,
+        things=dict(read.things),
+        lying=dict(read.lying),
+        contents=list(read.moved),
+    )
+    found = ask(prompt, answer_type(read), lambda a: _complaints(a, read, reviewer, third))
+    if found.unread or found.wrong_objects:
+        said = "; ".join([*found.unread, *found.wrong_objects])
+        why = "no goal answers it" if found.unread else "the objects that were chosen do not allow it"
+        error = UnreadInstruction.of(read.instruction, said, why)
+        error.details["wrong_objects"] = [] if found.unread else list(found.wrong_objects)
+        raise error
+    return reading_of(found)
+
+
+def _complaints(answer: GoalsAnswer, read: Instructed, reviewer: Asking | None, third: ThirdReader | None) -> list[str]:
+    """The complaints of the first check that has any: later ones cost more."""
+    if answer.unread or answer.wrong_objects:
+        return ["goals: is not empty, although unread or wrong_objects is not"] if answer.goals else []
+    found = misshapen(answer, read)
+    if found:
+        return found
+    reading = reading_of(answer)
+    return (
+        _contradictions(reading)
+        or second_look(read.instruction, read.things, reading, read.moved)
+        or _differs(reading, read, third)
+        or _review(reading, read, reviewer)
+    )
+
+
+def _contradictions(reading: Reading) -> list[str]:
+    """Goals that cannot be true together, in one step or at the end; descriptions that cannot."""
+    steps = in_steps(reading.goals)
+    found = [
+        f"goals of one step cannot both be true: {a} and {b}"
+        for step in steps
+        for a, b in combinations(sorted(step, key=str), 2)
+        if overrides(a, b)
+    ]
+    for goals in (*steps, lasting(steps)):
+        found += contradictions(relations_of(goals))
+    described = [told for told in reading.descriptions if told.reference != TABLE]
+    found += [f"descriptions: {text}" for text in contradictions(relations_of(described))]
+    return list(dict.fromkeys(found))
+
+
+def relations_of(stated: Collection[Goal] | Sequence[Description]) -> list[Relation]:
+    """Goals or descriptions as relations of a plan, those that are any."""
+    words = ("inside", "on", "left_of", "right_of", "in_front_of", "behind", "beside", "near", "center")
+    return [
+        Relation(subject=one.subject, relation=one.relation, reference=str(one.reference))
+        for one in stated
+        if one.relation in words
+    ]
+
+
+def _differs(reading: Reading, read: Instructed, third: ThirdReader | None) -> list[str]:
+    """How a reader without a model reads it otherwise, where it reads all of it."""
+    if third is None:
+        return []
+    try:
+        other = third(read.instruction, read.things, read.lying)
+    except VcageError:  # it says that it cannot read the sentence, which is no complaint about the model
+        return []
+    if second_look(read.instruction, read.things, other):
+        return []
+    missing, more = differences(reading, other, read.things)
+    found = [f"a grammar reads the instruction otherwise: it asks for {one}" for one in missing]
+    return found + [f"a grammar reads the instruction otherwise: it does not ask for {one}" for one in more]
+
+
+def _review(reading: Reading, read: Instructed, reviewer: Asking | None) -> list[str]:
+    """What a model that looks at the goals in plain words says that they lack or add."""
+    if reviewer is None:
+        return []
+    phrases = read.phrases
+    prompt = prompts.fill(
+        "review_goals",
+        instruction=read.instruction,
+        phrases=phrases,
+        lying={name: read.lying.get(name, "") for name in phrases},
+        sentences=reading_in_words(reading, phrases),
+    )
+    found = reviewer(prompt, _ReviewAnswer, lambda _: [])
+    lacks = [f"a review says that the goals lack this: {text}" for text in found.lacks if text.strip()]
+    return lacks + [f"a review says that the goals add this: {text}" for text in found.adds if text.strip()]

@@ -1,0 +1,64 @@
+"""Whether two readers take the same from an instruction, up to objects that look alike."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping
+
+from vcage.schema.asset import CatalogueEntry
+from vcage.schema.goals import AskedGoal, Description, Reading
+
+_SWAPPED = {"right_of": "left_of", "behind": "in_front_of"}
+"""Relations that say the same as another one with subject and reference exchanged."""
+
+
+def differences(reading: Reading, other: Reading, things: Mapping[str, CatalogueEntry]) -> tuple[list[str], list[str]]:
+    """What the other reading asks for and this one does not, and the reverse.
+
+    Objects of one kind and look may stand for each other. Of descriptions only those that this reading lacks count, as
+    not every reader gives them.
+
+    Args:
+        reading, other: of the same instruction.
+        things: the catalogue's entries by object id, with no other look than the object's.
+    """
+    looks = {name: f"{entry.name}/{entry.variants[0].id}" for name, entry in things.items()}
+    mine = Counter(_goal(asked, looks) for asked in reading.goals)
+    theirs = Counter(_goal(asked, looks) for asked in other.goals)
+    told: dict[tuple[str, ...], str] = {}
+    for asked in (*reading.goals, *other.goals):
+        told.setdefault(_goal(asked, looks), f"{asked.goal}{f' by the {asked.arm} arm' if asked.arm else ''}")
+    missing = [told[goal] for goal in (theirs - mine).elements()]
+    more = [told[goal] for goal in (mine - theirs).elements()]
+    stated = {_description(one, looks) for one in reading.descriptions}
+    missing += [f"{one} at the start" for one in other.descriptions if _description(one, looks) not in stated]
+    if not missing and not more:
+        missing += _out_of_order(reading, other, looks)
+    return missing, more
+
+
+def _goal(asked: AskedGoal, looks: Mapping[str, str]) -> tuple[str, ...]:
+    goal = asked.goal
+    subject, reference = looks.get(goal.subject, goal.subject), str(goal.reference)
+    subject, word, reference = _one_way(subject, goal.relation, looks.get(reference, reference))
+    return subject, word, reference, goal.part or "", asked.arm or ""
+
+
+def _description(told: Description, looks: Mapping[str, str]) -> tuple[str, ...]:
+    subject, reference = looks.get(told.subject, told.subject), looks.get(told.reference, told.reference)
+    return (*_one_way(subject, told.relation, reference), told.part or "")
+
+
+def _one_way(subject: str, word: str, reference: str) -> tuple[str, str, str]:
+    return (reference, _SWAPPED[word], subject) if word in _SWAPPED else (subject, word, reference)
+
+
+def _out_of_order(reading: Reading, other: Reading, looks: Mapping[str, str]) -> list[str]:
+    """Pairs of goals that the other reading orders and this one does not."""
+    steps = {_goal(asked, looks): asked.step for asked in reading.goals}
+    return [
+        f"{first.goal} before {then.goal}"
+        for first in other.goals
+        for then in other.goals
+        if first.step < then.step and steps[_goal(first, looks)] >= steps[_goal(then, looks)]
+    ]
