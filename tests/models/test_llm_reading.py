@@ -132,7 +132,7 @@ def test_a_review_that_disagrees_is_a_complaint_and_then_a_refusal() -> None:
 def test_a_review_sees_the_goals_in_plain_words() -> None:
     who = Scripted(read_goals=[GOOD])
     reading(who, review=True)
-    assert "- the red apple is left of the white plate." in who.asked[1].messages[0].text
+    assert "- the red apple is to the left of the white plate." in who.asked[1].messages[0].text
 
 
 def test_another_reader_that_reads_it_otherwise_is_a_complaint() -> None:

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,7 +15,6 @@ from vcage.base.errors import InputFileError
 from vcage.base.files import RunFolder, read_json, write_json
 from vcage.datasets.reader import EpisodeReader
 from vcage.models.rules.reasoner import OfflineReasoner
-from vcage.schema.asset import CatalogueEntry
 from vcage.schema.episodes import Episodes
 from vcage.schema.goals import AskedGoal, Reading, goal_of
 from vcage.schema.scene import Scene
@@ -34,8 +33,8 @@ class Told(OfflineReasoner):
     def __init__(self, arm: str):
         self.arm = arm
 
-    def read_goals(self, instruction: str, things: Mapping[str, CatalogueEntry], lying: Mapping[str, str]) -> Reading:
-        found = super().read_goals(instruction, things, lying)
+    def read_goals(self, *asked: Any) -> Reading:
+        found = super().read_goals(*asked)
         return found.model_copy(update={"goals": [g.model_copy(update={"arm": self.arm}) for g in found.goals]})
 
 

@@ -179,7 +179,7 @@ def test_the_reasoner_hears_what_is_too_large_for_where_it_starts(finished, tmp_
     context = finished.context
     variants = {name: context.library.entry(name).variants[0].id for name in ("plate", "mug")}
     chooser = Chooser(("mug", variants["mug"], None), ("plate", variants["plate"], "mug"))
-    with pytest.raises(ModelRefused):
+    with pytest.raises(InfeasibleScene, match="too large for mug"):
         chosen(finished, tmp_path, chooser, monkeypatch)
     (complaint,) = chooser.complaints
     assert "plate_white has no room where it starts" in complaint and "cm) is too large for mug" in complaint
