@@ -1,4 +1,8 @@
-"""How sentences are read: right, refused, or misread; of those that the parser was tuned to, and of the others."""
+"""How sentences are read: right, refused, or misread; of those that the grammar was written for, and of the others.
+
+``libero`` and ``robotwin`` are sentences of these benchmarks, of tasks whose objects exist here; ``reasons`` says why
+the others are refused (:mod:`benchmarks._instructions.tasks`).
+"""
 
 from __future__ import annotations
 
@@ -13,6 +17,7 @@ import numpy as np
 import yaml
 from scipy.optimize import linear_sum_assignment
 
+from benchmarks._instructions.tasks import counted, outcome, possible
 from vcage.base.errors import VcageError
 from vcage.models.rules.goals import read_goals
 from vcage.objects.library import Library
@@ -22,24 +27,43 @@ from vcage.schema.goals import AskedGoal
 logger = logging.getLogger(__name__)
 
 FOLDER = Path(__file__).with_name("_instructions")
+TASKS = Path("../shared/tasks")
+"""Where the sentences of others are looked for; they are no part of this project."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """What can be chosen."""
-    hint = "also name the untouched sentences that are misread or refused: not while the parser is worked on"
+    """The options of this benchmark."""
+    hint = "also name the untouched sentences that are misread or refused: not while the grammar is worked on"
     parser.add_argument("--name-untouched", action="store_true", help=hint)
+    hint = f"folder with libero.json and robotwin.json (default: {TASKS})"
+    parser.add_argument("--tasks", type=Path, default=TASKS, metavar="DIR", help=hint)
 
 
-def run(quick: bool, name_untouched: bool = False) -> dict[str, Any]:
-    """Counts and shares of both halves; what is misread or refused of the seen ones goes to the log.
+def run(quick: bool, name_untouched: bool = False, tasks: Path = TASKS) -> dict[str, Any]:
+    """Counts and shares of both halves and of others' tasks; what is misread or refused goes to the log.
 
     Args:
         quick: every third sentence.
         name_untouched: of the untouched ones too.
+        tasks: folder with the sentences of others; where a file is not there, that is told instead.
     """
     scenes = load_scenes()
     named = {"seen": True, "untouched": name_untouched}
-    return {half: _measure(half, scenes, quick, names) for half, names in named.items()}
+    halves = {half: _measure(half, scenes, quick, names) for half, names in named.items()}
+    return halves | {name: _measure_tasks(tasks / f"{name}.json", quick) for name in ("libero", "robotwin")}
+
+
+def _measure_tasks(path: Path, quick: bool) -> dict[str, Any] | str:
+    if not path.is_file():
+        return f"absent: {path.name}"
+    library = Library.load()
+    catalogue = [library.entry(name) for name in library.names]
+    outcomes = []
+    for task in possible(path)[:: 3 if quick else 1]:
+        outcomes.append(outcome(task, catalogue))
+        if outcomes[-1][0] != "right":
+            logger.info("%s %s: %s\n  %s", path.stem, outcomes[-1][0], task["text"], outcomes[-1][1])
+    return counted(outcomes)
 
 
 def load_scenes() -> dict[str, dict[str, CatalogueEntry]]:

@@ -23,9 +23,10 @@ from benchmarks._sentences.sources import (
 from benchmarks._sentences.whole import Ran, Tried, Whole, ran
 from benchmarks.sentences import chosen, figures, told
 from vcage.base.errors import InputFileError, UsageError
-from vcage.models.rules.lexicon import BASES
 from vcage.stages.chain import STAGES
 from vcage.tasks.templates import TEMPLATES
+
+VERBS = ("put", "pack", "open", "turn", "stack", "weigh", "hand", "push")
 
 
 @pytest.mark.parametrize(
@@ -63,7 +64,7 @@ def test_nothing_else_in_quotes_is_a_sentence(line: str) -> None:
 def test_every_command_in_quotes_on_our_pages_is_found_and_nothing_else() -> None:
     pages = [path.read_text(encoding="utf-8") for pattern in PAGES for path in REPOSITORY.glob(pattern)]
     quoted = {text for page in pages for text in re.findall(r'"([A-Z][a-z]+ [^"\n]+)"', page)}
-    commands = {text for text in quoted if text.split()[0].lower() in BASES}
+    commands = {text for text in quoted if text.split()[0].lower() in VERBS}
     assert {sentence.text for sentence in of_pages(REPOSITORY)} == commands
 
 

@@ -60,6 +60,7 @@ KINDS: dict[str, frozenset[str]] = {
     "toy": frozenset(["block", "cube", "brick", "ball", "doll", "car"]),
     "food": frozenset(["apple", "banana", "orange", "baguette", "croissant", "roll", "bun", "toast", "bagel", "loaf"]),
     "drink": frozenset(["drink", "juice", "milk", "soda", "lemonade", "cola", "water", "beer", "wine", "smoothie"]),
+    "container": frozenset(["bowl", "cup", "mug"]),
     "medicine": frozenset(["medicine", "medication", "pill", "tablet"]),
 }
 """Words for a kind of things → heads of names of such things."""
@@ -93,30 +94,28 @@ SHALLOW = frozenset(["dish", "tray", "pan", "plate", "saucer", "board", "mat", "
 ANYTHING = frozenset(["object", "thing", "item", "stuff", "everything", "belonging", "article", "clutter", "all"])
 """Words for things of no kind in particular."""
 
-PARTS = frozenset(
-    ["drawer", "compartment", "shelf", "door", "lid", "screen", "button", "lever", "dial", "knob", "handle", "cover",
-     "display"]
-)  # fmt: skip
-"""Words for parts of things."""
-
-PIECES = frozenset(
-    ["stem", "rim", "spout", "tip", "neck", "cap", "blade", "bristle", "string", "label", "peel", "core", "crust",
-     "wheel", "leg", "seed", "leaf", "skin", "shell"]
-)  # fmt: skip
-"""Words for pieces of things that nothing is done with by themselves."""
-
-ORDINALS = {
-    "top": 2, "upper": 2, "uppermost": 2, "topmost": 2, "highest": 2, "bottom": 2, "lower": 2, "lowest": 2,
-    "bottommost": 2, "first": 2, "second": 2, "other": 2, "middle": 3, "third": 3, "last": 2, "fourth": 4, "fifth": 5,
-    "sixth": 6, "tenth": 10,
+PART_WORDS = {
+    "drawer": "drawer", "layer": "drawer", "door": "door", "lid": "lid", "cover": "lid", "screen": "screen",
+    "button": "button", "dial": "dial", "lever": "lever", "knob": "knob",
 }  # fmt: skip
-"""Words that tell one part from another, and how many there must be for them to make sense."""
+"""Words for moving parts → the first word of the part's name."""
+
+PARTS = frozenset((*PART_WORDS, "compartment", "shelf", "handle", "display"))
+"""Words for parts of things."""
 
 COUNTED = ("first", "second", "third", "fourth", "fifth", "sixth", "seventh", "eighth", "ninth", "tenth")
 """Ordinals that count from one end."""
 
+POSITIONS = {
+    "left": "left", "leftmost": "left", "right": "right", "rightmost": "right", "middle": "middle", "front": "front",
+    "back": "back", "rear": "back",
+}  # fmt: skip
+"""Words that tell things apart by where they are, as the robot sees them."""
+
 HIGHEST = ("top", "upper", "uppermost", "topmost", "highest")
 LOWEST = ("bottom", "lower", "bottommost", "lowest")
+WHICH_PART = {**dict.fromkeys(HIGHEST, "top"), **dict.fromkeys(LOWEST, "bottom"), "middle": "middle"}
+"""Words that tell parts apart → how the part's name ends."""
 
 _WORD = re.compile(r"[a-z0-9]+(?:'[a-z]+)?")
 

@@ -10,6 +10,8 @@ from typing import Protocol
 
 import numpy as np
 
+from vcage.base.commands import vcage_command
+from vcage.base.errors import NoAssetFits
 from vcage.base.words import (
     CATEGORIES,
     DETERMINERS,
@@ -38,6 +40,9 @@ _NAMED, _OF_KIND, _DESCRIBED = 1.0, 0.7, 0.5
 
 _SPELLING = 0.3
 """What a name that is only spelled alike is worth at most."""
+
+SUGGESTIONS = 3
+"""Names that a complaint suggests for words that nothing answers."""
 
 Found = list[tuple[CatalogueEntry, float]]
 Embed = Callable[[Sequence[str]], np.ndarray]
@@ -128,6 +133,26 @@ def shortlist(
             if rank < len(found) and len(taken) < most:
                 taken.setdefault(found[rank][0].name, found[rank][0])
     return list(taken.values())
+
+
+def no_asset(
+    text: str, alike: Sequence[CatalogueEntry], catalogue: Sequence[CatalogueEntry], search: Search
+) -> NoAssetFits:
+    """The error about words that no kind answers: the colours that there are, or the nearest names.
+
+    Args:
+        text: the words.
+        alike: kinds that they name but for the colour.
+        catalogue: all kinds.
+        search: ranks the kinds by meaning.
+    """
+    near = [entry.words.name for entry, _ in search.search(text, catalogue, SUGGESTIONS)]
+    hint = "; ".join(f"{e.words.name} comes in {', '.join(v.colour for v in e.variants)}" for e in alike[:SUGGESTIONS])
+    return NoAssetFits(
+        f"no asset of the catalogue matches {text!r}",
+        hint=hint or f"nearest in meaning: {', '.join(near)}; see all: {vcage_command('assets', 'list')}",
+        details={"unmatched": [text], "nearest": {text: near}},
+    )
 
 
 def _sentence_encoder() -> Embed:

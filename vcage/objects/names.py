@@ -5,11 +5,16 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from vcage.base.words import ANYTHING, CATEGORIES, KINDS, kinds_of, lemma, lemmas, same_word
-from vcage.schema.asset import CatalogueEntry
+from vcage.base.words import ANYTHING, CATEGORIES, COLOURS, KINDS, colour_of, kinds_of, lemma, lemmas, same_word, tokens
+from vcage.schema.asset import CatalogueEntry, Variant
 
 LOOK_ALIKE = frozenset(("bread", "pastry", "fruit", "vegetable", "cutlery"))
 """Kinds whose members resemble each other."""
+
+EXACT, SYNONYM, HEAD, KIND = 4, 3, 2, 1
+"""Words are a kind's name, another of its names, the head and more of a name, or a word for a kind of kinds."""
+
+_JOINTS = ("of", "with", "a", "an")
 
 _PLACE_CATEGORIES = frozenset(("container", "furniture", "fixture", "appliance", "mat"))
 """What 'the objects' are never: things that others are put into, or that stay where they are."""
@@ -37,19 +42,52 @@ def names_of(entry: CatalogueEntry) -> Names:
     return Names(lemmas(words.name) or own, lemmas(words.plural) or own, own, synonyms)
 
 
-def score_name(phrase: Sequence[str], name: Sequence[str]) -> float:
-    """How well a name answers a phrase, in [0, 1]; both are lemmas, the head last.
+def looks_named(words: Sequence[str], colour: str | None, entry: CatalogueEntry) -> tuple[int, list[Variant]]:
+    """How well words and a colour name a kind, as :func:`how_named` says, and which of its looks they fit best.
 
-    1 for equal names; at least 0.6 when the heads agree (``box`` and ``bread box``); 0.45 when the phrase is
-    only a qualifier of the name (``marker`` and ``marker pen``); else 0.
+    Args:
+        words: lemmas without colours, the head last.
+        colour: that is asked for.
+        entry: the kind.
     """
-    if not phrase or not name:
-        return 0.0
-    shared = sum(any(same_word(word, other) for other in name) for word in phrase)
-    union = len(phrase) + len(name) - shared
-    if same_word(phrase[-1], name[-1]):
-        return 0.6 + 0.4 * shared / union
-    return 0.45 if shared == len(phrase) else 0.0
+    looks = [v for v in entry.variants if colour in (None, *map(colour_of, tokens(f"{v.colour} {v.id}")))]
+    if len(words) == 1 and words[0] in ANYTHING:
+        return (KIND if looks and is_of_kind(words[0], entry, names_of(entry)) else 0), looks
+    least = KIND
+    if colour and not looks:  # "brown tape" is what packing tape is called
+        words, least, looks = (colour, *words), SYNONYM, entry.variants
+    levels = [level if (level := how_named(words, entry, look)) >= least else 0 for look in looks]
+    best = max(levels, default=0)
+    return best, [look for level, look in zip(levels, looks, strict=True) if level == best]
+
+
+def how_named(words: Sequence[str], entry: CatalogueEntry, look: Variant) -> int:
+    """How well words name a kind: by :data:`EXACT`, :data:`SYNONYM`, :data:`HEAD`, :data:`KIND`, or 0.
+
+    All words count: each must be in the one name, or say what the look is called or made of ("corn tin").
+
+    Args:
+        words: lemmas without colours, the head last.
+        entry: the kind.
+        look: one of its variants.
+    """
+    names = names_of(entry)
+    looks = {*lemmas(look.id), *lemmas(look.colour)} - COLOURS
+    made_of = {f"{word}{end}" for word in looks if len(word) > 3 for end in ("en", "y")}
+    rest = [word for word in words if word not in looks | made_of]
+    level = max(_name_level(told, name, names) for told in (words, rest) for name in names.all)
+    if not level and len(words) == 1 and is_of_kind(words[0], entry, names):
+        return KIND
+    return level
+
+
+def _name_level(words: Sequence[str], name: Sequence[str], names: Names) -> int:
+    told, own = ([word for word in several if word not in _JOINTS] for several in (words, name))
+    if not told or not own:
+        return 0
+    if sorted(told) == sorted(own) or "".join(told) == "".join(own):
+        return EXACT if name in (names.words, names.plural, names.own) else SYNONYM
+    return HEAD if told[-1] == own[-1] and set(told) <= set(own) else 0
 
 
 def is_of_kind(word: str, entry: CatalogueEntry, names: Names) -> bool:

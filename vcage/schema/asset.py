@@ -204,6 +204,16 @@ class CatalogueEntry(Record):
         """Whether there is a contact point for that."""
         return any(point.carries for point in self.contact_points)
 
+    @property
+    def reads_codes(self) -> bool:
+        """Whether it has the window of a bar code scanner."""
+        return any(face.kind == "reader" for face in self.faces)
+
+    @property
+    def weighs(self) -> bool:
+        """Whether what lies on it is weighed."""
+        return any(point.weighs for point in self.functional_points)
+
 
 class Joint(Record):
     """How a moving part moves, in the object frame with all joints at 0."""

@@ -45,8 +45,8 @@ def test_auto_checkout_has_products_scanner_scale_and_the_customers_side(kinds, 
     assert len(contents) == 4 and "tomato" in contents
     assert {by_name[name].category for name in contents} <= SOLD
     assert all("cashier_desk" in by_name[name].scene_tags for name in contents)
-    assert assets(chosen, "receptacle") == ["electronic_scale", "customer_mat"]
-    assert "barcode_scanner" in assets(chosen, "context")
+    assert assets(chosen, "receptacle") == ["customer_mat"]
+    assert set(assets(chosen, "tool")) == {"electronic_scale", "barcode_scanner"}
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -92,8 +92,6 @@ def test_pick_blocks_has_blocks_of_different_colours_and_a_plate(kinds, seed: in
         ("Put the pen into the mug", {"marker"}, "mug"),
         ("Put the eraser into the box", {"whiteboard_eraser"}, "packaging_box"),
         ("Put the screwdriver into the box", {"screwdriver"}, "packaging_box"),
-        ("Put the soap on the dish", {"soap_bar"}, "soap_dish"),
-        ("Put the pen in the tray", {"marker"}, "pen_tray"),
     ],
 )
 def test_a_word_that_several_kinds_share_means_the_plainest_that_fits(kinds, instruction, contents, place) -> None:

@@ -2,14 +2,15 @@
 
 Which module answers what is asked in :mod:`vcage.models.protocols`:
 
-- ``Reasoner`` (``reasoner``): ``select_assets`` in ``selection`` (and ``refusals``), ``plan_layout`` in
-  ``layout``, ``judge_pairs`` in ``pairs``, ``read_goals`` in ``goals`` (over ``naming``);
+- ``Reasoner`` (``reasoner``): ``select_assets`` in ``selection``, ``plan_layout`` in ``layout``, ``judge_pairs`` in
+  ``pairs``, ``read_goals`` in ``goals``;
 - ``ImageEditor`` in ``editor``;
 - ``Critic`` in ``critic``.
 
-An instruction is read from the bottom up: ``tokens`` by the ``lexicon``, noun ``phrases``, and ``instruction``, which
-reads clauses and resolves pronouns. ``catalogue_match`` says which entries of the catalogue a phrase may mean,
-``naming``, strictly, which objects of a scene it does.
+An instruction is one of the sentences of ``instruction.lark`` (docs/instructions.md lists the forms). ``sentence``
+makes commands of it in every way that it can be read, ``references`` says what pronouns stand for, ``nouns`` how well
+a noun phrase names a kind, ``meanings`` which objects of a scene it means, ``goals`` what is asked of these. Readings
+that differ are refused.
 """
 
 from vcage.models.protocols import OFFLINE as PROVIDER

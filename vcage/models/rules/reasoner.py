@@ -42,7 +42,7 @@ class OfflineReasoner:
         scene: str = PLAIN,
     ) -> Selection:
         """See :func:`vcage.models.rules.selection.select_assets`."""
-        return _drawn("selection", lambda: select_assets(instruction, catalogue, rng), check)
+        return _drawn("selection", lambda: select_assets(instruction, catalogue, rng, scene), check)
 
     def plan_layout(
         self, scene: Scene, catalogue: Sequence[CatalogueEntry], rng: np.random.Generator, check: PlanCheck

@@ -1,0 +1,42 @@
+"""Sentences read in scenes that are selected for them."""
+
+from __future__ import annotations
+
+import functools
+
+import numpy as np
+
+from vcage.models.rules.reasoner import OfflineReasoner
+from vcage.models.selection_check import name_objects
+from vcage.objects.library import Library
+from vcage.schema.asset import CatalogueEntry
+from vcage.schema.goals import Reading
+from vcage.schema.plan import Selection
+
+
+@functools.lru_cache(maxsize=1)
+def kinds() -> list[CatalogueEntry]:
+    """The library as set-up leaves it."""
+    library = Library.load()
+    return [library.entry(name) for name in library.names]
+
+
+def selected(instruction: str, seed: int = 0, scene: str = "table") -> Selection:
+    """What is chosen for a sentence."""
+    rng = np.random.default_rng(seed)
+    return OfflineReasoner().select_assets(instruction, kinds(), rng, lambda _: [], scene)
+
+
+def read(instruction: str, seed: int = 0) -> tuple[Selection, Reading]:
+    """What is chosen for a sentence, and how it is read in that."""
+    chosen = selected(instruction, seed)
+    entries = {entry.name: entry for entry in kinds()}
+    named = name_objects(chosen, kinds())
+    looks = {o.id: [v for v in entries[o.asset].variants if v.id == o.variant] for o in named}
+    things = {o.id: entries[o.asset].model_copy(update={"variants": looks[o.id]}) for o in named}
+    return chosen, OfflineReasoner().read_goals(instruction, things, {o.id: o.starts_in for o in named if o.starts_in})
+
+
+def goals(instruction: str, seed: int = 0) -> list[str]:
+    """The goals that are read, in plain words with their steps."""
+    return [f"{asked.step}: {asked.goal}" for asked in read(instruction, seed)[1].goals]

@@ -1,0 +1,89 @@
+"""Draws among kinds of the catalogue: those that fit in a place and belong to a scene, and objects that stand by."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from vcage.schema.asset import CatalogueEntry, Variant
+from vcage.schema.plan import SelectedAsset
+
+Look = tuple[CatalogueEntry, Variant]
+
+
+@dataclass(frozen=True)
+class Occasion:
+    """Where a task takes place, and how kinds are preferred there.
+
+    Args:
+        scene: name of the scene template.
+        tags: scene tags of what was chosen already.
+        wall_m: thickness of the walls of what things are put into.
+        share_of_place: largest share of a place's outer rectangle that one of several things takes.
+        context: how many objects stand by.
+        context_footprint_m2: the largest footprint of one that does.
+    """
+
+    scene: str
+    tags: frozenset[str] = frozenset()
+    wall_m: float = 0.01
+    share_of_place: float = 0.25
+    context: int = 2
+    context_footprint_m2: float = 0.03
+
+    def suiting(
+        self, kinds: Sequence[CatalogueEntry], place: CatalogueEntry | None, several: bool, least: int
+    ) -> list[CatalogueEntry]:
+        """Those of some kinds that fit in a place and belong to the scene, as far as there are such.
+
+        Args:
+            place: where they go.
+            several: whether several go there.
+            least: how many kinds must be left for a preference to count.
+        """
+        if place is not None:
+            kinds = [kind for kind in kinds if kind is not place and self.goes_in(kind, place)] or kinds
+            room = self.share_of_place * place.size[0] * place.size[1]
+            kinds = [kind for kind in kinds if not several or kind.size[0] * kind.size[1] <= room] or kinds
+        here = [kind for kind in kinds if self.scene in kind.words.scene_tags]
+        kinds = here if len(here) >= least else kinds
+        alike = [kind for kind in kinds if self.tags & set(kind.words.scene_tags)]
+        return list(alike if len(alike) >= least else kinds)
+
+    def goes_in(self, entry: CatalogueEntry, place: CatalogueEntry) -> bool:
+        """Check if an object, turned by a quarter if need be, is smaller than the inside of a place can be."""
+        drawers = sum(point.link is not None for point in place.functional_points)
+        if drawers and entry.size[2] > place.size[2] / drawers - 2 * self.wall_m:
+            return False
+        sides = zip(sorted(entry.size[:2]), sorted(place.size[:2]), strict=True)
+        return all(mine < its - 2 * self.wall_m for mine, its in sides)
+
+    def standing_by(
+        self, kinds: Sequence[CatalogueEntry], mistaken: Callable[[CatalogueEntry], bool], rng: np.random.Generator
+    ) -> list[SelectedAsset]:
+        """Small objects that belong to the scene, or to what was chosen where nothing is tagged with the scene.
+
+        Args:
+            kinds: to draw from.
+            mistaken: tells of a kind that it could be taken for what the task is about.
+            rng: of the draw.
+        """
+        known = any(self.scene in kind.words.scene_tags for kind in kinds)
+        tags: Collection[str] = {self.scene} if known else self.tags
+        small = [kind for kind in kinds if kind.size[0] * kind.size[1] <= self.context_footprint_m2]
+        fitting = [kind for kind in small if set(tags) & set(kind.words.scene_tags) and not mistaken(kind)]
+        found = []
+        for kind in (fitting[i] for i in rng.permutation(len(fitting))[: self.context]):
+            reason = f"belongs to {', '.join(sorted(set(tags) & set(kind.words.scene_tags)))}"
+            look = kind.variants[int(rng.integers(len(kind.variants)))]
+            found.append(SelectedAsset(asset=kind.name, variant=look.id, role="context", reason=reason))
+        return found
+
+
+def one_of_each(kinds: Sequence[tuple[CatalogueEntry, Sequence[Variant]]], rng: np.random.Generator) -> list[Look]:
+    """One look of each kind before a second of any, the looks of a kind in random order."""
+    shuffled = [(kind, [looks[i] for i in rng.permutation(len(looks))]) for kind, looks in kinds]
+    most = max((len(looks) for _, looks in shuffled), default=0)
+    return [(kind, looks[k]) for k in range(most) for kind, looks in shuffled if k < len(looks)]

@@ -1,0 +1,179 @@
+"""Noun phrases of a sentence, and how well each names a kind of the catalogue: all of its words count."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from lark import Token
+
+from vcage.base.words import (
+    COLOURS,
+    MASS_KINDS,
+    NUMBERS,
+    PART_WORDS,
+    POSITIONS,
+    WHICH_PART,
+    colour_of,
+    is_plural,
+    lemma,
+)
+from vcage.objects.names import EXACT, HEAD, KIND, SYNONYM, looks_named
+from vcage.schema.asset import CatalogueEntry, Variant
+
+_WHERE_PRESSED = {"top", "center", "centre", "middle"}
+_QUANTIFIERS = {
+    "other": "other", "another": "other", "rest": "rest", "remaining": "rest", "others": "rest", "all": "all",
+    "every": "all", "each": "all", "both": "all", "everything": "all", "anything": "all",
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Noun:
+    """What a sentence calls a thing.
+
+    Args:
+        words: lemmas, the head last, without colours and what the other fields say; empty where it has no head.
+        colour: that is asked for.
+        quantifier: the, a, all, other, rest, or "" where it has none.
+        count: how many, if that is said.
+        plural: whether its form says several.
+        part: first word of the name of a moving part that it may mean, and ``which``: top, middle, bottom.
+        owner: lemmas of what has the part; empty where nothing is said of it.
+        position: left, right, middle, front or back among several, or on the table.
+        relation: (preposition, noun) that says which one is meant, or where it lies at the start.
+        but: what is excepted.
+        pronoun: it, them or both, where it is one.
+        text, at: as typed, and where in the sentence.
+    """
+
+    words: tuple[str, ...] = ()
+    colour: str | None = None
+    quantifier: str = ""
+    count: int | None = None
+    plural: bool = False
+    part: str | None = None
+    which: str | None = None
+    owner: tuple[str, ...] = ()
+    position: str | None = None
+    relation: tuple[str, Noun] | None = None
+    but: tuple[Noun, ...] = ()
+    pronoun: str = ""
+    text: str = ""
+    at: int = 0
+
+    @property
+    def headless(self) -> bool:
+        """Whether it leans on another noun: "the red one", "the other", "the rest"."""
+        return not self.words and not self.pronoun
+
+    @property
+    def several(self) -> bool:
+        """Whether it means more than one thing."""
+        mass = bool(set(self.words[-1:]) & MASS_KINDS) and self.quantifier in ("the", "")
+        return self.count not in (None, 1) or (self.count is None and (self.plural or self.quantifier == "all" or mass))
+
+    @property
+    def definite(self) -> bool:
+        """Whether it names things that are known, and not any that are alike."""
+        return self.quantifier not in ("a", "other") and (self.count is None or self.quantifier in ("the", "all"))
+
+    def like(self, other: Noun) -> Noun:
+        """The same of another noun's kind."""
+        return replace(self, words=other.words, part=other.part, owner=other.owner, which=self.which or other.which)
+
+    def names_part(self, part: str) -> bool:
+        """Whether it may mean a moving part of this name."""
+        kind, *which = part.split("_")
+        return (kind == self.part or (kind, self.part) == ("screen", "lid")) and self.which in (None, *which)
+
+    def of_part(self, entries: Iterable[CatalogueEntry]) -> bool:
+        """Whether it names a part, and no thing whose name ends so, as "the cash drawer" does."""
+        return self.part is not None and (len(self.words) == 1 or all(self.fit(e)[0] < HEAD for e in entries))
+
+    def named(self, entries: Mapping[str, CatalogueEntry], short: bool = False) -> dict[str, list[Variant]]:
+        """Those of some kinds that it names best, or whose part it means, by name, with the looks that it fits.
+
+        Args:
+            entries: by any name.
+            short: "the eraser" may be short for the pencil eraser, where "eraser" is another's name.
+        """
+        fit = self.owns if self.of_part(entries.values()) else self.fit
+        fits = {name: fit(entry) for name, entry in entries.items()}
+        best = max([KIND, *(level for level, _ in fits.values())])
+        if short and best == SYNONYM and len(self.words) == 1 and not self.position:
+            best = HEAD
+        least = KIND if self.several and best < EXACT else best
+        return {name: looks for name, (level, looks) in fits.items() if level >= least}
+
+    def owns(self, entry: CatalogueEntry) -> tuple[int, list[Variant]]:
+        """How well its words for an owner name a kind that has the part, and the looks that they fit."""
+        if sum(map(self.names_part, entry.moving_parts)) < (self.count or 2 if self.several else 1):
+            return 0, []
+        anyone = self.owner in ((), (self.part,))
+        return (KIND, entry.variants) if anyone else Noun(words=self.owner, colour=self.colour).fit(entry)
+
+    def fit(self, entry: CatalogueEntry) -> tuple[int, list[Variant]]:
+        """How well it names a kind (0: not at all), and the kind's looks that it fits; see :func:`looks_named`."""
+        return looks_named(self.words, self.colour, entry)
+
+
+def noun_of(parts: Sequence[Token | list[str]], text: str, at: int) -> Noun:
+    """A noun from its tokens and the words after "of", as typed and where."""
+    found = [part for part in parts if isinstance(part, Token)]
+    kinds = {token.type: str(token) for token in found}
+    that = next((k + 1 for k, token in enumerate(found) if token.type == "THAT_IS"), 0)
+    told = _words((*found[that:], *found[:that]), ("WORD",))  # 'the bowl that is white' is the white bowl
+    quantifier, count = _quantity(_words(found, ("DET", "REST", "EVERYTHING")))
+    position = [POSITIONS[word] for word in kinds.get("AT", "").split() if word in POSITIONS]
+    last = (told or [kinds.get("ONE") or kinds.get("REST", "")])[-1].removesuffix("'s")
+    noun = Noun(quantifier=quantifier, count=count, plural=is_plural(last), text=text, at=at)
+    noun = replace(noun, position=position[0] if position else None)
+    if "EVERYTHING" in kinds:
+        coloured = len(told) == 1 and told[0] in COLOURS
+        words = ("thing",) if coloured or not told else tuple(map(lemma, told))
+        return replace(noun, words=words, colour=colour_of(told[0]) if coloured else None, plural=True)
+    of = [word for part in parts if not isinstance(part, Token) for word in part]
+    return _named(noun, told, list(map(lemma, of)), one="ONE" in kinds)
+
+
+def _words(found: Sequence[Token], types: Sequence[str]) -> list[str]:
+    return [word for token in found if token.type in types for word in token.replace("-", " ").split()]
+
+
+def _named(noun: Noun, told: list[str], of: list[str], one: bool) -> Noun:
+    """With the words that are left when colour, position and part are told."""
+    owned = [k + 1 for k, word in enumerate(told) if word.endswith("'s")]
+    if owned and set(told[owned[0] :]) <= _WHERE_PRESSED:  # 'the bell's top'
+        told = told[: owned[0]]
+    plain = [lemma(word.removesuffix("'s")) for word in told]
+    if one or (plain and not of and set(plain) <= COLOURS - {"orange"}):  # 'the red one', 'the red'
+        first, *_ = [*(word for word in plain if word not in COLOURS), ""]
+        noun = replace(noun, position=POSITIONS.get(first, noun.position), which=WHICH_PART.get(first))
+        return replace(noun, colour=colour_of(" ".join(plain)))
+    noun = replace(noun, colour=colour_of(" ".join(plain[:-1])))
+    words = [word for word in plain[:-1] if word not in COLOURS] + plain[-1:]
+    if words and words[-1] in PART_WORDS:
+        return _part(noun, words, of)
+    if len(words) > 1 and words[0] in POSITIONS:
+        noun, words = replace(noun, position=POSITIONS[words[0]]), words[1:]
+    return replace(noun, words=(*of, *words))
+
+
+def _part(noun: Noun, words: list[str], of: list[str]) -> Noun:
+    """'The top drawer of the cabinet'."""
+    which = [WHICH_PART[word] for word in words if word in WHICH_PART]
+    words = [word for word in words if word not in WHICH_PART]
+    noun = replace(noun, words=tuple(words), part=PART_WORDS[words[-1]], owner=tuple(of or words[:-1]))
+    return replace(noun, which=which[0] if which else None)
+
+
+def _quantity(words: list[str]) -> tuple[str, int | None]:
+    """The quantifier and the number that words before a noun say."""
+    numbers = [n for word in words if (n := int(word) if word.isdigit() else NUMBERS.get(word)) is not None]
+    count = 1 if "another" in words else numbers[0] if numbers else None
+    quantifiers = [_QUANTIFIERS[word] for word in words if word in _QUANTIFIERS]
+    if quantifiers or not words:
+        return quantifiers[0] if quantifiers else "", count
+    known = words[0] not in ("any", "some", *NUMBERS) and not words[0].isdigit() and "of" not in words[:2]
+    return ("the" if known else "a" if count is not None or "any" in words else ""), count

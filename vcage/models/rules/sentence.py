@@ -1,0 +1,286 @@
+"""From a sentence to commands by the grammar in ``instruction.lark``: every way in which it can be read."""
+
+from __future__ import annotations
+
+import difflib
+import functools
+import math
+import re
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from lark import Lark, Token, Transformer, Tree, UnexpectedInput, v_args
+from lark.visitors import CollapseAmbiguities
+
+from vcage.base.errors import UnreadInstruction
+from vcage.base.words import tokens
+from vcage.models.rules.nouns import Noun, noun_of
+
+REFUSED = {
+    r"simultaneously|at the same time|both arms|both hands|two arms|separate arms|each arm|another arm":
+        "two arms at once cannot be promised; say which arm does what, or leave the arms out",
+    r"(cent(er|re)|middle|corner|edge) of the (table|desk)": "this place of the table is none that a goal can name",
+    r"between": "what stands between two things is none of the relations that a goal can name",
+    r"under|underneath|below": "nothing goes under another thing",
+    r"sorry|i mean|or rather|no wait": "a correction is not read; say only what is meant",
+}  # fmt: skip
+"""Words that no goal of the vocabulary can keep, and why."""
+
+_POLITE = re.compile(
+    r"\b(please|pls|kindly|carefully|gently|again|thanks|thank you|cheers|ta|for me|as well|now|just|hey|robot|directly"
+    r"|straight|somewhere)\b|[,;]? (i do(n't| not) (mind|care)|it does(n't| not) matter) which( one)?\b"
+    r"|[,;]? (whichever you like|any will do)\b"
+    r"|\bfirst\b(?=,? *(and )?then)|\b(would|could|will|can) you(?= *$)"
+    r"|((?<=[.,;] )|^)(((could|can|would|will) you( mind)?|i('d| would) like you to|i (want|need) you to"
+    r"|i was wondering if you could|i('d| would) be grateful if you('d| would| could)|let's|first( of all)?,?)\b)"
+)
+_ENDS = re.compile(r"[ ,.;]+$|^[ ,.;]+")
+_ASKS_TO_DO = re.compile(r".*\b(could|can|would|will) you\b")
+_CLAUSE_ENDS = re.compile(r"[,.;]|\b(and|then)\b")
+_NOT_READ = re.compile(r"[^a-z0-9 ,.;'-]")
+
+
+@dataclass(frozen=True)
+class Limits:
+    """How long a sentence may be, how many ways to read it are tried, and how many objects it may ask for.
+
+    ``several`` are chosen where it says only that there are several.
+    """
+
+    words: int = 60
+    readings: int = 200
+    several: int = 3
+    objects: int = 40
+
+
+LIMITS = Limits()
+
+
+@dataclass(frozen=True)
+class Command:
+    """One thing that a sentence asks for.
+
+    Args:
+        verb: a rule of the grammar: put, pick, open, close, turn, press, weigh, scan, show, hand, stack, tower, row,
+            back, leave.
+        things: what it is done to.
+        how: in, on, left_of, right_of, in_front_of, behind, beside, near or to; for ``hand`` the arm that gets it.
+        place: where things go, or the tool.
+        source: where they are taken from.
+        arm: left or right, where one is named.
+        group: commands of an earlier group come first.
+        words: of the sentence.
+    """
+
+    verb: str
+    things: tuple[Noun, ...]
+    how: str = ""
+    place: Noun | None = None
+    source: Noun | None = None
+    arm: str | None = None
+    group: int = 0
+    words: str = ""
+
+
+_GRAMMAR = Path(__file__).with_name("instruction.lark").read_text(encoding="utf-8")
+FORMS = tuple(re.findall(r"^// > (.+)$", _GRAMMAR, re.MULTILINE))
+"""One sentence of each form."""
+
+
+def parse(instruction: str) -> list[tuple[Command, ...]]:
+    """Every way in which a sentence can be read; pronouns and "one" are still to be resolved.
+
+    Raises:
+        UnreadInstruction: there is none; names the first word that does not fit and the nearest form that does.
+    """
+    typed = " ".join(instruction.split())
+    text = _normal(typed)
+    try:
+        tree = _grammar().parse(text)
+    except UnexpectedInput as error:
+        at = len(text) if error.pos_in_stream in (None, -1) else int(error.pos_in_stream)
+        raise not_read(typed, _misfit(typed, text, at), "it does not fit any form of sentence that is read") from None
+    if _readings(tree) > LIMITS.readings:
+        raise not_read(typed, typed, f"there are more than {LIMITS.readings} ways to read it")
+    return list(dict.fromkeys(_Commands(typed).transform(one) for one in CollapseAmbiguities().transform(tree)))
+
+
+def not_read(instruction: str, words: str, why: str) -> UnreadInstruction:
+    """The error about words that are not read: the nearest form that is, and how a model can read them."""
+    said = tokens(instruction)
+    same = [form for form in FORMS if form.split()[0].lower() in said] or FORMS
+    near = max(same, key=lambda form: difflib.SequenceMatcher(None, form.lower(), instruction.lower()).ratio())
+    shown = instruction if len(instruction) <= 200 else f"{instruction[:200]}…"
+    return UnreadInstruction(
+        f"{words[:200]!r} in {shown!r} is not understood: {why}",
+        hint=f"write it like {near!r} (forms: docs/instructions.md), or let a model read it: --models agent, "
+        "gemini, openai, anthropic or ollama",
+        details={"unread": words, "understood": [], "form": near},
+    )
+
+
+def _normal(typed: str) -> str:
+    """The sentence as the grammar takes it: of the same length, so that places in it stay what they are."""
+    count = len(tokens(typed))
+    if not 0 < count <= LIMITS.words:
+        raise not_read(typed, typed[:60], f"it has {count} words; 1 to {LIMITS.words} are read")
+    text = re.sub(r"(?<=\w)[_/](?=\w)|[\"“”]", " ", typed.replace("’", "'")).lower()
+    for words, why in REFUSED.items():
+        if found := re.search(rf"\b({words})\b", text):
+            raise not_read(typed, found[0], why)
+    if _ASKS_TO_DO.match(text):
+        text = re.sub(r"\?(?= *$)", " ", text)
+    text = re.sub(r" - ", " ; ", text.replace("!", ".").replace(":", ";"))
+    for blank in (_POLITE, _ENDS):
+        text = blank.sub(lambda found: " " * len(found[0]), text)
+    odd = _NOT_READ.search(text)
+    if odd or len(text) != len(typed):
+        raise not_read(typed, _word_at(typed, odd.start() if odd else 0), "it is no plain statement in English")
+    return text
+
+
+def _misfit(typed: str, text: str, at: int) -> str:
+    """The first word that does not fit: where parsing ends, or the word that begins this clause, if that is no verb."""
+    begins = max((found.end() for found in _CLAUSE_ENDS.finditer(text, 0, at)), default=0)
+    clause = text[begins:].lstrip()
+    known = any(re.match(t.pattern.to_regexp(), clause) for t in _grammar().terminals if t.name not in ("WORD", "_AND"))
+    return _word_at(typed, at if known else begins)
+
+
+def _word_at(typed: str, at: int) -> str:
+    rest = re.match(r"\S+", typed[at:].lstrip())
+    return rest[0].strip(",.;") or rest[0] if rest else f"the end after {typed.split()[-1]!r}"
+
+
+@functools.lru_cache(maxsize=1)
+def _grammar() -> Lark:
+    source = _GRAMMAR.replace("~?", " *").replace("~", " +")
+    return Lark(source, ambiguity="explicit", propagate_positions=True, maybe_placeholders=False)
+
+
+def _readings(tree: Tree[Any]) -> int:
+    counts = [_readings(child) for child in tree.children if isinstance(child, Tree)]
+    return sum(counts) if tree.data == "_ambig" else math.prod(counts)
+
+
+_HOW = {"INTO": "in", "ONTO": "on", "FRONT": "in_front_of", "LEFT": "left_of", "RIGHT": "right_of", "INSIDE": "in"}
+
+
+def _of(kind: type, parts: list[Any]) -> list[Any]:
+    return [part for part in parts if isinstance(part, kind)]
+
+
+@v_args(meta=True)
+class _Commands(Transformer[Token, Any]):
+    """One tree to its commands; a rule without a method is the command of its name."""
+
+    def __init__(self, typed: str):
+        super().__init__()
+        self._typed = typed
+
+    def start(self, _: Any, groups: list[list[Command]]) -> tuple[Command, ...]:
+        return tuple(replace(c, group=c.group + number) for number, group in enumerate(groups) for c in group)
+
+    def group(self, _: Any, parts: list[Any]) -> list[Command]:
+        return [command for part in parts for command in (part if isinstance(part, list) else [part])]
+
+    def put(self, meta: Any, items: list[Command]) -> list[Command]:
+        whole = self._typed[meta.start_pos : meta.end_pos]
+        return [replace(items[0], words=whole)] if len(items) == 1 else items
+
+    def before(self, _: Any, parts: list[list[Command]]) -> tuple[Command, ...]:
+        return (*parts[1], *(replace(command, group=1) for command in parts[0]))
+
+    def clause(self, _: Any, parts: list[Any]) -> list[Command]:
+        arm = next(map(arm_of, _of(Token, parts)), None)
+        return [replace(command, arm=command.arm or arm) for part in _of(list, parts) for command in part]
+
+    def stack(self, _: Any, items: list[Command]) -> list[Command]:
+        return [replace(item, verb="stack") for item in items]
+
+    def item(self, meta: Any, parts: list[Any]) -> Command:
+        command = self._command("put", meta, parts)
+        but = tuple(noun for part in _of(list, parts) for noun in part)
+        if but and command.place is not None:  # it may be a thing that is excepted, or a place
+            *before, last = command.things
+            things = (*before, replace(last, but=(*last.but, *but)))
+            command = replace(command, things=things, place=replace(command.place, but=but))
+        return replace(command, arm=next(map(arm_of, _of(Token, parts)), None))
+
+    def goes(self, meta: Any, parts: list[Any]) -> list[Command]:
+        return [self._command("put", meta, parts[k : k + 2]) for k in range(0, len(parts), 2)]
+
+    def hand(self, meta: Any, parts: list[Any]) -> list[Command]:
+        arms = " ".join(arm_of(part) or "any" for part in _of(Token, parts))
+        return [replace(self._command("hand", meta, parts), how=arms)]
+
+    def row(self, meta: Any, parts: list[Any]) -> list[Command]:
+        named, *order = _of(_Things, parts)
+        things = _Things(noun.like(named[0]) for noun in order[0]) if order else named
+        if order and {noun.colour for noun in named} != {noun.colour for noun in things}:
+            things = _Things()
+        turned = any("right to left" in part for part in _of(Token, parts))
+        return [self._command("row", meta, [_Things(things[::-1]) if turned else things])]
+
+    def things(self, _: Any, parts: list[Any]) -> _Things:
+        *nouns, last = _of(Noun, parts)
+        return _Things((*nouns, replace(last, but=tuple(noun for part in _of(list, parts) for noun in part))))
+
+    def but(self, _: Any, parts: list[Noun]) -> list[Noun]:
+        return parts
+
+    def thing(self, meta: Any, parts: list[Any]) -> Noun:
+        return (
+            parts[0]
+            if isinstance(parts[0], Noun)
+            else Noun(pronoun=_PRONOUNS.get(parts[0], "them"), at=meta.start_pos, text=parts[0])
+        )
+
+    def noun(self, meta: Any, parts: list[Any]) -> Noun:
+        return noun_of(parts, self._typed[meta.start_pos : meta.end_pos], meta.start_pos)
+
+    def of(self, _: Any, parts: list[Token]) -> list[str]:
+        return [str(part) for part in parts if part.type == "WORD"]
+
+    def place(self, meta: Any, parts: list[Any]) -> _Place:
+        there = Noun(pronoun="it", text=str(parts[0]), at=meta.start_pos)
+        noun = parts[1] if len(parts) > 1 else there
+        return _Place((_HOW.get(parts[0].type, parts[0].type.lower()), noun[0] if isinstance(noun, _Things) else noun))
+
+    def source(self, _: Any, parts: list[Noun]) -> _Source:
+        return _Source(parts)
+
+    def placed(self, _: Any, parts: list[Any]) -> _Things:
+        return _Things((replace(parts[0], relation=tuple(parts[1])),))
+
+    def __default__(self, data: Any, children: Any, meta: Any) -> Any:  # pyrefly: ignore
+        return [self._command(data, meta, children)]
+
+    def _command(self, verb: str, meta: Any, parts: list[Any]) -> Command:
+        """A command of things, and of a place, a tool, or a source, as far as there are such parts."""
+        how, place = next(iter(_of(_Place, parts)), ("", next(iter(_of(Noun, parts)), None)))
+        source = next((noun for several in _of(_Source, parts) for noun in several), None)
+        things = tuple(noun for several in _of(_Things, parts) for noun in several)
+        words = self._typed[meta.start_pos : meta.end_pos]
+        return Command(verb, things, how=how, place=place, source=source, words=words)
+
+
+class _Things(tuple[Noun, ...]):
+    """Nouns for things."""
+
+
+class _Source(tuple[Noun, ...]):
+    """Where things are taken from."""
+
+
+class _Place(tuple[str, Noun]):
+    """How things go there, and where."""
+
+
+_PRONOUNS = {"it": "it", "both": "both", "both of them": "both", "them both": "both"}
+
+
+def arm_of(words: str) -> str | None:
+    """The arm that words name: left, right, or other; None for any arm."""
+    return next((arm for arm in ("left", "right", "other") if arm in words.split()), None)
