@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
+from benchmarks._instructions.tasks import counted, outcome, possible
 from benchmarks.instructions import agrees, load_scenes, read
+from vcage.objects.library import Library
 from vcage.schema.goals import AskedGoal, goal_of
 
 SCENES = load_scenes()
@@ -43,3 +47,24 @@ def test_a_refusal_is_right_where_the_record_asks_for_one() -> None:
     assert read({**refused, "say": "Put the banana in the pot"}, SCENES["kitchen"])[0] == "misread"
     steps = {"say": "Where is the mug?", "steps": [[["inside", "banana_ripe", "pot_steel"]]]}
     assert read(steps, SCENES["kitchen"])[0] == "refused"
+
+
+def test_a_task_of_others_is_right_up_to_which_of_a_kind_it_is() -> None:
+    library = Library.load()
+    kinds = [library.entry(name) for name in ("apple", "plate", "block")]
+    goal = {"relation": "on", "subject": "apple", "reference": "plate", "part": None}
+    task = {"text": "Put the apple on the plate", "goals": [goal], "needs": [], "objects": ["apple", "plate"]}
+    assert outcome(task, kinds)[0] == "right"
+    assert outcome({**task, "goals": [{**goal, "subject": "block"}]}, kinds)[0] == "misread"
+    assert outcome({**task, "text": "Throw the apple at the plate"}, kinds)[0] == "refused"
+
+
+def test_tasks_that_need_kinds_which_are_not_there_are_left_out(tmp_path: Path) -> None:
+    path = tmp_path / "libero.json"
+    path.write_text('[{"needs": ["kind:stove"]}, {"needs": ["verb:pour"]}]')
+    assert possible(path) == [{"needs": ["verb:pour"]}]
+
+
+def test_reasons_of_refusals_are_counted_without_the_words_that_they_are_about() -> None:
+    told = counted([("refused", "'a' in 'b' is not understood: no"), ("refused", "'c' in 'd' is not understood: no")])
+    assert (told["refused"], told["reasons"], told["right_share"]) == (2, {"no": 2}, 0.0)

@@ -111,6 +111,7 @@ def test_an_exception_after_the_place_may_be_one_of_the_places() -> None:
         ("Where is the red block?", "no plain statement"),
         ("Put the red block on the plate and leave the red block alone", "left alone"),
         ("Put it on the plate", "nothing"),
+        ("Use the left arm to put the red block on the plate and put the blue block on the plate", "which arm"),
     ],
 )
 def test_what_is_in_doubt_or_no_form_is_refused_and_says_why(sentence: str, why: str) -> None:

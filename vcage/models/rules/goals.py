@@ -126,6 +126,9 @@ class Goals:
             added += [self._added] if self._added else []
         if complaints := goal_contradictions(asked.goal for several in added for asked in several):
             raise not_read(self.instruction, self.instruction, "; ".join(complaints))
+        arms = {asked.arm for several in added for asked in several if asked.goal.relation != "handed"}
+        if None in arms and len(arms) > 1:
+            raise not_read(self.instruction, self.instruction, "say for each thing that is done which arm does it")
         ordered = any(_needs(before, after) for before, after in itertools.combinations(added, 2))
         steps = enumerate(added)
         return [a.model_copy(update={"step": first + number * ordered}) for number, several in steps for a in several]

@@ -231,10 +231,9 @@ class _Commands(Transformer[Token, Any]):
         return parts
 
     def thing(self, meta: Any, parts: list[Any]) -> Noun:
+        said = parts[0]
         return (
-            parts[0]
-            if isinstance(parts[0], Noun)
-            else Noun(pronoun=_PRONOUNS.get(parts[0], "them"), at=meta.start_pos, text=parts[0])
+            said if isinstance(said, Noun) else Noun(pronoun=_PRONOUNS.get(said, "them"), text=said, at=meta.start_pos)
         )
 
     def noun(self, meta: Any, parts: list[Any]) -> Noun:

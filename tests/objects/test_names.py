@@ -1,0 +1,41 @@
+"""How well words name a kind: all of them count."""
+
+from __future__ import annotations
+
+import pytest
+
+from tests.models.catalogue import entry
+from vcage.objects.names import EXACT, HEAD, KIND, SYNONYM, how_named, looks_named
+
+TEA = entry("tea_box", "box of tea", "packed food", ("green",), synonyms=("tea", "tea bags"))
+APPLE = entry("apple", "apple", "fruit", ("red", "green"))
+TRAY = entry("tray", "tray", "container", ("wood",))
+
+
+@pytest.mark.parametrize(
+    ("words", "level"),
+    [
+        (["box", "tea"], EXACT),
+        (["tea", "box"], EXACT),
+        (["tea"], SYNONYM),
+        (["box"], HEAD),
+        (["biscuit", "box"], 0),
+        (["tea", "towel"], 0),
+        (["packed", "food"], 0),
+    ],
+)
+def test_words_name_a_kind_only_when_all_of_them_are_in_one_name(words: list[str], level: int) -> None:
+    assert how_named(words, TEA, TEA.variants[0]) == level
+
+
+def test_a_word_for_a_kind_of_kinds_names_its_members() -> None:
+    assert how_named(["fruit"], APPLE, APPLE.variants[0]) == KIND
+
+
+def test_a_word_may_say_what_the_look_is_made_of() -> None:
+    assert how_named(["wooden", "tray"], TRAY, TRAY.variants[0]) == EXACT
+
+
+def test_a_colour_leaves_the_looks_that_have_it() -> None:
+    assert looks_named(["apple"], "green", APPLE) == (EXACT, [APPLE.variants[1]])
+    assert looks_named(["apple"], "blue", APPLE)[0] == 0
