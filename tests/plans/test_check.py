@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from tests.models.tabletop import BLOCKS, PLATE, scene_of
 from vcage.base.graphs import circles, longest_path
 from vcage.plans.check import contradictions, goal_contradictions, plan_complaints
-from vcage.schema.goals import Description, Goal
+from vcage.schema.goals import Description, goal_of
 from vcage.schema.plan import LayoutPlan, Relation
 
 
@@ -148,9 +148,6 @@ def test_the_longest_path_counts_edges_and_ends():
 
 
 def test_an_object_in_two_places_is_a_contradiction_of_goals() -> None:
-    goals = [
-        Goal(subject="cup", relation="on", reference="plate"),
-        Goal(subject="cup", relation="left_of", reference="jug"),
-    ]
+    goals = [goal_of(("cup", "on", "plate")), goal_of(("cup", "left_of", "jug"))]
     assert goal_contradictions(goals) == ["cup is to be in two places"]
     assert goal_contradictions(goals[:1]) == []

@@ -126,12 +126,15 @@ class Goals:
             added += [self._added] if self._added else []
         if complaints := goal_contradictions(asked.goal for several in added for asked in several):
             raise not_read(self.instruction, self.instruction, "; ".join(complaints))
-        arms = {asked.arm for several in added for asked in several if asked.goal.relation != "handed"}
-        if None in arms and len(arms) > 1:
-            raise not_read(self.instruction, self.instruction, "say for each thing that is done which arm does it")
+        self._require_arms([asked for several in added for asked in several if asked.goal.relation != "handed"])
         ordered = any(_needs(before, after) for before, after in itertools.combinations(added, 2))
         steps = enumerate(added)
         return [a.model_copy(update={"step": first + number * ordered}) for number, several in steps for a in several]
+
+    def _require_arms(self, goals: Sequence[AskedGoal]) -> None:
+        arms = {asked.arm for asked in goals}
+        if None in arms and len(arms) > 1:
+            raise not_read(self.instruction, self.instruction, "say for each thing that is done which arm does it")
 
     def _refused(self, command: Command, why: str) -> UnreadInstruction:
         return not_read(self.instruction, command.words, why)

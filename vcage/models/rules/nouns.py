@@ -101,7 +101,7 @@ class Noun:
         fit = self.owns if self.of_part(entries.values()) else self.fit
         fits = {name: fit(entry) for name, entry in entries.items()}
         best = max([KIND, *(level for level, _ in fits.values())])
-        if short and best == SYNONYM and len(self.words) == 1 and not self.position:
+        if short and best == SYNONYM and len(self.words) == 1 and self.position is None:
             best = HEAD
         least = KIND if self.several and best < EXACT else best
         return {name: looks for name, (level, looks) in fits.items() if level >= least}
@@ -121,24 +121,28 @@ class Noun:
 def noun_of(parts: Sequence[Token | list[str]], text: str, at: int) -> Noun:
     """A noun from its tokens and the words after "of", as typed and where."""
     found = [part for part in parts if isinstance(part, Token)]
-    kinds = {token.type: str(token) for token in found}
-    that = next((k + 1 for k, token in enumerate(found) if token.type == "THAT_IS"), 0)
+    types = [token.type for token in found]
+    that = types.index("THAT_IS") + 1 if "THAT_IS" in types else 0
     told = _words((*found[that:], *found[:that]), ("WORD",))  # 'the bowl that is white' is the white bowl
     quantifier, count = _quantity(_words(found, ("DET", "REST", "EVERYTHING")))
-    position = [POSITIONS[word] for word in kinds.get("AT", "").split() if word in POSITIONS]
-    last = (told or [kinds.get("ONE") or kinds.get("REST", "")])[-1].removesuffix("'s")
-    noun = Noun(quantifier=quantifier, count=count, plural=is_plural(last), text=text, at=at)
-    noun = replace(noun, position=position[0] if position else None)
-    if "EVERYTHING" in kinds:
-        coloured = len(told) == 1 and told[0] in COLOURS
-        words = ("thing",) if coloured or not told else tuple(map(lemma, told))
-        return replace(noun, words=words, colour=colour_of(told[0]) if coloured else None, plural=True)
-    of = [word for part in parts if not isinstance(part, Token) for word in part]
-    return _named(noun, told, list(map(lemma, of)), one="ONE" in kinds)
+    last, *_ = [*told[-1:], *_words(found, ("ONE", "REST"))[-1:], ""]
+    position, *_ = [*(POSITIONS[word] for word in _words(found, ("AT",)) if word in POSITIONS), None]
+    noun = Noun(quantifier=quantifier, count=count, plural=is_plural(last.removesuffix("'s")), text=text, at=at)
+    if "EVERYTHING" in types:
+        return _everything(noun, told)
+    of = [lemma(word) for part in parts if not isinstance(part, Token) for word in part]
+    return _named(replace(noun, position=position), told, of, one="ONE" in types)
 
 
 def _words(found: Sequence[Token], types: Sequence[str]) -> list[str]:
     return [word for token in found if token.type in types for word in token.replace("-", " ").split()]
+
+
+def _everything(noun: Noun, told: list[str]) -> Noun:
+    """'Everything', or 'everything red'; other words must name a kind."""
+    coloured = len(told) == 1 and told[0] in COLOURS
+    words = tuple(map(lemma, told)) if told and not coloured else ("thing",)
+    return replace(noun, words=words, colour=colour_of(" ".join(told)) if coloured else None, plural=True)
 
 
 def _named(noun: Noun, told: list[str], of: list[str], one: bool) -> Noun:
@@ -147,33 +151,39 @@ def _named(noun: Noun, told: list[str], of: list[str], one: bool) -> Noun:
     if owned and set(told[owned[0] :]) <= _WHERE_PRESSED:  # 'the bell's top'
         told = told[: owned[0]]
     plain = [lemma(word.removesuffix("'s")) for word in told]
-    if one or (plain and not of and set(plain) <= COLOURS - {"orange"}):  # 'the red one', 'the red'
-        first, *_ = [*(word for word in plain if word not in COLOURS), ""]
-        noun = replace(noun, position=POSITIONS.get(first, noun.position), which=WHICH_PART.get(first))
-        return replace(noun, colour=colour_of(" ".join(plain)))
+    if one or (not of and set(plain) <= COLOURS - {"orange"}):
+        return _headless(noun, plain)
     noun = replace(noun, colour=colour_of(" ".join(plain[:-1])))
-    words = [word for word in plain[:-1] if word not in COLOURS] + plain[-1:]
-    if words and words[-1] in PART_WORDS:
+    words = [*filter(lambda word: word not in COLOURS, plain[:-1]), plain[-1]]
+    if words[-1] in PART_WORDS:
         return _part(noun, words, of)
-    if len(words) > 1 and words[0] in POSITIONS:
+    if words[0] in POSITIONS and words[1:]:
         noun, words = replace(noun, position=POSITIONS[words[0]]), words[1:]
     return replace(noun, words=(*of, *words))
 
 
+def _headless(noun: Noun, plain: list[str]) -> Noun:
+    """'The red one', 'the top one', 'the red', 'the rest'."""
+    first, *_ = [*(word for word in plain if word not in COLOURS), ""]
+    noun = replace(noun, position=POSITIONS.get(first, noun.position), which=WHICH_PART.get(first))
+    return replace(noun, colour=colour_of(" ".join(plain)))
+
+
 def _part(noun: Noun, words: list[str], of: list[str]) -> Noun:
     """'The top drawer of the cabinet'."""
-    which = [WHICH_PART[word] for word in words if word in WHICH_PART]
+    which, *_ = [*(WHICH_PART[word] for word in words if word in WHICH_PART), None]
     words = [word for word in words if word not in WHICH_PART]
-    noun = replace(noun, words=tuple(words), part=PART_WORDS[words[-1]], owner=tuple(of or words[:-1]))
-    return replace(noun, which=which[0] if which else None)
+    owner = tuple(of or words[:-1])
+    return replace(noun, words=tuple(words), part=PART_WORDS[words[-1]], owner=owner, which=which)
 
 
 def _quantity(words: list[str]) -> tuple[str, int | None]:
     """The quantifier and the number that words before a noun say."""
-    numbers = [n for word in words if (n := int(word) if word.isdigit() else NUMBERS.get(word)) is not None]
-    count = 1 if "another" in words else numbers[0] if numbers else None
+    numbers = [int(word) if word.isdigit() else NUMBERS.get(word) for word in words]
+    count, *_ = [*[1] * ("another" in words), *filter(lambda number: number is not None, numbers), None]
     quantifiers = [_QUANTIFIERS[word] for word in words if word in _QUANTIFIERS]
     if quantifiers or not words:
-        return quantifiers[0] if quantifiers else "", count
-    known = words[0] not in ("any", "some", *NUMBERS) and not words[0].isdigit() and "of" not in words[:2]
-    return ("the" if known else "a" if count is not None or "any" in words else ""), count
+        return "".join(quantifiers[:1]), count
+    if words[0] not in ("any", "some", *NUMBERS) and not words[0].isdigit() and "of" not in words[:2]:
+        return "the", count
+    return "a" * (count is not None or "any" in words), count

@@ -168,16 +168,22 @@ class _Selector:
         return [(self.entries[name], looks) for name, looks in noun.named(self.entries).items()]
 
     def _draw(self, noun: Noun, role: Role, good: Good, place: CatalogueEntry | None, starts: Start) -> CatalogueEntry:
-        count, taken = self._count(noun), [(chosen.asset, chosen.variant) for chosen in self._chosen]
-        out = [(entry.name, look.id) for but in noun.but for entry, looks in self._kinds(but) for look in looks]
-        able = self._able(noun, good, place, count)
-        looks = [one for one in one_of_each(able, self.rng) if _id(one) not in out]
+        count, out = self._count(noun), {look for but in noun.but for look in self._look_ids(but)}
+        taken = {(chosen.asset, chosen.variant) for chosen in self._chosen}
+        looks = [one for one in one_of_each(self._able(noun, good, place, count), self.rng) if _id(one) not in out]
         fresh = [one for one in looks if _id(one) not in taken] or looks
         for number in range(count or min(LIMITS.several, max(2, len(fresh)))):
             self._add(noun, fresh[number % len(fresh)], "context" if number and noun.position else role, starts)
-        for but in noun.but if set(out).isdisjoint(taken) else ():
-            self._add(but, one_of_each(self._kinds(but)[:1], self.rng)[0], "context", (None, None))
+        self._spare(noun, out.isdisjoint(taken))
         return fresh[0][0]
+
+    def _spare(self, noun: Noun, missing: bool) -> None:
+        """What is excepted stands there too."""
+        for but in noun.but if missing else ():
+            self._add(but, one_of_each(self._kinds(but)[:1], self.rng)[0], "context", (None, None))
+
+    def _look_ids(self, noun: Noun) -> list[tuple[str, str]]:
+        return [_id((entry, look)) for entry, looks in self._kinds(noun) for look in looks]
 
     def _able(
         self, noun: Noun, good: Good, place: CatalogueEntry | None, count: int | None
@@ -197,12 +203,14 @@ class _Selector:
         told = {"starts_in": starts[0], "starts_in_part": starts[1], "reason": f"asked for: {noun.text!r}"}
         self._chosen.append(SelectedAsset(asset=entry.name, variant=variant.id, role=role, **told))
 
+    def _positions(self, noun: Noun) -> set[str]:
+        nouns = [n for c in self.commands for n in (*c.things, c.place) if n is not None]
+        return {n.position for n in nouns if n.words == noun.words and n.position is not None}
+
     def _count(self, noun: Noun) -> int | None:
         """How many a noun asks for; None where it says only that there are several."""
         if noun.position is not None:
-            nouns = [n for c in self.commands for n in (*c.things, c.place) if n is not None and n.words == noun.words]
-            asked = {n.position for n in nouns} - {None}
-            return 3 if "middle" in asked else max(2, len(asked))
+            return 3 if "middle" in self._positions(noun) else max(2, len(self._positions(noun)))
         if noun.count is not None and not 0 < noun.count <= LIMITS.objects:
             wanted = f"the instruction asks for {noun.count} × {noun.text!r}"
             raise InfeasibleScene(wanted, hint=f"ask for 1 to {LIMITS.objects} of them")
