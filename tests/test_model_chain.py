@@ -123,7 +123,7 @@ def test_a_stage_script_that_meets_a_fault_says_how_to_go_on(tmp_path: Path, mon
         failed = as_process(shlex.split(chosen.record["next"]))
         assert (failed.code, failed.error["code"], failed.error["retryable"]) == (6, "endpoint_failed", True)
         again = as_process(shlex.split(failed.record["next"]))
-        assert (again.code, len(server.requests)) == (0, 6), "what was answered is not asked again"
+        assert (again.code, len(server.requests)) == (0, 7), "what was answered is not asked again"
     assert server.key not in str([chosen, failed, again])
 
 

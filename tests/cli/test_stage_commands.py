@@ -152,7 +152,7 @@ def test_after_other_episodes_a_run_makes_again_what_follows_from_them(run, caps
         (["match", "--run", "x", "--seed", "two"], "'two' is not a whole number"),
         (["match", "--run", ""], "the folder has no name"),
         (["select-place", "word " * 300, "--out", "x"], "at most 1000"),
-        (["select-place", "the \udcff apple", "--out", "x"], "no text"),
+        (["select-place", "the \udcff apple", "--out", "x"], "control characters"),
     ],
 )
 def test_errors_of_the_command_line_exit_with_2(line, complaint, capsys, tmp_path, monkeypatch):

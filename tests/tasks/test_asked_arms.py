@@ -114,7 +114,7 @@ def test_an_arm_that_cannot_be_meant_is_refused_at_once(goal: Goal, arm: str, wh
     with pytest.raises(NoFeasibleTask, match=why):
         require_arms([asked(goal, arm)], robot().arms)
     with pytest.raises(NoFeasibleTask, match=why):
-        require_way(scene_of(objects).model_copy(update={"goals": [asked(goal, arm)]}), objects)
+        require_way([asked(goal, arm)], objects, ("left", "right"))
 
 
 def test_those_of_a_hand_over_are_giver_and_taker():

@@ -15,6 +15,8 @@ from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.search import FoundSubtasks, compose, find_subtasks, require_way
 from vcage.tasks.templates import TEMPLATES
 
+ARMS = ("left", "right")
+
 
 def found_in(objects: Sequence[SceneObject], judge=sensible, seed: int = 0) -> FoundSubtasks:
     return find_subtasks(objects, kinematics(), judge, GROUND, np.random.default_rng(seed))
@@ -149,7 +151,7 @@ def test_the_same_seed_finds_the_same_sub_tasks():
 
 def wanting(goal: Goal, objects: Sequence[SceneObject]) -> None:
     asked = AskedGoal(goal=goal, step=0, words="the words")
-    require_way([asked], objects)
+    require_way([asked], objects, ARMS)
 
 
 def test_what_sizes_rule_out_is_refused_wherever_things_stand_with_the_words_and_the_reason():
@@ -253,6 +255,6 @@ def test_what_many_things_of_one_kind_fail_for_is_told_once_with_their_number():
     ]
     objects = [*blocks, thing("mug", (0.2, 0.0))]
     with pytest.raises(NoFeasibleTask, match=r"block_0 inside mug and 11 more like it \('12 blocks'\)") as caught:
-        require_way(asked, objects)
+        require_way(asked, objects, ARMS)
     assert caught.value.message.count("6 mm") == 1
     assert len(caught.value.details["missing"]) == 12

@@ -5,7 +5,7 @@ Whoever chooses is told what is wrong with a choice, reading and sizes included,
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -28,6 +28,7 @@ from vcage.schema.scene import ObjectRecord, SceneTemplate
 from vcage.sim.robots import load_robot
 from vcage.stages.context import StageContext
 from vcage.stages.started import started
+from vcage.stages.starting_poses import StartingPoses
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.search import require_way
 
@@ -61,7 +62,7 @@ def choose(instruction: str | None, template: SceneTemplate, context: StageConte
     if instruction is None:
         selection = draw_contents(template, context.catalogue, rng)
         return Chosen(name_objects(selection, context.catalogue), None, selection.notes)
-    choices = _Choices(instruction, load_robot(template.robot).arms, context)
+    choices = _Choices(instruction, template, context)
     reasoner = context.models.reasoner
     try:
         selection = reasoner.select_assets(instruction, context.catalogue, rng, choices.complaints, template.name)
@@ -89,12 +90,12 @@ class _Choices:
 
     Args:
         instruction: in plain language.
-        arms: of the robot.
+        template: of the scene.
         context: the library and the reasoner.
     """
 
-    def __init__(self, instruction: str, arms: Collection[str], context: StageContext):
-        self._instruction, self._arms, self._context = instruction, arms, context
+    def __init__(self, instruction: str, template: SceneTemplate, context: StageContext):
+        self._instruction, self._template, self._context = instruction, template, context
         self._found: dict[str, list[str] | Chosen] = {}
         self.infeasible: NoFeasibleTask | InfeasibleScene | None = None
 
@@ -139,7 +140,7 @@ class _Choices:
         except InfeasibleScene as error:
             self.infeasible = error
             return error.details["problems"]
-        self.infeasible = impossible(objects, reading.goals, self._arms, self._context)
+        self.infeasible = impossible(objects, reading, self._template, self._context)
         return [self.infeasible.message] if self.infeasible else Chosen(objects, reading, selection.notes)
 
     def _read(self, objects: Sequence[NamedObject], kinds: dict[str, CatalogueEntry]) -> Reading:
@@ -162,15 +163,18 @@ class _Choices:
 
 
 def impossible(
-    objects: Sequence[NamedObject], goals: Sequence[AskedGoal], arms: Collection[str], context: StageContext
-) -> NoFeasibleTask | None:
-    """Why no layout of some objects makes goals possible: their sizes rule them out, alone or together."""
+    objects: Sequence[NamedObject], reading: Reading, template: SceneTemplate, context: StageContext
+) -> NoFeasibleTask | InfeasibleScene | None:
+    """Why no layout of some objects makes what is asked for possible: their sizes rule goals out, alone or together, or
+    the table has no room for a start that is as described."""
     assets = {o.id: context.library.asset(o.asset, o.variant) for o in objects}
     try:
-        require_way(goals, [_somewhere(o, assets[o.id]) for o in objects], arms)
-    except NoFeasibleTask as error:
+        require_way(reading.goals, [_somewhere(o, assets[o.id]) for o in objects], load_robot(template.robot).arms)
+        # A placement that is only tried: the run draws its own.
+        StartingPoses(objects, template, reading.descriptions, reading.goals, context).draw(np.random.default_rng(0))
+    except (NoFeasibleTask, InfeasibleScene) as error:
         return error
-    if crowded := _crowded(goals, objects, assets):
+    if crowded := _crowded(reading.goals, objects, assets):
         return NoFeasibleTask(
             f"wherever the objects stand, {'; '.join(crowded)}", hint="ask for fewer things, or for a larger place"
         )

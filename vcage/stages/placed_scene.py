@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -12,14 +11,12 @@ import numpy as np
 from vcage.base.errors import InfeasibleScene
 from vcage.base.pictures import write_labels, write_picture
 from vcage.models.selection_check import NamedObject
-from vcage.plans.actions import open_at_start
-from vcage.schema.goals import Goal, in_steps
 from vcage.schema.scene import Scene, SceneTemplate
 from vcage.sim.cameras import observe, shoot
 from vcage.sim.world import World
 from vcage.stages.context import StageContext
 from vcage.stages.stability import moved_objects, settle_checks
-from vcage.stages.starting_poses import StartingPoses, asset_of, record_at
+from vcage.stages.starting_poses import StartingPoses, record_at
 from vcage.tasks.described import complaints
 
 TRIES = 5
@@ -45,9 +42,8 @@ def place_until_stable(
     Raises:
         InfeasibleScene: the objects have no place, do not stay where they are put, or what is described is not true.
     """
-    goals = fields.get("goals", ())
-    joints = _joints(objects, in_steps(goals), context)
-    starting = StartingPoses(objects, template, fields.get("descriptions", ()), goals, joints, context)
+    starting = StartingPoses(objects, template, fields.get("descriptions", ()), fields.get("goals", ()), context)
+    joints = starting.joints
     worst: list[str] = []
     false: list[str] = []
     for attempt in range(1, TRIES + 1):
@@ -76,19 +72,6 @@ def place_until_stable(
         hint="check their collision hulls, or leave them out",
         details={"objects": worst},
     )
-
-
-def _joints(
-    objects: list[NamedObject], steps: Sequence[Collection[Goal]], context: StageContext
-) -> dict[str, tuple[float, ...]]:
-    """Positions of the moving parts of each object: what is to be closed is open at the start, the rest at rest."""
-    open_parts = open_at_start(steps)
-    found = {}
-    for o in objects:
-        links = asset_of(o, context).model.links
-        there = tuple(link.joint.far_end if (o.id, link.name) in open_parts else 0.0 for link in links)
-        found[o.id] = there if any(there) else ()
-    return found
 
 
 def photograph(scene: Scene, context: StageContext, folder: Path) -> Scene:

@@ -5,7 +5,7 @@ All that the instruction says of the start is true there, and a hand has room ar
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -19,10 +19,11 @@ from vcage.layout.placement.view import view_rectangles
 from vcage.models.selection_check import NamedObject
 from vcage.objects.asset import Asset
 from vcage.objects.openings import Opening
+from vcage.plans.actions import open_at_start
 from vcage.plans.descriptions import HOLDING, described_relations
 from vcage.plans.plain_words import in_words
 from vcage.schema.base import PoseRecord, box_record
-from vcage.schema.goals import AskedGoal, Description
+from vcage.schema.goals import AskedGoal, Description, Goal, in_steps
 from vcage.schema.plan import TABLE
 from vcage.schema.scene import ObjectRecord, SceneTemplate
 from vcage.sim.robots import load_robot
@@ -49,8 +50,10 @@ class StartingPoses:
         template: of the scene.
         descriptions: what must be true.
         goals: what is asked for.
-        joints: positions of the moving parts, by id.
         context: the library.
+
+    Attributes:
+        joints: positions of the moving parts, by id.
     """
 
     def __init__(
@@ -59,10 +62,10 @@ class StartingPoses:
         template: SceneTemplate,
         descriptions: Sequence[Description],
         goals: Sequence[AskedGoal],
-        joints: Mapping[str, tuple[float, ...]],
         context: StageContext,
     ):
-        self._objects, self._template, self._joints, self._context = objects, template, joints, context
+        self._objects, self._template, self._context = objects, template, context
+        self.joints = _joints(objects, in_steps(goals), context)
         self._robot = load_robot(template.robot)
         self._items = _place_items([o for o in objects if o.starts_in_part is None], template, context)
         self._described = [d for d in descriptions if d.part is None]
@@ -135,8 +138,21 @@ class StartingPoses:
         return found
 
     def _thing(self, o: NamedObject, pose: Pose) -> SceneObject:
-        joints = self._joints.get(o.id, ())
+        joints = self.joints.get(o.id, ())
         return SceneObject(record_at(o, pose, self._context, joints), asset_of(o, self._context), pose, joints)
+
+
+def _joints(
+    objects: Sequence[NamedObject], steps: Sequence[Collection[Goal]], context: StageContext
+) -> dict[str, tuple[float, ...]]:
+    """Positions of the moving parts of each object: what is to be closed is open at the start, the rest at rest."""
+    open_parts = open_at_start(steps)
+    found = {}
+    for o in objects:
+        links = asset_of(o, context).model.links
+        there = tuple(link.joint.far_end if (o.id, link.name) in open_parts else 0.0 for link in links)
+        found[o.id] = there if any(there) else ()
+    return found
 
 
 def record_at(o: NamedObject, pose: Pose, context: StageContext, joints: tuple[float, ...]) -> ObjectRecord:

@@ -56,7 +56,7 @@ def choose_told(
         if one.relation in ("inside", "on") and (why := place_refusal(one, kinds)):
             raise impossible(str(one), why)
     objects = started(objects, descriptions, context.library)
-    if error := ruled_out(objects, goals, arms, context):
+    if error := ruled_out(objects, reading, template, context):
         raise error
     return instruction, Chosen(objects, reading, [])
 
