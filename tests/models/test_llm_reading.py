@@ -89,7 +89,7 @@ def test_an_arm_and_a_description_are_part_of_the_reading() -> None:
         ),
         (
             read(*(goal("apple", "on", place, words=TASK) for place in ("plate", "table"))),
-            "goals of one step cannot both be true",
+            "goals of one step contradict each other",
         ),
         (
             read(

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from tests.objects.test_mentions import LIBRARY, look
+from tests.objects.test_scene_names import LIBRARY, look
 from vcage.models.wordings import TaskToWord
 from vcage.schema.goals import AskedGoal, Description, goal_of
 

@@ -1,112 +1,50 @@
-"""Which objects the words of a sentence may mean."""
+"""Nouns, numbers, colours and names that are found in a sentence without a grammar."""
 
 from __future__ import annotations
 
 import pytest
 
-from vcage.objects.library import Library
-from vcage.objects.mentions import SceneNames, full_names, names_in
-from vcage.schema.goals import Description
+from tests.models.catalogue import CATALOGUE, entry
+from vcage.base.words import tokens
+from vcage.objects.mentions import full_names, names_in, nouns
 
-LIBRARY = Library.load()
-
-
-def look(kind: str, variant: str | None = None):
-    entry = LIBRARY.entry(kind)
-    return entry.model_copy(update={"variants": [v for v in entry.variants if variant in (None, v.id)][:1]})
-
-
-THINGS = {
-    "pen_red": look("marker", "red"),
-    "pen_blue": look("marker", "blue"),
-    "box": look("packaging_box"),
-    "gift": look("gift_box"),
-    "notes": look("sticky_notes"),
-    "apple": look("apple"),
-    "scanner": look("barcode_scanner"),
-}
-PHRASES = {
-    "pen_red": "red marker pen", "pen_blue": "blue marker pen", "box": "brown packaging box", "gift": "gift box",
-    "notes": "yellow pad of sticky notes", "apple": "red apple", "scanner": "black barcode scanner",
-}  # fmt: skip
-
-
-def meant(sentence: str, names: SceneNames | None = None) -> list[set[str]]:
-    return [set(m.ids) for m in (names or SceneNames(THINGS, PHRASES)).mentions(sentence)]
+KINDS = [
+    *CATALOGUE,
+    entry("can", "tin can", "packed food", synonyms=("can", "tin")),
+    entry("timer", "egg timer", "tool"),
+]
 
 
 @pytest.mark.parametrize(
-    ("sentence", "ids"),
+    ("said", "found"),
     [
-        ("Put the apple away", [{"apple"}]),
-        ("Put the Apple, please, in the packing box", [{"apple"}, {"box"}]),
-        ("Put the red pen in the cardboard box", [{"pen_red"}, {"box"}]),
-        ("Put the pens in the gift box", [{"pen_red", "pen_blue"}, {"gift"}]),
-        ("Put the pen in it", [{"pen_red", "pen_blue"}]),
-        ("Put the fruit in the box", [{"apple"}, {"box", "gift"}]),
-        ("Put the green pen away", [set()]),
-        ("Move the sticky notes", [{"notes"}]),
-        ("Scan the bar code of the apple", [{"apple"}]),
-        ("Present the apple to the customer", [{"apple"}]),
-        ("Take the present", [{"gift"}]),
-        ("Can you put it on the table?", []),
+        ("Put the two red mugs on the plate", [("two red mugs", 2), ("plate", None)]),
+        ("Put both of the apples into the bowl", [("apples", 2), ("bowl", None)]),
+        ("Put one of the two apples away", [("two apples", 1)]),
+        ("Put the marker pens into the packaging box", [("marker pens", None), ("packaging box", None)]),
+        ("Can you put the egg timer on the plate?", [("egg timer", None), ("plate", None)]),
+        ("Book the stapler into the bread box", [("stapler", None), ("bread box", None)]),
+        ("Put the apple juice on the plate", [("plate", None)]),
     ],
 )
-def test_a_name_means_all_objects_that_it_fits(sentence, ids):
-    assert meant(sentence) == ids
+def test_what_is_named_is_found_with_its_number(said: str, found: list[tuple[str, int | None]]) -> None:
+    assert [(noun.words, noun.number) for noun in nouns(said, KINDS)] == found
 
 
-@pytest.mark.parametrize(("said", "plural", "count"), [("both pens", True, 2), ("the three pens", True, 3)])
-def test_plural_and_count_are_told(said, plural, count):
-    (mention,) = SceneNames(THINGS, PHRASES).mentions(f"Take {said}")
-    assert (mention.plural, mention.count) == (plural, count)
+def test_colours_belong_to_the_noun_after_them() -> None:
+    (blocks, plate) = nouns("Put the red and blue blocks on the white plate", KINDS)
+    assert sorted(blocks.colours) == ["blue", "red"] and plate.colours == ("white",)
 
 
-def test_a_name_that_is_a_plural_itself_means_one_object():
-    (mention,) = SceneNames(THINGS, PHRASES).mentions("Take the sticky notes")
-    assert not mention.plural
+def test_one_with_a_colour_is_any_object_of_that_colour() -> None:
+    said = nouns("Put the mug on the plate and the red one too", KINDS)
+    assert (said[-1].name, said[-1].colours) == ((), ("red",))
 
 
-def plates(*told: tuple[str, str, str], lying: dict[str, str] | None = None, count: int = 2) -> SceneNames:
-    things = {name: look("plate", "white") for name in ("a", "b", "c")[:count]} | {"box": look("packaging_box")}
-    descriptions = [Description(subject=s, relation=r, reference=o, words="the plate") for s, r, o in told]
-    phrases = dict.fromkeys(things, "white plate") | {"box": "brown packaging box"}
-    return SceneNames(things, phrases, descriptions, lying)
-
-
-def test_two_of_a_kind_are_told_apart_by_their_description():
-    names = plates(("a", "left_of", "b"))
-    assert meant("Use the left plate", names) == [{"a"}]
-    assert meant("Use the plate on the right", names) == [{"b"}]
-    assert meant("Put it to the left of the plate", names) == [{"a", "b"}]
-    assert names.calls(["a"]) == ["the left white plate", "the left plate"]
-
-
-def test_of_three_in_a_row_one_is_in_the_middle():
-    names = plates(("b", "right_of", "a"), ("b", "left_of", "c"), count=3)
-    assert [meant(f"Use the {side} plate", names) for side in ("left", "middle", "right")] == [
-        [{"a"}],
-        [{"b"}],
-        [{"c"}],
+def test_names_of_what_is_not_there_are_found() -> None:
+    names = full_names([entry("banana", "banana", "fruit"), entry("can", "tin can", "packed food", synonyms=("can",))])
+    assert names_in(tokens("Can you put the banana and a tin can in the box?"), names, taken=[]) == [
+        "banana",
+        "tin can",
     ]
-
-
-def test_what_lies_in_something_is_told_by_that():
-    names = plates(lying={"a": "box"})
-    assert meant("Take the plate out of the box", names) == [{"a"}, {"box"}]
-
-
-def test_an_object_without_a_telling_name_is_called_by_none():
-    assert plates().calls(["a"]) == []
-
-
-def test_all_of_a_kind_have_one_name_and_two_of_three_have_none():
-    names = SceneNames(THINGS, PHRASES)
-    assert names.calls(["pen_red", "pen_blue"]) == ["the two marker pens", "the marker pens"]
-    assert plates(count=3).calls(["a", "b"]) == []
-
-
-def test_names_of_what_is_not_there_are_found():
-    names = full_names([LIBRARY.entry("banana"), LIBRARY.entry("can")])
-    assert names_in("Can you put the banana and a tin can in the box?", names, taken=[]) == ["banana", "tin can"]
-    assert names_in("Can you put the banana away?", names, taken=[4]) == []
+    assert names_in(tokens("Can you put the banana away?"), names, taken=[4]) == []

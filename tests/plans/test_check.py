@@ -8,8 +8,8 @@ from hypothesis import strategies as st
 
 from tests.models.tabletop import BLOCKS, PLATE, scene_of
 from vcage.base.graphs import circles, longest_path
-from vcage.plans.check import contradictions, goal_contradictions, plan_complaints
-from vcage.schema.goals import Description, goal_of
+from vcage.plans.check import contradictions, plan_complaints
+from vcage.schema.goals import Description
 from vcage.schema.plan import LayoutPlan, Relation
 
 
@@ -145,9 +145,3 @@ def test_the_longest_path_counts_edges_and_ends():
     lengths = {("a", "b"): 1.0, ("b", "c"): 1.0, ("a", "c"): 1.5}
     assert longest_path(lengths, {"a": 0.5, "c": 0.25}) == (2.75, ["a", "b", "c"])
     assert longest_path({}, {}) == (0.0, [])
-
-
-def test_an_object_in_two_places_is_a_contradiction_of_goals() -> None:
-    goals = [goal_of(("cup", "on", "plate")), goal_of(("cup", "left_of", "jug"))]
-    assert goal_contradictions(goals) == ["cup is to be in two places"]
-    assert goal_contradictions(goals[:1]) == []

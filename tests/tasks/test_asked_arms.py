@@ -11,7 +11,8 @@ from vcage.schema.goals import AskedGoal, Goal, goal_of
 from vcage.schema.subtasks import Grasp, Subtask
 from vcage.tasks.asked_arms import arm_for, asked_arms, bound_to, require_arms, those_of
 from vcage.tasks.rehearsal import examined, require_chain
-from vcage.tasks.search import FoundSubtasks, compose, find_subtasks, require_way
+from vcage.tasks.ruled_out import require_way
+from vcage.tasks.search import FoundSubtasks, compose, find_subtasks
 
 ON_PLATE = goal_of(["block", "on", "plate"])
 HANDED = goal_of(["hammer", "handed", "right"])
@@ -114,7 +115,7 @@ def test_an_arm_that_cannot_be_meant_is_refused_at_once(goal: Goal, arm: str, wh
     with pytest.raises(NoFeasibleTask, match=why):
         require_arms([asked(goal, arm)], robot().arms)
     with pytest.raises(NoFeasibleTask, match=why):
-        require_way([asked(goal, arm)], objects, ("left", "right"))
+        require_way([asked(goal, arm)], objects, robot().arms)
 
 
 def test_those_of_a_hand_over_are_giver_and_taker():

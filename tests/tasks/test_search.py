@@ -12,10 +12,8 @@ from vcage.base.errors import NoFeasibleTask
 from vcage.schema.goals import AskedGoal, Goal
 from vcage.schema.subtasks import Check, PairAnswer, PairQuestion, Refusal
 from vcage.tasks.scene_objects import SceneObject
-from vcage.tasks.search import FoundSubtasks, compose, find_subtasks, require_way
+from vcage.tasks.search import FoundSubtasks, compose, find_subtasks
 from vcage.tasks.templates import TEMPLATES
-
-ARMS = ("left", "right")
 
 
 def found_in(objects: Sequence[SceneObject], judge=sensible, seed: int = 0) -> FoundSubtasks:
@@ -146,23 +144,7 @@ def test_the_same_seed_finds_the_same_sub_tasks():
     assert first == second
 
 
-# --- what no layout makes possible ---------------------------------------------------------------------
-
-
-def wanting(goal: Goal, objects: Sequence[SceneObject]) -> None:
-    asked = AskedGoal(goal=goal, step=0, words="the words")
-    require_way([asked], objects, ARMS)
-
-
-def test_what_sizes_rule_out_is_refused_wherever_things_stand_with_the_words_and_the_reason():
-    objects = [thing("ruler", (-0.2, 0.0), role="content"), thing("mug", (0.2, 0.0), role="receptacle")]
-    with pytest.raises(NoFeasibleTask, match=r"ruler inside mug \('the words'\): .*does not fit in") as caught:
-        wanting(Goal(subject="ruler", relation="inside", reference="mug"), objects)
-    assert "another --seed does not help" in caught.value.hint
-
-
-def test_what_no_arm_reaches_here_may_be_reached_elsewhere():
-    wanting(Goal(subject="marker", relation="inside", reference="packaging_box"), far_away(stationery()))
+# --- what a refusal says -------------------------------------------------------------------------------
 
 
 def refused_for(check: str) -> NoFeasibleTask:
@@ -245,16 +227,3 @@ def test_a_filled_thing_is_moved_with_what_lies_in_it_where_it_can_be_held_level
     scene = scene_of(objects, "Fill it, then move it").model_copy(update={"goals": goals})
     (chain,) = compose(scene, objects, [fill, subtask(holder, "tray"), aside], [])
     assert len(chain.subtasks) == steps
-
-
-def test_what_many_things_of_one_kind_fail_for_is_told_once_with_their_number():
-    blocks = [thing("block", id=f"block_{number}") for number in range(12)]
-    asked = [
-        AskedGoal(goal=Goal(subject=o.id, relation="inside", reference="mug"), step=0, words="12 blocks")
-        for o in blocks
-    ]
-    objects = [*blocks, thing("mug", (0.2, 0.0))]
-    with pytest.raises(NoFeasibleTask, match=r"block_0 inside mug and 11 more like it \('12 blocks'\)") as caught:
-        require_way(asked, objects, ARMS)
-    assert caught.value.message.count("6 mm") == 1
-    assert len(caught.value.details["missing"]) == 12

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from tests.models.test_wordings import BOTTOM, LEFT, ON, STEPS, TOP, task
-from tests.objects.test_mentions import look
+from tests.objects.test_scene_names import look
 from vcage.models.wordings import TaskToWord
 from vcage.schema.goals import AskedGoal, Description, goal_of
 from vcage.tasks.task_wording import template_wordings

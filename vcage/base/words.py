@@ -106,11 +106,11 @@ PARTS = frozenset((*PART_WORDS, "compartment", "shelf", "handle", "display"))
 COUNTED = ("first", "second", "third", "fourth", "fifth", "sixth", "seventh", "eighth", "ninth", "tenth")
 """Ordinals that count from one end."""
 
-POSITIONS = {
-    "left": "left", "leftmost": "left", "right": "right", "rightmost": "right", "middle": "middle", "front": "front",
-    "back": "back", "rear": "back",
+SIDES = {
+    "left": "left", "leftmost": "left", "right": "right", "rightmost": "right", "front": "front", "back": "back",
+    "rear": "back", "middle": "middle", "central": "middle", "centre": "middle", "center": "middle",
 }  # fmt: skip
-"""Words that tell things apart by where they are, as the robot sees them."""
+"""Words that tell one object from its likes by where it stands, as the robot sees it → the side in one spelling."""
 
 HIGHEST = ("top", "upper", "uppermost", "topmost", "highest")
 LOWEST = ("bottom", "lower", "bottommost", "lowest")
@@ -118,11 +118,17 @@ WHICH_PART = {**dict.fromkeys(HIGHEST, "top"), **dict.fromkeys(LOWEST, "bottom")
 """Words that tell parts apart → how the part's name ends."""
 
 _WORD = re.compile(r"[a-z0-9]+(?:'[a-z]+)?")
+_WORD_OR_MARK = re.compile(rf"{_WORD.pattern}|[,.;:!?()]")
 
 
 def tokens(text: str) -> list[str]:
     """Lower-case words of a text, without punctuation; underscores and hyphens separate words."""
     return _WORD.findall(text.lower().replace("_", " "))
+
+
+def marked_tokens(text: str) -> list[str]:
+    """:func:`tokens` with the punctuation marks among them, each by itself."""
+    return _WORD_OR_MARK.findall(text.lower().replace("_", " "))
 
 
 def lemma(word: str) -> str:

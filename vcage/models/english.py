@@ -1,55 +1,39 @@
-"""Words of English that checks of an instruction know."""
+"""Checks of an instruction that are for English only."""
 
 from __future__ import annotations
 
+import re
+from collections.abc import Iterable
 
-def _words(*lines: str) -> frozenset[str]:
-    return frozenset(word for line in lines for word in line.split())
+from vcage.base.english import FUNCTION_WORDS, VERBS
+from vcage.base.words import COLOURS, DETERMINERS, NUMBERS, PARTS, lemma, tokens
+from vcage.objects.names import texts_of
+from vcage.schema.asset import CatalogueEntry
 
-
-FUNCTION_WORDS = _words(
-    "a an the this that these those it its them they their i i'd i'll i've i'm me my mine we we'd we'll we're us",
-    "our you you'd you're your he she him her his is are was were be been being am isn't aren't do does did don't",
-    "doesn't didn't has have had having will would could should shall may might must can can't cannot need needs",
-    "needed want wants wanted like likes let lets let's get gets got getting make makes sure please kindly thanks",
-    "thank thx pls plz and or but nor so then than also too as if when once until while before after afterwards",
-    "first finally next last lastly now just only really quite very still yet again already soon later in into on",
-    "onto to of off out over up down at by for from with within without inside around about through under along",
-    "here there where which who whom what whose how why some any no not none each every all both either neither",
-    "another other others one ones else same such more most less few several couple pair rest everything anything",
-    "something that's it's there's what's ok okay oh hey hi hello hmm um uh er well right away robot sorry wait",
-    "mean actually instead rather except apart hang possible mind matter matters care whichever whatever happen",
-    "bit little ahead together time start beginning end possibly perhaps maybe ever always way good nice great",
-    "fine done job thing things go goes going come comes yours you've we've they've shouldn't wouldn't couldn't",
-    "won't thats think see prefer trouble grateful dear mate ta yeah wondering happy moment turn supposed kind",
-    "able ur u people himself herself themselves that'd love champ bruh n exactly guess bet hurry quickly",
-    "carefully gently neatly nicely side terribly requested it'd running somebody someone gentleman lady customer",
-    "pay paying happened stays follows today tonight coming table desk counter worktop",
-)
-"""Words that no goal has to answer: they carry grammar, or politeness."""
-
-HANDLING = _words(
-    "put puts putting place places placed placing set sets setting move moves moved moving bring brings take",
-    "takes taking taken gather tidy sort stow pick picks picked picking lay lays laid lift grab grabs hold get",
-    "keep fetch carry pop stick leave stand clear clean",
-)
-"""Verbs of taking and putting, which any goal of a thing answers."""
-
-VERBS = HANDLING | _words(
-    "stack pack open close shut press push pull turn switch scan weigh show hand give pass present return clear",
-    "tidy clean prepare store load fill empty drop throw slide sort arrange build make serve bag box belong",
-    "belongs sit stay",
-)
-"""Verbs that instructions often have."""
-
-ASIDE = _words(
-    "except but not no without sorry wait mean actually instead rather don't isn't aren't never nothing neither",
-    "nor unless leave only otherwise besides excluding skip forget oops scratch correction apart alone hang or",
-    "bar meant",
+_ASIDE = frozenset(
+    word
+    for line in (
+        "except but not no without sorry wait mean actually instead rather don't isn't aren't never nothing neither",
+        "nor unless leave only otherwise besides excluding skip forget oops scratch correction apart alone hang or",
+        "bar meant",
+    )
+    for word in line.split()
 )
 """Words by which an instruction names what it does not ask for."""
+_LATIN = re.compile(r"[^\W\d_]")
 
-AFTER_A_NOUN = _words(
-    "behind beside near close left separately belong against neatly carefully above below",
-)
-"""Words that may follow a noun and do not make it part of a longer name."""
+
+def is_plain(instruction: str) -> bool:
+    """Check if an instruction names only what it asks for: it takes nothing back and leaves nothing out."""
+    return not any(word in _ASIDE or word.endswith("n't") for word in tokens(instruction))
+
+
+def in_english(instruction: str, entries: Iterable[CatalogueEntry]) -> bool:
+    """Check if at least half of the words are known to be English; of another language no words are checked."""
+    letters = _LATIN.findall(instruction)
+    if sum(letter.isascii() for letter in letters) < len(letters) * 0.9:
+        return False
+    named = {word for entry in entries for text in texts_of(entry) for word in tokens(text)}
+    known = FUNCTION_WORDS | VERBS | COLOURS | DETERMINERS | NUMBERS.keys() | PARTS | named | {*map(lemma, named)}
+    said = tokens(instruction)
+    return 2 * sum(word in known or lemma(word) in known for word in said) >= len(said)

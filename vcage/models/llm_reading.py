@@ -5,8 +5,7 @@ Three checks follow an answer: by code, by a reader without a model where it rea
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping, Sequence
-from itertools import combinations
+from collections.abc import Callable, Mapping
 
 from vcage.base.errors import UnreadInstruction, VcageError
 from vcage.models import prompts
@@ -14,12 +13,10 @@ from vcage.models.goal_answers import GoalsAnswer, Instructed, answer_type, miss
 from vcage.models.same_reading import differences
 from vcage.models.second_look import second_look
 from vcage.models.structured import Answer, Asking
-from vcage.plans.actions import lasting, overrides
-from vcage.plans.check import contradictions
+from vcage.plans.consistency import inconsistencies
 from vcage.plans.plain_words import reading_in_words
 from vcage.schema.asset import CatalogueEntry
-from vcage.schema.goals import Description, Goal, Reading, in_steps
-from vcage.schema.plan import TABLE, Relation
+from vcage.schema.goals import Reading
 
 ThirdReader = Callable[[str, Mapping[str, CatalogueEntry], Mapping[str, str]], Reading]
 """Reads an instruction without a model, or raises UnreadInstruction."""
@@ -70,37 +67,11 @@ def _complaints(answer: GoalsAnswer, read: Instructed, reviewer: Asking | None, 
         return found
     reading = reading_of(answer)
     return (
-        _contradictions(reading)
+        inconsistencies(reading.goals, reading.descriptions)
         or second_look(read.instruction, read.things, reading, read.moved)
         or _differs(reading, read, third)
         or _review(reading, read, reviewer)
     )
-
-
-def _contradictions(reading: Reading) -> list[str]:
-    """Goals that cannot be true together, in one step or at the end; descriptions that cannot."""
-    steps = in_steps(reading.goals)
-    found = [
-        f"goals of one step cannot both be true: {a} and {b}"
-        for step in steps
-        for a, b in combinations(sorted(step, key=str), 2)
-        if overrides(a, b)
-    ]
-    for goals in (*steps, lasting(steps)):
-        found += contradictions(relations_of(goals))
-    described = [told for told in reading.descriptions if told.reference != TABLE]
-    found += [f"descriptions: {text}" for text in contradictions(relations_of(described))]
-    return list(dict.fromkeys(found))
-
-
-def relations_of(stated: Collection[Goal] | Sequence[Description]) -> list[Relation]:
-    """Goals or descriptions as relations of a plan, those that are any."""
-    words = ("inside", "on", "left_of", "right_of", "in_front_of", "behind", "beside", "near", "center")
-    return [
-        Relation(subject=one.subject, relation=one.relation, reference=str(one.reference))
-        for one in stated
-        if one.relation in words
-    ]
 
 
 def _differs(reading: Reading, read: Instructed, third: ThirdReader | None) -> list[str]:

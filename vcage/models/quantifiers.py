@@ -10,8 +10,8 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
 from vcage.base.text import listed
-from vcage.base.words import COLOURS, NUMBERS, PARTS, colour_of, lemma, same_word, tokens
-from vcage.objects.names import is_of_kind, names_of
+from vcage.base.words import COLOURS, NUMBERS, PARTS, colour_of, lemma, marked_tokens, tokens
+from vcage.objects.names import head_means, names_of
 from vcage.schema.asset import CatalogueEntry
 
 _EVERYTHING = frozenset(("everything", "anything", "whatever"))
@@ -33,7 +33,6 @@ _ENDS_THE_NOUN = frozenset(
     for word in words.split()
 )
 _EXCEPT = re.compile(r"\b(?:except|but|bar|apart from|other than|excluding|save|without|isn't|aren't|not)\b")
-_WORD = re.compile(r"[a-z]+(?:'[a-z]+)?|[,.;:!?]")
 
 
 @dataclass(frozen=True)
@@ -58,10 +57,7 @@ class Quantified:
         """
         if self.colour is not None and all(self.colour != colour_of(v.colour) for v in entry.variants):
             return False
-        if not self.noun:
-            return True
-        head, names = self.noun[-1], names_of(entry)
-        return any(same_word(head, name[-1]) for name in names.all) or is_of_kind(head, entry, names)
+        return not self.noun or head_means(self.noun[-1], entry)
 
 
 def quantified(instruction: str) -> list[Quantified]:
@@ -69,7 +65,7 @@ def quantified(instruction: str) -> list[Quantified]:
     text = instruction.lower()
     for phrase in _FIXED:
         text = re.sub(rf"\b{phrase}\b", " , ", text)
-    words, found = _WORD.findall(text), list[Quantified]()
+    words, found = marked_tokens(text), list[Quantified]()
     for at, word in enumerate(words):
         if word in _EVERYTHING or word in _EVERY:
             one = _quantified(words, at)
@@ -81,7 +77,7 @@ def quantified(instruction: str) -> list[Quantified]:
 
 def _quantified(words: list[str], at: int) -> Quantified:
     end = at + 1
-    while end < len(words) and words[at] in _EVERY and words[end] in _BEFORE_THE_NOUN:
+    while end < len(words) and words[at] in _EVERY and (words[end] in _BEFORE_THE_NOUN or words[end].isdigit()):
         end += 1
     begun = end
     while end < len(words) and words[end].isalpha() and words[end] not in _ENDS_THE_NOUN:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Collection, Iterable, Mapping, Sequence
 
+from vcage.base.english import FUNCTION_WORDS, HANDLING, VERBS
 from vcage.base.text import listed
 from vcage.base.words import (
     ANYTHING,
@@ -23,11 +24,12 @@ from vcage.base.words import (
     same_word,
     tokens,
 )
-from vcage.models.english import FUNCTION_WORDS, HANDLING, VERBS
-from vcage.models.mentions import Mention, has_colour, in_english, is_plain, mentions
+from vcage.models.english import in_english, is_plain
 from vcage.models.quantifiers import left_over
+from vcage.objects.mentions import Noun, nouns
+from vcage.objects.names import has_colour, look_texts
 from vcage.schema.asset import CatalogueEntry
-from vcage.schema.goals import Reading
+from vcage.schema.goals import Description, Goal, Reading
 
 _MANY = frozenset(("each", "every", "all", "everything", "both", "another", "other", "others", "rest", "more", "any"))
 """Words by which "a mug" may be several."""
@@ -74,7 +76,7 @@ def second_look(
     )
     if not in_english(instruction, things.values()):
         return found
-    said = mentions(instruction, things.values())
+    said = nouns(instruction, things.values())
     found += left_over(instruction, things, spoken) + _unnamed(instruction, said, things, reading)
     found += _wrong_parts(instruction, reading)
     if is_plain(instruction):
@@ -93,27 +95,26 @@ def unmet_names(instruction: str, catalogue: Iterable[CatalogueEntry], chosen: C
     """
     if not in_english(instruction, chosen) or not is_plain(instruction):
         return []
-    said = mentions(instruction, catalogue)
+    said = nouns(instruction, catalogue)
     return [
-        f"the task names {mention.words!r}, but nothing is chosen that is called so"
-        for mention in dict.fromkeys(said)
-        if mention.noun and not any(mention.names(entry) for entry in chosen)
+        f"the task names {noun.words!r}, but nothing is chosen that is called so"
+        for noun in dict.fromkeys(said)
+        if noun.name and not any(noun.may_mean(entry) for entry in chosen)
     ]
 
 
 def _spoken(things: Mapping[str, CatalogueEntry], reading: Reading) -> set[str]:
     """Ids of the objects that a reading speaks of, and of what they are scanned, weighed or presented with."""
-    found = set(reading.untouched)
-    for one in (*(asked.goal for asked in reading.goals), *reading.descriptions):
-        found |= {name for name in (one.subject, one.reference) if name is not None and name in things}
+    named = {name for one in _stated(reading) for name in (one.subject, one.reference)}
     done = {asked.goal.relation for asked in reading.goals}
-    for name, entry in things.items():
-        reads = any(face.kind == "reader" for face in entry.faces)
-        weighs = any(point.weighs for point in entry.functional_points)
-        faces_customer = "customer" in entry.words.name
-        if ("scanned" in done and reads) or ("weighed" in done and weighs) or ("presented" in done and faces_customer):
-            found.add(name)
-    return found
+    tools = {name for name, entry in things.items() if done & _done_with(entry)}
+    return {*reading.untouched, *tools, *(name for name in things if name in named)}
+
+
+def _done_with(entry: CatalogueEntry) -> set[str]:
+    """Events that a thing is the tool of."""
+    able = {"scanned": entry.reads_codes, "weighed": entry.weighs, "presented": "customer" in entry.words.name}
+    return {event for event, is_tool in able.items() if is_tool}
 
 
 def _unanswered(
@@ -135,50 +136,56 @@ def _unanswered(
 
 def _called(entry: CatalogueEntry) -> set[str]:
     texts = [entry.words.name, entry.words.plural, *entry.words.synonyms, entry.words.category]
-    looks = [text for variant in entry.variants for text in (variant.id, variant.colour, variant.description)]
-    return {word for text in (*texts, *looks) for word in tokens(text)}
+    return {word for text in (*texts, *look_texts(entry)) for word in tokens(text)}
 
 
-def _misnamed(said: Sequence[Mention], things: Mapping[str, CatalogueEntry], spoken: Collection[str]) -> list[str]:
+def _misnamed(said: Sequence[Noun], things: Mapping[str, CatalogueEntry], spoken: Collection[str]) -> list[str]:
     """Nouns and colours that no object answers to which the reading speaks of."""
     found = []
-    for mention in dict.fromkeys(said):
-        met = [things[name] for name in sorted(spoken) if mention.names(things[name])]
+    for noun in dict.fromkeys(said):
+        met = [things[name] for name in sorted(spoken) if noun.may_mean(things[name])]
         if not met:
-            found.append(f"the instruction names {mention.words!r}, but no goal speaks of such an object")
+            found.append(f"the instruction names {noun.words!r}, but no goal speaks of such an object")
         else:
-            missing = [colour for colour in mention.colours if not any(has_colour(entry, colour) for entry in met)]
-            found += [f"{mention.words!r} asks for {c}, but no goal speaks of such an object" for c in missing]
+            missing = [colour for colour in noun.colours if not any(has_colour(entry, colour) for entry in met)]
+            found += [f"{noun.words!r} asks for {c}, but no goal speaks of such an object" for c in missing]
     return found
 
 
 def _unnamed(
-    instruction: str, said: Sequence[Mention], things: Mapping[str, CatalogueEntry], reading: Reading
+    instruction: str, said: Sequence[Noun], things: Mapping[str, CatalogueEntry], reading: Reading
 ) -> list[str]:
     """Objects of goals that the instruction does not name, where it names others and every word of it is known."""
     words = tokens(instruction)
-    named = {word for mention in said for word in tokens(mention.words)}
-    known = FUNCTION_WORDS | VERBS | COLOURS | DETERMINERS | PARTS | NUMBERS.keys() | named | {"left", "right", "front"}
-    if not said or _OPEN.intersection(words) or any(not {word, lemma(word)} & known for word in words):
+    if not said or _OPEN.intersection(words) or not _all_known(words, said):
         return []
     goals = [asked.goal for asked in reading.goals]
     told = [name for one in reading.descriptions for name in (one.subject, one.reference)]
-    slots = [[goal.subject for goal in goals], [goal.reference for goal in goals]]
+    subjects, references = [goal.subject for goal in goals], [goal.reference for goal in goals]
     found = []
-    for mine, others in (slots, slots[::-1]):
+    for mine, others in ((subjects, references), (references, subjects)):
         taken = [things[name] for name in (*others, *told) if name in things]
-        if all(any(mention.names(entry) for entry in taken) for mention in said):
+        if all(any(noun.may_mean(entry) for entry in taken) for noun in said):
             continue  # "put the pens away" leaves open where to, "fill the box" with what
-        for name, goal in zip(mine, goals, strict=True):
-            by_part = goal.part is not None and goal.part.split("_")[0] in map(lemma, words)
-            if name in things and not by_part and not any(mention.names(things[name]) for mention in said):
-                found.append(f"{name} is in the goal {goal}, but the instruction names no such object")
+        strange = {name for name in mine if name in things and not any(noun.may_mean(things[name]) for noun in said)}
+        asked = [(name, goal) for name, goal in zip(mine, goals, strict=True) if name in strange]
+        found += [
+            f"{name} is in the goal {goal}, but the instruction names no such object"
+            for name, goal in asked
+            if goal.part is None or goal.part.split("_")[0] not in map(lemma, words)
+        ]
     return list(dict.fromkeys(found))
+
+
+def _all_known(words: Collection[str], said: Sequence[Noun]) -> bool:
+    named = {word for noun in said for word in tokens(noun.words)}
+    known = FUNCTION_WORDS | VERBS | COLOURS | DETERMINERS | PARTS | NUMBERS.keys() | named | {"left", "right", "front"}
+    return all({word, lemma(word)} & known for word in words)
 
 
 def _miscounted(
     instruction: str,
-    said: Sequence[Mention],
+    said: Sequence[Noun],
     things: Mapping[str, CatalogueEntry],
     reading: Reading,
     spoken: Collection[str],
@@ -186,42 +193,50 @@ def _miscounted(
     """Number words that do not match how many objects of that name the reading speaks of."""
     subjects = {asked.goal.subject for asked in reading.goals}
     found = []
-    for mention in said:
-        if mention.number is None or not mention.noun or mention.noun[-1] in COUNTED:
+    for noun in said:
+        if noun.number is None or not noun.name or noun.name[-1] in COUNTED:
             continue
-        there = len([name for name in spoken if mention.names(things[name])])
-        moved = len([name for name in subjects if mention.names(things[name])])
-        alone = [other.noun for other in said].count(mention.noun) == 1 and not _MANY.intersection(tokens(instruction))
-        if there < mention.number:
-            found.append(f"{mention.words!r} asks for {mention.number}, but the goals speak of {there}")
-        elif alone and moved > mention.number > 0:
-            found.append(f"{mention.words!r} asks for {mention.number}, but goals are given for {moved}")
+        there = len([name for name in spoken if noun.may_mean(things[name])])
+        moved = len([name for name in subjects if noun.may_mean(things[name])])
+        alone = [other.name for other in said].count(noun.name) == 1 and not _MANY.intersection(tokens(instruction))
+        if there < noun.number:
+            found.append(f"{noun.words!r} asks for {noun.number}, but the goals speak of {there}")
+        elif alone and moved > noun.number > 0:
+            found.append(f"{noun.words!r} asks for {noun.number}, but goals are given for {moved}")
     return found
 
 
 def _wrong_sides(instruction: str, reading: Reading) -> list[str]:
     """Sides in the instruction that the reading does not say, or the other way round."""
     text = " ".join(tokens(instruction))
-    if _ARM.search(text) and any(asked.goal.relation == "handed" for asked in reading.goals):
+    handed = {asked.goal.reference for asked in reading.goals if asked.goal.relation == "handed"}
+    if handed and _ARM.search(text):
         return []  # "from the left hand to the right one"
-    stated = [asked.goal for asked in reading.goals] + list(reading.descriptions)
-    relations = {one.relation for one in stated}
-    arms = {asked.arm for asked in reading.goals} | {
-        a.goal.reference for a in reading.goals if a.goal.relation == "handed"
-    }
+    stated = _stated(reading)
     parts = {word for one in stated for word in (one.part or "").split("_")}
-    found = []
-    for pattern, word, opposite in _SIDES if "scanned" not in relations else ():  # in front of the scanner
-        if (said := re.search(pattern, text)) and word not in relations and not _ROW.search(text):
-            other = f", but {opposite!r}" if opposite in relations else ""
-            found.append(f"{said[0]!r} is asked, but no goal or description says {word!r}{other}")
+    found = _unsaid_sides(text, {one.relation for one in stated})
     for side in _WHICH.findall(text):
         if side not in parts and not _on_side(side, reading):
             found.append(f"'the {side} …' is said, but no description has an object of a goal '{side}_of' another")
-    if _ROW.search(text) and not relations & {"left_of", "right_of"}:
-        found.append("a row from one side to the other is asked, but no goal says 'left_of' or 'right_of'")
-    found += [f"'{side} arm' is said, but no goal names that arm" for side in _ARM.findall(text) if side not in arms]
+    arms = {asked.arm for asked in reading.goals} | handed
+    return found + [f"'{arm} arm' is said, but no goal names that arm" for arm in _ARM.findall(text) if arm not in arms]
+
+
+def _unsaid_sides(text: str, relations: Collection[str]) -> list[str]:
+    """Words for a side that no relation of the reading says."""
+    if _ROW.search(text):
+        said = {"left_of", "right_of"}.intersection(relations)
+        return [] if said else ["a row from one side to the other is asked, but no goal says 'left_of' or 'right_of'"]
+    found = []
+    for pattern, word, opposite in _SIDES if "scanned" not in relations else ():  # in front of the scanner
+        if (said := re.search(pattern, text)) and word not in relations:
+            other = f", but {opposite!r}" if opposite in relations else ""
+            found.append(f"{said[0]!r} is asked, but no goal or description says {word!r}{other}")
     return found
+
+
+def _stated(reading: Reading) -> list[Goal | Description]:
+    return [*(asked.goal for asked in reading.goals), *reading.descriptions]
 
 
 def _on_side(side: str, reading: Reading) -> bool:
@@ -234,24 +249,28 @@ def _on_side(side: str, reading: Reading) -> bool:
 
 def _wrong_parts(instruction: str, reading: Reading) -> list[str]:
     """Drawers that the instruction names and the reading does not, or the reverse; opening for closing."""
-    words, text = set(tokens(instruction)), " ".join(tokens(instruction))
-    stated = [asked.goal for asked in reading.goals] + list(reading.descriptions)
-    parts = {one.part.partition("_")[2] for one in stated if one.part}
-    meant = {_height(which): which for which in _DRAWER.findall(text)}
+    words, plain = set(tokens(instruction)), is_plain(instruction)
+    parts = {one.part.partition("_")[2] for one in _stated(reading) if one.part}
+    meant = {_height(which): which for which in _DRAWER.findall(" ".join(tokens(instruction)))}
     found = [
-        f"the {which} drawer is named, but no goal or description names a part '..._{height}'"
-        for height, which in meant.items()
-        if height not in parts and is_plain(instruction)
+        f"the {meant[height]} drawer is named, but no goal or description names a part '..._{height}'"
+        for height in (meant if plain else ())
+        if height not in parts
     ]
     if meant and not words & _WHICH_DRAWERS:
-        wrong = sorted(part for part in parts - meant.keys() if part in ("top", "middle", "bottom"))
+        wrong = sorted((parts - meant.keys()) & {"top", "middle", "bottom"})
         found += [f"a goal or description names the {part} drawer, which the instruction does not" for part in wrong]
-    done = {asked.goal.relation for asked in reading.goals} if is_plain(instruction) else set()
+    return found + (_opened_for_closed(words, reading) if plain else [])
+
+
+def _opened_for_closed(words: Collection[str], reading: Reading) -> list[str]:
+    done = {asked.goal.relation for asked in reading.goals}
     pairs = (("open", _OPENING | _PULLING, _CLOSING), ("closed", _CLOSING | _PUSHING, _OPENING))
-    for relation, one, other in pairs:
-        if relation in done and words & other and not words & one:
-            found.append(f"a goal says {relation!r}, but the instruction says {' and '.join(sorted(words & other))!r}")
-    return found
+    return [
+        f"a goal says {relation!r}, but the instruction says {' and '.join(sorted(other.intersection(words)))!r}"
+        for relation, one, other in pairs
+        if relation in done and not other.isdisjoint(words) and one.isdisjoint(words)
+    ]
 
 
 def _height(which: str) -> str:

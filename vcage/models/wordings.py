@@ -9,9 +9,10 @@ from itertools import pairwise
 from typing import NamedTuple
 
 from vcage.base.text import listed, one_line
-from vcage.base.words import COLOURS, NUMBERS
+from vcage.base.words import COLOURS, NUMBERS, SIDES
 from vcage.models.quantifiers import quantified
-from vcage.objects.mentions import SIDES, Mention, SceneNames, full_names, names_in, words_of
+from vcage.objects.mentions import full_names, names_in
+from vcage.objects.scene_names import Mention, SceneNames, words_of
 from vcage.schema.asset import CatalogueEntry
 from vcage.schema.goals import OF_TWO, AskedGoal, Description, Goal, part_words
 from vcage.schema.plan import TABLE
@@ -109,8 +110,8 @@ class TaskToWord:
     def strangers(self) -> frozenset[tuple[str, ...]]:
         """Names of kinds that no object has."""
         here = {entry.name for entry in self.things.values()}
-        absent = full_names([entry for entry in self.catalogue if entry.name not in here])
-        return absent - full_names(list(self.things.values()))
+        absent = full_names(entry for entry in self.catalogue if entry.name not in here)
+        return absent - full_names(self.things.values())
 
     @cached_property
     def quantified(self) -> frozenset[str]:
@@ -154,7 +155,7 @@ class _Review:
     def complaints(self) -> Iterator[str]:
         for mention in self._mentions:
             yield from self._unclear(mention)
-        for name in names_in(self._sentence, self._task.strangers, self._taken):
+        for name in names_in(self._said, self._task.strangers, self._taken):
             yield f"there is no {name!r}"
         for asked in self._task.goals:
             yield from self._unsaid(asked)

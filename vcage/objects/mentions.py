@@ -1,276 +1,217 @@
-"""Which objects of a scene the words of a sentence may mean: names, synonyms, kinds, colours, sides and counts.
+"""Names in a sentence, found without a grammar: the longest that begins at a word, and the nouns that name kinds.
 
-A check of names, not a reader: it knows no verbs, and where a word may mean several objects it says so.
+Nouns serve checks that must not object to a sentence that was read right: where a word may be something else, it is
+passed over.
 """
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
-from itertools import product
+from collections.abc import Collection, Iterable, Sequence
+from dataclasses import dataclass
 
-from vcage.base.words import COLOURS, NUMBERS, PARTS, is_plural, lemma, look_words, tokens
-from vcage.objects.names import is_of_kind, names_of
+from vcage.base.english import AFTER_A_NOUN, FUNCTION_WORDS, VERBS
+from vcage.base.words import (
+    CATEGORIES,
+    COLOURS,
+    DETERMINERS,
+    KINDS,
+    NUMBERS,
+    PARTS,
+    SIDES,
+    colour_of,
+    lemma,
+    lemmas,
+    marked_tokens,
+    same_word,
+    tokens,
+)
+from vcage.objects.names import head_means, names_of, texts_of
 from vcage.schema.asset import CatalogueEntry
-from vcage.schema.goals import Description
 
-SIDES: Mapping[str, str] = {
-    "left": "left", "leftmost": "left", "right": "right", "rightmost": "right", "front": "front", "back": "back",
-    "rear": "back", "middle": "middle", "central": "middle", "centre": "middle", "center": "middle",
-}  # fmt: skip
-"""Words that tell one object from its likes by where it stands → the side in one spelling."""
+Name = tuple[str, ...]
+"""The lemmas of a name, the head last."""
 
-_SIDE_OF = {"left_of": "left", "right_of": "right", "in_front_of": "front", "behind": "back", "center": "middle"}
-_INVERSE = {"left_of": "right_of", "right_of": "left_of", "in_front_of": "behind", "behind": "in_front_of"}
-_COUNTS = {word: count for word, count in NUMBERS.items() if word not in ("a", "an", "some", "no")}
-_BEFORE = frozenset((*COLOURS, *SIDES, *_COUNTS, "light", "dark", "pale", "bright"))
-"""What may stand between an article and a name."""
-_FOLLOWS_A_VERB = frozenset(
-    ("the", "a", "an", "my", "your", "it", "them", "you", "both", "all", "each", "every", "this", "that", "these")
-)
-_BEFORE_A_NOUN = frozenset(("the", "a", "an", "my", "your", "our", "its", "this", "that", "these", "those", "of"))
-_NO_NAMES = frozenset((*PARTS, *SIDES, "side", "area", "top", "all", "everything", "of", "with", "a"))
+_ADJECTIVES_BEFORE = 4
+_LONGEST_NAME = 10
+"""Words of a name, with those that carry no meaning."""
+NO_NAMES = frozenset((*PARTS, *SIDES, "side", "area", "top", "all", "everything", "with"))
 """Words that name no object by themselves, though a name may end or begin with them."""
-_WHERE = frozenset(
-    ("in", "inside", "on", "from", "out", "of", "which", "that", "is", "lies", "lying", "the", "a", "an")
-)
+_KNOWN = FUNCTION_WORDS | VERBS | DETERMINERS | NUMBERS.keys()
+"""Words that are no adjectives."""
+_FOLLOWS_A_VERB = DETERMINERS - {"of"} | NUMBERS.keys() | {"it", "them", "everything"}
+_BEFORE_A_COMMAND = frozenset(("", ",", ".", "and", "or", "then", "please", "to", "you"))
+_FOLLOWS_CAN = VERBS | {"go", "be", "you", "we", "i", "it"}
+_BEFORE_A_NOUN = DETERMINERS | COLOURS | NUMBERS.keys()
 
 
 @dataclass(frozen=True)
-class Mention:
-    """Words of a sentence that name objects.
+class Noun:
+    """A noun of a sentence that names kinds of objects.
 
     Args:
-        start, end: of the words among the tokens, with the colours, sides and numbers before them.
-        words: themselves.
-        ids: all objects that they may mean; none where colour or side exclude those of the name.
-        plural: whether several are meant.
-        count: how many the sentence says, None where it does not say.
+        words: as in the sentence: "two red mugs".
+        name: its lemmas; empty for "one" and "ones".
+        colours: that are said of it.
+        number: how many are said, None where it is not said.
     """
 
-    start: int
-    end: int
     words: str
-    ids: frozenset[str]
-    plural: bool = False
-    count: int | None = None
+    name: Name
+    colours: tuple[str, ...] = ()
+    number: int | None = None
+
+    def may_mean(self, entry: CatalogueEntry) -> bool:
+        """Check if an object of this kind may be called so, its colour aside."""
+        if not self.name:
+            return True
+        names, head = names_of(entry), self.name[-1]
+        split = "".join(map(lemma, tokens(self.words)[-2:]))  # "sauce pan"
+        if any(_same(name, self.name) or name == [split] for name in names.all):
+            return True
+        if len(self.name) == 1:
+            return head_means(head, entry)
+        said = [word for text in texts_of(entry) for word in lemmas(text)]
+        rest = all(any(_akin(word, other) for other in said) for word in self.name[:-1])
+        return rest and any(same_word(head, name[-1]) for name in names.all)
 
 
-class SceneNames:
-    """What the objects of a scene may be called.
-
-    Args:
-        things: the catalogue's entries by object id, each with the object's own look only.
-        phrases: what the scene calls each object, by id.
-        descriptions: of where objects stand, which tell one from its likes.
-        lying: object id → id of what it lies in or on.
-    """
-
-    def __init__(
-        self,
-        things: Mapping[str, CatalogueEntry],
-        phrases: Mapping[str, str],
-        descriptions: Sequence[Description] = (),
-        lying: Mapping[str, str] | None = None,
-    ):
-        self._things, self._phrases, self._lying = things, phrases, lying or {}
-        self._descriptions = descriptions
-        self._placed = _closure(descriptions)
-        self._as_called: dict[tuple[str, ...], set[str]] = {}
-        self._in_full: dict[tuple[str, ...], set[str]] = {}
-        self._singular = {_spelled(name) for entry in things.values() for name in (entry.words.name, *_synonyms(entry))}
-        self._singular |= {_spelled(phrase) for phrase in phrases.values()}
-        for name, entry in things.items():
-            self._in_full.setdefault(_lemmas(phrases[name]), set()).add(name)
-            for called in (entry.words.name, entry.words.plural, *_synonyms(entry), entry.name):
-                for ending in _endings(_lemmas(called)):
-                    self._as_called.setdefault(ending, set()).add(name)
-        self._longest = max(map(len, (*self._as_called, *self._in_full)), default=0)
-
-    def mentions(self, sentence: str) -> list[Mention]:
-        """All words of a sentence that name objects, in its order; the longest names first."""
-        said = words_of(sentence)
-        found, at = list[Mention](), 0
-        while at < len(said):
-            mention = self._mention(said, at, found[-1].end if found else 0)
-            if mention is not None:
-                found.append(mention)
-            at = mention.end if mention else at + 1
-        return [self._lying_there(said, m, found[n + 1]) if n + 1 < len(found) else m for n, m in enumerate(found)]
-
-    def means(self, name: str, ids: Collection[str]) -> bool:
-        """Check if a name means exactly these objects, whatever else is there."""
-        found = self.mentions(f"Take {name}")
-        return len(found) == 1 and found[0].ids == frozenset(ids) and found[0].plural == (len(ids) > 1)
-
-    def calls(self, ids: Collection[str], every: bool = False) -> list[str]:
-        """Names with an article that mean exactly these objects, the fullest first; several as one only if alike.
-
-        Args:
-            ids: one object, or several that shall have one name.
-            every: say that all of several are meant.
-        """
-        entries = [self._things[name] for name in ids]
-        several, phrases = len(ids) > 1, {self._phrases[name] for name in ids}
-        names = [*phrases] if len(phrases) == 1 else []
-        names += [entries[0].words.name] if len({entry.name for entry in entries}) == 1 else []
-        found = [f"the {side}{name}" for side, name in product(("", *self._sides(ids)), names)]
-        if several:
-            plurals = [_in_plural(name, entries[0]) for name in names]
-            counted = ["all the"] if every else [f"the {_number(len(ids))}", "the"]
-            found = [f"{article} {plural}" for article, plural in product(counted, plurals) if plural is not None]
-        return [name for name in dict.fromkeys(found) if self.means(name, ids)]
-
-    def _sides(self, ids: Collection[str]) -> list[str]:
-        words = {side for side in SIDES.values() if len(ids) == 1 and self._is_at({*ids}, side, self._likes(ids))}
-        return [f"{side} " for side in sorted(words)]
-
-    def _likes(self, ids: Collection[str]) -> set[str]:
-        kinds = {names_of(self._things[name]).words[-1] for name in ids}
-        return {name for name, entry in self._things.items() if names_of(entry).words[-1] in kinds}
-
-    def _mention(self, said: Sequence[str], at: int, begun: int) -> Mention | None:
-        """The mention whose name begins here, if one does."""
-        for length in range(min(self._longest, len(said) - at), 0, -1):
-            end = at + length
-            ids, full = self._named(tuple(map(lemma, said[at:end])))
-            start = self._start(said, at, begun)
-            if ids and not (length == 1 and start == at and _is_verb(said, at)):
-                own = {tuple(said[start:end]), tuple(said[at:end])} & self._singular
-                plural = not own and any(map(is_plural, said[at:end]))
-                return self._narrowed(said, Mention(start, end, " ".join(said[start:end]), ids, plural), at, full)
-        return None
-
-    def _named(self, words: tuple[str, ...]) -> tuple[frozenset[str], bool]:
-        """The objects of a name, and whether it is all that the scene calls them."""
-        if words in self._in_full:
-            return frozenset(self._in_full[words]), True
-        ids = set(self._as_called.get(words, ()))
-        if len(words) == 1 and words[0] not in _NO_NAMES:
-            ids |= {name for name, entry in self._things.items() if is_of_kind(words[0], entry, names_of(entry))}
-        return frozenset(ids), False
-
-    def _start(self, said: Sequence[str], at: int, begun: int) -> int:
-        while at > begun and said[at - 1] in _BEFORE:
-            at -= 1
-        return at
-
-    def _narrowed(self, said: Sequence[str], mention: Mention, name: int, full: bool) -> Mention:
-        """A mention with the objects that have its colour and side, and its count."""
-        ids, before = set(mention.ids), said[mention.start : name]
-        colours = look_words(" ".join(word for word in before if word in COLOURS))
-        ids = {i for i in ids if full or colours <= look_words(self._things[i].variants[0].colour)}
-        for word in before:
-            if word in SIDES:
-                ids = {i for i in ids if self._is_at({i}, SIDES[word], ids)}
-        side = _side_after(said, mention.end)
-        if side is not None and any(self._is_at({i}, side, ids) for i in ids):
-            ids = {i for i in ids if self._is_at({i}, side, ids)}
-            mention = replace(mention, end=mention.end + 3)
-        count = next((_COUNTS[word] for word in before if word in _COUNTS), None)
-        return replace(mention, ids=frozenset(ids), count=count)
-
-    def _is_at(self, ids: Collection[str], side: str, among: Collection[str]) -> bool:
-        """Whether the object is described so that a side tells it from its likes."""
-        (name,) = ids
-        others = {*among} - {name}
-        if not others:
-            told = {_SIDE_OF[d.relation] for d in self._descriptions if d.subject == name and d.relation in _SIDE_OF}
-            return side in told
-        placed = {word: others & self._placed.get((name, word), set()) for word in _INVERSE}
-        if side == "middle":
-            pairs = (("left_of", "right_of"), ("in_front_of", "behind"))
-            return len(others) == 2 and any(
-                placed[a] and placed[b] and placed[a] | placed[b] == others for a, b in pairs
-            )
-        return any(others == placed[word] for word, told in _SIDE_OF.items() if told == side and word in placed)
-
-    def _lying_there(self, said: Sequence[str], mention: Mention, after: Mention) -> Mention:
-        """A mention with those of its objects that lie in or on what is named right after it: the mug on the tray."""
-        between = said[mention.end : after.start]
-        if len(mention.ids) < 2 or len(after.ids) != 1 or not between or not _WHERE.issuperset(between):
-            return mention
-        there = frozenset(i for i in mention.ids if self._lying.get(i) in after.ids)
-        return replace(mention, ids=there) if there else mention
+def nouns(sentence: str, entries: Iterable[CatalogueEntry]) -> list[Noun]:
+    """The nouns of a sentence that name kinds among the entries, in its order."""
+    words, known = marked_tokens(sentence), _vocabulary(entries)
+    found, at, last = list[Noun](), 0, 0
+    while at < len(words):
+        end = longest_name(words, at, known)
+        if end > at and not _is_something_else(words, at, end, last, known):
+            found.append(_noun(words, at, end, lemmas_of(words[at:end]), last))
+        elif end == at and words[at] in ("one", "ones") and at and words[at - 1] in COLOURS:
+            found.append(_noun(words, at, at + 1, (), last))
+        last = end if end > at else last
+        at = max(end, at + 1)
+    return found
 
 
-def full_names(entries: Sequence[CatalogueEntry]) -> frozenset[tuple[str, ...]]:
-    """Lemmas of the names and synonyms of some kinds."""
-    named = {_lemmas(name) for entry in entries for name in (entry.words.name, *_synonyms(entry))}
-    return frozenset(name for name in named if len(name) > 1 or name[0] not in _NO_NAMES)
+def full_names(entries: Iterable[CatalogueEntry]) -> frozenset[Name]:
+    """The names and synonyms of some kinds that name them by themselves."""
+    named = {tuple(name) for names in map(names_of, entries) for name in (names.words, *names.synonyms)}
+    return frozenset(name for name in named if len(name) > 1 or name[0] not in NO_NAMES)
 
 
-def names_in(sentence: str, names: Collection[tuple[str, ...]], taken: Collection[int]) -> list[str]:
-    """Words of a sentence that are one of some names (:func:`full_names`).
+def names_in(said: Sequence[str], names: Collection[Name], taken: Collection[int]) -> list[str]:
+    """Words of a sentence that are one of some names.
 
     Args:
+        said: the sentence's tokens.
+        names: that are looked for (:func:`full_names`).
         taken: places of tokens that name something else.
     """
-    said, longest, found, at = words_of(sentence), max(map(len, names), default=0), list[str](), 0
+    found, at = list[str](), 0
     while at < len(said):
-        lengths = [
-            n for n in range(longest, 0, -1) if at + n <= len(said) and _lemmas(" ".join(said[at : at + n])) in names
-        ]
-        free = [n for n in lengths if not {*range(at, at + n)} & {*taken} and not (n == 1 and _is_verb(said, at))]
-        found += [" ".join(said[at : at + n]) for n in free[:1]]
-        at += free[0] if free else 1
+        end = longest_name(said, at, names)
+        if end > at and not {*range(at, end)} & {*taken} and not (end == at + 1 and is_verb(said, at)):
+            found.append(" ".join(said[at:end]))
+        at = max(end, at + 1)
     return found
 
 
-def words_of(sentence: str) -> list[str]:
-    """The tokens of a sentence that mentions count; a bar code is no bar."""
-    text = sentence.lower().replace("’", "'").replace("'s", "")
-    return tokens(text.replace("bar code", "code").replace("barcode of", "code of"))
+def longest_name(said: Sequence[str], at: int, names: Collection[Name]) -> int:
+    """Where the longest of some names ends that begins at a token; ``at`` without one."""
+    best, name = at, Name()
+    for end in range(at, min(at + _LONGEST_NAME, len(said)) if said[at] != "of" else at):
+        if said[end] != "of":
+            name = (*name, lemma(said[end]))
+            best = end + 1 if name in names else best
+    return best
 
 
-def _spelled(name: str) -> tuple[str, ...]:
-    return tuple(tokens(name))
+def lemmas_of(said: Sequence[str]) -> Name:
+    """The lemmas of tokens that are a name."""
+    return tuple(lemma(word) for word in said if word not in DETERMINERS)
 
 
-def _lemmas(name: str) -> tuple[str, ...]:
-    return tuple(map(lemma, tokens(name)))
+def is_verb(said: Sequence[str], at: int) -> bool:
+    """Check if a token that may be a name is a verb: "present the card", "can you"."""
+    word, before, after = said[at], said[at - 1] if at else "", said[at + 1] if at + 1 < len(said) else ""
+    if word == "can" and after in _FOLLOWS_CAN:
+        return True
+    if before in _BEFORE_A_NOUN or (before.isalpha() and before not in _KNOWN):
+        return False
+    return after in _FOLLOWS_A_VERB or word == "can" or (word in ("tap", "present") and before in _BEFORE_A_COMMAND)
 
 
-def _synonyms(entry: CatalogueEntry) -> list[str]:
-    return [name for name in entry.words.synonyms if tokens(name)]
+def exact_count(word: str) -> int | None:
+    """How many a number word says, None where that is not exact."""
+    if word.isdigit():
+        return int(word)
+    return None if word in ("few", "several", "couple", "pair", "no", "some") else NUMBERS.get(word)
 
 
-def _endings(name: tuple[str, ...]) -> Iterator[tuple[str, ...]]:
-    """What may stand for a name: itself, and each of its endings that is a name: "pen" for "marker pen"."""
-    yield from [name] if len(name) > 1 or name[0] not in _NO_NAMES else []
-    yield from (name[n:] for n in range(1, len(name)) if not {name[n], name[-1]} & _NO_NAMES)
+def _vocabulary(entries: Iterable[CatalogueEntry]) -> frozenset[Name]:
+    """Names of kinds, the heads of their proper names, and words for the kinds of things that they are."""
+    found: set[Name] = {(word,) for word in (*KINDS, *CATEGORIES)}
+    for entry in entries:
+        names = names_of(entry)
+        found |= {*map(tuple, names.all), (names.words[-1],), (lemma(entry.words.category),)}
+    no_nouns = FUNCTION_WORDS - {"can"}
+    return frozenset(name for name in found if name[0] not in no_nouns and (name[-1] not in PARTS or len(name) > 1))
 
 
-def _in_plural(name: str, entry: CatalogueEntry) -> str | None:
-    own = entry.words.name
-    return name[: -len(own)] + entry.words.plural if name.endswith(own) else None
+def _is_something_else(words: Sequence[str], at: int, end: int, last: int, known: Collection[Name]) -> bool:
+    """Check if the words may be a verb, or say what kind of another thing is meant.
+
+    Args:
+        words: of the sentence.
+        at, end: of the noun.
+        last: where the noun before it ends.
+        known: names.
+    """
+    after = words[end] if end < len(words) else ""
+    if last and (at == last or words[last:at] in (["of"], ["of", "the"])):
+        return True  # "chips tube lid", "a tin of tomatoes"
+    if end - at == 1 and is_verb(words, at):
+        return True
+    if words[at] in COLOURS and after in ("one", "ones"):
+        return True
+    return after != "can" if (lemma(after),) in known else _is_noun(after)
 
 
-def _number(count: int) -> str:
-    return next((word for word, number in _COUNTS.items() if number == count and word not in ("both", "couple")), "")
+def _is_noun(word: str) -> bool:
+    """Check if a word after a noun may make it part of a longer name that is not known."""
+    return word.isalpha() and word not in _KNOWN | PARTS | AFTER_A_NOUN and not word.endswith(("s", "ing"))
 
 
-def _is_verb(said: Sequence[str], at: int) -> bool:
-    """Whether a word that may be a name is a verb here: "present the card", "can you"."""
-    before, after = said[at - 1] if at else "", said[at + 1] if at + 1 < len(said) else ""
-    return before not in _BEFORE_A_NOUN and after in _FOLLOWS_A_VERB
+def _noun(words: Sequence[str], at: int, end: int, name: Name, last: int) -> Noun:
+    begin = at
+    while begin > max(last, at - _ADJECTIVES_BEFORE) and _describes(words, begin - 1):
+        begin -= 1
+    colours = tuple(colour for word in reversed(words[begin:at]) if (colour := colour_of(word)))
+    number = _number(words[:begin])
+    begin -= number is not None and words[begin - 1] not in ("of", "the")
+    return Noun(" ".join(words[begin:end]), name, colours, number)
 
 
-def _side_after(said: Sequence[str], end: int) -> str | None:
-    """The side in "the plate on the left", not in "the plate on the left of the mug"."""
-    match said[end : end + 4]:
-        case ["on" | "in" | "at", "the", side, *after] if side in SIDES and not {*after} & {"of", "side", "hand"}:
-            return SIDES[side]
-    return None
+def _describes(words: Sequence[str], at: int) -> bool:
+    """Check if a word before a noun is an adjective of it: a colour, "and" between colours, or no word that we know."""
+    if words[at] == "and":
+        return at > 0 and words[at - 1] in COLOURS and words[at + 1] in COLOURS
+    return words[at].isalpha() and words[at] not in _KNOWN
 
 
-def _closure(descriptions: Sequence[Description]) -> dict[tuple[str, str], set[str]]:
-    """(object, relation) → the objects that it has this relation to, as far as it follows from the descriptions."""
-    pairs = {(d.subject, d.relation, d.reference) for d in descriptions if d.relation in _INVERSE}
-    pairs |= {(b, _INVERSE[word], a) for a, word, b in pairs}
-    while new := {(a, w, d) for a, w, b in pairs for c, v, d in pairs if b == c and w == v and a != d} - pairs:
-        pairs |= new
-    found: dict[tuple[str, str], set[str]] = {}
-    for a, word, b in pairs:
-        found.setdefault((a, word), set()).add(b)
-    return found
+def _number(before: Sequence[str]) -> int | None:
+    """How many are said before a noun and its adjectives: "two", "both of the", but not "one of the two"."""
+    number = exact_count(before[-1]) if before else None
+    if number is not None:
+        before = before[:-1]
+    while before and before[-1] in ("the", "of", "my", "your", "our", "these", "those", "last"):
+        if before[-1] == "of" and len(before) > 1:
+            outer = exact_count(before[-2])
+            return outer if outer is not None or number is None else None
+        before = before[:-1]
+    return number
+
+
+def _same(name: Sequence[str], other: Sequence[str]) -> bool:
+    return len(name) == len(other) and all(map(same_word, name, other))
+
+
+def _akin(word: str, other: str) -> bool:
+    return same_word(word, other) or (len(word) >= 4 and len(other) >= 4 and word[:4] == other[:4])

@@ -14,6 +14,16 @@ LOOK_ALIKE = frozenset(("bread", "pastry", "fruit", "vegetable", "cutlery"))
 EXACT, SYNONYM, HEAD, KIND = 4, 3, 2, 1
 """Words are a kind's name, another of its names, the head and more of a name, or a word for a kind of kinds."""
 
+_LIKE_COLOURS = (
+    {"grey", "silver"},
+    {"gold", "yellow"},
+    {"beige", "cream", "tan", "brown"},
+    {"teal", "turquoise", "cyan"},
+    {"navy", "blue"},
+    {"pink", "magenta", "purple"},
+)
+"""Colours that people take for one another."""
+
 _JOINTS = ("of", "with", "a", "an")
 
 _PLACE_CATEGORIES = frozenset(("container", "furniture", "fixture", "appliance", "mat"))
@@ -105,6 +115,30 @@ def is_of_kind(word: str, entry: CatalogueEntry, names: Names) -> bool:
         or category in CATEGORIES.get(word, ())
         or any(word in kinds_of(other, category) for other in {head, *plain})
     )
+
+
+def head_means(head: str, entry: CatalogueEntry) -> bool:
+    """Check if a noun with this head may mean an object of the kind, whatever else the noun says."""
+    names = names_of(entry)
+    return any(same_word(head, name[-1]) for name in names.all) or is_of_kind(head, entry, names)
+
+
+def texts_of(entry: CatalogueEntry) -> list[str]:
+    """All that an entry says of the kind."""
+    words = entry.words
+    return [entry.name, words.name, words.plural, *words.synonyms, words.category, words.description]
+
+
+def look_texts(entry: CatalogueEntry) -> list[str]:
+    """All that an entry says of its looks."""
+    return [text for look in entry.variants for text in (look.id, look.colour, look.description)]
+
+
+def has_colour(entry: CatalogueEntry, colour: str) -> bool:
+    """Check if the object's look, or its name, has the colour or one that people take for it."""
+    texts = [*look_texts(entry), *texts_of(entry)]
+    known = {found for text in texts for word in tokens(text) if (found := colour_of(word))}
+    return not known.isdisjoint({colour}.union(*(group for group in _LIKE_COLOURS if colour in group)))
 
 
 def confusable(entry: CatalogueEntry, other: CatalogueEntry) -> bool:

@@ -10,7 +10,7 @@ from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 from typing import get_args
 
-from vcage.schema.goals import EventWord, Goal
+from vcage.schema.goals import Description, EventWord, Goal
 
 State = frozenset[Goal]
 EVENTS: tuple[EventWord, ...] = get_args(EventWord)
@@ -82,7 +82,7 @@ def _placed(goal: Goal) -> tuple[str | None, ...]:
     return () if goal.relation in _OPPOSITE else (goal.subject, goal.reference)
 
 
-def overrides(new: Goal, old: Goal) -> bool:
+def overrides(new: Goal | Description, old: Goal | Description) -> bool:
     """Whether ``new`` cannot be true together with ``old``."""
     if new == old or new.subject != old.subject:
         return False

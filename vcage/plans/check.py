@@ -7,13 +7,13 @@ Every complaint is a sentence that a reasoner can act on. What the sizes of obje
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 
 from vcage.base.graphs import circles
 from vcage.plans.descriptions import unsaid
 from vcage.plans.plain_words import in_words
 from vcage.plans.relations import DIRECTIONS
-from vcage.schema.goals import Goal, part_words
+from vcage.schema.goals import part_words
 from vcage.schema.plan import TABLE, LayoutPlan, Relation, RelationWord
 from vcage.schema.scene import Scene
 
@@ -108,18 +108,6 @@ def contradictions(relations: Sequence[Relation]) -> list[str]:
         found += [_circle(words, names) for names in circles(edges)]
         found += _torn(sound, word, swapped, edges)
     return list(dict.fromkeys(found))
-
-
-def goal_contradictions(goals: Iterable[Goal]) -> list[str]:
-    """What of some goals cannot be true at once, one sentence each: contradictions, and one object in two places."""
-    relations = [
-        Relation.model_validate({"subject": goal.subject, "relation": goal.relation, "reference": goal.reference})
-        for goal in goals
-        if goal.reference is not None and goal.relation != "handed"
-    ]
-    laid = {r.subject for r in relations if r.relation in ("inside", "on")}
-    twice = [r.subject for r, other in itertools.combinations(relations, 2) if r.subject == other.subject]
-    return [*contradictions(relations), *(f"{name} is to be in two places" for name in twice if name in laid)]
 
 
 def sound_relations(relations: Sequence[Relation]) -> list[Relation]:

@@ -13,7 +13,7 @@ import numpy as np
 from vcage.base.errors import InfeasibleScene, ModelRefused, NoAssetFits, NoFeasibleTask, UnreadInstruction
 from vcage.base.geometry import Pose
 from vcage.layout.capacities import crowding_complaints
-from vcage.models.mentions import in_english
+from vcage.models.english import in_english
 from vcage.models.protocols import OFFLINE
 from vcage.models.scene_contents import draw_contents
 from vcage.models.second_look import second_look, unmet_names
@@ -29,8 +29,8 @@ from vcage.sim.robots import load_robot
 from vcage.stages.context import StageContext
 from vcage.stages.started import started
 from vcage.stages.starting_poses import StartingPoses
+from vcage.tasks.ruled_out import require_way
 from vcage.tasks.scene_objects import SceneObject
-from vcage.tasks.search import require_way
 
 
 @dataclass(frozen=True)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from operator import attrgetter
 
 import numpy as np
 
@@ -120,20 +121,10 @@ def _tools(told: Told, catalogue: Sequence[CatalogueEntry], there: Sequence[Cata
     """The scanner and the scale that goals need and that nothing names: the first kind by name."""
     words = {said.word for said in told.goals}
     found = []
-    for word, able in (("scanned", reads_codes), ("weighed", weighs)):
+    for word, able in (("scanned", attrgetter("reads_codes")), ("weighed", attrgetter("weighs"))):
         if word in words and not any(map(able, there)):
             found += sorted(entry.name for entry in catalogue if able(entry))[:1]
     return found
-
-
-def reads_codes(entry: CatalogueEntry) -> bool:
-    """Whether it is a scanner."""
-    return any(face.kind == "reader" for face in entry.faces)
-
-
-def weighs(entry: CatalogueEntry) -> bool:
-    """Whether it is a scale."""
-    return any(point.weighs for point in entry.functional_points)
 
 
 def _draw_look(entry: CatalogueEntry, taken: Counter[tuple[str, str | None]], rng: np.random.Generator) -> str:

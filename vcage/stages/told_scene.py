@@ -16,13 +16,12 @@ from vcage.schema.asset import CatalogueEntry
 from vcage.schema.goals import OF_A_PART, AskedGoal, Description, Goal, Reading
 from vcage.schema.scene import Role, SceneTemplate
 from vcage.sim.robots import load_robot
-from vcage.stages.chosen_objects import Chosen, entries_of
-from vcage.stages.chosen_objects import impossible as ruled_out
+from vcage.stages.chosen_objects import Chosen, entries_of, impossible
 from vcage.stages.context import StageContext
 from vcage.stages.started import started
-from vcage.stages.told_checks import impossible, place_refusal, require_consistent, require_part, require_sense
+from vcage.stages.told_checks import require_consistent, require_part, require_place, require_sense
 from vcage.stages.told_goals import Said, Told, shortened
-from vcage.stages.told_names import object_meant, objects_of, reads_codes, split_part, weighs
+from vcage.stages.told_names import object_meant, objects_of, split_part
 from vcage.tasks.task_wording import template_wordings
 
 
@@ -43,21 +42,20 @@ def choose_told(
     kinds = entries_of(objects, context)
     arms = load_robot(template.robot).arms
     for said, one in zip(told.goals, goals, strict=True):
-        require_sense(said, one, kinds, arms)
+        require_sense(said, one, arms)
     require_consistent(told, goals, descriptions)
+    objects = [replace(o, role=_role(o.id, kinds[o.id], [one.goal for one in goals])) for o in objects]
+    for description in descriptions:
+        require_place(description, kinds)
+    objects = started(objects, descriptions, context.library)
+    if error := impossible(objects, Reading(goals=goals, descriptions=descriptions), template, context):
+        raise error
     instruction = instruction or _sentence(goals, descriptions, objects, kinds)
     words = {"words": instruction}
     goals = [one.model_copy(update=words) for one in goals]
     descriptions = [one.model_copy(update=words) for one in descriptions]
-    objects = [replace(o, role=_role(o.id, kinds[o.id], [one.goal for one in goals])) for o in objects]
     reading = Reading(goals=goals, descriptions=descriptions)
     _second_look(instruction, reading, objects, kinds)
-    for one in descriptions:
-        if one.relation in ("inside", "on") and (why := place_refusal(one, kinds)):
-            raise impossible(str(one), why)
-    objects = started(objects, descriptions, context.library)
-    if error := ruled_out(objects, reading, template, context):
-        raise error
     return instruction, Chosen(objects, reading, [])
 
 
@@ -102,7 +100,7 @@ def _role(name: str, entry: CatalogueEntry, goals: Sequence[Goal]) -> Role:
         return "receptacle"
     if own:
         return "content"
-    if ("scanned" in words and reads_codes(entry)) or ("weighed" in words and weighs(entry)):
+    if ("scanned" in words and entry.reads_codes) or ("weighed" in words and entry.weighs):
         return "tool"
     return "context"
 
@@ -126,7 +124,7 @@ def _sentence(
         things=kinds,
         phrases={o.id: o.phrase for o in objects},
         lying={one.subject: one.reference for one in descriptions if one.relation in ("inside", "on")},
-        tools=[o.id for o in objects if reads_codes(kinds[o.id]) or weighs(kinds[o.id])],
+        tools=[o.id for o in objects if kinds[o.id].reads_codes or kinds[o.id].weighs],
         catalogue=list(kinds.values()),
     )
     for sentence in template_wordings(task):

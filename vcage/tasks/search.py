@@ -14,17 +14,15 @@ from types import MappingProxyType
 import numpy as np
 
 from vcage.base.errors import InputFileError, NoFeasibleTask
-from vcage.base.text import listed
-from vcage.plans.actions import HOLDING, Action
+from vcage.plans.actions import Action
 from vcage.plans.planner import Task, complaints, find_chain
-from vcage.schema.goals import AskedGoal, Goal, StateWord, in_steps, part_that, part_words
+from vcage.schema.goals import AskedGoal, Goal, StateWord, in_steps, part_that
 from vcage.schema.plan import TABLE
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Chain, PairAnswer, PairQuestion, Refusal, Subtask, TemplateName
 from vcage.sim.joints import joint_positions
 from vcage.sim.kinematics import ArmKinematics
-from vcage.tasks.asked_arms import ANY_ARM, require_arms
-from vcage.tasks.filled import require_level
+from vcage.tasks.asked_arms import ANY_ARM
 from vcage.tasks.ground import Ground
 from vcage.tasks.primitives.grip import stays_level
 from vcage.tasks.scene_objects import SceneObject
@@ -110,69 +108,6 @@ def sensible(
         else:
             refused.append(proposal.refusal(f"not sensible: {answer.reason}"))
     return accepted, refused, sum(proposal.candidates for proposal in proposals)
-
-
-def require_way(goals: Sequence[AskedGoal], objects: Sequence[SceneObject], arms: Collection[str]) -> None:
-    """Nothing, unless sizes rule out a goal wherever the objects stand, or nothing is put in or on what it names.
-
-    Args:
-        goals: that are asked for.
-        objects: of the scene; where they stand does not matter.
-        arms: of the robot.
-
-    Raises:
-        NoFeasibleTask: names each such goal with its words, and why; also what would have to be carried with something
-            in it that would fall out, and what is asked of an arm that is not there.
-    """
-    require_arms(goals, arms)
-    require_level(goals, objects)
-    asked = [one.goal for one in goals]
-    found, refused, _ = sensible(objects, _all_sensible, asked)
-    able = {goal for proposal in found for goal in proposal.goals}
-    ruled_out = {}
-    by_id = {o.id: o for o in objects}
-    alike: dict[tuple[str, ...], list[str]] = {}  # things of one kind fail for the same reasons
-    for one in goals:
-        reasons = list(dict.fromkeys(refusal.reason for refusal in refused if _is_about(refusal, one.goal)))
-        reasons = reasons or _no_place(one.goal, by_id)
-        if one.goal not in able and reasons:
-            ruled_out[str(one.goal)] = (one.words, reasons)
-            phrase = by_id[one.goal.subject].record.phrase
-            alike.setdefault((one.words, *(reason.replace(phrase, "") for reason in reasons)), []).append(str(one.goal))
-    if ruled_out:
-        told = [_with_reasons(goals, *ruled_out[goals[0]]) for goals in alike.values()]
-        raise NoFeasibleTask(
-            f"wherever the objects stand, nothing can bring about {'; '.join(told)}",
-            hint=f"{SMALLER}; another --seed does not help",
-            details={"missing": list(ruled_out), "reasons": [r for _, reasons in ruled_out.values() for r in reasons]},
-        )
-
-
-def _no_place(goal: Goal, by_id: Mapping[str, SceneObject]) -> list[str]:
-    """That nothing is put in or on an object so: says where things are put, and how much room there is."""
-    holder = by_id.get(goal.reference or "")
-    if goal.relation not in HOLDING or holder is None:
-        return []
-    room = []
-    for point in holder.asset.annotation.functional_points:
-        width, depth = holder.asset.opening(point).size
-        part = f" its {part_words(point.link)}" if point.link else " it"
-        room.append(f"{point.holds}{part} ({width * 100:.1f} × {depth * 100:.1f} cm)")
-    phrase = holder.record.phrase
-    word = f"in the {part_words(goal.part)} of" if goal.part else "in" if goal.relation == "inside" else "on"
-    there = f"they go {listed(dict.fromkeys(room))}" if room else "it holds nothing"
-    return [f"nothing is put {word} the {phrase}: {there}"]
-
-
-def _with_reasons(goals: Sequence[str], words: str, reasons: Sequence[str]) -> str:
-    """The first of some goals that fail for the same reasons, how many more there are, and the reasons."""
-    more = f" and {len(goals) - 1} more like it" if len(goals) > 1 else ""
-    return f"{goals[0]}{more} ({words!r}): {', '.join(reasons[:3])}"
-
-
-def _all_sensible(questions: Sequence[PairQuestion]) -> list[PairAnswer]:
-    """A judge that leaves it to the one who is asked later."""
-    return [PairAnswer(object=q.object, receptacle=q.receptacle, sensible=True, reason="not asked") for q in questions]
 
 
 def compose(
@@ -268,7 +203,7 @@ def initial_state(objects: Sequence[SceneObject]) -> frozenset[Goal]:
     return frozenset(found)
 
 
-def _is_about(refusal: Refusal, goal: Goal) -> bool:
+def is_about(refusal: Refusal, goal: Goal) -> bool:
     """Whether a refusal is of what would have brought about a goal."""
     if refusal.goal is None:
         return (refusal.object, refusal.receptacle) == (goal.subject, goal.reference)
@@ -304,7 +239,7 @@ def _unfulfilled(scene: Scene, kept: Sequence[Subtask], refused: Sequence[Refusa
     """Why no chain does what the instruction asks for: the goals that nothing brings about, and the reasons."""
     able = [subtask for subtask in kept if subtask.object not in scene.untouched]
     missing = [asked for asked in scene.goals if not any(asked.goal in subtask.goals for subtask in able)]
-    about = [[refusal for refusal in refused if _is_about(refusal, asked.goal)] for asked in missing]
+    about = [[refusal for refusal in refused if is_about(refusal, asked.goal)] for asked in missing]
     reasons = [refusal.reason for refusals in about for refusal in refusals]
     left = {asked.goal.subject for asked in missing}.intersection(scene.untouched)
     reasons += [f"{name} is to be left alone" for name in sorted(left)]

@@ -12,7 +12,7 @@ from vcage.models.rules.meanings import ON_TABLE, Meanings, Things
 from vcage.models.rules.nouns import Noun
 from vcage.models.rules.references import resolved
 from vcage.models.rules.sentence import Command, not_read, parse
-from vcage.plans.check import goal_contradictions
+from vcage.plans.consistency import unordered_contradictions
 from vcage.schema.goals import AskedGoal, Goal, Reading, goal_of
 from vcage.schema.plan import TABLE
 
@@ -124,7 +124,7 @@ class Goals:
             self._added = []
             getattr(self, f"_{command.verb}", self._event)(command)
             added += [self._added] if self._added else []
-        if complaints := goal_contradictions(asked.goal for several in added for asked in several):
+        if complaints := unordered_contradictions([asked.goal for several in added for asked in several]):
             raise not_read(self.instruction, self.instruction, "; ".join(complaints))
         self._require_arms([asked for several in added for asked in several if asked.goal.relation != "handed"])
         ordered = any(_needs(before, after) for before, after in itertools.combinations(added, 2))

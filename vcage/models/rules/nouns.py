@@ -12,7 +12,7 @@ from vcage.base.words import (
     MASS_KINDS,
     NUMBERS,
     PART_WORDS,
-    POSITIONS,
+    SIDES,
     WHICH_PART,
     colour_of,
     is_plural,
@@ -126,7 +126,7 @@ def noun_of(parts: Sequence[Token | list[str]], text: str, at: int) -> Noun:
     told = _words((*found[that:], *found[:that]), ("WORD",))  # 'the bowl that is white' is the white bowl
     quantifier, count = _quantity(_words(found, ("DET", "REST", "EVERYTHING")))
     last, *_ = [*told[-1:], *_words(found, ("ONE", "REST"))[-1:], ""]
-    position, *_ = [*(POSITIONS[word] for word in _words(found, ("AT",)) if word in POSITIONS), None]
+    position, *_ = [*(SIDES[word] for word in _words(found, ("AT",)) if word in SIDES), None]
     noun = Noun(quantifier=quantifier, count=count, plural=is_plural(last.removesuffix("'s")), text=text, at=at)
     if "EVERYTHING" in types:
         return _everything(noun, told)
@@ -157,15 +157,15 @@ def _named(noun: Noun, told: list[str], of: list[str], one: bool) -> Noun:
     words = [*filter(lambda word: word not in COLOURS, plain[:-1]), plain[-1]]
     if words[-1] in PART_WORDS:
         return _part(noun, words, of)
-    if words[0] in POSITIONS and words[1:]:
-        noun, words = replace(noun, position=POSITIONS[words[0]]), words[1:]
+    if words[0] in SIDES and words[1:]:
+        noun, words = replace(noun, position=SIDES[words[0]]), words[1:]
     return replace(noun, words=(*of, *words))
 
 
 def _headless(noun: Noun, plain: list[str]) -> Noun:
     """'The red one', 'the top one', 'the red', 'the rest'."""
     first, *_ = [*(word for word in plain if word not in COLOURS), ""]
-    noun = replace(noun, position=POSITIONS.get(first, noun.position), which=WHICH_PART.get(first))
+    noun = replace(noun, position=SIDES.get(first, noun.position), which=WHICH_PART.get(first))
     return replace(noun, colour=colour_of(" ".join(plain)))
 
 

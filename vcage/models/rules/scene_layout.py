@@ -35,7 +35,7 @@ def plan_scene(scene: Scene, catalogue: Sequence[CatalogueEntry], rng: np.random
     fixed = {o.id for o in things if _is_fixture(kinds[o.asset])}
     places = [o for o in things if o.role == "receptacle"] or things[:1]
     places.sort(key=lambda o: (o.id not in fixed, -_area(o)))
-    shared = places[ROW:] + [o for o in things if _is_scanner(kinds[o.asset]) and o not in places]
+    shared = places[ROW:] + [o for o in things if kinds[o.asset].reads_codes and o not in places]
     rest = [o for o in things if o not in places and o not in shared]
     rest.sort(key=lambda o: (o.id not in fixed, o.role, kinds[o.asset].words.category))
     sides = _sides(places[:ROW], rng)
@@ -51,11 +51,6 @@ def plan_scene(scene: Scene, catalogue: Sequence[CatalogueEntry], rng: np.random
 def _is_fixture(kind: CatalogueEntry) -> bool:
     """Whether it has moving parts and is not carried about itself."""
     return bool(kind.moving_parts) and not kind.can_be_carried
-
-
-def _is_scanner(kind: CatalogueEntry) -> bool:
-    """Whether it reads what every arm has."""
-    return any(face.kind == "reader" for face in kind.faces)
 
 
 def _area(o: ObjectRecord) -> float:

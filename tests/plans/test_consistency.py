@@ -1,0 +1,54 @@
+"""Goals and starting conditions that cannot be true together."""
+
+from __future__ import annotations
+
+import pytest
+
+from vcage.plans.consistency import inconsistencies, unordered_contradictions
+from vcage.schema.goals import AskedGoal, Description, goal_of
+
+
+def asked(*steps: tuple[str, ...]) -> list[AskedGoal]:
+    """Goals such as "mug inside cabinet drawer_top" or "box open - lid", by step."""
+    said = [
+        (number, [None if word == "-" else word for word in text.split()])
+        for number, s in enumerate(steps)
+        for text in s
+    ]
+    return [AskedGoal(goal=goal_of(fields), step=number + 1, words="it") for number, fields in said]
+
+
+def told(*texts: str) -> list[Description]:
+    fields = ("subject", "relation", "reference", "part")
+    return [Description(**dict(zip(fields, text.split(), strict=False)), words=text) for text in texts]
+
+
+@pytest.mark.parametrize(
+    ("steps", "starts", "said"),
+    [
+        (
+            [("mug on plate", "mug on table")],
+            [],
+            "goals of one step contradict each other: mug on plate and mug",
+        ),
+        ([("box open - lid", "box closed - lid")], [], "goals of one step contradict"),
+        ([("a left_of b", "b left_of a")], [], "a circle"),
+        ([("a on b",), ("b on a",)], [], "the goals contradict each other"),
+        ([("a on b",)], ["a left_of table", "a right_of table"], "the start conditions contradict each other"),
+        ([("a on b",)], ["a inside c drawer_top", "a inside c drawer_bottom"], "the start conditions contradict"),
+    ],
+)
+def test_what_cannot_be_true_together_is_named(steps: list[tuple[str, ...]], starts: list[str], said: str) -> None:
+    assert said in inconsistencies(asked(*steps), told(*starts))[0]
+
+
+def test_later_steps_may_undo_earlier_ones_and_several_may_stand_in_the_middle() -> None:
+    steps = asked(("box open - lid",), ("mug inside box",), ("box closed - lid",))
+    assert (
+        inconsistencies(steps, told("mug center table", "box center table", "mug left_of box", "mug left_of box")) == []
+    )
+
+
+def test_goals_without_an_order_put_a_thing_into_one_place_only() -> None:
+    goals = [one.goal for one in asked(("a inside b", "a left_of c", "box open - lid", "box closed - lid"))]
+    assert unordered_contradictions(goals) == ["a is to be in two places"]

@@ -1,0 +1,50 @@
+"""Goals that nothing brings about wherever the objects stand."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import pytest
+
+from tests.scenes import thing
+from vcage.base.errors import NoFeasibleTask
+from vcage.schema.goals import AskedGoal, Goal, goal_of
+from vcage.tasks.ruled_out import require_way
+from vcage.tasks.scene_objects import SceneObject
+
+ARMS = ("left", "right")
+
+
+def wanting(goal: Goal, objects: Sequence[SceneObject]) -> None:
+    require_way([AskedGoal(goal=goal, step=0, words="the words")], objects, ARMS)
+
+
+def test_what_sizes_rule_out_is_refused_wherever_things_stand_with_the_words_and_the_reason():
+    objects = [thing("ruler", (-0.2, 0.0), role="content"), thing("mug", (0.2, 0.0), role="receptacle")]
+    with pytest.raises(NoFeasibleTask, match=r"ruler inside mug \('the words'\): .*does not fit in") as caught:
+        wanting(Goal(subject="ruler", relation="inside", reference="mug"), objects)
+    assert "another --seed does not help" in caught.value.hint
+
+
+def test_what_no_arm_reaches_here_may_be_reached_elsewhere():
+    far = [thing("marker", (0.0, 3.0)), thing("packaging_box", (0.4, 3.0))]
+    wanting(Goal(subject="marker", relation="inside", reference="packaging_box"), far)
+
+
+@pytest.mark.parametrize(("event", "tool"), [("scanned", "scanner"), ("weighed", "scale")])
+def test_without_its_tool_an_event_is_ruled_out(event: str, tool: str):
+    with pytest.raises(NoFeasibleTask, match=f"no {tool} stands there"):
+        wanting(goal_of(["chocolate_bar", event]), [thing("chocolate_bar")])
+
+
+def test_what_many_things_of_one_kind_fail_for_is_told_once_with_their_number():
+    blocks = [thing("block", id=f"block_{number}") for number in range(12)]
+    asked = [
+        AskedGoal(goal=Goal(subject=o.id, relation="inside", reference="mug"), step=0, words="12 blocks")
+        for o in blocks
+    ]
+    objects = [*blocks, thing("mug", (0.2, 0.0))]
+    with pytest.raises(NoFeasibleTask, match=r"block_0 inside mug and 11 more like it \('12 blocks'\)") as caught:
+        require_way(asked, objects, ARMS)
+    assert caught.value.message.count("6 mm") == 1
+    assert len(caught.value.details["missing"]) == 12

@@ -1,0 +1,45 @@
+"""Whether goals and starting conditions can be true together."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Collection, Iterable, Sequence
+from typing import get_args
+
+from vcage.plans.actions import HOLDING, lasting, overrides
+from vcage.plans.check import contradictions
+from vcage.schema.goals import AskedGoal, Description, Goal, RelationWord, in_steps
+from vcage.schema.plan import TABLE, Relation
+
+
+def inconsistencies(goals: Sequence[AskedGoal], descriptions: Iterable[Description]) -> list[str]:
+    """Goals of one step, or goals at the end, or starting conditions that contradict each other, one sentence each."""
+    steps = in_steps(goals)
+    # several may stand in the middle of the table
+    told = [d for d in descriptions if (d.relation, d.reference) != ("center", TABLE)]
+    found = [f"the goals of one step contradict each other: {text}" for step in steps for text in _clashes(step)]
+    found = found or [f"the goals contradict each other: {text}" for text in _clashes(lasting(steps))]
+    return found + [f"the start conditions contradict each other: {text}" for text in _clashes(told)]
+
+
+def unordered_contradictions(goals: Collection[Goal]) -> list[str]:
+    """Contradictions between goals whose order is not known yet; parts may be opened and closed, things move once."""
+    relations = _relations(goals)
+    laid = {r.subject for r in relations if r.relation in HOLDING}
+    twice = [r.subject for r, other in itertools.combinations(relations, 2) if r.subject == other.subject]
+    return [*contradictions(relations), *(f"{name} is to be in two places" for name in twice if name in laid)]
+
+
+def _clashes(stated: Iterable[Goal] | Iterable[Description]) -> list[str]:
+    ordered = [one for _, one in sorted({str(one): one for one in stated}.items())]
+    both = [f"{a} and {b}" for a, b in itertools.combinations(ordered, 2) if overrides(a, b)]
+    return both + contradictions(_relations(ordered))
+
+
+def _relations(stated: Iterable[Goal | Description]) -> list[Relation]:
+    """Goals or descriptions as relations of a plan, those that are any."""
+    return [
+        Relation.model_validate(one.model_dump(include={"subject", "relation", "reference"}))
+        for one in stated
+        if one.relation in get_args(RelationWord)
+    ]
