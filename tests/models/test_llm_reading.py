@@ -42,9 +42,10 @@ def reading(
     review: bool = False,
     third: ThirdReader | None = None,
     moved: tuple[str, ...] = (),
+    lying: Mapping[str, str] | None = None,
 ) -> Reading:
     reasoner = LlmReasoner(who, reviewer=who if review else None, third=third)
-    return reasoner.read_goals(task, among, {}, moved)
+    return reasoner.read_goals(task, among, lying or {}, moved)
 
 
 def complaint_about(answer: Mapping, task: str, among: Mapping[str, CatalogueEntry], **how) -> str:
@@ -168,3 +169,10 @@ def test_a_sentence_of_another_language_is_read_without_checks_of_its_words() ->
     task = "Leg den Apfel auf den Teller"
     found = reading(Scripted(read_goals=[read(goal("apple", "on", "plate", words="den Apfel auf den Teller"))]), task)
     assert [str(asked.goal) for asked in found.goals] == ["apple on plate"]
+
+
+def test_a_source_that_no_description_says_is_a_complaint() -> None:
+    task = "Take the apple off the plate and put it on the table"
+    answer = read(goal("apple", "on", "table", words=task))
+    told = complaint_about(answer, task, TWO, moved=("apple",), lying={"apple": "plate"})
+    assert "apple starts in or on plate, and no description says so" in told

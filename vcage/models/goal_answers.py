@@ -105,7 +105,12 @@ def misshapen(answer: GoalsAnswer, read: Instructed) -> list[str]:
         found += [f"goals.{number}: {text}" for text in _wrong_goal(goal, answer.untouched, read)]
     for number, told in enumerate(answer.descriptions):
         found += [f"descriptions.{number}: {text}" for text in _wrong_description(told, read)]
-    return found
+    placed = {told.subject for told in answer.descriptions if told.relation in ("inside", "on")}
+    return found + [
+        f"descriptions: {name} starts in or on {read.lying[name]}, and no description says so"
+        for name in read.moved
+        if name in read.lying and name not in placed
+    ]
 
 
 def _wrong_goal(goal: ReadGoal, untouched: Collection[str], read: Instructed) -> list[str]:
